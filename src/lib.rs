@@ -1,0 +1,1 @@
+//! Testing automated-vehicle controllers against pedestrians who behave like people.
