@@ -1,1 +1,4 @@
 //! Testing automated-vehicle controllers against pedestrians who behave like people.
+
+pub mod scenario;
+pub mod sim;

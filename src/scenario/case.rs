@@ -1,0 +1,142 @@
+//! One concrete run: every expression evaluated, every parameter filled in.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Road, Settings, Side, Value};
+
+/// One run. Everything that decides its outcome is in here.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Case {
+    /// Stable name such as `zebra/carla_walker/tta=6s/individual=17/rep=2`: names the run in every report, seeds it,
+    /// and is what `scenario-runner replay` takes.
+    pub key: String,
+    pub scenario: String,
+    pub variation: Vec<Assignment>,
+    /// The parameter sets drawn for pedestrians, in the order of the pedestrians that have one.
+    pub individuals: Vec<Individual>,
+    pub repetition: u32,
+    pub seed: u64,
+    pub world: World,
+}
+
+/// A variation's name with the value it has in a case.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Assignment {
+    pub name: String,
+    pub label: String,
+    pub value: Value,
+}
+
+/// One person: a parameter set of a population.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Individual {
+    pub pedestrian: String,
+    pub population: String,
+    /// Its number in the population, counted from 1.
+    pub number: u32,
+    pub parameters: Settings,
+}
+
+/// What the simulation needs to know of a case.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct World {
+    pub road: Road,
+    pub vehicles: Vec<VehicleSetup>,
+    pub pedestrians: Vec<PedestrianSetup>,
+    /// s
+    pub step: f64,
+    /// s
+    pub horizon: f64,
+    /// Distance of the finish line behind the middle of the crossing in m.
+    pub finish: f64,
+    pub end_on_collision: bool,
+}
+
+/// A registered model, controller or dynamics with every declared parameter resolved.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ModelSetup {
+    pub name: String,
+    pub settings: Settings,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct VehicleSetup {
+    pub name: String,
+    pub controller: ModelSetup,
+    pub dynamics: ModelSetup,
+    /// m
+    pub length: f64,
+    /// m
+    pub width: f64,
+    /// Index into [`Road::lanes`].
+    pub lane: usize,
+    /// Speed of the steady cruise at the start in m/s; also what a controller takes as its wanted speed by default.
+    pub speed: f64,
+    pub start: VehicleStart,
+    /// `None`: perfect perception.
+    pub sees: Option<ModelSetup>,
+}
+
+/// Where a vehicle's centre is at time 0.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum VehicleStart {
+    /// This many metres before the middle of the crossing.
+    Distance(f64),
+    /// At this time to arrival (s) at the speed it cruises at once settled, for a part of the vehicle.
+    TimeToArrival(f64, VehicleReference),
+}
+
+/// The part of a vehicle that distances and times to arrival are measured from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum VehicleReference {
+    #[default]
+    Centre,
+    Front,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PedestrianSetup {
+    pub name: String,
+    pub model: ModelSetup,
+    pub shape: Shape,
+    pub side: Side,
+    pub start: Position,
+    pub goal: Position,
+    pub appears: Appearance,
+}
+
+/// A pedestrian's footprint.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Shape {
+    Disc {
+        /// m
+        radius: f64,
+    },
+    /// Turns with the pedestrian's heading.
+    Rectangle {
+        /// Along the heading, m.
+        length: f64,
+        /// Across the heading, m.
+        width: f64,
+    },
+}
+
+/// A place in the world frame (see [`Road`]) in m.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Position {
+    pub x: f64,
+    pub y: f64,
+}
+
+/// When a pedestrian enters the world.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Appearance {
+    /// At a time in s.
+    At(f64),
+    /// At the first step at which the time to arrival of vehicle `vehicle` is at most `time` (s).
+    TimeToArrival { vehicle: usize, reference: VehicleReference, time: f64 },
+}

@@ -1,0 +1,143 @@
+//! Pass criteria over the metrics of a trial's runs.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Expression, Settings};
+
+/// Where in a file something was said; enough to show it again without reading the file.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Origin {
+    pub file: String,
+    /// Counted from 1.
+    pub line: usize,
+    /// Counted from 1, in characters.
+    pub column: usize,
+    /// The whole source line, without its line end.
+    pub source_line: String,
+    /// Length of the marked part in characters.
+    pub length: usize,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Criterion {
+    pub claim: Claim,
+    /// Applies only to trials in which this holds; every comparison is over a variation.
+    pub when: Vec<VariationCondition>,
+    /// The criterion in canonical words, such as `pet >= 1.5 s in 80 % of runs`.
+    pub text: String,
+    pub origin: Origin,
+}
+
+/// A condition on a variation's value, such as `tta >= 18 s`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct VariationCondition {
+    pub variable: String,
+    pub relation: Relation,
+    pub bound: Expression,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Claim {
+    /// The comparison holds in every run, or in at least a share (0..1) of them.
+    Runs { comparison: Comparison, share: Option<f64>, confidence: Option<f64> },
+    /// An aggregate over the runs compares to a bound.
+    Aggregate {
+        aggregate: Aggregate,
+        relation: Relation,
+        bound: Expression,
+        when_undefined: WhenUndefined,
+        confidence: Option<f64>,
+    },
+}
+
+/// A metric of one run compared to a bound.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Comparison {
+    pub metric: MetricReference,
+    pub relation: Relation,
+    /// SI units; flags compare to 0 and 1, categories to the index of their word.
+    pub bound: Expression,
+    pub when_undefined: WhenUndefined,
+}
+
+/// What a comparison says of a run in which its metric does not exist.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum WhenUndefined {
+    #[default]
+    Fails,
+    Passes,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct MetricReference {
+    pub name: String,
+    /// Given parameters only; the metric's declaration has the defaults.
+    #[serde(default)]
+    pub settings: Settings,
+    /// Restricts to one vehicle and one pedestrian by name; otherwise the worst pair counts.
+    #[serde(default)]
+    pub pair: Option<(String, String)>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Relation {
+    Less,
+    LessOrEqual,
+    Greater,
+    GreaterOrEqual,
+    Equal,
+    NotEqual,
+}
+
+impl Relation {
+    pub fn holds(self, left: f64, right: f64) -> bool {
+        match self {
+            Self::Less => left < right,
+            Self::LessOrEqual => left <= right,
+            Self::Greater => left > right,
+            Self::GreaterOrEqual => left >= right,
+            Self::Equal => left == right,
+            Self::NotEqual => left != right,
+        }
+    }
+
+    pub fn symbol(self) -> &'static str {
+        match self {
+            Self::Less => "<",
+            Self::LessOrEqual => "<=",
+            Self::Greater => ">",
+            Self::GreaterOrEqual => ">=",
+            Self::Equal => "=",
+            Self::NotEqual => "!=",
+        }
+    }
+
+    /// How far `value` is on the passing side of `bound` (negative: failing), in the metric's unit; `None` for
+    /// equality, which has no distance.
+    pub fn margin(self, value: f64, bound: f64) -> Option<f64> {
+        match self {
+            Self::Less | Self::LessOrEqual => Some(bound - value),
+            Self::Greater | Self::GreaterOrEqual => Some(value - bound),
+            Self::Equal | Self::NotEqual => None,
+        }
+    }
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Aggregate {
+    Mean(MetricReference),
+    Median(MetricReference),
+    Min(MetricReference),
+    Max(MetricReference),
+    Std(MetricReference),
+    /// The quantile at a level in 0..1.
+    Quantile(f64, MetricReference),
+    /// Share of runs in which the comparison holds.
+    Rate(Comparison),
+    /// Number of runs in which the comparison holds.
+    Count(Comparison),
+}

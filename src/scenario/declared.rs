@@ -1,0 +1,178 @@
+//! What a user declared: suites and scenarios whose values may still depend on variations.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Criterion, Expression, Origin, Road, Side, Value, VehicleReference};
+
+/// A suite: scenarios and what holds for all of them. A bare `.scn` file becomes a suite named after the file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Suite {
+    pub name: String,
+    pub doc: Option<String>,
+    pub seed: u64,
+    /// Wall-clock limit per trial in s.
+    pub time_limit: Option<f64>,
+    /// In the order of files and of declaration within a file; names are unique.
+    pub scenarios: Vec<Scenario>,
+    pub origin: Origin,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Scenario {
+    pub name: String,
+    pub doc: Option<String>,
+    pub tags: Vec<String>,
+    pub road: Road,
+    pub vehicles: Vec<Vehicle>,
+    pub pedestrians: Vec<Pedestrian>,
+    /// Crossed with each other in order; the last varies fastest.
+    pub variations: Vec<Variation>,
+    /// Runs per variation and individual, at least 1.
+    pub repeat: u32,
+    /// Including those that the suite adds.
+    pub criteria: Vec<Criterion>,
+    /// Simulation step in s.
+    pub step: f64,
+    /// Simulated time after which a run ends, in s.
+    pub horizon: f64,
+    /// Distance of the finish line behind the crossing's middle in m.
+    pub finish: f64,
+    pub end_on_collision: bool,
+    pub origin: Origin,
+}
+
+/// A model, controller or dynamics by name with the settings that were given.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Model {
+    pub name: String,
+    pub settings: Vec<(String, Expression)>,
+    pub origin: Origin,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Vehicle {
+    pub name: String,
+    pub controller: Model,
+    /// `None`: the controller's default dynamics.
+    pub dynamics: Option<Model>,
+    /// Length and width in m; `None`: those of the dynamics.
+    pub size: Option<(Expression, Expression)>,
+    /// Speed of the steady cruise at the start in m/s.
+    pub speed: Expression,
+    pub start: DeclaredVehicleStart,
+    /// Index into [`Road::lanes`].
+    pub lane: usize,
+    /// `sees { … }`: what the controller's perception leaves out; `None` is perfect perception.
+    pub sees: Option<Model>,
+    pub origin: Origin,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum DeclaredVehicleStart {
+    /// As far out as the earliest pedestrian that waits for a time to arrival needs it.
+    Automatic,
+    /// Centre this far before the middle of the crossing, m.
+    Distance(Expression),
+    /// At this time to arrival (of the centre at the middle of the crossing), s.
+    TimeToArrival(Expression),
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Pedestrian {
+    pub name: String,
+    pub model: Model,
+    /// `None`: a disc of 0.25 m radius.
+    pub shape: Option<DeclaredShape>,
+    pub side: Side,
+    /// Distance of the start from the centre of lane 0 (near) or of the last lane (far), m.
+    pub start_from_lane_centre: Expression,
+    /// Place along the road in m; 0 is the middle of the crossing.
+    pub along: Expression,
+    /// Distance of the goal beyond the opposite kerb in m.
+    pub goal_beyond_kerb: Expression,
+    pub appears: DeclaredAppearance,
+    pub individuals: Option<Individuals>,
+    pub origin: Origin,
+}
+
+/// A pedestrian's footprint, m.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum DeclaredShape {
+    Disc { radius: Expression },
+    Rectangle { length: Expression, width: Expression },
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum DeclaredAppearance {
+    /// At a time in s.
+    At(Expression),
+    /// When a vehicle's time to arrival at the crossing has fallen to this, s.
+    TimeToArrival { vehicle: String, reference: VehicleReference, time: Expression },
+}
+
+/// Where a pedestrian's parameter sets come from.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Individuals {
+    pub selection: Population,
+    /// `standard` or a file's path, resolved against the file that names it.
+    pub population: String,
+    pub origin: Origin,
+}
+
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Population {
+    All,
+    /// This many, drawn without replacement by the suite's seed.
+    Count(u32),
+    /// One by its number.
+    Number(u32),
+}
+
+/// One `vary` line (or a `vary together` block, whose names move in step).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Variation {
+    /// Each row holds one value per name.
+    Grid { names: Vec<String>, rows: Vec<Vec<VariedValue>> },
+    /// Values drawn per row by the suite's seed.
+    Sampled { names: Vec<String>, samples: Samples },
+}
+
+/// A value with the words it was written in, which name the trial.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct VariedValue {
+    pub value: Value,
+    /// Without spaces, such as `6s` or `30km/h`.
+    pub label: String,
+}
+
+/// How a sampled variation draws; one distribution per name.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Samples {
+    pub count: u32,
+    pub scheme: SamplingScheme,
+    pub distributions: Vec<Distribution>,
+    /// SI unit shown in labels, one per name.
+    pub units: Vec<String>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SamplingScheme {
+    Random,
+    LatinHypercube,
+    Sobol,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Distribution {
+    Uniform { low: f64, high: f64 },
+    Normal { mean: f64, standard_deviation: f64 },
+    TruncatedNormal { mean: f64, standard_deviation: f64, low: f64, high: f64 },
+    Choice(Vec<VariedValue>),
+}

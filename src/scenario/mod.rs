@@ -1,0 +1,34 @@
+//! The checked scenario and suite: plain data in SI units, without text or behaviour.
+//!
+//! [`Suite`] and [`Scenario`] are what a user declared; values may still be [`Expression`]s over variations.
+//! [`Case`] is one concrete run, every expression evaluated. [`Declaration`] is how models, controllers and metrics
+//! describe themselves to the checker, the documentation and the optimiser.
+
+mod case;
+mod criterion;
+mod declaration;
+mod declared;
+mod dimension;
+mod expression;
+mod road;
+mod value;
+
+pub use case::{
+    Appearance, Assignment, Case, Individual, ModelSetup, PedestrianSetup, Position, Shape, VehicleReference,
+    VehicleSetup, VehicleStart, World,
+};
+pub use criterion::{
+    Aggregate, Claim, Comparison, Criterion, MetricReference, Origin, Relation, VariationCondition,
+    WhenUndefined,
+};
+pub use declaration::{
+    ChoiceOption, Declaration, Literal, Parameter, ParameterKind, Preset, PresetFamily, SettingError,
+};
+pub use declared::{
+    DeclaredAppearance, DeclaredShape, DeclaredVehicleStart, Distribution, Individuals, Model, Pedestrian,
+    Population, Samples, SamplingScheme, Scenario, Suite, Variation, VariedValue, Vehicle,
+};
+pub use dimension::Dimension;
+pub use expression::{BinaryOperator, EvaluationError, Expression};
+pub use road::{Body, Crossing, CrossingKind, Direction, Lane, Road, Side};
+pub use value::{Settings, Value};

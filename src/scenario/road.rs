@@ -1,0 +1,160 @@
+//! The road: straight lanes, kerbs, one crossing and boxes that block the view.
+//!
+//! World frame: x runs along lane 0 in its direction of travel, y to the left of it. The origin is where the middle
+//! of the crossing meets the centre line of lane 0, so lane i lies at y = i * lane width, the near kerb at
+//! y = -lane width / 2 and the far kerb at y = (lanes - 1/2) * lane width. Metres.
+
+use serde::{Deserialize, Serialize};
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Road {
+    /// Empty for an inline road without a name.
+    pub name: String,
+    /// m
+    pub lane_width: f64,
+    /// From the near side to the far side; never empty.
+    pub lanes: Vec<Lane>,
+    /// m/s
+    pub speed_limit: f64,
+    /// Whether a kerb separates carriageway and pavement.
+    pub kerbs: bool,
+    pub crossing: Crossing,
+    /// Parked vehicles and other boxes.
+    pub boxes: Vec<Body>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Lane {
+    pub direction: Direction,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Direction {
+    /// Along +x.
+    Forward,
+    /// Along -x.
+    Backward,
+}
+
+impl Direction {
+    pub fn sign(self) -> f64 {
+        match self {
+            Self::Forward => 1.0,
+            Self::Backward => -1.0,
+        }
+    }
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Crossing {
+    pub kind: CrossingKind,
+    /// Extent along the road in m.
+    pub width: f64,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CrossingKind {
+    /// Pedestrians have priority.
+    Zebra,
+    /// Vehicles have priority.
+    Unmarked,
+    /// A two-phase signal: pedestrians have green from `pedestrian_green_from` for `pedestrian_green` seconds in
+    /// every cycle of `cycle` seconds, vehicles in the rest.
+    Signalised { cycle: f64, pedestrian_green_from: f64, pedestrian_green: f64 },
+}
+
+/// A rectangle aligned with the road that blocks the view, such as a parked car.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Body {
+    /// Centre in m.
+    pub x: f64,
+    pub y: f64,
+    /// Extent along x in m.
+    pub length: f64,
+    /// Extent along y in m.
+    pub width: f64,
+}
+
+/// The side of the road that a pedestrian comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Side {
+    /// The kerb beside lane 0; the pedestrian walks towards +y.
+    Near,
+    /// The opposite kerb; the pedestrian walks towards -y.
+    Far,
+}
+
+impl Side {
+    /// Sign of the walking direction along y.
+    pub fn walking_sign(self) -> f64 {
+        match self {
+            Self::Near => 1.0,
+            Self::Far => -1.0,
+        }
+    }
+}
+
+impl Road {
+    /// y of a lane's centre line in m.
+    pub fn lane_centre(&self, lane: usize) -> f64 {
+        lane as f64 * self.lane_width
+    }
+
+    /// y of the kerb on a side in m.
+    pub fn kerb(&self, side: Side) -> f64 {
+        match side {
+            Side::Near => -self.lane_width / 2.0,
+            Side::Far => (self.lanes.len() as f64 - 0.5) * self.lane_width,
+        }
+    }
+
+    /// Whether pedestrians have priority at time `time` (s).
+    pub fn pedestrian_priority(&self, time: f64) -> bool {
+        match self.crossing.kind {
+            CrossingKind::Zebra => true,
+            CrossingKind::Unmarked => false,
+            CrossingKind::Signalised { cycle, pedestrian_green_from, pedestrian_green } => {
+                (time - pedestrian_green_from).rem_euclid(cycle) < pedestrian_green
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn two_lanes(kind: CrossingKind) -> Road {
+        Road {
+            name: String::new(),
+            lane_width: 4.0,
+            lanes: vec![Lane { direction: Direction::Forward }, Lane { direction: Direction::Backward }],
+            speed_limit: 30.0 / 3.6,
+            kerbs: true,
+            crossing: Crossing { kind, width: 4.0 },
+            boxes: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn kerbs_enclose_the_lanes() {
+        let road = two_lanes(CrossingKind::Zebra);
+        assert_eq!((road.kerb(Side::Near), road.kerb(Side::Far)), (-2.0, 6.0));
+        assert_eq!(road.lane_centre(1), 4.0);
+    }
+
+    #[test]
+    fn signals_give_priority_in_turns() {
+        let kind =
+            CrossingKind::Signalised { cycle: 60.0, pedestrian_green_from: 50.0, pedestrian_green: 20.0 };
+        let road = two_lanes(kind);
+        let at = |time| road.pedestrian_priority(time);
+        assert_eq!(
+            [at(0.0), at(9.9), at(10.0), at(49.9), at(50.0), at(60.0)],
+            [true, true, false, false, true, true]
+        );
+    }
+}

@@ -1,0 +1,85 @@
+//! Values that parameters and variations take, in SI units.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+/// A number in SI units, a truth value or a word (a choice's option, a file name, a variant).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Value {
+    Flag(bool),
+    Number(f64),
+    Word(String),
+}
+
+impl Value {
+    pub fn as_number(&self) -> Option<f64> {
+        match self {
+            Self::Number(number) => Some(*number),
+            _ => None,
+        }
+    }
+}
+
+impl fmt::Display for Value {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Flag(flag) => flag.fmt(out),
+            Self::Number(number) => number.fmt(out),
+            Self::Word(word) => word.fmt(out),
+        }
+    }
+}
+
+/// Values by parameter name, sorted so that keys and hashes built from them are stable.
+///
+/// [`crate::scenario::Declaration::resolve`] fills in every declared parameter that has a value. The typed getters
+/// below are for models reading their own declared parameters: asking for one that was never declared, or with
+/// another type, is a bug and panics with the name.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct Settings(pub BTreeMap<String, Value>);
+
+impl Settings {
+    pub fn get(&self, name: &str) -> Option<&Value> {
+        self.0.get(name)
+    }
+
+    pub fn set(&mut self, name: impl Into<String>, value: Value) {
+        self.0.insert(name.into(), value);
+    }
+
+    /// The number of a parameter that may be absent (declared without a default).
+    pub fn optional_number(&self, name: &str) -> Option<f64> {
+        self.0.get(name).map(|value| match value {
+            Value::Number(number) => *number,
+            other => panic!("parameter `{name}` is not a number: {other:?}"),
+        })
+    }
+
+    pub fn number(&self, name: &str) -> f64 {
+        self.optional_number(name).unwrap_or_else(|| panic!("parameter `{name}` has no value"))
+    }
+
+    pub fn flag(&self, name: &str) -> bool {
+        match self.0.get(name) {
+            Some(Value::Flag(flag)) => *flag,
+            other => panic!("parameter `{name}` is not a flag: {other:?}"),
+        }
+    }
+
+    pub fn word(&self, name: &str) -> &str {
+        match self.0.get(name) {
+            Some(Value::Word(word)) => word,
+            other => panic!("parameter `{name}` is not a word: {other:?}"),
+        }
+    }
+}
+
+impl<const N: usize> From<[(&str, Value); N]> for Settings {
+    fn from(pairs: [(&str, Value); N]) -> Self {
+        Self(pairs.into_iter().map(|(name, value)| (name.to_string(), value)).collect())
+    }
+}

@@ -1,0 +1,181 @@
+//! The seams for models: what a pedestrian and a controller see, and what they may do.
+
+use nalgebra::Vector2;
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use super::state::{Longitudinal, PedestrianState, VehicleState};
+use crate::scenario::{Position, Road, Shape};
+
+/// A pedestrian model. It sees states as they are now, never the future or another's internals.
+pub trait Pedestrian: Send {
+    /// Decides what to do from now until the next step. Called at every step from its appearance on.
+    fn act(&mut self, scene: &Scene) -> Motion;
+
+    /// What it is up to, such as `waiting`; shown in traces and timelines.
+    fn mode(&self) -> &'static str {
+        ""
+    }
+
+    /// The speed at which it would walk without traffic, m/s.
+    fn free_speed(&self) -> f64;
+}
+
+/// What a pedestrian sees.
+#[derive(Debug, Clone, Copy)]
+pub struct Scene<'a> {
+    /// s
+    pub time: f64,
+    /// Time until the next step, s.
+    pub step: f64,
+    pub road: &'a Road,
+    /// The pedestrian's own index in `pedestrians`.
+    pub me: usize,
+    pub goal: Position,
+    pub vehicles: &'a [VehicleState],
+    /// Look only at those that are `present`.
+    pub pedestrians: &'a [PedestrianState],
+}
+
+impl<'a> Scene<'a> {
+    pub fn ego(&self) -> &'a PedestrianState {
+        &self.pedestrians[self.me]
+    }
+}
+
+/// How a pedestrian moves over one step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Motion {
+    /// Accelerate along the way to the goal, m/s². The speed stops at zero: no walking backwards.
+    Accelerate(f64),
+    /// Take this velocity (m/s) at once and keep it over the step.
+    Walk(Vector2<f64>),
+    /// Take this velocity (m/s) at once, keep it, and be displaced (m) besides, as when pushed aside.
+    Pushed { velocity: Vector2<f64>, displacement: Vector2<f64> },
+}
+
+/// An automated vehicle's controller. What goes in and out is plain data, so that it may live in another process.
+pub trait Controller: Send {
+    /// Time between decisions in s; the command is held in between. `None`: every simulation step.
+    fn period(&self) -> Option<f64> {
+        None
+    }
+
+    /// Time that it needs in free flow until its filters and the vehicle are in steady cruise, s.
+    fn settling_time(&self) -> f64 {
+        0.0
+    }
+
+    fn act(&mut self, observation: &Observation) -> Command;
+
+    /// What it is up to, such as `emergency_stop`; shown in traces and timelines.
+    fn mode(&self) -> &'static str {
+        ""
+    }
+}
+
+/// What a controller receives. Ego frame: x ahead along the lane from the ego's centre, y to the left of its lane's
+/// centre line.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Observation {
+    /// s; negative while settling before the start.
+    pub time: f64,
+    pub ego: EgoState,
+    /// The speed it is wanted to cruise at, m/s.
+    pub cruise_speed: f64,
+    pub road: RoadView,
+    pub pedestrians: Vec<SeenPedestrian>,
+    pub vehicles: Vec<SeenVehicle>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct EgoState {
+    /// From the ego's centre to the middle of the crossing in m; negative once past it.
+    pub distance_to_crossing: f64,
+    /// m/s
+    pub speed: f64,
+    /// m/s²
+    pub acceleration: f64,
+    /// m
+    pub length: f64,
+    /// m
+    pub width: f64,
+}
+
+/// The road as the ego sees it from its lane.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct RoadView {
+    /// m
+    pub lane_width: f64,
+    /// m/s
+    pub speed_limit: f64,
+    /// Extent of the crossing along the road, m.
+    pub crossing_width: f64,
+    /// Whether pedestrians have priority at the crossing now.
+    pub pedestrian_priority: bool,
+    /// y of the kerb on the ego's right, m (negative).
+    pub right_kerb: f64,
+    /// y of the kerb on the ego's left, m.
+    pub left_kerb: f64,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct SeenPedestrian {
+    /// The same person keeps the same number.
+    pub id: usize,
+    /// Centre in the ego frame, m.
+    pub position: Vector2<f64>,
+    /// Over ground, along the ego frame's axes, m/s.
+    pub velocity: Vector2<f64>,
+    /// Over ground, m/s².
+    pub acceleration: Vector2<f64>,
+    pub shape: Shape,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct SeenVehicle {
+    pub id: usize,
+    /// Centre in the ego frame, m.
+    pub position: Vector2<f64>,
+    /// Over ground, along the ego frame's axes, m/s.
+    pub velocity: Vector2<f64>,
+    /// m
+    pub length: f64,
+    /// m
+    pub width: f64,
+}
+
+/// What a controller asks of its vehicle.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Command {
+    /// Pedal positions, each 0..1.
+    Pedals { throttle: f64, brake: f64 },
+    /// m/s²
+    Acceleration(f64),
+}
+
+/// How a vehicle answers its controller.
+pub trait Dynamics: Send {
+    /// Moves on by `step` s. Speeds never fall below zero.
+    fn advance(&mut self, motion: &mut Longitudinal, command: Command, step: f64);
+}
+
+/// Why a model cannot be built for a case.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("{message}")]
+pub struct ModelError {
+    pub message: String,
+    /// What to write instead.
+    pub hint: Option<String>,
+}
+
+impl ModelError {
+    pub fn new(message: impl Into<String>) -> Self {
+        Self { message: message.into(), hint: None }
+    }
+
+    pub fn with_hint(message: impl Into<String>, hint: impl Into<String>) -> Self {
+        Self { message: message.into(), hint: Some(hint.into()) }
+    }
+}

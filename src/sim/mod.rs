@@ -1,0 +1,11 @@
+//! One run: clock, kinematics, collision and observation, and the seams that road users plug into.
+
+mod agent;
+pub mod random;
+mod state;
+
+pub use agent::{
+    Command, Controller, Dynamics, EgoState, ModelError, Motion, Observation, Pedestrian, RoadView, Scene,
+    SeenPedestrian, SeenVehicle,
+};
+pub use state::{Longitudinal, PedestrianState, Snapshot, VehicleState};

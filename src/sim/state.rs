@@ -1,0 +1,81 @@
+//! What can be seen of road users: positions, motions and sizes.
+
+use nalgebra::Vector2;
+use serde::{Deserialize, Serialize};
+
+use crate::scenario::{Direction, Shape, VehicleReference};
+
+/// A vehicle as anyone may see it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct VehicleState {
+    pub motion: Longitudinal,
+    /// y of its lane's centre line in the world frame, m.
+    pub lane_centre: f64,
+    pub direction: Direction,
+    /// m
+    pub length: f64,
+    /// m
+    pub width: f64,
+}
+
+/// Motion along a lane, in the lane's own direction of travel.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Longitudinal {
+    /// Of the vehicle's centre relative to the middle of the crossing in m; negative before it.
+    pub travelled: f64,
+    /// m/s, never negative.
+    pub speed: f64,
+    /// Of the step before, m/s².
+    pub acceleration: f64,
+}
+
+impl VehicleState {
+    /// The centre in the world frame.
+    pub fn position(&self) -> Vector2<f64> {
+        Vector2::new(self.direction.sign() * self.motion.travelled, self.lane_centre)
+    }
+
+    pub fn velocity(&self) -> Vector2<f64> {
+        Vector2::new(self.direction.sign() * self.motion.speed, 0.0)
+    }
+
+    /// Distance that a part of the vehicle still has to go to the line across the road at world `x`; negative once
+    /// past it, m.
+    pub fn distance_to(&self, x: f64, reference: VehicleReference) -> f64 {
+        let ahead = match reference {
+            VehicleReference::Centre => 0.0,
+            VehicleReference::Front => self.length / 2.0,
+        };
+        self.direction.sign() * x - self.motion.travelled - ahead
+    }
+
+    /// Time to cover [`Self::distance_to`] at the present speed in s; infinite when standing before it, negative
+    /// once past it.
+    pub fn time_to_arrival(&self, x: f64, reference: VehicleReference) -> f64 {
+        let distance = self.distance_to(x, reference);
+        if distance == 0.0 { 0.0 } else { distance / self.motion.speed }
+    }
+}
+
+/// A pedestrian as anyone may see it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct PedestrianState {
+    /// Centre in the world frame, m.
+    pub position: Vector2<f64>,
+    /// m/s
+    pub velocity: Vector2<f64>,
+    /// Of the step before, m/s².
+    pub acceleration: Vector2<f64>,
+    /// Unit vector: the way it faces, which is the way it last walked, at first towards its goal.
+    pub heading: Vector2<f64>,
+    pub shape: Shape,
+    /// Whether it is in the world yet. Nobody sees it before.
+    pub present: bool,
+}
+
+/// Everything that can be seen at one moment.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Snapshot {
+    pub vehicles: Vec<VehicleState>,
+    pub pedestrians: Vec<PedestrianState>,
+}
