@@ -111,7 +111,7 @@ const CENTRE_BELOW: [f64; 8] = [
     2.121_379_430_158_659_7e4,
     3.930_789_580_009_271e4,
     2.872_908_573_572_194_3e4,
-    5.226_495_278_852_854_6e3,
+    5.226_495_278_852_854e3,
 ];
 const MIDDLE_ABOVE: [f64; 8] = [
     1.423_437_110_749_683_5,
@@ -157,19 +157,21 @@ const TAIL_BELOW: [f64; 8] = [
 #[cfg(test)]
 mod tests {
     use super::*;
-    use statrs::distribution::{ContinuousCDF, Normal};
+
+    fn cumulative(z: f64) -> f64 {
+        0.5 * libm::erfc(-z / std::f64::consts::SQRT_2)
+    }
 
     #[test]
     fn quantiles_agree_with_an_independent_distribution_function() {
-        let normal = Normal::standard();
         for exponent in 1..=300 {
             let p = 0.5 * libm::pow(10.0, -f64::from(exponent) / 20.0);
             let z = normal_quantile(p);
-            assert!((normal.cdf(z) / p - 1.0).abs() < 1e-9, "p = {p}");
+            assert!((cumulative(z) / p - 1.0).abs() < 1e-12, "p = {p}");
         }
         for k in 1..1000 {
             let p = f64::from(k) / 1000.0;
-            assert!((normal.cdf(normal_quantile(p)) - p).abs() < 1e-12, "p = {p}");
+            assert!((cumulative(normal_quantile(p)) - p).abs() < 1e-15, "p = {p}");
         }
     }
 
