@@ -1,6 +1,7 @@
 //! One run: clock, kinematics, collision and observation, and the seams that road users plug into.
 
 mod agent;
+mod observer;
 pub mod random;
 mod state;
 
@@ -8,4 +9,5 @@ pub use agent::{
     Command, Controller, Dynamics, EgoState, ModelError, Motion, Observation, Pedestrian, RoadView, Scene,
     SeenPedestrian, SeenVehicle,
 };
+pub use observer::{Ending, Observer, Step, StopReason};
 pub use state::{Longitudinal, PedestrianState, Snapshot, VehicleState};

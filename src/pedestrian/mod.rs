@@ -1,0 +1,33 @@
+//! Pedestrian models, one file or folder each, and their registry.
+
+use crate::scenario::{Declaration, PedestrianSetup, Settings, World};
+use crate::sim::{ModelError, Pedestrian};
+
+/// A registered pedestrian model.
+pub struct PedestrianModel {
+    pub declaration: Declaration,
+    /// Whether its parameter sets may come from a population of individuals.
+    pub takes_individuals: bool,
+    pub build: fn(&PedestrianContext) -> Result<Box<dyn Pedestrian>, ModelError>,
+}
+
+/// What a pedestrian model is built from.
+#[derive(Clone, Copy)]
+pub struct PedestrianContext<'a> {
+    /// Resolved against the model's declaration.
+    pub settings: &'a Settings,
+    pub setup: &'a PedestrianSetup,
+    pub world: &'a World,
+    /// Index of the pedestrian in the world.
+    pub index: usize,
+    /// The run's seed, for [`crate::sim::random::stream`].
+    pub seed: u64,
+}
+
+/// Every pedestrian model there is, by name.
+pub static MODELS: &[&PedestrianModel] = &[];
+
+/// The model of that name.
+pub fn model(name: &str) -> Option<&'static PedestrianModel> {
+    MODELS.iter().copied().find(|model| model.declaration.name == name)
+}

@@ -1,0 +1,58 @@
+//! Vehicles: controllers and longitudinal dynamics, one file or folder each, and their registries.
+
+use crate::scenario::{Declaration, Settings, VehicleSetup, World};
+use crate::sim::{Controller, Dynamics, ModelError};
+
+/// A registered controller.
+pub struct ControllerModel {
+    pub declaration: Declaration,
+    /// The dynamics of a vehicle that declares none.
+    pub default_dynamics: &'static str,
+    pub gives: CommandKind,
+    pub build: fn(&ControllerContext) -> Result<Box<dyn Controller>, ModelError>,
+}
+
+/// What a controller is built from.
+#[derive(Clone, Copy)]
+pub struct ControllerContext<'a> {
+    /// Resolved against the controller's declaration.
+    pub settings: &'a Settings,
+    pub setup: &'a VehicleSetup,
+    pub world: &'a World,
+    /// Index of the vehicle in the world.
+    pub index: usize,
+    /// The run's seed, for [`crate::sim::random::stream`].
+    pub seed: u64,
+}
+
+/// Registered longitudinal dynamics.
+pub struct DynamicsModel {
+    pub declaration: Declaration,
+    pub takes: &'static [CommandKind],
+    /// Length and width of the vehicle it describes, m.
+    pub size: (f64, f64),
+    pub build: fn(&Settings) -> Result<Box<dyn Dynamics>, ModelError>,
+}
+
+/// The kind of [`crate::sim::Command`] that a controller gives and dynamics take.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CommandKind {
+    Pedals,
+    Acceleration,
+}
+
+/// Every controller there is, by name.
+pub static CONTROLLERS: &[&ControllerModel] = &[];
+
+/// Every vehicle dynamics there is, by name.
+pub static DYNAMICS: &[&DynamicsModel] = &[];
+
+/// The controller of that name.
+pub fn controller(name: &str) -> Option<&'static ControllerModel> {
+    CONTROLLERS.iter().copied().find(|controller| controller.declaration.name == name)
+}
+
+/// The dynamics of that name.
+pub fn dynamics(name: &str) -> Option<&'static DynamicsModel> {
+    DYNAMICS.iter().copied().find(|dynamics| dynamics.declaration.name == name)
+}
