@@ -83,8 +83,9 @@ pub struct VehicleSetup {
 pub enum VehicleStart {
     /// This many metres before the middle of the crossing.
     Distance(f64),
-    /// At this time to arrival (s) at the speed it cruises at once settled, for a part of the vehicle.
-    TimeToArrival(f64, VehicleReference),
+    /// At the time to arrival `time` (s) at the line across the road at world `x` (m), for a part of the vehicle and
+    /// at the speed it cruises at once settled.
+    TimeToArrival { time: f64, reference: VehicleReference, x: f64 },
 }
 
 /// The part of a vehicle that distances and times to arrival are measured from.
@@ -137,6 +138,7 @@ pub struct Position {
 pub enum Appearance {
     /// At a time in s.
     At(f64),
-    /// At the first step at which the time to arrival of vehicle `vehicle` is at most `time` (s).
+    /// At the first step at which the time to arrival of vehicle `vehicle` at the pedestrian's place along the road
+    /// is at most `time` (s).
     TimeToArrival { vehicle: usize, reference: VehicleReference, time: f64 },
 }

@@ -1,6 +1,7 @@
 //! One run: clock, kinematics, collision and observation, and the seams that road users plug into.
 
 mod agent;
+pub mod geometry;
 mod observer;
 pub mod random;
 mod state;
