@@ -5,6 +5,7 @@ pub mod geometry;
 mod observer;
 pub mod random;
 mod state;
+mod world;
 
 pub use agent::{
     Command, Controller, Dynamics, EgoState, ModelError, Motion, Observation, Pedestrian, RoadView, Scene,
@@ -12,3 +13,4 @@ pub use agent::{
 };
 pub use observer::{Ending, Observer, Step, StopReason};
 pub use state::{Longitudinal, PedestrianState, Snapshot, VehicleState};
+pub use world::{Driven, RoadUsers, simulate};
