@@ -2,6 +2,7 @@
 
 pub mod metrics;
 pub mod pedestrian;
+pub mod plan;
 pub mod scenario;
 pub mod sim;
 pub mod vehicle;

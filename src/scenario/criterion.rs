@@ -141,3 +141,18 @@ pub enum Aggregate {
     /// Number of runs in which the comparison holds.
     Count(Comparison),
 }
+
+impl Claim {
+    /// Every bound in the claim, for evaluation.
+    pub fn bounds_mut(&mut self) -> Vec<&mut Expression> {
+        match self {
+            Self::Runs { comparison, .. } => vec![&mut comparison.bound],
+            Self::Aggregate { aggregate, bound, .. } => match aggregate {
+                Aggregate::Rate(comparison) | Aggregate::Count(comparison) => {
+                    vec![&mut comparison.bound, bound]
+                }
+                _ => vec![bound],
+            },
+        }
+    }
+}

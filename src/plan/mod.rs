@@ -1,0 +1,169 @@
+//! From a checked suite to its trials and cases: variations, individuals, repetitions and seeds.
+
+mod individuals;
+mod seed;
+mod setup;
+mod variation;
+
+use std::collections::{BTreeMap, HashSet};
+
+use thiserror::Error;
+
+use crate::scenario::{Case, Criterion, Expression, Origin, Scenario, Suite, Value, VariationCondition};
+
+pub use seed::derive_seed;
+
+/// Everything that a suite asks to run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plan {
+    pub suite: String,
+    pub seed: u64,
+    /// Wall-clock limit per trial in s.
+    pub time_limit: Option<f64>,
+    pub trials: Vec<Trial>,
+}
+
+/// A scenario with one value for each of its variations: what gets a verdict.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trial {
+    /// Stable name such as `zebra/carla_walker/tta=6s`, the beginning of its cases' keys.
+    pub key: String,
+    pub scenario: String,
+    pub doc: Option<String>,
+    pub tags: Vec<String>,
+    /// One per individual and repetition; never empty.
+    pub cases: Vec<Case>,
+    /// Those whose `when` holds, with every bound a constant.
+    pub criteria: Vec<Criterion>,
+    pub origin: Origin,
+}
+
+/// Why a suite cannot be planned; found only once variations have their values.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[error("{message}")]
+pub struct PlanError {
+    pub message: String,
+    pub hint: Option<String>,
+    pub origin: Origin,
+}
+
+impl PlanError {
+    pub fn new(origin: &Origin, message: impl Into<String>) -> Self {
+        Self { message: message.into(), hint: None, origin: origin.clone() }
+    }
+
+    pub fn with_hint(mut self, hint: impl Into<String>) -> Self {
+        self.hint = Some(hint.into());
+        self
+    }
+}
+
+/// The values of a trial's variations.
+type Variables = BTreeMap<String, Value>;
+
+/// More runs than this in one suite are taken for a mistake.
+const MOST_RUNS: usize = 10_000_000;
+
+/// Lists every run of a suite. All errors are returned, not only the first.
+pub fn plan(suite: &Suite) -> Result<Plan, Vec<PlanError>> {
+    let mut trials = Vec::new();
+    let mut errors = Vec::new();
+    for scenario in &suite.scenarios {
+        match plan_scenario(suite, scenario) {
+            Ok(more) => trials.extend(more),
+            Err(error) => errors.push(error),
+        }
+    }
+    if errors.is_empty() {
+        Ok(Plan { suite: suite.name.clone(), seed: suite.seed, time_limit: suite.time_limit, trials })
+    } else {
+        Err(errors)
+    }
+}
+
+fn plan_scenario(suite: &Suite, scenario: &Scenario) -> Result<Vec<Trial>, PlanError> {
+    let people = individuals::select(suite.seed, scenario)?;
+    let variations = variation::expand(suite.seed, scenario)?;
+    let runs = variations.len().saturating_mul(people.len()).saturating_mul(scenario.repeat as usize);
+    if runs > MOST_RUNS {
+        let message = format!("scenario `{}` asks for {runs} runs, more than {MOST_RUNS}", scenario.name);
+        return Err(
+            PlanError::new(&scenario.origin, message).with_hint("vary fewer values or repeat less often")
+        );
+    }
+    let mut keys = HashSet::new();
+    variations
+        .iter()
+        .map(|variation| {
+            let variables: Variables = variation.iter().map(|a| (a.name.clone(), a.value.clone())).collect();
+            let mut key = format!("{}/{}", suite.name, scenario.name);
+            for assignment in variation {
+                key.push_str(&format!("/{}={}", assignment.name, assignment.label));
+            }
+            if !keys.insert(key.clone()) {
+                let message = format!("scenario `{}` has two trials named `{key}`", scenario.name);
+                return Err(PlanError::new(&scenario.origin, message).with_hint("list every value once"));
+            }
+            let mut cases = Vec::with_capacity(people.len() * scenario.repeat as usize);
+            for person in &people {
+                let world = setup::world(scenario, &variables, person)?;
+                for repetition in 1..=scenario.repeat {
+                    let key = format!("{key}{}/rep={repetition}", individuals::label(person));
+                    cases.push(Case {
+                        seed: derive_seed(suite.seed, &key),
+                        key,
+                        scenario: scenario.name.clone(),
+                        variation: variation.clone(),
+                        individuals: person.clone(),
+                        repetition,
+                        world: world.clone(),
+                    });
+                }
+            }
+            Ok(Trial {
+                key,
+                scenario: scenario.name.clone(),
+                doc: scenario.doc.clone(),
+                tags: scenario.tags.clone(),
+                cases,
+                criteria: criteria(scenario, &variables)?,
+                origin: scenario.origin.clone(),
+            })
+        })
+        .collect()
+}
+
+/// The criteria that apply where `variables` hold, with their bounds evaluated.
+fn criteria(scenario: &Scenario, variables: &Variables) -> Result<Vec<Criterion>, PlanError> {
+    let mut applying = Vec::new();
+    for criterion in &scenario.criteria {
+        let failed = |error: crate::scenario::EvaluationError| {
+            PlanError::new(&criterion.origin, format!("in `{}`: {error}", criterion.text))
+        };
+        let holds = |condition: &VariationCondition| {
+            let value =
+                Expression::Variable(condition.variable.clone()).evaluate(variables).map_err(failed)?;
+            let bound = condition.bound.evaluate(variables).map_err(failed)?;
+            Ok(match (value, bound) {
+                (Value::Number(left), Value::Number(right)) => condition.relation.holds(left, right),
+                (left, right) => match condition.relation {
+                    crate::scenario::Relation::Equal => left == right,
+                    crate::scenario::Relation::NotEqual => left != right,
+                    _ => false,
+                },
+            })
+        };
+        let mut applies = true;
+        for condition in &criterion.when {
+            applies &= holds(condition)?;
+        }
+        if applies {
+            let mut criterion = criterion.clone();
+            for bound in criterion.claim.bounds_mut() {
+                *bound = Expression::Constant(bound.evaluate(variables).map_err(failed)?);
+            }
+            applying.push(criterion);
+        }
+    }
+    Ok(applying)
+}

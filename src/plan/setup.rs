@@ -1,0 +1,245 @@
+//! One world of a scenario: expressions evaluated, settings resolved, places worked out.
+
+use super::{PlanError, Variables};
+use crate::pedestrian;
+use crate::scenario::{
+    Appearance, Declaration, DeclaredAppearance, DeclaredShape, DeclaredVehicleStart, Expression, Individual,
+    Model, ModelSetup, Origin, Pedestrian, PedestrianSetup, Position, Scenario, Settings, Shape, Side,
+    Vehicle, VehicleReference, VehicleSetup, VehicleStart, World,
+};
+use crate::vehicle;
+
+const DEFAULT_SHAPE: Shape = Shape::Disc { radius: 0.25 };
+
+/// The world of `scenario` where the variations have the values `variables`, with these people in it.
+pub fn world(scenario: &Scenario, variables: &Variables, people: &[Individual]) -> Result<World, PlanError> {
+    let pedestrians = scenario
+        .pedestrians
+        .iter()
+        .map(|declared| pedestrian_setup(scenario, declared, variables, people))
+        .collect::<Result<Vec<_>, _>>()?;
+    let vehicles = scenario
+        .vehicles
+        .iter()
+        .enumerate()
+        .map(|(index, declared)| vehicle_setup(scenario, declared, index, variables, &pedestrians))
+        .collect::<Result<Vec<_>, _>>()?;
+    Ok(World {
+        road: scenario.road.clone(),
+        vehicles,
+        pedestrians,
+        step: scenario.step,
+        horizon: scenario.horizon,
+        finish: scenario.finish,
+        end_on_collision: scenario.end_on_collision,
+    })
+}
+
+fn vehicle_setup(
+    scenario: &Scenario,
+    declared: &Vehicle,
+    index: usize,
+    variables: &Variables,
+    pedestrians: &[PedestrianSetup],
+) -> Result<VehicleSetup, PlanError> {
+    let number = |expression: &Expression| number(expression, variables, &declared.origin);
+    let unknown = |kind: &str, model: &Model| {
+        PlanError::new(&model.origin, format!("there is no {kind} called `{}`", model.name))
+    };
+    let controller = vehicle::controller(&declared.controller.name)
+        .ok_or_else(|| unknown("controller", &declared.controller))?;
+    let (dynamics, dynamics_settings) = match &declared.dynamics {
+        Some(model) => {
+            let found = vehicle::dynamics(&model.name).ok_or_else(|| unknown("vehicle dynamics", model))?;
+            (found, resolve(&found.declaration, model, variables)?)
+        }
+        None => {
+            let found = vehicle::dynamics(controller.default_dynamics).ok_or_else(|| {
+                PlanError::new(
+                    &declared.origin,
+                    format!("there are no vehicle dynamics called `{}`", controller.default_dynamics),
+                )
+            })?;
+            let settings = found.declaration.resolve(&Settings::default());
+            (found, settings.map_err(|error| PlanError::new(&declared.origin, error.to_string()))?)
+        }
+    };
+    if !dynamics.takes.contains(&controller.gives) {
+        let origin = declared.dynamics.as_ref().map_or(&declared.origin, |model| &model.origin);
+        let message = format!(
+            "dynamics `{}` do not take what controller `{}` gives ({:?})",
+            dynamics.declaration.name, controller.declaration.name, controller.gives
+        );
+        let hint = format!("use `dynamics {}`", controller.default_dynamics);
+        return Err(PlanError::new(origin, message.to_lowercase()).with_hint(hint));
+    }
+    let (length, width) = match &declared.size {
+        Some((length, width)) => (number(length)?, number(width)?),
+        None => dynamics.size,
+    };
+    positive(length, "length of a vehicle", &declared.origin)?;
+    positive(width, "width of a vehicle", &declared.origin)?;
+    let speed = number(&declared.speed)?;
+    if !(0.0..=100.0).contains(&speed) {
+        let message = format!("speed of vehicle `{}` is {speed} m/s, outside 0 .. 100 m/s", declared.name);
+        return Err(PlanError::new(&declared.origin, message));
+    }
+    let start = match &declared.start {
+        DeclaredVehicleStart::Distance(distance) => VehicleStart::Distance(number(distance)?),
+        DeclaredVehicleStart::TimeToArrival(time) => {
+            VehicleStart::TimeToArrival { time: number(time)?, reference: VehicleReference::Centre, x: 0.0 }
+        }
+        DeclaredVehicleStart::Automatic => {
+            let direction = scenario.road.lanes[declared.lane].direction.sign();
+            automatic_start(index, direction, speed, length, pedestrians).ok_or_else(|| {
+                let message = format!("nothing says where vehicle `{}` starts", declared.name);
+                let hint =
+                    "give it `start 80 m before crossing`, or let a pedestrian appear at its time to arrival";
+                PlanError::new(&declared.origin, message).with_hint(hint)
+            })?
+        }
+    };
+    let sees = match &declared.sees {
+        Some(model) => Some(ModelSetup { name: model.name.clone(), settings: evaluate(model, variables)? }),
+        None => None,
+    };
+    Ok(VehicleSetup {
+        name: declared.name.clone(),
+        controller: ModelSetup {
+            name: declared.controller.name.clone(),
+            settings: resolve(&controller.declaration, &declared.controller, variables)?,
+        },
+        dynamics: ModelSetup { name: dynamics.declaration.name.to_string(), settings: dynamics_settings },
+        length,
+        width,
+        lane: declared.lane,
+        speed,
+        start,
+        sees,
+    })
+}
+
+/// Far enough out that the pedestrian who waits for the earliest arrival appears at time 0.
+fn automatic_start(
+    index: usize,
+    direction: f64,
+    speed: f64,
+    length: f64,
+    pedestrians: &[PedestrianSetup],
+) -> Option<VehicleStart> {
+    let waiting = pedestrians.iter().filter_map(|pedestrian| match pedestrian.appears {
+        Appearance::TimeToArrival { vehicle, reference, time } if vehicle == index => {
+            Some((time, reference, pedestrian.start.x))
+        }
+        _ => None,
+    });
+    let travelled = |(time, reference, x): &(f64, VehicleReference, f64)| {
+        let ahead = match reference {
+            VehicleReference::Centre => 0.0,
+            VehicleReference::Front => length / 2.0,
+        };
+        direction * x - time * speed - ahead
+    };
+    waiting
+        .min_by(|left, right| travelled(left).total_cmp(&travelled(right)))
+        .map(|(time, reference, x)| VehicleStart::TimeToArrival { time, reference, x })
+}
+
+fn pedestrian_setup(
+    scenario: &Scenario,
+    declared: &Pedestrian,
+    variables: &Variables,
+    people: &[Individual],
+) -> Result<PedestrianSetup, PlanError> {
+    let number = |expression: &Expression| number(expression, variables, &declared.origin);
+    let model = pedestrian::model(&declared.model.name).ok_or_else(|| {
+        let message = format!("there is no pedestrian model called `{}`", declared.model.name);
+        PlanError::new(&declared.model.origin, message)
+    })?;
+    let road = &scenario.road;
+    let (own_lane, opposite) = match declared.side {
+        Side::Near => (0, Side::Far),
+        Side::Far => (road.lanes.len() - 1, Side::Near),
+    };
+    let sign = declared.side.walking_sign();
+    let x = number(&declared.along)?;
+    let start =
+        Position { x, y: road.lane_centre(own_lane) - sign * number(&declared.start_from_lane_centre)? };
+    let goal = Position { x, y: road.kerb(opposite) + sign * number(&declared.goal_beyond_kerb)? };
+    if sign * (goal.y - start.y) <= 0.0 {
+        let message = format!("pedestrian `{}` starts beyond its goal", declared.name);
+        return Err(PlanError::new(&declared.origin, message));
+    }
+    let shape = match &declared.shape {
+        None => DEFAULT_SHAPE,
+        Some(DeclaredShape::Disc { radius }) => Shape::Disc { radius: number(radius)? },
+        Some(DeclaredShape::Rectangle { length, width }) => {
+            Shape::Rectangle { length: number(length)?, width: number(width)? }
+        }
+    };
+    match shape {
+        Shape::Disc { radius } => positive(radius, "radius of a pedestrian", &declared.origin)?,
+        Shape::Rectangle { length, width } => {
+            positive(length, "length of a pedestrian", &declared.origin)?;
+            positive(width, "width of a pedestrian", &declared.origin)?;
+        }
+    }
+    let appears = match &declared.appears {
+        DeclaredAppearance::At(time) => Appearance::At(number(time)?),
+        DeclaredAppearance::TimeToArrival { vehicle, reference, time } => {
+            let index = scenario.vehicles.iter().position(|car| car.name == *vehicle).ok_or_else(|| {
+                PlanError::new(&declared.origin, format!("there is no vehicle called `{vehicle}`"))
+            })?;
+            Appearance::TimeToArrival { vehicle: index, reference: *reference, time: number(time)? }
+        }
+    };
+    let mut given = evaluate(&declared.model, variables)?;
+    if let Some(person) = people.iter().find(|person| person.pedestrian == declared.name) {
+        // What the scenario says wins over the individual.
+        for (name, value) in &person.parameters.0 {
+            given.0.entry(name.clone()).or_insert_with(|| value.clone());
+        }
+    }
+    let settings = model
+        .declaration
+        .resolve(&given)
+        .map_err(|error| PlanError::new(&declared.model.origin, error.to_string()))?;
+    Ok(PedestrianSetup {
+        name: declared.name.clone(),
+        model: ModelSetup { name: declared.model.name.clone(), settings },
+        shape,
+        side: declared.side,
+        start,
+        goal,
+        appears,
+    })
+}
+
+fn resolve(declaration: &Declaration, model: &Model, variables: &Variables) -> Result<Settings, PlanError> {
+    declaration
+        .resolve(&evaluate(model, variables)?)
+        .map_err(|error| PlanError::new(&model.origin, error.to_string()))
+}
+
+fn evaluate(model: &Model, variables: &Variables) -> Result<Settings, PlanError> {
+    let mut settings = Settings::default();
+    for (name, expression) in &model.settings {
+        let value = expression.evaluate(variables).map_err(|error| {
+            PlanError::new(&model.origin, format!("`{name}` of `{}`: {error}", model.name))
+        })?;
+        settings.set(name.clone(), value);
+    }
+    Ok(settings)
+}
+
+fn number(expression: &Expression, variables: &Variables, origin: &Origin) -> Result<f64, PlanError> {
+    expression.evaluate_number(variables).map_err(|error| PlanError::new(origin, error.to_string()))
+}
+
+fn positive(value: f64, what: &str, origin: &Origin) -> Result<(), PlanError> {
+    if value > 0.0 {
+        Ok(())
+    } else {
+        Err(PlanError::new(origin, format!("the {what} must be positive, but is {value} m")))
+    }
+}
