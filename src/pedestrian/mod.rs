@@ -1,5 +1,7 @@
 //! Pedestrian models, one file or folder each, and their registry.
 
+pub mod commotions;
+
 use crate::scenario::{Declaration, PedestrianSetup, Settings, World};
 use crate::sim::{ModelError, Pedestrian};
 
