@@ -1,5 +1,7 @@
 //! Vehicles: controllers and longitudinal dynamics, one file or folder each, and their registries.
 
+mod dynamics;
+
 use crate::scenario::{Declaration, Settings, VehicleSetup, World};
 use crate::sim::{Controller, Dynamics, ModelError};
 
@@ -45,7 +47,14 @@ pub enum CommandKind {
 pub static CONTROLLERS: &[&ControllerModel] = &[];
 
 /// Every vehicle dynamics there is, by name.
-pub static DYNAMICS: &[&DynamicsModel] = &[];
+pub static DYNAMICS: &[&DynamicsModel] = &[
+    &dynamics::IDEAL,
+    &dynamics::DELAY_LAG,
+    &dynamics::PRIUS,
+    &dynamics::MODEL3,
+    &dynamics::MKZ2020,
+    &dynamics::GENERIC,
+];
 
 /// The controller of that name.
 pub fn controller(name: &str) -> Option<&'static ControllerModel> {

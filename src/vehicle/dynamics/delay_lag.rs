@@ -1,0 +1,211 @@
+//! A vehicle that answers acceleration commands after a dead time and with a first-order lag.
+
+use std::collections::VecDeque;
+
+use crate::scenario::{Declaration, Dimension, Parameter, Settings};
+use crate::sim::{Command, Dynamics, Longitudinal, ModelError};
+use crate::vehicle::{CommandKind, DynamicsModel};
+
+const AUTOWARE: &str = "Autoware sample vehicle, simulator_model.param.yaml (DELAY_STEER_ACC_GEARED)";
+
+pub static DELAY_LAG: DynamicsModel = DynamicsModel {
+    declaration: Declaration {
+        name: "delay_lag",
+        summary: "Takes acceleration commands after a dead time and with a first-order lag, as Autoware's simulator does.",
+        source: AUTOWARE,
+        parameters: &[
+            Parameter::number(
+                "dead_time",
+                Dimension::TIME,
+                0.1,
+                (0.0, 5.0),
+                "Time before a command has any effect.",
+                AUTOWARE,
+            ),
+            Parameter::number(
+                "time_constant",
+                Dimension::TIME,
+                0.1,
+                (0.0, 5.0),
+                "Time constant of the lag; 0 is no lag.",
+                AUTOWARE,
+            ),
+            Parameter::number(
+                "max_acceleration",
+                Dimension::ACCELERATION,
+                7.0,
+                (0.1, 50.0),
+                "Limit of acceleration and of deceleration.",
+                AUTOWARE,
+            ),
+            Parameter::number("max_speed", Dimension::SPEED, 50.0, (1.0, 100.0), "Limit of speed.", AUTOWARE),
+        ],
+        presets: None,
+    },
+    takes: &[CommandKind::Acceleration],
+    // Wheel base 2.79 m and overhangs of 1.0 and 1.1 m; tread 1.64 m and side overhangs of 0.128 m.
+    size: (4.89, 1.896),
+    build,
+};
+
+struct DelayLag {
+    dead_time: f64,
+    time_constant: f64,
+    limit: f64,
+    max_speed: f64,
+    /// Commands given but not yet in effect, the oldest first; one a step.
+    pending: VecDeque<f64>,
+    /// The command in effect, m/s².
+    effective: f64,
+    /// m/s²
+    acceleration: f64,
+    /// The rest of the dead time that is not a whole number of steps, s.
+    remainder: f64,
+    started: bool,
+}
+
+fn build(settings: &Settings) -> Result<Box<dyn Dynamics>, ModelError> {
+    Ok(Box::new(DelayLag {
+        dead_time: settings.number("dead_time"),
+        time_constant: settings.number("time_constant"),
+        limit: settings.number("max_acceleration"),
+        max_speed: settings.number("max_speed"),
+        pending: VecDeque::new(),
+        effective: 0.0,
+        acceleration: 0.0,
+        remainder: 0.0,
+        started: false,
+    }))
+}
+
+impl DelayLag {
+    /// Fills the line of pending commands with zeros, as many as the dead time has whole steps.
+    fn start(&mut self, step: f64) {
+        let steps = (self.dead_time / step + 1e-9).floor();
+        self.remainder = (self.dead_time - steps * step).max(0.0);
+        self.pending = VecDeque::with_capacity(steps as usize + 1);
+        self.pending.resize(steps as usize, 0.0);
+        self.started = true;
+    }
+
+    /// Moves on by `duration` s with one command in effect: the exact solution of da/dt = (command - a) / T.
+    fn respond(&mut self, motion: &mut Longitudinal, duration: f64) {
+        if duration <= 0.0 {
+            return;
+        }
+        let command = self.effective;
+        let start = self.acceleration;
+        let (end, gained, covered) = if self.time_constant > 0.0 {
+            let tau = self.time_constant;
+            let left = libm::exp(-duration / tau);
+            let gap = start - command;
+            let gained = command * duration + gap * tau * (1.0 - left);
+            let covered = motion.speed * duration
+                + command * duration * duration / 2.0
+                + gap * tau * (duration - tau * (1.0 - left));
+            (command + gap * left, gained, covered)
+        } else {
+            let covered = motion.speed * duration + command * duration * duration / 2.0;
+            (command, command * duration, covered)
+        };
+        let speed = motion.speed + gained;
+        self.acceleration = end;
+        if speed < 0.0 {
+            // Came to rest inside: the acceleration is nearly constant over what is left of it.
+            motion.travelled += motion.speed * motion.speed / (motion.speed - speed) * duration / 2.0;
+            motion.speed = 0.0;
+            self.acceleration = 0.0;
+        } else if speed > self.max_speed {
+            motion.travelled += self.max_speed * duration;
+            motion.speed = self.max_speed;
+            self.acceleration = 0.0;
+        } else {
+            motion.travelled += covered.max(0.0);
+            motion.speed = speed;
+        }
+    }
+}
+
+impl Dynamics for DelayLag {
+    fn advance(&mut self, motion: &mut Longitudinal, command: Command, step: f64) {
+        let Command::Acceleration(wanted) = command else {
+            panic!("`delay_lag` takes accelerations, not pedals");
+        };
+        if !self.started {
+            self.start(step);
+        }
+        let before = motion.speed;
+        self.pending.push_back(wanted.clamp(-self.limit, self.limit));
+        self.respond(motion, self.remainder);
+        self.effective = self.pending.pop_front().unwrap_or(self.effective);
+        self.respond(motion, step - self.remainder);
+        motion.acceleration = (motion.speed - before) / step;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenario::Value;
+    use crate::vehicle::dynamics::tests::{built, cruising, stop};
+
+    fn after(time: f64, step: f64, settings: Settings) -> Longitudinal {
+        let mut car = built(&DELAY_LAG, settings);
+        let mut motion = cruising();
+        for _ in 0..(time / step).round() as usize {
+            car.advance(&mut motion, Command::Acceleration(-2.0), step);
+        }
+        motion
+    }
+
+    #[test]
+    fn follows_the_exact_step_response_at_any_step() {
+        // Dead time 0.1 s and lag 0.1 s: after t the speed has dropped by 2 (t - 0.1 - 0.1 (1 - exp(-(t - 0.1)/0.1))).
+        let dropped = 2.0 * (0.9 - 0.1 * (1.0 - (-9.0f64).exp()));
+        for step in [0.0125, 0.025, 0.04, 0.1] {
+            let motion = after(1.0, step, Settings::default());
+            assert!((motion.speed - (30.0 / 3.6 - dropped)).abs() < 1e-12, "step {step}: {}", motion.speed);
+        }
+    }
+
+    #[test]
+    fn nothing_happens_within_the_dead_time() {
+        assert_eq!(after(0.1, 0.025, Settings::default()).speed, 30.0 / 3.6);
+        assert!(after(0.125, 0.025, Settings::default()).speed < 30.0 / 3.6);
+    }
+
+    #[test]
+    fn without_delay_and_lag_it_is_a_point_mass() {
+        let none = [("dead_time", Value::Number(0.0)), ("time_constant", Value::Number(0.0))];
+        let motion = after(1.0, 0.025, Settings::from(none));
+        assert!((motion.speed - (30.0 / 3.6 - 2.0)).abs() < 1e-12);
+        assert!((motion.travelled - (30.0 / 3.6 - 1.0)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn braking_distance_has_the_delay_in_it() {
+        // Dead time and lag each cost about 0.1 s at cruise speed.
+        let (distance, _) =
+            stop(&mut *built(&DELAY_LAG, Settings::default()), Command::Acceleration(-2.5), 0.025);
+        let speed = 30.0 / 3.6;
+        let expected = speed * speed / 5.0 + speed * 0.2 - 2.5 * 0.1 * 0.1 / 2.0;
+        assert!((distance - expected).abs() < 1e-3, "{distance} {expected}");
+    }
+
+    #[test]
+    fn a_standing_vehicle_keeps_standing_and_starts_without_a_debt() {
+        let mut car = built(&DELAY_LAG, Settings::default());
+        let mut motion = cruising();
+        for _ in 0..400 {
+            car.advance(&mut motion, Command::Acceleration(-3.4), 0.025);
+        }
+        let place = motion.travelled;
+        assert_eq!((motion.speed, motion.acceleration), (0.0, 0.0));
+        for _ in 0..40 {
+            car.advance(&mut motion, Command::Acceleration(1.0), 0.025);
+        }
+        assert!(motion.travelled > place);
+        let expected = 0.9 - 0.1 * (1.0 - (-9.0f64).exp());
+        assert!((motion.speed - expected).abs() < 1e-9, "{}", motion.speed);
+    }
+}
