@@ -1,8 +1,12 @@
 //! Testing automated-vehicle controllers against pedestrians who behave like people.
 
+pub mod cli;
+pub mod judge;
 pub mod metrics;
 pub mod pedestrian;
 pub mod plan;
+pub mod report;
+pub mod run;
 pub mod scenario;
 pub mod sim;
 pub mod vehicle;

@@ -1,1 +1,5 @@
-fn main() {}
+//! The command line of scenario-runner; everything it does is in the library.
+
+fn main() -> std::process::ExitCode {
+    scenario_runner::cli::main()
+}

@@ -1,7 +1,11 @@
 //! Metrics: numbers read off a run while it happens, one file a family, and their registry.
 
+mod measurement;
+
 use crate::scenario::{Declaration, Dimension, Settings, World};
 use crate::sim::{Ending, Step};
+
+pub use measurement::Measurement;
 
 /// A registered metric.
 pub struct Metric {

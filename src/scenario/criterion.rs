@@ -143,6 +143,22 @@ pub enum Aggregate {
 }
 
 impl Claim {
+    /// The metric that the claim is about.
+    pub fn metric(&self) -> &MetricReference {
+        match self {
+            Self::Runs { comparison, .. } => &comparison.metric,
+            Self::Aggregate { aggregate, .. } => match aggregate {
+                Aggregate::Mean(metric)
+                | Aggregate::Median(metric)
+                | Aggregate::Min(metric)
+                | Aggregate::Max(metric)
+                | Aggregate::Std(metric)
+                | Aggregate::Quantile(_, metric) => metric,
+                Aggregate::Rate(comparison) | Aggregate::Count(comparison) => &comparison.metric,
+            },
+        }
+    }
+
     /// Every bound in the claim, for evaluation.
     pub fn bounds_mut(&mut self) -> Vec<&mut Expression> {
         match self {
@@ -154,5 +170,15 @@ impl Claim {
                 _ => vec![bound],
             },
         }
+    }
+}
+
+impl MetricReference {
+    /// The name that reports give it: `pet`, `max_deceleration(window=0.5)` or `pet(av, walker)`.
+    pub fn label(&self) -> String {
+        let settings = self.settings.0.iter().map(|(name, value)| format!("{name}={value}"));
+        let pair = self.pair.iter().flat_map(|(vehicle, pedestrian)| [vehicle.clone(), pedestrian.clone()]);
+        let inside: Vec<_> = pair.chain(settings).collect();
+        if inside.is_empty() { self.name.clone() } else { format!("{}({})", self.name, inside.join(", ")) }
     }
 }

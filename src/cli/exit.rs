@@ -1,0 +1,47 @@
+//! Exit codes: a published promise, so that scripts can tell why a run ended.
+
+use std::process::ExitCode;
+
+/// How the program ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Exit {
+    /// Everything passed.
+    Success = 0,
+    /// The command line cannot be understood or a file cannot be read.
+    Usage = 2,
+    /// A scenario or suite has errors.
+    Scenario = 3,
+    /// No trial was selected.
+    NothingSelected = 4,
+    /// A verdict failed.
+    Failed = 100,
+    /// No verdict failed, but one could not be decided with the runs there were.
+    Inconclusive = 102,
+    /// A report could not be written.
+    Output = 110,
+}
+
+/// Shown below `--help`.
+pub const HELP: &str = "\
+Exit codes:
+    0  everything passed
+    2  the command line cannot be understood
+    3  a scenario or suite cannot be read or has errors
+    4  no trial was selected
+  100  a verdict failed
+  102  no verdict failed, but one is inconclusive
+  110  a report could not be written
+
+Examples:
+  scenario-runner suites/zebra.suite                     run a suite
+  scenario-runner suites/zebra.suite tta=6s              only the trials whose name contains `tta=6s`
+  scenario-runner suites/zebra.suite --junit junit.xml   and write a report for CI
+  scenario-runner models carla_behavior                  all about one controller
+  scenario-runner check scenarios/zebra/*.scn            look for errors without running";
+
+impl From<Exit> for ExitCode {
+    fn from(exit: Exit) -> Self {
+        Self::from(exit as u8)
+    }
+}

@@ -1,0 +1,80 @@
+//! Files to plans: what every command that runs something begins with.
+
+use std::path::Path;
+
+use super::Exit;
+use crate::plan::{Plan, plan};
+use crate::report::Excerpt;
+use crate::run::road_users;
+use crate::scenario::Suite;
+
+/// A suite that is ready to run.
+pub struct Loaded {
+    /// As the user named it.
+    pub file: String,
+    pub plan: Plan,
+}
+
+/// Whether a word of the command line is meant as a file.
+pub fn names_a_file(word: &str) -> bool {
+    let extension = Path::new(word).extension().and_then(|extension| extension.to_str());
+    matches!(extension, Some("suite" | "scn" | "yaml" | "yml"))
+}
+
+/// Loads, checks and plans every file; all errors of all files go to stderr.
+pub fn load_all(files: &[&String], seed: Option<u64>, colour: bool) -> Result<Vec<Loaded>, Exit> {
+    let mut loaded = Vec::new();
+    let mut failed = false;
+    for file in files {
+        match load(file, seed, colour) {
+            Ok(suite) => loaded.push(suite),
+            Err(()) => failed = true,
+        }
+    }
+    if failed { Err(Exit::Scenario) } else { Ok(loaded) }
+}
+
+fn load(file: &str, seed: Option<u64>, colour: bool) -> Result<Loaded, ()> {
+    let mut suite = read(file, colour)?;
+    suite.seed = seed.unwrap_or(suite.seed);
+    let plan = plan(&suite).map_err(|errors| {
+        for error in errors {
+            let excerpt = Excerpt {
+                title: &error.message,
+                origin: &error.origin,
+                label: "",
+                notes: &[],
+                help: error.hint.as_deref(),
+            };
+            eprintln!("{}\n", excerpt.render(colour));
+        }
+    })?;
+    build_everybody(&plan, colour)?;
+    Ok(Loaded { file: file.to_string(), plan })
+}
+
+/// Builds the road users of each trial's first case once, so that what a model cannot do is said before anything runs.
+fn build_everybody(plan: &Plan, colour: bool) -> Result<(), ()> {
+    let mut failed = false;
+    for trial in &plan.trials {
+        let Some(case) = trial.cases.first() else { continue };
+        if let Err(error) = road_users(&case.world, case.seed) {
+            failed = true;
+            let title = error.to_string();
+            let notes = [format!("in {}", trial.key)];
+            let excerpt = Excerpt {
+                title: &title,
+                origin: &trial.origin,
+                label: "",
+                notes: &notes,
+                help: error.hint(),
+            };
+            eprintln!("{}\n", excerpt.render(colour));
+        }
+    }
+    if failed { Err(()) } else { Ok(()) }
+}
+
+fn read(_file: &str, _colour: bool) -> Result<Suite, ()> {
+    Err(())
+}

@@ -1,0 +1,55 @@
+//! The command line: one file a subcommand.
+
+mod exit;
+mod load;
+mod models;
+mod progress;
+mod replay;
+mod run;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+pub use exit::Exit;
+
+/// Tests automated-vehicle controllers against pedestrians who behave like people.
+///
+/// Reads suites (.suite) and scenarios (.scn), simulates every case and judges it by the criteria that the files
+/// state. Every result can be repeated: the same file and seed give the same numbers, bit for bit.
+#[derive(Debug, Parser)]
+#[command(
+    name = "scenario-runner",
+    version,
+    args_conflicts_with_subcommands = true,
+    subcommand_negates_reqs = true,
+    after_long_help = exit::HELP
+)]
+struct Cli {
+    #[command(subcommand)]
+    command: Option<Command>,
+    #[command(flatten)]
+    run: run::RunArguments,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Run suites and scenarios; the default when no command is named.
+    Run(run::RunArguments),
+    /// Show the pedestrian models, controllers, vehicle dynamics and metrics there are.
+    Models(models::ModelsArguments),
+    /// Run exactly one case again and print what happened when.
+    Replay(replay::ReplayArguments),
+}
+
+/// Parses the arguments of this process, does what they ask and says how it went.
+pub fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let result = match cli.command {
+        None => run::run(cli.run),
+        Some(Command::Run(arguments)) => run::run(arguments),
+        Some(Command::Models(arguments)) => models::models(&arguments),
+        Some(Command::Replay(arguments)) => replay::replay(&arguments),
+    };
+    result.into()
+}

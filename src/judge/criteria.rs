@@ -1,0 +1,269 @@
+//! Each criterion of a trial against the trial's outcomes.
+
+use serde::Serialize;
+
+use crate::metrics;
+use crate::run::{Outcome, Requests};
+use crate::scenario::{
+    Aggregate, Claim, Comparison, Criterion, Expression, MetricReference, Origin, Relation, Value,
+    WhenUndefined,
+};
+
+/// What a criterion, a trial or a suite comes to. The order is from good to bad.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    Passed,
+    /// The runs do not suffice to say, at the confidence that was asked for.
+    Inconclusive,
+    Failed,
+}
+
+/// A trial's verdict: the worst of its findings.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TrialVerdict {
+    pub verdict: Verdict,
+    pub findings: Vec<Finding>,
+}
+
+/// What a finding's `observed` and `bound` are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Measure {
+    /// The share of runs that hold, where every run has to.
+    EveryRun,
+    /// The share of runs that hold.
+    Share,
+    /// The number of runs that hold.
+    Count,
+    /// An aggregate in the metric's own unit.
+    Value,
+}
+
+/// One criterion's verdict and what it rests on.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Finding {
+    pub criterion: String,
+    pub origin: Origin,
+    pub verdict: Verdict,
+    /// The metric that the criterion is about.
+    pub metric: String,
+    pub measure: Measure,
+    pub runs: usize,
+    /// Runs in which the comparison holds, or, for aggregates of values, in which the metric exists.
+    pub holding: usize,
+    /// Runs in which the metric does not exist.
+    pub undefined: usize,
+    /// The aggregate's value or the share of runs; `None` if no run gives one.
+    pub observed: Option<f64>,
+    /// What it was compared to.
+    pub bound: f64,
+    /// Signed distance from failing in the unit of what was compared; negative when failing.
+    pub margin: Option<f64>,
+    /// Interval of the estimate at the stated confidence.
+    pub interval: Option<(f64, f64)>,
+    /// The runs that speak most against the criterion, worst first.
+    pub worst: Vec<WorstRun>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct WorstRun {
+    pub key: String,
+    /// The metric's value; `None` where it does not exist.
+    pub value: Option<f64>,
+}
+
+/// How many runs a finding names.
+const WORST_RUNS: usize = 3;
+
+/// Judges one trial. `requests` says which metric is where in the outcomes.
+pub fn judge(criteria: &[Criterion], outcomes: &[Outcome], requests: &Requests) -> TrialVerdict {
+    let findings: Vec<_> = criteria.iter().map(|criterion| find(criterion, outcomes, requests)).collect();
+    let verdict = findings.iter().map(|finding| finding.verdict).max().unwrap_or(Verdict::Passed);
+    TrialVerdict { verdict, findings }
+}
+
+fn find(criterion: &Criterion, outcomes: &[Outcome], requests: &Requests) -> Finding {
+    match &criterion.claim {
+        Claim::Runs { comparison, share, .. } => runs(criterion, comparison, *share, outcomes, requests),
+        Claim::Aggregate { aggregate, relation, bound, when_undefined, .. } => {
+            let bound = constant(bound);
+            match aggregate {
+                Aggregate::Rate(comparison) => {
+                    let held = holding(comparison, outcomes, requests);
+                    let rate = held.count as f64 / outcomes.len() as f64;
+                    against(criterion, Measure::Share, *relation, bound, Some(rate), &held)
+                }
+                Aggregate::Count(comparison) => {
+                    let held = holding(comparison, outcomes, requests);
+                    against(criterion, Measure::Count, *relation, bound, Some(held.count as f64), &held)
+                }
+                Aggregate::Mean(metric)
+                | Aggregate::Median(metric)
+                | Aggregate::Min(metric)
+                | Aggregate::Max(metric)
+                | Aggregate::Std(metric)
+                | Aggregate::Quantile(_, metric) => {
+                    let values = values(metric, outcomes, requests);
+                    let defined: Vec<f64> = values.iter().copied().flatten().collect();
+                    let undefined = values.len() - defined.len();
+                    let held = Held { count: defined.len(), undefined, values };
+                    let observed = aggregate_of(aggregate, defined);
+                    let mut finding = against(criterion, Measure::Value, *relation, bound, observed, &held);
+                    if observed.is_none() && *when_undefined == WhenUndefined::Passes {
+                        finding.verdict = Verdict::Passed;
+                    }
+                    finding.worst = worst(metric, *relation, &held.values, outcomes, |_| true);
+                    finding
+                }
+            }
+        }
+    }
+}
+
+/// The metric of every run and in how many runs a comparison over it holds.
+struct Held {
+    count: usize,
+    undefined: usize,
+    values: Vec<Option<f64>>,
+}
+
+fn runs(
+    criterion: &Criterion,
+    comparison: &Comparison,
+    share: Option<f64>,
+    outcomes: &[Outcome],
+    requests: &Requests,
+) -> Finding {
+    let held = holding(comparison, outcomes, requests);
+    let bound = constant(&comparison.bound);
+    let rate = held.count as f64 / outcomes.len() as f64;
+    let mut finding = match share {
+        Some(share) => against(criterion, Measure::Share, Relation::GreaterOrEqual, share, Some(rate), &held),
+        None => against(criterion, Measure::EveryRun, Relation::GreaterOrEqual, 1.0, Some(rate), &held),
+    };
+    if share.is_none() {
+        // The run nearest to failing says more than the share of runs.
+        let margins =
+            held.values.iter().flatten().filter_map(|value| comparison.relation.margin(*value, bound));
+        finding.margin = margins.reduce(f64::min);
+    }
+    finding.worst = worst(&comparison.metric, comparison.relation, &held.values, outcomes, |value| {
+        !comparison_holds(comparison, bound, value)
+    });
+    finding
+}
+
+/// A finding that compares `observed` to `bound`.
+fn against(
+    criterion: &Criterion,
+    measure: Measure,
+    relation: Relation,
+    bound: f64,
+    observed: Option<f64>,
+    held: &Held,
+) -> Finding {
+    let holds = observed.is_some_and(|value| relation.holds(value, bound));
+    Finding {
+        criterion: criterion.text.clone(),
+        origin: criterion.origin.clone(),
+        verdict: if holds { Verdict::Passed } else { Verdict::Failed },
+        metric: criterion.claim.metric().name.clone(),
+        measure,
+        runs: held.values.len(),
+        holding: held.count,
+        undefined: held.undefined,
+        observed,
+        bound,
+        margin: observed.and_then(|value| relation.margin(value, bound)),
+        interval: None,
+        worst: Vec::new(),
+    }
+}
+
+fn holding(comparison: &Comparison, outcomes: &[Outcome], requests: &Requests) -> Held {
+    let bound = constant(&comparison.bound);
+    let values = values(&comparison.metric, outcomes, requests);
+    Held {
+        count: values.iter().filter(|value| comparison_holds(comparison, bound, **value)).count(),
+        undefined: values.iter().filter(|value| value.is_none()).count(),
+        values,
+    }
+}
+
+fn comparison_holds(comparison: &Comparison, bound: f64, value: Option<f64>) -> bool {
+    match value {
+        Some(value) => comparison.relation.holds(value, bound),
+        None => comparison.when_undefined == WhenUndefined::Passes,
+    }
+}
+
+fn values(metric: &MetricReference, outcomes: &[Outcome], requests: &Requests) -> Vec<Option<f64>> {
+    let index = requests.index(metric).expect("every criterion's metric was requested before the runs");
+    outcomes.iter().map(|outcome| outcome.metrics[index]).collect()
+}
+
+/// The runs for which `speaks_against`, those farthest on the wrong side of the relation first.
+fn worst(
+    metric: &MetricReference,
+    relation: Relation,
+    values: &[Option<f64>],
+    outcomes: &[Outcome],
+    speaks_against: impl Fn(Option<f64>) -> bool,
+) -> Vec<WorstRun> {
+    let smaller_is_worse = match relation {
+        Relation::Greater | Relation::GreaterOrEqual => true,
+        Relation::Less | Relation::LessOrEqual => false,
+        Relation::Equal | Relation::NotEqual => {
+            metrics::metric(&metric.name).is_some_and(|metric| metric.worst == metrics::Worst::Smallest)
+        }
+    };
+    let badness = |value: Option<f64>| match value {
+        None => f64::INFINITY,
+        Some(value) if smaller_is_worse => -value,
+        Some(value) => value,
+    };
+    let mut against: Vec<_> =
+        values.iter().zip(outcomes).filter(|(value, _)| speaks_against(**value)).collect();
+    against.sort_by(|left, right| badness(*right.0).total_cmp(&badness(*left.0)));
+    against.truncate(WORST_RUNS);
+    against.into_iter().map(|(value, outcome)| WorstRun { key: outcome.key.clone(), value: *value }).collect()
+}
+
+fn constant(bound: &Expression) -> f64 {
+    match bound {
+        Expression::Constant(Value::Number(number)) => *number,
+        Expression::Constant(Value::Flag(flag)) => f64::from(*flag),
+        other => panic!("the plan evaluates every bound, but this is left: {other:?}"),
+    }
+}
+
+/// `None` where the aggregate does not exist: of no values, or the spread of one.
+fn aggregate_of(aggregate: &Aggregate, mut values: Vec<f64>) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    let (first, last) = (*values.first()?, *values.last()?);
+    // Summed in sorted order, so the result does not depend on the order of the runs.
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    match aggregate {
+        Aggregate::Mean(_) => Some(mean),
+        Aggregate::Median(_) => Some(quantile(&values, 0.5)),
+        Aggregate::Min(_) => Some(first),
+        Aggregate::Max(_) => Some(last),
+        Aggregate::Std(_) => {
+            let squares: f64 = values.iter().map(|value| (value - mean) * (value - mean)).sum();
+            (values.len() > 1).then(|| (squares / (values.len() - 1) as f64).sqrt())
+        }
+        Aggregate::Quantile(level, _) => Some(quantile(&values, *level)),
+        Aggregate::Rate(_) | Aggregate::Count(_) => {
+            unreachable!("rates and counts are not aggregates of values")
+        }
+    }
+}
+
+/// The quantile at `level` of sorted values, linear between order statistics (type 7 of Hyndman & Fan 1996).
+fn quantile(sorted: &[f64], level: f64) -> f64 {
+    let place = level * (sorted.len() - 1) as f64;
+    let below = place.floor();
+    let upper = sorted[(below as usize + 1).min(sorted.len() - 1)];
+    sorted[below as usize] + (place - below) * (upper - sorted[below as usize])
+}

@@ -1,0 +1,5 @@
+//! Criteria over a trial's outcomes: verdicts, with how far from failing and which runs were worst.
+
+mod criteria;
+
+pub use criteria::{Finding, Measure, TrialVerdict, Verdict, WorstRun, judge};

@@ -1,0 +1,63 @@
+//! A message about a place in a file, drawn like a compiler does.
+
+use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
+
+use crate::scenario::Origin;
+
+/// A titled message that points at one place.
+#[derive(Debug, Clone, Copy)]
+pub struct Excerpt<'a> {
+    pub title: &'a str,
+    pub origin: &'a Origin,
+    /// Written under the marked part.
+    pub label: &'a str,
+    pub notes: &'a [String],
+    pub help: Option<&'a str>,
+}
+
+impl Excerpt<'_> {
+    /// The drawing; without `colour` it is plain text that is the same everywhere.
+    pub fn render(&self, colour: bool) -> String {
+        let line = &self.origin.source_line;
+        let offset = |column: usize| line.char_indices().nth(column).map_or(line.len(), |(index, _)| index);
+        let from = offset(self.origin.column.saturating_sub(1));
+        let to = offset(self.origin.column.saturating_sub(1) + self.origin.length.max(1)).max(from);
+        let snippet = Snippet::source(line.as_str())
+            .line_start(self.origin.line.max(1))
+            .path(self.origin.file.as_str())
+            .annotation(AnnotationKind::Primary.span(from..to).label(self.label));
+        let mut group = Group::with_title(Level::ERROR.primary_title(self.title)).element(snippet);
+        for note in self.notes {
+            group = group.element(Level::NOTE.message(note.as_str()));
+        }
+        if let Some(help) = self.help {
+            group = group.element(Level::HELP.message(help));
+        }
+        let renderer = if colour { Renderer::styled() } else { Renderer::plain() };
+        renderer.render(&[group]).to_string()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_at_the_place() {
+        let origin = Origin {
+            file: "zebra.scn".into(),
+            line: 21,
+            column: 5,
+            source_line: "    pet >= 1.5 s".into(),
+            length: 12,
+        };
+        let excerpt = Excerpt {
+            title: "`pet >= 1.5 s` failed in 2 of 20 runs",
+            origin: &origin,
+            label: "smallest 0.83 s",
+            notes: &["worst run: zebra/x/rep=7".to_string()],
+            help: Some("replay it"),
+        };
+        insta::assert_snapshot!(excerpt.render(false));
+    }
+}

@@ -1,0 +1,76 @@
+//! Why a trial failed, for the terminal and, in the same words, for JUnit.
+
+use super::excerpt::Excerpt;
+use super::format::{quantity, share, significant};
+use super::replay::replay_command;
+use super::{SuiteIdentity, TrialState};
+use crate::judge::{Finding, Measure, Verdict, WorstRun};
+use crate::metrics;
+
+/// Every finding that is not passed, drawn at its place, with the worst runs and how to replay them.
+pub fn render_failure(suite: &SuiteIdentity, state: &TrialState, colour: bool) -> String {
+    match state {
+        TrialState::Skipped(reason) => reason.clone(),
+        TrialState::Errored(message) => message.clone(),
+        TrialState::Judged(judged) => {
+            let bad = judged.findings.iter().filter(|finding| finding.verdict != Verdict::Passed);
+            let drawings: Vec<_> = bad.map(|finding| render_finding(suite, finding, colour)).collect();
+            drawings.join("\n\n")
+        }
+    }
+}
+
+fn render_finding(suite: &SuiteIdentity, finding: &Finding, colour: bool) -> String {
+    let title = title(finding);
+    let mut notes = Vec::new();
+    if finding.undefined > 0 {
+        notes.push(format!(
+            "`{}` does not exist in {} of {} runs",
+            finding.metric, finding.undefined, finding.runs
+        ));
+    }
+    notes.extend(finding.worst.iter().map(|run| format!("{}  {}", value(finding, run), run.key)));
+    if let Some(run) = finding.worst.first() {
+        notes.push(format!("replay: {}", replay_command(suite, &run.key)));
+    }
+    let label =
+        finding.worst.first().map_or_else(String::new, |run| format!("worst: {}", value(finding, run)));
+    Excerpt { title: &title, origin: &finding.origin, label: &label, notes: &notes, help: None }
+        .render(colour)
+}
+
+fn title(finding: &Finding) -> String {
+    let criterion = &finding.criterion;
+    let verb = match finding.verdict {
+        Verdict::Inconclusive => "could not be decided",
+        _ => "failed",
+    };
+    let missed = finding.runs - finding.holding;
+    let Some(observed) = finding.observed else {
+        return format!("`{criterion}` {verb}: no run has a value");
+    };
+    match finding.measure {
+        Measure::EveryRun => format!("`{criterion}` {verb} in {missed} of {} runs", finding.runs),
+        Measure::Share => {
+            format!(
+                "`{criterion}` {verb}: {} ({} of {} runs)",
+                share(observed),
+                finding.holding,
+                finding.runs
+            )
+        }
+        Measure::Count => format!("`{criterion}` {verb}: {observed} of {} runs", finding.runs),
+        Measure::Value => {
+            let text = metrics::metric(&finding.metric)
+                .map_or_else(|| significant(observed, 4), |metric| quantity(metric, Some(observed)));
+            format!("`{criterion}` {verb}: {text} over {} runs", finding.runs)
+        }
+    }
+}
+
+fn value(finding: &Finding, run: &WorstRun) -> String {
+    metrics::metric(&finding.metric).map_or_else(
+        || "?".to_string(),
+        |metric| format!("{} {}", finding.metric, quantity(metric, run.value)),
+    )
+}

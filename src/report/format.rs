@@ -1,0 +1,54 @@
+//! Numbers for people: few digits, with units.
+
+use crate::metrics::{Metric, MetricKind};
+use crate::scenario::Dimension;
+
+/// A metric's value with its unit, such as `1.23 s`, `yes` or `pedestrian`; `–` where it does not exist.
+pub fn quantity(metric: &Metric, value: Option<f64>) -> String {
+    let Some(value) = value else { return "–".to_string() };
+    match metric.kind {
+        MetricKind::Flag => if value != 0.0 { "yes" } else { "no" }.to_string(),
+        MetricKind::Category(words) => words.get(value as usize).copied().unwrap_or("?").to_string(),
+        MetricKind::Quantity(dimension) => with_unit(value, dimension),
+    }
+}
+
+/// A number in a coherent SI unit with four significant digits, such as `8.333 m/s`.
+pub fn with_unit(value: f64, dimension: Dimension) -> String {
+    let unit = dimension.si_unit();
+    let number = significant(value, 4);
+    if unit.is_empty() { number } else { format!("{number} {unit}") }
+}
+
+/// A share such as `85 %`.
+pub fn share(value: f64) -> String {
+    format!("{} %", significant(value * 100.0, 3))
+}
+
+/// With `digits` significant digits and no trailing zeros.
+pub fn significant(value: f64, digits: i32) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return format!("{value}").replace("-0", "0");
+    }
+    let decimals = (digits - 1 - value.abs().log10().floor() as i32).clamp(0, 12) as usize;
+    let text = format!("{value:.decimals$}");
+    let trimmed = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+    if trimmed == "-0" { "0".to_string() } else { trimmed.to_string() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn few_digits_and_no_trailing_zeros() {
+        let cases =
+            [(1.5, "1.5"), (0.0, "0"), (8.33333, "8.333"), (123456.7, "123457"), (-0.00001, "-0.00001")];
+        for (value, text) in cases {
+            assert_eq!(significant(value, 4), text);
+        }
+        assert_eq!(with_unit(2.5, Dimension::ACCELERATION), "2.5 m/s^2");
+        assert_eq!(share(0.85), "85 %");
+        assert_eq!(share(2.0 / 3.0), "66.7 %");
+    }
+}

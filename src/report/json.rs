@@ -1,0 +1,87 @@
+//! Results as JSON, for programs. The same suite and seed give the same file on every machine, but for the times.
+
+use serde::Serialize;
+use serde_json::{Map, Value, json};
+
+use super::{SuiteReport, TrialReport, TrialState};
+use crate::run::{Outcome, Requests};
+
+/// Version of the layout; raised when a reader would have to change.
+const LAYOUT: u32 = 1;
+
+/// Everything as pretty-printed JSON with a final line end.
+pub fn to_json(reports: &[SuiteReport], requests: &Requests) -> String {
+    let value = json!({
+        "layout": LAYOUT,
+        "tool": { "name": env!("CARGO_PKG_NAME"), "version": env!("CARGO_PKG_VERSION") },
+        "suites": reports.iter().map(|report| suite_value(report, requests)).collect::<Vec<_>>(),
+    });
+    let mut text = serde_json::to_string_pretty(&value).expect("a tree of plain values serialises");
+    text.push('\n');
+    text
+}
+
+fn suite_value(report: &SuiteReport, requests: &Requests) -> Value {
+    json!({
+        "suite": report.identity.suite,
+        "file": report.identity.file,
+        "seed": report.identity.seed,
+        "wall_time_s": report.wall_time.as_secs_f64(),
+        "trials": report.trials.iter().map(|trial| trial_value(trial, requests)).collect::<Vec<_>>(),
+    })
+}
+
+fn trial_value(report: &TrialReport, requests: &Requests) -> Value {
+    let variation: Map<_, _> = report
+        .trial
+        .cases
+        .first()
+        .into_iter()
+        .flat_map(|case| &case.variation)
+        .map(|assignment| (assignment.name.clone(), plain(&assignment.value)))
+        .collect();
+    let mut value = json!({
+        "key": report.trial.key,
+        "scenario": report.trial.scenario,
+        "tags": report.trial.tags,
+        "variation": variation,
+        "wall_time_s": report.wall_time.as_secs_f64(),
+        "runs": report.outcomes.iter().map(|outcome| outcome_value(outcome, requests)).collect::<Vec<_>>(),
+    });
+    let fields = value.as_object_mut().expect("it was made as an object");
+    match &report.state {
+        TrialState::Judged(judged) => {
+            fields.insert("verdict".into(), plain(&judged.verdict));
+            fields.insert("findings".into(), plain(&judged.findings));
+        }
+        TrialState::Errored(message) => {
+            fields.insert("verdict".into(), "error".into());
+            fields.insert("message".into(), message.as_str().into());
+        }
+        TrialState::Skipped(reason) => {
+            fields.insert("verdict".into(), "skipped".into());
+            fields.insert("message".into(), reason.as_str().into());
+        }
+    }
+    value
+}
+
+fn outcome_value(outcome: &Outcome, requests: &Requests) -> Value {
+    let metrics: Map<_, _> = requests
+        .iter()
+        .zip(&outcome.metrics)
+        .map(|(reference, value)| (reference.label(), value.map_or(Value::Null, Value::from)))
+        .collect();
+    json!({
+        "key": outcome.key,
+        "seed": outcome.seed,
+        "individuals": outcome.individuals,
+        "ending": outcome.ending,
+        "metrics": metrics,
+        "fingerprint": format!("{:016x}", outcome.fingerprint),
+    })
+}
+
+fn plain(value: &impl Serialize) -> Value {
+    serde_json::to_value(value).expect("plain data serialises")
+}

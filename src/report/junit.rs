@@ -1,0 +1,121 @@
+//! Results as JUnit XML, for GitLab, Jenkins and their like: one testsuite per scenario, one testcase per trial.
+
+use chrono::{DateTime, Utc};
+use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
+
+use super::failure::render_failure;
+use super::format::quantity;
+use super::replay::replay_command;
+use super::{SuiteReport, TrialReport, TrialState};
+use crate::judge::Verdict;
+use crate::metrics::{self, MetricKind};
+use crate::run::Requests;
+
+/// The report as an XML document. A failed criterion is a failure; a trial that could not run is an error.
+pub fn to_junit(reports: &[SuiteReport], requests: &Requests) -> Result<String, quick_junit::SerializeError> {
+    let mut document = Report::new("scenario-runner");
+    if let Some(first) = reports.first() {
+        document.set_timestamp(DateTime::<Utc>::from(first.started));
+    }
+    document.set_time(reports.iter().map(|report| report.wall_time).sum());
+    for report in reports {
+        document.add_test_suites(test_suites(report, requests));
+    }
+    document.to_string()
+}
+
+fn test_suites(report: &SuiteReport, requests: &Requests) -> Vec<TestSuite> {
+    let timestamp = DateTime::<Utc>::from(report.started);
+    let mut suites: Vec<TestSuite> = Vec::new();
+    for trial in &report.trials {
+        let name = format!("{}.{}", report.identity.suite, trial.trial.scenario);
+        if suites.last().is_none_or(|suite| suite.name.as_str() != name) {
+            let mut suite = TestSuite::new(name.as_str());
+            suite.set_timestamp(timestamp).add_property(("seed", report.identity.seed.to_string().as_str()));
+            suites.push(suite);
+        }
+        let suite = suites.last_mut().expect("one was pushed above");
+        suite.time = Some(suite.time.unwrap_or_default() + trial.wall_time);
+        suite.add_test_case(test_case(report, trial, &name, requests));
+    }
+    suites
+}
+
+fn test_case(report: &SuiteReport, trial: &TrialReport, class: &str, requests: &Requests) -> TestCase {
+    let status = match &trial.state {
+        TrialState::Skipped(reason) => {
+            let mut status = TestCaseStatus::skipped();
+            status.set_message(reason.as_str());
+            status
+        }
+        TrialState::Errored(message) => {
+            let mut status = TestCaseStatus::non_success(NonSuccessKind::Error);
+            status.set_message(first_line(message)).set_type("error").set_description(message.as_str());
+            status
+        }
+        TrialState::Judged(judged) if judged.verdict == Verdict::Passed => TestCaseStatus::success(),
+        TrialState::Judged(judged) => {
+            let text = render_failure(&report.identity, &trial.state, false);
+            let failing = judged.findings.iter().filter(|finding| finding.verdict != Verdict::Passed);
+            let criteria: Vec<_> = failing.map(|finding| finding.criterion.as_str()).collect();
+            let mut status = TestCaseStatus::non_success(NonSuccessKind::Failure);
+            let kind = if judged.verdict == Verdict::Failed { "criterion" } else { "inconclusive" };
+            status.set_message(criteria.join("; ")).set_type(kind).set_description(text);
+            status
+        }
+    };
+    let mut case = TestCase::new(trial.trial.key.as_str(), status);
+    case.set_classname(class).set_time(trial.wall_time);
+    let mut property = |name: &str, value: &str| {
+        case.add_property((name, value));
+    };
+    property("seed", &report.identity.seed.to_string());
+    property("runs", &trial.outcomes.len().to_string());
+    for (index, reference) in requests.iter().enumerate() {
+        let Some(metric) = metrics::metric(&reference.name) else { continue };
+        let values: Vec<f64> = trial.outcomes.iter().filter_map(|outcome| outcome.metrics[index]).collect();
+        property(&reference.label(), &summary(metric, &values, trial.outcomes.len()));
+    }
+    let worst = match &trial.state {
+        TrialState::Judged(judged) => judged.findings.iter().flat_map(|finding| &finding.worst).next(),
+        _ => None,
+    };
+    if let Some(key) = worst.map(|run| &run.key).or(trial.outcomes.first().map(|outcome| &outcome.key)) {
+        property("replay", &replay_command(&report.identity, key));
+    }
+    case
+}
+
+/// A metric over a trial's runs: the value of one run, the range of several, the share of a flag.
+fn summary(metric: &metrics::Metric, values: &[f64], runs: usize) -> String {
+    let defined =
+        if values.len() < runs { format!(" in {} of {runs} runs", values.len()) } else { String::new() };
+    let (Some(low), Some(high)) =
+        (values.iter().copied().reduce(f64::min), values.iter().copied().reduce(f64::max))
+    else {
+        return "undefined".to_string();
+    };
+    if low == high {
+        return format!("{}{defined}", quantity(metric, Some(low)));
+    }
+    match metric.kind {
+        MetricKind::Flag => {
+            format!("yes in {} of {runs} runs", values.iter().filter(|value| **value != 0.0).count())
+        }
+        MetricKind::Category(words) => {
+            let counts = words.iter().enumerate().map(|(index, word)| {
+                format!("{word} {}", values.iter().filter(|value| **value as usize == index).count())
+            });
+            counts.collect::<Vec<_>>().join(", ")
+        }
+        MetricKind::Quantity(_) => {
+            let mean = values.iter().sum::<f64>() / values.len() as f64;
+            let show = |value| quantity(metric, Some(value));
+            format!("min {}, mean {}, max {}{defined}", show(low), show(mean), show(high))
+        }
+    }
+}
+
+fn first_line(text: &str) -> &str {
+    text.lines().next().unwrap_or_default()
+}

@@ -1,0 +1,70 @@
+//! Results for people and machines: one file a format.
+
+mod excerpt;
+mod failure;
+mod format;
+mod json;
+mod junit;
+mod models;
+mod replay;
+mod trace;
+
+use std::time::Duration;
+
+use crate::judge::{TrialVerdict, Verdict};
+use crate::plan::Trial;
+use crate::run::Outcome;
+
+pub use excerpt::Excerpt;
+pub use failure::render_failure;
+pub use format::{quantity, share};
+pub use json::to_json;
+pub use junit::to_junit;
+pub use models::{registered_names, render_model, render_models};
+pub use replay::{render_replay, replay_command};
+pub use trace::write_trace;
+
+/// Which suite was run, and how to run it again.
+#[derive(Debug, Clone, Copy)]
+pub struct SuiteIdentity<'a> {
+    pub suite: &'a str,
+    /// The file that was run, as the user named it.
+    pub file: &'a str,
+    pub seed: u64,
+}
+
+/// What reports are made of: a suite's trials with what became of them.
+#[derive(Debug)]
+pub struct SuiteReport<'a> {
+    pub identity: SuiteIdentity<'a>,
+    /// Wall-clock time when the suite began.
+    pub started: std::time::SystemTime,
+    pub wall_time: Duration,
+    pub trials: Vec<TrialReport<'a>>,
+}
+
+#[derive(Debug)]
+pub struct TrialReport<'a> {
+    pub trial: &'a Trial,
+    /// Empty if it was not run.
+    pub outcomes: Vec<Outcome>,
+    pub state: TrialState,
+    pub wall_time: Duration,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub enum TrialState {
+    Judged(TrialVerdict),
+    /// Could not be run to its end; the message says why.
+    Errored(String),
+    Skipped(String),
+}
+
+impl TrialReport<'_> {
+    pub fn verdict(&self) -> Option<Verdict> {
+        match &self.state {
+            TrialState::Judged(judged) => Some(judged.verdict),
+            TrialState::Errored(_) | TrialState::Skipped(_) => None,
+        }
+    }
+}

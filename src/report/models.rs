@@ -1,0 +1,102 @@
+//! The registries for people: what models, controllers, dynamics and metrics there are.
+
+use std::fmt::Write;
+
+use super::format::with_unit;
+use crate::metrics::METRICS;
+use crate::pedestrian::MODELS;
+use crate::scenario::{Declaration, Dimension, Parameter, ParameterKind};
+use crate::vehicle::{CONTROLLERS, DYNAMICS};
+
+/// Everything that is registered, by kind, with its declaration.
+fn registered() -> [(&'static str, Vec<&'static Declaration>); 4] {
+    [
+        ("pedestrian models", MODELS.iter().map(|model| &model.declaration).collect()),
+        ("controllers", CONTROLLERS.iter().map(|model| &model.declaration).collect()),
+        ("vehicle dynamics", DYNAMICS.iter().map(|model| &model.declaration).collect()),
+        ("metrics", METRICS.iter().map(|metric| &metric.declaration).collect()),
+    ]
+}
+
+/// The names of everything registered.
+pub fn registered_names() -> Vec<&'static str> {
+    registered().into_iter().flat_map(|(_, declarations)| declarations).map(|one| one.name).collect()
+}
+
+/// One line each.
+pub fn render_models() -> String {
+    let mut text = String::new();
+    for (kind, declarations) in registered() {
+        let width = declarations.iter().map(|one| one.name.len()).max().unwrap_or(0);
+        writeln!(text, "{kind}").expect("writing to a string cannot fail");
+        for one in declarations {
+            writeln!(text, "  {:<width$}  {}", one.name, one.summary)
+                .expect("writing to a string cannot fail");
+        }
+        text.push('\n');
+    }
+    text.push_str("`scenario-runner models NAME` shows parameters, units, ranges and sources.\n");
+    text
+}
+
+/// All about one registered thing; `None` if nothing has that name.
+pub fn render_model(name: &str) -> Option<String> {
+    let found: Vec<String> = registered()
+        .into_iter()
+        .flat_map(|(kind, declarations)| declarations.into_iter().map(move |one| (kind, one)))
+        .filter(|(_, one)| one.name == name)
+        .map(|(kind, one)| render_declaration(kind, one))
+        .collect();
+    (!found.is_empty()).then(|| found.join("\n"))
+}
+
+fn render_declaration(kind: &str, one: &Declaration) -> String {
+    let mut text = String::new();
+    let mut line = |content: &str| {
+        text.push_str(content.trim_end());
+        text.push('\n');
+    };
+    line(&format!("{} ({})", one.name, kind.trim_end_matches('s')));
+    line(&format!("  {}", one.summary));
+    line(&format!("  source: {}", one.source));
+    if let Some(family) = one.presets {
+        line("");
+        line(&format!("  {}: (default {})", family.word, family.default));
+        for preset in family.presets {
+            line(&format!("    {:<14} {}", preset.name, preset.doc));
+        }
+    }
+    if !one.parameters.is_empty() {
+        line("");
+        line("  parameters");
+    }
+    for parameter in one.parameters {
+        line(&format!("    {:<28} {}", parameter.name, parameter.doc));
+        line(&format!("    {:<28} {}; {}", "", value(parameter), parameter.source));
+        if let ParameterKind::Choice { options, .. } = parameter.kind {
+            for option in options {
+                line(&format!("    {:<28}   {}: {}", "", option.name, option.doc));
+            }
+        }
+    }
+    text
+}
+
+/// Default and range, such as `5 m (0 m .. 50 m)`.
+fn value(parameter: &Parameter) -> String {
+    match parameter.kind {
+        ParameterKind::Number { dimension, default, range: (low, high) } => {
+            let default =
+                default.map_or_else(|| "not set".to_string(), |number| with_unit(number, dimension));
+            format!("{default} ({} .. {})", with_unit(low, dimension), with_unit(high, dimension))
+        }
+        ParameterKind::Whole { default, range: (low, high) } => {
+            let show = |number: i64| with_unit(number as f64, Dimension::NUMBER);
+            format!("{} ({} .. {})", show(default), show(low), show(high))
+        }
+        ParameterKind::Flag { default } => format!("{default} (true or false)"),
+        ParameterKind::Choice { default, .. } => format!("{default} (one of)"),
+        ParameterKind::Text { default } if default.is_empty() => "not set (text)".to_string(),
+        ParameterKind::Text { default } => default.to_string(),
+    }
+}

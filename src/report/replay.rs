@@ -1,0 +1,77 @@
+//! One run again: the command for it and the timeline that it prints.
+
+use std::fmt::Write;
+
+use super::SuiteIdentity;
+use super::format::{quantity, with_unit};
+use crate::metrics;
+use crate::run::{Outcome, Requests};
+use crate::scenario::{Case, Dimension};
+use crate::sim::{Event, Happening, StopReason};
+
+/// What to type to see one run again.
+pub fn replay_command(suite: &SuiteIdentity, key: &str) -> String {
+    format!("scenario-runner replay '{key}' {} --seed {}", suite.file, suite.seed)
+}
+
+/// The course of one run in words: who it is about, the events in order of time, every metric.
+pub fn render_replay(case: &Case, outcome: &Outcome, events: &[Event], requests: &Requests) -> String {
+    let mut text = String::new();
+    let mut line = |content: String| {
+        text.push_str(content.trim_end());
+        text.push('\n');
+    };
+    line(case.key.clone());
+    line(format!("  seed         {}", case.seed));
+    for person in &case.individuals {
+        let parameters: Vec<_> =
+            person.parameters.0.iter().map(|(name, value)| format!("{name} {value}")).collect();
+        line(format!("  {:<12} individual {} of {}", person.pedestrian, person.number, person.population));
+        line(format!("               {}", parameters.join(", ")));
+    }
+    line(String::new());
+    let width = events.iter().map(|event| event.who.chars().count()).max().unwrap_or(0);
+    for event in events {
+        line(format!("  {:>8.3} s  {:<width$}  {}", event.time, event.who, describe(&event.what)));
+    }
+    let reason = match outcome.ending.reason {
+        StopReason::Completed => "everybody has passed",
+        StopReason::Collision => "the run ends at the collision",
+        StopReason::Horizon => "time is up",
+    };
+    line(format!("  {:>8.3} s  {reason}", outcome.ending.time));
+    line(String::new());
+    for (reference, value) in requests.iter().zip(&outcome.metrics) {
+        let Some(metric) = metrics::metric(&reference.name) else { continue };
+        let mut name = reference.name.clone();
+        for (setting, value) in &reference.settings.0 {
+            write!(name, " {setting}={value}").expect("writing to a string cannot fail");
+        }
+        line(format!("  {name:<28} {}", quantity(metric, *value)));
+    }
+    line(String::new());
+    line(format!("  fingerprint  {:016x}", outcome.fingerprint));
+    text
+}
+
+fn describe(what: &Happening) -> String {
+    let speed = |value: f64| with_unit(value, Dimension::SPEED);
+    match what {
+        Happening::Appears => "appears".to_string(),
+        Happening::Mode(mode) => format!("is now `{mode}`"),
+        Happening::StartsWalking => "starts walking".to_string(),
+        Happening::EntersCarriageway => "crosses the near kerb line".to_string(),
+        Happening::PassesConflictPoint => "passes the conflict point".to_string(),
+        Happening::LeavesCarriageway => "crosses the far kerb line".to_string(),
+        Happening::PassesCrossing { speed: at } => {
+            format!("passes the middle of the crossing at {}", speed(*at))
+        }
+        Happening::Brakes { speed: from } => format!("brakes from {}", speed(*from)),
+        Happening::Stops => "stands still".to_string(),
+        Happening::Resumes => "moves off".to_string(),
+        Happening::PassesFinishLine { speed: at } => format!("passes the finish line at {}", speed(*at)),
+        Happening::Collides { with, relative_speed } => {
+            format!("COLLIDES with {with} at a relative speed of {}", speed(*relative_speed))
+        }
+    }
+}

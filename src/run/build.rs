@@ -1,0 +1,65 @@
+//! Road users from their setups: the registries' models brought to life.
+
+use thiserror::Error;
+
+use crate::pedestrian::{self, PedestrianContext};
+use crate::scenario::World;
+use crate::sim::{Driven, ModelError, RoadUsers};
+use crate::vehicle::{self, ControllerContext};
+
+/// Why a case cannot be run.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+pub enum RunError {
+    #[error("there is no {kind} called `{name}`")]
+    Unknown { kind: &'static str, name: String },
+    #[error("`{who}`: {error}")]
+    Model { who: String, error: ModelError },
+}
+
+impl RunError {
+    /// What to write instead, if the model knows.
+    pub fn hint(&self) -> Option<&str> {
+        match self {
+            Self::Unknown { .. } => None,
+            Self::Model { error, .. } => error.hint.as_deref(),
+        }
+    }
+}
+
+/// Builds every road user of `world` for the run with seed `seed`.
+pub fn road_users(world: &World, seed: u64) -> Result<RoadUsers, RunError> {
+    let unknown = |kind, name: &str| RunError::Unknown { kind, name: name.to_string() };
+    let named = |who: &str| {
+        let who = who.to_string();
+        move |error| RunError::Model { who, error }
+    };
+    let vehicles = world
+        .vehicles
+        .iter()
+        .enumerate()
+        .map(|(index, setup)| {
+            let model = vehicle::controller(&setup.controller.name)
+                .ok_or_else(|| unknown("controller", &setup.controller.name))?;
+            let dynamics = vehicle::dynamics(&setup.dynamics.name)
+                .ok_or_else(|| unknown("vehicle dynamics", &setup.dynamics.name))?;
+            let context =
+                ControllerContext { settings: &setup.controller.settings, setup, world, index, seed };
+            Ok(Driven {
+                controller: (model.build)(&context).map_err(named(&setup.name))?,
+                dynamics: (dynamics.build)(&setup.dynamics.settings).map_err(named(&setup.name))?,
+            })
+        })
+        .collect::<Result<_, _>>()?;
+    let pedestrians = world
+        .pedestrians
+        .iter()
+        .enumerate()
+        .map(|(index, setup)| {
+            let model = pedestrian::model(&setup.model.name)
+                .ok_or_else(|| unknown("pedestrian model", &setup.model.name))?;
+            let context = PedestrianContext { settings: &setup.model.settings, setup, world, index, seed };
+            (model.build)(&context).map_err(named(&setup.name))
+        })
+        .collect::<Result<_, _>>()?;
+    Ok(RoadUsers { vehicles, pedestrians })
+}

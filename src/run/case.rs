@@ -1,0 +1,67 @@
+//! One case from start to outcome.
+
+use std::time::Instant;
+
+use super::build::{RunError, road_users};
+use super::free_flow::FreeFlows;
+use super::outcome::{Outcome, Requests};
+use crate::metrics::Measurement;
+use crate::scenario::Case;
+use crate::sim::{Fingerprint, Observer, Snapshot, Step, simulate};
+
+/// Runs one case and reads the requested metrics off it. `watcher` sees every step and changes nothing.
+///
+/// A pure function of the case, but for the wall time it notes.
+pub fn run_case(
+    case: &Case,
+    requests: &Requests,
+    free_flows: &FreeFlows,
+    watcher: &mut dyn Observer,
+) -> Result<Outcome, RunError> {
+    let begun = Instant::now();
+    let mut users = road_users(&case.world, case.seed)?;
+    let free_speeds: Vec<f64> = users.pedestrians.iter().map(|pedestrian| pedestrian.free_speed()).collect();
+    let flows = free_flows.of(&case.world)?;
+    let mut observers = Observers {
+        measurement: Measurement::new(&case.world, requests.as_slice(), &flows, &free_speeds),
+        fingerprint: Fingerprint::default(),
+        watcher,
+    };
+    let ending = simulate(&case.world, &mut users, &mut observers);
+    Ok(Outcome {
+        key: case.key.clone(),
+        seed: case.seed,
+        individuals: case.individuals.clone(),
+        ending,
+        metrics: observers.measurement.values(&ending),
+        fingerprint: observers.fingerprint.value(),
+        wall_time: begun.elapsed(),
+    })
+}
+
+/// Sees nothing: for runs of which only the outcome matters.
+pub struct Unwatched;
+
+impl Observer for Unwatched {
+    fn observe(&mut self, _step: &Step) {}
+}
+
+struct Observers<'a> {
+    measurement: Measurement,
+    fingerprint: Fingerprint,
+    watcher: &'a mut dyn Observer,
+}
+
+impl Observer for Observers<'_> {
+    fn begin(&mut self, start: &Snapshot) {
+        self.measurement.begin(start);
+        self.fingerprint.begin(start);
+        self.watcher.begin(start);
+    }
+
+    fn observe(&mut self, step: &Step) {
+        self.measurement.observe(step);
+        self.fingerprint.observe(step);
+        self.watcher.observe(step);
+    }
+}

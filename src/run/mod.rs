@@ -1,0 +1,13 @@
+//! Executing cases: road users built from the registries, metrics read off, trials within their time limit.
+
+mod build;
+mod case;
+mod free_flow;
+mod outcome;
+mod trial;
+
+pub use build::{RunError, road_users};
+pub use case::{Unwatched, run_case};
+pub use free_flow::FreeFlows;
+pub use outcome::{Outcome, Requests};
+pub use trial::{TrialError, run_trial};

@@ -1,0 +1,63 @@
+//! What one run came to.
+
+use std::time::Duration;
+
+use serde::{Deserialize, Serialize};
+
+use crate::metrics::METRICS;
+use crate::scenario::{Criterion, Individual, MetricReference, Settings};
+use crate::sim::Ending;
+
+/// The result of one case.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Outcome {
+    pub key: String,
+    pub seed: u64,
+    pub individuals: Vec<Individual>,
+    pub ending: Ending,
+    /// One per request, in their order; `None` where the metric does not exist in this run.
+    pub metrics: Vec<Option<f64>>,
+    /// See [`crate::sim::Fingerprint`].
+    pub fingerprint: u64,
+    /// Left out of stored results, which are the same on every machine.
+    #[serde(skip)]
+    pub wall_time: Duration,
+}
+
+/// The metrics that are read off every run of a suite: each with its defaults, and what criteria ask for besides.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Requests(Vec<MetricReference>);
+
+impl Requests {
+    /// Every registered metric with its defaults.
+    pub fn defaults() -> Self {
+        let plain = |name: &str| MetricReference {
+            name: name.to_string(),
+            settings: Settings::default(),
+            pair: None,
+        };
+        Self(METRICS.iter().map(|metric| plain(metric.declaration.name)).collect())
+    }
+
+    /// Adds whatever the criteria need that is not there yet.
+    pub fn include(&mut self, criteria: &[Criterion]) {
+        for criterion in criteria {
+            let reference = criterion.claim.metric();
+            if self.index(reference).is_none() {
+                self.0.push(reference.clone());
+            }
+        }
+    }
+
+    pub fn index(&self, reference: &MetricReference) -> Option<usize> {
+        self.0.iter().position(|known| known == reference)
+    }
+
+    pub fn iter(&self) -> impl Iterator<Item = &MetricReference> {
+        self.0.iter()
+    }
+
+    pub fn as_slice(&self) -> &[MetricReference] {
+        &self.0
+    }
+}

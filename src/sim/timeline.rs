@@ -1,0 +1,203 @@
+//! The event timeline of one run: what happened, when and to whom.
+
+use serde::{Deserialize, Serialize};
+
+use super::geometry::first_contact;
+use super::observer::{Observer, Step};
+use super::state::{PedestrianState, VehicleState};
+use crate::scenario::{Road, Side, World};
+
+/// One thing that happened. Times in s, speeds in m/s.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Event {
+    pub time: f64,
+    pub who: String,
+    pub what: Happening,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Happening {
+    Appears,
+    /// The model's own word for what it is up to.
+    Mode(String),
+    StartsWalking,
+    EntersCarriageway,
+    /// Its centre passes the centre line of a vehicle's lane.
+    PassesConflictPoint,
+    LeavesCarriageway,
+    /// Its centre passes the middle of the crossing.
+    PassesCrossing {
+        speed: f64,
+    },
+    /// Speed starts to fall by more than 0.5 m/s².
+    Brakes {
+        speed: f64,
+    },
+    Stops,
+    Resumes,
+    PassesFinishLine {
+        speed: f64,
+    },
+    /// Footprints meet.
+    Collides {
+        with: String,
+        relative_speed: f64,
+    },
+}
+
+/// Records the events of a run.
+#[derive(Debug)]
+pub struct Timeline<'a> {
+    world: &'a World,
+    events: Vec<Event>,
+    pedestrian_modes: Vec<&'static str>,
+    vehicle_modes: Vec<&'static str>,
+    braking: Vec<bool>,
+    walking: Vec<bool>,
+    in_contact: Vec<bool>,
+    appeared: Vec<bool>,
+}
+
+/// Below this a road user stands, m/s.
+const STANDING: f64 = 0.01;
+
+impl<'a> Timeline<'a> {
+    pub fn new(world: &'a World) -> Self {
+        let (cars, people) = (world.vehicles.len(), world.pedestrians.len());
+        Self {
+            world,
+            events: Vec::new(),
+            pedestrian_modes: vec![""; people],
+            vehicle_modes: vec![""; cars],
+            braking: vec![false; cars],
+            walking: vec![false; people],
+            in_contact: vec![false; cars * people],
+            appeared: vec![false; people],
+        }
+    }
+
+    /// The events in order of time.
+    pub fn into_events(mut self) -> Vec<Event> {
+        self.events.sort_by(|left, right| left.time.total_cmp(&right.time));
+        self.events
+    }
+
+    fn add(&mut self, time: f64, who: &str, what: Happening) {
+        self.events.push(Event { time, who: who.to_string(), what });
+    }
+
+    fn follow_vehicle(&mut self, step: &Step, index: usize) {
+        let world = self.world;
+        let name = &world.vehicles[index].name;
+        let (before, after) = (&step.before.vehicles[index].motion, &step.after.vehicles[index].motion);
+        let mode = step.vehicle_modes[index];
+        if mode != self.vehicle_modes[index] {
+            self.vehicle_modes[index] = mode;
+            self.add(step.time, name, Happening::Mode(mode.to_string()));
+        }
+        let end = step.time + step.duration;
+        if let Some(part) = passing(before.travelled, after.travelled, 0.0) {
+            let speed = before.speed + part * (after.speed - before.speed);
+            self.add(step.time + part * step.duration, name, Happening::PassesCrossing { speed });
+        }
+        if let Some(part) = passing(before.travelled, after.travelled, world.finish) {
+            let speed = before.speed + part * (after.speed - before.speed);
+            self.add(step.time + part * step.duration, name, Happening::PassesFinishLine { speed });
+        }
+        let deceleration = (before.speed - after.speed) / step.duration;
+        if deceleration > 0.5 && !self.braking[index] {
+            self.braking[index] = true;
+            self.add(step.time, name, Happening::Brakes { speed: before.speed });
+        } else if deceleration <= 0.0 {
+            self.braking[index] = false;
+        }
+        if before.speed >= STANDING && after.speed < STANDING {
+            self.add(end, name, Happening::Stops);
+        } else if before.speed < STANDING && after.speed >= STANDING {
+            self.add(step.time, name, Happening::Resumes);
+        }
+    }
+
+    fn follow_pedestrian(&mut self, step: &Step, index: usize) {
+        let world = self.world;
+        let name = &world.pedestrians[index].name;
+        let (before, after) = (&step.before.pedestrians[index], &step.after.pedestrians[index]);
+        let mode = step.pedestrian_modes[index];
+        if mode != self.pedestrian_modes[index] {
+            self.pedestrian_modes[index] = mode;
+            self.add(step.time, name, Happening::Mode(mode.to_string()));
+        }
+        if !self.walking[index] && after.velocity.norm() >= STANDING {
+            self.walking[index] = true;
+            self.add(step.time, name, Happening::StartsWalking);
+        } else if self.walking[index] && after.velocity.norm() < STANDING {
+            self.walking[index] = false;
+            self.add(step.time + step.duration, name, Happening::Stops);
+        }
+        for (y, what) in lines(&world.road, world.pedestrians[index].side, &step.before.vehicles) {
+            if let Some(part) = passing_either_way(before.position.y, after.position.y, y) {
+                self.add(step.time + part * step.duration, name, what);
+            }
+        }
+        for (car_index, car) in step.before.vehicles.iter().enumerate() {
+            let moved = relative_movement(before, after, car, &step.after.vehicles[car_index]);
+            let contact = first_contact(car, before, moved / step.duration).filter(|t| *t <= step.duration);
+            let slot = car_index * world.pedestrians.len() + index;
+            if let Some(moment) = contact.filter(|_| !self.in_contact[slot]) {
+                let with = world.vehicles[car_index].name.clone();
+                let relative_speed = moved.norm() / step.duration;
+                self.add(step.time + moment, name, Happening::Collides { with, relative_speed });
+            }
+            self.in_contact[slot] = contact.is_some();
+        }
+    }
+}
+
+impl Observer for Timeline<'_> {
+    fn observe(&mut self, step: &Step) {
+        for index in 0..self.world.vehicles.len() {
+            self.follow_vehicle(step, index);
+        }
+        for index in 0..self.world.pedestrians.len() {
+            if step.before.pedestrians[index].present {
+                if !self.appeared[index] {
+                    self.appeared[index] = true;
+                    self.add(step.time, &self.world.pedestrians[index].name, Happening::Appears);
+                }
+                self.follow_pedestrian(step, index);
+            }
+        }
+    }
+}
+
+fn relative_movement(
+    before: &PedestrianState,
+    after: &PedestrianState,
+    car_before: &VehicleState,
+    car_after: &VehicleState,
+) -> nalgebra::Vector2<f64> {
+    (after.position - before.position) - (car_after.position() - car_before.position())
+}
+
+/// The lines across a pedestrian's way that are worth telling of.
+fn lines(road: &Road, side: Side, vehicles: &[VehicleState]) -> impl Iterator<Item = (f64, Happening)> {
+    let opposite = match side {
+        Side::Near => Side::Far,
+        Side::Far => Side::Near,
+    };
+    let kerbs = [
+        (road.kerb(side), Happening::EntersCarriageway),
+        (road.kerb(opposite), Happening::LeavesCarriageway),
+    ];
+    kerbs.into_iter().chain(vehicles.iter().map(|car| (car.lane_centre, Happening::PassesConflictPoint)))
+}
+
+/// The share of the step after which a rising quantity reaches `line`.
+fn passing(before: f64, after: f64, line: f64) -> Option<f64> {
+    (before < line && after >= line).then(|| (line - before) / (after - before))
+}
+
+fn passing_either_way(before: f64, after: f64, line: f64) -> Option<f64> {
+    passing(before, after, line).or_else(|| passing(-before, -after, -line))
+}
