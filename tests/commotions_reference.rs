@@ -426,11 +426,10 @@ fn replay(i: usize, simulation: &Simulation) -> Comparison {
             [run.action_value_estimates.len(), run.behaviour_probabilities.len(), run.perceived.len()];
         assert_eq!(lengths, [probes; 3], "{place}: every probe step needs its numbers");
     }
-    let encounter =
-        |own, other, initial_other_distance| Encounter { own, other, initial_other_distance, dt: *dt };
-    let walker = Agent::new(&variant, &parameters, &encounter(PEDESTRIAN, VEHICLE, vehicle.d0));
+    let encounter = |own, other| Encounter { own, other, dt: *dt };
+    let walker = Agent::new(&variant, &parameters, &encounter(PEDESTRIAN, VEHICLE));
     let driver = (vehicle.kind == Some(Driver::Commotions))
-        .then(|| Agent::new(&variant, &parameters, &encounter(VEHICLE, PEDESTRIAN, ped.d0)));
+        .then(|| Agent::new(&variant, &parameters, &encounter(VEHICLE, PEDESTRIAN)));
     let mut both = [
         Replayed::new("pedestrian", ped, &draws.ped, Some(walker)),
         Replayed::new("vehicle", vehicle, &draws.vehicle, driver),

@@ -27,7 +27,7 @@ pub struct PedestrianContext<'a> {
 }
 
 /// Every pedestrian model there is, by name.
-pub static MODELS: &[&PedestrianModel] = &[];
+pub static MODELS: &[&PedestrianModel] = &[&commotions::model::COMMOTIONS];
 
 /// The model of that name.
 pub fn model(name: &str) -> Option<&'static PedestrianModel> {

@@ -1,5 +1,6 @@
 //! Vehicles: controllers and longitudinal dynamics, one file or folder each, and their registries.
 
+mod commotions;
 mod dynamics;
 
 use crate::scenario::{Declaration, Settings, VehicleSetup, World};
@@ -44,7 +45,7 @@ pub enum CommandKind {
 }
 
 /// Every controller there is, by name.
-pub static CONTROLLERS: &[&ControllerModel] = &[];
+pub static CONTROLLERS: &[&ControllerModel] = &[&commotions::COMMOTIONS];
 
 /// Every vehicle dynamics there is, by name.
 pub static DYNAMICS: &[&DynamicsModel] = &[

@@ -24,8 +24,6 @@ pub struct Encounter {
     pub own: Body,
     /// The other's body.
     pub other: Body,
-    /// The other's true distance to the conflict point at the start (m): the prior of perception.
-    pub initial_other_distance: f64,
     /// Time step (s).
     pub dt: f64,
 }
@@ -69,7 +67,7 @@ pub struct Agent {
 impl Agent {
     /// An individual of a variant at the start of an encounter.
     pub fn new(variant: &Variant, parameters: &Parameters, encounter: &Encounter) -> Self {
-        let Encounter { own, other, initial_other_distance, dt } = *encounter;
+        let Encounter { own, other, dt } = *encounter;
         let valuation = Valuation::new(variant, parameters);
         let saturated_free_value = libm::tanh(valuation.discounting.free_value() / valuation.scale);
         let other_speed = Party::wanted_speed(other.control, parameters);
@@ -81,7 +79,7 @@ impl Agent {
             other: Party::new(other, parameters),
             valuation,
             plan: ActionPlan::new(own.control, parameters.action_duration, dt),
-            perception: Perception::new(variant, parameters, dt, initial_other_distance, other_speed),
+            perception: Perception::new(variant, parameters, dt, other_speed),
             beliefs: Beliefs::new(variant, parameters, dt),
             decider: Decider::new(variant, parameters, saturated_free_value, dt),
             thoughts: None,

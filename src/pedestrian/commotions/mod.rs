@@ -20,6 +20,7 @@ pub mod belief;
 pub mod decision;
 pub mod draws;
 pub mod looming;
+pub mod model;
 pub mod parameters;
 pub mod perception;
 pub mod prediction;

@@ -62,8 +62,31 @@ const FITTED: &str =
     "Markkula et al. 2023, fitted per individual; default: median of the published individuals";
 const FIXED: &str = "Markkula et al. 2023, fixed in the published fits";
 
-/// Every parameter, in the order of [`Parameters`]. Names are the published ones.
-pub const PARAMETERS: [Parameter; 25] = [
+/// Everything that a scenario may say about a COMMOTIONS road user: its variant, its time step, and the numbers
+/// of [`Parameters`] under their published names.
+pub const PARAMETERS: &[Parameter] = &[
+    Parameter::text(
+        "variant",
+        "oVAoBEvoAIoEAoSNvoPF",
+        "Published name of the variant: its assumptions one after the other",
+        "Markkula et al. 2023",
+    ),
+    Parameter::number(
+        "dt",
+        Dimension::TIME,
+        0.025,
+        (0.005, 0.1),
+        "Time step of perception and decision, a multiple of the simulation step",
+        "Markkula et al. 2023: 0.025 s for stochastic, 0.1 s for deterministic variants",
+    ),
+    Parameter::number(
+        "entry_inhibited_until",
+        Dimension::TIME,
+        0.0,
+        (0.0, 1e6),
+        "Time before which pedestrians may not enter, as while another car is passing",
+        "HIKER experiment, Lee et al. 2022",
+    ),
     Parameter::number(
         "T_delta",
         Dimension::TIME,
@@ -242,12 +265,11 @@ pub const PARAMETERS: [Parameter; 25] = [
         "Free speed of pedestrians",
         FIXED,
     ),
-    Parameter::number(
+    Parameter::optional(
         "veh_free_speed",
         Dimension::SPEED,
-        50.0 / 3.6,
         (0.5, 60.0),
-        "Free speed of vehicles; on a slower road that road's speed",
+        "Free speed of vehicles; without it 50 km/h, or on a slower road the speed limit",
         FIXED,
     ),
 ];
@@ -280,13 +302,12 @@ impl Default for Parameters {
             not_yielding_value: 0.0,
             acceleration_discomfort: 0.0,
             pedestrian_free_speed: 0.0,
-            vehicle_free_speed: 0.0,
+            vehicle_free_speed: 50.0 / 3.6,
         };
-        for parameter in &PARAMETERS {
-            if let (Some(field), Some(default)) =
-                (parameters.get_mut(parameter.name), parameter.default_value())
-            {
-                *field = default.as_number().unwrap_or(f64::NAN);
+        for parameter in PARAMETERS {
+            let default = parameter.default_value().and_then(|value| value.as_number());
+            if let (Some(field), Some(default)) = (parameters.get_mut(parameter.name), default) {
+                *field = default;
             }
         }
         parameters
@@ -329,10 +350,8 @@ impl Parameters {
     /// The parameters in `settings`, which were resolved against [`PARAMETERS`].
     pub fn from_settings(settings: &Settings) -> Self {
         let mut parameters = Self::default();
-        for parameter in &PARAMETERS {
-            if let (Some(field), Some(value)) =
-                (parameters.get_mut(parameter.name), settings.optional_number(parameter.name))
-            {
+        for (name, value) in &settings.0 {
+            if let (Some(field), Some(value)) = (parameters.get_mut(name), value.as_number()) {
                 *field = value;
             }
         }
@@ -361,16 +380,29 @@ pub fn fitted_by(variant: &Variant) -> Vec<&'static str> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scenario::Value;
 
     #[test]
-    fn every_declared_parameter_has_its_field_and_default() {
+    fn every_declared_number_has_its_field_and_a_default_in_range() {
         let mut parameters = Parameters::default();
-        for parameter in &PARAMETERS {
-            let default = parameter.default_value().and_then(|value| value.as_number());
-            assert_eq!(parameters.get_mut(parameter.name).copied(), default, "{}", parameter.name);
-            parameter.check("commotions", &parameter.default_value().unwrap()).unwrap();
+        for parameter in PARAMETERS {
+            if ["variant", "dt", "entry_inhibited_until"].contains(&parameter.name) {
+                continue;
+            }
+            let value = *parameters.get_mut(parameter.name).expect(parameter.name);
+            parameter.check("commotions", &Value::Number(value)).unwrap();
+            let default = parameter.default_value().unwrap_or(Value::Number(50.0 / 3.6));
+            assert_eq!(Value::Number(value), default, "{}", parameter.name);
         }
         assert_eq!(parameters.get_mut("T_d"), None);
+    }
+
+    #[test]
+    fn settings_override_defaults() {
+        let settings =
+            Settings::from([("T_delta", Value::Number(33.0)), ("variant", Value::Word("oVA".into()))]);
+        let parameters = Parameters::from_settings(&settings);
+        assert_eq!(parameters, Parameters { discount_half_life: 33.0, ..Parameters::default() });
     }
 
     #[test]

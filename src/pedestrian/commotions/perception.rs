@@ -70,6 +70,10 @@ impl Filter {
     }
 }
 
+fn square(x: f64) -> f64 {
+    x * x
+}
+
 fn at_least_zero_or_nan(x: f64) -> f64 {
     if x < 0.0 { 0.0 } else { x }
 }
@@ -89,19 +93,13 @@ pub struct Perception {
 }
 
 impl Perception {
-    /// The senses at the start of an encounter with another whose true initial distance is
-    /// `initial_distance` and whose assumed free speed is `assumed_speed`: the prior of the filter.
-    pub fn new(
-        variant: &Variant,
-        parameters: &Parameters,
-        dt: f64,
-        initial_distance: f64,
-        assumed_speed: f64,
-    ) -> Self {
-        let square = |x: f64| x * x;
+    /// The senses before an encounter with someone whose assumed free speed is `assumed_speed` (m/s).
+    ///
+    /// The true distance of the other at the first step becomes the other half of the filter's prior.
+    pub fn new(variant: &Variant, parameters: &Parameters, dt: f64, assumed_speed: f64) -> Self {
         let filter = variant.perceptual_filtering.then(|| Filter {
-            mean: Vector2::new(initial_distance, assumed_speed),
-            covariance: Matrix2::new(square(2.0 * initial_distance), 0.0, 0.0, square(2.0 * assumed_speed)),
+            mean: Vector2::new(0.0, assumed_speed),
+            covariance: Matrix2::new(0.0, 0.0, 0.0, square(2.0 * assumed_speed)),
             process_variance: square(parameters.process_noise),
         });
         let scale = if filter.is_some() { 1.0 } else { parameters.unfiltered_noise_scale };
@@ -134,6 +132,10 @@ impl Perception {
         let observed = distance + noise * draws.next_normal();
         let percept = match &mut self.filter {
             Some(filter) => {
+                if self.last_observed.is_none() {
+                    filter.mean[0] = distance;
+                    filter.covariance[(0, 0)] = square(2.0 * distance);
+                }
                 filter.observe(observed, noise * noise, self.dt);
                 filter.draw(draws)
             }
@@ -148,10 +150,78 @@ impl Perception {
 
     /// The standard deviation (m) that the angular noise means at this distance.
     fn noise_of_angle(&self, own_distance: f64, distance: f64) -> f64 {
+        if distance == 0.0 {
+            return 0.0;
+        }
         let range = (own_distance * own_distance + distance * distance).sqrt();
         let h = self.eye_height;
         let angle = libm::atan(h / range) + self.angular_noise;
         let noise = distance.abs() * (1.0 - h / (range * libm::tan(angle)));
         if noise < 0.0 { 0.0 } else { noise }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pedestrian::commotions::draws::RecordedDraws;
+
+    fn senses(variant: &str, change: impl Fn(&mut Parameters)) -> Perception {
+        let mut parameters = Parameters::default();
+        change(&mut parameters);
+        Perception::new(&variant.parse().unwrap(), &parameters, 0.025, 50.0 / 3.6)
+    }
+
+    #[test]
+    fn exact_senses_draw_nothing() {
+        let mut draws = RecordedDraws::new(&[]);
+        let percept = senses("oVA", |_| ()).perceive(3.0, 20.0, 8.0, &mut draws);
+        assert_eq!(percept, Percept { distance: 20.0, speed: 8.0 });
+        assert!(draws.is_used_up());
+    }
+
+    #[test]
+    fn without_a_filter_speed_is_the_change_of_what_is_seen() {
+        let mut senses = senses("oVAoSNc", |p| p.distance_noise = 100.0);
+        let mut draws = RecordedDraws::new(&[0.0, -1.0, 3.0]);
+        assert_eq!(senses.perceive(3.0, 20.0, 8.0, &mut draws).speed, 0.0);
+        // c_tau makes the noise 0.1 m.
+        let second = senses.perceive(3.0, 19.8, 8.0, &mut draws);
+        assert!((second.distance - 19.7).abs() < 1e-12 && (second.speed - 12.0).abs() < 1e-9);
+        // Seen further away than before: the speed is clipped.
+        assert_eq!(senses.perceive(3.0, 19.6, 8.0, &mut draws).speed, 0.0);
+        assert!(draws.is_used_up());
+    }
+
+    #[test]
+    fn angular_noise_grows_with_distance_and_vanishes_at_the_conflict_point() {
+        let senses = senses("oVAoSNvoPF", |p| p.angular_noise = 0.01);
+        let noise = |distance| senses.noise_of_angle(3.0, distance);
+        assert!(noise(10.0) < noise(20.0) && noise(20.0) < noise(80.0));
+        assert_eq!(noise(0.0), 0.0);
+        assert_eq!(senses.noise_of_angle(0.0, 0.0), 0.0);
+    }
+
+    #[test]
+    fn the_filter_learns_distance_and_speed_under_constant_noise() {
+        let mut senses = senses("oVAoSNcoPF", |p| p.distance_noise = 1.0);
+        let mut draws = crate::sim::random::Stream::seeded(5);
+        let mut percept = Percept::default();
+        for k in 0..240 {
+            percept = senses.perceive(3.0, 60.0 - 10.0 * 0.025 * f64::from(k), 10.0, &mut draws);
+        }
+        assert!((percept.distance - 0.25).abs() < 1.5 && (percept.speed - 10.0).abs() < 2.5, "{percept:?}");
+        let filter = senses.filter.unwrap();
+        assert!((filter.mean[1] - 10.0).abs() < 1.5, "{}", filter.mean);
+        // A drawn percept leaves the filter alone, and draws three per step: here none is left over.
+        let p = filter.covariance;
+        assert!(p[(0, 0)] > 0.0 && p[(1, 1)] > 0.0 && (p[(0, 1)] - p[(1, 0)]).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_percept_of_something_impossible_stays_not_a_number() {
+        let mut senses = senses("oVAoSNvoPF", |p| p.angular_noise = f64::NAN);
+        let percept = senses.perceive(3.0, 20.0, 8.0, &mut RecordedDraws::new(&[0.0; 3]));
+        assert!(percept.distance.is_nan());
     }
 }

@@ -1,0 +1,233 @@
+//! The COMMOTIONS pedestrian as a registered model: its declaration, and what stands between the world and the agents.
+
+use super::agent::{Agent, Encounter, Rules};
+use super::parameters::{PARAMETERS, Parameters};
+use super::state::{Body, Control, State};
+use super::variant::{Accumulation, Variant};
+use crate::pedestrian::{PedestrianContext, PedestrianModel};
+use crate::scenario::{Declaration, Road, Settings, Shape, VehicleReference};
+use crate::sim::random::{self, Purpose, Stream};
+use crate::sim::{ModelError, Motion, Pedestrian, Scene, VehicleState};
+
+/// The registry entry.
+pub static COMMOTIONS: PedestrianModel = PedestrianModel {
+    declaration: Declaration {
+        name: "commotions",
+        summary: "A human-like pedestrian who perceives with noise, infers what the driver will do and weighs when to go",
+        source: "Markkula, Lin, Srinivasan, Billington, Leonetti, Kalantari, Yang, Lee, Madigan and Merat, PNAS Nexus 2(6), 2023",
+        parameters: PARAMETERS,
+        presets: None,
+    },
+    takes_individuals: true,
+    build,
+};
+
+fn build(context: &PedestrianContext) -> Result<Box<dyn Pedestrian>, ModelError> {
+    let person = Person::from_settings(context.settings, &context.world.road, context.world.step)?;
+    let (length, width) = extent(context.setup.shape);
+    let meetings = context
+        .world
+        .vehicles
+        .iter()
+        .enumerate()
+        .map(|(index, vehicle)| {
+            let bodies = Bodies { pedestrian: (length, width), vehicle: (vehicle.length, vehicle.width) };
+            let encounter = Encounter { own: bodies.pedestrian(), other: bodies.vehicle(), dt: person.dt };
+            let agent = random::Agent::Pedestrian(context.index);
+            Meeting {
+                agent: Agent::new(&person.variant, &person.parameters, &encounter),
+                half_extent: encounter.own.half_extent,
+                draws: random::stream(seed_of_meeting(context.seed, index), agent, Purpose::Perception),
+            }
+        })
+        .collect();
+    Ok(Box::new(Walker {
+        meetings,
+        free_speed: person.parameters.pedestrian_free_speed,
+        action_duration: person.parameters.action_duration,
+        steps_per_decision: person.steps_per_decision,
+        entry_inhibited_until: context.settings.number("entry_inhibited_until"),
+        steps: 0,
+        acceleration: 0.0,
+        standing: true,
+    }))
+}
+
+/// What the settings say of one COMMOTIONS road user.
+pub struct Person {
+    /// Its assumptions.
+    pub variant: Variant,
+    /// Its parameters.
+    pub parameters: Parameters,
+    /// Time step of its decisions (s).
+    pub dt: f64,
+    /// Simulation steps per decision.
+    pub steps_per_decision: u64,
+}
+
+impl Person {
+    /// Reads and checks resolved settings for a road and a simulation step (s).
+    ///
+    /// # Errors
+    /// For a name that is no variant, and for times that do not fit each other.
+    pub fn from_settings(settings: &Settings, road: &Road, step: f64) -> Result<Self, ModelError> {
+        let variant: Variant =
+            settings.word("variant").parse().map_err(|error| ModelError::new(format!("{error}")))?;
+        let mut parameters = Parameters::from_settings(settings);
+        if settings.optional_number("veh_free_speed").is_none() {
+            parameters.vehicle_free_speed = parameters.vehicle_free_speed.min(road.speed_limit);
+        }
+        let dt = settings.number("dt");
+        let steps = (dt / step).round();
+        if steps < 1.0 || (steps * step / dt - 1.0).abs() > 1e-6 {
+            return Err(ModelError::with_hint(
+                format!(
+                    "`commotions` decides every {dt} s, which is no multiple of the simulation step of {step} s"
+                ),
+                "let `dt` be a multiple of the simulation step",
+            ));
+        }
+        for (name, value, uses) in [
+            ("T", parameters.evidence_time, variant.accumulation == Accumulation::Evidence),
+            ("T_Of", parameters.observation_forgetting_time, variant.observation_beliefs),
+            ("DeltaT", parameters.action_duration, true),
+        ] {
+            if uses && value < dt {
+                return Err(ModelError::with_hint(
+                    format!(
+                        "`{name}` of `commotions` is {value} s, shorter than its time step `dt` of {dt} s"
+                    ),
+                    format!("let `{name}` be at least {dt} s"),
+                ));
+            }
+        }
+        if variant.looming && parameters.looming_full <= parameters.looming_onset {
+            return Err(ModelError::new(format!(
+                "`thetaDot_1` of `commotions` is {} rad/s, not above `thetaDot_0` of {} rad/s",
+                parameters.looming_full, parameters.looming_onset
+            )));
+        }
+        Ok(Self { variant, parameters, dt, steps_per_decision: steps as u64 })
+    }
+}
+
+/// Length and width (m) of the two who meet.
+pub struct Bodies {
+    /// Of the pedestrian.
+    pub pedestrian: (f64, f64),
+    /// Of the vehicle.
+    pub vehicle: (f64, f64),
+}
+
+impl Bodies {
+    /// The pedestrian's body in the conflict space (§1).
+    pub fn pedestrian(&self) -> Body {
+        Body {
+            control: Control::Speed,
+            half_extent: (self.pedestrian.0 + self.vehicle.1) / 2.0,
+            width: self.pedestrian.1,
+        }
+    }
+
+    /// The vehicle's body in the conflict space (§1).
+    pub fn vehicle(&self) -> Body {
+        Body {
+            control: Control::Acceleration,
+            half_extent: (self.vehicle.0 + self.pedestrian.1) / 2.0,
+            width: self.vehicle.1,
+        }
+    }
+}
+
+/// Length along the walking direction and width across it of a footprint (m).
+pub fn extent(shape: Shape) -> (f64, f64) {
+    match shape {
+        Shape::Disc { radius } => (2.0 * radius, 2.0 * radius),
+        Shape::Rectangle { length, width } => (length, width),
+    }
+}
+
+/// The seed of the noise in meeting the other number `index`: the run's own for the first, so that another road
+/// user more does not shift what is drawn for the others.
+pub fn seed_of_meeting(seed: u64, index: usize) -> u64 {
+    const GOLDEN_RATIO: u64 = 0x9E37_79B9_7F4A_7C15;
+    seed.wrapping_add((index as u64).wrapping_mul(GOLDEN_RATIO))
+}
+
+/// A pedestrian's encounter with one vehicle.
+struct Meeting {
+    agent: Agent,
+    half_extent: f64,
+    draws: Stream,
+}
+
+/// A pedestrian among vehicles. The model is one of two road users; with more vehicles the most cautious of the
+/// answers counts.
+struct Walker {
+    meetings: Vec<Meeting>,
+    free_speed: f64,
+    action_duration: f64,
+    steps_per_decision: u64,
+    entry_inhibited_until: f64,
+    steps: u64,
+    acceleration: f64,
+    standing: bool,
+}
+
+impl Pedestrian for Walker {
+    fn act(&mut self, scene: &Scene) -> Motion {
+        if self.steps.is_multiple_of(self.steps_per_decision) {
+            self.acceleration = self.decide(scene);
+        }
+        self.steps += 1;
+        self.standing = scene.ego().velocity.norm() == 0.0;
+        Motion::Accelerate(self.acceleration)
+    }
+
+    fn mode(&self) -> &'static str {
+        if self.standing { "waiting" } else { "walking" }
+    }
+
+    fn free_speed(&self) -> f64 {
+        self.free_speed
+    }
+}
+
+impl Walker {
+    fn decide(&mut self, scene: &Scene) -> f64 {
+        let me = scene.ego();
+        let rules = Rules {
+            pedestrian_priority: scene.road.pedestrian_priority(scene.time),
+            entry_inhibited: scene.time < self.entry_inhibited_until,
+        };
+        let way = me.heading;
+        let speed = me.velocity.dot(&way);
+        if self.meetings.is_empty() {
+            return (self.free_speed - speed) / self.action_duration;
+        }
+        let mut answer: Option<f64> = None;
+        for (meeting, vehicle) in self.meetings.iter_mut().zip(scene.vehicles) {
+            // Walking along the road never crosses the lane.
+            if way.y == 0.0 {
+                continue;
+            }
+            let distance = (vehicle.lane_centre - me.position.y) / way.y;
+            let own = State { distance, speed, acceleration: me.acceleration.dot(&way) };
+            let other = approaching(vehicle, me.position.x + way.x * distance);
+            let decision = meeting.agent.step(&own, &other, &rules, &mut meeting.draws);
+            if distance >= -meeting.half_extent {
+                answer = Some(answer.map_or(decision.acceleration, |a| a.min(decision.acceleration)));
+            }
+        }
+        answer.unwrap_or(0.0)
+    }
+}
+
+/// A vehicle on its way to the line across the road at `x`.
+fn approaching(vehicle: &VehicleState, x: f64) -> State {
+    State {
+        distance: vehicle.distance_to(x, VehicleReference::Centre),
+        speed: vehicle.motion.speed,
+        acceleration: vehicle.motion.acceleration,
+    }
+}
