@@ -1,6 +1,7 @@
 //! From a checked suite to its trials and cases: variations, individuals, repetitions and seeds.
 
 mod individuals;
+mod sampling;
 mod seed;
 mod setup;
 mod variation;
@@ -83,7 +84,7 @@ pub fn plan(suite: &Suite) -> Result<Plan, Vec<PlanError>> {
 
 fn plan_scenario(suite: &Suite, scenario: &Scenario) -> Result<Vec<Trial>, PlanError> {
     let people = individuals::select(suite.seed, scenario)?;
-    let variations = variation::expand(suite.seed, scenario)?;
+    let variations = variation::expand(suite.seed, scenario);
     let runs = variations.len().saturating_mul(people.len()).saturating_mul(scenario.repeat as usize);
     if runs > MOST_RUNS {
         let message = format!("scenario `{}` asks for {runs} runs, more than {MOST_RUNS}", scenario.name);

@@ -1,25 +1,25 @@
-//! Variations: the grid of values that a scenario is run for.
+//! Variations: the combinations of values that a scenario is run for.
 
-use super::PlanError;
+use super::{derive_seed, sampling};
 use crate::scenario::{Assignment, Scenario, Variation};
 
 /// Every combination of the scenario's variations, the last varying fastest. One empty combination without any.
-pub fn expand(_seed: u64, scenario: &Scenario) -> Result<Vec<Vec<Assignment>>, PlanError> {
+pub fn expand(seed: u64, scenario: &Scenario) -> Vec<Vec<Assignment>> {
     let mut combinations = vec![Vec::new()];
     for variation in &scenario.variations {
-        let rows = rows(scenario, variation)?;
+        let rows = rows(seed, scenario, variation);
         let mut longer = Vec::with_capacity(combinations.len().saturating_mul(rows.len()));
         for combination in &combinations {
             longer.extend(rows.iter().map(|row| [combination.as_slice(), row].concat()));
         }
         combinations = longer;
     }
-    Ok(combinations)
+    combinations
 }
 
-fn rows(scenario: &Scenario, variation: &Variation) -> Result<Vec<Vec<Assignment>>, PlanError> {
+fn rows(seed: u64, scenario: &Scenario, variation: &Variation) -> Vec<Vec<Assignment>> {
     match variation {
-        Variation::Grid { names, rows } => Ok(rows
+        Variation::Grid { names, rows } => rows
             .iter()
             .map(|row| {
                 names
@@ -32,10 +32,11 @@ fn rows(scenario: &Scenario, variation: &Variation) -> Result<Vec<Vec<Assignment
                     })
                     .collect()
             })
-            .collect()),
-        Variation::Sampled { names, .. } => {
-            let message = format!("sampled variation of {} is not available yet", names.join(", "));
-            Err(PlanError::new(&scenario.origin, message))
-        }
+            .collect(),
+        Variation::Sampled { names, samples } => sampling::draw(
+            derive_seed(seed, &format!("{}/{}", scenario.name, names.join("+"))),
+            names,
+            samples,
+        ),
     }
 }

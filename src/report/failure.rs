@@ -1,11 +1,12 @@
 //! Why a trial failed, for the terminal and, in the same words, for JUnit.
 
 use super::excerpt::Excerpt;
-use super::format::{quantity, share, significant};
+use super::format::{quantity, share};
 use super::replay::replay_command;
 use super::{SuiteIdentity, TrialState};
 use crate::judge::{Finding, Measure, Verdict, WorstRun};
 use crate::metrics;
+use crate::scenario::significant;
 
 /// Every finding that is not passed, drawn at its place, with the worst runs and how to replay them.
 pub fn render_failure(suite: &SuiteIdentity, state: &TrialState, colour: bool) -> String {

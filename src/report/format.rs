@@ -1,7 +1,7 @@
 //! Numbers for people: few digits, with units.
 
 use crate::metrics::{Metric, MetricKind};
-use crate::scenario::Dimension;
+use crate::scenario::{Dimension, significant};
 
 /// A metric's value with its unit, such as `1.23 s`, `yes` or `pedestrian`; `–` where it does not exist.
 pub fn quantity(metric: &Metric, value: Option<f64>) -> String {
@@ -23,17 +23,6 @@ pub fn with_unit(value: f64, dimension: Dimension) -> String {
 /// A share such as `85 %`.
 pub fn share(value: f64) -> String {
     format!("{} %", significant(value * 100.0, 3))
-}
-
-/// With `digits` significant digits and no trailing zeros.
-pub fn significant(value: f64, digits: i32) -> String {
-    if value == 0.0 || !value.is_finite() {
-        return format!("{value}").replace("-0", "0");
-    }
-    let decimals = (digits - 1 - value.abs().log10().floor() as i32).clamp(0, 12) as usize;
-    let text = format!("{value:.decimals$}");
-    let trimmed = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
-    if trimmed == "-0" { "0".to_string() } else { trimmed.to_string() }
 }
 
 #[cfg(test)]

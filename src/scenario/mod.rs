@@ -31,4 +31,4 @@ pub use declared::{
 pub use dimension::Dimension;
 pub use expression::{BinaryOperator, EvaluationError, Expression};
 pub use road::{Body, Crossing, CrossingKind, Direction, Lane, Road, Side};
-pub use value::{Settings, Value};
+pub use value::{Settings, Value, significant};

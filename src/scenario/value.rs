@@ -83,3 +83,14 @@ impl<const N: usize> From<[(&str, Value); N]> for Settings {
         Self(pairs.into_iter().map(|(name, value)| (name.to_string(), value)).collect())
     }
 }
+
+/// With `digits` significant digits and no trailing zeros.
+pub fn significant(value: f64, digits: i32) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return format!("{value}").replace("-0", "0");
+    }
+    let decimals = (digits - 1 - value.abs().log10().floor() as i32).clamp(0, 12) as usize;
+    let text = format!("{value:.decimals$}");
+    let trimmed = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+    if trimmed == "-0" { "0".to_string() } else { trimmed.to_string() }
+}

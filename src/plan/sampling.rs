@@ -1,0 +1,153 @@
+//! Sampled variations: points of a design, through the quantile functions of the declared distributions.
+
+use std::collections::HashSet;
+
+use crate::scenario::{Assignment, Distribution, Samples, SamplingScheme, Value, significant};
+use crate::sim::random::{Stream, normal_quantile};
+
+/// One row per sample, one assignment per name.
+pub fn draw(seed: u64, names: &[String], samples: &Samples) -> Vec<Vec<Assignment>> {
+    let mut labels = HashSet::new();
+    design(samples.scheme, samples.count as usize, names.len(), seed)
+        .into_iter()
+        .map(|point| {
+            let mut row: Vec<_> = (0..names.len())
+                .map(|index| {
+                    let (value, label) =
+                        quantile(&samples.distributions[index], point[index], &samples.units[index]);
+                    Assignment { name: names[index].clone(), label, value }
+                })
+                .collect();
+            // Two draws that round to the same words still need names of their own.
+            let plain = row[0].label.clone();
+            let mut copy = 2;
+            while !labels.insert(row.iter().map(|a| a.label.clone()).collect::<Vec<_>>()) {
+                row[0].label = format!("{plain}#{copy}");
+                copy += 1;
+            }
+            row
+        })
+        .collect()
+}
+
+/// `count` points of the open unit cube.
+pub fn design(scheme: SamplingScheme, count: usize, dimensions: usize, seed: u64) -> Vec<Vec<f64>> {
+    let mut stream = Stream::seeded(seed);
+    match scheme {
+        SamplingScheme::Random => {
+            (0..count).map(|_| (0..dimensions).map(|_| stream.uniform()).collect()).collect()
+        }
+        SamplingScheme::LatinHypercube => {
+            let mut points = vec![vec![0.0; dimensions]; count];
+            for dimension in 0..dimensions {
+                let mut slices: Vec<usize> = (0..count).collect();
+                for last in (1..count).rev() {
+                    slices.swap(last, stream.index(last + 1));
+                }
+                for (point, slice) in points.iter_mut().zip(slices) {
+                    point[dimension] = (slice as f64 + stream.uniform()) / count as f64;
+                }
+            }
+            points
+        }
+        SamplingScheme::Sobol => {
+            let scramble = derive_scramble(seed);
+            let sample = |index: usize, dimension: usize| {
+                // Past 2^16 points the sequence starts anew with another scrambling.
+                let (round, index) = ((index >> 16) as u32, (index & 0xffff) as u32);
+                let unit = sobol_burley::sample(index, dimension as u32, scramble.wrapping_add(round));
+                // In the middle of its cell of 2^-24, so never on the edge.
+                f64::from(unit) + 0.5 / f64::from(1 << 24)
+            };
+            (0..count)
+                .map(|index| (0..dimensions).map(|dimension| sample(index, dimension)).collect())
+                .collect()
+        }
+    }
+}
+
+fn derive_scramble(seed: u64) -> u32 {
+    (seed ^ (seed >> 32)) as u32
+}
+
+fn quantile(distribution: &Distribution, share: f64, unit: &str) -> (Value, String) {
+    let number = match distribution {
+        Distribution::Uniform { low, high } => low + (high - low) * share,
+        Distribution::Normal { mean, standard_deviation } => {
+            mean + standard_deviation * normal_quantile(share)
+        }
+        Distribution::TruncatedNormal { mean, standard_deviation, low, high } => {
+            let cumulative = |value: f64| {
+                0.5 * libm::erfc((mean - value) / (standard_deviation * std::f64::consts::SQRT_2))
+            };
+            let (below, above) = (cumulative(*low), cumulative(*high));
+            let inside = below + (above - below) * share;
+            // Far out in a tail the cumulative distribution is flat, and rounding may leave the interval.
+            (mean + standard_deviation * normal_quantile(inside.clamp(1e-300, 1.0 - 1e-16)))
+                .clamp(*low, *high)
+        }
+        Distribution::Choice(options) => {
+            let option = &options[((share * options.len() as f64) as usize).min(options.len() - 1)];
+            return (option.value.clone(), option.label.clone());
+        }
+    };
+    (Value::Number(number), format!("{}{unit}", significant(number, 5)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn samples(scheme: SamplingScheme, distribution: Distribution) -> Samples {
+        Samples { count: 256, scheme, distributions: vec![distribution], units: vec!["s".into()] }
+    }
+
+    fn numbers(samples: &Samples) -> Vec<f64> {
+        let rows = draw(3, &["tta".to_string()], samples);
+        rows.iter().map(|row| row[0].value.as_number().unwrap()).collect()
+    }
+
+    #[test]
+    fn every_scheme_fills_the_range() {
+        for scheme in [SamplingScheme::Random, SamplingScheme::LatinHypercube, SamplingScheme::Sobol] {
+            let drawn = numbers(&samples(scheme, Distribution::Uniform { low: 6.0, high: 18.0 }));
+            assert_eq!(drawn.len(), 256);
+            assert!(drawn.iter().all(|value| (6.0..18.0).contains(value)));
+            let mean = drawn.iter().sum::<f64>() / 256.0;
+            assert!((mean - 12.0).abs() < 0.7, "{scheme:?} {mean}");
+        }
+    }
+
+    #[test]
+    fn stratified_schemes_hold_one_point_a_slice() {
+        for scheme in [SamplingScheme::LatinHypercube, SamplingScheme::Sobol] {
+            for dimension in 0..2 {
+                let mut slices: Vec<_> =
+                    design(scheme, 64, 2, 9).iter().map(|point| (point[dimension] * 64.0) as usize).collect();
+                slices.sort_unstable();
+                assert_eq!(slices, (0..64).collect::<Vec<_>>(), "{scheme:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn normals_have_their_moments_and_limits() {
+        let normal = Distribution::Normal { mean: 1.3, standard_deviation: 0.2 };
+        let drawn = numbers(&samples(SamplingScheme::LatinHypercube, normal));
+        let mean = drawn.iter().sum::<f64>() / 256.0;
+        let variance = drawn.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / 255.0;
+        assert!((mean - 1.3).abs() < 0.005 && (variance.sqrt() - 0.2).abs() < 0.01, "{mean} {variance}");
+        let truncated =
+            Distribution::TruncatedNormal { mean: 1.3, standard_deviation: 0.2, low: 1.2, high: 1.5 };
+        let drawn = numbers(&samples(SamplingScheme::Random, truncated));
+        assert!(drawn.iter().all(|value| (1.2..=1.5).contains(value)));
+    }
+
+    #[test]
+    fn equal_labels_are_told_apart() {
+        let only = crate::scenario::VariedValue { value: Value::Number(1.0), label: "1s".into() };
+        let rows =
+            draw(3, &["tta".to_string()], &samples(SamplingScheme::Random, Distribution::Choice(vec![only])));
+        assert_eq!([&rows[0][0].label, &rows[1][0].label, &rows[255][0].label], ["1s", "1s#2", "1s#256"]);
+    }
+}
