@@ -2,6 +2,11 @@
 
 pub mod commotions;
 
+mod carla_walker;
+mod scripted;
+#[cfg(test)]
+mod test_walk;
+
 use crate::scenario::{Declaration, PedestrianSetup, Settings, World};
 use crate::sim::{ModelError, Pedestrian};
 
@@ -27,7 +32,12 @@ pub struct PedestrianContext<'a> {
 }
 
 /// Every pedestrian model there is, by name.
-pub static MODELS: &[&PedestrianModel] = &[&commotions::model::COMMOTIONS];
+#[rustfmt::skip]
+pub static MODELS: &[&PedestrianModel] = &[
+    &carla_walker::CARLA_WALKER,
+    &commotions::model::COMMOTIONS,
+    &scripted::SCRIPTED,
+];
 
 /// The model of that name.
 pub fn model(name: &str) -> Option<&'static PedestrianModel> {

@@ -1,7 +1,11 @@
 //! Vehicles: controllers and longitudinal dynamics, one file or folder each, and their registries.
 
+mod carla_behavior;
 mod commotions;
+mod constant_speed;
 mod dynamics;
+#[cfg(test)]
+mod test_track;
 
 use crate::scenario::{Declaration, Settings, VehicleSetup, World};
 use crate::sim::{Controller, Dynamics, ModelError};
@@ -45,7 +49,12 @@ pub enum CommandKind {
 }
 
 /// Every controller there is, by name.
-pub static CONTROLLERS: &[&ControllerModel] = &[&commotions::COMMOTIONS];
+#[rustfmt::skip]
+pub static CONTROLLERS: &[&ControllerModel] = &[
+    &carla_behavior::CARLA_BEHAVIOR,
+    &commotions::COMMOTIONS,
+    &constant_speed::CONSTANT_SPEED,
+];
 
 /// Every vehicle dynamics there is, by name.
 pub static DYNAMICS: &[&DynamicsModel] = &[

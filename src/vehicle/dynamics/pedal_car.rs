@@ -228,6 +228,53 @@ mod tests {
         }
     }
 
+    /// Time lost by half brake for some ticks and then throttle 0.75 until the speed is back.
+    fn time_lost(map: PedalMap, ticks: u32, throttle_at_once: bool) -> f64 {
+        let step = 0.05;
+        let mut motion = cruising();
+        let hold = map.throttle.pedal(0.0, motion.speed);
+        let mut car = PedalCar {
+            map,
+            rise: 6.0,
+            fall: 10.0,
+            lag: None,
+            dead_zone: 0.0,
+            low_speed_brake_factor: 1.0,
+            throttle: hold,
+            brake: 0.0,
+        };
+        let mut tick = 0;
+        while tick < ticks || motion.speed < cruising().speed {
+            let command = if tick < ticks {
+                Command::Pedals { throttle: 0.0, brake: 0.5 }
+            } else {
+                if throttle_at_once {
+                    car.throttle = 0.75;
+                }
+                Command::Pedals { throttle: 0.75, brake: 0.0 }
+            };
+            car.advance(&mut motion, command, step);
+            tick += 1;
+        }
+        f64::from(tick) * step - motion.travelled / cruising().speed
+    }
+
+    /// The published table for the Model 3 holds with a throttle that is pressed at once; at its stated 6 per second
+    /// the same pulses cost 0.02 to 0.05 s more. The Prius' comes out to 0.01 s, its throttle at 0.75 being a guess.
+    #[test]
+    fn time_lost_by_a_brake_pulse() {
+        for (ticks, expected) in [(6, 0.085), (8, 0.15), (10, 0.23), (20, 0.83)] {
+            let at_once = time_lost(MODEL3_LAW, ticks, true);
+            assert!((at_once - expected).abs() < 0.005, "{ticks}: {at_once}");
+            let more = time_lost(MODEL3_LAW, ticks, false) - at_once;
+            assert!((0.01..0.05).contains(&more), "{ticks}: {more}");
+        }
+        for (ticks, expected) in [(10, 0.06), (15, 0.14), (20, 0.24)] {
+            let found = time_lost(PRIUS_LAW, ticks, false);
+            assert!((found - expected).abs() < 0.01, "{ticks}: {found}");
+        }
+    }
+
     #[test]
     fn pedals_take_their_time() {
         let mut car = built(&GENERIC, Settings::default());

@@ -1,0 +1,481 @@
+//! CARLA's AI walker: walks to the kerb, looks once for a near vehicle, and crosses without looking again.
+//!
+//! A reduction of WalkerAIController and its Detour crowd: no navigation mesh, no avoidance among walkers, no
+//! velocity-obstacle sampling.
+
+use nalgebra::Vector2;
+
+use super::{PedestrianContext, PedestrianModel};
+use crate::scenario::{
+    ChoiceOption, Declaration, Dimension, Literal, Parameter, Position, Preset, PresetFamily, Settings,
+};
+use crate::sim::random::{Agent, Purpose, stream};
+use crate::sim::{ModelError, Motion, Pedestrian, Scene, VehicleState, geometry};
+
+const WALKER: &str = "CARLA LibCarla/source/carla/nav";
+const EVENT: &str = "CARLA nav/WalkerEvent.cpp, nav/WalkerManager.cpp";
+const LIGHTS: &str =
+    "derived from CARLA's default signal timing (issue 7684); the share is free to calibrate";
+
+pub static CARLA_WALKER: PedestrianModel = PedestrianModel {
+    declaration: Declaration {
+        name: "carla_walker",
+        summary: "CARLA's AI walker: pauses near the kerb, looks once for a vehicle within 6 m, then crosses blindly.",
+        source: "CARLA WalkerAIController on a Detour crowd, 0.9.14 and 0.9.15, reduced",
+        parameters: &[
+            Parameter::number(
+                "walking_speed",
+                Dimension::SPEED,
+                1.4,
+                (0.0, 12.0),
+                "Speed of walking; CARLA's navigation default is 1.47 m/s.",
+                WALKER,
+            ),
+            Parameter::number(
+                "arrival_distance",
+                Dimension::LENGTH,
+                0.6,
+                (0.01, 10.0),
+                "Distance from the goal below which it slows down in proportion.",
+                WALKER,
+            ),
+            Parameter::number(
+                "start_delay",
+                Dimension::TIME,
+                0.0,
+                (0.0, 600.0),
+                "Time that it stands after it appeared.",
+                "one or two ticks in CARLA",
+            ),
+            Parameter::flag(
+                "checks",
+                true,
+                "Whether it pauses and looks for vehicles before the kerb.",
+                EVENT,
+            ),
+            Parameter::number(
+                "check_distance",
+                Dimension::LENGTH,
+                1.0,
+                (0.0, 10.0),
+                "Distance from the kerb at which it pauses.",
+                EVENT,
+            ),
+            Parameter::number(
+                "check_timeout",
+                Dimension::TIME,
+                60.0,
+                (0.0, 3600.0),
+                "Pause after which it gives up crossing and walks away along the road.",
+                EVENT,
+            ),
+            Parameter::number(
+                "look_distance",
+                Dimension::LENGTH,
+                6.0,
+                (0.0, 200.0),
+                "It waits for vehicles whose centre is at most this far away.",
+                EVENT,
+            ),
+            Parameter::number(
+                "look_cosine",
+                Dimension::NUMBER,
+                0.34,
+                (-1.0, 1.0),
+                "Cosine of the angle to its way across within which it sees vehicles (0.34 is 70 degrees).",
+                EVENT,
+            ),
+            Parameter::optional(
+                "kerb_wait",
+                Dimension::TIME,
+                (0.0, 600.0),
+                "Shortest pause before the kerb; without it, it is drawn anew in every run from the mixture below.",
+                LIGHTS,
+            ),
+            Parameter::number(
+                "kerb_wait_share",
+                Dimension::NUMBER,
+                0.3,
+                (0.0, 1.0),
+                "Share of runs with a pause (the nearest traffic light happens to be green for vehicles); the others have none.",
+                LIGHTS,
+            ),
+            Parameter::number(
+                "kerb_wait_min",
+                Dimension::TIME,
+                0.0,
+                (0.0, 600.0),
+                "Shortest such pause.",
+                LIGHTS,
+            ),
+            Parameter::number(
+                "kerb_wait_max",
+                Dimension::TIME,
+                13.0,
+                (0.0, 600.0),
+                "Longest such pause; uniform in between.",
+                LIGHTS,
+            ),
+            Parameter::choice(
+                "vehicles_nearby",
+                "push",
+                &[
+                    ChoiceOption {
+                        name: "push",
+                        doc: "Is driven off by vehicles within `separation_range` and pushed out of their margin.",
+                    },
+                    ChoiceOption {
+                        name: "static",
+                        doc: "Stands while a vehicle's margin overlaps it; otherwise walks straight.",
+                    },
+                ],
+                "What vehicles do to it while it walks.",
+                WALKER,
+            ),
+            Parameter::number(
+                "margin",
+                Dimension::LENGTH,
+                0.8,
+                (0.0, 10.0),
+                "Margin around vehicles.",
+                WALKER,
+            ),
+            Parameter::number(
+                "front_margin",
+                Dimension::LENGTH,
+                0.2,
+                (0.0, 10.0),
+                "Additional margin in front of vehicles.",
+                WALKER,
+            ),
+            Parameter::number(
+                "radius",
+                Dimension::LENGTH,
+                0.3,
+                (0.0, 2.0),
+                "Its radius in the crowd; only with `vehicles_nearby: static`.",
+                WALKER,
+            ),
+            Parameter::number(
+                "separation_weight",
+                Dimension::NUMBER,
+                0.5,
+                (0.0, 100.0),
+                "Weight of being driven off by vehicles.",
+                WALKER,
+            ),
+            Parameter::number(
+                "separation_range",
+                Dimension::LENGTH,
+                10.0,
+                (0.1, 200.0),
+                "Distance from a vehicle's margin within which it drives the walker off.",
+                WALKER,
+            ),
+            Parameter::number(
+                "push_speed",
+                Dimension::SPEED,
+                1.4,
+                (0.0, 100.0),
+                "Fastest that a vehicle's margin pushes it; a faster vehicle makes contact.",
+                "assumption: the limit in CARLA is not known",
+            ),
+            Parameter::number(
+                "snap_min",
+                Dimension::LENGTH,
+                0.0,
+                (-5.0, 5.0),
+                "Least distance that it starts farther from the road than declared; CARLA's spawning snaps by about -0.5 .. 1 m.",
+                "observed offsets of CARLA spawns",
+            ),
+            Parameter::number(
+                "snap_max",
+                Dimension::LENGTH,
+                0.0,
+                (-5.0, 5.0),
+                "Largest such distance; uniform in between.",
+                "observed offsets of CARLA spawns",
+            ),
+        ],
+        presets: Some(PresetFamily {
+            word: "release",
+            default: "recent",
+            presets: &[
+                Preset {
+                    name: "recent",
+                    doc: "CARLA 0.9.15 and later: also waits for the nearest traffic light.",
+                    values: &[],
+                },
+                Preset {
+                    name: "old",
+                    doc: "CARLA up to 0.9.14: pauses farther from the kerb, gives up after 5 s, knows no traffic lights.",
+                    values: &[
+                        ("check_distance", Literal::Number(2.0)),
+                        ("check_timeout", Literal::Number(5.0)),
+                        ("kerb_wait_share", Literal::Number(0.0)),
+                    ],
+                },
+            ],
+        }),
+    },
+    takes_individuals: false,
+    build,
+};
+
+#[derive(Clone, Copy, PartialEq)]
+enum State {
+    /// Until its start delay is over.
+    Wait,
+    /// On the pavement, on its way to the pause.
+    Approach,
+    /// Paused before the kerb since a time (s).
+    Check(f64),
+    Walk,
+    /// Gave up; walks away in this direction.
+    WalkAway(Vector2<f64>),
+    Dead,
+}
+
+struct CarlaWalker {
+    speed: f64,
+    arrival_distance: f64,
+    start_delay: f64,
+    /// `None`: does not check.
+    check: Option<Check>,
+    vehicles: Vehicles,
+    /// Start to goal.
+    way: Vector2<f64>,
+    /// How much farther from the road it starts than declared, m.
+    snap: f64,
+    /// Whether it turns left along the road when it gives up.
+    turns_left: bool,
+    since: Option<f64>,
+    state: State,
+}
+
+/// The pause before the kerb.
+struct Check {
+    /// Where its way enters the road.
+    entry: Vector2<f64>,
+    distance: f64,
+    timeout: f64,
+    wait: f64,
+    look_distance: f64,
+    look_cosine: f64,
+}
+
+/// What vehicles do to a walking pedestrian.
+struct Vehicles {
+    pushes: bool,
+    margin: f64,
+    front_margin: f64,
+    radius: f64,
+    weight: f64,
+    range: f64,
+    push_speed: f64,
+}
+
+/// Below this speed a vehicle does no harm, m/s.
+const HARMLESS_SPEED: f64 = 0.1;
+
+/// Absorbs the rounding of summed times, s.
+const TIME_TOLERANCE: f64 = 1e-9;
+
+fn build(context: &PedestrianContext) -> Result<Box<dyn Pedestrian>, ModelError> {
+    let settings = context.settings;
+    for (low, high) in [("kerb_wait_min", "kerb_wait_max"), ("snap_min", "snap_max")] {
+        if settings.number(low) > settings.number(high) {
+            return Err(ModelError::new(format!("`{low}` of `carla_walker` is larger than `{high}`")));
+        }
+    }
+    let Position { x, y } = context.setup.start;
+    let (start, goal) = (Vector2::new(x, y), Vector2::new(context.setup.goal.x, context.setup.goal.y));
+    let across = Vector2::new(0.0, context.setup.side.walking_sign());
+    let way = (goal - start).try_normalize(1e-9).unwrap_or(across);
+    // Draws always happen, and in this order, so that no setting shifts another's.
+    let mut draws = stream(context.seed, Agent::Pedestrian(context.index), Purpose::Trait);
+    let (waits, wait, snap, side) = (draws.uniform(), draws.uniform(), draws.uniform(), draws.uniform());
+    let between =
+        |low, high, share| settings.number(low) + (settings.number(high) - settings.number(low)) * share;
+    let drawn = if waits < settings.number("kerb_wait_share") {
+        between("kerb_wait_min", "kerb_wait_max", wait)
+    } else {
+        0.0
+    };
+    let snap = between("snap_min", "snap_max", snap);
+    let before_kerb = (context.world.road.kerb(context.setup.side) - y) * across.y + snap;
+    let check = (settings.flag("checks") && way.dot(&across) > 0.0 && before_kerb > 0.0).then(|| Check {
+        entry: start + way * ((before_kerb - snap) / way.dot(&across)),
+        distance: settings.number("check_distance"),
+        timeout: settings.number("check_timeout"),
+        wait: settings.optional_number("kerb_wait").unwrap_or(drawn),
+        look_distance: settings.number("look_distance"),
+        look_cosine: settings.number("look_cosine"),
+    });
+    Ok(Box::new(CarlaWalker {
+        speed: settings.number("walking_speed"),
+        arrival_distance: settings.number("arrival_distance"),
+        start_delay: settings.number("start_delay"),
+        check,
+        vehicles: Vehicles::from_settings(settings),
+        way,
+        snap,
+        turns_left: side < 0.5,
+        since: None,
+        state: State::Wait,
+    }))
+}
+
+impl Vehicles {
+    fn from_settings(settings: &Settings) -> Self {
+        Self {
+            pushes: settings.word("vehicles_nearby") == "push",
+            margin: settings.number("margin"),
+            front_margin: settings.number("front_margin"),
+            radius: settings.number("radius"),
+            weight: settings.number("separation_weight"),
+            range: settings.number("separation_range"),
+            push_speed: settings.number("push_speed"),
+        }
+    }
+
+    /// From the vehicle's margin to a place, m; negative inside: minus the shortest way out.
+    fn clearance(&self, vehicle: &VehicleState, place: Vector2<f64>) -> f64 {
+        let offset = place - vehicle.position();
+        let ahead = vehicle.direction.sign() * offset.x;
+        let half_length = vehicle.length / 2.0 + self.margin;
+        let half_width = vehicle.width / 2.0 + self.margin;
+        let beyond = Vector2::new(
+            (ahead - half_length - self.front_margin).max(-half_length - ahead),
+            offset.y.abs() - half_width,
+        );
+        if beyond.x <= 0.0 && beyond.y <= 0.0 {
+            beyond.x.max(beyond.y)
+        } else {
+            libm::hypot(beyond.x.max(0.0), beyond.y.max(0.0))
+        }
+    }
+
+    /// How it moves if it wants to walk at `speed` (m/s) in direction `way`.
+    fn motion(&self, scene: &Scene, way: Vector2<f64>, speed: f64) -> Motion {
+        let place = scene.ego().position;
+        if !self.pushes {
+            let blocked = scene.vehicles.iter().any(|vehicle| self.clearance(vehicle, place) < self.radius);
+            return Motion::Walk(if blocked { Vector2::zeros() } else { way * speed });
+        }
+        let mut drive = Vector2::zeros();
+        let mut neighbours = 0.0;
+        for vehicle in scene.vehicles {
+            let clearance = self.clearance(vehicle, place);
+            let away = place - vehicle.position();
+            if clearance <= 0.0 {
+                let out = away.try_normalize(1e-9).unwrap_or(way);
+                let push = (-clearance).min(self.push_speed * scene.step);
+                return Motion::Pushed { velocity: Vector2::zeros(), displacement: out * push };
+            }
+            if clearance < self.range {
+                let share = clearance / self.range;
+                drive += away * (self.weight * (1.0 - share * share) / clearance);
+                neighbours += 1.0;
+            }
+        }
+        let mut velocity = way * speed;
+        if neighbours > 0.0 {
+            velocity += drive / neighbours;
+            let squared = velocity.norm_squared();
+            if squared > speed * speed {
+                velocity *= speed * speed / squared;
+            }
+        }
+        Motion::Walk(velocity)
+    }
+}
+
+impl Check {
+    /// Whether a vehicle is near enough, and far enough ahead on the way across, to wait for.
+    fn waits_for_vehicle(&self, scene: &Scene, way: Vector2<f64>) -> bool {
+        scene.vehicles.iter().any(|vehicle| {
+            let to_vehicle = vehicle.position() - scene.ego().position;
+            let distance = to_vehicle.norm();
+            distance <= self.look_distance && to_vehicle.dot(&way) >= self.look_cosine * distance
+        })
+    }
+}
+
+impl CarlaWalker {
+    fn next_state(&self, scene: &Scene, since: f64) -> State {
+        let ego = scene.ego();
+        let hit = |vehicle: &VehicleState| {
+            vehicle.motion.speed > HARMLESS_SPEED && geometry::distance(vehicle, ego) == 0.0
+        };
+        if scene.vehicles.iter().any(hit) {
+            return State::Dead;
+        }
+        let mut state = self.state;
+        if state == State::Wait && scene.time - since >= self.start_delay - TIME_TOLERANCE {
+            state = State::Approach;
+        }
+        if state == State::Approach {
+            state = match &self.check {
+                Some(check) if (check.entry - ego.position).norm() > check.distance + 1e-9 => State::Approach,
+                Some(_) => State::Check(scene.time),
+                None => State::Walk,
+            };
+        }
+        match (&self.check, state) {
+            (Some(check), State::Check(from)) => {
+                let paused = scene.time - from + TIME_TOLERANCE;
+                if paused >= check.timeout && check.timeout > 0.0 {
+                    State::WalkAway(Vector2::new(if self.turns_left { -1.0 } else { 1.0 }, 0.0))
+                } else if paused < check.wait || check.waits_for_vehicle(scene, self.way) {
+                    state
+                } else {
+                    State::Walk
+                }
+            }
+            _ => state,
+        }
+    }
+}
+
+impl Pedestrian for CarlaWalker {
+    fn act(&mut self, scene: &Scene) -> Motion {
+        let Some(since) = self.since else {
+            self.since = Some(scene.time);
+            if self.snap != 0.0 {
+                return Motion::Pushed { velocity: Vector2::zeros(), displacement: self.way * -self.snap };
+            }
+            return self.act(scene);
+        };
+        self.state = self.next_state(scene, since);
+        match self.state {
+            State::Wait | State::Check(_) | State::Dead => Motion::Walk(Vector2::zeros()),
+            State::WalkAway(direction) => self.vehicles.motion(scene, direction, self.speed),
+            State::Approach | State::Walk => {
+                let to_goal = Vector2::new(scene.goal.x, scene.goal.y) - scene.ego().position;
+                let distance = to_goal.norm();
+                let way = to_goal.try_normalize(1e-9).unwrap_or_else(Vector2::zeros);
+                let speed = self.speed * (distance / self.arrival_distance).min(1.0);
+                self.vehicles.motion(scene, way, speed)
+            }
+        }
+    }
+
+    fn mode(&self) -> &'static str {
+        match self.state {
+            State::Wait => "waiting",
+            State::Approach => "approaching",
+            State::Check(_) => "checking",
+            State::Walk => "walking",
+            State::WalkAway(_) => "walking_away",
+            State::Dead => "hit",
+        }
+    }
+
+    fn free_speed(&self) -> f64 {
+        self.speed
+    }
+}
+
+#[cfg(test)]
+mod tests;

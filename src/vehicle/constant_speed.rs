@@ -1,0 +1,61 @@
+//! A vehicle that keeps its speed, whatever happens.
+
+use super::{CommandKind, ControllerContext, ControllerModel};
+use crate::scenario::{Declaration, Dimension, Parameter};
+use crate::sim::{Command, Controller, ModelError, Observation};
+
+pub static CONSTANT_SPEED: ControllerModel = ControllerModel {
+    declaration: Declaration {
+        name: "constant_speed",
+        summary: "Keeps its speed whatever happens; the vehicle that only a pedestrian can avoid.",
+        source: "none needed",
+        parameters: &[Parameter::number(
+            "gain",
+            Dimension::FREQUENCY,
+            1.0,
+            (0.0, 100.0),
+            "Acceleration per speed error, for dynamics that drift off the wanted speed.",
+            "free choice",
+        )],
+        presets: None,
+    },
+    default_dynamics: "ideal",
+    gives: CommandKind::Acceleration,
+    build,
+};
+
+struct ConstantSpeed {
+    gain: f64,
+}
+
+fn build(context: &ControllerContext) -> Result<Box<dyn Controller>, ModelError> {
+    Ok(Box::new(ConstantSpeed { gain: context.settings.number("gain") }))
+}
+
+impl Controller for ConstantSpeed {
+    fn act(&mut self, observation: &Observation) -> Command {
+        Command::Acceleration(self.gain * (observation.cruise_speed - observation.ego.speed))
+    }
+
+    fn mode(&self) -> &'static str {
+        "cruise"
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenario::Settings;
+    use crate::vehicle::test_track::Track;
+
+    #[test]
+    fn nothing_changes_its_speed() {
+        for dynamics in ["ideal", "delay_lag"] {
+            let mut track = Track::new(&CONSTANT_SPEED, Settings::default(), dynamics);
+            track.place_pedestrian(30.0, 0.0);
+            for sample in track.drive(10.0) {
+                assert_eq!(sample.speed, 30.0 / 3.6, "{dynamics}");
+            }
+        }
+    }
+}
