@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Criterion, Expression, Origin, Road, Side, Value, VehicleReference};
+use super::{Criterion, Expression, Origin, Road, Search, Side, Tune, Value, VehicleReference};
 
 /// A suite: scenarios and what holds for all of them. A bare `.scn` file becomes a suite named after the file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -14,6 +14,10 @@ pub struct Suite {
     pub time_limit: Option<f64>,
     /// In the order of files and of declaration within a file; names are unique.
     pub scenarios: Vec<Scenario>,
+    #[serde(default)]
+    pub searches: Vec<Search>,
+    #[serde(default)]
+    pub tunes: Vec<Tune>,
     pub origin: Origin,
 }
 

@@ -10,6 +10,7 @@ mod declaration;
 mod declared;
 mod dimension;
 mod expression;
+mod optimisation;
 mod road;
 mod value;
 
@@ -30,5 +31,8 @@ pub use declared::{
 };
 pub use dimension::Dimension;
 pub use expression::{BinaryOperator, EvaluationError, Expression};
+pub use optimisation::{
+    Budget, CaseSet, Goal, InitialDesign, Method, Objective, Part, Range, RangeValues, Search, Target, Tune,
+};
 pub use road::{Body, Crossing, CrossingKind, Direction, Lane, Road, Side};
 pub use value::{Settings, Value, significant};

@@ -1,0 +1,156 @@
+//! What `search` and `tune` blocks declare: adversarial cases to find, controller parameters to optimise.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Aggregate, Comparison, Individuals, Origin};
+
+/// Finds the values of variations (or model parameters) at which a metric is worst, per individual or for all.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Search {
+    pub name: String,
+    pub doc: Option<String>,
+    /// The scenario that is varied.
+    pub scenario: String,
+    /// Replaces the scenario's own individuals.
+    pub individuals: Option<Individuals>,
+    /// One search over the whole population instead of one per individual.
+    pub together: bool,
+    pub objective: Objective,
+    pub over: Vec<Range>,
+    pub budget: Budget,
+    /// Runs per evaluation with different seeds, at least 1.
+    pub runs: u32,
+    /// What the found cases must be to belong to the named set; without it every best case does.
+    pub keep: Option<Comparison>,
+    pub origin: Origin,
+}
+
+/// Optimises controller parameters over a set of cases.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Tune {
+    pub name: String,
+    pub doc: Option<String>,
+    pub on: CaseSet,
+    pub over: Vec<Range>,
+    /// One or two; with two the result is a Pareto front.
+    pub objectives: Vec<Objective>,
+    /// Must hold in every run of the set.
+    pub constraints: Vec<Comparison>,
+    pub budget: Budget,
+    /// Abandon a candidate at its first violation instead of running every case.
+    pub early_stop: bool,
+    /// Report a before/after table against the parameters that the scenario declares.
+    pub compare_with_default: bool,
+    pub origin: Origin,
+}
+
+/// The cases that a `tune` is judged on.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CaseSet {
+    /// What a search of this name kept.
+    Search(String),
+    /// Every case of a scenario.
+    Scenario(String),
+    /// This many cases of a scenario, drawn by the suite's seed.
+    Sample { scenario: String, count: u32 },
+    /// A saved set; a path resolved against the file that names it.
+    Saved(String),
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Objective {
+    pub direction: Goal,
+    /// Over the runs of an evaluation; a bare metric in the text means its mean.
+    pub aggregate: Aggregate,
+    /// In canonical words, such as `minimise mean(time_lost)`.
+    pub text: String,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Goal {
+    Minimise,
+    Maximise,
+}
+
+/// One dimension of a search space.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Range {
+    pub target: Target,
+    pub values: RangeValues,
+    /// SI unit shown in reports and labels; empty for plain numbers and words.
+    pub unit: String,
+    pub origin: Origin,
+}
+
+/// What a dimension varies.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Target {
+    /// A variation of the scenario, whose own values it replaces.
+    Variation(String),
+    /// A parameter such as `av.controller.braking_distance`.
+    Setting { road_user: String, part: Part, parameter: String },
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Part {
+    Controller,
+    Dynamics,
+    Sees,
+    Model,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum RangeValues {
+    /// SI units.
+    Real {
+        low: f64,
+        high: f64,
+    },
+    /// Searched on a logarithmic scale; both positive.
+    Logarithmic {
+        low: f64,
+        high: f64,
+    },
+    Whole {
+        low: i64,
+        high: i64,
+    },
+    Words(Vec<String>),
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Budget {
+    /// In all, the initial ones included.
+    pub evaluations: u32,
+    pub initial: u32,
+    pub initial_design: InitialDesign,
+    pub method: Method,
+    /// Evaluations proposed at a time.
+    pub batch: u32,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum InitialDesign {
+    /// Independent uniform points, as the founding paper does (`15 random first`).
+    Random,
+    /// A Latin hypercube in one dimension, scrambled Sobol points in more.
+    Stratified,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Method {
+    Bayesian,
+    /// Infeasible evaluations as one large constant, as the founding paper does.
+    GpMinimizeLike,
+    Random,
+    LatinHypercube,
+    Sobol,
+    Grid,
+}
