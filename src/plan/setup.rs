@@ -7,7 +7,7 @@ use crate::scenario::{
     Model, ModelSetup, Origin, Pedestrian, PedestrianSetup, Position, Scenario, Settings, Shape, Side,
     Vehicle, VehicleReference, VehicleSetup, VehicleStart, World,
 };
-use crate::vehicle;
+use crate::vehicle::{self, PERCEPTION};
 
 const DEFAULT_SHAPE: Shape = Shape::Disc { radius: 0.25 };
 
@@ -100,7 +100,10 @@ fn vehicle_setup(
         }
     };
     let sees = match &declared.sees {
-        Some(model) => Some(ModelSetup { name: model.name.clone(), settings: evaluate(model, variables)? }),
+        Some(model) => Some(ModelSetup {
+            name: PERCEPTION.name.to_string(),
+            settings: resolve(&PERCEPTION, model, variables)?,
+        }),
         None => None,
     };
     Ok(VehicleSetup {

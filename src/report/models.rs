@@ -6,14 +6,15 @@ use super::format::with_unit;
 use crate::metrics::METRICS;
 use crate::pedestrian::MODELS;
 use crate::scenario::{Declaration, Dimension, Parameter, ParameterKind};
-use crate::vehicle::{CONTROLLERS, DYNAMICS};
+use crate::vehicle::{CONTROLLERS, DYNAMICS, PERCEPTION};
 
 /// Everything that is registered, by kind, with its declaration.
-fn registered() -> [(&'static str, Vec<&'static Declaration>); 4] {
+fn registered() -> [(&'static str, Vec<&'static Declaration>); 5] {
     [
         ("pedestrian models", MODELS.iter().map(|model| &model.declaration).collect()),
         ("controllers", CONTROLLERS.iter().map(|model| &model.declaration).collect()),
         ("vehicle dynamics", DYNAMICS.iter().map(|model| &model.declaration).collect()),
+        ("perception", vec![&PERCEPTION]),
         ("metrics", METRICS.iter().map(|metric| &metric.declaration).collect()),
     ]
 }

@@ -44,8 +44,13 @@ pub fn road_users(world: &World, seed: u64) -> Result<RoadUsers, RunError> {
                 .ok_or_else(|| unknown("vehicle dynamics", &setup.dynamics.name))?;
             let context =
                 ControllerContext { settings: &setup.controller.settings, setup, world, index, seed };
+            let mut controller = (model.build)(&context).map_err(named(&setup.name))?;
+            if let Some(sees) = &setup.sees {
+                controller = vehicle::with_perception(controller, &sees.settings, &context)
+                    .map_err(named(&setup.name))?;
+            }
             Ok(Driven {
-                controller: (model.build)(&context).map_err(named(&setup.name))?,
+                controller,
                 dynamics: (dynamics.build)(&setup.dynamics.settings).map_err(named(&setup.name))?,
             })
         })

@@ -4,11 +4,14 @@ mod carla_behavior;
 mod commotions;
 mod constant_speed;
 mod dynamics;
+mod perception;
 #[cfg(test)]
 mod test_track;
 
 use crate::scenario::{Declaration, Settings, VehicleSetup, World};
 use crate::sim::{Controller, Dynamics, ModelError};
+
+pub use perception::{PERCEPTION, with_perception};
 
 /// A registered controller.
 pub struct ControllerModel {
