@@ -1,12 +1,17 @@
 //! Vehicles: controllers and longitudinal dynamics, one file or folder each, and their registries.
 
+mod careful_human;
 mod carla_behavior;
 mod commotions;
+mod constant_deceleration;
 mod constant_speed;
 mod dynamics;
+mod hazard;
+mod idm_aeb;
 mod perception;
 #[cfg(test)]
 mod test_track;
+mod yielding;
 
 use crate::scenario::{Declaration, Settings, VehicleSetup, World};
 use crate::sim::{Controller, Dynamics, ModelError};
@@ -54,9 +59,13 @@ pub enum CommandKind {
 /// Every controller there is, by name.
 #[rustfmt::skip]
 pub static CONTROLLERS: &[&ControllerModel] = &[
+    &careful_human::CAREFUL_HUMAN,
     &carla_behavior::CARLA_BEHAVIOR,
     &commotions::COMMOTIONS,
+    &constant_deceleration::CONSTANT_DECELERATION,
     &constant_speed::CONSTANT_SPEED,
+    &idm_aeb::IDM_AEB,
+    &yielding::YIELDING,
 ];
 
 /// Every vehicle dynamics there is, by name.

@@ -307,8 +307,8 @@ impl Controller for Perceiving {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::{Appearance, ModelSetup, PedestrianSetup, Position, Side, Value, World};
-    use crate::vehicle::test_track::{ADULT, CRUISE, world};
+    use crate::scenario::{Value, World};
+    use crate::vehicle::test_track::{CRUISE, walker, world};
     use std::sync::{Arc, Mutex};
 
     /// Keeps what it was shown.
@@ -328,15 +328,7 @@ mod tests {
     fn populated(boxes: Vec<Body>) -> World {
         let mut world = world(4.0, 2.0);
         world.road.boxes = boxes;
-        world.pedestrians.push(PedestrianSetup {
-            name: "walker".into(),
-            model: ModelSetup { name: String::new(), settings: Settings::default() },
-            shape: ADULT,
-            side: Side::Near,
-            start: Position { x: 0.0, y: -4.0 },
-            goal: Position { x: 0.0, y: 6.0 },
-            appears: Appearance::At(0.0),
-        });
+        world.pedestrians.push(walker());
         world
     }
 

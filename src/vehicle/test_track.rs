@@ -4,8 +4,8 @@ use nalgebra::Vector2;
 
 use super::{ControllerContext, ControllerModel};
 use crate::scenario::{
-    Crossing, CrossingKind, Direction, Lane, ModelSetup, Road, Settings, Shape, VehicleSetup, VehicleStart,
-    World,
+    Appearance, Crossing, CrossingKind, Direction, Lane, ModelSetup, PedestrianSetup, Position, Road,
+    Settings, Shape, Side, VehicleSetup, VehicleStart, World,
 };
 use crate::sim::{
     Command, Controller, Dynamics, EgoState, Longitudinal, Observation, RoadView, SeenPedestrian, SeenVehicle,
@@ -22,6 +22,9 @@ pub struct Sample {
     pub command: Command,
     pub mode: &'static str,
 }
+
+/// Controllers are built for this many.
+const MOST_PEDESTRIANS: usize = 4;
 
 type Script = Box<dyn Fn(f64) -> Option<(Vector2<f64>, Vector2<f64>)>>;
 
@@ -45,7 +48,8 @@ impl Track {
         let resolved = model.declaration.resolve(&settings).unwrap();
         let dynamics = super::dynamics(dynamics).unwrap();
         let (length, width) = dynamics.size;
-        let world = world(length, width);
+        let mut world = world(length, width);
+        world.pedestrians = vec![walker(); MOST_PEDESTRIANS];
         let context = ControllerContext {
             settings: &resolved,
             setup: &world.vehicles[0],
@@ -176,5 +180,18 @@ pub fn world(length: f64, width: f64) -> World {
         horizon: 60.0,
         finish: 60.0,
         end_on_collision: true,
+    }
+}
+
+/// Somebody who walks across from the near side.
+pub fn walker() -> PedestrianSetup {
+    PedestrianSetup {
+        name: "walker".into(),
+        model: ModelSetup { name: String::new(), settings: Settings::default() },
+        shape: ADULT,
+        side: Side::Near,
+        start: Position { x: 0.0, y: -4.0 },
+        goal: Position { x: 0.0, y: 6.0 },
+        appears: Appearance::At(0.0),
     }
 }
