@@ -162,6 +162,9 @@ fn build(context: &ControllerContext) -> Result<Box<dyn Controller>, ModelError>
     }))
 }
 
+/// What it keeps between its bumper and somebody in its way, m.
+const ROOM: f64 = 1.0;
+
 impl Yielding {
     /// Notes who has been in the lane and has left it.
     fn follow(&mut self, observation: &Observation) {
@@ -203,13 +206,11 @@ impl Yielding {
         })
     }
 
-    /// Whether somebody is on a collision course so near that less than a full brake is too little.
-    fn emergency(&self, observation: &Observation) -> bool {
-        let speed = observation.ego.speed;
-        observation.pedestrians.iter().any(|seen| {
-            collision_course(&observation.ego, seen, self.margin)
-                .is_some_and(|hazard| speed * speed > 2.0 * self.max_deceleration * hazard.gap)
-        })
+    /// Gap to the nearest pedestrian on a collision course, less the room that it keeps, m.
+    fn room(&self, observation: &Observation) -> f64 {
+        let courses = observation.pedestrians.iter();
+        let gaps = courses.filter_map(|seen| collision_course(&observation.ego, seen, self.margin));
+        gaps.map(|hazard| (hazard.gap - ROOM).max(0.0)).fold(f64::INFINITY, f64::min)
     }
 
     fn update_patience(&mut self, observation: &Observation) {
@@ -246,7 +247,8 @@ impl Controller for Yielding {
         } else if !(yields && self.stopping && line > -0.5) {
             self.stopping = false;
         }
-        if self.emergency(observation) {
+        let room = self.room(observation);
+        if ego.speed * ego.speed > 2.0 * self.max_deceleration * room {
             self.mode = "emergency_braking";
             return Command::Acceleration(-self.emergency_deceleration);
         }
@@ -255,12 +257,8 @@ impl Controller for Yielding {
             return Command::Acceleration(-needed.clamp(self.deceleration, self.emergency_deceleration));
         }
         self.mode = "cruise";
-        Command::Acceleration(keep_speed(
-            ego.speed,
-            observation.cruise_speed,
-            self.acceleration,
-            self.deceleration,
-        ))
+        let wanted = observation.cruise_speed.min((2.0 * self.deceleration * room).sqrt());
+        Command::Acceleration(keep_speed(ego.speed, wanted, self.acceleration, self.max_deceleration))
     }
 
     fn mode(&self) -> &'static str {
