@@ -1,5 +1,6 @@
 //! Testing automated-vehicle controllers against pedestrians who behave like people.
 
+pub mod calibrate;
 pub mod cli;
 pub mod judge;
 pub mod metrics;

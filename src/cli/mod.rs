@@ -1,5 +1,6 @@
 //! The command line: one file a subcommand.
 
+mod calibrate;
 mod exit;
 mod load;
 mod models;
@@ -38,6 +39,8 @@ enum Command {
     Run(run::RunArguments),
     /// Show the pedestrian models, controllers, vehicle dynamics and metrics there are.
     Models(models::ModelsArguments),
+    /// Retain the parameter sets of the COMMOTIONS model that behave as criteria demand.
+    Calibrate(calibrate::CalibrateArguments),
     /// Run exactly one case again and print what happened when.
     Replay(replay::ReplayArguments),
 }
@@ -49,6 +52,7 @@ pub fn main() -> ExitCode {
         None => run::run(cli.run),
         Some(Command::Run(arguments)) => run::run(arguments),
         Some(Command::Models(arguments)) => models::models(&arguments),
+        Some(Command::Calibrate(arguments)) => calibrate::run(&arguments),
         Some(Command::Replay(arguments)) => replay::replay(&arguments),
     };
     result.into()

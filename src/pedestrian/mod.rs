@@ -1,6 +1,7 @@
 //! Pedestrian models, one file or folder each, and their registry.
 
 pub mod commotions;
+pub mod population;
 
 mod carla_walker;
 mod scripted;

@@ -1,15 +1,112 @@
 //! Which individuals of a population a scenario is run with.
 
-use super::PlanError;
-use crate::scenario::{Individual, Scenario};
+use super::{PlanError, derive_seed};
+use crate::pedestrian::population::Population as People;
+use crate::pedestrian::{self, population};
+use crate::scenario::{Expression, Individual, Individuals, Pedestrian, Population, Scenario, Value};
+use crate::sim::random::Stream;
 
 /// The groups of people that the scenario is run with; one empty group when nobody is an individual.
-pub fn select(_seed: u64, scenario: &Scenario) -> Result<Vec<Vec<Individual>>, PlanError> {
-    let declared = scenario.pedestrians.iter().find_map(|pedestrian| pedestrian.individuals.as_ref());
-    match declared {
-        None => Ok(vec![Vec::new()]),
-        Some(individuals) => Err(PlanError::new(&individuals.origin, "individuals are not available yet")),
+///
+/// Where several pedestrians are individuals they are taken side by side: the first of each, the second of each. One
+/// with a single individual is in every group. The draw depends on the suite's seed, the pedestrian's name and the
+/// population, so that every scenario of a suite meets the same people.
+pub fn select(seed: u64, scenario: &Scenario) -> Result<Vec<Vec<Individual>>, PlanError> {
+    let mut chosen: Vec<(&Pedestrian, &Individuals, Vec<Individual>)> = Vec::new();
+    for pedestrian in &scenario.pedestrians {
+        if let Some(individuals) = &pedestrian.individuals {
+            chosen.push((pedestrian, individuals, choose(seed, pedestrian, individuals)?));
+        }
     }
+    let groups = chosen.iter().map(|(_, _, people)| people.len()).max().unwrap_or(1);
+    for (pedestrian, individuals, people) in &chosen {
+        if people.len() != 1 && people.len() != groups {
+            let message = format!(
+                "`{}` is {} individuals, but another pedestrian of the scenario is {groups}",
+                pedestrian.name,
+                people.len()
+            );
+            return Err(PlanError::new(&individuals.origin, message)
+                .with_hint("take the same number of individuals for every pedestrian, or only one"));
+        }
+    }
+    let member = |people: &Vec<Individual>, group: usize| people[group % people.len()].clone();
+    Ok((0..groups).map(|group| chosen.iter().map(|(_, _, people)| member(people, group)).collect()).collect())
+}
+
+/// The people that one pedestrian is.
+fn choose(
+    seed: u64,
+    pedestrian: &Pedestrian,
+    individuals: &Individuals,
+) -> Result<Vec<Individual>, PlanError> {
+    let origin = &individuals.origin;
+    let name = &pedestrian.model.name;
+    let model = pedestrian::model(name).ok_or_else(|| {
+        PlanError::new(&pedestrian.model.origin, format!("there is no pedestrian model called `{name}`"))
+    })?;
+    if !model.takes_individuals {
+        let message = format!("the model `{name}` has no individuals");
+        return Err(PlanError::new(origin, message).with_hint("leave out `individuals`"));
+    }
+    let people = People::read(&individuals.population, &model.declaration, variant(pedestrian))
+        .map_err(|error| PlanError::new(origin, error.to_string()))?;
+    let numbers: Vec<usize> = match individuals.selection {
+        Population::All => (1..=people.len()).collect(),
+        Population::Number(number) => vec![number as usize],
+        Population::Count(count) => {
+            let key = format!("individuals/{}/{}", pedestrian.name, individuals.population);
+            draw(count as usize, people.len(), derive_seed(seed, &key))
+        }
+    };
+    let individual = |number: usize| {
+        let parameters = people.individual(number)?;
+        Some(Individual {
+            pedestrian: pedestrian.name.clone(),
+            population: individuals.population.clone(),
+            number: u32::try_from(number).ok()?,
+            parameters,
+        })
+    };
+    let chosen: Option<Vec<Individual>> = numbers.into_iter().map(individual).collect();
+    chosen.filter(|chosen| !chosen.is_empty()).ok_or_else(|| {
+        let asked = match individuals.selection {
+            Population::Number(number) => format!("no individual {number}"),
+            Population::Count(count) => format!("not {count} individuals"),
+            Population::All => "nobody".to_string(),
+        };
+        let message = format!(
+            "the population `{}` has {asked}: there are {}, numbered from 1",
+            individuals.population,
+            people.len()
+        );
+        PlanError::new(origin, message)
+    })
+}
+
+/// The variant that the scenario asks of the pedestrian's model, if it says so outright.
+fn variant(pedestrian: &Pedestrian) -> Option<&str> {
+    pedestrian.model.settings.iter().find_map(|(name, expression)| match expression {
+        Expression::Constant(Value::Word(word)) if name == population::VARIANT => Some(word.as_str()),
+        _ => None,
+    })
+}
+
+/// `count` different numbers of 1..=`size`, in rising order; more than there are if `count` is above `size`.
+///
+/// A smaller draw with the same seed is part of a larger one.
+fn draw(count: usize, size: usize, seed: u64) -> Vec<usize> {
+    if count > size {
+        return vec![size + 1];
+    }
+    let mut stream = Stream::seeded(seed);
+    let mut numbers: Vec<usize> = (1..=size).collect();
+    for place in 0..count {
+        numbers.swap(place, place + stream.index(size - place));
+    }
+    numbers.truncate(count);
+    numbers.sort_unstable();
+    numbers
 }
 
 /// The part of a case's key that names its people: empty without, `/individual=17` with one.
@@ -21,5 +118,127 @@ pub fn label(people: &[Individual]) -> String {
             let names: Vec<_> = several.iter().map(|p| format!("{}={}", p.pedestrian, p.number)).collect();
             format!("/{}", names.join("+"))
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenario::{
+        Crossing, CrossingKind, DeclaredAppearance, Direction, Lane, Model, Origin, Road, Side,
+    };
+
+    fn pedestrian(name: &str, model: &str, variant: Option<&str>, selection: Population) -> Pedestrian {
+        let number = |x| Expression::Constant(Value::Number(x));
+        let settings =
+            variant.map(|word| ("variant".to_string(), Expression::Constant(Value::Word(word.to_string()))));
+        Pedestrian {
+            name: name.to_string(),
+            model: Model {
+                name: model.to_string(),
+                settings: settings.into_iter().collect(),
+                origin: Origin::default(),
+            },
+            shape: None,
+            side: Side::Near,
+            start_from_lane_centre: number(4.0),
+            along: number(0.0),
+            goal_beyond_kerb: number(2.0),
+            appears: DeclaredAppearance::At(number(0.0)),
+            individuals: Some(Individuals {
+                selection,
+                population: "standard".to_string(),
+                origin: Origin::default(),
+            }),
+            origin: Origin::default(),
+        }
+    }
+
+    fn scenario(pedestrians: Vec<Pedestrian>) -> Scenario {
+        Scenario {
+            name: "zebra".to_string(),
+            doc: None,
+            tags: Vec::new(),
+            road: Road {
+                name: String::new(),
+                lane_width: 4.0,
+                lanes: vec![Lane { direction: Direction::Forward }],
+                speed_limit: 10.0,
+                kerbs: true,
+                crossing: Crossing { kind: CrossingKind::Zebra, width: 4.0 },
+                boxes: Vec::new(),
+            },
+            vehicles: Vec::new(),
+            pedestrians,
+            variations: Vec::new(),
+            repeat: 1,
+            criteria: Vec::new(),
+            step: 0.025,
+            horizon: 60.0,
+            finish: 20.0,
+            end_on_collision: true,
+            origin: Origin::default(),
+        }
+    }
+
+    fn numbers(groups: &[Vec<Individual>]) -> Vec<u32> {
+        groups.iter().map(|group| group[0].number).collect()
+    }
+
+    #[test]
+    fn draws_are_without_replacement_seeded_and_nested() {
+        let select = |seed, count| {
+            let walker = pedestrian("walker", "commotions", None, Population::Count(count));
+            numbers(&select(seed, &scenario(vec![walker])).unwrap())
+        };
+        let (five, fifty) = (select(1, 5), select(1, 50));
+        assert_eq!((five.len(), fifty.len()), (5, 50));
+        assert!(fifty.windows(2).all(|pair| pair[0] < pair[1]));
+        assert!(five.iter().all(|number| fifty.contains(number)));
+        assert_eq!(five, select(1, 5));
+        assert_ne!(five, select(2, 5));
+    }
+
+    #[test]
+    fn individuals_bring_their_parameters() {
+        let walker = pedestrian("walker", "commotions", None, Population::Number(17));
+        let groups = select(1, &scenario(vec![walker])).unwrap();
+        let person = &groups[0][0];
+        assert_eq!((groups.len(), person.number), (1, 17));
+        assert!(person.parameters.number("T_delta") >= 10.0);
+        assert_eq!(person.parameters.word("variant"), "oVAoBEvoAIoEAoSNvoPF");
+    }
+
+    #[test]
+    fn several_pedestrians_go_side_by_side() {
+        let one = pedestrian("one", "commotions", None, Population::Count(3));
+        let two = pedestrian("two", "commotions", None, Population::Number(17));
+        let groups = select(1, &scenario(vec![one, two])).unwrap();
+        assert_eq!(groups.len(), 3);
+        assert!(groups.iter().all(|group| group.len() == 2 && group[1].number == 17));
+        assert!(label(&groups[0]).ends_with("+two=17"));
+    }
+
+    #[test]
+    fn what_cannot_be_says_why() {
+        let say = |pedestrians: Vec<Pedestrian>| {
+            let error = select(1, &scenario(pedestrians)).unwrap_err();
+            format!("{} ({})", error.message, error.hint.unwrap_or_default())
+        };
+        let walker = |selection| pedestrian("walker", "commotions", None, selection);
+        let said = [
+            say(vec![walker(Population::Number(1_000_000))]),
+            say(vec![walker(Population::Number(0))]),
+            say(vec![walker(Population::Count(1_000_000))]),
+            say(vec![pedestrian("walker", "carla_walker", None, Population::All)]),
+            say(vec![pedestrian("walker", "commotions", Some("oVAoAI"), Population::All)]),
+            say(vec![
+                walker(Population::Count(2)),
+                pedestrian("other", "commotions", None, Population::Count(3)),
+            ]),
+        ];
+        let there_are = People::read("standard", &pedestrian::model("commotions").unwrap().declaration, None);
+        let there_are = format!("there are {}", there_are.unwrap().len());
+        insta::assert_snapshot!(said.join("\n").replace(&there_are, "there are N"));
     }
 }

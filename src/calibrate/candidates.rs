@@ -1,0 +1,249 @@
+//! Candidates: grids, random designs over ranges, and parameter sets that give some parameters while others vary.
+
+use std::fmt;
+
+use thiserror::Error;
+
+use crate::pedestrian::commotions::parameters::fitted_by;
+use crate::pedestrian::commotions::{Parameters, Variant};
+use crate::plan::derive_seed;
+use crate::scenario::{Declaration, SettingError, Value};
+use crate::sim::random::Stream;
+
+/// The values a parameter may take: log-spaced between two ends.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ParameterRange {
+    /// The parameter.
+    pub name: &'static str,
+    /// Smallest value.
+    pub low: f64,
+    /// Largest value.
+    pub high: f64,
+    /// How many values a grid has, both ends included.
+    pub levels: usize,
+}
+
+impl ParameterRange {
+    /// The value at a share of the way from low to high, on a log scale.
+    fn at(&self, share: f64) -> f64 {
+        six_digits(self.low * libm::pow(self.high / self.low, share))
+    }
+
+    /// The value of a grid's level, counted from 0.
+    fn level(&self, level: usize) -> f64 {
+        if self.levels < 2 {
+            return self.low;
+        }
+        if level + 1 == self.levels {
+            return self.high;
+        }
+        self.at(level as f64 / (self.levels - 1) as f64)
+    }
+}
+
+/// The published grid of the parameters that a variant fits (§9.1): ten log-spaced values each.
+pub fn published_grid(variant: &Variant) -> Vec<ParameterRange> {
+    let range = |name| {
+        let (low, high) = match name {
+            "T_delta" => (10.0, 100.0),
+            "thetaDot_1" => (0.001, 0.1),
+            "T" => (0.1, 0.5),
+            "DeltaV_th_rel" => (0.001, 0.1),
+            "xi_th" => (5e-6, 5e-3),
+            "beta_V" => (1.0, 200.0),
+            "T_Of" => (0.5, 10.0),
+            "sigma_O" => (0.02, 2.0),
+            "sigma_V" => (0.001, 1.0),
+            "tau_d" => (0.5, 500.0),
+            _ => (0.005, 5.0),
+        };
+        ParameterRange { name, low, high, levels: 10 }
+    };
+    fitted_by(variant).into_iter().map(range).collect()
+}
+
+/// How candidates are taken from the ranges.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Design {
+    /// Every combination of the levels.
+    Grid,
+    /// This many different combinations of the levels, drawn at random.
+    FromGrid(usize),
+    /// This many, log-uniform and independent.
+    LogUniform(usize),
+    /// This many in a Latin hypercube on log scales.
+    LatinHypercube(usize),
+}
+
+impl fmt::Display for Design {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Grid => write!(f, "grid"),
+            Self::FromGrid(count) => write!(f, "{count} at random from the grid"),
+            Self::LogUniform(count) => write!(f, "{count} log-uniform"),
+            Self::LatinHypercube(count) => write!(f, "{count} in a Latin hypercube (log scales)"),
+        }
+    }
+}
+
+/// Parameter sets to be judged: names, and one row of values each.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Candidates {
+    /// The parameters.
+    pub names: Vec<String>,
+    /// Their values.
+    pub rows: Vec<Vec<f64>>,
+}
+
+/// Why there are no candidates.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum CandidateError {
+    /// A range names no parameter.
+    #[error("there is no parameter `{0}`")]
+    UnknownParameter(String),
+    /// A range reaches outside what the parameter may be.
+    #[error(transparent)]
+    OutOfRange(#[from] SettingError),
+    /// A range on a log scale from or across zero.
+    #[error("the range of `{name}` is {low} .. {high}; it must be positive and rising")]
+    BadRange {
+        /// The parameter.
+        name: &'static str,
+        /// Its low end.
+        low: f64,
+        /// Its high end.
+        high: f64,
+    },
+    /// More candidates than a grid has combinations, or than anybody waits for.
+    #[error("{wanted} candidates are more than the {most} there can be")]
+    TooMany {
+        /// Wanted.
+        wanted: usize,
+        /// Possible.
+        most: usize,
+    },
+}
+
+/// More candidates than this are taken for a mistake.
+const MOST_CANDIDATES: usize = 10_000_000;
+
+impl Candidates {
+    /// The candidates of a design over `ranges`, crossed with the rows of `base`, which gives other parameters.
+    ///
+    /// A range of a parameter that `base` gives is left out. Without a base, pass one with a single empty row.
+    ///
+    /// # Errors
+    /// For ranges that cannot be, and for more candidates than there can be.
+    pub fn design(
+        base: &Self,
+        ranges: &[ParameterRange],
+        design: Design,
+        seed: u64,
+        model: &'static Declaration,
+    ) -> Result<Self, CandidateError> {
+        let ranges: Vec<&ParameterRange> =
+            ranges.iter().filter(|range| !base.names.iter().any(|name| name == range.name)).collect();
+        for range in &ranges {
+            let ParameterRange { name, low, high, .. } = **range;
+            let parameter =
+                model.parameter(name).ok_or_else(|| CandidateError::UnknownParameter(name.to_owned()))?;
+            parameter.check(model.name, &Value::Number(low))?;
+            parameter.check(model.name, &Value::Number(high))?;
+            if !(low > 0.0 && high >= low) {
+                return Err(CandidateError::BadRange { name, low, high });
+            }
+        }
+        let sets = base.rows.len();
+        let combinations =
+            ranges.iter().fold(sets, |product, range| product.saturating_mul(range.levels.max(1)));
+        let (count, most) = match design {
+            Design::Grid => (combinations, MOST_CANDIDATES),
+            Design::FromGrid(count) => (count, combinations.min(MOST_CANDIDATES)),
+            Design::LogUniform(count) | Design::LatinHypercube(count) => (count, MOST_CANDIDATES),
+        };
+        if count > most {
+            return Err(CandidateError::TooMany { wanted: count, most });
+        }
+        let mut stream = Stream::seeded(derive_seed(seed, "candidates"));
+        // A combination's number in mixed radix: the base's row, then a level per range.
+        let combination = |mut number: usize| {
+            let mut row = base.rows[number % sets].clone();
+            number /= sets;
+            for range in &ranges {
+                row.push(range.level(number % range.levels.max(1)));
+                number /= range.levels.max(1);
+            }
+            row
+        };
+        let rows = match design {
+            Design::Grid => (0..count).map(combination).collect(),
+            Design::FromGrid(_) => {
+                let mut chosen = std::collections::BTreeSet::new();
+                while chosen.len() < count {
+                    chosen.insert(stream.index(combinations));
+                }
+                chosen.into_iter().map(combination).collect()
+            }
+            Design::LogUniform(_) => (0..count)
+                .map(|_| {
+                    let mut row = base.rows[stream.index(sets)].clone();
+                    row.extend(ranges.iter().map(|range| range.at(stream.uniform())));
+                    row
+                })
+                .collect(),
+            Design::LatinHypercube(_) => {
+                let mut strata: Vec<Vec<usize>> =
+                    ranges.iter().map(|_| shuffled(count, &mut stream)).collect();
+                let sets: Vec<usize> = shuffled(count, &mut stream).iter().map(|i| i % sets).collect();
+                (0..count)
+                    .map(|i| {
+                        let mut row = base.rows[sets[i]].clone();
+                        for (range, strata) in ranges.iter().zip(&mut strata) {
+                            let share = (strata[i] as f64 + stream.uniform()) / count as f64;
+                            row.push(range.at(share));
+                        }
+                        row
+                    })
+                    .collect()
+            }
+        };
+        let varied = ranges.iter().map(|range| range.name.to_owned());
+        Ok(Self { names: base.names.iter().cloned().chain(varied).collect(), rows })
+    }
+
+    /// Nothing given: the base of a design that varies everything.
+    pub fn nothing_given() -> Self {
+        Self { names: Vec::new(), rows: vec![Vec::new()] }
+    }
+
+    /// The parameters of the candidates, numbered from 1; everything else has its default.
+    ///
+    /// # Errors
+    /// If a name is no parameter.
+    pub fn parameters(&self) -> Result<Vec<(usize, Parameters)>, CandidateError> {
+        let row = |(index, row): (usize, &Vec<f64>)| {
+            let mut parameters = Parameters::default();
+            for (name, value) in self.names.iter().zip(row) {
+                let field =
+                    parameters.get_mut(name).ok_or_else(|| CandidateError::UnknownParameter(name.clone()))?;
+                *field = *value;
+            }
+            Ok((index + 1, parameters))
+        };
+        self.rows.iter().enumerate().map(row).collect()
+    }
+}
+
+/// The number with six significant digits, so that what a file says is what was judged.
+fn six_digits(x: f64) -> f64 {
+    format!("{x:.5e}").parse().unwrap_or(x)
+}
+
+/// 0..count in random order.
+fn shuffled(count: usize, stream: &mut Stream) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..count).collect();
+    for last in (1..count).rev() {
+        order.swap(last, stream.index(last + 1));
+    }
+    order
+}

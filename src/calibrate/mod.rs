@@ -1,0 +1,15 @@
+//! Calibration: which parameter sets of the COMMOTIONS model behave as criteria demand (retention, §9.1).
+//!
+//! Candidates come from a grid, from a random design over ranges, or from a file; every candidate goes through the
+//! meetings that the criteria name, several times each; those that meet all criteria are retained and become a
+//! population.
+
+mod candidates;
+mod criteria;
+mod journal;
+mod retention;
+
+pub use candidates::{CandidateError, Candidates, Design, ParameterRange, published_grid};
+pub use criteria::{CriteriaError, Criterion, Demand, Drives, published_criteria, read_criteria};
+pub use journal::{Journal, JournalError};
+pub use retention::{CalibrateError, Calibration, Report, Request, Verdict, calibrate};

@@ -1,0 +1,243 @@
+//! `scenario-runner calibrate`: retains the parameter sets of the COMMOTIONS model that meet criteria.
+
+use std::fs;
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::Exit;
+use crate::calibrate::{
+    Calibration, Candidates, Design, Journal, ParameterRange, Report, Request, calibrate, published_criteria,
+    published_grid, read_criteria,
+};
+use crate::pedestrian::commotions::model::COMMOTIONS;
+use crate::pedestrian::commotions::{Variant, VariantError};
+use crate::pedestrian::population::{Population, PopulationError};
+
+#[derive(Debug, Args)]
+pub struct CalibrateArguments {
+    /// Variant of the model: the published name.
+    #[arg(long, default_value = "oVAoBEvoAIoEAoSNvoPF")]
+    variant: String,
+
+    /// Judge the parameter sets in this population file (.json or .csv) instead of a design.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["design", "count", "range", "base"])]
+    candidates: Option<PathBuf>,
+
+    /// How candidates are taken from the ranges of the parameters.
+    #[arg(long, value_enum, default_value_t = Designs::FromGrid)]
+    design: Designs,
+
+    /// How many candidates; a whole grid needs no number.
+    #[arg(long, value_name = "N", default_value_t = 5000)]
+    count: usize,
+
+    /// Range of a parameter, such as `T_delta=10..100` or with the levels of its grid `T_delta=10..100:10`.
+    /// Without it the published grid. May be repeated.
+    #[arg(long, value_name = "NAME=LOW..HIGH[:LEVELS]", value_parser = parse_range)]
+    range: Vec<ParameterRange>,
+
+    /// Cross the design with the parameter sets in this population file, which give some of the parameters.
+    #[arg(long, value_name = "FILE")]
+    base: Option<PathBuf>,
+
+    /// The variant whose parameter sets are taken from a base with several.
+    #[arg(long, value_name = "VARIANT", requires = "base")]
+    base_variant: Option<String>,
+
+    /// JSON file of the criteria; without it the published ones, which `--print-criteria` shows.
+    #[arg(long, value_name = "FILE")]
+    criteria: Option<PathBuf>,
+
+    /// Print the criteria that would be applied as JSON, and do nothing.
+    #[arg(long)]
+    print_criteria: bool,
+
+    /// Runs of each meeting.
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    repetitions: u32,
+
+    /// Decides the candidates of a random design and the noise of every run.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+
+    /// Write the retained individuals to this population file (.json).
+    #[arg(long, value_name = "FILE", required_unless_present = "print_criteria")]
+    out: Option<PathBuf>,
+
+    /// Keep results in this file, and go on from those already in it.
+    #[arg(long, value_name = "FILE")]
+    journal: Option<PathBuf>,
+
+    /// Number of threads [default: one per core]. Results do not depend on it.
+    #[arg(long, value_name = "N")]
+    threads: Option<usize>,
+
+    /// Never draw a progress bar.
+    #[arg(long)]
+    no_progress: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Designs {
+    /// Every combination of the levels.
+    Grid,
+    /// Different combinations of the levels, drawn at random.
+    FromGrid,
+    /// Log-uniform and independent.
+    LogUniform,
+    /// A Latin hypercube on log scales.
+    LatinHypercube,
+}
+
+/// Why nothing was calibrated.
+#[derive(Debug, thiserror::Error)]
+enum CalibrateError {
+    #[error(transparent)]
+    Variant(#[from] VariantError),
+    #[error(transparent)]
+    Population(#[from] PopulationError),
+    #[error(transparent)]
+    Criteria(#[from] crate::calibrate::CriteriaError),
+    #[error(transparent)]
+    Candidates(#[from] crate::calibrate::CandidateError),
+    #[error(transparent)]
+    Journal(#[from] crate::calibrate::JournalError),
+    #[error(transparent)]
+    Calibrate(#[from] crate::calibrate::CalibrateError),
+    #[error("cannot start {threads} threads: {error}")]
+    Threads { threads: usize, error: rayon::ThreadPoolBuildError },
+    #[error("cannot write {}: {error}", file.display())]
+    Write { file: PathBuf, error: std::io::Error },
+    #[error("cannot say as JSON what was retained: {0}")]
+    Json(#[from] serde_json::Error),
+}
+
+pub fn run(arguments: &CalibrateArguments) -> Exit {
+    match try_run(arguments) {
+        Ok(exit) => exit,
+        Err(error) => {
+            eprintln!("error: {error}");
+            match error {
+                CalibrateError::Write { .. } | CalibrateError::Json(_) => Exit::Output,
+                _ => Exit::Usage,
+            }
+        }
+    }
+}
+
+fn try_run(arguments: &CalibrateArguments) -> Result<Exit, CalibrateError> {
+    let criteria = match &arguments.criteria {
+        Some(file) => read_criteria(file)?,
+        None => published_criteria(),
+    };
+    if arguments.print_criteria {
+        println!("{}", serde_json::to_string_pretty(&criteria)?);
+        return Ok(Exit::Success);
+    }
+    let Some(out) = &arguments.out else { return Ok(Exit::Usage) };
+    let variant: Variant = arguments.variant.parse()?;
+    let (candidates, design) = candidates(arguments, &variant)?;
+    let calibration =
+        Calibration { variant, criteria, repetitions: arguments.repetitions, seed: arguments.seed };
+    let request = Request { calibration, candidates, design };
+    let journal =
+        arguments.journal.as_ref().map(|file| Journal::open(file, &request.fingerprint())).transpose()?;
+    if let Some(threads) = arguments.threads {
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build_global()
+            .map_err(|error| CalibrateError::Threads { threads, error })?;
+    }
+    let bar = if arguments.no_progress {
+        ProgressBar::hidden()
+    } else {
+        let style = ProgressStyle::with_template(
+            "{human_pos} of {human_len} candidates [{wide_bar}] {per_sec}, {eta} left",
+        );
+        let bar = ProgressBar::new(request.candidates.rows.len() as u64);
+        style.map_or(bar.clone(), |style| bar.with_style(style.progress_chars("=> ")))
+    };
+    let report = calibrate(&request, journal.as_ref(), || bar.inc(1))?;
+    bar.finish_and_clear();
+    print!("{}", summary(&request, &report));
+    if report.retained.is_empty() {
+        eprintln!("error: nobody met all criteria; nothing is written");
+        return Ok(Exit::Failed);
+    }
+    let text = report.population(&request).to_json()?;
+    fs::write(out, text).map_err(|error| CalibrateError::Write { file: out.clone(), error })?;
+    println!("wrote {}", out.display());
+    Ok(Exit::Success)
+}
+
+/// The candidates, and in words where they come from.
+fn candidates(
+    arguments: &CalibrateArguments,
+    variant: &Variant,
+) -> Result<(Candidates, String), CalibrateError> {
+    let read = |file: &PathBuf, variant: Option<&str>| {
+        Population::read(&file.to_string_lossy(), &COMMOTIONS.declaration, variant)
+            .map(|population| Candidates { names: population.parameters, rows: population.individuals })
+    };
+    let name = |file: &PathBuf| {
+        file.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
+    };
+    if let Some(file) = &arguments.candidates {
+        return Ok((read(file, Some(&variant.to_string()))?, name(file)));
+    }
+    let base = match &arguments.base {
+        Some(file) => read(file, arguments.base_variant.as_deref())?,
+        None => Candidates::nothing_given(),
+    };
+    let mut ranges = published_grid(variant);
+    for range in &arguments.range {
+        match ranges.iter_mut().find(|published| published.name == range.name) {
+            Some(published) => *published = range.clone(),
+            None => ranges.push(range.clone()),
+        }
+    }
+    let count = arguments.count;
+    let design = match arguments.design {
+        Designs::Grid => Design::Grid,
+        Designs::FromGrid => Design::FromGrid(count),
+        Designs::LogUniform => Design::LogUniform(count),
+        Designs::LatinHypercube => Design::LatinHypercube(count),
+    };
+    let candidates = Candidates::design(&base, &ranges, design, arguments.seed, &COMMOTIONS.declaration)?;
+    let varied = ranges.iter().filter(|range| !base.names.contains(&range.name.to_owned()));
+    let varied: Vec<String> = varied.map(|r| format!("{} {}..{}", r.name, r.low, r.high)).collect();
+    let mut words = format!("{design} over {}", varied.join(", "));
+    if let Some(file) = &arguments.base {
+        words.push_str(&format!(", crossed with {} of {}", base.names.join(", "), name(file)));
+    }
+    Ok((candidates, words))
+}
+
+fn summary(request: &Request, report: &Report) -> String {
+    let total = request.candidates.rows.len();
+    let mut text = format!("{total} candidates of {}\n", request.calibration.variant);
+    for (criterion, failed) in request.calibration.criteria.iter().zip(&report.failed) {
+        text.push_str(&format!("{failed:>8} failed: {}\n", criterion.name));
+    }
+    let retained = report.retained.len();
+    let share = 100.0 * retained as f64 / total as f64;
+    text.push_str(&format!("{retained:>8} retained ({share:.1} %)\n"));
+    text
+}
+
+fn parse_range(text: &str) -> Result<ParameterRange, String> {
+    let expected = || format!("`{text}` is no range; write it like T_delta=10..100 or T_delta=10..100:10");
+    let (name, range) = text.split_once('=').ok_or_else(expected)?;
+    let (range, levels) = match range.split_once(':') {
+        Some((range, levels)) => (range, levels.trim().parse().map_err(|_| expected())?),
+        None => (range, 10),
+    };
+    let (low, high) = range.split_once("..").ok_or_else(expected)?;
+    let number = |text: &str| text.trim().parse::<f64>().map_err(|_| expected());
+    let name = name.trim();
+    let parameter = COMMOTIONS.declaration.parameter(name);
+    let name = parameter.ok_or_else(|| format!("the model has no parameter `{name}`"))?.name;
+    Ok(ParameterRange { name, low: number(low)?, high: number(high)?, levels })
+}
