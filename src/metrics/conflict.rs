@@ -100,7 +100,8 @@ pub static PASSED_FIRST: Metric = Metric {
         name: "passed_first",
         summary: "Whose centre passed the conflict point first; of a pedestrian who retreats, the passing that was \
                   carried through counts.",
-        source: "order at the conflict point as in pet; without a pedestrian's passing, the middle of where it starts",
+        source: "order at the conflict point as in pet; where the pedestrian never passes, the vehicle does so opposite \
+                 its start",
         parameters: &[],
         presets: None,
     },

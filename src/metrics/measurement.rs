@@ -32,9 +32,12 @@ pub struct SubjectValue {
     pub value: Option<f64>,
 }
 
+/// Indices of the vehicle and the pedestrian that a metric is measured for.
+type Subject = (Option<usize>, Option<usize>);
+
 struct Request {
     worst: Worst,
-    subjects: Vec<(Option<usize>, Option<usize>, Box<dyn Meter>)>,
+    meters: Vec<(Subject, Box<dyn Meter>)>,
 }
 
 impl Measurement {
@@ -60,9 +63,9 @@ impl Measurement {
                         free_flow: vehicle.and_then(|index| free_flows.get(index).copied()),
                         free_speed: pedestrian.and_then(|index| free_speeds.get(index).copied()),
                     };
-                    (vehicle, pedestrian, (metric.build)(&context))
+                    ((vehicle, pedestrian), (metric.build)(&context))
                 });
-            Request { worst: metric.worst, subjects: subjects.collect() }
+            Request { worst: metric.worst, meters: subjects.collect() }
         };
         Self {
             encounters: Encounters::new(world),
@@ -83,7 +86,7 @@ impl Measurement {
 
     fn take(&mut self, step: &Step) {
         self.encounters.observe(step);
-        for (_, _, meter) in self.requests.iter_mut().flat_map(|request| &mut request.subjects) {
+        for (_, meter) in self.requests.iter_mut().flat_map(|request| &mut request.meters) {
             meter.observe(step, &self.encounters);
         }
     }
@@ -92,9 +95,9 @@ impl Measurement {
 impl Request {
     fn reading(&self, encounters: &Encounters) -> Reading {
         let subjects: Vec<_> = self
-            .subjects
+            .meters
             .iter()
-            .map(|(vehicle, pedestrian, meter)| SubjectValue {
+            .map(|((vehicle, pedestrian), meter)| SubjectValue {
                 vehicle: *vehicle,
                 pedestrian: *pedestrian,
                 value: meter.value(encounters),
@@ -128,7 +131,7 @@ impl Observer for Measurement {
 }
 
 /// Whom a metric is measured for in a world.
-fn subjects(scope: Scope, world: &World) -> impl Iterator<Item = (Option<usize>, Option<usize>)> {
+fn subjects(scope: Scope, world: &World) -> impl Iterator<Item = Subject> {
     let indices = |wanted: bool, count: usize| {
         if wanted { (0..count).map(Some).collect() } else { vec![None] }
     };
@@ -139,11 +142,7 @@ fn subjects(scope: Scope, world: &World) -> impl Iterator<Item = (Option<usize>,
         .flat_map(move |vehicle| pedestrians.clone().into_iter().map(move |pedestrian| (vehicle, pedestrian)))
 }
 
-fn concerns(
-    reference: &MetricReference,
-    world: &World,
-    (vehicle, pedestrian): (Option<usize>, Option<usize>),
-) -> bool {
+fn concerns(reference: &MetricReference, world: &World, (vehicle, pedestrian): Subject) -> bool {
     reference.pair.as_ref().is_none_or(|(car, person)| {
         vehicle.is_none_or(|index| world.vehicles[index].name == *car)
             && pedestrian.is_none_or(|index| world.pedestrians[index].name == *person)
