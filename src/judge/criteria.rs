@@ -5,8 +5,7 @@ use serde::Serialize;
 use crate::metrics;
 use crate::run::{Outcome, Requests};
 use crate::scenario::{
-    Aggregate, Claim, Comparison, Criterion, Expression, MetricReference, Origin, Relation, Value,
-    WhenUndefined,
+    Aggregate, Claim, Comparison, Criterion, MetricReference, Origin, Relation, WhenUndefined, constant,
 };
 
 /// What a criterion, a trial or a suite comes to. The order is from good to bad.
@@ -121,6 +120,22 @@ fn find(criterion: &Criterion, outcomes: &[Outcome], requests: &Requests) -> Fin
     }
 }
 
+/// An aggregate over runs; `None` where it does not exist. For rates and counts a run whose metric does not exist counts
+/// as its comparison says.
+pub fn aggregate(aggregate: &Aggregate, outcomes: &[Outcome], requests: &Requests) -> Option<f64> {
+    match aggregate {
+        Aggregate::Rate(comparison) => {
+            let held = holding(comparison, outcomes, requests);
+            (!outcomes.is_empty()).then(|| held.count as f64 / outcomes.len() as f64)
+        }
+        Aggregate::Count(comparison) => Some(holding(comparison, outcomes, requests).count as f64),
+        _ => aggregate_of(
+            aggregate,
+            values(aggregate.metric(), outcomes, requests).into_iter().flatten().collect(),
+        ),
+    }
+}
+
 /// The metric of every run and in how many runs a comparison over it holds.
 struct Held {
     count: usize,
@@ -136,7 +151,7 @@ fn runs(
     requests: &Requests,
 ) -> Finding {
     let held = holding(comparison, outcomes, requests);
-    let bound = constant(&comparison.bound);
+    let bound = comparison.constant_bound();
     let rate = held.count as f64 / outcomes.len() as f64;
     let mut finding = match share {
         Some(share) => against(criterion, Measure::Share, Relation::GreaterOrEqual, share, Some(rate), &held),
@@ -182,7 +197,7 @@ fn against(
 }
 
 fn holding(comparison: &Comparison, outcomes: &[Outcome], requests: &Requests) -> Held {
-    let bound = constant(&comparison.bound);
+    let bound = comparison.constant_bound();
     let values = values(&comparison.metric, outcomes, requests);
     Held {
         count: values.iter().filter(|value| comparison_holds(comparison, bound, **value)).count(),
@@ -228,14 +243,6 @@ fn worst(
     against.sort_by(|left, right| badness(*right.0).total_cmp(&badness(*left.0)));
     against.truncate(WORST_RUNS);
     against.into_iter().map(|(value, outcome)| WorstRun { key: outcome.key.clone(), value: *value }).collect()
-}
-
-fn constant(bound: &Expression) -> f64 {
-    match bound {
-        Expression::Constant(Value::Number(number)) => *number,
-        Expression::Constant(Value::Flag(flag)) => f64::from(*flag),
-        other => panic!("the plan evaluates every bound, but this is left: {other:?}"),
-    }
 }
 
 /// `None` where the aggregate does not exist: of no values, or the spread of one.

@@ -2,4 +2,4 @@
 
 mod criteria;
 
-pub use criteria::{Finding, Measure, TrialVerdict, Verdict, WorstRun, judge};
+pub use criteria::{Finding, Measure, TrialVerdict, Verdict, WorstRun, aggregate, judge};

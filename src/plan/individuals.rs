@@ -1,5 +1,7 @@
 //! Which individuals of a population a scenario is run with.
 
+use std::path::Path;
+
 use super::{PlanError, derive_seed};
 use crate::pedestrian::population::Population as People;
 use crate::pedestrian::{self, population};
@@ -55,7 +57,7 @@ fn choose(
         Population::All => (1..=people.len()).collect(),
         Population::Number(number) => vec![number as usize],
         Population::Count(count) => {
-            let key = format!("individuals/{}/{}", pedestrian.name, individuals.population);
+            let key = format!("individuals/{}/{}", pedestrian.name, file_name(&individuals.population));
             draw(count as usize, people.len(), derive_seed(seed, &key))
         }
     };
@@ -63,7 +65,7 @@ fn choose(
         let parameters = people.individual(number)?;
         Some(Individual {
             pedestrian: pedestrian.name.clone(),
-            population: individuals.population.clone(),
+            population: file_name(&individuals.population),
             number: u32::try_from(number).ok()?,
             parameters,
         })
@@ -107,6 +109,12 @@ fn draw(count: usize, size: usize, seed: u64) -> Vec<usize> {
     numbers.truncate(count);
     numbers.sort_unstable();
     numbers
+}
+
+/// A population by the name of its file, which is the same wherever the project lies.
+fn file_name(population: &str) -> String {
+    let name = Path::new(population).file_name();
+    name.map_or_else(|| population.to_string(), |name| name.to_string_lossy().into_owned())
 }
 
 /// The part of a case's key that names its people: empty without, `/individual=17` with one.

@@ -10,9 +10,13 @@ use std::collections::{BTreeMap, HashSet};
 
 use thiserror::Error;
 
-use crate::scenario::{Case, Criterion, Expression, Origin, Scenario, Suite, Value, VariationCondition};
+use crate::scenario::{
+    Assignment, Case, Criterion, Expression, Individual, Origin, Scenario, Suite, Value, VariationCondition,
+};
 
+pub use individuals::{label as people_label, select as select_people};
 pub use seed::derive_seed;
+pub use variation::expand as combinations;
 
 /// Everything that a suite asks to run.
 #[derive(Debug, Clone, PartialEq)]
@@ -82,9 +86,10 @@ pub fn plan(suite: &Suite) -> Result<Plan, Vec<PlanError>> {
     }
 }
 
-fn plan_scenario(suite: &Suite, scenario: &Scenario) -> Result<Vec<Trial>, PlanError> {
-    let people = individuals::select(suite.seed, scenario)?;
-    let variations = variation::expand(suite.seed, scenario);
+/// The trials of one scenario in a suite.
+pub fn plan_scenario(suite: &Suite, scenario: &Scenario) -> Result<Vec<Trial>, PlanError> {
+    let people = select_people(suite.seed, scenario)?;
+    let variations = combinations(suite.seed, scenario);
     let runs = variations.len().saturating_mul(people.len()).saturating_mul(scenario.repeat as usize);
     if runs > MOST_RUNS {
         let message = format!("scenario `{}` asks for {runs} runs, more than {MOST_RUNS}", scenario.name);
@@ -94,11 +99,11 @@ fn plan_scenario(suite: &Suite, scenario: &Scenario) -> Result<Vec<Trial>, PlanE
     }
     let mut keys = HashSet::new();
     variations
-        .iter()
+        .into_iter()
         .map(|variation| {
-            let variables: Variables = variation.iter().map(|a| (a.name.clone(), a.value.clone())).collect();
+            let variables = variables(&variation);
             let mut key = format!("{}/{}", suite.name, scenario.name);
-            for assignment in variation {
+            for assignment in &variation {
                 key.push_str(&format!("/{}={}", assignment.name, assignment.label));
             }
             if !keys.insert(key.clone()) {
@@ -107,18 +112,17 @@ fn plan_scenario(suite: &Suite, scenario: &Scenario) -> Result<Vec<Trial>, PlanE
             }
             let mut cases = Vec::with_capacity(people.len() * scenario.repeat as usize);
             for person in &people {
-                let world = setup::world(scenario, &variables, person)?;
                 for repetition in 1..=scenario.repeat {
-                    let key = format!("{key}{}/rep={repetition}", individuals::label(person));
-                    cases.push(Case {
-                        seed: derive_seed(suite.seed, &key),
+                    let key = format!("{key}{}/rep={repetition}", people_label(person));
+                    let seed = derive_seed(suite.seed, &key);
+                    cases.push(concrete_case(
+                        scenario,
                         key,
-                        scenario: scenario.name.clone(),
-                        variation: variation.clone(),
-                        individuals: person.clone(),
+                        variation.clone(),
+                        person.clone(),
                         repetition,
-                        world: world.clone(),
-                    });
+                        seed,
+                    )?);
                 }
             }
             Ok(Trial {
@@ -132,6 +136,23 @@ fn plan_scenario(suite: &Suite, scenario: &Scenario) -> Result<Vec<Trial>, PlanE
             })
         })
         .collect()
+}
+
+/// One run of a scenario in which these variations have their values and these people walk.
+pub fn concrete_case(
+    scenario: &Scenario,
+    key: String,
+    variation: Vec<Assignment>,
+    individuals: Vec<Individual>,
+    repetition: u32,
+    seed: u64,
+) -> Result<Case, PlanError> {
+    let world = setup::world(scenario, &variables(&variation), &individuals)?;
+    Ok(Case { key, scenario: scenario.name.clone(), variation, individuals, repetition, seed, world })
+}
+
+fn variables(variation: &[Assignment]) -> Variables {
+    variation.iter().map(|assignment| (assignment.name.clone(), assignment.value.clone())).collect()
 }
 
 /// The criteria that apply where `variables` hold, with their bounds evaluated.

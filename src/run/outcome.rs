@@ -41,11 +41,13 @@ impl Requests {
 
     /// Adds whatever the criteria need that is not there yet.
     pub fn include(&mut self, criteria: &[Criterion]) {
-        for criterion in criteria {
-            let reference = criterion.claim.metric();
-            if self.index(reference).is_none() {
-                self.0.push(reference.clone());
-            }
+        criteria.iter().for_each(|criterion| self.add(criterion.claim.metric()));
+    }
+
+    /// Adds a metric unless it is there already.
+    pub fn add(&mut self, reference: &MetricReference) {
+        if self.index(reference).is_none() {
+            self.0.push(reference.clone());
         }
     }
 

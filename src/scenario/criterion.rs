@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Expression, Settings};
+use super::{Expression, Settings, Value};
 
 /// Where in a file something was said; enough to show it again without reading the file.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -147,15 +147,7 @@ impl Claim {
     pub fn metric(&self) -> &MetricReference {
         match self {
             Self::Runs { comparison, .. } => &comparison.metric,
-            Self::Aggregate { aggregate, .. } => match aggregate {
-                Aggregate::Mean(metric)
-                | Aggregate::Median(metric)
-                | Aggregate::Min(metric)
-                | Aggregate::Max(metric)
-                | Aggregate::Std(metric)
-                | Aggregate::Quantile(_, metric) => metric,
-                Aggregate::Rate(comparison) | Aggregate::Count(comparison) => &comparison.metric,
-            },
+            Self::Aggregate { aggregate, .. } => aggregate.metric(),
         }
     }
 
@@ -180,5 +172,44 @@ impl MetricReference {
         let pair = self.pair.iter().flat_map(|(vehicle, pedestrian)| [vehicle.clone(), pedestrian.clone()]);
         let inside: Vec<_> = pair.chain(settings).collect();
         if inside.is_empty() { self.name.clone() } else { format!("{}({})", self.name, inside.join(", ")) }
+    }
+}
+
+impl Aggregate {
+    /// The metric that is aggregated.
+    pub fn metric(&self) -> &MetricReference {
+        match self {
+            Self::Mean(metric)
+            | Self::Median(metric)
+            | Self::Min(metric)
+            | Self::Max(metric)
+            | Self::Std(metric)
+            | Self::Quantile(_, metric) => metric,
+            Self::Rate(comparison) | Self::Count(comparison) => &comparison.metric,
+        }
+    }
+}
+
+impl Comparison {
+    /// In words, with the bound in SI units, such as `pet >= 1.5`.
+    pub fn text(&self) -> String {
+        format!("{} {} {}", self.metric.label(), self.relation.symbol(), self.constant_bound())
+    }
+
+    /// The bound once it is a constant, as it is in every plan and in `search` and `tune` blocks; flags as 0 and 1.
+    pub fn constant_bound(&self) -> f64 {
+        constant(&self.bound)
+    }
+}
+
+/// The number of an expression that is a constant.
+///
+/// # Panics
+/// If it is not: evaluating bounds before they are used is the plan's and the checker's promise.
+pub fn constant(bound: &Expression) -> f64 {
+    match bound {
+        Expression::Constant(Value::Number(number)) => *number,
+        Expression::Constant(Value::Flag(flag)) => f64::from(*flag),
+        other => panic!("every bound is evaluated before it is used, but this is left: {other:?}"),
     }
 }

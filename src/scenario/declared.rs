@@ -180,3 +180,12 @@ pub enum Distribution {
     TruncatedNormal { mean: f64, standard_deviation: f64, low: f64, high: f64 },
     Choice(Vec<VariedValue>),
 }
+
+impl Variation {
+    /// What it varies.
+    pub fn names(&self) -> &[String] {
+        match self {
+            Self::Grid { names, .. } | Self::Sampled { names, .. } => names,
+        }
+    }
+}

@@ -20,7 +20,7 @@ pub use case::{
 };
 pub use criterion::{
     Aggregate, Claim, Comparison, Criterion, MetricReference, Origin, Relation, VariationCondition,
-    WhenUndefined,
+    WhenUndefined, constant,
 };
 pub use declaration::{
     ChoiceOption, Declaration, Literal, Parameter, ParameterKind, Preset, PresetFamily, SettingError,

@@ -1,5 +1,7 @@
 //! What `search` and `tune` blocks declare: adversarial cases to find, controller parameters to optimise.
 
+use std::fmt;
+
 use serde::{Deserialize, Serialize};
 
 use super::{Aggregate, Comparison, Individuals, Origin};
@@ -153,4 +155,22 @@ pub enum Method {
     LatinHypercube,
     Sobol,
     Grid,
+}
+
+impl fmt::Display for Target {
+    /// As it is written in a scenario: `tta` or `av.controller.braking_distance`.
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Variation(name) => name.fmt(out),
+            Self::Setting { road_user, part, parameter } => {
+                let part = match part {
+                    Part::Controller => "controller",
+                    Part::Dynamics => "dynamics",
+                    Part::Sees => "sees",
+                    Part::Model => "model",
+                };
+                write!(out, "{road_user}.{part}.{parameter}")
+            }
+        }
+    }
 }

@@ -5,7 +5,6 @@ mod fingerprint;
 pub mod geometry;
 mod observer;
 pub mod random;
-pub mod script;
 mod state;
 mod timeline;
 mod trace;
