@@ -4,6 +4,7 @@ pub mod calibrate;
 pub mod cli;
 pub mod judge;
 pub mod metrics;
+pub mod optimise;
 pub mod pedestrian;
 pub mod plan;
 pub mod report;

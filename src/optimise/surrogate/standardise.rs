@@ -1,0 +1,167 @@
+//! Output scaling: mean and standard deviation for well-behaved values, median and absolute deviation when there are outliers.
+
+use serde::{Deserialize, Serialize};
+
+/// Robust z-score past which a value counts as an outlier.
+const OUTLIER: f64 = 12.0;
+/// Robust z-score past which values are compressed, once there are outliers.
+const KNEE: f64 = 4.0;
+/// The factor from median absolute deviation to standard deviation of a normal distribution.
+const NORMAL_CONSISTENCY: f64 = 1.482_602_218_505_602;
+
+/// Which values may be called outliers and compressed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Outliers {
+    /// None: plain mean and standard deviation.
+    Keep,
+    /// Large values only: an objective to minimise keeps its deepest wells as they are.
+    CompressHigh,
+    /// Large values of either sign.
+    CompressBoth,
+}
+
+/// A monotone map from a family of values to numbers of order one.
+///
+/// z = (y − centre)/scale; with outliers, z past a knee grows only as its logarithm.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Standardisation {
+    /// What becomes zero.
+    pub centre: f64,
+    /// What becomes one.
+    pub scale: f64,
+    compress: Outliers,
+}
+
+impl Standardisation {
+    /// The map for these finite values. Constant values keep their unit.
+    pub fn of(values: &[f64], outliers: Outliers) -> Self {
+        let usual = Standardisation { compress: Outliers::Keep, ..Self::by_moments(values) };
+        if outliers == Outliers::Keep {
+            return usual;
+        }
+        let mut sorted = values.to_vec();
+        let centre = median(&mut sorted);
+        let mut deviations: Vec<f64> = values.iter().map(|value| (value - centre).abs()).collect();
+        let mut scale = NORMAL_CONSISTENCY * median(&mut deviations);
+        if scale <= 0.0 {
+            // More than half the values are equal: the typical size of the others' deviations.
+            let mut others: Vec<f64> = deviations.into_iter().filter(|&deviation| deviation > 0.0).collect();
+            if others.is_empty() {
+                return usual;
+            }
+            scale = median(&mut others);
+        }
+        let worst = values.iter().map(|value| match outliers {
+            Outliers::CompressBoth => (value - centre).abs(),
+            _ => value - centre,
+        });
+        let worst = worst.fold(0.0, f64::max) / scale;
+        if worst > OUTLIER && scale.is_finite() {
+            Standardisation { centre, scale, compress: outliers }
+        } else {
+            usual
+        }
+    }
+
+    fn by_moments(values: &[f64]) -> Self {
+        // Scaled by the largest first, so that squares of very large values stay finite.
+        let largest = values.iter().fold(0.0f64, |largest, value| largest.max(value.abs()));
+        let unit = if largest > 0.0 { largest } else { 1.0 };
+        let n = values.len().max(1) as f64;
+        let mean = values.iter().map(|value| value / unit).sum::<f64>() / n;
+        let variance = values.iter().map(|value| (value / unit - mean).powi(2)).sum::<f64>() / n;
+        let deviation = unit * variance.sqrt();
+        // Rounding alone makes a constant's deviation about 1e-16 of its size.
+        let scale = if deviation > 1e-12 * largest { deviation } else { 1.0 };
+        Standardisation { centre: mean * unit, scale, compress: Outliers::Keep }
+    }
+
+    /// The number a value becomes.
+    pub fn apply(&self, value: f64) -> f64 {
+        let z = (value - self.centre) / self.scale;
+        let compressed = |z: f64| if z > KNEE { KNEE + libm::log1p(z - KNEE) } else { z };
+        match self.compress {
+            Outliers::Keep => z,
+            Outliers::CompressHigh => compressed(z),
+            Outliers::CompressBoth => compressed(z.abs()).copysign(z),
+        }
+    }
+
+    /// The value that becomes this number.
+    pub fn undo(&self, z: f64) -> f64 {
+        let expanded = |z: f64| if z > KNEE { KNEE + libm::expm1(z - KNEE) } else { z };
+        let z = match self.compress {
+            Outliers::Keep => z,
+            Outliers::CompressHigh => expanded(z),
+            Outliers::CompressBoth => expanded(z.abs()).copysign(z),
+        };
+        self.centre + self.scale * z
+    }
+}
+
+/// The median; 0 of nothing. Sorts its argument.
+fn median(values: &mut [f64]) -> f64 {
+    values.sort_by(f64::total_cmp);
+    match values.len() {
+        0 => 0.0,
+        n if n % 2 == 1 => values[n / 2],
+        n => 0.5 * values[n / 2 - 1] + 0.5 * values[n / 2],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn a_penalty_does_not_flatten_the_rest() {
+        let mut values: Vec<f64> = (0..20).map(|i| 3.0 + 0.1 * f64::from(i)).collect();
+        values.push(1e6);
+        let plain = Standardisation::of(&values, Outliers::Keep);
+        let robust = Standardisation::of(&values, Outliers::CompressHigh);
+        let spread = |map: Standardisation| map.apply(values[19]) - map.apply(values[0]);
+        assert!(spread(plain) < 1e-4);
+        assert!(spread(robust) > 1.5);
+        assert!(robust.apply(1e6) < 20.0);
+    }
+
+    #[test]
+    fn a_deep_well_is_not_an_outlier_of_an_objective() {
+        let mut values = vec![3.0; 20];
+        values.iter_mut().enumerate().for_each(|(i, value)| *value += 0.01 * i as f64);
+        values.push(0.0);
+        let map = Standardisation::of(&values, Outliers::CompressHigh);
+        assert_eq!(map, Standardisation::of(&values, Outliers::Keep));
+    }
+
+    #[test]
+    fn constants_keep_their_unit() {
+        for value in [0.0, 3.25, 1e6, -1e150] {
+            for outliers in [Outliers::Keep, Outliers::CompressHigh, Outliers::CompressBoth] {
+                let map = Standardisation::of(&[value; 4], outliers);
+                assert_eq!(map.scale, 1.0);
+                assert!(map.apply(value).is_finite());
+            }
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn it_is_monotone_and_can_be_undone(
+            values in prop::collection::vec(prop_oneof![-5.0..5.0f64, Just(1e6), Just(-1e6), Just(0.0)], 1..30),
+        ) {
+            for outliers in [Outliers::Keep, Outliers::CompressHigh, Outliers::CompressBoth] {
+                let map = Standardisation::of(&values, outliers);
+                for a in &values {
+                    let z = map.apply(*a);
+                    prop_assert!(z.is_finite());
+                    prop_assert!((map.undo(z) - a).abs() <= 1e-9 * a.abs().max(map.scale));
+                    for b in &values {
+                        prop_assert!(a >= b || z <= map.apply(*b));
+                    }
+                }
+            }
+        }
+    }
+}
