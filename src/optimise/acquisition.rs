@@ -59,30 +59,40 @@ pub(super) fn log_probability_of_improvement(posteriors: &[Posterior], best: f64
     posteriors.iter().map(log).collect()
 }
 
-/// The lowest of mean + one standard deviation over places likely to be feasible: its mean is the effective best.
-///
-/// Places count from an even chance of being feasible; if none has that, the likeliest one counts.
+/// Which places count as incumbents: those with at least an even chance of being feasible; if there are none, the likeliest.
+pub(super) fn incumbents(models: &Models, places: &[Vec<f64>]) -> Vec<bool> {
+    let feasibility = models.log_feasibility(places);
+    let likeliest = feasibility.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    feasibility.iter().map(|log| *log >= likeliest.min(libm::log(0.5))).collect()
+}
+
+/// The effective best: the mean at the incumbent with the lowest mean + one standard deviation.
 pub(super) fn effective_best(models: &Models, objective: &Scaled, places: &[Vec<f64>]) -> Option<f64> {
     let posteriors = objective.surrogate.posterior(places);
-    let feasibility = models.log_feasibility(places);
-    let even = libm::log(0.5);
-    let likeliest = feasibility.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let likely = posteriors.iter().zip(&feasibility).filter(|(_, log)| **log >= even.min(likeliest));
+    let counting = posteriors.iter().zip(incumbents(models, places)).filter(|(_, counts)| *counts);
     let cautious = |p: &Posterior| p.mean + p.deviation();
-    likely.map(|(p, _)| p).min_by(|a, b| cautious(a).total_cmp(&cautious(b))).map(|p| p.mean)
+    counting.map(|(p, _)| p).min_by(|a, b| cautious(a).total_cmp(&cautious(b))).map(|p| p.mean)
 }
 
 /// Noisy expected improvement: prepared once per proposal, evaluated at many points.
 pub(super) struct NoisyExpectedImprovement {
     fantasies: Fantasies,
+    /// The lowest value of each fantasy at an incumbent.
+    lowest: Vec<f64>,
 }
 
 impl NoisyExpectedImprovement {
-    /// Draws what the values at `places` (evaluated and pending) may be.
+    /// Draws what the values at `places` (evaluated and pending) may be; the best of `incumbents` is to be improved on.
     ///
     /// # Errors
     /// [`Error::Surrogate`] when the joint covariance cannot be factored.
-    pub fn new(objective: &Scaled, places: &[Vec<f64>], seed: u64, proposal: u64) -> Result<Self, Error> {
+    pub fn new(
+        objective: &Scaled,
+        places: &[Vec<f64>],
+        incumbents: &[bool],
+        seed: u64,
+        proposal: u64,
+    ) -> Result<Self, Error> {
         let mut generator = stream(seed, proposal, Purpose::Fantasies);
         let mut normals = Vec::with_capacity(FANTASIES);
         for _ in 0..FANTASIES / 2 {
@@ -91,7 +101,13 @@ impl NoisyExpectedImprovement {
             normals.push(normal.iter().map(|x| -x).collect());
             normals.push(normal);
         }
-        Ok(NoisyExpectedImprovement { fantasies: objective.surrogate.fantasies(places, &normals)? })
+        let fantasies = objective.surrogate.fantasies(places, &normals)?;
+        let lowest = |draw: &Vec<f64>| {
+            let counting = draw.iter().zip(incumbents).filter(|(_, counts)| **counts);
+            counting.map(|(value, _)| *value).fold(f64::INFINITY, f64::min)
+        };
+        let lowest = fantasies.draws().iter().map(lowest).collect();
+        Ok(NoisyExpectedImprovement { fantasies, lowest })
     }
 
     /// Its logarithm at each point.
@@ -102,7 +118,7 @@ impl NoisyExpectedImprovement {
             .map(|point| {
                 let variance = self.fantasies.posterior(point, &mut scratch, &mut scores);
                 let deviation = variance.sqrt().max(SMALLEST_DEVIATION);
-                for (score, lowest) in scores.iter_mut().zip(self.fantasies.lowest()) {
+                for (score, lowest) in scores.iter_mut().zip(&self.lowest) {
                     *score = (lowest - *score) / deviation;
                 }
                 libm::log(deviation) + log_mean_improvement(&scores)

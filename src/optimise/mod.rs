@@ -34,6 +34,8 @@ mod random;
 mod reference;
 mod space;
 pub mod surrogate;
+#[cfg(test)]
+mod tests;
 
 pub use acquisition::Acquisition;
 pub use definition::{Definition, Goal, ImprovementStop, InitialDesign, Method};

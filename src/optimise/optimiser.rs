@@ -2,7 +2,7 @@
 
 use super::Error;
 use super::acquisition::{
-    Acquisition, NoisyExpectedImprovement, effective_best, log_augmented_expected_improvement,
+    Acquisition, NoisyExpectedImprovement, effective_best, incumbents, log_augmented_expected_improvement,
     log_expected_improvement,
 };
 use super::definition::{Definition, InitialDesign, Method};
@@ -106,7 +106,7 @@ impl Optimiser {
             remembered: Remembered::default(),
             hedge: Hedge::default(),
             quiet: 0,
-            promised: f64::INFINITY,
+            promised: 0.0,
         })
     }
 
@@ -303,7 +303,8 @@ impl Optimiser {
         match acquisition {
             Acquisition::Feasibility => search(&|points| vec![0.0; points.len()]),
             Acquisition::NoisyExpectedImprovement => {
-                let noisy = NoisyExpectedImprovement::new(objective?, places, *seed, id).ok()?;
+                let incumbents = incumbents(models, places);
+                let noisy = NoisyExpectedImprovement::new(objective?, places, &incumbents, *seed, id).ok()?;
                 search(&|points| noisy.log(points))
             }
             Acquisition::AugmentedExpectedImprovement => {
@@ -332,7 +333,7 @@ impl Optimiser {
     /// Keeps count of proposals in a row that promise less than the stop rule wants.
     fn note_promise(&mut self, acquisition: Acquisition, models: &Models, log: f64) {
         let (Some(stop), Some(objective)) = (self.definition.improvement_stop, &models.objective) else { return };
-        self.promised = libm::exp(log) * objective.map.scale;
+        self.promised = (libm::exp(log) * objective.map.scale).min(f64::MAX);
         let is_small = acquisition != Acquisition::Feasibility && self.promised < stop.below;
         self.quiet = if is_small { self.quiet + 1 } else { 0 };
     }

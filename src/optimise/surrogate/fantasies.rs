@@ -17,34 +17,34 @@ pub struct Fantasies {
     factor: Factor,
     /// K⁻¹ f of each draw.
     weights: Vec<Vec<f64>>,
-    lowest: Vec<f64>,
+    draws: Vec<Vec<f64>>,
 }
 
 impl Fantasies {
+    /// `covariance` is the prior's between `points`, its lower triangle row-major; `draws` hold a value for each point.
     pub(super) fn new(
         kernel: ArdMatern52,
-        covariance: impl Fn(&ArdMatern52, &[Vec<f64>]) -> Vec<f64>,
+        covariance: Vec<f64>,
         points: Vec<Vec<f64>>,
         draws: Vec<Vec<f64>>,
     ) -> Result<Self, Error> {
         let n = points.len();
-        let mut rows = covariance(&kernel, &points);
+        let mut rows = covariance;
         let amplitude = rows.first().copied().unwrap_or(1.0);
         (0..n).for_each(|i| rows[i * n + i] += NUGGET * amplitude);
         let (factor, _) = Factor::with_jitter(n, &rows, amplitude)
             .ok_or_else(|| Error::Surrogate("the covariance of the drawn points cannot be factored".to_owned()))?;
-        let lowest = draws.iter().map(|draw| draw.iter().copied().fold(f64::INFINITY, f64::min)).collect();
-        let mut weights = draws;
+        let mut weights = draws.clone();
         for draw in &mut weights {
             factor.solve_lower(draw);
             factor.solve_upper(draw);
         }
-        Ok(Fantasies { kernel, points, factor, weights, lowest })
+        Ok(Fantasies { kernel, points, factor, weights, draws })
     }
 
-    /// The lowest value of each fantasy at its points.
-    pub fn lowest(&self) -> &[f64] {
-        &self.lowest
+    /// Each fantasy's values at its points.
+    pub fn draws(&self) -> &[Vec<f64>] {
+        &self.draws
     }
 
     /// Writes each fantasy's mean at `point` to `means` and returns their common variance.

@@ -5,12 +5,8 @@ use super::likelihood::{Evaluation, Likelihood};
 
 /// Length scales to start from, times √d. One start alone loses the best basin of the Gramacy function in most runs.
 const LENGTH_SCALE_STARTS: [f64; 3] = [0.05, 0.2, 0.8];
-/// Iterations from every start, before the best go on alone.
-const SCOUTING_ITERATIONS: usize = 8;
-/// How many go on.
-const FINALISTS: usize = 2;
-/// Iterations of those.
-const FINAL_ITERATIONS: usize = 25;
+/// Iterations from each start.
+const ITERATIONS: usize = 30;
 /// Largest change of a logarithm in one iteration.
 const LARGEST_STEP: f64 = 1.5;
 /// A gradient this small (nats per unit of a logarithm) counts as converged.
@@ -171,26 +167,22 @@ pub(crate) fn fit(
     if let Some(previous) = previous.filter(|previous| previous.length_scales.len() == d) {
         starts.push(previous.to_logarithms());
     }
-    let scouting = match effort {
-        Effort::Refine if !starts.is_empty() => FINAL_ITERATIONS,
-        _ => {
-            for scale in LENGTH_SCALE_STARTS {
-                let mut start = vec![libm::log(scale * (d as f64).sqrt()); d];
-                start.extend([0.0, libm::log(0.05)]);
-                starts.push(start);
-            }
-            SCOUTING_ITERATIONS
+    if effort == Effort::MultiStart || starts.is_empty() {
+        for scale in LENGTH_SCALE_STARTS {
+            let mut start = vec![libm::log(scale * (d as f64).sqrt()); d];
+            start.extend([0.0, libm::log(0.05)]);
+            starts.push(start);
         }
-    };
-    let mut ascents: Vec<Ascent<'_>> =
-        starts.iter().filter_map(|start| Ascent::new(likelihood, &bounds, start)).collect();
-    let best_first = |a: &Ascent<'_>, b: &Ascent<'_>| b.value.total_cmp(&a.value);
-    ascents.iter_mut().for_each(|ascent| ascent.climb(scouting));
-    ascents.sort_by(best_first);
-    ascents.truncate(FINALISTS);
-    ascents.iter_mut().for_each(|ascent| ascent.climb(FINAL_ITERATIONS));
-    ascents.sort_by(best_first);
-    Some(HyperParameters::from_logarithms(&ascents.first()?.place))
+    }
+    let mut best: Option<Ascent<'_>> = None;
+    for start in &starts {
+        let Some(mut ascent) = Ascent::new(likelihood, &bounds, start) else { continue };
+        ascent.climb(ITERATIONS);
+        if best.as_ref().is_none_or(|best| ascent.value > best.value) {
+            best = Some(ascent);
+        }
+    }
+    Some(HyperParameters::from_logarithms(&best?.place))
 }
 
 #[cfg(test)]
@@ -240,6 +232,6 @@ mod tests {
         let value = |hyper: &HyperParameters| likelihood.evaluate(&hyper.to_logarithms()).unwrap().value;
         let single = value(&fit(&likelihood, Some(&long), Effort::Refine).unwrap());
         let several = value(&fit(&likelihood, Some(&long), Effort::MultiStart).unwrap());
-        assert!(several > single + 10.0, "{several} {single}");
+        assert!(several > single + 3.0, "{several} {single}");
     }
 }

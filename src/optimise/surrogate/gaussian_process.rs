@@ -154,10 +154,116 @@ impl Surrogate for FriedrichSurrogate {
     fn fantasies(&self, points: &[Vec<f64>], normals: &[Vec<f64>]) -> Result<Fantasies, Error> {
         let kernel = ArdMatern52::new(&self.hyper, &self.data.categorical);
         let draws = self.sample(points, normals)?;
-        Fantasies::new(kernel, prior_covariance, points.to_vec(), draws)
+        let covariance = prior_covariance(&kernel, points);
+        Fantasies::new(kernel, covariance, points.to_vec(), draws)
     }
 
     fn hyper_parameters(&self) -> &HyperParameters {
         &self.hyper
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::DMatrix;
+
+    const ONCE: Noise = Noise { shared: 1.0, known: 0.0 };
+
+    fn data(points: &[f64], values: &[f64]) -> Dataset {
+        Dataset {
+            points: points.iter().map(|&x| vec![x]).collect(),
+            values: values.to_vec(),
+            noise: vec![ONCE; points.len()],
+            categorical: vec![false],
+        }
+    }
+
+    fn hyper() -> HyperParameters {
+        HyperParameters { length_scales: vec![0.3], amplitude: 1.5, noise: 0.04 }
+    }
+
+    fn wave(n: usize) -> Dataset {
+        let points: Vec<f64> = (0..n).map(|i| i as f64 / n as f64).collect();
+        let values: Vec<f64> = points.iter().map(|x| (6.0 * x).sin()).collect();
+        data(&points, &values)
+    }
+
+    #[test]
+    fn trap_noise_is_per_point_and_predictions_are_of_the_latent_function() {
+        let mut data = wave(9);
+        data.noise[3] = Noise { shared: 0.25, known: 0.5 };
+        let kernel = ArdMatern52::new(&hyper(), &data.categorical);
+        let covariance = DMatrix::from_fn(9, 9, |i, j| {
+            kernel.covariance(&data.points[i], &data.points[j])
+                + if i == j { data.noise_variance(i, 0.04) } else { 0.0 }
+        });
+        let at = vec![0.37];
+        let k = DVector::from_fn(9, |i, _| kernel.covariance(&data.points[i], &at));
+        let solved = covariance.cholesky().unwrap().solve(&k);
+        let mean = solved.dot(&DVector::from_column_slice(&data.values));
+        let variance = 1.5 - solved.dot(&k);
+        let got = FriedrichSurrogate::with_hyper_parameters(data, hyper()).unwrap().posterior(&[at])[0];
+        assert!((got.mean - mean).abs() < 1e-10 && (got.variance - variance).abs() < 1e-10, "{got:?}");
+    }
+
+    #[test]
+    fn trap_what_panics_in_friedrich_is_handled() {
+        // Constant outputs, one point, and points so close that the covariance is singular to working precision.
+        for data in [data(&[0.1, 0.5, 0.9], &[0.0; 3]), data(&[0.4], &[0.0]), data(&[0.5, 0.5 + 1e-16], &[0.0, 0.0])] {
+            if data.points.len() == 2 && data.points[0] == data.points[1] {
+                assert!(FriedrichSurrogate::fit(data, None, false).is_err());
+                continue;
+            }
+            let model = FriedrichSurrogate::fit(data, None, false).unwrap();
+            let posterior = model.posterior(&[vec![0.2]])[0];
+            assert!(posterior.mean.abs() < 1e-9 && posterior.variance >= 0.0, "{posterior:?}");
+        }
+        // Numbers that are not finite, duplicates that were not merged, nothing at all.
+        for data in [data(&[0.1, 0.2], &[0.0, f64::NAN]), data(&[0.1, 0.1], &[0.0, 1.0]), data(&[], &[])] {
+            assert!(matches!(FriedrichSurrogate::fit(data, None, false), Err(Error::Surrogate(_))));
+        }
+        // A noise-free fit to steps of 1e-9: jitter, not a panic.
+        let close: Vec<f64> = (0..40).map(|i| 0.5 + 1e-9 * f64::from(i)).collect();
+        let exact = HyperParameters { noise: 1e-12, ..hyper() };
+        let model = FriedrichSurrogate::with_hyper_parameters(data(&close, &[1.0; 40]), exact).unwrap();
+        assert!(model.posterior(&[vec![0.5]])[0].variance >= 0.0);
+    }
+
+    #[test]
+    fn trap_sampling_and_conditioning_at_close_points() {
+        let model = FriedrichSurrogate::with_hyper_parameters(wave(12), hyper()).unwrap();
+        let close: Vec<Vec<f64>> = (0..200).map(|i| vec![0.3 + 1e-7 * f64::from(i)]).collect();
+        let normals = [vec![1.0; 200], vec![-1.0; 200]];
+        let draws = model.sample(&close, &normals).unwrap();
+        let mean = model.posterior(&close[..1])[0].mean;
+        assert!((0.5 * (draws[0][0] + draws[1][0]) - mean).abs() < 1e-9);
+        // Near and exact duplicates, which make friedrich's `add_samples` panic.
+        let again = model.condition(vec![1.0 / 12.0 + 1e-13], 0.4, ONCE).unwrap();
+        let again = again.condition(vec![1.0 / 12.0], 0.4, ONCE).unwrap();
+        assert_eq!(again.data().points.len(), 13);
+        let narrower = again.posterior(&[vec![1.0 / 12.0]])[0].variance;
+        assert!(narrower < model.posterior(&[vec![1.0 / 12.0]])[0].variance);
+    }
+
+    #[test]
+    fn trap_the_fit_is_ours_and_no_clock_stops_it() {
+        let fitted = || FriedrichSurrogate::fit(wave(30), None, false).unwrap();
+        assert_eq!(fitted().hyper_parameters(), fitted().hyper_parameters());
+        let at: Vec<Vec<f64>> = (0..50).map(|i| vec![f64::from(i) / 50.0]).collect();
+        assert_eq!(fitted().posterior(&at), fitted().posterior(&at));
+    }
+
+    #[test]
+    fn fantasies_pass_through_their_draws() {
+        let model = FriedrichSurrogate::with_hyper_parameters(wave(12), hyper()).unwrap();
+        let places = [vec![0.1], vec![0.45], vec![0.8]];
+        let fantasies = model.fantasies(&places, &[vec![0.3, -1.0, 2.0], vec![0.0; 3]]).unwrap();
+        let (mut scratch, mut means) = (Vec::new(), Vec::new());
+        for (i, place) in places.iter().enumerate() {
+            let variance = fantasies.posterior(place, &mut scratch, &mut means);
+            assert!(variance < 1e-5);
+            assert!(means.iter().zip(fantasies.draws()).all(|(mean, draw)| (mean - draw[i]).abs() < 1e-4));
+        }
     }
 }
