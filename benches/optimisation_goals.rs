@@ -61,7 +61,8 @@ fn arguments() -> Arguments {
     };
     let mut given = std::env::args().skip(1);
     while let Some(argument) = given.next() {
-        let mut number = || given.next().and_then(|text| text.parse().ok()).expect("a number after the option");
+        let mut number =
+            || given.next().and_then(|text| text.parse().ok()).expect("a number after the option");
         match argument.as_str() {
             "--bench" => {}
             "--seeds" => parsed.seeds = number(),
@@ -106,8 +107,40 @@ fn evaluate(problem: &Problem, seed: u64, id: u64, x: &[f64]) -> Evaluation {
 }
 
 fn definition(problem: &Problem, seed: u64, method: Method) -> Definition {
-    Definition { constraints: problem.constraints, method, budget: EVALUATIONS, ..Definition::new(problem.space(), seed) }
+    Definition {
+        constraints: problem.constraints,
+        method,
+        budget: EVALUATIONS,
+        ..Definition::new(problem.space(), seed)
+    }
 }
+
+/// One way of ours to spend the evaluations.
+struct Contender {
+    name: &'static str,
+    definition: fn(&Problem, u64) -> Definition,
+    batch: usize,
+}
+
+fn bayesian(problem: &Problem, seed: u64) -> Definition {
+    definition(problem, seed, Method::Bayesian)
+}
+
+fn like_the_reference(problem: &Problem, seed: u64) -> Definition {
+    let method = Method::GpMinimizeLike { penalty: PENALTY };
+    Definition { initial_design: InitialDesign::Random, ..definition(problem, seed, method) }
+}
+
+fn random(problem: &Problem, seed: u64) -> Definition {
+    definition(problem, seed, Method::Random)
+}
+
+const CONTENDERS: [Contender; 4] = [
+    Contender { name: "bayesian", definition: bayesian, batch: 1 },
+    Contender { name: "bayesian, batches of 9", definition: bayesian, batch: 9 },
+    Contender { name: "gp_minimize_like", definition: like_the_reference, batch: 1 },
+    Contender { name: "random", definition: random, batch: 1 },
+];
 
 fn judged(problem: &Problem, optimiser: &Optimiser, cpu_s: f64) -> Outcome {
     let truth = |point: &[Value]| {
@@ -120,7 +153,8 @@ fn judged(problem: &Problem, optimiser: &Optimiser, cpu_s: f64) -> Outcome {
     let predicted = optimiser.best_predicted().expect("the history can be fitted");
     let (predicted_regret, predicted_feasible) = predicted.map_or(nothing, |pick| truth(&pick.point));
     let bias = observed.map_or(f64::NAN, |trial| {
-        trial.evaluation.objectives[0].value.unwrap_or(f64::NAN) - (problem.truth)(&coordinates(&trial.point)).0
+        trial.evaluation.objectives[0].value.unwrap_or(f64::NAN)
+            - (problem.truth)(&coordinates(&trial.point)).0
     });
     Outcome {
         observed: observed_regret,
@@ -165,7 +199,11 @@ fn quantile(values: &[f64], share: f64) -> f64 {
         count => {
             let place = share * (count - 1) as f64;
             let (low, high) = (place.floor() as usize, place.ceil() as usize);
-            if sorted[low] == sorted[high] { sorted[low] } else { sorted[low] + place.fract() * (sorted[high] - sorted[low]) }
+            if sorted[low] == sorted[high] {
+                sorted[low]
+            } else {
+                sorted[low] + place.fract() * (sorted[high] - sorted[low])
+            }
         }
     }
 }
@@ -195,7 +233,10 @@ fn row(problem: &Problem, method: &str, outcomes: &[Outcome]) {
     let (predicted, observed) = if problem.constraints == 0 {
         (of(|o| o.predicted), of(|o| o.observed))
     } else {
-        (feasible_only(|o| o.predicted_feasible, |o| o.predicted), feasible_only(|o| o.observed_feasible, |o| o.observed))
+        (
+            feasible_only(|o| o.predicted_feasible, |o| o.predicted),
+            feasible_only(|o| o.observed_feasible, |o| o.observed),
+        )
     };
     let interval = |values: &[f64]| if values.is_empty() { "-".to_owned() } else { median_interval(values) };
     println!(
@@ -212,29 +253,25 @@ fn row(problem: &Problem, method: &str, outcomes: &[Outcome]) {
 }
 
 fn regret_table(arguments: &Arguments, reference: &[ReferenceRun]) {
-    println!("| problem | method | runs | regret, posterior-mean pick | regret, smallest observed | lost | infeasible picks (posterior / observed) | bias of smallest | CPU s |");
+    println!(
+        "| problem | method | runs | regret, posterior-mean pick | regret, smallest observed | lost | infeasible picks (posterior / observed) | bias of smallest | CPU s |"
+    );
     println!("|---|---|---|---|---|---|---|---|---|");
-    let chosen = |problem: &&Problem| arguments.problems.is_empty() || arguments.problems.iter().any(|name| name == problem.name);
+    let chosen = |problem: &&Problem| {
+        arguments.problems.is_empty() || arguments.problems.iter().any(|name| name == problem.name)
+    };
     let seeds: Vec<u64> = (arguments.first_seed..arguments.first_seed + arguments.seeds).collect();
     for problem in PROBLEMS.iter().filter(chosen) {
         let runs: Vec<&ReferenceRun> = reference.iter().filter(|run| run.problem == problem.name).collect();
-        row(problem, "gp_minimize 0.10.2", &runs.par_iter().map(|run| theirs(problem, run)).collect::<Vec<_>>());
-        let bayesian = |seed| definition(problem, seed, Method::Bayesian);
-        let paper = |seed| Definition {
-            initial_design: InitialDesign::Random,
-            ..definition(problem, seed, Method::GpMinimizeLike { penalty: PENALTY })
-        };
-        let random = |seed| definition(problem, seed, Method::Random);
-        let methods: [(&str, &(dyn Fn(u64) -> Definition + Sync), usize); 4] = [
-            ("bayesian", &bayesian, 1),
-            ("bayesian, batches of 9", &bayesian, 9),
-            ("gp_minimize_like", &paper, 1),
-            ("random", &random, 1),
-        ];
-        for (name, definition, batch) in &methods[..if arguments.quick { 1 } else { methods.len() }] {
-            let outcomes: Vec<Outcome> =
-                seeds.par_iter().map(|&seed| ours(problem, seed, definition(seed), *batch)).collect();
-            row(problem, name, &outcomes);
+        row(
+            problem,
+            "gp_minimize 0.10.2",
+            &runs.par_iter().map(|run| theirs(problem, run)).collect::<Vec<_>>(),
+        );
+        for contender in &CONTENDERS[..if arguments.quick { 1 } else { CONTENDERS.len() }] {
+            let one =
+                |&seed: &u64| ours(problem, seed, (contender.definition)(problem, seed), contender.batch);
+            row(problem, contender.name, &seeds.par_iter().map(one).collect::<Vec<_>>());
         }
     }
 }
@@ -269,10 +306,14 @@ fn cost_table() {
     let total = Mutex::new(0.0);
     (0..100u64).into_par_iter().for_each(|individual| {
         let problem = &PROBLEMS[individual as usize % 3];
-        let cpu_s = ours(problem, 5000 + individual, definition(problem, individual, Method::Bayesian), 1).cpu_s;
+        let cpu_s =
+            ours(problem, 5000 + individual, definition(problem, individual, Method::Bayesian), 1).cpu_s;
         *total.lock().expect("nothing panics while holding it") += cpu_s;
     });
-    println!("| 100 individuals × 60 evaluations | {:.1} s |", total.into_inner().expect("nothing panics while holding it"));
+    println!(
+        "| 100 individuals × 60 evaluations | {:.1} s |",
+        total.into_inner().expect("nothing panics while holding it")
+    );
 }
 
 /// The same bits from one worker and from four.
@@ -280,9 +321,12 @@ fn replay_check() {
     let problem = &PROBLEMS[2];
     let final_state = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads can be made");
-        let mut optimiser = Optimiser::new(definition(problem, 11, Method::Bayesian)).expect("the definition is sound");
+        let mut optimiser =
+            Optimiser::new(definition(problem, 11, Method::Bayesian)).expect("the definition is sound");
         pool.install(|| {
-            run(&mut optimiser, 5, None, |proposal| evaluate(problem, 11, proposal.id, &coordinates(&proposal.point)))
+            run(&mut optimiser, 5, None, |proposal| {
+                evaluate(problem, 11, proposal.id, &coordinates(&proposal.point))
+            })
         })
         .expect("nothing can fail without a journal");
         serde_json::to_string(&optimiser).expect("the state is plain data")
@@ -294,7 +338,8 @@ fn replay_check() {
 fn main() {
     let arguments = arguments();
     let text = std::fs::read_to_string(&arguments.reference).unwrap_or_default();
-    let reference: Vec<ReferenceRun> = text.lines().filter_map(|line| serde_json::from_str(line).ok()).collect();
+    let reference: Vec<ReferenceRun> =
+        text.lines().filter_map(|line| serde_json::from_str(line).ok()).collect();
     if reference.is_empty() {
         eprintln!("no reference runs in {}: run benches/gp_minimize.py first", arguments.reference);
     }

@@ -22,7 +22,8 @@ pub struct Problem {
 
 impl Problem {
     pub fn space(&self) -> Space {
-        let dimension = |(i, &(low, high)): (usize, &(f64, f64))| Dimension::real(&format!("x{i}"), low, high);
+        let dimension =
+            |(i, &(low, high)): (usize, &(f64, f64))| Dimension::real(&format!("x{i}"), low, high);
         Space::new(self.bounds.iter().enumerate().map(dimension).collect()).expect("the bounds are sound")
     }
 }

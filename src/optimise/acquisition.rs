@@ -42,7 +42,11 @@ pub(super) fn log_expected_improvement(posteriors: &[Posterior], best: f64) -> V
 }
 
 /// Log augmented expected improvement: on the effective best, times 1 − σ/√(s² + σ²) with σ² the noise of one evaluation.
-pub(super) fn log_augmented_expected_improvement(posteriors: &[Posterior], best: f64, noise: f64) -> Vec<f64> {
+pub(super) fn log_augmented_expected_improvement(
+    posteriors: &[Posterior],
+    best: f64,
+    noise: f64,
+) -> Vec<f64> {
     let plain = log_expected_improvement(posteriors, best);
     let discounted = plain.iter().zip(posteriors).map(|(log, posterior)| {
         let variance = posterior.variance.max(SMALLEST_DEVIATION * SMALLEST_DEVIATION);
@@ -166,8 +170,10 @@ mod tests {
     #[test]
     fn mean_improvement_joins_its_branches() {
         let scores = |top: f64| [top, top - 1.0, top - 3.0];
-        let (a, b) =
-            (log_mean_improvement(&scores(LINEAR_LIMIT - 1e-9)), log_mean_improvement(&scores(LINEAR_LIMIT + 1e-9)));
+        let (a, b) = (
+            log_mean_improvement(&scores(LINEAR_LIMIT - 1e-9)),
+            log_mean_improvement(&scores(LINEAR_LIMIT + 1e-9)),
+        );
         assert!((a - b).abs() < 1e-6, "{a} {b}");
         assert!(log_mean_improvement(&scores(-1e5)).is_finite());
     }

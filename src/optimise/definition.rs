@@ -118,16 +118,23 @@ impl Definition {
             return refuse("a model needs at least 1 initial evaluation".to_owned());
         }
         if !(self.feasibility > 0.0 && self.feasibility < 1.0) {
-            return refuse(format!("the feasibility to ask for lies between 0 and 1, not at {}", self.feasibility));
+            return refuse(format!(
+                "the feasibility to ask for lies between 0 and 1, not at {}",
+                self.feasibility
+            ));
         }
         if let Some(stop) = self.improvement_stop
             && !(stop.below > 0.0 && stop.below.is_finite() && stop.patience > 0)
         {
-            return refuse("stopping on small improvement needs a positive threshold and patience".to_owned());
+            return refuse(
+                "stopping on small improvement needs a positive threshold and patience".to_owned(),
+            );
         }
         if let Method::GpMinimizeLike { penalty } = self.method {
             if self.objectives.len() > 1 {
-                return refuse("gp_minimize_like handles one objective only; use the Bayesian method".to_owned());
+                return refuse(
+                    "gp_minimize_like handles one objective only; use the Bayesian method".to_owned(),
+                );
             }
             if !penalty.is_finite() {
                 return refuse(format!("the penalty must be a finite number, not {penalty}"));

@@ -61,7 +61,8 @@ impl Optimiser {
     /// [`Error::Surrogate`] when no model can be fitted.
     pub fn best_predicted(&self) -> Result<Option<Prediction>, Error> {
         let sign = self.sign();
-        let likely = self.predictions()?.into_iter().filter(|p| p.feasibility >= self.definition().feasibility);
+        let likely =
+            self.predictions()?.into_iter().filter(|p| p.feasibility >= self.definition().feasibility);
         Ok(likely.min_by(|a, b| (sign * a.mean).total_cmp(&(sign * b.mean))))
     }
 
@@ -115,7 +116,9 @@ impl Optimiser {
         let unit = space.unit(through)?;
         let count = space.dimensions().len();
         let Some(axis) = space.dimensions().get(dimension) else {
-            return Err(Error::Dimensions(format!("there is no dimension {dimension}; the space has {count}")));
+            return Err(Error::Dimensions(format!(
+                "there is no dimension {dimension}; the space has {count}"
+            )));
         };
         let last = steps.max(2) - 1;
         let mut places: Vec<Vec<f64>> = (0..=last)
@@ -179,7 +182,8 @@ struct Belief {
 
 impl Belief {
     fn of(objective: &Scaled, posterior: Posterior, sign: f64, feasibility: f64) -> Self {
-        let at = |deviations: f64| sign * objective.map.undo(posterior.mean + deviations * posterior.deviation());
+        let at =
+            |deviations: f64| sign * objective.map.undo(posterior.mean + deviations * posterior.deviation());
         Belief {
             mean: at(0.0),
             at_minus_one: at(-1.0),

@@ -47,8 +47,13 @@ impl Journal {
     /// or a line before the last one is damaged.
     pub fn open(path: &Path, definition: &Definition, batch: usize) -> Result<Self, Error> {
         let failed = |source| Error::JournalFile { path: path.display().to_string(), source };
-        let mut file =
-            OpenOptions::new().read(true).write(true).create(true).truncate(false).open(path).map_err(failed)?;
+        let mut file = OpenOptions::new()
+            .read(true)
+            .write(true)
+            .create(true)
+            .truncate(false)
+            .open(path)
+            .map_err(failed)?;
         let mut bytes = Vec::new();
         file.read_to_end(&mut bytes).map_err(failed)?;
         let mut journal = Journal { path: path.to_owned(), file, recorded: BTreeMap::new() };
@@ -156,7 +161,9 @@ pub fn run(
             return Ok(());
         }
         let evaluate_or_recall = |proposal: &Proposal| {
-            let lock = || journal.as_ref().map(|journal| journal.lock().unwrap_or_else(|broken| broken.into_inner()));
+            let lock = || {
+                journal.as_ref().map(|journal| journal.lock().unwrap_or_else(|broken| broken.into_inner()))
+            };
             if let Some(journal) = lock()
                 && let Some(evaluation) = journal.recorded(proposal)?
             {
@@ -169,7 +176,8 @@ pub fn run(
             }
             Ok(evaluation)
         };
-        let evaluations: Vec<Result<Evaluation, Error>> = proposals.par_iter().map(evaluate_or_recall).collect();
+        let evaluations: Vec<Result<Evaluation, Error>> =
+            proposals.par_iter().map(evaluate_or_recall).collect();
         for (proposal, evaluation) in proposals.iter().zip(evaluations) {
             optimiser.tell(proposal.id, evaluation?)?;
         }

@@ -106,7 +106,8 @@ fn pattern_search(
         for (owner, (place, _)) in places.iter().enumerate() {
             for (i, dimension) in space.dimensions().iter().enumerate() {
                 // A discrete dimension moves by at least one value.
-                let stride = dimension.levels().map_or(steps[owner], |levels| steps[owner].max(1.0 / levels as f64));
+                let stride =
+                    dimension.levels().map_or(steps[owner], |levels| steps[owner].max(1.0 / levels as f64));
                 for sign in [-1.0, 1.0] {
                     let mut neighbour = place.clone();
                     neighbour[i] = dimension.snap(neighbour[i] + sign * stride);

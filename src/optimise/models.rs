@@ -103,7 +103,8 @@ impl Scaled {
 
 fn dataset(data: &[Datum], categorical: &[bool], map: Standardisation) -> Dataset {
     let square = map.scale * map.scale;
-    let noise = |datum: &Datum| Noise { shared: datum.noise.shared, known: (datum.noise.known / square).min(1e6) };
+    let noise =
+        |datum: &Datum| Noise { shared: datum.noise.shared, known: (datum.noise.known / square).min(1e6) };
     Dataset {
         points: data.iter().map(|datum| datum.unit.clone()).collect(),
         values: data.iter().map(|datum| map.apply(datum.value)).collect(),
@@ -147,7 +148,8 @@ impl Models {
             constraints.push(impute(model, &seen, &censored, &categorical)?);
         }
         if trials.iter().any(Trial::is_undefined) {
-            let definedness = merged(trials.iter().map(|t| (t, if t.is_undefined() { -1.0 } else { 1.0 }, None)));
+            let definedness =
+                merged(trials.iter().map(|t| (t, if t.is_undefined() { -1.0 } else { 1.0 }, None)));
             constraints.push(fit(1 + definition.constraints, &definedness, Outliers::Keep)?);
         }
         if fitting != Fitting::Reuse {
@@ -159,7 +161,8 @@ impl Models {
     /// All models after believing their own means at a pending place.
     pub fn believe(self, unit: &[f64]) -> Result<Self, Error> {
         let objective = self.objective.map(|model| model.believe(unit)).transpose()?;
-        let constraints = self.constraints.into_iter().map(|model| model.believe(unit)).collect::<Result<_, _>>()?;
+        let constraints =
+            self.constraints.into_iter().map(|model| model.believe(unit)).collect::<Result<_, _>>()?;
         Ok(Models { objective, constraints })
     }
 
@@ -168,7 +171,10 @@ impl Models {
         let mut total = vec![0.0; points.len()];
         for model in &self.constraints {
             let posteriors = model.surrogate.posterior(points);
-            total.iter_mut().zip(posteriors).for_each(|(sum, posterior)| *sum += model.log_feasibility(posterior));
+            total
+                .iter_mut()
+                .zip(posteriors)
+                .for_each(|(sum, posterior)| *sum += model.log_feasibility(posterior));
         }
         total
     }

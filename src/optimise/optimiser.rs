@@ -130,7 +130,8 @@ impl Optimiser {
     /// Later points of a batch take into account that the earlier ones, and all others still pending, will be evaluated:
     /// noisy expected improvement draws fantasies there, the other acquisitions believe the model's mean (kriging believer).
     pub fn ask(&mut self, count: usize) -> Vec<Proposal> {
-        let count = if self.stops().is_some() { 0 } else { count.min(self.last_id() - self.next_id as usize) };
+        let count =
+            if self.stops().is_some() { 0 } else { count.min(self.last_id() - self.next_id as usize) };
         let mut proposals = Vec::with_capacity(count);
         for _ in 0..count {
             let id = self.next_id;
@@ -183,7 +184,9 @@ impl Optimiser {
         if self.next_id as usize >= self.last_id() {
             let evaluations = self.next_id as usize;
             return Some(match self.definition.method {
-                Method::Grid if evaluations < self.definition.budget => StopReason::GridComplete { points: evaluations },
+                Method::Grid if evaluations < self.definition.budget => {
+                    StopReason::GridComplete { points: evaluations }
+                }
                 _ => StopReason::Budget { evaluations },
             });
         }
@@ -206,7 +209,8 @@ impl Optimiser {
         let chosen = match self.definition.method {
             _ if self.trials.is_empty() => None,
             Method::GpMinimizeLike { penalty } => {
-                let pending: Vec<Vec<f64>> = self.pending.iter().map(|pending| pending.unit.clone()).collect();
+                let pending: Vec<Vec<f64>> =
+                    self.pending.iter().map(|pending| pending.unit.clone()).collect();
                 self.hedge.propose(&self.definition, penalty, &self.trials, &pending, id).ok()
             }
             _ => self.model_choice(id),
@@ -260,7 +264,11 @@ impl Optimiser {
     /// Distinct places evaluated or pending.
     fn places(&self) -> Vec<Vec<f64>> {
         let mut places: Vec<Vec<f64>> = Vec::new();
-        let all = self.trials.iter().map(|trial| &trial.unit).chain(self.pending.iter().map(|pending| &pending.unit));
+        let all = self
+            .trials
+            .iter()
+            .map(|trial| &trial.unit)
+            .chain(self.pending.iter().map(|pending| &pending.unit));
         for unit in all {
             if !places.contains(unit) {
                 places.push(unit.clone());
@@ -297,7 +305,11 @@ impl Optimiser {
         let mut search = |score: &dyn Fn(&[Vec<f64>]) -> Vec<f64>| {
             Some(maximise(space, &anchors, &mut generator, |points| {
                 let feasibility = models.log_feasibility(points);
-                score(points).iter().zip(feasibility).map(|(score, feasibility)| score + feasibility).collect()
+                score(points)
+                    .iter()
+                    .zip(feasibility)
+                    .map(|(score, feasibility)| score + feasibility)
+                    .collect()
             }))
         };
         match acquisition {
@@ -332,7 +344,9 @@ impl Optimiser {
 
     /// Keeps count of proposals in a row that promise less than the stop rule wants.
     fn note_promise(&mut self, acquisition: Acquisition, models: &Models, log: f64) {
-        let (Some(stop), Some(objective)) = (self.definition.improvement_stop, &models.objective) else { return };
+        let (Some(stop), Some(objective)) = (self.definition.improvement_stop, &models.objective) else {
+            return;
+        };
         self.promised = (libm::exp(log) * objective.map.scale).min(f64::MAX);
         let is_small = acquisition != Acquisition::Feasibility && self.promised < stop.below;
         self.quiet = if is_small { self.quiet + 1 } else { 0 };

@@ -19,7 +19,8 @@ pub(super) fn non_dominated(vectors: &[Vec<f64>]) -> Vec<usize> {
 /// Weights of a proposal's scalarisation: uniform over the simplex.
 pub(super) fn weights(objectives: usize, seed: u64, proposal: u64) -> Vec<f64> {
     let mut generator = stream(seed, proposal, Purpose::Weights);
-    let exponential: Vec<f64> = (0..objectives).map(|_| -libm::log(1.0 - generator.random::<f64>())).collect();
+    let exponential: Vec<f64> =
+        (0..objectives).map(|_| -libm::log(1.0 - generator.random::<f64>())).collect();
     let sum: f64 = exponential.iter().sum::<f64>().max(f64::MIN_POSITIVE);
     exponential.into_iter().map(|weight| weight / sum).collect()
 }
@@ -35,7 +36,11 @@ pub(super) fn scalarised(vectors: &[Vec<f64>], weights: &[f64]) -> Vec<f64> {
     };
     let ranges: Vec<(f64, f64)> = (0..weights.len()).map(range).collect();
     let scalar = |vector: &Vec<f64>| {
-        let terms = vector.iter().zip(&ranges).zip(weights).map(|((value, (low, width)), w)| w * (value - low) / width);
+        let terms = vector
+            .iter()
+            .zip(&ranges)
+            .zip(weights)
+            .map(|((value, (low, width)), w)| w * (value - low) / width);
         terms.clone().fold(f64::NEG_INFINITY, f64::max) + AUGMENTATION * terms.sum::<f64>()
     };
     vectors.iter().map(scalar).collect()

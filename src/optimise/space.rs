@@ -185,9 +185,9 @@ impl Dimension {
                 Err(empty(format!("it needs 0 < low < high, not {low} and {high}")))
             }
             // Beyond 2^53 whole numbers can no longer be told apart in the unit cube.
-            Range::Integer { low, high } if low >= high || high.abs_diff(*low) >= 1 << 53 => Err(
-                empty(format!("it needs at least two and less than 2^53 whole numbers, not {low} to {high}")),
-            ),
+            Range::Integer { low, high } if low >= high || high.abs_diff(*low) >= 1 << 53 => Err(empty(
+                format!("it needs at least two and less than 2^53 whole numbers, not {low} to {high}"),
+            )),
             Range::Categorical { choices } if choices.len() < 2 => {
                 Err(empty(format!("it needs at least two choices, not {}", choices.len())))
             }
@@ -324,9 +324,10 @@ mod tests {
     fn points_outside_are_errors() {
         let space = mixed();
         let good = space.point(&[0.5, 0.5, 0.5, 0.5]);
-        for (i, bad) in [Value::Real(19.0), Value::Real(f64::NAN), Value::Real(0.5), Value::Category("d".into())]
-            .into_iter()
-            .enumerate()
+        for (i, bad) in
+            [Value::Real(19.0), Value::Real(f64::NAN), Value::Real(0.5), Value::Category("d".into())]
+                .into_iter()
+                .enumerate()
         {
             let mut point = good.clone();
             point[i] = bad;

@@ -113,7 +113,8 @@ fn a_journal_of_another_run_or_a_damaged_one_is_refused_and_left_alone() {
     run(&mut optimiser, 1, Some(&mut journal), |proposal| bumpy(&proposal.point)).unwrap();
     let good = fs::read_to_string(&path).unwrap();
 
-    let open = |definition: &Definition, batch| Journal::open(&path, definition, batch).unwrap_err().to_string();
+    let open =
+        |definition: &Definition, batch| Journal::open(&path, definition, batch).unwrap_err().to_string();
     assert!(open(&Definition { seed: 10, ..definition.clone() }, 1).contains("line 1"));
     assert!(open(&definition, 2).contains("line 1"));
     fs::write(&path, good.replacen("\"id\":2", "\"id\":1", 1)).unwrap();
@@ -123,7 +124,8 @@ fn a_journal_of_another_run_or_a_damaged_one_is_refused_and_left_alone() {
     assert_eq!(fs::read_to_string(&path).unwrap(), "someone's only copy of a poem");
 
     // A point that is not the one proposed.
-    let moved: String = good.lines().map(|line| line.replacen("\"point\":[1", "\"point\":[9", 1) + "\n").collect();
+    let moved: String =
+        good.lines().map(|line| line.replacen("\"point\":[1", "\"point\":[9", 1) + "\n").collect();
     fs::write(&path, moved).unwrap();
     let mut journal = Journal::open(&path, &definition, 1).unwrap();
     let mut optimiser = Optimiser::new(definition.clone()).unwrap();
@@ -139,16 +141,20 @@ fn stop_rules_are_reported() {
     let definition = Definition { budget: 60, improvement_stop: Some(stop), ..Definition::new(line(), 1) };
     let mut flat = Optimiser::new(definition).unwrap();
     run(&mut flat, 1, None, |_| Evaluation::of(2.5)).unwrap();
-    assert!(matches!(flat.stop_reason(), Some(StopReason::NoExpectedImprovement { largest }) if largest < 1e-3));
+    assert!(
+        matches!(flat.stop_reason(), Some(StopReason::NoExpectedImprovement { largest }) if largest < 1e-3)
+    );
     assert!(flat.trials().len() < 60 && flat.clone().ask(1).is_empty());
 
-    let space = Space::new(vec![Dimension::integer("n", 1, 3), Dimension::categorical("k", ["a", "b"])]).unwrap();
+    let space =
+        Space::new(vec![Dimension::integer("n", 1, 3), Dimension::categorical("k", ["a", "b"])]).unwrap();
     let definition = Definition { method: Method::Grid, ..Definition::new(space, 1) };
     let mut grid = Optimiser::new(definition).unwrap();
     run(&mut grid, 4, None, |proposal| Evaluation::of(proposal.point[0].number().unwrap())).unwrap();
     assert_eq!(grid.stop_reason(), Some(StopReason::GridComplete { points: 6 }));
 
-    let mut pending = Optimiser::new(Definition { budget: 1, initial: 1, ..Definition::new(line(), 1) }).unwrap();
+    let mut pending =
+        Optimiser::new(Definition { budget: 1, initial: 1, ..Definition::new(line(), 1) }).unwrap();
     assert_eq!(pending.ask(5).len(), 1);
     assert_eq!(pending.stop_reason(), None);
 }
@@ -179,7 +185,8 @@ fn senseless_definitions_and_tells_are_errors() {
 
 #[test]
 fn finds_the_best_of_a_mixed_space_and_maximises_when_told_to() {
-    let definition = Definition { objectives: vec![Goal::Maximise], budget: 50, ..Definition::new(mixed(), 3) };
+    let definition =
+        Definition { objectives: vec![Goal::Maximise], budget: 50, ..Definition::new(mixed(), 3) };
     let mut optimiser = Optimiser::new(definition).unwrap();
     let height = |point: &[Value]| {
         let [time, gain, count] = [0, 1, 2].map(|i| point[i].number().unwrap());
@@ -213,7 +220,9 @@ fn a_constraint_is_learnt_from_abandoned_candidates() {
         evaluation
     })
     .unwrap();
-    for point in [optimiser.best_predicted().unwrap().unwrap().point, optimiser.best_observed().unwrap().point.clone()] {
+    for point in
+        [optimiser.best_predicted().unwrap().unwrap().point, optimiser.best_observed().unwrap().point.clone()]
+    {
         let x = point[0].number().unwrap();
         assert!((10.0..10.2).contains(&x), "{x}");
     }
@@ -256,7 +265,8 @@ fn two_objectives_give_a_front() {
         Evaluation { objectives: vec![measurement(8.0), measurement(14.0)], margins: vec![], repetitions: 1 }
     })
     .unwrap();
-    let front: Vec<f64> = optimiser.pareto_front().iter().map(|trial| trial.point[0].number().unwrap()).collect();
+    let front: Vec<f64> =
+        optimiser.pareto_front().iter().map(|trial| trial.point[0].number().unwrap()).collect();
     assert!(front.iter().all(|x| (7.9..14.1).contains(x)), "{front:?}");
     let model_based = optimiser.trials()[15..].iter().map(|trial| trial.point[0].number().unwrap());
     assert!(model_based.filter(|x| (7.9..14.1).contains(x)).count() >= 20, "{front:?}");

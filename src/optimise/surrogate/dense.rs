@@ -117,7 +117,9 @@ mod tests {
     use nalgebra::{DMatrix, DVector};
 
     fn positive_definite(n: usize) -> DMatrix<f64> {
-        DMatrix::from_fn(n, n, |i, j| (-0.3 * (i as f64 - j as f64).abs()).exp() + if i == j { 0.1 } else { 0.0 })
+        DMatrix::from_fn(n, n, |i, j| {
+            (-0.3 * (i as f64 - j as f64).abs()).exp() + if i == j { 0.1 } else { 0.0 }
+        })
     }
 
     #[test]

@@ -32,8 +32,9 @@ impl Fantasies {
         let mut rows = covariance;
         let amplitude = rows.first().copied().unwrap_or(1.0);
         (0..n).for_each(|i| rows[i * n + i] += NUGGET * amplitude);
-        let (factor, _) = Factor::with_jitter(n, &rows, amplitude)
-            .ok_or_else(|| Error::Surrogate("the covariance of the drawn points cannot be factored".to_owned()))?;
+        let (factor, _) = Factor::with_jitter(n, &rows, amplitude).ok_or_else(|| {
+            Error::Surrogate("the covariance of the drawn points cannot be factored".to_owned())
+        })?;
         let mut weights = draws.clone();
         for draw in &mut weights {
             factor.solve_lower(draw);

@@ -52,8 +52,7 @@ impl<'a> Ascent<'a> {
 
     fn direction(&self) -> Vec<f64> {
         let n = self.place.len();
-        let free: Vec<f64> =
-            (0..n).map(|i| if self.is_held(i) { 0.0 } else { self.gradient[i] }).collect();
+        let free: Vec<f64> = (0..n).map(|i| if self.is_held(i) { 0.0 } else { self.gradient[i] }).collect();
         let mut direction: Vec<f64> = (0..n)
             .map(|i| {
                 let row = &self.curvature[i * n..(i + 1) * n];
@@ -93,7 +92,8 @@ impl<'a> Ascent<'a> {
     fn backtrack(&self, direction: &[f64]) -> Option<(Vec<f64>, Evaluation)> {
         let mut length = 1.0;
         for _ in 0..8 {
-            let moved: Vec<f64> = self.place.iter().zip(direction).map(|(x, step)| x + length * step).collect();
+            let moved: Vec<f64> =
+                self.place.iter().zip(direction).map(|(x, step)| x + length * step).collect();
             let moved = clamped(&moved, self.bounds);
             let expected: f64 =
                 moved.iter().zip(&self.place).zip(&self.gradient).map(|((a, b), g)| (a - b) * g).sum();
@@ -123,8 +123,7 @@ impl<'a> Ascent<'a> {
             (0..n).for_each(|i| self.curvature[i * n + i] = sy / yy);
             self.fresh = false;
         }
-        let hy: Vec<f64> =
-            (0..n).map(|i| (0..n).map(|j| self.curvature[i * n + j] * y[j]).sum()).collect();
+        let hy: Vec<f64> = (0..n).map(|i| (0..n).map(|j| self.curvature[i * n + j] * y[j]).sum()).collect();
         let yhy: f64 = y.iter().zip(&hy).map(|(y, hy)| y * hy).sum();
         for i in 0..n {
             for j in 0..n {

@@ -27,7 +27,10 @@ pub struct FriedrichSurrogate {
 
 impl FriedrichSurrogate {
     /// Like [`Surrogate::fit`] with bounds on the hyper-parameters but no priors, as scikit-optimize has it.
-    pub(crate) fn fit_without_priors(data: Dataset, previous: Option<&HyperParameters>) -> Result<Self, Error> {
+    pub(crate) fn fit_without_priors(
+        data: Dataset,
+        previous: Option<&HyperParameters>,
+    ) -> Result<Self, Error> {
         Self::fit_with(data, previous, Effort::MultiStart, Prior::Bounds)
     }
 
@@ -63,8 +66,9 @@ impl FriedrichSurrogate {
             covariance[i * n + i] += data.noise_variance(i, hyper.noise).max(floor);
         }
         // friedrich panics on a matrix it cannot factor: try it here first.
-        let (_, jitter) = Factor::with_jitter(n, &covariance, hyper.amplitude)
-            .ok_or_else(|| Error::Surrogate("the covariance of the evaluated points cannot be factored".to_owned()))?;
+        let (_, jitter) = Factor::with_jitter(n, &covariance, hyper.amplitude).ok_or_else(|| {
+            Error::Surrogate("the covariance of the evaluated points cannot be factored".to_owned())
+        })?;
         let rows = ArdMatern52::training_rows(&data.points, |i| {
             data.noise_variance(i, hyper.noise).max(floor) + jitter
         });
@@ -123,8 +127,10 @@ impl Surrogate for FriedrichSurrogate {
         let rows = ArdMatern52::query_rows(points);
         let means = self.process.predict(&rows);
         let covariance = self.process.predict_covariance(&rows);
-        let (factor, _) = Factor::with_jitter(n, covariance.as_slice(), self.hyper.amplitude)
-            .ok_or_else(|| Error::Surrogate("the joint covariance of the points to sample cannot be factored".to_owned()))?;
+        let (factor, _) =
+            Factor::with_jitter(n, covariance.as_slice(), self.hyper.amplitude).ok_or_else(|| {
+                Error::Surrogate("the joint covariance of the points to sample cannot be factored".to_owned())
+            })?;
         let draw = |normal: &Vec<f64>| (0..n).map(|i| means[i] + dot(factor.row(i), &normal[..=i])).collect();
         Ok(normals.iter().map(draw).collect())
     }
@@ -210,7 +216,9 @@ mod tests {
     #[test]
     fn trap_what_panics_in_friedrich_is_handled() {
         // Constant outputs, one point, and points so close that the covariance is singular to working precision.
-        for data in [data(&[0.1, 0.5, 0.9], &[0.0; 3]), data(&[0.4], &[0.0]), data(&[0.5, 0.5 + 1e-16], &[0.0, 0.0])] {
+        for data in
+            [data(&[0.1, 0.5, 0.9], &[0.0; 3]), data(&[0.4], &[0.0]), data(&[0.5, 0.5 + 1e-16], &[0.0, 0.0])]
+        {
             if data.points.len() == 2 && data.points[0] == data.points[1] {
                 assert!(FriedrichSurrogate::fit(data, None, false).is_err());
                 continue;

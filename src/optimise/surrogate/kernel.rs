@@ -97,7 +97,11 @@ impl ArdMatern52 {
     /// Rows for friedrich to predict at: coordinates and two zeros.
     pub fn query_rows(points: &[Vec<f64>]) -> DMatrix<f64> {
         let d = points.first().map_or(0, Vec::len);
-        DMatrix::from_fn(points.len(), d + 2, |row, column| if column < d { points[row][column] } else { 0.0 })
+        DMatrix::from_fn(
+            points.len(),
+            d + 2,
+            |row, column| if column < d { points[row][column] } else { 0.0 },
+        )
     }
 }
 

@@ -85,7 +85,8 @@ impl<'a> Likelihood<'a> {
             for j in 0..i {
                 let (a, b) = (&data.points[i], &data.points[j]);
                 let kinds = data.categorical.iter().enumerate();
-                differences.extend(kinds.map(|(k, &categorical)| squared_difference(a[k], b[k], categorical)));
+                differences
+                    .extend(kinds.map(|(k, &categorical)| squared_difference(a[k], b[k], categorical)));
             }
         }
         Likelihood { data, prior, differences }
@@ -142,9 +143,8 @@ impl<'a> Likelihood<'a> {
                 let (kernel, slope) = at.pairs[pair];
                 amplitude += weight * kernel;
                 let weighted = weight * slope;
-                for k in 0..d {
-                    gradient[k] += weighted * self.differences[pair * d + k];
-                }
+                let differences = &self.differences[pair * d..(pair + 1) * d];
+                gradient.iter_mut().zip(differences).for_each(|(slope, x)| *slope += weighted * x);
                 pair += 1;
             }
             let weight = at.weights[i] * at.weights[i] - inverse[i * n + i];
@@ -197,7 +197,10 @@ mod tests {
                     likelihood.evaluate(&moved).unwrap().value
                 };
                 let numeric = (at(1e-5) - at(-1e-5)) / 2e-5;
-                assert!((analytic - numeric).abs() < 1e-6 * numeric.abs().max(1.0), "{i}: {analytic} {numeric}");
+                assert!(
+                    (analytic - numeric).abs() < 1e-6 * numeric.abs().max(1.0),
+                    "{i}: {analytic} {numeric}"
+                );
             }
         }
     }

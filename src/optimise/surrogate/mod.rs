@@ -110,7 +110,11 @@ impl Dataset {
         if !self.points.iter().flatten().chain(&self.values).all(|number| number.is_finite()) {
             return refuse("a coordinate or value is not finite");
         }
-        if !self.noise.iter().all(|noise| noise.shared >= 0.0 && noise.known >= 0.0 && noise.known.is_finite()) {
+        if !self
+            .noise
+            .iter()
+            .all(|noise| noise.shared >= 0.0 && noise.known >= 0.0 && noise.known.is_finite())
+        {
             return refuse("a noise variance is negative or not finite");
         }
         let mut order: Vec<&Vec<f64>> = self.points.iter().collect();
