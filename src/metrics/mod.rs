@@ -1,11 +1,30 @@
 //! Metrics: numbers read off a run while it happens, one file a family, and their registry.
+//!
+//! To add one: declare a [`Metric`] in the file of its family (or a new file) and list it in [`METRICS`]. Events inside
+//! a step are interpolated linearly; a metric that does not exist in a run is `None`, never a magic number.
 
+mod braking;
+mod conflict;
+mod contact;
+mod crossing;
+mod encounter;
+#[cfg(test)]
+mod fixture;
+mod jerk;
 mod measurement;
+mod passage;
+mod proximity;
+mod sliding;
+#[cfg(test)]
+mod tests;
+mod travel;
 
 use crate::scenario::{Declaration, Dimension, Settings, World};
-use crate::sim::{Ending, Step};
+use crate::sim::Step;
 
-pub use measurement::Measurement;
+pub use encounter::{Contact, Encounter, Encounters, Entry, LaneCrossing, Passing, Visit};
+pub use measurement::{Measurement, Reading, SubjectValue};
+pub use passage::{Passage, Reached};
 
 /// A registered metric.
 pub struct Metric {
@@ -41,13 +60,13 @@ pub enum Worst {
     Largest,
 }
 
-/// Reads one metric for one vehicle and one pedestrian off a run.
+/// Reads one metric for one subject (a pair, a vehicle or a pedestrian) off a run.
 pub trait Meter: Send {
-    /// Called after every step.
-    fn observe(&mut self, step: &Step);
+    /// Called after every step, once `encounters` knows of it. A run that ends on collision ends with a shorter step.
+    fn observe(&mut self, _step: &Step, _encounters: &Encounters) {}
 
     /// The value at the end; `None` when it does not exist in this run.
-    fn value(&self, ending: &Ending) -> Option<f64>;
+    fn value(&self, encounters: &Encounters) -> Option<f64>;
 }
 
 /// What a meter is built from.
@@ -56,12 +75,14 @@ pub struct MetricContext<'a> {
     /// Resolved against the metric's declaration.
     pub settings: &'a Settings,
     pub world: &'a World,
-    /// Index of the vehicle.
+    /// Index of the vehicle; 0 for a metric of pedestrians.
     pub vehicle: usize,
-    /// Index of the pedestrian.
+    /// Index of the pedestrian; 0 for a metric of vehicles.
     pub pedestrian: usize,
     /// The vehicle's run without pedestrians.
     pub free_flow: Option<FreeFlow>,
+    /// The speed at which the pedestrian would walk without traffic, m/s.
+    pub free_speed: Option<f64>,
 }
 
 /// What a vehicle does without pedestrians from the same start.
@@ -74,7 +95,27 @@ pub struct FreeFlow {
 }
 
 /// Every metric there is, by name.
-pub static METRICS: &[&Metric] = &[];
+pub static METRICS: &[&Metric] = &[
+    &contact::COLLISION,
+    &contact::IMPACT_SPEED,
+    &conflict::PET,
+    &conflict::PET_AREA,
+    &conflict::PASSED_FIRST,
+    &conflict::GAP_ACCEPTED,
+    &conflict::TTA_AT_ENTRY,
+    &proximity::MIN_TTC,
+    &contact::MIN_DISTANCE,
+    &proximity::DRAC,
+    &braking::MAX_DECELERATION,
+    &braking::SUDDEN_SPEED_CHANGE,
+    &jerk::MAX_JERK,
+    &jerk::RMS_JERK,
+    &travel::TIME_LOST,
+    &travel::STOPPED_TIME,
+    &crossing::CROSSING_INITIATION_TIME,
+    &crossing::CROSSING_DURATION,
+    &crossing::PEDESTRIAN_DELAY,
+];
 
 /// The metric of that name.
 pub fn metric(name: &str) -> Option<&'static Metric> {

@@ -7,6 +7,7 @@ mod carla_walker;
 mod scripted;
 #[cfg(test)]
 mod test_walk;
+mod timeline;
 
 use crate::scenario::{Declaration, PedestrianSetup, Settings, World};
 use crate::sim::{ModelError, Pedestrian};
@@ -38,6 +39,7 @@ pub static MODELS: &[&PedestrianModel] = &[
     &carla_walker::CARLA_WALKER,
     &commotions::model::COMMOTIONS,
     &scripted::SCRIPTED,
+    &timeline::TIMELINE,
 ];
 
 /// The model of that name.

@@ -33,7 +33,7 @@ pub fn run_case(
         seed: case.seed,
         individuals: case.individuals.clone(),
         ending,
-        metrics: observers.measurement.values(&ending),
+        metrics: observers.measurement.values(),
         fingerprint: observers.fingerprint.value(),
         wall_time: begun.elapsed(),
     })

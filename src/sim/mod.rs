@@ -5,6 +5,7 @@ mod fingerprint;
 pub mod geometry;
 mod observer;
 pub mod random;
+pub mod script;
 mod state;
 mod timeline;
 mod trace;

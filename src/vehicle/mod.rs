@@ -11,6 +11,7 @@ mod idm_aeb;
 mod perception;
 #[cfg(test)]
 mod test_track;
+mod timeline;
 mod yielding;
 
 use crate::scenario::{Declaration, Settings, VehicleSetup, World};
@@ -65,6 +66,7 @@ pub static CONTROLLERS: &[&ControllerModel] = &[
     &constant_deceleration::CONSTANT_DECELERATION,
     &constant_speed::CONSTANT_SPEED,
     &idm_aeb::IDM_AEB,
+    &timeline::TIMELINE,
     &yielding::YIELDING,
 ];
 

@@ -1,0 +1,145 @@
+//! How hard the vehicle brakes: largest deceleration over a sliding window, and sudden changes of speed.
+
+use super::encounter::lerp;
+use super::sliding::Sliding;
+use super::{Encounters, Meter, Metric, MetricContext, MetricKind, Scope, Worst};
+use crate::scenario::{Declaration, Dimension, Parameter};
+use crate::sim::Step;
+
+const WINDOW: Parameter = Parameter::number(
+    "window",
+    Dimension::TIME,
+    0.2,
+    (0.001, 10.0),
+    "Time over which the drop of speed is taken.",
+    "at least two control periods of 0.05 s, carla.md 2.5; 0.2 s passes over single jumps of a simulator",
+);
+
+const STANDSTILL: Parameter = Parameter::number(
+    "standstill",
+    Dimension::SPEED,
+    1.0,
+    (0.0, 100.0),
+    "Drops below this speed do not count: simulators stop cars abruptly at the end.",
+    "carla.md 2.3",
+);
+
+pub static MAX_DECELERATION: Metric = Metric {
+    declaration: Declaration {
+        name: "max_deceleration",
+        summary: "Largest deceleration of the vehicle: drop of speed over a sliding window, divided by the window; 0 if \
+                  it never slows down.",
+        source: "window and standstill after carla.md 2.3, 2.5; to 1e-9 m/s^2, so that rounding breaks no limit that \
+                 is kept exactly",
+        parameters: &[WINDOW, STANDSTILL],
+        presets: None,
+    },
+    kind: MetricKind::Quantity(Dimension::ACCELERATION),
+    scope: Scope::Vehicle,
+    worst: Worst::Largest,
+    build: |context| Box::new(MaxDeceleration(Deceleration::new(context))),
+};
+
+struct MaxDeceleration(Deceleration);
+
+impl Meter for MaxDeceleration {
+    fn observe(&mut self, step: &Step, _: &Encounters) {
+        self.0.observe(step);
+    }
+
+    fn value(&self, _: &Encounters) -> Option<f64> {
+        self.0.largest()
+    }
+}
+
+pub static SUDDEN_SPEED_CHANGE: Metric = Metric {
+    declaration: Declaration {
+        name: "sudden_speed_change",
+        summary: "Whether max_deceleration exceeds a threshold.",
+        source: "Carlowitz 2024",
+        parameters: &[
+            Parameter::number(
+                "threshold",
+                Dimension::ACCELERATION,
+                2.5,
+                (0.0, 100.0),
+                "Decelerations above this are sudden.",
+                "Carlowitz 2024",
+            ),
+            WINDOW,
+            STANDSTILL,
+        ],
+        presets: None,
+    },
+    kind: MetricKind::Flag,
+    scope: Scope::Vehicle,
+    worst: Worst::Largest,
+    build: |context| {
+        let threshold = context.settings.number("threshold");
+        Box::new(SuddenSpeedChange { threshold, deceleration: Deceleration::new(context) })
+    },
+};
+
+struct SuddenSpeedChange {
+    threshold: f64,
+    deceleration: Deceleration,
+}
+
+impl Meter for SuddenSpeedChange {
+    fn observe(&mut self, step: &Step, _: &Encounters) {
+        self.deceleration.observe(step);
+    }
+
+    fn value(&self, _: &Encounters) -> Option<f64> {
+        self.deceleration.largest().map(|largest| f64::from(largest > self.threshold))
+    }
+}
+
+struct Deceleration {
+    vehicle: usize,
+    window: f64,
+    standstill: f64,
+    speeds: Sliding<1>,
+    /// m/s over one window; `None` before the first step.
+    largest_drop: Option<f64>,
+}
+
+impl Deceleration {
+    fn new(context: &MetricContext) -> Self {
+        let window = context.settings.number("window");
+        Self {
+            vehicle: context.vehicle,
+            window,
+            standstill: context.settings.number("standstill"),
+            speeds: Sliding::new([window], context.world.step),
+            largest_drop: None,
+        }
+    }
+
+    fn observe(&mut self, step: &Step) {
+        let from = (step.time, step.before.vehicles[self.vehicle].motion.speed);
+        let to = (step.time + step.duration, step.after.vehicles[self.vehicle].motion.speed);
+        // Speeds below standstill count as standstill, which bends the signal where it gets there.
+        let floor = self.standstill;
+        let counted = |(time, speed): (f64, f64)| (time, speed.max(floor));
+        if (from.1 - floor) * (to.1 - floor) < 0.0 {
+            let part = (floor - from.1) / (to.1 - from.1);
+            let bend = (lerp(from.0, to.0, part), floor);
+            self.go(counted(from), bend);
+            self.go(bend, counted(to));
+        } else {
+            self.go(counted(from), counted(to));
+        }
+    }
+
+    fn go(&mut self, from: (f64, f64), to: (f64, f64)) {
+        let mut largest = self.largest_drop.unwrap_or(0.0);
+        self.speeds.advance(from, to, |_, speed, [earlier]| largest = largest.max(earlier - speed));
+        self.largest_drop = Some(largest);
+    }
+
+    /// m/s²
+    fn largest(&self) -> Option<f64> {
+        self.largest_drop.map(|drop| (drop / self.window * 1e9).round() / 1e9)
+    }
+}

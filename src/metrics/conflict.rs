@@ -1,0 +1,224 @@
+//! Who passes the conflict point when: post-encroachment times, order and accepted gaps.
+//!
+//! The conflict point is where the vehicle's path (the centre line of its lane) and the pedestrian's actual path
+//! cross. A pedestrian who retreats passes the line several times, each time at a conflict point of its own.
+
+use super::{Encounters, Meter, Metric, MetricContext, MetricKind, Passing, Scope, Visit, Worst};
+use crate::scenario::{ChoiceOption, Declaration, Dimension, Parameter};
+
+const ZERO_ON_COLLISION: Parameter = Parameter::flag(
+    "zero_on_collision",
+    true,
+    "Whether a collision counts as 0 s, though the run may end before anybody passes; otherwise as undefined.",
+    "both were at one place at one time; carla.md 6 (7)",
+);
+
+pub static PET: Metric = Metric {
+    declaration: Declaration {
+        name: "pet",
+        summary: "Post-encroachment time: between the centres of the two passing the conflict point. The smallest over \
+                  all passings if the pedestrian retreats; undefined if one of them never passes.",
+        source: "|t_ped - t_veh|, the paper's definition by centres; Peesapati et al. 2018",
+        parameters: &[ZERO_ON_COLLISION],
+        presets: None,
+    },
+    kind: MetricKind::Quantity(Dimension::TIME),
+    scope: Scope::Pair,
+    worst: Worst::Smallest,
+    build: |context| Box::new(Pet { pair: pair(context), zero_on_collision: zero_on_collision(context) }),
+};
+
+struct Pet {
+    pair: (usize, usize),
+    zero_on_collision: bool,
+}
+
+impl Meter for Pet {
+    fn value(&self, encounters: &Encounters) -> Option<f64> {
+        let encounter = encounters.pair(self.pair.0, self.pair.1);
+        if encounter.contact.is_some() {
+            return self.zero_on_collision.then_some(0.0);
+        }
+        let between = |passing: &Passing| {
+            let vehicle = encounters.passage(self.pair.0).reached(passing.place).time()?;
+            Some((vehicle - passing.time).abs())
+        };
+        encounter.passings.iter().filter_map(between).reduce(f64::min)
+    }
+}
+
+pub static PET_AREA: Metric = Metric {
+    declaration: Declaration {
+        name: "pet_area",
+        summary: "Post-encroachment time by footprints: from the rear of the first leaving the shared area to the front \
+                  of the second entering it; 0 on overlap in time, undefined if one of them never enters.",
+        source: "Allen, Shin & Cooper 1978; Varhelyi 1998. The shared area is the strip that the vehicle sweeps, as far \
+                 along the road as the pedestrian's footprint reaches while in it; every visit counts, the smallest \
+                 time wins",
+        parameters: &[ZERO_ON_COLLISION],
+        presets: None,
+    },
+    kind: MetricKind::Quantity(Dimension::TIME),
+    scope: Scope::Pair,
+    worst: Worst::Smallest,
+    build: |context| {
+        let half_length = context.world.vehicles[context.vehicle].length / 2.0;
+        let zero_on_collision = zero_on_collision(context);
+        Box::new(PetArea { pair: pair(context), half_length, zero_on_collision })
+    },
+};
+
+struct PetArea {
+    pair: (usize, usize),
+    half_length: f64,
+    zero_on_collision: bool,
+}
+
+impl Meter for PetArea {
+    fn value(&self, encounters: &Encounters) -> Option<f64> {
+        let encounter = encounters.pair(self.pair.0, self.pair.1);
+        if encounter.contact.is_some() {
+            return self.zero_on_collision.then_some(0.0);
+        }
+        let passage = encounters.passage(self.pair.0);
+        let between = |visit: &Visit| {
+            let enters = passage.reached(visit.low - self.half_length).moment();
+            let leaves = passage.reached(visit.high + self.half_length).moment();
+            let was_there = enters < f64::INFINITY && leaves > f64::NEG_INFINITY;
+            was_there.then(|| (enters - visit.to).max(visit.from - leaves).max(0.0))
+        };
+        encounter.visits.iter().filter_map(between).reduce(f64::min)
+    }
+}
+
+const NOBODY: f64 = 0.0;
+const PEDESTRIAN: f64 = 1.0;
+const VEHICLE: f64 = 2.0;
+
+pub static PASSED_FIRST: Metric = Metric {
+    declaration: Declaration {
+        name: "passed_first",
+        summary: "Whose centre passed the conflict point first; of a pedestrian who retreats, the passing that was \
+                  carried through counts.",
+        source: "order at the conflict point as in pet; where the pedestrian never passes, the vehicle does so opposite \
+                 its start",
+        parameters: &[],
+        presets: None,
+    },
+    kind: MetricKind::Category(&["none", "pedestrian", "vehicle"]),
+    scope: Scope::Pair,
+    worst: Worst::Largest,
+    build: |context| Box::new(PassedFirst(Order::new(context))),
+};
+
+struct PassedFirst(Order);
+
+impl Meter for PassedFirst {
+    fn value(&self, encounters: &Encounters) -> Option<f64> {
+        Some(self.0.first(encounters))
+    }
+}
+
+pub static GAP_ACCEPTED: Metric = Metric {
+    declaration: Declaration {
+        name: "gap_accepted",
+        summary: "Whether the pedestrian passed the conflict point before the vehicle reached it; undefined if neither \
+                  ever did, false on a collision before the pedestrian passed.",
+        source: "order at the conflict point as in passed_first",
+        parameters: &[],
+        presets: None,
+    },
+    kind: MetricKind::Flag,
+    scope: Scope::Pair,
+    worst: Worst::Smallest,
+    build: |context| Box::new(GapAccepted(Order::new(context))),
+};
+
+struct GapAccepted(Order);
+
+impl Meter for GapAccepted {
+    fn value(&self, encounters: &Encounters) -> Option<f64> {
+        let collided = encounters.pair(self.0.pair.0, self.0.pair.1).contact.is_some();
+        match self.0.first(encounters) {
+            PEDESTRIAN => Some(1.0),
+            VEHICLE => Some(0.0),
+            _ => collided.then_some(0.0),
+        }
+    }
+}
+
+/// The order in which a pair passes its conflict point.
+struct Order {
+    pair: (usize, usize),
+    /// Where the paths would cross if the pedestrian walked straight across, m along the vehicle's lane.
+    expected_place: f64,
+}
+
+impl Order {
+    fn new(context: &MetricContext) -> Self {
+        let lane = context.world.vehicles[context.vehicle].lane;
+        let sign = context.world.road.lanes[lane].direction.sign();
+        let start = context.world.pedestrians[context.pedestrian].start.x;
+        Self { pair: pair(context), expected_place: sign * start }
+    }
+
+    fn first(&self, encounters: &Encounters) -> f64 {
+        let passage = encounters.passage(self.pair.0);
+        match encounters.pair(self.pair.0, self.pair.1).final_passing() {
+            Some(passing) if passing.time < passage.reached(passing.place).moment() => PEDESTRIAN,
+            Some(_) => VEHICLE,
+            None if passage.reached(self.expected_place).moment() < f64::INFINITY => VEHICLE,
+            None => NOBODY,
+        }
+    }
+}
+
+pub static TTA_AT_ENTRY: Metric = Metric {
+    declaration: Declaration {
+        name: "tta_at_entry",
+        summary: "The vehicle's time to arrival at the pedestrian when its centre first enters the lane; undefined if it \
+                  never does, or if the vehicle stands or is past it.",
+        source: "distance along the lane over speed at that moment",
+        parameters: &[Parameter::choice(
+            "reference",
+            "centre",
+            &[
+                ChoiceOption { name: "centre", doc: "from the vehicle's centre" },
+                ChoiceOption { name: "front", doc: "from the vehicle's front" },
+            ],
+            "The part of the vehicle that arrives.",
+            "the paper says neither; centre as for pet",
+        )],
+        presets: None,
+    },
+    kind: MetricKind::Quantity(Dimension::TIME),
+    scope: Scope::Pair,
+    worst: Worst::Smallest,
+    build: |context| {
+        let from_front = context.settings.word("reference") == "front";
+        let ahead = if from_front { context.world.vehicles[context.vehicle].length / 2.0 } else { 0.0 };
+        Box::new(TtaAtEntry { pair: pair(context), ahead })
+    },
+};
+
+struct TtaAtEntry {
+    pair: (usize, usize),
+    /// From the vehicle's centre to the part that arrives, m.
+    ahead: f64,
+}
+
+impl Meter for TtaAtEntry {
+    fn value(&self, encounters: &Encounters) -> Option<f64> {
+        let entry = encounters.pair(self.pair.0, self.pair.1).first_entry?;
+        let distance = entry.distance - self.ahead;
+        (distance >= 0.0 && entry.speed > 0.0).then(|| distance / entry.speed)
+    }
+}
+
+fn pair(context: &MetricContext) -> (usize, usize) {
+    (context.vehicle, context.pedestrian)
+}
+
+fn zero_on_collision(context: &MetricContext) -> bool {
+    context.settings.flag("zero_on_collision")
+}

@@ -1,0 +1,135 @@
+//! How near the footprints come: collision, impact speed, smallest distance.
+
+use super::{Encounters, Meter, Metric, MetricContext, MetricKind, Scope, Worst};
+use crate::scenario::{Declaration, Dimension};
+use crate::sim::geometry::distance;
+use crate::sim::{PedestrianState, Step, VehicleState};
+
+pub static COLLISION: Metric = Metric {
+    declaration: Declaration {
+        name: "collision",
+        summary: "Whether the two footprints touch at any time.",
+        source: "footprints as in the scenario: the vehicle a rectangle, the pedestrian a disc or rectangle",
+        parameters: &[],
+        presets: None,
+    },
+    kind: MetricKind::Flag,
+    scope: Scope::Pair,
+    worst: Worst::Largest,
+    build: |context| Box::new(Collision { pair: (context.vehicle, context.pedestrian) }),
+};
+
+struct Collision {
+    pair: (usize, usize),
+}
+
+impl Meter for Collision {
+    fn value(&self, encounters: &Encounters) -> Option<f64> {
+        Some(f64::from(encounters.pair(self.pair.0, self.pair.1).contact.is_some()))
+    }
+}
+
+pub static IMPACT_SPEED: Metric = Metric {
+    declaration: Declaration {
+        name: "impact_speed",
+        summary: "Relative speed of the two when their footprints first touch; undefined without collision.",
+        source: "length of the difference of the velocities at that moment",
+        parameters: &[],
+        presets: None,
+    },
+    kind: MetricKind::Quantity(Dimension::SPEED),
+    scope: Scope::Pair,
+    worst: Worst::Largest,
+    build: |context| Box::new(ImpactSpeed { pair: (context.vehicle, context.pedestrian) }),
+};
+
+struct ImpactSpeed {
+    pair: (usize, usize),
+}
+
+impl Meter for ImpactSpeed {
+    fn value(&self, encounters: &Encounters) -> Option<f64> {
+        encounters.pair(self.pair.0, self.pair.1).contact.map(|contact| contact.relative_speed)
+    }
+}
+
+pub static MIN_DISTANCE: Metric = Metric {
+    declaration: Declaration {
+        name: "min_distance",
+        summary: "Smallest distance between the footprints; 0 on collision, undefined if the pedestrian never appears.",
+        source: "Euclidean distance of the footprints, also between the simulation's steps",
+        parameters: &[],
+        presets: None,
+    },
+    kind: MetricKind::Quantity(Dimension::LENGTH),
+    scope: Scope::Pair,
+    worst: Worst::Smallest,
+    build: |context| Box::new(MinDistance::new(context)),
+};
+
+struct MinDistance {
+    pair: (usize, usize),
+    last: Option<f64>,
+    smallest: Option<f64>,
+}
+
+impl MinDistance {
+    fn new(context: &MetricContext) -> Self {
+        Self { pair: (context.vehicle, context.pedestrian), last: None, smallest: None }
+    }
+}
+
+impl Meter for MinDistance {
+    fn observe(&mut self, step: &Step, _: &Encounters) {
+        let (old_car, car) = (&step.before.vehicles[self.pair.0], &step.after.vehicles[self.pair.0]);
+        let (old, new) = (&step.before.pedestrians[self.pair.1], &step.after.pedestrians[self.pair.1]);
+        if !old.present {
+            return;
+        }
+        let before = self.last.unwrap_or_else(|| distance(old_car, old));
+        let after = distance(car, new);
+        let mut smallest = self.smallest.unwrap_or(f64::INFINITY).min(before).min(after);
+        // Nothing comes nearer than it moves, so most steps need no look inside.
+        let moved = ((new.position - old.position) - (car.position() - old_car.position())).norm();
+        if (before + after - moved) / 2.0 < smallest {
+            smallest = smallest.min(smallest_inside((old_car, car), (old, new)));
+        }
+        self.last = Some(after);
+        self.smallest = Some(smallest);
+    }
+
+    fn value(&self, encounters: &Encounters) -> Option<f64> {
+        if encounters.pair(self.pair.0, self.pair.1).contact.is_some() { Some(0.0) } else { self.smallest }
+    }
+}
+
+/// The smallest distance inside a step: a convex function of time, as the footprints are convex and do not turn.
+fn smallest_inside(
+    (old_car, car): (&VehicleState, &VehicleState),
+    (old, new): (&PedestrianState, &PedestrianState),
+) -> f64 {
+    let at = |part: f64| {
+        let mut vehicle = *car;
+        vehicle.motion.travelled =
+            old_car.motion.travelled + part * (car.motion.travelled - old_car.motion.travelled);
+        let person = PedestrianState { position: old.position.lerp(&new.position, part), ..*new };
+        distance(&vehicle, &person)
+    };
+    // Golden section search: the step shrinks to 1e-6 of itself, and the minimum is flat there.
+    const GOLDEN: f64 = 0.618_033_988_749_894_8;
+    let (mut low, mut high) = (0.0, 1.0);
+    let (mut left, mut right) = (high - GOLDEN * (high - low), low + GOLDEN * (high - low));
+    let (mut at_left, mut at_right) = (at(left), at(right));
+    for _ in 0..28 {
+        if at_left <= at_right {
+            (high, right, at_right) = (right, left, at_left);
+            left = high - GOLDEN * (high - low);
+            at_left = at(left);
+        } else {
+            (low, left, at_left) = (left, right, at_right);
+            right = low + GOLDEN * (high - low);
+            at_right = at(right);
+        }
+    }
+    at_left.min(at_right)
+}

@@ -1,0 +1,140 @@
+//! How the pedestrian crosses: when it sets off, how long it is in the lane, what waiting costs it.
+
+use super::encounter::{rising, velocity_inside};
+use super::{Encounters, Meter, Metric, MetricContext, MetricKind, Scope, Worst};
+use crate::scenario::{Declaration, Dimension, Parameter};
+use crate::sim::Step;
+
+pub static CROSSING_INITIATION_TIME: Metric = Metric {
+    declaration: Declaration {
+        name: "crossing_initiation_time",
+        summary: "From the pedestrian's appearance to its first motion; undefined if it never moves.",
+        source: "first moment at which it is faster than the parameter",
+        parameters: &[Parameter::number(
+            "speed",
+            Dimension::SPEED,
+            0.01,
+            (0.0, 10.0),
+            "Above this speed the pedestrian moves.",
+            "as in event timelines",
+        )],
+        presets: None,
+    },
+    kind: MetricKind::Quantity(Dimension::TIME),
+    scope: Scope::Pedestrian,
+    worst: Worst::Largest,
+    build: |context| {
+        let threshold = context.settings.number("speed");
+        let pedestrian = context.pedestrian;
+        Box::new(InitiationTime { pedestrian, threshold, appeared: None, moved: None })
+    },
+};
+
+struct InitiationTime {
+    pedestrian: usize,
+    threshold: f64,
+    appeared: Option<f64>,
+    moved: Option<f64>,
+}
+
+impl Meter for InitiationTime {
+    fn observe(&mut self, step: &Step, _: &Encounters) {
+        let (old, new) =
+            (&step.before.pedestrians[self.pedestrian], &step.after.pedestrians[self.pedestrian]);
+        if self.moved.is_some() || !old.present {
+            return;
+        }
+        let appeared = *self.appeared.get_or_insert(step.time);
+        let speed = |part| velocity_inside(step.duration, old, new, part).norm();
+        let (before, after) = (speed(0.0), speed(1.0));
+        let part = if before > self.threshold { Some(0.0) } else { rising(before, after, self.threshold) };
+        if after > self.threshold || before > self.threshold {
+            self.moved = part.map(|part| step.time + part * step.duration - appeared);
+        }
+    }
+
+    fn value(&self, _: &Encounters) -> Option<f64> {
+        self.moved
+    }
+}
+
+pub static CROSSING_DURATION: Metric = Metric {
+    declaration: Declaration {
+        name: "crossing_duration",
+        summary: "From the pedestrian's entry into the vehicle's lane to its exit on the other side, by its centre; after \
+                  a retreat, from the last entry; undefined if it never gets across.",
+        source: "entry to exit of the lane",
+        parameters: &[],
+        presets: None,
+    },
+    kind: MetricKind::Quantity(Dimension::TIME),
+    scope: Scope::Pair,
+    worst: Worst::Largest,
+    build: |context| Box::new(CrossingDuration { pair: (context.vehicle, context.pedestrian) }),
+};
+
+struct CrossingDuration {
+    pair: (usize, usize),
+}
+
+impl Meter for CrossingDuration {
+    fn value(&self, encounters: &Encounters) -> Option<f64> {
+        let crossing = encounters.pair(self.pair.0, self.pair.1).crossing?;
+        Some(crossing.left - crossing.entered)
+    }
+}
+
+pub static PEDESTRIAN_DELAY: Metric = Metric {
+    declaration: Declaration {
+        name: "pedestrian_delay",
+        summary: "Time from appearance to the far edge of the vehicle's lane beyond that of a free walk straight towards \
+                  the goal; negative if it hurries, undefined if it never gets across.",
+        source: "free walk at the model's own free speed from the first moment on",
+        parameters: &[],
+        presets: None,
+    },
+    kind: MetricKind::Quantity(Dimension::TIME),
+    scope: Scope::Pair,
+    worst: Worst::Largest,
+    build: |context| Box::new(PedestrianDelay::new(context)),
+};
+
+struct PedestrianDelay {
+    pair: (usize, usize),
+    /// Of a free walk to the far edge of the lane, s; `None` if the way does not lead there.
+    free_time: Option<f64>,
+    appeared: Option<f64>,
+}
+
+impl PedestrianDelay {
+    fn new(context: &MetricContext) -> Self {
+        let setup = &context.world.pedestrians[context.pedestrian];
+        let lane = context.world.vehicles[context.vehicle].lane;
+        let road = &context.world.road;
+        let sign = setup.side.walking_sign();
+        let edge = road.lane_centre(lane) + sign * road.lane_width / 2.0;
+        let (across, sideways) = (setup.goal.y - setup.start.y, setup.goal.x - setup.start.x);
+        // The share of the way from start to goal at which it meets the edge.
+        let part = (edge - setup.start.y) / across;
+        let length = part * across.hypot(sideways);
+        let free_speed = context.free_speed.filter(|speed| *speed > 0.0);
+        Self {
+            pair: (context.vehicle, context.pedestrian),
+            free_time: free_speed.filter(|_| part.is_finite() && part >= 0.0).map(|speed| length / speed),
+            appeared: None,
+        }
+    }
+}
+
+impl Meter for PedestrianDelay {
+    fn observe(&mut self, step: &Step, _: &Encounters) {
+        if self.appeared.is_none() && step.before.pedestrians[self.pair.1].present {
+            self.appeared = Some(step.time);
+        }
+    }
+
+    fn value(&self, encounters: &Encounters) -> Option<f64> {
+        let crossing = encounters.pair(self.pair.0, self.pair.1).crossing?;
+        Some(crossing.left - self.appeared? - self.free_time?)
+    }
+}

@@ -1,0 +1,330 @@
+//! What every metric of a pair needs to know, worked out once: contact, passings, time in the lane, time to collision.
+
+use nalgebra::Vector2;
+
+use super::passage::Passage;
+use crate::scenario::{Shape, World};
+use crate::sim::geometry::first_contact;
+use crate::sim::{PedestrianState, Step, VehicleState};
+
+/// The encounters of every vehicle with every pedestrian of a run.
+pub struct Encounters {
+    passages: Vec<Passage>,
+    /// Vehicle by vehicle.
+    pairs: Vec<Encounter>,
+    pedestrians: usize,
+}
+
+/// One vehicle and one pedestrian.
+///
+/// "The line" is the centre line of the vehicle's lane, which is the vehicle's path. "The strip" is what the
+/// vehicle's footprint sweeps: its width along that line.
+#[derive(Debug, Clone)]
+pub struct Encounter {
+    /// Of the pedestrian, along y.
+    walking_sign: f64,
+    half_lane: f64,
+    /// The first touch of the footprints.
+    pub contact: Option<Contact>,
+    /// Every time the pedestrian's centre passes the line, in order, in either direction.
+    pub passings: Vec<Passing>,
+    /// Every stay of the pedestrian's footprint in the strip, in order.
+    pub visits: Vec<Visit>,
+    in_strip: bool,
+    /// The first time that the pedestrian's centre enters the lane from its own side, or appears in it.
+    pub first_entry: Option<Entry>,
+    last_entry: Option<f64>,
+    /// The crossing of the lane that was carried through.
+    pub crossing: Option<LaneCrossing>,
+    /// Time to collision of the footprints if both kept their velocities from the end of the step on, s; `None` if
+    /// they are not on a collision course.
+    pub time_to_collision: Option<f64>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Contact {
+    /// s
+    pub time: f64,
+    /// m/s
+    pub relative_speed: f64,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Passing {
+    /// s
+    pub time: f64,
+    /// The conflict point, as a distance along the vehicle's lane behind the middle of the crossing, m.
+    pub place: f64,
+    pub towards_goal: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Visit {
+    /// s
+    pub from: f64,
+    /// s; infinite while it lasts.
+    pub to: f64,
+    /// Extent of the footprint along the vehicle's lane over the visit, m.
+    pub low: f64,
+    pub high: f64,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Entry {
+    /// s
+    pub time: f64,
+    /// From the vehicle's centre to the pedestrian, along the lane, m.
+    pub distance: f64,
+    /// Of the vehicle, m/s.
+    pub speed: f64,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LaneCrossing {
+    /// s
+    pub entered: f64,
+    /// s
+    pub left: f64,
+}
+
+/// More visits or passings than this cost an allocation; nobody dithers that much.
+const EXPECTED_EVENTS: usize = 16;
+
+impl Encounters {
+    pub fn new(world: &World) -> Self {
+        let steps = (world.horizon / world.step).ceil().clamp(0.0, 1e6) as usize + 1;
+        let encounter = |pedestrian: usize| Encounter {
+            walking_sign: world.pedestrians[pedestrian].side.walking_sign(),
+            half_lane: world.road.lane_width / 2.0,
+            contact: None,
+            passings: Vec::with_capacity(EXPECTED_EVENTS),
+            visits: Vec::with_capacity(EXPECTED_EVENTS),
+            in_strip: false,
+            first_entry: None,
+            last_entry: None,
+            crossing: None,
+            time_to_collision: None,
+        };
+        let pedestrians = world.pedestrians.len();
+        Self {
+            passages: vec![Passage::with_capacity(steps); world.vehicles.len()],
+            pairs: (0..world.vehicles.len()).flat_map(|_| (0..pedestrians).map(encounter)).collect(),
+            pedestrians,
+        }
+    }
+
+    pub fn pair(&self, vehicle: usize, pedestrian: usize) -> &Encounter {
+        &self.pairs[vehicle * self.pedestrians + pedestrian]
+    }
+
+    pub fn passage(&self, vehicle: usize) -> &Passage {
+        &self.passages[vehicle]
+    }
+
+    /// Notes which footprints touch during the step, and returns the first moment of that, s after its beginning.
+    /// `only_first` leaves out those who would touch later than that.
+    pub fn observe_contacts(&mut self, step: &Step, only_first: bool) -> Option<f64> {
+        let count = self.pedestrians;
+        let moment = |index: usize| contact_inside(step, index / count, index % count);
+        let first = (0..self.pairs.len()).filter_map(moment).reduce(f64::min)?;
+        let last = if only_first { first } else { step.duration };
+        for index in 0..self.pairs.len() {
+            if let Some(moment) = contact_inside(step, index / count, index % count).filter(|m| *m <= last) {
+                self.pairs[index].touch(step, index / count, index % count, moment);
+            }
+        }
+        Some(first)
+    }
+
+    /// Follows a step; its contacts must have been noted.
+    pub fn observe(&mut self, step: &Step) {
+        for (index, passage) in self.passages.iter_mut().enumerate() {
+            let (before, after) = (&step.before.vehicles[index], &step.after.vehicles[index]);
+            let end = step.time + step.duration;
+            passage.observe((step.time, before.motion.travelled), (end, after.motion.travelled));
+        }
+        for (index, pair) in self.pairs.iter_mut().enumerate() {
+            let (vehicle, pedestrian) = (index / self.pedestrians, index % self.pedestrians);
+            if step.before.pedestrians[pedestrian].present {
+                pair.observe(step, vehicle, pedestrian);
+            }
+        }
+    }
+}
+
+impl Encounter {
+    /// The last passing of the line if it is the one that the pedestrian carried through.
+    pub fn final_passing(&self) -> Option<Passing> {
+        self.passings.last().copied().filter(|passing| passing.towards_goal)
+    }
+
+    fn observe(&mut self, step: &Step, vehicle: usize, pedestrian: usize) {
+        let (old_car, car) = (&step.before.vehicles[vehicle], &step.after.vehicles[vehicle]);
+        let (old, new) = (&step.before.pedestrians[pedestrian], &step.after.pedestrians[pedestrian]);
+        self.time_to_collision = first_contact(car, new, new.velocity - car.velocity());
+        self.follow_lane(step, (old_car, car), (old, new));
+        self.follow_strip(step, car, (old, new));
+    }
+
+    fn touch(&mut self, step: &Step, vehicle: usize, pedestrian: usize, moment: f64) {
+        let (old_car, car) = (&step.before.vehicles[vehicle], &step.after.vehicles[vehicle]);
+        let (old, new) = (&step.before.pedestrians[pedestrian], &step.after.pedestrians[pedestrian]);
+        let part = moment / step.duration;
+        let car_velocity = old_car.velocity().lerp(&car.velocity(), part);
+        let relative_speed = (velocity_inside(step.duration, old, new, part) - car_velocity).norm();
+        self.contact.get_or_insert(Contact { time: step.time + moment, relative_speed });
+    }
+
+    /// Entering and leaving the lane and passing its centre line, by the pedestrian's centre.
+    fn follow_lane(
+        &mut self,
+        step: &Step,
+        (old_car, car): (&VehicleState, &VehicleState),
+        (old, new): (&PedestrianState, &PedestrianState),
+    ) {
+        let across = |person: &PedestrianState| self.walking_sign * (person.position.y - car.lane_centre);
+        let (before, after) = (across(old), across(new));
+        let (start, half) = (-self.half_lane, self.half_lane);
+        let appears_inside = self.last_entry.is_none() && before > start && before < half;
+        let entry = if appears_inside { Some(0.0) } else { rising(before, after, start) };
+        if let Some(part) = entry {
+            let time = step.time + part * step.duration;
+            self.last_entry = Some(time);
+            self.first_entry.get_or_insert_with(|| {
+                let travelled = lerp(old_car.motion.travelled, car.motion.travelled, part);
+                Entry {
+                    time,
+                    distance: lerp(along(car, old), along(car, new), part) - travelled,
+                    speed: lerp(old_car.motion.speed, car.motion.speed, part),
+                }
+            });
+        }
+        let up = rising(before, after, 0.0);
+        let down = (before >= 0.0 && after < 0.0).then(|| before / (before - after));
+        if let Some(part) = up.or(down) {
+            self.passings.push(Passing {
+                time: step.time + part * step.duration,
+                place: lerp(along(car, old), along(car, new), part),
+                towards_goal: up.is_some(),
+            });
+        }
+        if let (Some(part), Some(entered)) = (rising(before, after, half), self.last_entry) {
+            self.crossing.get_or_insert(LaneCrossing { entered, left: step.time + part * step.duration });
+        }
+    }
+
+    /// Stays of the footprint in the strip that the vehicle sweeps.
+    fn follow_strip(
+        &mut self,
+        step: &Step,
+        car: &VehicleState,
+        (old, new): (&PedestrianState, &PedestrianState),
+    ) {
+        let reach = half_extent(new);
+        let border = car.width / 2.0 + reach.y;
+        let (from_y, to_y) = (old.position.y - car.lane_centre, new.position.y - car.lane_centre);
+        let Some((enter, leave)) = part_within(from_y, to_y, border) else {
+            self.leave_strip(step.time);
+            return;
+        };
+        if !self.in_strip {
+            self.in_strip = true;
+            let from = step.time + enter * step.duration;
+            let (to, low, high) = (f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY);
+            self.visits.push(Visit { from, to, low, high });
+        }
+        if let Some(visit) = self.visits.last_mut() {
+            for part in [enter, leave] {
+                let centre = lerp(along(car, old), along(car, new), part);
+                visit.low = visit.low.min(centre - reach.x);
+                visit.high = visit.high.max(centre + reach.x);
+            }
+        }
+        if leave < 1.0 {
+            self.leave_strip(step.time + leave * step.duration);
+        }
+    }
+
+    fn leave_strip(&mut self, time: f64) {
+        if self.in_strip {
+            self.in_strip = false;
+            if let Some(visit) = self.visits.last_mut() {
+                visit.to = time;
+            }
+        }
+    }
+}
+
+/// A pedestrian's place along a vehicle's lane, m behind the middle of the crossing.
+pub fn along(car: &VehicleState, person: &PedestrianState) -> f64 {
+    car.direction.sign() * person.position.x
+}
+
+/// Half the extent of a footprint along x and y, m.
+pub fn half_extent(person: &PedestrianState) -> Vector2<f64> {
+    match person.shape {
+        Shape::Disc { radius } => Vector2::new(radius, radius),
+        Shape::Rectangle { length, width } => {
+            let (forward, sideways) = (person.heading.x.abs(), person.heading.y.abs());
+            Vector2::new(length * forward + width * sideways, length * sideways + width * forward) / 2.0
+        }
+    }
+}
+
+/// The moment of first contact as the world loop finds it, so that metrics and stop reason agree.
+fn contact_inside(step: &Step, vehicle: usize, pedestrian: usize) -> Option<f64> {
+    let (old_car, car) = (&step.before.vehicles[vehicle], &step.after.vehicles[vehicle]);
+    let (old, new) = (&step.before.pedestrians[pedestrian], &step.after.pedestrians[pedestrian]);
+    if !old.present {
+        return None;
+    }
+    let moved = (new.position - old.position) - (car.position() - old_car.position());
+    first_contact(old_car, old, moved / step.duration).filter(|moment| *moment <= step.duration)
+}
+
+/// A pedestrian either accelerates evenly over a step or takes its new velocity at once; which of both shows in how
+/// far it came.
+pub fn velocity_inside(
+    duration: f64,
+    old: &PedestrianState,
+    new: &PedestrianState,
+    part: f64,
+) -> Vector2<f64> {
+    let even = (old.velocity + new.velocity) * (duration / 2.0);
+    let accelerates = ((new.position - old.position) - even).norm() <= 1e-9;
+    if accelerates { old.velocity.lerp(&new.velocity, part) } else { new.velocity }
+}
+
+pub fn lerp(from: f64, to: f64, part: f64) -> f64 {
+    from + part * (to - from)
+}
+
+/// The share of a step after which a rising quantity reaches `line`.
+pub fn rising(before: f64, after: f64, line: f64) -> Option<f64> {
+    (before < line && after >= line).then(|| (line - before) / (after - before))
+}
+
+/// The part of the way from `from` to `to` that lies inside (-border, border), as shares of the way.
+fn part_within(from: f64, to: f64, border: f64) -> Option<(f64, f64)> {
+    if from == to {
+        return (from.abs() < border).then_some((0.0, 1.0));
+    }
+    let (one, other) = ((-border - from) / (to - from), (border - from) / (to - from));
+    let (enter, leave) = (one.min(other).max(0.0), one.max(other).min(1.0));
+    (enter < leave).then_some((enter, leave))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_of_a_step_within_a_band() {
+        assert_eq!(part_within(-3.0, -1.0, 2.0), Some((0.5, 1.0)));
+        assert_eq!(part_within(1.0, 5.0, 2.0), Some((0.0, 0.25)));
+        assert_eq!(part_within(-4.0, 4.0, 2.0), Some((0.25, 0.75)));
+        assert_eq!(part_within(1.0, 1.0, 2.0), Some((0.0, 1.0)));
+        assert_eq!(part_within(2.0, 2.0, 2.0), None);
+        assert_eq!(part_within(3.0, 5.0, 2.0), None);
+    }
+}

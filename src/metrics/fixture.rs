@@ -1,0 +1,165 @@
+//! Encounters with known motion, for tests.
+
+use nalgebra::Vector2;
+
+use super::{Encounters, FreeFlow, METRICS, Measurement, Reading};
+use crate::scenario::{
+    Appearance, Crossing, CrossingKind, Direction, Lane, MetricReference, ModelSetup, PedestrianSetup,
+    Position, Road, Settings, Shape, Side, Value, VehicleSetup, VehicleStart, World,
+};
+use crate::sim::{Longitudinal, Observer, PedestrianState, Snapshot, Step, VehicleState};
+
+/// A 4 m lane, a car of 4 m by 2 m and a person of 0.25 m radius who walks from y = -4 m to 4 m.
+pub fn world(step: f64, horizon: f64) -> World {
+    let model = ModelSetup { name: String::new(), settings: Settings::default() };
+    World {
+        road: Road {
+            name: String::new(),
+            lane_width: 4.0,
+            lanes: vec![Lane { direction: Direction::Forward }],
+            speed_limit: 10.0,
+            kerbs: true,
+            crossing: Crossing { kind: CrossingKind::Zebra, width: 4.0 },
+            boxes: Vec::new(),
+        },
+        vehicles: vec![VehicleSetup {
+            name: "av".into(),
+            controller: model.clone(),
+            dynamics: model.clone(),
+            length: 4.0,
+            width: 2.0,
+            lane: 0,
+            speed: 10.0,
+            start: VehicleStart::Distance(100.0),
+            sees: None,
+        }],
+        pedestrians: vec![PedestrianSetup {
+            name: "walker".into(),
+            model,
+            shape: Shape::Disc { radius: 0.25 },
+            side: Side::Near,
+            start: Position { x: 0.0, y: -4.0 },
+            goal: Position { x: 0.0, y: 4.0 },
+            appears: Appearance::At(0.0),
+        }],
+        step,
+        horizon,
+        finish: 20.0,
+        end_on_collision: true,
+    }
+}
+
+/// Motion along a line from (place, speed), in stretches of (duration, acceleration); at rest it stays at rest.
+#[derive(Clone)]
+pub struct Profile {
+    pub place: f64,
+    pub speed: f64,
+    pub stretches: Vec<(f64, f64)>,
+}
+
+impl Profile {
+    pub fn new(place: f64, speed: f64, stretches: &[(f64, f64)]) -> Self {
+        Self { place, speed, stretches: stretches.to_vec() }
+    }
+
+    /// Place and speed at a time.
+    pub fn at(&self, time: f64) -> (f64, f64) {
+        let (mut place, mut speed, mut left) = (self.place, self.speed, time);
+        for &(duration, acceleration) in self.stretches.iter().chain(&[(f64::INFINITY, 0.0)]) {
+            let mut part = left.min(duration);
+            left -= part;
+            if acceleration < 0.0 {
+                part = part.min(-speed / acceleration);
+            }
+            place += speed * part + acceleration * part * part / 2.0;
+            speed += acceleration * part;
+        }
+        (place, speed)
+    }
+}
+
+/// A walk along straight lines through (time, x, y); it stays where it ends.
+#[derive(Clone)]
+pub struct Walk(pub Vec<(f64, f64, f64)>);
+
+impl Walk {
+    fn at(&self, time: f64) -> (Vector2<f64>, Vector2<f64>) {
+        for pair in self.0.windows(2) {
+            let ((t0, x0, y0), (t1, x1, y1)) = (pair[0], pair[1]);
+            // The velocity of a corner is that of the way before, as the state at the end of a step holds it.
+            if time <= t1 + 1e-9 {
+                let velocity = Vector2::new(x1 - x0, y1 - y0) / (t1 - t0);
+                return (Vector2::new(x0, y0) + velocity * (time - t0), velocity);
+            }
+        }
+        let (_, x, y) = *self.0.last().expect("a walk has a place");
+        (Vector2::new(x, y), Vector2::zeros())
+    }
+}
+
+/// The free flow of a car that passes the finish line of [`world`] after 12 s at 10 m/s.
+pub const FREE_FLOW: FreeFlow = FreeFlow { finish_time: Some(12.0), finish_speed: 10.0 };
+
+/// The readings of one encounter, by request. Walks at 1.25 m/s when free.
+pub fn measure(world: &World, requests: &[MetricReference], car: &Profile, walk: &Walk) -> Vec<Reading> {
+    let mut measurement = Measurement::new(world, requests, &[FREE_FLOW], &[1.25]);
+    let steps = (world.horizon / world.step).round() as usize;
+    let mut before = snapshot(world, car, walk, 0.0);
+    measurement.begin(&before);
+    for k in 0..steps {
+        let time = k as f64 * world.step;
+        let after = snapshot(world, car, walk, (k + 1) as f64 * world.step);
+        let step = Step {
+            time,
+            duration: world.step,
+            before: &before,
+            after: &after,
+            pedestrian_modes: &[""],
+            vehicle_modes: &[""],
+        };
+        measurement.observe(&step);
+        if world.end_on_collision && Encounters::new(world).observe_contacts(&step, true).is_some() {
+            break;
+        }
+        before = after;
+    }
+    measurement.readings()
+}
+
+/// The worst values of every metric with its defaults, and a way to look them up.
+pub fn measure_all(world: &World, car: &Profile, walk: &Walk) -> impl Fn(&str) -> Option<f64> + use<> {
+    let requests: Vec<_> = METRICS.iter().map(|metric| request(metric.declaration.name, [])).collect();
+    let readings = measure(world, &requests, car, walk);
+    move |name| {
+        let index = requests.iter().position(|request| request.name == name).expect("a metric's name");
+        readings[index].worst.and_then(|worst| worst.value)
+    }
+}
+
+pub fn request<const N: usize>(name: &str, settings: [(&str, Value); N]) -> MetricReference {
+    MetricReference { name: name.into(), settings: Settings::from(settings), pair: None }
+}
+
+fn snapshot(world: &World, car: &Profile, walk: &Walk, time: f64) -> Snapshot {
+    let (travelled, speed) = car.at(time);
+    let setup = &world.vehicles[0];
+    let person = &world.pedestrians[0];
+    let (position, velocity) = walk.at(time);
+    Snapshot {
+        vehicles: vec![VehicleState {
+            motion: Longitudinal { travelled, speed, acceleration: 0.0 },
+            lane_centre: world.road.lane_centre(setup.lane),
+            direction: world.road.lanes[setup.lane].direction,
+            length: setup.length,
+            width: setup.width,
+        }],
+        pedestrians: vec![PedestrianState {
+            position,
+            velocity,
+            acceleration: Vector2::zeros(),
+            heading: Vector2::new(0.0, person.side.walking_sign()),
+            shape: person.shape,
+            present: true,
+        }],
+    }
+}
