@@ -1,4 +1,6 @@
 //! The HIKER crossing experiment: our runs against the reference's 3,000 per scenario.
+//!
+//! `scenario-runner validate hiker` makes the full comparison.
 
 mod support;
 
@@ -8,13 +10,12 @@ use scenario_runner::pedestrian::commotions::hiker::Reference;
 fn crossing_shares_and_start_times() {
     let Some(file) = support::shared("data/hiker_reference.json") else { return };
     let reference = Reference::read(&file).unwrap();
-    let stride = std::env::var("HIKER_STRIDE").map_or(2, |s| s.parse().unwrap());
-    let reps = std::env::var("HIKER_REPS").map_or(1, |s| s.parse().unwrap());
-    let comparisons = reference.compare(&file, stride, reps, 20_261_121).unwrap();
+    // Every second individual once: 250 runs per scenario.
+    let comparisons = reference.compare(&file, 2, 1, 20_261_121).unwrap();
     assert_eq!(comparisons.len(), 24);
     for c in &comparisons {
         println!(
-            "{:7} {:5} runs: crossed {:.4}, reference {:.4}: {:.1} standard errors; start {:?}, reference {:?}",
+            "{:7} {} runs: {:.3} crossed, reference {:.4}: {:.1} standard errors; starts {:?} s, reference {:?} s",
             c.scenario,
             c.runs,
             c.crossed_before,
@@ -23,5 +24,7 @@ fn crossing_shares_and_start_times() {
             c.median_start,
             c.reference_median_start,
         );
+        assert!(c.standard_errors() <= 3.0, "{c:?}");
+        assert!(c.median_standard_errors().is_none_or(|errors| errors <= 3.0), "{c:?}");
     }
 }

@@ -188,6 +188,10 @@ impl Reference {
                 runs: runs.len(),
                 crossed_before: starts.len() as f64 / runs.len() as f64,
                 median_start: median(&starts),
+                below_reference_median: self
+                    .median_of(&scenario.model)
+                    .filter(|_| !starts.is_empty())
+                    .map(|reference| share_below(&starts, reference)),
                 reference_runs: scenario.model.runs,
                 reference_crossed_before: scenario.model.crossed_before,
                 reference_median_start: self.median_of(&scenario.model),
@@ -210,6 +214,16 @@ fn median(sorted: &[f64]) -> Option<f64> {
         n if n % 2 == 1 => Some(sorted[middle]),
         _ => Some((sorted[middle - 1] + sorted[middle]) / 2.0),
     }
+}
+
+/// The share of values below `threshold`, those equal to it (but for rounding) counting half.
+fn share_below(values: &[f64], threshold: f64) -> f64 {
+    let weight = |value: &f64| match value - threshold {
+        difference if difference.abs() < 1e-6 => 0.5,
+        difference if difference < 0.0 => 1.0,
+        _ => 0.0,
+    };
+    values.iter().map(weight).sum::<f64>() / values.len() as f64
 }
 
 impl Scenario {
@@ -249,6 +263,8 @@ pub struct Comparison {
     pub crossed_before: f64,
     /// Median start time of those (s after the first car passed).
     pub median_start: Option<f64>,
+    /// Share of our start times below the reference's median: one half but for chance.
+    pub below_reference_median: Option<f64>,
     /// How many runs the reference has.
     pub reference_runs: u32,
     /// Its share.
@@ -272,5 +288,47 @@ impl Comparison {
     /// Our median start time less the reference's (s), where both are defined.
     pub fn median_difference(&self) -> Option<f64> {
         Some(self.median_start? - self.reference_median_start?)
+    }
+
+    /// How many standard errors lie between one half and the share of our start times below the reference's median.
+    ///
+    /// Where start times fall into two groups of about the same size, as before a car that yields late, the median
+    /// lies anywhere in the gap between them; this share is still one half.
+    pub fn median_standard_errors(&self) -> Option<f64> {
+        let (ours, theirs) = (
+            self.runs as f64 * self.crossed_before,
+            f64::from(self.reference_runs) * self.reference_crossed_before,
+        );
+        let error = (0.25 * (1.0 / ours + 1.0 / theirs)).sqrt();
+        Some((self.below_reference_median? - 0.5).abs() / error)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn medians_and_shares() {
+        assert_eq!(median(&[]), None);
+        assert_eq!(median(&[1.0, 2.0, 9.0]), Some(2.0));
+        assert_eq!(median(&[1.0, 2.0]), Some(1.5));
+        assert_eq!(share_below(&[1.0, 2.0, 3.0, 4.0], 2.0), 0.375);
+    }
+
+    #[test]
+    fn standard_errors_are_those_of_a_difference_of_shares() {
+        let comparison = Comparison {
+            scenario: String::new(),
+            runs: 100,
+            crossed_before: 0.6,
+            median_start: Some(1.0),
+            below_reference_median: Some(0.5),
+            reference_runs: 100,
+            reference_crossed_before: 0.4,
+            reference_median_start: Some(1.2),
+        };
+        assert!((comparison.standard_errors() - 0.2 / (0.25f64 / 50.0).sqrt()).abs() < 1e-12);
+        assert_eq!(comparison.median_standard_errors(), Some(0.0));
     }
 }
