@@ -12,7 +12,7 @@ const WINDOW: Parameter = Parameter::number(
     0.2,
     (0.001, 10.0),
     "Time over which the drop of speed is taken.",
-    "at least two control periods of 0.05 s, carla.md 2.5; 0.2 s passes over single jumps of a simulator",
+    "several control periods of 0.05 s, so that no single jump of a simulator decides",
 );
 
 const STANDSTILL: Parameter = Parameter::number(
@@ -21,7 +21,7 @@ const STANDSTILL: Parameter = Parameter::number(
     1.0,
     (0.0, 100.0),
     "Drops below this speed do not count: simulators stop cars abruptly at the end.",
-    "carla.md 2.3",
+    "CARLA zeroes speeds below about 1 m/s at once, with spikes of 10 to 20 m/s^2 (issue 3906)",
 );
 
 pub static MAX_DECELERATION: Metric = Metric {
@@ -29,7 +29,7 @@ pub static MAX_DECELERATION: Metric = Metric {
         name: "max_deceleration",
         summary: "Largest deceleration of the vehicle: drop of speed over a sliding window, divided by the window; 0 if \
                   it never slows down.",
-        source: "window and standstill after carla.md 2.3, 2.5; to 1e-9 m/s^2, so that rounding breaks no limit that \
+        source: "exact for speeds that are linear inside a step; to 1e-9 m/s^2, so that rounding breaks no limit that \
                  is kept exactly",
         parameters: &[WINDOW, STANDSTILL],
         presets: None,

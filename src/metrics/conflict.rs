@@ -10,7 +10,7 @@ const ZERO_ON_COLLISION: Parameter = Parameter::flag(
     "zero_on_collision",
     true,
     "Whether a collision counts as 0 s, though the run may end before anybody passes; otherwise as undefined.",
-    "both were at one place at one time; carla.md 6 (7)",
+    "both were at one place at one time",
 );
 
 pub static PET: Metric = Metric {
@@ -18,7 +18,7 @@ pub static PET: Metric = Metric {
         name: "pet",
         summary: "Post-encroachment time: between the centres of the two passing the conflict point. The smallest over \
                   all passings if the pedestrian retreats; undefined if one of them never passes.",
-        source: "|t_ped - t_veh|, the paper's definition by centres; Peesapati et al. 2018",
+        source: "|t_ped - t_veh| by centres; Peesapati et al. 2018",
         parameters: &[ZERO_ON_COLLISION],
         presets: None,
     },
@@ -187,7 +187,7 @@ pub static TTA_AT_ENTRY: Metric = Metric {
                 ChoiceOption { name: "front", doc: "from the vehicle's front" },
             ],
             "The part of the vehicle that arrives.",
-            "the paper says neither; centre as for pet",
+            "centre as for pet",
         )],
         presets: None,
     },

@@ -115,6 +115,11 @@ fn smallest_inside(
         let person = PedestrianState { position: old.position.lerp(&new.position, part), ..*new };
         distance(&vehicle, &person)
     };
+    // Still coming nearer at the end: then the end is nearest.
+    let end = at(1.0);
+    if at(1.0 - 1e-6) >= end {
+        return end;
+    }
     // Golden section search: the step shrinks to 1e-6 of itself, and the minimum is flat there.
     const GOLDEN: f64 = 0.618_033_988_749_894_8;
     let (mut low, mut high) = (0.0, 1.0);

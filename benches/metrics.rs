@@ -1,0 +1,119 @@
+//! What reading every metric off a run costs: one vehicle and one pedestrian, per simulation step.
+
+use divan::Bencher;
+use divan::counter::ItemsCount;
+use nalgebra::Vector2;
+use scenario_runner::metrics::{FreeFlow, METRICS, Measurement};
+use scenario_runner::scenario::{
+    Appearance, Crossing, CrossingKind, Direction, Lane, MetricReference, ModelSetup, PedestrianSetup,
+    Position, Road, Settings, Shape, Side, VehicleSetup, VehicleStart, World,
+};
+use scenario_runner::sim::{Longitudinal, Observer, PedestrianState, Snapshot, Step, VehicleState};
+
+fn main() {
+    divan::main();
+}
+
+const STEP: f64 = 0.025;
+const STEPS: usize = 600;
+
+/// Every metric together; the item count is in steps, so items per second are steps per second.
+#[divan::bench]
+fn all_metrics(bencher: Bencher) {
+    let names: Vec<_> = METRICS.iter().map(|metric| metric.declaration.name).collect();
+    measure(bencher, &names);
+}
+
+/// Each metric by itself, on top of what all of a pair share.
+#[divan::bench(args = METRICS.iter().map(|metric| metric.declaration.name))]
+fn one_metric(bencher: Bencher, name: &str) {
+    measure(bencher, &[name]);
+}
+
+fn measure(bencher: Bencher, names: &[&str]) {
+    let world = world();
+    let states: Vec<_> = (0..=STEPS).map(state).collect();
+    let requests: Vec<_> = names
+        .iter()
+        .map(|name| MetricReference { name: name.to_string(), settings: Settings::default(), pair: None })
+        .collect();
+    let free_flow = FreeFlow { finish_time: Some(12.0), finish_speed: 10.0 };
+    bencher
+        .counter(ItemsCount::new(STEPS))
+        .with_inputs(|| Measurement::new(&world, &requests, &[free_flow], &[1.4]))
+        .bench_local_refs(|measurement| {
+            for (k, pair) in states.windows(2).enumerate() {
+                measurement.observe(&Step {
+                    time: k as f64 * STEP,
+                    duration: STEP,
+                    before: &pair[0],
+                    after: &pair[1],
+                    pedestrian_modes: &[""],
+                    vehicle_modes: &[""],
+                });
+            }
+        });
+}
+
+/// The vehicle slows down and the pedestrian walks across in front of it.
+fn state(k: usize) -> Snapshot {
+    let time = k as f64 * STEP;
+    let braking = time.min(4.0);
+    let travelled = -80.0 + 10.0 * time - 0.5 * braking * braking - 4.0 * (time - braking);
+    Snapshot {
+        vehicles: vec![VehicleState {
+            motion: Longitudinal { travelled, speed: 10.0 - braking, acceleration: 0.0 },
+            lane_centre: 0.0,
+            direction: Direction::Forward,
+            length: 4.5,
+            width: 2.0,
+        }],
+        pedestrians: vec![PedestrianState {
+            position: Vector2::new(0.0, -4.0 + 1.4 * (time - 3.0).max(0.0)),
+            velocity: Vector2::new(0.0, if time > 3.0 { 1.4 } else { 0.0 }),
+            acceleration: Vector2::zeros(),
+            heading: Vector2::y(),
+            shape: Shape::Disc { radius: 0.25 },
+            present: true,
+        }],
+    }
+}
+
+fn world() -> World {
+    let model = ModelSetup { name: String::new(), settings: Settings::default() };
+    World {
+        road: Road {
+            name: String::new(),
+            lane_width: 4.0,
+            lanes: vec![Lane { direction: Direction::Forward }],
+            speed_limit: 10.0,
+            kerbs: true,
+            crossing: Crossing { kind: CrossingKind::Zebra, width: 4.0 },
+            boxes: Vec::new(),
+        },
+        vehicles: vec![VehicleSetup {
+            name: "av".into(),
+            controller: model.clone(),
+            dynamics: model.clone(),
+            length: 4.5,
+            width: 2.0,
+            lane: 0,
+            speed: 10.0,
+            start: VehicleStart::Distance(80.0),
+            sees: None,
+        }],
+        pedestrians: vec![PedestrianSetup {
+            name: "walker".into(),
+            model,
+            shape: Shape::Disc { radius: 0.25 },
+            side: Side::Near,
+            start: Position { x: 0.0, y: -4.0 },
+            goal: Position { x: 0.0, y: 4.0 },
+            appears: Appearance::At(0.0),
+        }],
+        step: STEP,
+        horizon: 60.0,
+        finish: 20.0,
+        end_on_collision: true,
+    }
+}

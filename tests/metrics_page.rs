@@ -1,0 +1,86 @@
+//! `docs/metrics.md` is what the registry says. `SNAPSHOTS=overwrite cargo test --test metrics_page` rewrites it.
+
+use std::fmt::Write;
+
+use scenario_runner::metrics::{METRICS, Metric, MetricKind, Scope, Worst};
+use scenario_runner::scenario::{Parameter, ParameterKind};
+
+const INTRODUCTION: &str = "\
+# Metrics
+
+Every metric is read off the exact state of a run while it happens, not off a recorded trace. Events inside a simulation
+step are interpolated linearly. A run that ends on collision is measured up to the moment of contact.
+
+The **conflict point** of a pair is where the centre line of the vehicle's lane and the pedestrian's actual path cross.
+The **strip** is what the vehicle's footprint sweeps along its lane. Where a scenario has several pairs, the worst value
+counts for the run; a criterion may name one pair instead.
+
+A metric that does not exist in a run (nobody crossed, nobody collided) is **undefined**: reports show \u{2013}, and a
+criterion over it fails unless it says `undefined passes`.
+
+This page is generated from the registry in `src/metrics/`.
+";
+
+#[test]
+fn the_page_says_what_the_registry_says() {
+    let mut page = INTRODUCTION.to_string();
+    for metric in METRICS {
+        page.push_str(&section(metric));
+    }
+    let assert = snapbox::Assert::new().action_env(snapbox::assert::DEFAULT_ACTION_ENV);
+    assert.eq(page, snapbox::Data::read_from("docs/metrics.md".as_ref(), None).raw());
+}
+
+fn section(metric: &Metric) -> String {
+    let declaration = &metric.declaration;
+    let value = match metric.kind {
+        MetricKind::Flag => "yes or no".to_string(),
+        MetricKind::Category(words) => format!("one of {}", words.join(", ")),
+        MetricKind::Quantity(dimension) => format!("{} in {}", dimension.name(), dimension.si_unit()),
+    };
+    let scope = match metric.scope {
+        Scope::Pair => "per vehicle and pedestrian",
+        Scope::Vehicle => "per vehicle",
+        Scope::Pedestrian => "per pedestrian",
+    };
+    let worst = match (metric.kind, metric.worst) {
+        (MetricKind::Quantity(_), Worst::Smallest) => "the smallest counts",
+        (MetricKind::Quantity(_), Worst::Largest) => "the largest counts",
+        (MetricKind::Flag, Worst::Smallest) => "one no counts",
+        (MetricKind::Flag, Worst::Largest) => "one yes counts",
+        (MetricKind::Category(_), Worst::Smallest) => "the first of these counts",
+        (MetricKind::Category(_), Worst::Largest) => "the last of these counts",
+    };
+    let mut text = format!("\n## `{}`\n\n{}\n\n", declaration.name, declaration.summary);
+    writeln!(text, "- Value: {value}, {scope}; {worst}").unwrap();
+    writeln!(text, "- Source: {}", declaration.source).unwrap();
+    if !declaration.parameters.is_empty() {
+        text.push_str("\n| parameter | default | range | meaning | source |\n|---|---|---|---|---|\n");
+    }
+    for parameter in declaration.parameters {
+        let (default, range) = default_and_range(parameter);
+        let Parameter { name, doc, source, .. } = parameter;
+        writeln!(text, "| `{name}` | {default} | {range} | {doc} | {source} |").unwrap();
+    }
+    text
+}
+
+fn default_and_range(parameter: &Parameter) -> (String, String) {
+    match parameter.kind {
+        ParameterKind::Number { dimension, default, range: (low, high) } => {
+            let unit = dimension.si_unit();
+            let default = default.map_or("\u{2013}".to_string(), |number| format!("{number} {unit}"));
+            (default, format!("{low} .. {high} {unit}"))
+        }
+        ParameterKind::Whole { default, range: (low, high) } => {
+            (default.to_string(), format!("{low} .. {high}"))
+        }
+        ParameterKind::Flag { default } => (default.to_string(), "true, false".to_string()),
+        ParameterKind::Choice { default, options } => {
+            let options: Vec<_> =
+                options.iter().map(|option| format!("{} ({})", option.name, option.doc)).collect();
+            (default.to_string(), options.join(", "))
+        }
+        ParameterKind::Text { default } => (default.to_string(), "text".to_string()),
+    }
+}
