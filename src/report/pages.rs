@@ -60,7 +60,7 @@ fn reference(one: &Declaration, facts: &[String]) -> String {
         write!(text, "\n{fact}\n").expect("writing to a string cannot fail");
     }
     if let Some(family) = one.presets {
-        text.push_str(&presets(&family));
+        text.push_str(&presets(one, &family));
     }
     if !one.parameters.is_empty() {
         text.push_str(
@@ -90,25 +90,31 @@ fn reference(one: &Declaration, facts: &[String]) -> String {
     text
 }
 
-fn presets(family: &PresetFamily) -> String {
+fn presets(one: &Declaration, family: &PresetFamily) -> String {
     let mut text = format!(
         "\n### Presets: `{}` (default `{}`)\n\n| name | meaning | values |\n|---|---|---|\n",
         family.word, family.default
     );
     for preset in family.presets {
-        let values: Vec<_> =
-            preset.values.iter().map(|(name, value)| format!("`{name}` {}", literal(*value))).collect();
+        let values: Vec<_> = preset
+            .values
+            .iter()
+            .map(|(name, value)| format!("`{name}` {}", literal(one.parameter(name), *value)))
+            .collect();
         let values = if values.is_empty() { "the defaults below".to_string() } else { values.join(", ") };
         text.push_str(&row(&[format!("`{}`", preset.name), preset.doc.to_string(), values]));
     }
     text
 }
 
-fn literal(value: Literal) -> String {
-    match value {
-        Literal::Flag(flag) => flag.to_string(),
-        Literal::Number(number) => with_unit(number, Dimension::NUMBER),
-        Literal::Word(word) => word.to_string(),
+fn literal(parameter: Option<&Parameter>, value: Literal) -> String {
+    match (value, parameter.map(|parameter| parameter.kind)) {
+        (Literal::Number(number), Some(ParameterKind::Number { dimension, .. })) => {
+            with_unit(number, dimension)
+        }
+        (Literal::Number(number), _) => with_unit(number, Dimension::NUMBER),
+        (Literal::Flag(flag), _) => flag.to_string(),
+        (Literal::Word(word), _) => word.to_string(),
     }
 }
 
