@@ -2,8 +2,8 @@
 
 pub mod calibrate;
 pub mod cli;
-pub mod experiment;
 pub mod judge;
+pub mod lang;
 pub mod metrics;
 pub mod optimise;
 pub mod pedestrian;

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::Exit;
+use crate::lang;
 use crate::plan::{Plan, plan};
 use crate::report::Excerpt;
 use crate::run::road_users;
@@ -75,6 +76,18 @@ fn build_everybody(plan: &Plan, colour: bool) -> Result<(), ()> {
     if failed { Err(()) } else { Ok(()) }
 }
 
-fn read(_file: &str, _colour: bool) -> Result<Suite, ()> {
-    Err(())
+fn read(file: &str, colour: bool) -> Result<Suite, ()> {
+    let style = lang::Style { colour };
+    match lang::load(Path::new(file)) {
+        Ok(loaded) => {
+            for warning in &loaded.warnings {
+                eprintln!("{}\n", lang::render(warning, &loaded.sources, style));
+            }
+            Ok(loaded.suite)
+        }
+        Err(failure) => {
+            eprint!("{}", failure.render(style));
+            Err(())
+        }
+    }
 }

@@ -1,6 +1,7 @@
 //! The command line: one file a subcommand.
 
 mod calibrate;
+mod check;
 mod exit;
 mod load;
 mod models;
@@ -37,6 +38,8 @@ struct Cli {
 enum Command {
     /// Run suites and scenarios; the default when no command is named.
     Run(run::RunArguments),
+    /// Look for errors in suites and scenarios without running anything.
+    Check(check::CheckArguments),
     /// Show the pedestrian models, controllers, vehicle dynamics and metrics there are.
     Models(models::ModelsArguments),
     /// Retain the parameter sets of the COMMOTIONS model that behave as criteria demand.
@@ -51,6 +54,7 @@ pub fn main() -> ExitCode {
     let result = match cli.command {
         None => run::run(cli.run),
         Some(Command::Run(arguments)) => run::run(arguments),
+        Some(Command::Check(arguments)) => check::check(&arguments),
         Some(Command::Models(arguments)) => models::models(&arguments),
         Some(Command::Calibrate(arguments)) => calibrate::run(&arguments),
         Some(Command::Replay(arguments)) => replay::replay(&arguments),

@@ -2,11 +2,11 @@
 
 mod excerpt;
 mod failure;
+pub mod findings;
 mod format;
 mod json;
 mod junit;
 mod models;
-mod pages;
 mod replay;
 mod trace;
 
@@ -22,7 +22,6 @@ pub use format::{quantity, share};
 pub use json::to_json;
 pub use junit::to_junit;
 pub use models::{registered_names, render_model, render_models};
-pub use pages::{ModelPage, model_pages};
 pub use replay::{render_replay, replay_command};
 pub use trace::write_trace;
 

@@ -1,0 +1,93 @@
+//! From syntax to checked scenarios.
+
+mod block;
+mod criterion;
+mod pedestrian;
+mod road;
+mod scenario;
+mod variation;
+mod vehicle;
+
+use std::path::Path;
+
+use super::codes::Code;
+use super::diagnostic::Diagnostic;
+use super::files::Files;
+use super::source::Span;
+use super::tree::{Node, Rule};
+use crate::scenario::Origin;
+
+pub use pedestrian::DEFAULT_GOAL;
+pub use scenario::{Defaults, SuiteCriteria, defined_road, scenario};
+
+/// Where things were said.
+#[derive(Clone, Copy)]
+pub struct Places<'a> {
+    pub files: &'a Files,
+}
+
+impl Places<'_> {
+    pub fn origin(&self, span: Span) -> Origin {
+        self.files.sources.origin(span)
+    }
+
+    /// The path of a file that is named relative to the file in which `span` is.
+    pub fn beside(&self, span: Span, name: &str) -> String {
+        let file = Path::new(&self.files.sources.get(span.source).name);
+        super::files::join(file, name).display().to_string()
+    }
+}
+
+/// A whole number in a range.
+pub fn count(node: Node, low: u32, high: u32, what: &str, report: &mut Vec<Diagnostic>) -> Option<u32> {
+    let number = whole(node, report)?;
+    match u32::try_from(number) {
+        Ok(number) if (low..=high).contains(&number) => Some(number),
+        _ => {
+            report.push(
+                Diagnostic::new(
+                    Code::OutOfRange,
+                    node.span(),
+                    format!("{what} is {number}, but must be between {low} and {high}"),
+                )
+                .label("out of range")
+                .hint(format!("choose a number between {low} and {high}")),
+            );
+            None
+        }
+    }
+}
+
+/// A whole number of at most 64 bits.
+pub fn whole(node: Node, report: &mut Vec<Diagnostic>) -> Option<u64> {
+    let digits = node.text().replace('_', "");
+    let number = match digits.strip_prefix("0x") {
+        Some(hexadecimal) => u64::from_str_radix(hexadecimal, 16),
+        None => digits.parse(),
+    };
+    number.ok().or_else(|| {
+        report.push(
+            Diagnostic::new(Code::NumberTooLarge, node.span(), "this number has more than 64 bits")
+                .label("too large")
+                .hint(format!("the largest is {}", u64::MAX)),
+        );
+        None
+    })
+}
+
+/// The doc string of a block.
+pub fn doc(block: Node) -> Option<String> {
+    let doc = block.child(Rule::doc)?.child(Rule::string)?;
+    Some(super::value::unquote(doc.text()))
+}
+
+/// The tags of a block, in order.
+pub fn tags(block: Node) -> Vec<String> {
+    block.all(Rule::tags).flat_map(|tags| tags.all(Rule::tag)).map(|tag| tag.text().to_string()).collect()
+}
+
+/// Reports what a suite says twice.
+pub fn reject_suite_repeats(block: Node, report: &mut Vec<Diagnostic>) {
+    const REPEATABLE: &[Rule] = &[Rule::suite_files, Rule::tags, Rule::expect, Rule::scenario];
+    block::reject_repeats(block, REPEATABLE, report);
+}

@@ -1,0 +1,282 @@
+//! `pedestrian NAME { … }`
+
+use super::Places;
+use super::block::{Layer, Said, last, last_of, missing, reject_repeats};
+use super::vehicle::{model, size};
+use crate::lang::codes::Code;
+use crate::lang::diagnostic::Diagnostic;
+use crate::lang::settings::repeated;
+use crate::lang::source::Span;
+use crate::lang::tree::{Node, Rule};
+use crate::lang::value::{self, Typed, unquote};
+use crate::pedestrian as registry;
+use crate::scenario::{
+    BinaryOperator, DeclaredAppearance, DeclaredShape, Dimension, Expression, Individuals, Pedestrian,
+    Population, Road, Side, Value, VehicleReference,
+};
+
+/// How far beyond the opposite kerb a pedestrian walks unless something else is said, m.
+pub const DEFAULT_GOAL: f64 = 2.0;
+
+/// The pedestrian that `layers` describe together, the last having the last word.
+pub fn pedestrian(
+    name: Node,
+    layers: &[Layer],
+    road: Option<&Road>,
+    vehicles: &[&str],
+    places: &Places,
+    report: &mut Vec<Diagnostic>,
+) -> Option<Pedestrian> {
+    if let Some(layer) = layers.last() {
+        reject_repeats(layer.block, &[], report);
+        exclude(layer.block, Rule::size, Rule::radius, report);
+        exclude(layer.block, Rule::individuals, Rule::individual, report);
+    }
+    let what = format!("pedestrian `{}`", name.text());
+    let found = match last(layers, Rule::model) {
+        Some(said) => registered(said, report).map(|found| (said, found)),
+        None => {
+            missing(layers, name.span(), &what, "model", "model carla_walker", report);
+            None
+        }
+    };
+    let model = found.and_then(|(said, found)| {
+        model(said, said.node.child(Rule::name)?, &found.declaration, places, report)
+    });
+    let individuals = last_of(layers, [Rule::individuals, Rule::individual])
+        .map(|said| individuals(said, found.map(|(_, found)| found), places, report));
+    let shape = last_of(layers, [Rule::size, Rule::radius]).map(|said| shape(said, report));
+    let side = match last(layers, Rule::side) {
+        Some(said) if said.node.has(Rule::kw_far) => Side::Far,
+        _ => Side::Near,
+    };
+    let start = match last(layers, Rule::pedestrian_start) {
+        Some(said) => road.and_then(|road| start(said, road, report)),
+        None => {
+            missing(layers, name.span(), &what, "start", "start 2 m from kerb", report);
+            None
+        }
+    };
+    let mut length = |rule, default: f64, range, word: &str| match last(layers, rule) {
+        Some(Said { node, scope }) => {
+            let node = node.child(Rule::expression)?;
+            value::quantity_in(node, Dimension::LENGTH, range, word, scope, report)
+                .map(|value| value.expression)
+        }
+        None => Some(Expression::number(default)),
+    };
+    let along = length(Rule::along, 0.0, (-100.0, 100.0), "the place of a pedestrian along the road");
+    let goal = length(Rule::goal, DEFAULT_GOAL, (-10.0, 100.0), "the goal of a pedestrian");
+    let appears = match last(layers, Rule::appears) {
+        Some(said) => appears(said, vehicles, report),
+        None => Some(DeclaredAppearance::At(Expression::number(0.0))),
+    };
+    Some(Pedestrian {
+        name: name.text().to_string(),
+        model: model?,
+        shape: match shape {
+            Some(shape) => Some(shape?),
+            None => None,
+        },
+        side,
+        start_from_lane_centre: start?,
+        along: along?,
+        goal_beyond_kerb: goal?,
+        appears: appears?,
+        individuals: match individuals {
+            Some(individuals) => Some(individuals?),
+            None => None,
+        },
+        origin: places.origin(name.span()),
+    })
+}
+
+/// Two statements that say the same thing in different ways cannot stand together.
+fn exclude(block: Node, first: Rule, second: Rule, report: &mut Vec<Diagnostic>) {
+    if let (Some(first), Some(second)) = (block.child(first), block.child(second)) {
+        let word = |node: Node| node.text().split_whitespace().next().unwrap_or_default().to_string();
+        let mut diagnostic = repeated(&word(second), second.span(), first.span());
+        diagnostic.message = format!("`{}` and `{}` say the same thing", word(first), word(second));
+        report.push(diagnostic);
+    }
+}
+
+fn registered(said: Said, report: &mut Vec<Diagnostic>) -> Option<&'static registry::PedestrianModel> {
+    let name = said.node.child(Rule::name)?;
+    let found = registry::model(name.text());
+    if found.is_none() {
+        report.push(
+            Diagnostic::new(
+                Code::UnknownModel,
+                name.span(),
+                format!("there is no pedestrian model `{}`", name.text()),
+            )
+            .label("unknown model")
+            .suggest(name.text(), registry::MODELS.iter().map(|known| known.declaration.name)),
+        );
+    }
+    found
+}
+
+fn individuals(
+    said: Said,
+    model: Option<&registry::PedestrianModel>,
+    places: &Places,
+    report: &mut Vec<Diagnostic>,
+) -> Option<Individuals> {
+    let node = said.node;
+    if let Some(model) = model
+        && !model.takes_individuals
+    {
+        let able = registry::MODELS
+            .iter()
+            .filter(|known| known.takes_individuals)
+            .map(|known| format!("`{}`", known.declaration.name))
+            .collect::<Vec<_>>();
+        report.push(
+            Diagnostic::new(
+                Code::NoIndividuals,
+                node.span(),
+                format!("model `{}` knows no individuals", model.declaration.name),
+            )
+            .label("cannot be given")
+            .hint(format!("models with individuals are {}", able.join(", "))),
+        );
+        return None;
+    }
+    let number = |report: &mut Vec<Diagnostic>| {
+        super::count(node.child(Rule::integer)?, 1, 1_000_000, "the number of an individual", report)
+    };
+    let selection = match node.rule() {
+        Rule::individual => Population::Number(number(report)?),
+        _ if node.has(Rule::kw_all) => Population::All,
+        _ => Population::Count(number(report)?),
+    };
+    let population = node.child(Rule::population)?;
+    let named = unquote(population.text());
+    let population =
+        if population.has(Rule::string) { places.beside(population.span(), &named) } else { named };
+    Some(Individuals { selection, population, origin: places.origin(node.span()) })
+}
+
+fn shape(said: Said, report: &mut Vec<Diagnostic>) -> Option<DeclaredShape> {
+    if said.node.rule() == Rule::size {
+        let (length, width) = size(said, "a pedestrian", report)?;
+        return Some(DeclaredShape::Rectangle { length, width });
+    }
+    let node = said.node.child(Rule::expression)?;
+    let what = "the radius of a pedestrian";
+    let radius = value::quantity_in(node, Dimension::LENGTH, (0.01, 5.0), what, said.scope, report)?;
+    Some(DeclaredShape::Disc { radius: radius.expression })
+}
+
+/// The distance from the lane's centre; a second statement of the same place must agree with the first.
+fn start(said: Said, road: &Road, report: &mut Vec<Diagnostic>) -> Option<Expression> {
+    let half = road.lane_width / 2.0;
+    let mut distances = Vec::new();
+    for distance in said.node.all(Rule::start_distance) {
+        let from_kerb = distance.has(Rule::kw_kerb);
+        let what = "the start of a pedestrian";
+        let node = distance.child(Rule::expression)?;
+        let value = value::quantity_in(node, Dimension::LENGTH, (-100.0, 100.0), what, said.scope, report)?;
+        distances.push((from_kerb, value, distance.span()));
+    }
+    let centred = |(from_kerb, value, _): &(bool, Typed, Span)| match (&value.expression, *from_kerb) {
+        (expression, false) => expression.clone(),
+        (Expression::Constant(Value::Number(number)), true) => Expression::number(number + half),
+        (expression, true) => Expression::Binary {
+            operator: BinaryOperator::Add,
+            left: Box::new(expression.clone()),
+            right: Box::new(Expression::number(half)),
+        },
+    };
+    if let [first, second] = distances.as_slice() {
+        if first.0 == second.0 {
+            report.push(repeated(if first.0 { "from kerb" } else { "from lane centre" }, second.2, first.2));
+            return None;
+        }
+        if !agree(&centred(first), &centred(second), said, report)? {
+            report.push(
+                Diagnostic::new(
+                    Code::StartContradiction,
+                    second.2,
+                    "the two distances do not describe the same place",
+                )
+                .label("contradicts the other")
+                .context(first.2, "said here")
+                .note(format!(
+                    "the lane is {} m wide, so its centre is {half} m from the kerb",
+                    road.lane_width
+                ))
+                .hint("give only one of the two"),
+            );
+            return None;
+        }
+    }
+    // The distance from the lane's centre needs no calculation, so it is the one that counts.
+    distances.sort_by_key(|(from_kerb, ..)| *from_kerb);
+    distances.first().map(centred)
+}
+
+/// Whether two ways to say a place agree to a millimetre for every value they can take.
+fn agree(first: &Expression, second: &Expression, said: Said, report: &mut Vec<Diagnostic>) -> Option<bool> {
+    let difference = Expression::Binary {
+        operator: BinaryOperator::Subtract,
+        left: Box::new(first.clone()),
+        right: Box::new(second.clone()),
+    };
+    let differences = if difference.variables().is_empty() {
+        vec![difference.evaluate(&Default::default()).ok()?]
+    } else {
+        value::possible(&difference, said.scope).into_iter().map(|(value, _)| value).collect()
+    };
+    if differences.is_empty() {
+        report.push(
+            Diagnostic::new(
+                Code::NotConstant,
+                said.node.span(),
+                "whether the two distances describe the same place cannot be checked",
+            )
+            .label("depends on several or sampled variations")
+            .hint("give only one of the two"),
+        );
+        return None;
+    }
+    Some(differences.iter().all(|value| value.as_number().is_some_and(|metres| metres.abs() <= 1e-3)))
+}
+
+fn appears(said: Said, vehicles: &[&str], report: &mut Vec<Diagnostic>) -> Option<DeclaredAppearance> {
+    let time = |node: Node, range, what: &str, report: &mut Vec<Diagnostic>| {
+        value::quantity_in(node.child(Rule::expression)?, Dimension::TIME, range, what, said.scope, report)
+    };
+    if let Some(at) = said.node.child(Rule::appears_at) {
+        let time = time(at, (0.0, 3600.0), "the time at which a pedestrian appears", report)?;
+        return Some(DeclaredAppearance::At(time.expression));
+    }
+    let when = said.node.child(Rule::appears_when)?;
+    let name = when.child(Rule::name)?;
+    let time = time(when, (0.0, 600.0), "the time to arrival at which a pedestrian appears", report);
+    if !vehicles.contains(&name.text()) {
+        report.push(unknown_vehicle(name, vehicles));
+        return None;
+    }
+    let reference = match when.child(Rule::vehicle_part) {
+        Some(part) if part.text() == "front" => VehicleReference::Front,
+        _ => VehicleReference::Centre,
+    };
+    Some(DeclaredAppearance::TimeToArrival {
+        vehicle: name.text().to_string(),
+        reference,
+        time: time?.expression,
+    })
+}
+
+pub fn unknown_vehicle(name: Node, vehicles: &[&str]) -> Diagnostic {
+    Diagnostic::new(
+        Code::UnknownVehicle,
+        name.span(),
+        format!("the scenario has no vehicle `{}`", name.text()),
+    )
+    .label("unknown vehicle")
+    .suggest(name.text(), vehicles.iter().copied())
+}

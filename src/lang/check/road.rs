@@ -1,0 +1,264 @@
+//! `road { … }`
+
+use super::block::{Layer, missing, reject_repeats};
+use crate::lang::codes::Code;
+use crate::lang::diagnostic::Diagnostic;
+use crate::lang::settings;
+use crate::lang::source::Span;
+use crate::lang::tree::{Node, Rule};
+use crate::lang::value::{self, Scope};
+use crate::scenario::{
+    Body, Crossing, CrossingKind, Declaration, Dimension, Direction, Expression, Lane, Parameter, Road,
+    Settings,
+};
+
+const LANGUAGE: &str = "the scenario language";
+
+const WIDTH: Parameter = Parameter::number(
+    "width",
+    Dimension::LENGTH,
+    4.0,
+    (0.5, 50.0),
+    "Extent of the crossing along the road.",
+    LANGUAGE,
+);
+
+pub static ZEBRA: Declaration = Declaration {
+    name: "crossing zebra",
+    summary: "A crossing at which pedestrians have priority.",
+    source: LANGUAGE,
+    parameters: &[WIDTH],
+    presets: None,
+};
+
+pub static UNMARKED: Declaration = Declaration {
+    name: "crossing unmarked",
+    summary: "A place to cross at which vehicles have priority.",
+    source: LANGUAGE,
+    parameters: &[WIDTH],
+    presets: None,
+};
+
+pub static SIGNALISED: Declaration = Declaration {
+    name: "crossing signalised",
+    summary: "A crossing with a two-phase signal.",
+    source: LANGUAGE,
+    parameters: &[
+        WIDTH,
+        Parameter::number(
+            "cycle",
+            Dimension::TIME,
+            60.0,
+            (1.0, 600.0),
+            "Time after which the signal repeats.",
+            LANGUAGE,
+        ),
+        Parameter::number(
+            "pedestrian_green",
+            Dimension::TIME,
+            20.0,
+            (0.0, 600.0),
+            "How long pedestrians have green in each cycle.",
+            LANGUAGE,
+        ),
+        Parameter::number(
+            "pedestrian_green_from",
+            Dimension::TIME,
+            0.0,
+            (0.0, 600.0),
+            "When in the cycle pedestrians get green.",
+            LANGUAGE,
+        ),
+    ],
+    presets: None,
+};
+
+const PLACE: (f64, f64) = (-1000.0, 1000.0);
+const EXTENT: (f64, f64) = (0.01, 100.0);
+
+pub static OBSTACLE: Declaration = Declaration {
+    name: "box",
+    summary: "A parked vehicle or another box that blocks the view.",
+    source: LANGUAGE,
+    parameters: &[
+        Parameter::optional(
+            "along",
+            Dimension::LENGTH,
+            PLACE,
+            "Its centre along the road; 0 is the middle of the crossing.",
+            LANGUAGE,
+        ),
+        Parameter::optional(
+            "across",
+            Dimension::LENGTH,
+            PLACE,
+            "Its centre across the road; 0 is the centre of lane 0, positive towards the far side.",
+            LANGUAGE,
+        ),
+        Parameter::optional("length", Dimension::LENGTH, EXTENT, "Its extent along the road.", LANGUAGE),
+        Parameter::optional("width", Dimension::LENGTH, EXTENT, "Its extent across the road.", LANGUAGE),
+    ],
+    presets: None,
+};
+
+/// The road that a `road_block` describes; `name` is empty for one inside a scenario.
+pub fn road(
+    name: &str,
+    span: Span,
+    block: Node,
+    scope: &Scope,
+    report: &mut Vec<Diagnostic>,
+) -> Option<Road> {
+    reject_repeats(block, &[Rule::obstacle], report);
+    let layers = [Layer { block, scope }];
+    let what = if name.is_empty() { "this road".to_string() } else { format!("road `{name}`") };
+    let lanes = match block.child(Rule::lanes) {
+        Some(node) => lanes(node, scope, report),
+        None => Some(vec![Lane { direction: Direction::Forward }]),
+    };
+    let mut number = |rule, range, dimension, word: &str, example| match block.child(rule) {
+        Some(node) => {
+            value::constant_in(node.child(Rule::expression)?, dimension, range, word, scope, report)
+        }
+        None => {
+            missing(&layers, span, &what, word.trim_start_matches("the "), example, report);
+            None
+        }
+    };
+    let lane_width =
+        number(Rule::lane_width, (1.0, 20.0), Dimension::LENGTH, "the lane width", "lane_width 3.5 m");
+    let speed_limit =
+        number(Rule::speed_limit, (0.0, 100.0), Dimension::SPEED, "the speed limit", "speed_limit 30 km/h");
+    let crossing = match block.child(Rule::crossing) {
+        Some(node) => crossing(node, scope, report),
+        None => {
+            missing(&layers, span, &what, "crossing", "crossing zebra { width: 4 m }", report);
+            None
+        }
+    };
+    let boxes: Vec<_> = block.all(Rule::obstacle).map(|node| obstacle(node, scope, report)).collect();
+    Some(Road {
+        name: name.to_string(),
+        lane_width: lane_width?,
+        lanes: lanes?,
+        speed_limit: speed_limit?,
+        kerbs: !block.has(Rule::no_kerbs),
+        crossing: crossing?,
+        boxes: boxes.into_iter().collect::<Option<_>>()?,
+    })
+}
+
+fn lanes(node: Node, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<Vec<Lane>> {
+    let Some(count) = node.child(Rule::expression) else {
+        return Some(
+            node.all(Rule::direction)
+                .map(|direction| Lane {
+                    direction: match direction.text() {
+                        "backward" => Direction::Backward,
+                        _ => Direction::Forward,
+                    },
+                })
+                .collect(),
+        );
+    };
+    let what = "the number of lanes";
+    let number = value::constant_in(count, Dimension::NUMBER, (1.0, 16.0), what, scope, report)?;
+    if number.fract() != 0.0 {
+        report.push(settings::not_whole(count.span(), what, number));
+        return None;
+    }
+    Some(vec![Lane { direction: Direction::Forward }; number as usize])
+}
+
+fn crossing(node: Node, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<Crossing> {
+    let (declaration, kind) = if node.has(Rule::kw_zebra) {
+        (&ZEBRA, CrossingKind::Zebra)
+    } else if node.has(Rule::kw_unmarked) {
+        (&UNMARKED, CrossingKind::Unmarked)
+    } else {
+        (
+            &SIGNALISED,
+            CrossingKind::Signalised { cycle: 0.0, pedestrian_green_from: 0.0, pedestrian_green: 0.0 },
+        )
+    };
+    let given = constants(node.child(Rule::settings), declaration, scope, report)?;
+    let resolved = declaration.resolve(&given).ok()?;
+    let kind = match kind {
+        CrossingKind::Signalised { .. } => {
+            let cycle = resolved.number("cycle");
+            for name in ["pedestrian_green", "pedestrian_green_from"] {
+                let found = resolved.number(name);
+                if found > cycle {
+                    report.push(value::out_of_range(
+                        node.span(),
+                        &format!("`{name}` of the signal"),
+                        found,
+                        (0.0, cycle),
+                        Dimension::TIME,
+                        None,
+                    ));
+                    return None;
+                }
+            }
+            CrossingKind::Signalised {
+                cycle,
+                pedestrian_green_from: resolved.number("pedestrian_green_from"),
+                pedestrian_green: resolved.number("pedestrian_green"),
+            }
+        }
+        other => other,
+    };
+    Some(Crossing { kind, width: resolved.number("width") })
+}
+
+fn obstacle(node: Node, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<Body> {
+    let block = node.child(Rule::settings)?;
+    let given = constants(Some(block), &OBSTACLE, scope, report)?;
+    let mut number = |name: &str| {
+        given.optional_number(name).or_else(|| {
+            if !block.has(Rule::bad_setting) {
+                report.push(
+                    Diagnostic::new(
+                        Code::MissingStatement,
+                        node.child(Rule::name).map_or(node.span(), Node::span),
+                        format!("this box has no `{name}`"),
+                    )
+                    .label(format!("has no `{name}`"))
+                    .hint("a box reads `box van { along: -12 m, across: -2.5 m, length: 5 m, width: 2 m }`"),
+                );
+            }
+            None
+        })
+    };
+    let (x, y, length, width) = (number("along"), number("across"), number("length"), number("width"));
+    Some(Body { x: x?, y: y?, length: length?, width: width? })
+}
+
+/// Settings that are the same in all runs.
+pub fn constants(
+    node: Option<Node>,
+    declaration: &Declaration,
+    scope: &Scope,
+    report: &mut Vec<Diagnostic>,
+) -> Option<Settings> {
+    let mut constants = Settings::default();
+    let Some(node) = node else { return Some(constants) };
+    let before = report.len();
+    for (name, expression) in settings::check(Some(node), declaration, scope, report) {
+        match expression {
+            Expression::Constant(value) => constants.set(name, value),
+            varying => {
+                report.push(
+                    Diagnostic::new(
+                        Code::NotConstant,
+                        node.span(),
+                        format!("`{name}` may not vary between runs"),
+                    )
+                    .label(format!("depends on `{}`", varying.variables().join("`, `")))
+                    .hint("write a scenario for each value"),
+                );
+            }
+        }
+    }
+    (report.len() == before).then_some(constants)
+}

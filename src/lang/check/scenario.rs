@@ -1,0 +1,492 @@
+//! `scenario NAME { … }`
+
+use std::collections::{HashMap, HashSet};
+
+use super::block::{Layer, last, missing, reject_repeats};
+use super::criterion::{Cast, From, criterion};
+use super::pedestrian::pedestrian;
+use super::road::road;
+use super::vehicle::{check_starts, vehicle};
+use super::{Places, variation};
+use crate::lang::codes::Code;
+use crate::lang::diagnostic::Diagnostic;
+use crate::lang::files::{Definition, Names};
+use crate::lang::source::Span;
+use crate::lang::tree::{Node, Rule};
+use crate::lang::value::{self, Binding, Scope};
+use crate::scenario::{
+    DeclaredAppearance, DeclaredVehicleStart, Dimension, Expression, Pedestrian, Road, Scenario, Variation,
+    Vehicle,
+};
+
+/// What a scenario is that does not say otherwise.
+pub struct Defaults;
+
+impl Defaults {
+    /// s
+    pub const STEP: f64 = 0.025;
+    /// s
+    pub const HORIZON: f64 = 60.0;
+    /// m
+    pub const FINISH: f64 = 100.0;
+    pub const REPEAT: u32 = 1;
+}
+
+/// Criteria that a suite adds to its scenarios, with the names that its file can see.
+#[derive(Clone, Copy)]
+pub struct SuiteCriteria<'a> {
+    pub nodes: &'a [Node<'a>],
+    pub scope: &'a Scope<'a>,
+}
+
+/// The checked scenario at `definition`, with the suite's criteria added to its own.
+pub fn scenario(
+    definition: Definition,
+    places: &Places,
+    added: Option<SuiteCriteria>,
+    report: &mut Vec<Diagnostic>,
+) -> Option<Scenario> {
+    let node = places.files.node(definition);
+    let name = node.child(Rule::name)?;
+    let before = report.len();
+    let chain = chain(definition, places, report)?;
+    let parameters = parameter_scopes(&chain, places, report)?;
+    let blocks: Vec<Layer> = chain
+        .iter()
+        .zip(&parameters)
+        .filter_map(|(definition, scope)| {
+            let block = places.files.node(*definition).child(Rule::scenario_block)?;
+            Some(Layer { block, scope })
+        })
+        .collect();
+    const REPEATABLE: &[Rule] = &[
+        Rule::tags,
+        Rule::vehicle,
+        Rule::pedestrian,
+        Rule::vary,
+        Rule::vary_together,
+        Rule::expect,
+        Rule::binding,
+    ];
+    if let Some(own) = blocks.last() {
+        reject_repeats(own.block, REPEATABLE, report);
+    }
+    let (variations, varied) = variation::variations(&blocks, report);
+    let scopes: Vec<Scope> = blocks.iter().map(|layer| layer_scope(*layer, &varied, report)).collect();
+    let layers: Vec<Layer> =
+        blocks.iter().zip(&scopes).map(|(layer, scope)| Layer { block: layer.block, scope }).collect();
+
+    let road = scenario_road(&chain, &layers, name, places, report);
+    let vehicle_groups = grouped(&layers, Rule::vehicle, Rule::vehicle_block, report);
+    let pedestrian_groups = grouped(&layers, Rule::pedestrian, Rule::pedestrian_block, report);
+    reject_shared_names(&vehicle_groups, &pedestrian_groups, report);
+    let mut vehicles: Vec<(Span, Vehicle)> = Vec::new();
+    for (name, layers) in &vehicle_groups {
+        if let Some(vehicle) = vehicle(*name, layers, road.as_ref(), places, report) {
+            vehicles.push((name.span(), vehicle));
+        }
+    }
+    let cast = Cast {
+        vehicles: vehicle_groups.iter().map(|(name, _)| name.text()).collect(),
+        pedestrians: pedestrian_groups.iter().map(|(name, _)| name.text()).collect(),
+    };
+    let mut pedestrians: Vec<Pedestrian> = Vec::new();
+    for (name, layers) in &pedestrian_groups {
+        pedestrians.extend(pedestrian(*name, layers, road.as_ref(), &cast.vehicles, places, report));
+    }
+    let broken = report.len() > before || layers.iter().any(|layer| layer.block.has(Rule::bad));
+    if !broken {
+        let awaited = |vehicle: &str| {
+            pedestrians.iter().any(|pedestrian| {
+                matches!(&pedestrian.appears, DeclaredAppearance::TimeToArrival { vehicle: awaited, .. } if awaited == vehicle)
+            })
+        };
+        check_starts(&vehicles, awaited, report);
+        nobody(name, &cast, report);
+    }
+    let vehicles: Vec<Vehicle> = vehicles.into_iter().map(|(_, vehicle)| vehicle).collect();
+
+    let mut criteria = Vec::new();
+    for layer in &layers {
+        for node in layer.block.all(Rule::expect).filter_map(|node| node.child(Rule::expect_block)) {
+            for node in node.all(Rule::criterion) {
+                criteria.extend(criterion(node, From::Scenario, &cast, layer.scope, places, report));
+            }
+        }
+    }
+    if let Some(added) = added {
+        let scope = Scope { outer: Some(added.scope), names: varied.clone() };
+        for node in added.nodes {
+            criteria.extend(criterion(*node, From::Suite, &cast, &scope, places, report));
+        }
+    }
+
+    let number = |rule, dimension, range, what: &str, default: f64, report: &mut Vec<Diagnostic>| match last(
+        &layers, rule,
+    ) {
+        Some(said) => {
+            let node = said.node.child(Rule::expression)?;
+            value::constant_in(node, dimension, range, what, said.scope, report)
+        }
+        None => Some(default),
+    };
+    let step =
+        number(Rule::step, Dimension::TIME, (0.000_1, 1.0), "the simulation step", Defaults::STEP, report);
+    let horizon =
+        number(Rule::horizon, Dimension::TIME, (0.1, 3600.0), "the horizon", Defaults::HORIZON, report);
+    let finish =
+        number(Rule::finish, Dimension::LENGTH, (0.0, 10_000.0), "the finish line", Defaults::FINISH, report);
+    let repeat = match last(&layers, Rule::repeat) {
+        Some(said) => said
+            .node
+            .child(Rule::integer)
+            .and_then(|node| super::count(node, 1, 1_000_000, "the number of repetitions", report)),
+        None => Some(Defaults::REPEAT),
+    };
+    let doc = layers.iter().rev().find_map(|layer| super::doc(layer.block));
+    let mut tags = Vec::new();
+    for tag in layers.iter().flat_map(|layer| super::tags(layer.block)) {
+        if !tags.contains(&tag) {
+            tags.push(tag);
+        }
+    }
+    if report.len() == before {
+        unused(&layers, &varied, &variations, &vehicles, &pedestrians, report);
+    }
+    Some(Scenario {
+        name: name.text().to_string(),
+        doc,
+        tags,
+        road: road?,
+        vehicles,
+        pedestrians,
+        variations,
+        repeat: repeat?,
+        criteria,
+        step: step?,
+        horizon: horizon?,
+        finish: finish?,
+        end_on_collision: last(&layers, Rule::end_on_collision).is_some(),
+        origin: places.origin(name.span()),
+    })
+    .filter(|_| {
+        !report[before..].iter().any(|diagnostic| diagnostic.code.severity() == crate::lang::Severity::Error)
+    })
+}
+
+/// What a scenario builds on, the base first and itself last.
+fn chain(definition: Definition, places: &Places, report: &mut Vec<Diagnostic>) -> Option<Vec<Definition>> {
+    let mut chain = vec![definition];
+    let mut at = definition;
+    while let Some(base) = places.files.node(at).child(Rule::base) {
+        let name = base.child(Rule::name)?;
+        let names = places.files.names(at.file);
+        let Some(found) = names.scenarios.get(name.text()) else {
+            report.push(
+                Diagnostic::new(
+                    Code::UnknownTemplate,
+                    name.span(),
+                    format!("there is no scenario or template `{}`", name.text()),
+                )
+                .label("not defined in this file or one it uses")
+                .suggest(name.text(), names.scenarios.keys().map(String::as_str)),
+            );
+            return None;
+        };
+        if chain.contains(found) {
+            report.push(
+                Diagnostic::new(
+                    Code::CircularTemplate,
+                    name.span(),
+                    format!("`{}` builds on itself", name.text()),
+                )
+                .label("leads back here")
+                .hint("let one of them build on nothing"),
+            );
+            return None;
+        }
+        chain.push(*found);
+        at = *found;
+    }
+    chain.reverse();
+    Some(chain)
+}
+
+/// The names of each layer before variations: those of its file and its parameters.
+fn parameter_scopes<'a>(
+    chain: &[Definition],
+    places: &Places<'a>,
+    report: &mut Vec<Diagnostic>,
+) -> Option<Vec<Scope<'a>>> {
+    // Arguments are said by the layer after, so the last layer comes first.
+    let mut scopes: Vec<Scope<'a>> = Vec::new();
+    for (index, definition) in chain.iter().enumerate().rev() {
+        let node = places.files.node(*definition);
+        let mut scope = Scope::inside(places.files.scope(definition.file));
+        let caller = chain.get(index + 1).map(|caller| places.files.node(*caller));
+        let base = caller.and_then(|caller| caller.child(Rule::base));
+        let arguments: Vec<Node> = base
+            .and_then(|base| base.child(Rule::arguments))
+            .map_or(Vec::new(), |arguments| arguments.all(Rule::argument).collect());
+        let parameters: Vec<Node> = node
+            .child(Rule::parameters)
+            .map_or(Vec::new(), |parameters| parameters.all(Rule::parameter).collect());
+        for argument in &arguments {
+            let name = argument.child(Rule::name)?;
+            let known = parameters.iter().filter_map(|parameter| parameter.child(Rule::name).map(Node::text));
+            if !known.clone().any(|known| known == name.text()) {
+                report.push(
+                    Diagnostic::new(
+                        Code::BadArgument,
+                        name.span(),
+                        format!("there is no parameter `{}`", name.text()),
+                    )
+                    .label("unknown parameter")
+                    .suggest(name.text(), known),
+                );
+            }
+        }
+        for parameter in parameters {
+            let name = parameter.child(Rule::name)?;
+            let mut given = arguments.iter().filter(|argument| {
+                argument.child(Rule::name).is_some_and(|argument| argument.text() == name.text())
+            });
+            let value = match (given.next(), parameter.child(Rule::expression)) {
+                (Some(argument), default) => {
+                    if let Some(again) = given.next() {
+                        report.push(crate::lang::settings::repeated(
+                            name.text(),
+                            again.span(),
+                            argument.span(),
+                        ));
+                    }
+                    // The caller's own names: its scope was pushed just before.
+                    let caller_scope = scopes.last()?;
+                    let value = value::evaluate(argument.child(Rule::expression)?, caller_scope, report);
+                    let default = default.and_then(|node| value::evaluate(node, &scope, report));
+                    value.filter(|value| {
+                        default.is_none_or(|default| {
+                            let what = format!("parameter `{}`", name.text());
+                            value::expect_kind(value, default.kind, &what, report)
+                        })
+                    })
+                }
+                (None, Some(default)) => value::evaluate(default, &scope, report),
+                (None, None) => {
+                    if let Some(base) = base {
+                        report.push(
+                            Diagnostic::new(
+                                Code::BadArgument,
+                                base.span(),
+                                format!("parameter `{}` has no value", name.text()),
+                            )
+                            .label("no argument and no default")
+                            .context(name.span(), "declared here")
+                            .hint(format!("give it one: `({}: …)`", name.text())),
+                        );
+                    }
+                    None
+                }
+            };
+            if let Some(first) = scope.names.get(name.text()) {
+                report.push(crate::lang::settings::repeated(name.text(), name.span(), first.span));
+            }
+            scope.names.insert(name.text().to_string(), Binding::new(value, name.span()));
+        }
+        scopes.push(scope);
+    }
+    scopes.reverse();
+    Some(scopes)
+}
+
+/// A layer's names: its file's and parameters, the scenario's variations and its own `let`.
+fn layer_scope<'a>(
+    layer: Layer<'a>,
+    varied: &HashMap<String, Binding>,
+    report: &mut Vec<Diagnostic>,
+) -> Scope<'a> {
+    let mut scope = Scope { outer: Some(layer.scope), names: varied.clone() };
+    for binding in layer.block.all(Rule::binding) {
+        crate::lang::files::bind(binding, &mut scope, report);
+    }
+    scope
+}
+
+fn scenario_road(
+    chain: &[Definition],
+    layers: &[Layer],
+    name: Node,
+    places: &Places,
+    report: &mut Vec<Diagnostic>,
+) -> Option<Road> {
+    let chosen = chain.iter().zip(layers).rev().find_map(|(definition, layer)| {
+        Some((definition.file, layer.scope, layer.block.child(Rule::road_choice)?))
+    });
+    let Some((file, scope, choice)) = chosen else {
+        let what = format!("scenario `{}`", name.text());
+        missing(layers, name.span(), &what, "road", "road NAME` or `road { … }", report);
+        return None;
+    };
+    if let Some(block) = choice.child(Rule::road_block) {
+        return road("", choice.span(), block, scope, report);
+    }
+    let wanted = choice.child(Rule::name)?;
+    let names: &Names = places.files.names(file);
+    let Some(found) = names.roads.get(wanted.text()) else {
+        report.push(
+            Diagnostic::new(
+                Code::UnknownRoad,
+                wanted.span(),
+                format!("there is no road `{}`", wanted.text()),
+            )
+            .label("not defined in this file or one it uses")
+            .suggest(wanted.text(), names.roads.keys().map(String::as_str)),
+        );
+        return None;
+    };
+    defined_road(*found, places, report)
+}
+
+/// A road with a name. Its mistakes are reported where it is defined, whoever uses it.
+pub fn defined_road(definition: Definition, places: &Places, report: &mut Vec<Diagnostic>) -> Option<Road> {
+    let node = places.files.node(definition);
+    let name = node.child(Rule::name)?;
+    road(name.text(), name.span(), node.child(Rule::road_block)?, places.files.scope(definition.file), report)
+}
+
+type Group<'a> = (Node<'a>, Vec<Layer<'a>>);
+
+/// Road users by name, in order of first mention, each with what every layer says about it.
+fn grouped<'a>(
+    layers: &[Layer<'a>],
+    rule: Rule,
+    block_rule: Rule,
+    report: &mut Vec<Diagnostic>,
+) -> Vec<Group<'a>> {
+    let mut groups: Vec<Group<'a>> = Vec::new();
+    for layer in layers {
+        let mut said: HashMap<&str, Span> = HashMap::new();
+        for user in layer.block.all(rule) {
+            let (Some(name), Some(block)) = (user.child(Rule::name), user.child(block_rule)) else {
+                continue;
+            };
+            if let Some(first) = said.insert(name.text(), name.span()) {
+                report.push(duplicate(name, first));
+                continue;
+            }
+            let statement = Layer { block, scope: layer.scope };
+            match groups.iter_mut().find(|(known, _)| known.text() == name.text()) {
+                Some((_, layers)) => layers.push(statement),
+                None => groups.push((name, vec![statement])),
+            }
+        }
+    }
+    groups
+}
+
+fn duplicate(name: Node, first: Span) -> Diagnostic {
+    Diagnostic::new(Code::DuplicateName, name.span(), format!("`{}` is defined twice", name.text()))
+        .label("defined again")
+        .context(first, "defined first here")
+        .hint("give one of them another name")
+}
+
+fn reject_shared_names(vehicles: &[Group], pedestrians: &[Group], report: &mut Vec<Diagnostic>) {
+    for (name, _) in pedestrians {
+        if let Some((first, _)) = vehicles.iter().find(|(vehicle, _)| vehicle.text() == name.text()) {
+            report.push(duplicate(*name, first.span()));
+        }
+    }
+}
+
+fn nobody(name: Node, cast: &Cast, report: &mut Vec<Diagnostic>) {
+    let lacks = match (cast.vehicles.is_empty(), cast.pedestrians.is_empty()) {
+        (false, false) => return,
+        (true, true) => "neither vehicle nor pedestrian",
+        (true, false) => "no vehicle",
+        (false, true) => "no pedestrian",
+    };
+    report.push(
+        Diagnostic::new(Code::NobodyThere, name.span(), format!("scenario `{}` has {lacks}", name.text()))
+            .label(format!("has {lacks}"))
+            .hint("add `vehicle NAME { … }` and `pedestrian NAME { … }`"),
+    );
+}
+
+/// Warns of names without effect in the scenario's own block.
+fn unused(
+    layers: &[Layer],
+    varied: &HashMap<String, Binding>,
+    variations: &[Variation],
+    vehicles: &[Vehicle],
+    pedestrians: &[Pedestrian],
+    report: &mut Vec<Diagnostic>,
+) {
+    let Some(own) = layers.last() else { return };
+    for binding in own.block.all(Rule::binding) {
+        let Some(name) = binding.child(Rule::name) else { continue };
+        if own.scope.names.get(name.text()).is_some_and(|found| !found.used.get()) {
+            report.push(
+                Diagnostic::new(Code::UnusedName, name.span(), format!("`{}` is never used", name.text()))
+                    .label("not used in this scenario")
+                    .hint("remove it, or use it"),
+            );
+        }
+    }
+    let used = used_variables(vehicles, pedestrians);
+    for variation in variations {
+        let (Variation::Grid { names, .. } | Variation::Sampled { names, .. }) = variation;
+        for name in names {
+            let Some(binding) = varied.get(name).filter(|_| !used.contains(name.as_str())) else { continue };
+            if binding.span.source == own.block.span().source {
+                report.push(
+                    Diagnostic::new(
+                        Code::UnusedName,
+                        binding.span,
+                        format!("varying `{name}` changes nothing"),
+                    )
+                    .label("no road user depends on it")
+                    .hint("use it in a value, or use `repeat` for more runs"),
+                );
+            }
+        }
+    }
+}
+
+fn used_variables<'a>(vehicles: &'a [Vehicle], pedestrians: &'a [Pedestrian]) -> HashSet<&'a str> {
+    let mut expressions: Vec<&Expression> = Vec::new();
+    for vehicle in vehicles {
+        expressions.push(&vehicle.speed);
+        if let DeclaredVehicleStart::Distance(value) | DeclaredVehicleStart::TimeToArrival(value) =
+            &vehicle.start
+        {
+            expressions.push(value);
+        }
+        expressions.extend(vehicle.size.iter().flat_map(|(length, width)| [length, width]));
+        for model in [Some(&vehicle.controller), vehicle.dynamics.as_ref(), vehicle.sees.as_ref()]
+            .into_iter()
+            .flatten()
+        {
+            expressions.extend(model.settings.iter().map(|(_, value)| value));
+        }
+    }
+    for pedestrian in pedestrians {
+        expressions.extend([
+            &pedestrian.start_from_lane_centre,
+            &pedestrian.along,
+            &pedestrian.goal_beyond_kerb,
+        ]);
+        let (DeclaredAppearance::At(time) | DeclaredAppearance::TimeToArrival { time, .. }) =
+            &pedestrian.appears;
+        expressions.push(time);
+        expressions.extend(pedestrian.model.settings.iter().map(|(_, value)| value));
+        match &pedestrian.shape {
+            Some(crate::scenario::DeclaredShape::Disc { radius }) => expressions.push(radius),
+            Some(crate::scenario::DeclaredShape::Rectangle { length, width }) => {
+                expressions.extend([length, width])
+            }
+            None => {}
+        }
+    }
+    expressions.into_iter().flat_map(Expression::variables).collect()
+}

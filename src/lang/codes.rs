@@ -1,0 +1,241 @@
+//! Every code that a diagnostic may carry, with its title and what `explain` says.
+
+use std::fmt;
+
+use super::diagnostic::Severity;
+
+macro_rules! codes {
+    ($($name:ident = $code:literal, $title:literal, $explanation:literal;)*) => {
+        /// What a diagnostic is about. Codes beginning with `W` are warnings.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        pub enum Code { $(#[doc = $title] $name),* }
+
+        impl Code {
+            /// Every code there is, in order.
+            pub const ALL: &[Code] = &[$(Code::$name),*];
+
+            /// Such as `E0101`.
+            pub fn name(self) -> &'static str {
+                match self { $(Self::$name => $code),* }
+            }
+
+            /// What it is, in a few words.
+            pub fn title(self) -> &'static str {
+                match self { $(Self::$name => $title),* }
+            }
+
+            /// What it means, why it is an error and how to get rid of it.
+            pub fn explanation(self) -> &'static str {
+                match self { $(Self::$name => $explanation),* }
+            }
+        }
+    };
+}
+
+impl Code {
+    pub fn severity(self) -> Severity {
+        if self.name().starts_with('W') { Severity::Warning } else { Severity::Error }
+    }
+
+    /// The code of that name, such as `E0101` or `e0101`.
+    pub fn find(name: &str) -> Option<Self> {
+        Self::ALL.iter().copied().find(|code| code.name().eq_ignore_ascii_case(name))
+    }
+}
+
+impl fmt::Display for Code {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str(self.name())
+    }
+}
+
+codes! {
+    // Syntax
+    UnclosedBracket = "E0101", "a bracket is never closed",
+        "Every `{`, `[` and `(` needs its partner. Nothing else in the file is checked until brackets match, because \
+         every later message could be wrong.";
+    MismatchedBracket = "E0102", "a bracket is closed by another kind",
+        "`{` is closed by `}`, `[` by `]` and `(` by `)`, the one opened last first.";
+    UnopenedBracket = "E0103", "a closing bracket without an opening one",
+        "There is one closing bracket more than was opened. Often the real mistake is one `}` too many further up.";
+    UnclosedString = "E0104", "a text has no closing quote",
+        "Texts stand between two `\"` in one line. Inside, `\\\"` is a quote and `\\\\` a backslash.";
+    NestedTooDeeply = "E0105", "brackets are nested too deeply",
+        "Brackets may be nested 64 deep. No scenario needs that many; give parts of a long expression a name with \
+         `let`.";
+    UnexpectedText = "E0106", "a statement does not read as expected",
+        "The statement begins with a known word, but then something else follows than the language knows. The message \
+         lists what could stand at that place. A statement ends with its line or with `;`; lists and brackets may \
+         span lines.";
+    UnknownStatement = "E0107", "no statement begins like this",
+        "Every statement of a block begins with one of the words that the block knows, such as `speed` in a `vehicle`.";
+    MisplacedStatement = "E0108", "a statement stands in the wrong block",
+        "The word is known, but belongs into another block: `speed` into a `vehicle`, `start … from kerb` into a \
+         `pedestrian`, `pet >= 1.5 s` into `expect`.";
+    BadSetting = "E0109", "a setting does not read as `name: value`",
+        "Settings stand in braces after the name of what they set: `controller carla_behavior { profile: normal, \
+         braking_distance: 5 m }`. Between them stand commas or line ends.";
+    // Files
+    UnreadableFile = "E0201", "a file cannot be read",
+        "The file does not exist, is a folder, or may not be read. Paths in `use` and `scenarios` are relative to the \
+         file they stand in.";
+    NotUtf8 = "E0202", "a file is not UTF-8 text",
+        "Scenario files are UTF-8. The message says at which byte the text stops being UTF-8. Save the file with that \
+         encoding.";
+    CircularUse = "E0203", "files use each other in a circle",
+        "A file that is used may not, directly or over others, use the file that uses it. Put what both need into a \
+         third file.";
+    FileTooLarge = "E0204", "a file is too large",
+        "Files may have 16 MiB. Split the file; a suite collects scenarios from many files by a pattern.";
+    UnknownFileKind = "E0205", "a file's name does not say what it is",
+        "Scenario files end in `.scn` or `.yaml`, suites in `.suite`.";
+    NothingMatches = "E0206", "a pattern matches no file",
+        "A pattern under `scenarios` must match at least one file, otherwise a suite would silently test nothing. \
+         Patterns are relative to the suite's file; `*` matches within a folder, `**` over folders.";
+    BadPattern = "E0207", "a file pattern is malformed",
+        "Patterns know `*`, `**`, `?` and `[abc]`.";
+    TooManyFiles = "E0208", "a suite is made of too many files",
+        "A suite may be made of 20,000 files. A pattern such as `/**/*` that matches more is taken for a mistake.";
+    // Names
+    DuplicateName = "E0301", "a name is defined twice",
+        "Within a file and everything it uses, a name may be defined once for each kind of thing; within a scenario, \
+         road users, variations and `let` names must differ.";
+    UnknownName = "E0302", "a name is not defined",
+        "Names in values come from `let`, from the variations of the scenario, or from a template's parameters. A \
+         `let` only knows names above it.";
+    UnknownRoad = "E0303", "a road is not defined",
+        "`road NAME` in a scenario refers to a `road NAME { … }` of the same file or of one it uses.";
+    UnknownController = "E0304", "there is no such controller",
+        "`scenario-runner models` lists every controller.";
+    UnknownDynamics = "E0305", "there are no such vehicle dynamics",
+        "`scenario-runner models` lists all vehicle dynamics.";
+    UnknownModel = "E0306", "there is no such pedestrian model",
+        "`scenario-runner models` lists every pedestrian model.";
+    UnknownParameter = "E0307", "there is no such parameter",
+        "`scenario-runner models NAME` lists the parameters of a model, controller or metric with units, ranges and \
+         defaults.";
+    UnknownOption = "E0308", "a parameter has no such option",
+        "The parameter takes one of a few words. `scenario-runner models NAME` says what each means.";
+    UnknownVehicle = "E0309", "the scenario has no such vehicle",
+        "A vehicle is referred to by the name after `vehicle`.";
+    UnknownPedestrian = "E0310", "the scenario has no such pedestrian",
+        "A pedestrian is referred to by the name after `pedestrian`.";
+    UnknownMetric = "E0311", "there is no such metric",
+        "`scenario-runner models` lists every metric. A criterion over a metric that does not exist would never be \
+         checked, so it is an error.";
+    UnknownVariation = "E0312", "the scenario does not vary this",
+        "`when` restricts a criterion to some values of a variation, which must be declared by `vary`.";
+    DuplicateScenario = "E0313", "two scenarios of a suite have one name",
+        "A scenario's name is part of the key that names its runs in every report and seeds them, so it must be unique \
+         in a suite, over all its files.";
+    UnknownTemplate = "E0314", "there is no such scenario or template to build on",
+        "`scenario late : base { … }` builds on a `scenario base` or `define base(…)` of the same file or of one it \
+         uses.";
+    // Values
+    UnknownUnit = "E0401", "a unit is not known",
+        "Units are m, km, ft; s, ms, min; m/s, km/h, mph; m/s^2 (also m/s²), g; m/s^3; deg, rad, deg/s, rad/s; %; Hz. \
+         To divide by a name, put spaces around `/`.";
+    WrongDimension = "E0402", "a quantity has the wrong dimension",
+        "Each place wants a certain kind of quantity, such as a length. Another unit of the same kind is converted: \
+         `30 km/h` and `8.333 m/s` are the same. A unit of another kind is an error.";
+    MissingUnit = "E0403", "a number needs a unit",
+        "A number without unit could mean km/h or m/s, so the unit is never guessed.";
+    WrongType = "E0404", "a value is of the wrong type",
+        "A number, a truth value (`true`, `false`) and a word are different things; each place takes one of them.";
+    OutOfRange = "E0405", "a value is out of its range",
+        "The range is declared together with the parameter; outside of it the model makes no sense or was never \
+         tested.";
+    NotWhole = "E0406", "a whole number is needed",
+        "Counts are whole numbers without unit.";
+    MixedDimensions = "E0407", "quantities of different kinds are added",
+        "Only quantities of the same kind can be added, subtracted and compared: a length to a length.";
+    NotConstant = "E0408", "a value may not vary here",
+        "This place needs one value for all runs, so it may use `let` names but no variations.";
+    NotFinite = "E0409", "the result of a calculation is not a number",
+        "A division by zero or an overflow.";
+    TooLong = "E0410", "a calculation is too long",
+        "A calculation over variations may have 1000 parts, names replaced by what they stand for.";
+    NumberTooLarge = "E0411", "a number is too large",
+        "Counts have at most 32 bits, seeds at most 64.";
+    // Scenarios
+    MissingStatement = "E0501", "something is missing",
+        "Some things have no sensible default and must be said: a scenario's road, a vehicle's controller and speed, a \
+         pedestrian's model and start.";
+    RepeatedStatement = "E0502", "something is said twice",
+        "A statement that may stand only once in its block stands there again. In a scenario that builds on another, \
+         saying something again replaces it, but each scenario may still say it only once.";
+    EmptyList = "E0503", "a list has no values",
+        "A variation over no values would mean no run at all.";
+    StartContradiction = "E0504", "two statements about a start contradict each other",
+        "`start 4 m from lane centre, 2 m from kerb` says the same place twice and is checked against the road: the \
+         distance between lane centre and kerb is half the lane width.";
+    NoSuchLane = "E0505", "the road has no such lane",
+        "Lanes are counted from 0, beginning at the near side.";
+    NoStart = "E0506", "nothing says where a vehicle starts",
+        "A vehicle starts at `start 80 m before crossing`, `start 6 s before crossing`, or as far out as a pedestrian \
+         that `appears when time_to_arrival(vehicle) = …` needs it.";
+    NobodyThere = "E0507", "a scenario has nobody in it",
+        "A scenario needs at least one vehicle and one pedestrian.";
+    UnequalLists = "E0508", "lists that belong together differ in length",
+        "`vary together` takes the first value of each list together, then the second, and so on.";
+    RepeatedValue = "E0509", "a variation lists a value twice",
+        "Every run has a name made of the values of its variations, so each value may be listed once. More runs of the \
+         same are made by `repeat`.";
+    DoesNotFit = "E0510", "controller and dynamics do not fit",
+        "Some controllers give pedals, others an acceleration, and dynamics take one or the other.";
+    NoIndividuals = "E0511", "a model knows no individuals",
+        "Only models that were fitted to single people have a population to take individuals from.";
+    StartBeyondGoal = "E0512", "a pedestrian starts beyond its goal",
+        "A pedestrian from the near side starts on the near side of its goal.";
+    TooManyValues = "E0513", "a variation has too many values",
+        "A variation may have 1,000,000 values.";
+    BadDistribution = "E0514", "a distribution cannot be drawn from",
+        "`uniform(low, high)` needs low < high, `normal(mean, sd)` sd > 0, `truncated_normal(mean, sd, low, high)` \
+         both, `choice(a, b, …)` at least one value. All arguments are constants of one dimension.";
+    BadArgument = "E0515", "a template is called with wrong arguments",
+        "Every parameter without default needs an argument, by name: `scenario a : base(delay: 2 s)`.";
+    CircularTemplate = "E0516", "scenarios build on each other in a circle",
+        "A scenario cannot build on itself, directly or over others.";
+    // Criteria
+    NoNumber = "E0601", "an aggregate needs a quantity",
+        "Means and quantiles exist of quantities. Of truth values and words, take the `rate(…)` or `count(…)`.";
+    MissingComparison = "E0602", "a criterion compares nothing",
+        "A quantity must be compared to a bound: `pet >= 1.5 s`. Only truth values stand alone: `gap_accepted`, \
+         `no collision`.";
+    BadNo = "E0603", "`no` before something that is not true or false",
+        "`no` takes a metric that is true or false, such as `collision`.";
+    BadShare = "E0604", "a share is not between 0 and 1",
+        "Shares, quantile levels and confidences lie between 0 % and 100 %.";
+    RepeatedModifier = "E0605", "a criterion says something twice",
+        "`in … of runs`, `undefined …`, `with … confidence` and `when` may each stand once.";
+    BadModifier = "E0606", "a part of a criterion has no meaning here",
+        "`in 80 % of runs` belongs to a comparison of every single run, not to an aggregate over runs; a confidence \
+         needs a share or an aggregate, because a claim about every run is either true or false.";
+    UnknownWord = "E0607", "a metric never has this value",
+        "A metric with words as values can only be compared to one of them.";
+    NoOrder = "E0608", "words and truth values have no order",
+        "Compare them with `=` or `!=`.";
+    BadPair = "E0609", "a metric is not measured for these",
+        "Write `pet(av, walker)` for one vehicle and one pedestrian; metrics of one vehicle or pedestrian take that one \
+         name.";
+    NeverApplies = "E0610", "a criterion never applies",
+        "The condition after `when` holds for no run, so the criterion would pass without being checked.";
+    // Suites
+    EmptySuite = "E0701", "a suite has no scenarios",
+        "A suite without scenarios would pass without testing anything.";
+    MisplacedSuite = "E0702", "a suite in a scenario file",
+        "Suites stand in files ending in `.suite`.";
+    MissingSuite = "E0703", "a suite file without suite",
+        "A `.suite` file holds exactly one `suite NAME { … }`.";
+    SeveralSuites = "E0704", "a suite file with several suites",
+        "A `.suite` file holds exactly one `suite NAME { … }`.";
+    NoScenario = "E0705", "a file without scenarios",
+        "A file that is run, or matched by a suite's pattern, must hold at least one scenario. Files with only roads \
+         and templates are for `use`.";
+    // Warnings
+    UnusedName = "W0901", "a name is never used",
+        "A `let` inside a scenario or a variation that no value refers to has no effect, except that a variation \
+         repeats the runs. Perhaps another name was meant.";
+    NoCriteria = "W0902", "a scenario expects nothing",
+        "Without `expect` a scenario passes whatever happens. Add criteria to it or to the suite.";
+}

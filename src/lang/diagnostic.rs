@@ -1,0 +1,99 @@
+//! What is wrong with a text, as data.
+
+use super::codes::Code;
+use super::source::Span;
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Severity {
+    Error,
+    Warning,
+}
+
+/// A place with words about it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Label {
+    pub span: Span,
+    pub text: String,
+}
+
+/// One finding: the first label is where it is, the others belong to the story.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Diagnostic {
+    pub code: Code,
+    pub severity: Severity,
+    pub message: String,
+    /// Never empty.
+    pub labels: Vec<Label>,
+    pub notes: Vec<String>,
+    pub hints: Vec<String>,
+}
+
+impl Diagnostic {
+    pub fn new(code: Code, span: Span, message: impl Into<String>) -> Self {
+        Self {
+            code,
+            severity: code.severity(),
+            message: message.into(),
+            labels: vec![Label { span, text: String::new() }],
+            notes: Vec::new(),
+            hints: Vec::new(),
+        }
+    }
+
+    /// The words under the mark.
+    pub fn label(mut self, text: impl Into<String>) -> Self {
+        self.labels[0].text = text.into();
+        self
+    }
+
+    /// Another place that belongs to it.
+    pub fn context(mut self, span: Span, text: impl Into<String>) -> Self {
+        self.labels.push(Label { span, text: text.into() });
+        self
+    }
+
+    pub fn note(mut self, text: impl Into<String>) -> Self {
+        self.notes.push(text.into());
+        self
+    }
+
+    pub fn hint(mut self, text: impl Into<String>) -> Self {
+        self.hints.push(text.into());
+        self
+    }
+
+    /// "did you mean" when a name is near, else the list of names.
+    pub fn suggest<'a>(self, found: &str, valid: impl IntoIterator<Item = &'a str>) -> Self {
+        let mut valid: Vec<&str> = valid.into_iter().collect();
+        if let Some(near) = nearest(found, valid.iter().copied()) {
+            return self.hint(format!("did you mean `{near}`?"));
+        }
+        valid.sort_unstable();
+        valid.dedup();
+        const MOST: usize = 12;
+        let listed: Vec<_> = valid.iter().take(MOST).map(|name| format!("`{name}`")).collect();
+        match valid.len() {
+            0 => self.hint("there is none to choose from here"),
+            count if count > MOST => {
+                self.hint(format!("there are {}, … ({} in all)", listed.join(", "), count))
+            }
+            _ => self.hint(format!("there are {}", listed.join(", "))),
+        }
+    }
+
+    /// Where it is.
+    pub fn span(&self) -> Span {
+        self.labels[0].span
+    }
+}
+
+/// The name nearest to what was written, if any is near enough to be meant.
+pub fn nearest<'a>(found: &str, valid: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let lower = found.to_lowercase();
+    valid
+        .into_iter()
+        .map(|name| (strsim::damerau_levenshtein(&lower, &name.to_lowercase()), name))
+        .filter(|(distance, name)| *distance <= name.len().max(found.len()).div_ceil(3))
+        .min_by_key(|(distance, name)| (*distance, *name))
+        .map(|(_, name)| name)
+}

@@ -1,0 +1,360 @@
+//! Files that use each other, and the names that each can see.
+
+use std::collections::HashMap;
+use std::path::{Component, Path, PathBuf};
+use std::sync::Arc;
+
+use super::codes::Code;
+use super::diagnostic::{Diagnostic, Severity};
+use super::source::{SourceId, Sources, Span};
+use super::tree::{Node, NodeIndex, Rule, Tree};
+use super::value::{self, Binding, Scope, unquote};
+
+/// Larger files are refused.
+pub const LARGEST_FILE: usize = 16 << 20;
+
+/// A file that was read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct FileId(u32);
+
+/// Something with a name, where it is defined.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Definition {
+    pub file: FileId,
+    pub node: NodeIndex,
+    /// Of the name.
+    pub span: Span,
+}
+
+/// The names that a file can see: its own and those of the files it uses.
+#[derive(Debug, Default)]
+pub struct Names {
+    pub roads: HashMap<String, Definition>,
+    /// Scenarios and templates.
+    pub scenarios: HashMap<String, Definition>,
+}
+
+struct File {
+    tree: Tree,
+    names: Names,
+    scope: Scope<'static>,
+}
+
+/// Every file that was read, each once.
+#[derive(Default)]
+pub struct Files {
+    pub sources: Sources,
+    files: Vec<File>,
+    /// By canonical path; `None` while it is being read or when it could not be.
+    by_path: HashMap<PathBuf, Option<FileId>>,
+    /// Texts that stand for files on disk, by path.
+    overlays: HashMap<PathBuf, Arc<str>>,
+    /// The files being read, with the `use` that led to each.
+    reading: Vec<(PathBuf, Option<Span>)>,
+}
+
+impl Files {
+    /// Lets `text` stand for the file at `path`.
+    pub fn overlay(&mut self, path: &Path, text: impl Into<Arc<str>>) {
+        self.overlays.insert(identity(path), text.into());
+    }
+
+    pub fn tree(&self, file: FileId) -> &Tree {
+        &self.files[file.0 as usize].tree
+    }
+
+    pub fn node(&self, definition: Definition) -> Node<'_> {
+        self.tree(definition.file).node(definition.node)
+    }
+
+    pub fn names(&self, file: FileId) -> &Names {
+        &self.files[file.0 as usize].names
+    }
+
+    /// The values that a file can see.
+    pub fn scope(&self, file: FileId) -> &Scope<'static> {
+        &self.files[file.0 as usize].scope
+    }
+
+    pub fn ids(&self) -> impl Iterator<Item = FileId> + use<> {
+        (0..self.files.len() as u32).map(FileId)
+    }
+
+    /// Reads the file at `path` and all it uses; `asked` is the place that names it.
+    pub fn open(&mut self, path: &Path, asked: Option<Span>, report: &mut Vec<Diagnostic>) -> Option<FileId> {
+        let identity = identity(path);
+        if let Some(known) = self.by_path.get(&identity) {
+            if known.is_none()
+                && let Some(asked) = asked
+                && let Some(first) = self.reading.iter().position(|(reading, _)| *reading == identity)
+            {
+                report.push(self.circle(first, path, asked));
+            }
+            return *known;
+        }
+        self.by_path.insert(identity.clone(), None);
+        let name = path.display().to_string();
+        let source = match self.read(path, &identity) {
+            Ok(text) => self.sources.add(name, text),
+            Err((code, message, hint, before)) => {
+                let (span, label) = match (asked, before) {
+                    (Some(asked), None) => (asked, "named here"),
+                    (_, before) => {
+                        let text = before.unwrap_or_default();
+                        let at = text.len();
+                        let source = self.sources.add(name, text);
+                        (Span::new(source, at, at), "here")
+                    }
+                };
+                report.push(Diagnostic::new(code, span, message).label(label).hint(hint));
+                return None;
+            }
+        };
+        self.reading.push((identity.clone(), asked));
+        let file = self.add(source, path, report);
+        self.reading.pop();
+        self.by_path.insert(identity, Some(file));
+        Some(file)
+    }
+
+    /// The text, or code, message, hint and the part that could be read.
+    fn read(&self, path: &Path, identity: &Path) -> Result<Arc<str>, (Code, String, String, Option<String>)> {
+        let shown = path.display();
+        if let Some(text) = self.overlays.get(identity) {
+            return Ok(text.clone());
+        }
+        let too_large = |size: u64| {
+            let message = format!("`{shown}` has {size} bytes, more than {LARGEST_FILE}");
+            (Code::FileTooLarge, message, "split it into several files".to_string(), None)
+        };
+        if let Ok(metadata) = std::fs::metadata(path)
+            && metadata.len() > LARGEST_FILE as u64
+        {
+            return Err(too_large(metadata.len()));
+        }
+        let bytes = std::fs::read(path).map_err(|error| {
+            let hint = match error.kind() {
+                std::io::ErrorKind::NotFound => neighbour(path),
+                _ => "it must be a file that may be read".to_string(),
+            };
+            (Code::UnreadableFile, format!("cannot read `{shown}`: {error}"), hint, None)
+        })?;
+        if bytes.len() > LARGEST_FILE {
+            return Err(too_large(bytes.len() as u64));
+        }
+        String::from_utf8(bytes).map(Arc::from).map_err(|error| {
+            let valid = error.utf8_error().valid_up_to();
+            let before = String::from_utf8_lossy(&error.as_bytes()[..valid]).into_owned();
+            let message =
+                format!("`{shown}` is not UTF-8 text: byte {valid} is 0x{:02x}", error.as_bytes()[valid]);
+            (Code::NotUtf8, message, "save the file as UTF-8".to_string(), Some(before))
+        })
+    }
+
+    fn circle(&self, first: usize, path: &Path, asked: Span) -> Diagnostic {
+        let message = format!("`{}` uses itself in a circle", path.display());
+        let mut diagnostic = Diagnostic::new(Code::CircularUse, asked, message).label("leads back to it");
+        for (_, asked) in &self.reading[first + 1..] {
+            if let Some(asked) = asked {
+                diagnostic = diagnostic.context(*asked, "which is used here");
+            }
+        }
+        diagnostic.hint("move what both need into a third file")
+    }
+
+    fn add(&mut self, source: SourceId, path: &Path, report: &mut Vec<Diagnostic>) -> FileId {
+        let (tree, diagnostics) = Tree::parse(source, self.sources.get(source).text.clone());
+        report.extend(diagnostics);
+        let uses: Vec<(String, Span)> = tree
+            .root()
+            .all(Rule::use_file)
+            .filter_map(|node| node.child(Rule::string))
+            .map(|string| (unquote(string.text()), string.span()))
+            .collect();
+        let mut names = Names::default();
+        let mut scope = Scope::default();
+        for (named, span) in uses {
+            if let Some(used) = self.open(&join(path, &named), Some(span), report) {
+                self.import(used, span, &mut names, &mut scope, report);
+            }
+        }
+        let file = FileId(self.files.len() as u32);
+        for node in tree.root().children() {
+            let (table, what) = match node.rule() {
+                Rule::road_definition => (&mut names.roads, "road"),
+                Rule::scenario | Rule::define => (&mut names.scenarios, "scenario"),
+                Rule::suite => {
+                    for block in node.all(Rule::suite_block) {
+                        for inner in block.all(Rule::scenario) {
+                            define(inner, file, &mut names.scenarios, "scenario", report);
+                        }
+                    }
+                    continue;
+                }
+                Rule::binding => {
+                    bind(node, &mut scope, report);
+                    continue;
+                }
+                _ => continue,
+            };
+            define(node, file, table, what, report);
+        }
+        self.files.push(File { tree, names, scope });
+        file
+    }
+
+    /// Makes the names of `used` known; one and the same definition may arrive over several ways.
+    fn import(
+        &self,
+        used: FileId,
+        asked: Span,
+        names: &mut Names,
+        scope: &mut Scope,
+        report: &mut Vec<Diagnostic>,
+    ) {
+        let from = &self.files[used.0 as usize];
+        let mut clash = |name: &str, first: Span, second: Span| {
+            report.push(
+                Diagnostic::new(Code::DuplicateName, asked, format!("`{name}` comes from two files"))
+                    .label("brings it a second time")
+                    .context(first, "defined here")
+                    .context(second, "and here")
+                    .hint("rename one of them"),
+            );
+        };
+        for (table, more) in
+            [(&mut names.roads, &from.names.roads), (&mut names.scenarios, &from.names.scenarios)]
+        {
+            for (name, definition) in more {
+                match table.get(name) {
+                    Some(known) if known != definition => clash(name, known.span, definition.span),
+                    _ => {
+                        table.insert(name.clone(), *definition);
+                    }
+                }
+            }
+        }
+        for (name, binding) in &from.scope.names {
+            match scope.names.get(name) {
+                Some(known) if known.span != binding.span => clash(name, known.span, binding.span),
+                _ => {
+                    scope.names.insert(name.clone(), binding.clone());
+                }
+            }
+        }
+    }
+
+    /// Adds to every diagnostic of a used file by which way it came in.
+    pub fn trace(&self, root: SourceId, report: &mut [Diagnostic]) {
+        let mut users: HashMap<SourceId, Span> = HashMap::new();
+        for file in &self.files {
+            for string in file.tree.root().all(Rule::use_file).filter_map(|node| node.child(Rule::string)) {
+                let name = &self.sources.get(file.tree.source).name;
+                let used = identity(&join(Path::new(name), &unquote(string.text())));
+                if let Some(Some(used)) = self.by_path.get(&used) {
+                    users.entry(self.tree(*used).source).or_insert(string.span());
+                }
+            }
+        }
+        for diagnostic in report {
+            let mut source = diagnostic.span().source;
+            let mut way = Vec::new();
+            while source != root && way.len() < self.files.len() {
+                let Some(user) = users.get(&source) else { break };
+                let place = self.sources.location(*user);
+                way.push(format!("{}:{}", self.sources.get(user.source).name, place.line));
+                source = user.source;
+            }
+            if !way.is_empty() {
+                diagnostic.notes.push(format!("this file is used by {}", way.join(", which is used by ")));
+            }
+        }
+    }
+}
+
+fn define(
+    node: Node,
+    file: FileId,
+    table: &mut HashMap<String, Definition>,
+    what: &str,
+    report: &mut Vec<Diagnostic>,
+) {
+    let Some(name) = node.child(Rule::name) else { return };
+    let definition = Definition { file, node: node.index(), span: name.span() };
+    match table.get(name.text()) {
+        Some(first) => report.push(
+            Diagnostic::new(
+                Code::DuplicateName,
+                name.span(),
+                format!("{what} `{}` is defined twice", name.text()),
+            )
+            .label("defined again")
+            .context(first.span, "defined first here")
+            .hint("give one of them another name"),
+        ),
+        None => {
+            table.insert(name.text().to_string(), definition);
+        }
+    }
+}
+
+/// Adds the name of a `let` to the scope it stands in.
+pub fn bind(node: Node, scope: &mut Scope, report: &mut Vec<Diagnostic>) {
+    let (Some(name), Some(expression)) = (node.child(Rule::name), node.child(Rule::expression)) else {
+        return;
+    };
+    let value = value::evaluate(expression, scope, report);
+    if let Some(first) = scope.names.get(name.text()) {
+        report.push(
+            Diagnostic::new(Code::DuplicateName, name.span(), format!("`{}` is defined twice", name.text()))
+                .label("defined again")
+                .context(first.span, "defined first here")
+                .hint("give one of them another name"),
+        );
+        return;
+    }
+    scope.names.insert(name.text().to_string(), Binding::new(value, name.span()));
+}
+
+/// Whether anything in the report is an error.
+pub fn has_errors(report: &[Diagnostic]) -> bool {
+    report.iter().any(|diagnostic| diagnostic.severity == Severity::Error)
+}
+
+/// The file called `name` by a file at `path`, without `.` and `..` where that is possible.
+pub fn join(path: &Path, name: &str) -> PathBuf {
+    let mut joined = PathBuf::new();
+    let folder = path.parent().unwrap_or(Path::new(""));
+    for component in folder.join(name).components() {
+        match component {
+            Component::CurDir => {}
+            Component::ParentDir if matches!(joined.components().next_back(), Some(Component::Normal(_))) => {
+                joined.pop();
+            }
+            other => joined.push(other),
+        }
+    }
+    joined
+}
+
+/// What tells whether two paths are the same file.
+fn identity(path: &Path) -> PathBuf {
+    path.canonicalize().or_else(|_| std::path::absolute(path)).unwrap_or_else(|_| path.to_path_buf())
+}
+
+/// A hint with the nearest name in the folder of a file that is not there.
+fn neighbour(path: &Path) -> String {
+    let names: Vec<String> = path
+        .parent()
+        .map(|folder| if folder.as_os_str().is_empty() { Path::new(".") } else { folder })
+        .and_then(|folder| std::fs::read_dir(folder).ok())
+        .into_iter()
+        .flatten()
+        .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
+        .collect();
+    let wanted = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+    match super::diagnostic::nearest(wanted, names.iter().map(String::as_str)) {
+        Some(near) => format!("did you mean `{near}`?"),
+        None => "paths are relative to the file they stand in".to_string(),
+    }
+}

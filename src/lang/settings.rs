@@ -1,0 +1,162 @@
+//! `{ name: value, … }` against what a registered thing declares.
+
+use std::collections::HashMap;
+
+use super::codes::Code;
+use super::diagnostic::Diagnostic;
+use super::source::Span;
+use super::tree::{Node, Rule};
+use super::value::{self, Kind, Scope, Typed};
+use crate::scenario::{ChoiceOption, Declaration, Dimension, Expression, ParameterKind, Value};
+
+/// The settings of a `settings` node (or of none) in the order they are written, each checked against `declaration`.
+pub fn check(
+    node: Option<Node>,
+    declaration: &Declaration,
+    scope: &Scope,
+    report: &mut Vec<Diagnostic>,
+) -> Vec<(String, Expression)> {
+    let mut settings = Vec::new();
+    let mut said: HashMap<&str, Span> = HashMap::new();
+    for setting in node.iter().flat_map(|node| node.all(Rule::setting)) {
+        let (Some(name), Some(given)) = (setting.child(Rule::setting_name), setting.child(Rule::expression))
+        else {
+            continue;
+        };
+        if let Some(first) = said.insert(name.text(), name.span()) {
+            report.push(repeated(name.text(), name.span(), first));
+            continue;
+        }
+        if let Some(value) = one(name, given, declaration, scope, report) {
+            settings.push((name.text().to_string(), value));
+        }
+    }
+    settings
+}
+
+pub fn repeated(name: &str, span: Span, first: Span) -> Diagnostic {
+    Diagnostic::new(Code::RepeatedStatement, span, format!("`{name}` is said twice"))
+        .label("said again")
+        .context(first, "said first here")
+        .hint("remove one of them")
+}
+
+fn one(
+    name: Node,
+    given: Node,
+    declaration: &Declaration,
+    scope: &Scope,
+    report: &mut Vec<Diagnostic>,
+) -> Option<Expression> {
+    let what = format!("`{}` of `{}`", name.text(), declaration.name);
+    if let Some(family) = declaration.presets.filter(|family| family.word == name.text()) {
+        let options: Vec<_> = family.presets.iter().map(|preset| preset.name).collect();
+        return choice(given, &what, &options, scope, report);
+    }
+    let Some(parameter) = declaration.parameter(name.text()) else {
+        let known = declaration
+            .parameters
+            .iter()
+            .map(|parameter| parameter.name)
+            .chain(declaration.presets.map(|family| family.word));
+        report.push(
+            Diagnostic::new(
+                Code::UnknownParameter,
+                name.span(),
+                format!("`{}` has no parameter `{}`", declaration.name, name.text()),
+            )
+            .label("unknown parameter")
+            .suggest(name.text(), known),
+        );
+        return None;
+    };
+    let value = match parameter.kind {
+        ParameterKind::Choice { options, .. } => {
+            let options: Vec<_> = options.iter().map(|option: &ChoiceOption| option.name).collect();
+            return choice(given, &what, &options, scope, report);
+        }
+        ParameterKind::Text { .. } => {
+            word(given, scope, report).filter(|value| value::expect_kind(value, Kind::Word, &what, report))
+        }
+        ParameterKind::Number { dimension, range, .. } => {
+            value::quantity_in(given, dimension, range, &what, scope, report)
+        }
+        ParameterKind::Whole { range: (low, high), .. } => {
+            let range = (low as f64, high as f64);
+            let value = value::quantity_in(given, Dimension::NUMBER, range, &what, scope, report)?;
+            value::possible(&value.expression, scope)
+                .iter()
+                .all(|(found, _)| match found {
+                    Value::Number(number) if number.fract() != 0.0 => {
+                        report.push(not_whole(value.span, &what, *number));
+                        false
+                    }
+                    _ => true,
+                })
+                .then_some(value)
+        }
+        ParameterKind::Flag { .. } => value::evaluate(given, scope, report)
+            .filter(|value| value::expect_kind(value, Kind::Flag, &what, report)),
+    };
+    value.map(|value| value.expression)
+}
+
+pub fn not_whole(span: Span, what: &str, found: f64) -> Diagnostic {
+    Diagnostic::new(Code::NotWhole, span, format!("{what} is {found}, but must be a whole number"))
+        .label("not whole")
+        .hint(format!("write {} or {}", found.floor(), found.ceil()))
+}
+
+/// A name alone is the word itself, unless a `let` or variation has that name.
+fn word(given: Node, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<Typed> {
+    match lone_word(given) {
+        Some(word) if scope.find(word).is_none() => {
+            Some(Typed::constant(Value::Word(word.to_string()), Kind::Word, given.span()))
+        }
+        _ => value::evaluate(given, scope, report),
+    }
+}
+
+/// The name that an expression consists of, if it is nothing but one.
+pub fn lone_word<'t>(expression: Node<'t>) -> Option<&'t str> {
+    let mut parts = expression.children();
+    let first = parts.next()?;
+    (first.rule() == Rule::reference && parts.next().is_none()).then(|| first.text())
+}
+
+/// One of a few words. An option's own name always means the option.
+pub fn choice(
+    given: Node,
+    what: &str,
+    options: &[&str],
+    scope: &Scope,
+    report: &mut Vec<Diagnostic>,
+) -> Option<Expression> {
+    let value = match lone_word(given) {
+        Some(word) if options.contains(&word) => {
+            return Some(Expression::Constant(Value::Word(word.to_string())));
+        }
+        _ => word(given, scope, report)?,
+    };
+    if !value::expect_kind(&value, Kind::Word, what, report) {
+        return None;
+    }
+    for (found, varied) in value::possible(&value.expression, scope) {
+        if let Value::Word(found) = found
+            && !options.contains(&found.as_str())
+        {
+            let place = varied.map(|varied| format!(" where {varied}")).unwrap_or_default();
+            report.push(
+                Diagnostic::new(
+                    Code::UnknownOption,
+                    value.span,
+                    format!("{what} has no option `{found}`{place}"),
+                )
+                .label("unknown option")
+                .suggest(&found, options.iter().copied()),
+            );
+            return None;
+        }
+    }
+    Some(value.expression)
+}

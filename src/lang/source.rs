@@ -1,0 +1,130 @@
+//! The texts that were read, and places in them.
+
+use std::sync::Arc;
+
+use crate::scenario::Origin;
+
+/// One of the texts in [`Sources`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct SourceId(pub(crate) u32);
+
+/// Bytes `start..end` of a text.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Span {
+    pub source: SourceId,
+    pub start: usize,
+    pub end: usize,
+}
+
+/// A text with the name it is shown under.
+#[derive(Debug, Clone)]
+pub struct Source {
+    pub name: String,
+    pub text: Arc<str>,
+    /// Byte offset of the first character of every line.
+    line_starts: Vec<usize>,
+}
+
+/// Every text that a suite was read from.
+#[derive(Debug, Clone, Default)]
+pub struct Sources {
+    sources: Vec<Source>,
+}
+
+/// A line and a column in it, both counted from 1; the column in characters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Location {
+    pub line: usize,
+    pub column: usize,
+}
+
+impl Source {
+    fn new(name: String, text: Arc<str>) -> Self {
+        let mut line_starts = vec![0];
+        line_starts.extend(text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n').map(|(at, _)| at + 1));
+        Self { name, text, line_starts }
+    }
+
+    /// Index of the line that holds byte `offset`.
+    fn line_index(&self, offset: usize) -> usize {
+        self.line_starts.partition_point(|start| *start <= offset) - 1
+    }
+
+    pub fn location(&self, offset: usize) -> Location {
+        let line = self.line_index(offset);
+        let column = self.text[self.line_starts[line]..offset].chars().count() + 1;
+        Location { line: line + 1, column }
+    }
+
+    /// The line with index `line` without its end.
+    fn line(&self, line: usize) -> &str {
+        let end = self.line_starts.get(line + 1).copied().unwrap_or(self.text.len());
+        self.text[self.line_starts[line]..end].trim_end_matches(['\n', '\r'])
+    }
+
+    /// The whole lines that hold bytes `start..end`, with the offset of their first byte.
+    pub fn lines_around(&self, start: usize, end: usize) -> (usize, &str) {
+        let from = self.line_starts[self.line_index(start)];
+        let last = self.line_index(end);
+        let to = self.line_starts.get(last + 1).copied().unwrap_or(self.text.len());
+        (from, &self.text[from..to])
+    }
+}
+
+impl Sources {
+    pub fn add(&mut self, name: impl Into<String>, text: impl Into<Arc<str>>) -> SourceId {
+        let id = SourceId(self.sources.len() as u32);
+        self.sources.push(Source::new(name.into(), text.into()));
+        id
+    }
+
+    pub fn get(&self, id: SourceId) -> &Source {
+        &self.sources[id.0 as usize]
+    }
+
+    pub fn iter(&self) -> impl Iterator<Item = (SourceId, &Source)> {
+        self.sources.iter().enumerate().map(|(index, source)| (SourceId(index as u32), source))
+    }
+
+    pub fn text(&self, span: Span) -> &str {
+        &self.get(span.source).text[span.start..span.end]
+    }
+
+    /// The first place of a span.
+    pub fn location(&self, span: Span) -> Location {
+        self.get(span.source).location(span.start)
+    }
+
+    /// The place as the data that travels with a scenario. Very long lines are not carried along.
+    pub fn origin(&self, span: Span) -> Origin {
+        const LONGEST_LINE: usize = 400;
+        let source = self.get(span.source);
+        let index = source.line_index(span.start);
+        let line = source.line(index);
+        let Location { line: number, column } = source.location(span.start);
+        let line_end = source.line_starts[index] + line.len();
+        let marked = &source.text[span.start..span.end.min(line_end).max(span.start)];
+        Origin {
+            file: source.name.clone(),
+            line: number,
+            column,
+            source_line: if line.len() <= LONGEST_LINE { line.to_string() } else { String::new() },
+            length: marked.chars().count().max(1),
+        }
+    }
+}
+
+impl Span {
+    pub fn new(source: SourceId, start: usize, end: usize) -> Self {
+        Self { source, start, end }
+    }
+
+    /// The empty place at the beginning of a text.
+    pub fn beginning(source: SourceId) -> Self {
+        Self::new(source, 0, 0)
+    }
+
+    pub fn to(self, other: Self) -> Self {
+        Self { end: other.end.max(self.end), ..self }
+    }
+}

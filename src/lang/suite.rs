@@ -1,0 +1,396 @@
+//! Suites: which scenarios belong to them.
+
+use std::collections::{HashMap, HashSet};
+use std::path::Path;
+
+use super::check::{self, Places};
+use super::codes::Code;
+use super::diagnostic::Diagnostic;
+use super::files::{Definition, FileId, Files, join};
+use super::source::Span;
+use super::tree::{Node, Rule};
+use super::value::{self, unquote};
+use crate::scenario::{Dimension, Scenario, Suite};
+
+/// The seed of a suite that names none, and of a scenario file that is run by itself.
+pub const DEFAULT_SEED: u64 = 1;
+
+const MOST_FILES: usize = 20_000;
+
+/// What a file is by its name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FileKind {
+    Scenarios,
+    Suite,
+}
+
+/// What the name of a file says about it.
+pub fn file_kind(path: &Path) -> Option<FileKind> {
+    match path.extension()?.to_str()? {
+        "scn" => Some(FileKind::Scenarios),
+        "suite" => Some(FileKind::Suite),
+        _ => None,
+    }
+}
+
+/// The suite that the file is: what it declares, or all scenarios of a scenario file.
+pub fn suite(
+    files: &mut Files,
+    file: FileId,
+    path: &Path,
+    kind: FileKind,
+    report: &mut Vec<Diagnostic>,
+) -> Option<Suite> {
+    match kind {
+        FileKind::Scenarios => bare(files, file, path, report),
+        FileKind::Suite => declared(files, file, path, report),
+    }
+}
+
+fn own_scenarios(files: &Files, file: FileId) -> Vec<Definition> {
+    let mut found = Vec::new();
+    let mut add = |node: Node| {
+        if let Some(name) = node.child(Rule::name) {
+            found.push(Definition { file, node: node.index(), span: name.span() });
+        }
+    };
+    for node in files.tree(file).root().children() {
+        match node.rule() {
+            Rule::scenario => add(node),
+            Rule::suite => {
+                node.all(Rule::suite_block).flat_map(|block| block.all(Rule::scenario)).for_each(&mut add)
+            }
+            _ => {}
+        }
+    }
+    found
+}
+
+fn bare(files: &Files, file: FileId, path: &Path, report: &mut Vec<Diagnostic>) -> Option<Suite> {
+    let root = files.tree(file).root();
+    for suite in root.all(Rule::suite) {
+        report.push(
+            Diagnostic::new(Code::MisplacedSuite, name_span(suite), "a suite stands in a scenario file")
+                .label("not here")
+                .hint("put it into a file ending in `.suite`"),
+        );
+    }
+    let definitions = own_scenarios(files, file);
+    if definitions.is_empty() && !super::files::has_errors(report) {
+        report.push(no_scenario(Span::beginning(root.span().source), files));
+    }
+    let scenarios = check_all(files, &definitions, None, report);
+    check_definitions(files, report);
+    let name = path.file_stem().map_or_else(|| "scenarios".into(), |stem| stem.to_string_lossy());
+    Some(Suite {
+        name: name.into_owned(),
+        doc: None,
+        seed: DEFAULT_SEED,
+        time_limit: None,
+        scenarios,
+        searches: Vec::new(),
+        tunes: Vec::new(),
+        origin: files.sources.origin(Span::beginning(root.span().source)),
+    })
+}
+
+fn name_span(node: Node) -> Span {
+    node.child(Rule::name).map_or(node.span(), Node::span)
+}
+
+fn no_scenario(span: Span, files: &Files) -> Diagnostic {
+    let name = &files.sources.get(span.source).name;
+    Diagnostic::new(Code::NoScenario, span, format!("`{name}` declares no scenario"))
+        .label("nothing to run")
+        .hint("add `scenario NAME { … }`; files with only roads and templates are for `use`")
+}
+
+fn declared(files: &mut Files, file: FileId, path: &Path, report: &mut Vec<Diagnostic>) -> Option<Suite> {
+    let source = files.tree(file).source;
+    let suites: Vec<_> = files.tree(file).root().all(Rule::suite).map(|node| node.index()).collect();
+    if let [first, others @ ..] = suites.as_slice() {
+        let first = name_span(files.tree(file).node(*first));
+        for other in others {
+            report.push(
+                Diagnostic::new(
+                    Code::SeveralSuites,
+                    name_span(files.tree(file).node(*other)),
+                    "a file holds one suite",
+                )
+                .label("a second one")
+                .context(first, "the first one")
+                .hint("put it into a file of its own"),
+            );
+        }
+    } else if !files.tree(file).root().has(Rule::bad) && report.is_empty() {
+        report.push(
+            Diagnostic::new(Code::MissingSuite, Span::beginning(source), "this file declares no suite")
+                .label("nothing to run")
+                .hint("add `suite NAME { scenarios \"../scenarios/*.scn\" }`"),
+        );
+    }
+    let index = *suites.first()?;
+    let patterns: Vec<(String, Span)> = files
+        .tree(file)
+        .node(index)
+        .all(Rule::suite_block)
+        .flat_map(|block| block.all(Rule::suite_files))
+        .flat_map(|statement| statement.all(Rule::string))
+        .map(|string| (unquote(string.text()), string.span()))
+        .collect();
+    let included = open_all(files, path, &patterns, report);
+    let mut definitions = own_scenarios(files, file);
+    for (included, asked) in &included {
+        let own = own_scenarios(files, *included);
+        let root = files.tree(*included).root();
+        if own.is_empty() && !root.has(Rule::bad) {
+            let diagnostic = no_scenario(Span::beginning(root.span().source), files);
+            report.push(diagnostic.context(*asked, "included here"));
+        }
+        definitions.extend(own);
+    }
+    reject_duplicates(files, &definitions, report);
+
+    let files = &*files;
+    let node = files.tree(file).node(index);
+    let block = node.child(Rule::suite_block)?;
+    check::reject_suite_repeats(block, report);
+    let name = node.child(Rule::name)?;
+    if definitions.is_empty() && patterns.is_empty() && !block.has(Rule::bad) {
+        report.push(
+            Diagnostic::new(
+                Code::EmptySuite,
+                name.span(),
+                format!("suite `{}` has no scenarios", name.text()),
+            )
+            .label("tests nothing")
+            .hint("add `scenarios \"../scenarios/*.scn\"` or a `scenario`"),
+        );
+    }
+    let seed = match block.child(Rule::seed).and_then(|seed| seed.child(Rule::integer)) {
+        Some(number) => check::whole(number, report),
+        None => Some(DEFAULT_SEED),
+    };
+    let time_limit =
+        block.child(Rule::time_limit).and_then(|limit| limit.child(Rule::expression)).map(|limit| {
+            let what = "the time limit";
+            value::constant_in(limit, Dimension::TIME, (0.001, 86_400.0), what, files.scope(file), report)
+        });
+    let criteria: Vec<Node> = block
+        .all(Rule::expect)
+        .flat_map(|expect| expect.all(Rule::expect_block))
+        .flat_map(|block| block.all(Rule::criterion))
+        .collect();
+    let added = check::SuiteCriteria { nodes: &criteria, scope: files.scope(file) };
+    let mut scenarios = check_all(files, &definitions, Some(added), report);
+    let tags = check::tags(block);
+    for scenario in &mut scenarios {
+        for tag in &tags {
+            if !scenario.tags.contains(tag) {
+                scenario.tags.push(tag.clone());
+            }
+        }
+    }
+    if !super::files::has_errors(report) {
+        reject_idle_criteria(files, &criteria, &scenarios, report);
+    }
+    check_definitions(files, report);
+    Some(Suite {
+        name: name.text().to_string(),
+        doc: check::doc(block),
+        seed: seed?,
+        time_limit: match time_limit {
+            Some(limit) => Some(limit?),
+            None => None,
+        },
+        scenarios,
+        searches: Vec::new(),
+        tunes: Vec::new(),
+        origin: files.sources.origin(name.span()),
+    })
+}
+
+/// Every file that a suite's patterns match, each once, with the pattern's place.
+fn open_all(
+    files: &mut Files,
+    path: &Path,
+    patterns: &[(String, Span)],
+    report: &mut Vec<Diagnostic>,
+) -> Vec<(FileId, Span)> {
+    let mut opened: Vec<(FileId, Span)> = Vec::new();
+    let mut seen: HashSet<FileId> = HashSet::new();
+    for (pattern, span) in patterns {
+        let full = pattern_path(path, pattern);
+        let paths = match glob::glob(&full) {
+            Ok(paths) => paths,
+            Err(error) => {
+                report.push(
+                    Diagnostic::new(
+                        Code::BadPattern,
+                        *span,
+                        format!("`{pattern}` is no file pattern: {}", error.msg),
+                    )
+                    .label("malformed")
+                    .hint("patterns know `*`, `**`, `?` and `[abc]`"),
+                );
+                continue;
+            }
+        };
+        let mut matched = 0;
+        for found in paths.filter_map(Result::ok).filter(|found| found.is_file()) {
+            matched += 1;
+            if matched > MOST_FILES {
+                report.push(
+                    Diagnostic::new(
+                        Code::TooManyFiles,
+                        *span,
+                        format!("`{pattern}` matches more than {MOST_FILES} files"),
+                    )
+                    .label("too many files")
+                    .hint("name the folder more closely"),
+                );
+                break;
+            }
+            match file_kind(&found) {
+                Some(FileKind::Scenarios) => {
+                    if let Some(file) = files.open(&join(&found, &file_name(&found)), Some(*span), report)
+                        && seen.insert(file)
+                    {
+                        opened.push((file, *span));
+                    }
+                }
+                _ => report.push(
+                    Diagnostic::new(
+                        Code::UnknownFileKind,
+                        *span,
+                        format!("`{}` is not a scenario file", found.display()),
+                    )
+                    .label("matches it")
+                    .hint("let the pattern end in `.scn`"),
+                ),
+            }
+        }
+        if matched == 0 {
+            report.push(
+                Diagnostic::new(Code::NothingMatches, *span, format!("`{pattern}` matches no file"))
+                    .label("nothing there")
+                    .note(format!("looked for {full}"))
+                    .hint("patterns are relative to the folder of the suite's file"),
+            );
+        }
+    }
+    opened
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
+}
+
+/// The pattern seen from where the program runs; special characters of the suite's own folder stand for themselves.
+fn pattern_path(path: &Path, pattern: &str) -> String {
+    let folder = path.parent().map_or_else(String::new, |folder| folder.display().to_string());
+    if folder.is_empty() || Path::new(pattern).is_absolute() {
+        return pattern.to_string();
+    }
+    format!("{}/{pattern}", glob::Pattern::escape(&folder))
+}
+
+fn reject_duplicates(files: &Files, definitions: &[Definition], report: &mut Vec<Diagnostic>) {
+    let mut names: HashMap<&str, Definition> = HashMap::new();
+    for definition in definitions {
+        let Some(name) = files.node(*definition).child(Rule::name) else { continue };
+        if let Some(first) = names.insert(name.text(), *definition)
+            && first.file != definition.file
+        {
+            report.push(
+                Diagnostic::new(
+                    Code::DuplicateScenario,
+                    name.span(),
+                    format!("the suite has two scenarios `{}`", name.text()),
+                )
+                .label("the second one")
+                .context(first.span, "the first one")
+                .hint("rename one of them: the name is part of the key of every run"),
+            );
+        }
+    }
+}
+
+/// Checks scenarios; what several of them would report of the same place is reported once.
+fn check_all(
+    files: &Files,
+    definitions: &[Definition],
+    added: Option<check::SuiteCriteria>,
+    report: &mut Vec<Diagnostic>,
+) -> Vec<Scenario> {
+    let places = Places { files };
+    let mut seen: HashSet<(Code, Span, String)> = HashSet::new();
+    let mut scenarios = Vec::new();
+    for definition in definitions {
+        let mut findings = Vec::new();
+        if let Some(scenario) = check::scenario(*definition, &places, added, &mut findings) {
+            if scenario.criteria.is_empty() {
+                findings.push(
+                    Diagnostic::new(
+                        Code::NoCriteria,
+                        definition.span,
+                        format!("scenario `{}` expects nothing", scenario.name),
+                    )
+                    .label("passes whatever happens")
+                    .hint("add `expect { no collision }`"),
+                );
+            }
+            scenarios.push(scenario);
+        }
+        report.extend(
+            findings
+                .into_iter()
+                .filter(|finding| seen.insert((finding.code, finding.span(), finding.message.clone()))),
+        );
+    }
+    scenarios
+}
+
+/// Checks roads and templates that no scenario may have used.
+fn check_definitions(files: &Files, report: &mut Vec<Diagnostic>) {
+    let places = Places { files };
+    let known: HashSet<(Code, Span, String)> =
+        report.iter().map(|finding| (finding.code, finding.span(), finding.message.clone())).collect();
+    let mut findings = Vec::new();
+    for file in files.ids() {
+        for node in files.tree(file).root().all(Rule::road_definition) {
+            let definition = Definition { file, node: node.index(), span: name_span(node) };
+            check::defined_road(definition, &places, &mut findings);
+        }
+    }
+    report.extend(
+        findings
+            .into_iter()
+            .filter(|finding| !known.contains(&(finding.code, finding.span(), finding.message.clone()))),
+    );
+}
+
+/// Criteria of the suite that apply to none of its scenarios.
+fn reject_idle_criteria(
+    files: &Files,
+    criteria: &[Node],
+    scenarios: &[Scenario],
+    report: &mut Vec<Diagnostic>,
+) {
+    let applied: HashSet<_> = scenarios
+        .iter()
+        .flat_map(|scenario| &scenario.criteria)
+        .map(|criterion| (criterion.origin.file.as_str(), criterion.origin.line, criterion.origin.column))
+        .collect();
+    for node in criteria {
+        let place = files.sources.location(node.span());
+        let file = files.sources.get(node.span().source).name.as_str();
+        if !applied.contains(&(file, place.line, place.column)) {
+            report.push(
+                Diagnostic::new(Code::NeverApplies, node.span(), "this applies to no scenario of the suite")
+                    .label("never checked")
+                    .hint("its `when` must be about something that a scenario varies"),
+            );
+        }
+    }
+}

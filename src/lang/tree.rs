@@ -1,0 +1,185 @@
+//! The lossless syntax tree: nodes of the grammar over the tokens of a text.
+
+use std::sync::Arc;
+
+use pest::Parser;
+use pest::iterators::Pair;
+use pest_derive::Parser;
+
+use super::diagnostic::Diagnostic;
+use super::lexer::{self, Token};
+use super::source::{SourceId, Span};
+
+#[derive(Parser)]
+#[grammar = "../grammar/scn.pest"]
+pub(super) struct Grammar;
+
+/// A text with its tokens and nodes. The tokens, put together, are the text; nodes are spans of it.
+#[derive(Debug, Clone)]
+pub struct Tree {
+    pub source: SourceId,
+    text: Arc<str>,
+    tokens: Vec<Token>,
+    /// In the order in which they begin, parents before children.
+    nodes: Vec<NodeData>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct NodeData {
+    rule: Rule,
+    start: u32,
+    end: u32,
+    /// Index of the first node that is not below this one.
+    after: u32,
+}
+
+/// A node of a tree.
+#[derive(Debug, Clone, Copy)]
+pub struct Node<'t> {
+    tree: &'t Tree,
+    index: u32,
+}
+
+impl Tree {
+    /// Reads `text`. Always gives a tree; without balanced brackets it has no nodes below the file.
+    pub fn parse(source: SourceId, text: Arc<str>) -> (Self, Vec<Diagnostic>) {
+        let tokens = lexer::tokens(&text);
+        let unbalanced = lexer::balance(source, &text, &tokens);
+        let mut tree = Self { source, text, tokens, nodes: Vec::new() };
+        let text = tree.text.clone();
+        if unbalanced.is_empty() {
+            match Grammar::parse(Rule::file, &text) {
+                Ok(mut pairs) => {
+                    if let Some(file) = pairs.next() {
+                        tree.add(file);
+                    }
+                    let diagnostics = super::syntax_error::explain(&tree);
+                    return (tree, diagnostics);
+                }
+                Err(error) => {
+                    tree.add_empty_file();
+                    let diagnostic = super::syntax_error::unexpected(source, 0, &text, &error, None);
+                    return (tree, vec![diagnostic]);
+                }
+            }
+        }
+        tree.add_empty_file();
+        (tree, unbalanced)
+    }
+
+    fn add_empty_file(&mut self) {
+        let end = self.text.len() as u32;
+        self.nodes = vec![NodeData { rule: Rule::file, start: 0, end, after: 1 }];
+    }
+
+    /// Adds a pair and all below it, without the white space that implicit skipping left at ends.
+    fn add(&mut self, pair: Pair<Rule>) {
+        let index = self.nodes.len();
+        let (start, end) = (pair.as_span().start(), pair.as_span().end());
+        let rule = pair.as_rule();
+        self.nodes.push(NodeData { rule, start: start as u32, end: end as u32, after: 0 });
+        for inner in pair.into_inner() {
+            if inner.as_rule() != Rule::EOI {
+                self.add(inner);
+            }
+        }
+        let after = self.nodes.len() as u32;
+        let end = if rule == Rule::file { self.text.len() } else { self.trim(start, end) };
+        self.nodes[index].after = after;
+        self.nodes[index].end = end as u32;
+    }
+
+    /// Where the last token of `start..end` that is neither space nor comment ends.
+    fn trim(&self, start: usize, end: usize) -> usize {
+        use lexer::TokenKind::{Comment, Newline, Space};
+        let mut last = self.tokens.partition_point(|token| token.start < end);
+        while last > 0 && self.tokens[last - 1].start >= start {
+            let token = self.tokens[last - 1];
+            if !matches!(token.kind, Space | Newline | Comment) {
+                return token.end.min(end);
+            }
+            last -= 1;
+        }
+        end
+    }
+
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// Every token, comments and white space included, in order and without gaps.
+    pub fn tokens(&self) -> &[Token] {
+        &self.tokens
+    }
+
+    pub fn root(&self) -> Node<'_> {
+        Node { tree: self, index: 0 }
+    }
+
+    /// Every node, parents before children.
+    pub fn nodes(&self) -> impl Iterator<Item = Node<'_>> {
+        (0..self.nodes.len() as u32).map(|index| Node { tree: self, index })
+    }
+
+    pub fn node(&self, index: NodeIndex) -> Node<'_> {
+        Node { tree: self, index: index.0 }
+    }
+}
+
+/// A node's place in its tree, for keeping without borrowing the tree.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct NodeIndex(u32);
+
+impl<'t> Node<'t> {
+    fn data(self) -> NodeData {
+        self.tree.nodes[self.index as usize]
+    }
+
+    pub fn index(self) -> NodeIndex {
+        NodeIndex(self.index)
+    }
+
+    pub fn tree(self) -> &'t Tree {
+        self.tree
+    }
+
+    pub fn rule(self) -> Rule {
+        self.data().rule
+    }
+
+    pub fn span(self) -> Span {
+        let data = self.data();
+        Span::new(self.tree.source, data.start as usize, data.end as usize)
+    }
+
+    pub fn text(self) -> &'t str {
+        let data = self.data();
+        &self.tree.text[data.start as usize..data.end as usize]
+    }
+
+    pub fn children(self) -> impl Iterator<Item = Node<'t>> {
+        let end = self.data().after;
+        let mut next = self.index + 1;
+        std::iter::from_fn(move || {
+            (next < end).then(|| {
+                let child = Node { tree: self.tree, index: next };
+                next = child.data().after;
+                child
+            })
+        })
+    }
+
+    /// The first child of that rule.
+    pub fn child(self, rule: Rule) -> Option<Node<'t>> {
+        self.children().find(|child| child.rule() == rule)
+    }
+
+    /// Every child of that rule.
+    pub fn all(self, rule: Rule) -> impl Iterator<Item = Node<'t>> {
+        self.children().filter(move |child| child.rule() == rule)
+    }
+
+    pub fn has(self, rule: Rule) -> bool {
+        self.child(rule).is_some()
+    }
+}

@@ -1,0 +1,494 @@
+//! Values: calculations over names with their dimensions.
+
+use std::cell::Cell;
+use std::collections::HashMap;
+
+use super::codes::Code;
+use super::diagnostic::Diagnostic;
+use super::source::Span;
+use super::tree::{Node, Rule};
+use super::units;
+use crate::scenario::{BinaryOperator, Dimension, Expression, Value, VariedValue};
+
+/// A calculation over variations with more parts than this is refused.
+const MOST_PARTS: usize = 1000;
+
+/// What kind of thing a value is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    Number(Dimension),
+    Flag,
+    Word,
+}
+
+/// A value with what was found out about it.
+#[derive(Debug, Clone)]
+pub struct Typed {
+    pub expression: Expression,
+    pub kind: Kind,
+    /// Number of parts of the expression.
+    size: usize,
+    pub span: Span,
+}
+
+/// What a name stands for.
+#[derive(Debug, Clone)]
+pub struct Binding {
+    /// `None` if its definition is wrong, which has been reported already.
+    pub value: Option<Typed>,
+    /// The values that a variation over a list takes.
+    pub varied: Option<Vec<VariedValue>>,
+    /// Where it is defined.
+    pub span: Span,
+    pub used: Cell<bool>,
+}
+
+/// The names that a value may use, inner ones hiding outer ones.
+#[derive(Debug, Default)]
+pub struct Scope<'a> {
+    pub outer: Option<&'a Scope<'a>>,
+    pub names: HashMap<String, Binding>,
+}
+
+impl Binding {
+    pub fn new(value: Option<Typed>, span: Span) -> Self {
+        Self { value, varied: None, span, used: Cell::new(false) }
+    }
+}
+
+impl<'a> Scope<'a> {
+    pub fn inside(outer: &'a Scope<'a>) -> Self {
+        Self { outer: Some(outer), names: HashMap::new() }
+    }
+
+    /// What the name stands for here; it then counts as used.
+    pub fn find(&self, name: &str) -> Option<&Binding> {
+        let found = self.names.get(name).or_else(|| self.outer?.find(name))?;
+        found.used.set(true);
+        Some(found)
+    }
+
+    /// Every name that can be used here.
+    pub fn all_names(&self) -> Vec<&str> {
+        let mut names = self.outer.map_or_else(Vec::new, Scope::all_names);
+        names.extend(self.names.keys().map(String::as_str));
+        names
+    }
+}
+
+impl Kind {
+    /// With an article: "a length", "a word".
+    pub fn name(self) -> String {
+        match self {
+            Self::Number(Dimension::NUMBER) => "a number without unit".to_string(),
+            Self::Number(dimension) if dimension.name().starts_with(['a', 'i']) => {
+                format!("an {}", dimension.name())
+            }
+            Self::Number(dimension) if dimension.name() == "compound quantity" => {
+                format!("a quantity in {}", dimension.si_unit())
+            }
+            Self::Number(dimension) => format!("a {}", dimension.name()),
+            Self::Flag => "`true` or `false`".to_string(),
+            Self::Word => "a word".to_string(),
+        }
+    }
+}
+
+impl Typed {
+    pub fn constant(value: Value, kind: Kind, span: Span) -> Self {
+        Self { expression: Expression::Constant(value), kind, size: 1, span }
+    }
+
+    pub fn variable(name: &str, kind: Kind, span: Span) -> Self {
+        Self { expression: Expression::Variable(name.to_string()), kind, size: 1, span }
+    }
+
+    /// The number, if it is one and does not vary.
+    pub fn as_constant_number(&self) -> Option<f64> {
+        match &self.expression {
+            Expression::Constant(value) => value.as_number(),
+            _ => None,
+        }
+    }
+}
+
+/// The value of an `expression` node. Mistakes are reported and give `None`.
+pub fn evaluate(node: Node, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<Typed> {
+    // Terms to be added up; multiplication binds its factors to the last of them at once.
+    let mut sum: Option<Typed> = None;
+    let mut pending_sum: Option<BinaryOperator> = None;
+    let mut product: Option<Typed> = None;
+    let mut pending_product: Option<BinaryOperator> = None;
+    let mut negative = false;
+    for part in node.children() {
+        match part.rule() {
+            Rule::negation => negative = !negative,
+            Rule::operator => match part.text() {
+                "*" => pending_product = Some(BinaryOperator::Multiply),
+                "/" => pending_product = Some(BinaryOperator::Divide),
+                sign => {
+                    sum = join(sum, pending_sum.take(), product.take()?, report);
+                    sum.as_ref()?;
+                    pending_sum =
+                        Some(if sign == "+" { BinaryOperator::Add } else { BinaryOperator::Subtract });
+                }
+            },
+            _ => {
+                let mut operand = operand(part, scope, report)?;
+                if std::mem::take(&mut negative) {
+                    operand = negate(operand, report)?;
+                }
+                product = join(product.take(), pending_product.take(), operand, report);
+                product.as_ref()?;
+            }
+        }
+    }
+    let mut result = join(sum, pending_sum, product?, report)?;
+    result.span = node.span();
+    Some(result)
+}
+
+fn operand(node: Node, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<Typed> {
+    match node.rule() {
+        Rule::quantity => quantity(node, report),
+        Rule::boolean => Some(Typed::constant(Value::Flag(node.text() == "true"), Kind::Flag, node.span())),
+        Rule::string => Some(Typed::constant(Value::Word(unquote(node.text())), Kind::Word, node.span())),
+        Rule::group => evaluate(node.child(Rule::expression)?, scope, report),
+        _ => {
+            let name = node.text();
+            match scope.find(name) {
+                Some(binding) => binding.value.clone().map(|value| Typed { span: node.span(), ..value }),
+                None => {
+                    report.push(
+                        Diagnostic::new(Code::UnknownName, node.span(), format!("`{name}` is not defined"))
+                            .label("no `let` above, no variation and no parameter has this name")
+                            .suggest(name, scope.all_names()),
+                    );
+                    None
+                }
+            }
+        }
+    }
+}
+
+fn quantity(node: Node, report: &mut Vec<Diagnostic>) -> Option<Typed> {
+    let written = node.child(Rule::number)?;
+    let number: f64 = written.text().replace('_', "").parse().ok()?;
+    let (number, dimension) = match node.child(Rule::unit) {
+        None => (number, Dimension::NUMBER),
+        Some(symbol) => match units::unit_of(symbol.text()) {
+            Some(unit) => (unit.to_si(number), unit.dimension),
+            None => {
+                let mut diagnostic = Diagnostic::new(
+                    Code::UnknownUnit,
+                    symbol.span(),
+                    format!("there is no unit `{}`", symbol.text()),
+                )
+                .label("not a unit");
+                diagnostic = match alias(symbol.text()) {
+                    Some(unit) => diagnostic.hint(format!("write `{unit}`")),
+                    None => diagnostic.suggest(symbol.text(), units::UNITS.iter().map(|unit| unit.symbol)),
+                };
+                report.push(diagnostic);
+                return None;
+            }
+        },
+    };
+    if !number.is_finite() {
+        report.push(
+            Diagnostic::new(Code::NotFinite, node.span(), "this number is too large")
+                .label("beyond what a number can hold")
+                .hint("is the exponent right?"),
+        );
+        return None;
+    }
+    Some(Typed::constant(Value::Number(number), Kind::Number(dimension), node.span()))
+}
+
+/// Spellings that people try.
+fn alias(symbol: &str) -> Option<&'static str> {
+    Some(match symbol.to_lowercase().as_str() {
+        "kmh" | "kph" | "kmph" | "km/hr" => "km/h",
+        "ms^2" | "mss" | "m/ss" | "m/s2" | "mps2" => "m/s^2",
+        "mps" => "m/s",
+        "sec" | "secs" | "second" | "seconds" => "s",
+        "minute" | "minutes" => "min",
+        "meter" | "meters" | "metre" | "metres" => "m",
+        "feet" | "foot" => "ft",
+        "percent" => "%",
+        "degree" | "degrees" => "deg",
+        "msec" | "millisecond" | "milliseconds" => "ms",
+        "hertz" => "Hz",
+        _ => return None,
+    })
+}
+
+fn negate(operand: Typed, report: &mut Vec<Diagnostic>) -> Option<Typed> {
+    if !matches!(operand.kind, Kind::Number(_)) {
+        return not_a_number(&operand, report);
+    }
+    let expression = match operand.expression {
+        Expression::Constant(Value::Number(number)) => Expression::number(-number),
+        varying => Expression::Negated(Box::new(varying)),
+    };
+    Some(Typed { expression, size: operand.size + 1, ..operand })
+}
+
+fn not_a_number<T>(operand: &Typed, report: &mut Vec<Diagnostic>) -> Option<T> {
+    report.push(
+        Diagnostic::new(
+            Code::WrongType,
+            operand.span,
+            format!("cannot calculate with {}", operand.kind.name()),
+        )
+        .label("not a number")
+        .hint("only quantities can be calculated with"),
+    );
+    None
+}
+
+/// `left operator right`, or `right` when there is nothing on the left yet.
+fn join(
+    left: Option<Typed>,
+    operator: Option<BinaryOperator>,
+    right: Typed,
+    report: &mut Vec<Diagnostic>,
+) -> Option<Typed> {
+    let (Some(left), Some(operator)) = (left, operator) else { return Some(right) };
+    let span = left.span.to(right.span);
+    let Kind::Number(left_dimension) = left.kind else { return not_a_number(&left, report) };
+    let Kind::Number(right_dimension) = right.kind else { return not_a_number(&right, report) };
+    let dimension = match operator {
+        BinaryOperator::Multiply => left_dimension.times(right_dimension),
+        BinaryOperator::Divide => left_dimension.over(right_dimension),
+        BinaryOperator::Add | BinaryOperator::Subtract if left_dimension == right_dimension => {
+            Some(left_dimension)
+        }
+        BinaryOperator::Add | BinaryOperator::Subtract => {
+            report.push(
+                Diagnostic::new(
+                    Code::MixedDimensions,
+                    span,
+                    format!("{} and {} cannot be added or subtracted", left.kind.name(), right.kind.name()),
+                )
+                .context(left.span, left.kind.name())
+                .context(right.span, right.kind.name())
+                .hint("give both the same kind of unit"),
+            );
+            return None;
+        }
+    };
+    let Some(dimension) = dimension else {
+        report.push(
+            Diagnostic::new(Code::NotFinite, span, "the dimension of this calculation is out of all bounds")
+                .label("too high a power")
+                .hint("no quantity in traffic has such a dimension"),
+        );
+        return None;
+    };
+    let size = left.size + right.size + 1;
+    let constant = matches!(
+        (&left.expression, &right.expression),
+        (Expression::Constant(Value::Number(_)), Expression::Constant(Value::Number(_)))
+    );
+    if size > MOST_PARTS && !constant {
+        report.push(
+            Diagnostic::new(
+                Code::TooLong,
+                span,
+                format!("this calculation has more than {MOST_PARTS} parts"),
+            )
+            .label("too long")
+            .hint("vary the result itself instead"),
+        );
+        return None;
+    }
+    let mut expression =
+        Expression::Binary { operator, left: Box::new(left.expression), right: Box::new(right.expression) };
+    let mut size = size;
+    if constant {
+        size = 1;
+        match expression.evaluate(&Default::default()) {
+            Ok(value) => expression = Expression::Constant(value),
+            Err(_) => {
+                report.push(
+                    Diagnostic::new(Code::NotFinite, span, "the result of this calculation is not a number")
+                        .label("divides by zero or grows beyond all bounds")
+                        .hint("check the numbers on both sides"),
+                );
+                return None;
+            }
+        }
+    }
+    Some(Typed { expression, kind: Kind::Number(dimension), size, span })
+}
+
+/// A text without its quotes.
+pub fn unquote(quoted: &str) -> String {
+    let inner = quoted.strip_prefix('"').and_then(|rest| rest.strip_suffix('"')).unwrap_or(quoted);
+    let mut text = String::with_capacity(inner.len());
+    let mut characters = inner.chars();
+    while let Some(character) = characters.next() {
+        match character {
+            '\\' => match characters.next() {
+                Some('n') => text.push('\n'),
+                Some('t') => text.push('\t'),
+                Some(other) => text.push(other),
+                None => {}
+            },
+            other => text.push(other),
+        }
+    }
+    text
+}
+
+/// Whether a value is of a kind; if not, says so.
+pub fn expect_kind(value: &Typed, kind: Kind, what: &str, report: &mut Vec<Diagnostic>) -> bool {
+    if value.kind == kind {
+        return true;
+    }
+    let units = match kind {
+        Kind::Number(dimension) => units::units_for(dimension),
+        _ => None,
+    };
+    let diagnostic = match (kind, value.kind) {
+        (Kind::Number(_), Kind::Number(Dimension::NUMBER)) => Diagnostic::new(
+            Code::MissingUnit,
+            value.span,
+            format!("{what} is {}, but this number has no unit", kind.name()),
+        )
+        .label("needs a unit"),
+        (Kind::Number(_), Kind::Number(_)) => Diagnostic::new(
+            Code::WrongDimension,
+            value.span,
+            format!("{what} is {}, not {}", kind.name(), value.kind.name()),
+        )
+        .label(format!("this is {}", value.kind.name())),
+        _ => Diagnostic::new(
+            Code::WrongType,
+            value.span,
+            format!("{what} is {}, not {}", kind.name(), value.kind.name()),
+        )
+        .label(format!("this is {}", value.kind.name())),
+    };
+    report.push(match (kind, units) {
+        (Kind::Number(Dimension::NUMBER), _) => diagnostic.hint("write a number without unit, or with `%`"),
+        (Kind::Number(_), Some(units)) => diagnostic.hint(format!("give it in {units}")),
+        (Kind::Number(dimension), None) => {
+            diagnostic.hint(format!("calculate it, so that it comes out in {}", dimension.si_unit()))
+        }
+        (kind, _) => diagnostic.hint(format!("write {}", kind.name())),
+    });
+    false
+}
+
+/// A quantity of a dimension. `what` begins the message: "the speed of a vehicle".
+pub fn quantity_of(
+    node: Node,
+    dimension: Dimension,
+    what: &str,
+    scope: &Scope,
+    report: &mut Vec<Diagnostic>,
+) -> Option<Typed> {
+    let value = evaluate(node, scope, report)?;
+    expect_kind(&value, Kind::Number(dimension), what, report).then_some(value)
+}
+
+/// As [`quantity_of`], within a range that holds for every value it can take.
+pub fn quantity_in(
+    node: Node,
+    dimension: Dimension,
+    range: (f64, f64),
+    what: &str,
+    scope: &Scope,
+    report: &mut Vec<Diagnostic>,
+) -> Option<Typed> {
+    let value = quantity_of(node, dimension, what, scope, report)?;
+    let (low, high) = range;
+    for (found, label) in possible(&value.expression, scope) {
+        if let Value::Number(number) = found
+            && !(low..=high).contains(&number)
+        {
+            report.push(out_of_range(value.span, what, number, range, dimension, label));
+            return None;
+        }
+    }
+    Some(value)
+}
+
+/// As [`quantity_in`], for places where all runs share one value.
+pub fn constant_in(
+    node: Node,
+    dimension: Dimension,
+    range: (f64, f64),
+    what: &str,
+    scope: &Scope,
+    report: &mut Vec<Diagnostic>,
+) -> Option<f64> {
+    let value = quantity_in(node, dimension, range, what, scope, report)?;
+    value.as_constant_number().or_else(|| not_constant(value.span, &value.expression, what, report))
+}
+
+pub fn not_constant<T>(
+    span: Span,
+    expression: &Expression,
+    what: &str,
+    report: &mut Vec<Diagnostic>,
+) -> Option<T> {
+    report.push(
+        Diagnostic::new(Code::NotConstant, span, format!("{what} may not vary between runs"))
+            .label(format!("depends on `{}`", expression.variables().join("`, `")))
+            .hint("write a scenario for each value"),
+    );
+    None
+}
+
+pub fn out_of_range(
+    span: Span,
+    what: &str,
+    found: f64,
+    (low, high): (f64, f64),
+    dimension: Dimension,
+    varied: Option<String>,
+) -> Diagnostic {
+    let unit = match dimension.si_unit() {
+        unit if unit.is_empty() => unit,
+        unit => format!(" {unit}"),
+    };
+    let bounds = match (low.is_finite(), high.is_finite() && high < 1e300) {
+        (true, true) => format!("between {low} and {high}{unit}"),
+        (_, true) => format!("at most {high}{unit}"),
+        _ => format!("at least {low}{unit}"),
+    };
+    let found = format!("{found}{unit}");
+    let diagnostic =
+        Diagnostic::new(Code::OutOfRange, span, format!("{what} is {found}, but must be {bounds}"));
+    match varied {
+        Some(varied) => diagnostic.label(format!("{found} where {varied}")),
+        None => diagnostic.label("out of range"),
+    }
+    .hint(format!("choose a value {bounds}"))
+}
+
+/// The values an expression takes, with the variation's value that leads to it; nothing if it depends on more than
+/// one variation or on a sampled one (those are checked again for every run).
+pub fn possible(expression: &Expression, scope: &Scope) -> Vec<(Value, Option<String>)> {
+    if let Expression::Constant(value) = expression {
+        return vec![(value.clone(), None)];
+    }
+    let mut names = expression.variables();
+    names.sort_unstable();
+    names.dedup();
+    let [name] = names.as_slice() else { return Vec::new() };
+    let Some(varied) = scope.find(name).and_then(|binding| binding.varied.as_ref()) else {
+        return Vec::new();
+    };
+    varied
+        .iter()
+        .filter_map(|choice| {
+            let variables = std::collections::BTreeMap::from([(name.to_string(), choice.value.clone())]);
+            let value = expression.evaluate(&variables).ok()?;
+            Some((value, Some(format!("{name} = {}", choice.label))))
+        })
+        .collect()
+}

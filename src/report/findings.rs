@@ -1,0 +1,151 @@
+//! What the checker found, for other programs: JSON, GitHub workflow commands and SARIF.
+
+use serde_json::{Value, json};
+
+use crate::lang::{Code, Diagnostic, Location, Severity, Sources, Span};
+
+/// Diagnostics with the texts they are about.
+pub type Findings = [(Vec<Diagnostic>, Sources)];
+
+struct Region<'a> {
+    file: &'a str,
+    from: Location,
+    to: Location,
+}
+
+fn region(sources: &Sources, span: Span) -> Region<'_> {
+    let source = sources.get(span.source);
+    Region { file: &source.name, from: source.location(span.start), to: source.location(span.end) }
+}
+
+fn level(severity: Severity) -> &'static str {
+    match severity {
+        Severity::Error => "error",
+        Severity::Warning => "warning",
+    }
+}
+
+fn each(findings: &Findings) -> impl Iterator<Item = (&Diagnostic, &Sources)> {
+    findings.iter().flat_map(|(diagnostics, sources)| diagnostics.iter().map(move |found| (found, sources)))
+}
+
+/// One object: `diagnostics`, each with code, severity, message, labels (the first is the place), notes and hints.
+/// Lines and columns count from 1, columns in characters.
+pub fn json(findings: &Findings) -> String {
+    let diagnostics: Vec<Value> = each(findings)
+        .map(|(found, sources)| {
+            let labels: Vec<Value> = found
+                .labels
+                .iter()
+                .map(|label| {
+                    let Region { file, from, to } = region(sources, label.span);
+                    json!({
+                        "file": file, "line": from.line, "column": from.column,
+                        "end_line": to.line, "end_column": to.column, "text": label.text,
+                    })
+                })
+                .collect();
+            json!({
+                "code": found.code.name(), "severity": level(found.severity), "message": found.message,
+                "labels": labels, "notes": found.notes, "hints": found.hints,
+            })
+        })
+        .collect();
+    format!("{:#}\n", json!({ "version": 1, "diagnostics": diagnostics }))
+}
+
+/// One workflow command a line, such as `::error file=…,line=…::message`.
+pub fn github(findings: &Findings) -> String {
+    let mut text = String::new();
+    for (found, sources) in each(findings) {
+        let Region { file, from, to } = region(sources, found.span());
+        let message: Vec<&str> = std::iter::once(&found.message)
+            .chain(&found.notes)
+            .chain(&found.hints)
+            .map(String::as_str)
+            .collect();
+        text.push_str(&format!(
+            "::{} file={},line={},endLine={},col={},endColumn={},title={}::{}\n",
+            level(found.severity),
+            property(file),
+            from.line,
+            to.line,
+            from.column,
+            to.column,
+            found.code.name(),
+            data(&message.join("\n")),
+        ));
+    }
+    text
+}
+
+/// GitHub's escapes for text after `::`.
+fn data(text: &str) -> String {
+    text.replace('%', "%25").replace('\r', "%0D").replace('\n', "%0A")
+}
+
+/// GitHub's escapes for the value of a property.
+fn property(text: &str) -> String {
+    data(text).replace(':', "%3A").replace(',', "%2C")
+}
+
+/// A SARIF 2.1.0 log with one run.
+pub fn sarif(findings: &Findings) -> String {
+    let rules: Vec<Value> = Code::ALL
+        .iter()
+        .map(|code| {
+            json!({
+                "id": code.name(),
+                "shortDescription": { "text": code.title() },
+                "fullDescription": { "text": code.explanation() },
+                "defaultConfiguration": { "level": level(code.severity()) },
+            })
+        })
+        .collect();
+    let place = |sources: &Sources, span: Span| {
+        let Region { file, from, to } = region(sources, span);
+        json!({
+            "artifactLocation": { "uri": file },
+            "region": {
+                "startLine": from.line, "startColumn": from.column, "endLine": to.line, "endColumn": to.column,
+            },
+        })
+    };
+    let results: Vec<Value> = each(findings)
+        .map(|(found, sources)| {
+            let related: Vec<Value> = found.labels[1..]
+                .iter()
+                .map(|label| {
+                    json!({
+                        "physicalLocation": place(sources, label.span),
+                        "message": { "text": label.text },
+                    })
+                })
+                .collect();
+            let text: Vec<&str> = std::iter::once(&found.message)
+                .chain(&found.notes)
+                .chain(&found.hints)
+                .map(String::as_str)
+                .collect();
+            json!({
+                "ruleId": found.code.name(),
+                "level": level(found.severity),
+                "message": { "text": text.join("\n") },
+                "locations": [{ "physicalLocation": place(sources, found.span()) }],
+                "relatedLocations": related,
+            })
+        })
+        .collect();
+    let log = json!({
+        "$schema": "https://json.schemastore.org/sarif-2.1.0.json",
+        "version": "2.1.0",
+        "runs": [{
+            "tool": { "driver": {
+                "name": "scenario-runner", "version": env!("CARGO_PKG_VERSION"), "rules": rules,
+            } },
+            "columnKind": "unicodeCodePoints",
+            "results": results,
+        }],
+    });
+    format!("{log:#}\n")
+}
