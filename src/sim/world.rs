@@ -156,7 +156,9 @@ impl<'a> Run<'a> {
     /// Moves everything by one step into `next`; the moment within the step of the first contact, if any, in s.
     fn advance(&mut self, users: &mut RoadUsers) -> Option<f64> {
         let step = self.world.step;
-        self.next.clone_from(&self.now);
+        // Field by field, as the derived `clone_from` of the whole would allocate anew.
+        self.next.vehicles.clone_from(&self.now.vehicles);
+        self.next.pedestrians.clone_from(&self.now.pedestrians);
         for ((state, driver), driven) in
             self.next.vehicles.iter_mut().zip(&self.drivers).zip(&mut users.vehicles)
         {
