@@ -1,5 +1,6 @@
 //! Vehicles: controllers and longitudinal dynamics, one file or folder each, and their registries.
 
+mod autoware;
 mod careful_human;
 mod carla_behavior;
 mod commotions;
@@ -60,6 +61,7 @@ pub enum CommandKind {
 /// Every controller there is, by name.
 #[rustfmt::skip]
 pub static CONTROLLERS: &[&ControllerModel] = &[
+    &autoware::AUTOWARE,
     &careful_human::CAREFUL_HUMAN,
     &carla_behavior::CARLA_BEHAVIOR,
     &commotions::COMMOTIONS,

@@ -1,0 +1,46 @@
+//! A reduced Autoware: how its stack reacts to pedestrians at a crossing without a signal, longitudinally.
+//!
+//! Tracker, decisions and profile run at the planning rate, the controller at its own; the `delay_lag` dynamics are
+//! the vehicle. What it is and is not: docs/models/autoware.md.
+
+mod braking;
+mod crossing;
+mod debounce;
+mod decision;
+mod emergency_brake;
+mod lane_stop;
+mod longitudinal;
+mod parameters;
+mod phase;
+mod profile;
+mod site;
+mod stack;
+mod stop_position;
+mod tracker;
+
+use super::{CommandKind, ControllerContext, ControllerModel};
+use crate::scenario::CrossingKind;
+use crate::sim::random::{Agent, Purpose, stream};
+use crate::sim::{Controller, ModelError};
+
+/// The registry entry.
+pub static AUTOWARE: ControllerModel = ControllerModel {
+    declaration: parameters::DECLARATION,
+    default_dynamics: "delay_lag",
+    gives: CommandKind::Acceleration,
+    build,
+};
+
+fn build(context: &ControllerContext) -> Result<Box<dyn Controller>, ModelError> {
+    let settings = context.settings;
+    let signalised = matches!(context.world.road.crossing.kind, CrossingKind::Signalised { .. });
+    if signalised && settings.flag("crosswalk_mapped") {
+        return Err(ModelError::with_hint(
+            "`autoware` does not know signals at a mapped crosswalk",
+            "use `preset: lane_only`, or a crossing without a signal",
+        ));
+    }
+    let misses = stream(context.seed, Agent::Vehicle(context.index), Purpose::Perception);
+    let pedestrians = context.world.pedestrians.len();
+    Ok(Box::new(stack::Stack::new(settings, context.setup.speed, pedestrians, misses)))
+}
