@@ -7,6 +7,7 @@ mod format;
 mod json;
 mod junit;
 mod models;
+mod pages;
 mod replay;
 mod trace;
 
@@ -22,6 +23,7 @@ pub use format::{quantity, share};
 pub use json::to_json;
 pub use junit::to_junit;
 pub use models::{registered_names, render_model, render_models};
+pub use pages::{ModelPage, model_pages};
 pub use replay::{render_replay, replay_command};
 pub use trace::write_trace;
 

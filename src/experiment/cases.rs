@@ -1,0 +1,91 @@
+//! Named sets of cases: what a search kept, as a file that people can read, compare and use again.
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use super::{ExperimentError, Laboratory, overrides};
+use crate::plan;
+use crate::scenario::{Assignment, Case, Individual, Target, Value};
+
+/// Cases with a name.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SavedSet {
+    pub name: String,
+    /// What made it: suite, seed, version of the tool.
+    pub source: String,
+    pub cases: Vec<SavedCase>,
+}
+
+/// One case, told apart from the rest of its scenario by everything that a search or a draw decided.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SavedCase {
+    /// The key of the run it was found in.
+    pub key: String,
+    pub scenario: String,
+    pub variation: Vec<Assignment>,
+    /// What was set besides what the scenario says.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub settings: Vec<(Target, Value)>,
+    pub individuals: Vec<Individual>,
+    pub seed: u64,
+    /// What the search minimised or maximised, as observed in the run.
+    pub value: Option<f64>,
+}
+
+/// A [`SavedSet`] as a file: JSON with one case a line, in the order of the set.
+pub struct CaseFile;
+
+impl CaseFile {
+    pub fn write(set: &SavedSet) -> String {
+        let name = json(&set.name);
+        let source = json(&set.source);
+        let cases: Vec<_> = set.cases.iter().map(|case| format!("    {}", json(case))).collect();
+        let cases = cases.join(",\n");
+        format!("{{\n  \"name\": {name},\n  \"source\": {source},\n  \"cases\": [\n{cases}\n  ]\n}}\n")
+    }
+
+    pub fn read(path: &Path) -> Result<SavedSet, ExperimentError> {
+        let failed = |reason: String| ExperimentError::CaseFile { path: path.to_owned(), reason };
+        let text = std::fs::read_to_string(path).map_err(|error| failed(error.to_string()))?;
+        serde_json::from_str(&text).map_err(|error| failed(error.to_string()))
+    }
+}
+
+impl Laboratory<'_> {
+    /// The case to run again with `settings` over its own, under another seed if one is given.
+    pub(super) fn revive(
+        &self,
+        saved: &SavedCase,
+        settings: &[(Target, Value)],
+        key: String,
+        fresh_seed: Option<u64>,
+    ) -> Result<Case, ExperimentError> {
+        let mut scenario = self.scenario(&saved.scenario)?.clone();
+        overrides::apply(&mut scenario, &saved.settings)?;
+        overrides::apply(&mut scenario, settings)?;
+        let seed = fresh_seed.unwrap_or(saved.seed);
+        let (variation, people) = (saved.variation.clone(), saved.individuals.clone());
+        Ok(plan::concrete_case(&scenario, key, variation, people, 1, seed)?)
+    }
+
+    /// Every case of a scenario as the suite plans it.
+    pub(super) fn cases_of(&self, scenario: &str) -> Result<Vec<SavedCase>, ExperimentError> {
+        let trials = plan::plan_scenario(self.suite, self.scenario(scenario)?)?;
+        let cases = trials.into_iter().flat_map(|trial| trial.cases);
+        let saved = cases.map(|case| SavedCase {
+            key: case.key,
+            scenario: case.scenario,
+            variation: case.variation,
+            settings: Vec::new(),
+            individuals: case.individuals,
+            seed: case.seed,
+            value: None,
+        });
+        Ok(saved.collect())
+    }
+}
+
+fn json(value: &impl Serialize) -> String {
+    serde_json::to_string(value).expect("plain data serialises")
+}

@@ -1,0 +1,94 @@
+//! `search` and `tune` blocks: the optimiser put to work on simulations.
+//!
+//! A search looks for the values at which a metric is worst, person by person; a tune looks for controller parameters
+//! that are best on a set of cases under constraints. Both are functions of the suite and its seed: the number of
+//! threads changes nothing.
+
+mod cases;
+mod evaluate;
+mod journal;
+mod overrides;
+mod search;
+#[cfg(test)]
+mod tests;
+mod tune;
+
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+use crate::optimise;
+use crate::plan::PlanError;
+use crate::run::{FreeFlows, Requests, RunError};
+use crate::scenario::{Scenario, Suite};
+
+pub use cases::{CaseFile, SavedCase, SavedSet};
+pub use evaluate::MetricSummary;
+pub use search::{Found, SearchResult, run_search};
+pub use tune::{Candidate, Comparison, TuneResult, run_tune};
+
+/// What every experiment of a suite shares.
+pub struct Laboratory<'a> {
+    pub suite: &'a Suite,
+    pub requests: Requests,
+    pub free_flows: FreeFlows,
+    /// Where journals are kept; `None` keeps none.
+    pub journals: Option<PathBuf>,
+}
+
+impl<'a> Laboratory<'a> {
+    /// With every metric that the suite's scenarios, searches and tunes ask for.
+    pub fn new(suite: &'a Suite, journals: Option<PathBuf>) -> Self {
+        let mut requests = Requests::defaults();
+        suite.scenarios.iter().for_each(|scenario| requests.include(&scenario.criteria));
+        for search in &suite.searches {
+            requests.add(search.objective.aggregate.metric());
+            search.keep.iter().for_each(|keep| requests.add(&keep.metric));
+        }
+        for tune in &suite.tunes {
+            tune.objectives.iter().for_each(|objective| requests.add(objective.aggregate.metric()));
+            tune.constraints.iter().for_each(|constraint| requests.add(&constraint.metric));
+        }
+        Self { suite, requests, free_flows: FreeFlows::default(), journals }
+    }
+
+    fn scenario(&self, name: &str) -> Result<&'a Scenario, ExperimentError> {
+        self.suite
+            .scenarios
+            .iter()
+            .find(|scenario| scenario.name == name)
+            .ok_or_else(|| ExperimentError::UnknownScenario(name.to_string()))
+    }
+}
+
+/// Told while an experiment runs, from several threads.
+pub trait Progress: Sync {
+    /// `done` of `all` evaluations are finished; `best` is the best objective value so far, if there is one.
+    fn evaluated(&self, done: usize, all: usize, best: Option<f64>);
+}
+
+/// Nobody watches.
+pub struct Silent;
+
+impl Progress for Silent {
+    fn evaluated(&self, _done: usize, _all: usize, _best: Option<f64>) {}
+}
+
+/// Why an experiment has no result.
+#[derive(Debug, Error)]
+pub enum ExperimentError {
+    #[error("there is no scenario called `{0}`")]
+    UnknownScenario(String),
+    #[error("there is no `{0}` to vary: {1}")]
+    UnknownTarget(String, String),
+    #[error("the set of cases `{0}` is empty")]
+    EmptySet(String),
+    #[error("cannot read the cases of {}: {reason}", path.display())]
+    CaseFile { path: PathBuf, reason: String },
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+    #[error(transparent)]
+    Run(#[from] RunError),
+    #[error(transparent)]
+    Optimise(#[from] optimise::Error),
+}

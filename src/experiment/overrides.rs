@@ -1,0 +1,87 @@
+//! Points of a search space put into a scenario.
+
+use super::ExperimentError;
+use crate::optimise;
+use crate::scenario::{Assignment, Expression, Model, Part, Range, RangeValues, Scenario, Target, Value};
+
+/// The optimiser's dimension for a declared range.
+pub fn dimension(range: &Range) -> optimise::Dimension {
+    let values = match &range.values {
+        RangeValues::Real { low, high } => optimise::Range::Real { low: *low, high: *high },
+        RangeValues::Logarithmic { low, high } => optimise::Range::Log { low: *low, high: *high },
+        RangeValues::Whole { low, high } => optimise::Range::Integer { low: *low, high: *high },
+        RangeValues::Words(words) => optimise::Range::Categorical { choices: words.clone() },
+    };
+    optimise::Dimension { name: range.target.to_string(), range: values }
+}
+
+/// The space of all declared ranges, in their order.
+pub fn space(ranges: &[Range]) -> Result<optimise::Space, optimise::Error> {
+    optimise::Space::new(ranges.iter().map(dimension).collect())
+}
+
+/// A value of the optimiser as a value of a scenario.
+pub fn value(value: &optimise::Value) -> Value {
+    match value {
+        optimise::Value::Integer(number) => Value::Number(*number as f64),
+        optimise::Value::Real(number) => Value::Number(*number),
+        optimise::Value::Category(word) => Value::Word(word.clone()),
+    }
+}
+
+/// The variations that a point fixes, with labels that name the exact values.
+pub fn assignments(ranges: &[Range], point: &[optimise::Value]) -> Vec<Assignment> {
+    let fixed = ranges.iter().zip(point).filter_map(|(range, chosen)| match &range.target {
+        Target::Variation(name) => Some(Assignment {
+            name: name.clone(),
+            label: format!("{chosen}{}", range.unit),
+            value: value(chosen),
+        }),
+        Target::Setting { .. } => None,
+    });
+    fixed.collect()
+}
+
+/// The settings that a point fixes.
+pub fn settings(ranges: &[Range], point: &[optimise::Value]) -> Vec<(Target, Value)> {
+    let fixed = ranges.iter().zip(point).filter(|(range, _)| matches!(range.target, Target::Setting { .. }));
+    fixed.map(|(range, chosen)| (range.target.clone(), value(chosen))).collect()
+}
+
+/// Writes settings into a scenario, over its own.
+pub fn apply(scenario: &mut Scenario, settings: &[(Target, Value)]) -> Result<(), ExperimentError> {
+    for (target, value) in settings {
+        let Target::Setting { road_user, part, parameter } = target else { continue };
+        let missing = ExperimentError::UnknownTarget(target.to_string(), scenario.name.clone());
+        let model = model_mut(scenario, road_user, *part).ok_or(missing)?;
+        model.settings.retain(|(name, _)| name != parameter);
+        model.settings.push((parameter.clone(), Expression::Constant(value.clone())));
+    }
+    Ok(())
+}
+
+/// `scenario` without the variations whose values the ranges replace.
+pub fn without_variations(scenario: &Scenario, ranges: &[Range]) -> Scenario {
+    let searched = |name: &String| {
+        ranges.iter().any(|range| matches!(&range.target, Target::Variation(target) if target == name))
+    };
+    let mut changed = scenario.clone();
+    changed.variations.retain(|variation| !variation.names().iter().any(searched));
+    changed
+}
+
+fn model_mut<'a>(scenario: &'a mut Scenario, road_user: &str, part: Part) -> Option<&'a mut Model> {
+    match part {
+        Part::Model => {
+            scenario.pedestrians.iter_mut().find(|one| one.name == road_user).map(|one| &mut one.model)
+        }
+        Part::Controller | Part::Dynamics | Part::Sees => {
+            let vehicle = scenario.vehicles.iter_mut().find(|one| one.name == road_user)?;
+            match part {
+                Part::Controller => Some(&mut vehicle.controller),
+                Part::Dynamics => vehicle.dynamics.as_mut(),
+                _ => vehicle.sees.as_mut(),
+            }
+        }
+    }
+}

@@ -1,0 +1,328 @@
+//! `search`: the plausible case that is worst, per individual or over the whole population.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::cases::{SavedCase, SavedSet};
+use super::journal::Record;
+use super::{ExperimentError, Laboratory, Progress, overrides};
+use crate::optimise::{
+    self, Definition, Evaluation, InitialDesign, Measurement, Method, Optimiser, Proposal, SlicePoint,
+    StopReason,
+};
+use crate::plan::{self, derive_seed};
+use crate::run::Outcome;
+use crate::scenario::{self, Assignment, Budget, Case, Goal, Individual, Scenario, Search, WhenUndefined};
+
+/// Runs with fresh seeds that tell how much of a best value was luck.
+const FRESH_RUNS: u32 = 20;
+
+/// Points of a slice through the surrogate.
+const SLICE_STEPS: usize = 101;
+
+/// What a search found.
+#[derive(Debug, Clone, Serialize)]
+pub struct SearchResult {
+    pub name: String,
+    pub objective: String,
+    /// One per individual, or a single one for all.
+    pub found: Vec<Found>,
+    /// The cases to keep, in the order of the individuals.
+    pub kept: SavedSet,
+}
+
+/// The worst that was found for a person (or for everybody).
+#[derive(Debug, Clone, Serialize)]
+pub struct Found {
+    pub individuals: Vec<Individual>,
+    /// Where the best observed value is: one value per dimension, by name.
+    pub best: Option<Vec<(String, optimise::Value)>>,
+    /// The objective there, as observed.
+    pub observed: Option<f64>,
+    /// What the surrogate believes of the same point: mean and standard deviation.
+    pub predicted: Option<(f64, f64)>,
+    /// The objective over fresh seeds at the same point.
+    pub fresh: Option<f64>,
+    /// How many runs of that are defined.
+    pub fresh_runs: u32,
+    pub passed_first: Option<&'static str>,
+    /// Objective of every evaluation in order; `None` where it is undefined.
+    pub evaluations: Vec<(Vec<optimise::Value>, Option<f64>)>,
+    pub stop: Option<StopReason>,
+    /// The surrogate through the best point, one slice per dimension.
+    pub slices: Vec<Vec<SlicePoint>>,
+    /// The runs at the best point that are kept.
+    #[serde(skip)]
+    kept: Vec<SavedCase>,
+}
+
+/// Runs one search to its end.
+///
+/// # Errors
+/// Whatever keeps it from a result; evaluations without a value are not errors but count as undefined.
+pub fn run_search(
+    laboratory: &Laboratory,
+    search: &Search,
+    progress: &dyn Progress,
+) -> Result<SearchResult, ExperimentError> {
+    let mut scenario = laboratory.scenario(&search.scenario)?.clone();
+    if let Some(individuals) = &search.individuals {
+        for pedestrian in scenario.pedestrians.iter_mut().filter(|one| one.individuals.is_some()) {
+            pedestrian.individuals = Some(individuals.clone());
+        }
+        if scenario.pedestrians.iter().all(|one| one.individuals.is_none())
+            && let Some(first) = scenario.pedestrians.first_mut()
+        {
+            first.individuals = Some(individuals.clone());
+        }
+    }
+    let people = plan::select_people(laboratory.suite.seed, &scenario)?;
+    let groups: Vec<Vec<Vec<Individual>>> =
+        if search.together { vec![people] } else { people.into_iter().map(|group| vec![group]).collect() };
+    let hunt = Hunt {
+        laboratory,
+        search,
+        scenario: &scenario,
+        progress,
+        done: AtomicUsize::new(0),
+        all: groups.len() * search.budget.evaluations as usize,
+    };
+    let found: Vec<Found> = groups.par_iter().map(|group| hunt.hunt(group)).collect::<Result<_, _>>()?;
+    let kept = found.iter().flat_map(|one| one.kept.clone()).collect();
+    Ok(SearchResult {
+        name: search.name.clone(),
+        objective: search.objective.text.clone(),
+        kept: SavedSet {
+            name: search.name.clone(),
+            source: format!(
+                "search {} of suite {}, seed {}, scenario-runner {}",
+                search.name,
+                laboratory.suite.name,
+                laboratory.suite.seed,
+                env!("CARGO_PKG_VERSION")
+            ),
+            cases: kept,
+        },
+        found,
+    })
+}
+
+/// The optimiser's definition for a budget.
+pub(super) fn definition(
+    space: optimise::Space,
+    budget: &Budget,
+    goals: Vec<Goal>,
+    constraints: usize,
+    seed: u64,
+) -> Definition {
+    let objectives = goals
+        .iter()
+        .map(|goal| match goal {
+            Goal::Minimise => optimise::Goal::Minimise,
+            Goal::Maximise => optimise::Goal::Maximise,
+        })
+        .collect();
+    Definition {
+        objectives,
+        constraints,
+        budget: budget.evaluations as usize,
+        initial: budget.initial as usize,
+        initial_design: match budget.initial_design {
+            scenario::InitialDesign::Random => InitialDesign::Random,
+            scenario::InitialDesign::Stratified => InitialDesign::Stratified,
+        },
+        method: match budget.method {
+            scenario::Method::Bayesian => Method::Bayesian,
+            scenario::Method::GpMinimizeLike => Method::GpMinimizeLike { penalty: PENALTY },
+            scenario::Method::Random => Method::Random,
+            scenario::Method::LatinHypercube => Method::LatinHypercube,
+            scenario::Method::Sobol => Method::Sobol,
+            scenario::Method::Grid => Method::Grid,
+        },
+        ..Definition::new(space, seed)
+    }
+}
+
+/// What an infeasible evaluation counts as in the reference's method: larger than any time in s.
+const PENALTY: f64 = 1000.0;
+
+/// One search under way.
+struct Hunt<'a> {
+    laboratory: &'a Laboratory<'a>,
+    search: &'a Search,
+    scenario: &'a Scenario,
+    progress: &'a dyn Progress,
+    done: AtomicUsize,
+    all: usize,
+}
+
+impl Hunt<'_> {
+    /// Searches for one group of people, who are all in every evaluation.
+    fn hunt(&self, group: &[Vec<Individual>]) -> Result<Found, ExperimentError> {
+        let suite = self.laboratory.suite;
+        let label = if self.search.together { String::new() } else { plan::people_label(&group[0]) };
+        let name = format!("{}/{}{label}", suite.name, self.search.name);
+        let space = overrides::space(&self.search.over)?;
+        let seed = derive_seed(suite.seed, &name);
+        let goals = vec![self.search.objective.direction];
+        let definition = definition(space, &self.search.budget, goals, 0, seed);
+        let batch = self.search.budget.batch as usize;
+        let inputs = (suite.seed, &name, self.scenario, self.search, group);
+        let mut record =
+            Record::open(self.laboratory.journals.as_deref(), &name, &inputs, &definition, batch)?;
+        let mut optimiser = Optimiser::new(definition)?;
+        let failure = std::sync::Mutex::new(None);
+        optimise::run(&mut optimiser, batch, record.journal(), |proposal| {
+            self.evaluate(&name, group, proposal).unwrap_or_else(|error| {
+                failure.lock().unwrap_or_else(|broken| broken.into_inner()).get_or_insert(error);
+                undefined()
+            })
+        })?;
+        if let Some(error) = failure.into_inner().unwrap_or_else(|broken| broken.into_inner()) {
+            return Err(error);
+        }
+        let found = self.conclude(&name, group, &optimiser)?;
+        record.remove();
+        Ok(found)
+    }
+
+    fn evaluate(
+        &self,
+        name: &str,
+        group: &[Vec<Individual>],
+        proposal: &Proposal,
+    ) -> Result<Evaluation, ExperimentError> {
+        let cases = self.cases(
+            &format!("{name}/evaluation={}", proposal.id),
+            group,
+            &proposal.point,
+            self.search.runs,
+        )?;
+        let outcomes = self.laboratory.run_all(&cases)?;
+        let (value, noise_variance) = self.laboratory.objective(&self.search.objective.aggregate, &outcomes);
+        let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
+        self.progress.evaluated(done, self.all, value);
+        Ok(Evaluation {
+            objectives: vec![Measurement { value, noise_variance }],
+            margins: Vec::new(),
+            repetitions: self.search.runs,
+        })
+    }
+
+    /// The cases of one evaluation: everybody, in every variation that is not searched, `runs` times.
+    fn cases(
+        &self,
+        key: &str,
+        group: &[Vec<Individual>],
+        point: &[optimise::Value],
+        runs: u32,
+    ) -> Result<Vec<Case>, ExperimentError> {
+        let mut scenario = overrides::without_variations(self.scenario, &self.search.over);
+        overrides::apply(&mut scenario, &overrides::settings(&self.search.over, point))?;
+        let fixed = overrides::assignments(&self.search.over, point);
+        let mut cases = Vec::new();
+        for combination in plan::combinations(self.laboratory.suite.seed, &scenario) {
+            let variation: Vec<Assignment> = [fixed.clone(), combination].concat();
+            let labels: String = variation
+                .iter()
+                .map(|assignment| format!("/{}={}", assignment.name, assignment.label))
+                .collect();
+            for people in group {
+                let people_label =
+                    if self.search.together { plan::people_label(people) } else { String::new() };
+                for run in 1..=runs {
+                    let key = format!("{key}{labels}{people_label}/rep={run}");
+                    let seed = derive_seed(self.laboratory.suite.seed, &key);
+                    let people = people.clone();
+                    cases.push(plan::concrete_case(&scenario, key, variation.clone(), people, run, seed)?);
+                }
+            }
+        }
+        Ok(cases)
+    }
+
+    fn conclude(
+        &self,
+        name: &str,
+        group: &[Vec<Individual>],
+        optimiser: &Optimiser,
+    ) -> Result<Found, ExperimentError> {
+        let evaluations = optimiser
+            .trials()
+            .iter()
+            .map(|trial| (trial.point.clone(), trial.evaluation.objectives[0].value))
+            .collect();
+        let mut found = Found {
+            individuals: group.concat(),
+            best: None,
+            observed: None,
+            predicted: None,
+            fresh: None,
+            fresh_runs: 0,
+            passed_first: None,
+            evaluations,
+            stop: optimiser.stop_reason(),
+            slices: Vec::new(),
+            kept: Vec::new(),
+        };
+        let Some(best) = optimiser.best_observed() else { return Ok(found) };
+        let names = self.search.over.iter().map(|range| range.target.to_string());
+        found.best = Some(names.zip(best.point.iter().cloned()).collect());
+        found.observed = best.evaluation.objectives[0].value;
+        // A surrogate that cannot be fitted leaves these parts of the report empty, not the search without a result.
+        let predictions = optimiser.predictions().unwrap_or_default();
+        found.predicted =
+            predictions.iter().find(|one| one.point == best.point).map(|one| (one.mean, one.deviation));
+        for dimension in 0..self.search.over.len() {
+            found
+                .slices
+                .push(optimiser.surrogate_slice(dimension, &best.point, SLICE_STEPS).unwrap_or_default());
+        }
+        let evaluation_key = format!("{name}/evaluation={}", best.id);
+        let cases = self.cases(&evaluation_key, group, &best.point, self.search.runs)?;
+        let outcomes = self.laboratory.run_all(&cases)?;
+        found.passed_first = outcomes.first().and_then(|outcome| self.laboratory.passed_first(outcome));
+        found.kept = self.kept(&best.point, &cases, &outcomes);
+        let fresh = self.cases(&format!("{name}/fresh"), group, &best.point, FRESH_RUNS)?;
+        let outcomes = self.laboratory.run_all(&fresh)?;
+        found.fresh = self.laboratory.objective(&self.search.objective.aggregate, &outcomes).0;
+        let metric = self.search.objective.aggregate.metric();
+        found.fresh_runs = self.laboratory.values(metric, &outcomes).iter().flatten().count() as u32;
+        Ok(found)
+    }
+
+    /// The runs at the best point that the search was to keep; without a condition all of them.
+    fn kept(&self, point: &[optimise::Value], cases: &[Case], outcomes: &[Outcome]) -> Vec<SavedCase> {
+        let keeps = |outcome: &Outcome| {
+            let Some(keep) = &self.search.keep else { return true };
+            let outcome = std::slice::from_ref(outcome);
+            match self.laboratory.values(&keep.metric, outcome)[0] {
+                Some(value) => keep.relation.holds(value, keep.constant_bound()),
+                None => keep.when_undefined == WhenUndefined::Passes,
+            }
+        };
+        let values = self.laboratory.values(self.search.objective.aggregate.metric(), outcomes);
+        let settings = overrides::settings(&self.search.over, point);
+        let runs = cases.iter().zip(outcomes).zip(values).filter(|((_, outcome), _)| keeps(outcome));
+        let saved = runs.map(|((case, _), value)| SavedCase {
+            key: case.key.clone(),
+            scenario: case.scenario.clone(),
+            variation: case.variation.clone(),
+            settings: settings.clone(),
+            individuals: case.individuals.clone(),
+            seed: case.seed,
+            value,
+        });
+        saved.collect()
+    }
+}
+
+fn undefined() -> Evaluation {
+    Evaluation {
+        objectives: vec![Measurement { value: None, noise_variance: None }],
+        margins: Vec::new(),
+        repetitions: 1,
+    }
+}

@@ -1,0 +1,276 @@
+//! `tune`: controller parameters that are best on a set of cases, under constraints that hold in every run.
+
+use std::collections::HashMap;
+use std::path::Path;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use serde::Serialize;
+
+use super::cases::{CaseFile, SavedCase, SavedSet};
+use super::evaluate::MetricSummary;
+use super::journal::Record;
+use super::search::definition;
+use super::{ExperimentError, Laboratory, Progress, overrides};
+use crate::optimise::{self, Evaluation, Margin, Measurement, Optimiser, Proposal, SlicePoint, StopReason};
+use crate::plan::derive_seed;
+use crate::run::Outcome;
+use crate::scenario::{Case, CaseSet, Target, Tune, Value};
+use crate::sim::random::Stream;
+
+/// Points of a slice through the surrogate.
+const SLICE_STEPS: usize = 101;
+
+/// What a tune came to.
+#[derive(Debug, Clone, Serialize)]
+pub struct TuneResult {
+    pub name: String,
+    pub objectives: Vec<String>,
+    /// In canonical words.
+    pub constraints: Vec<String>,
+    /// Number of cases in the set.
+    pub cases: usize,
+    /// The parameters that are tuned, as a scenario would name them.
+    pub parameters: Vec<String>,
+    /// The chosen candidate; `None` if no candidate was ever feasible.
+    pub chosen: Option<Candidate>,
+    /// With two objectives: the candidates that no other beats in both.
+    pub pareto: Vec<Candidate>,
+    /// Every candidate in order.
+    pub evaluations: Vec<Candidate>,
+    pub stop: Option<StopReason>,
+    /// The surrogate of the first objective through the chosen candidate, one slice per parameter.
+    pub slices: Vec<Vec<SlicePoint>>,
+    /// What the scenarios declare against the chosen candidate.
+    pub comparison: Option<Comparison>,
+}
+
+/// Values of the parameters with what they give on the set.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Candidate {
+    pub point: Vec<optimise::Value>,
+    pub objectives: Vec<Option<f64>>,
+    /// Worst margin over the set per constraint; negative is violated, `None` cannot be said.
+    pub margins: Vec<Option<f64>>,
+    pub feasible: bool,
+}
+
+/// Before and after, on the same runs and on fresh ones.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Comparison {
+    pub before: Vec<MetricSummary>,
+    pub after: Vec<MetricSummary>,
+    /// The same cases with other seeds: what remains once the luck of the selection is gone.
+    pub before_fresh: Vec<MetricSummary>,
+    pub after_fresh: Vec<MetricSummary>,
+    /// Whether the chosen candidate keeps every constraint on the fresh runs too.
+    pub feasible_fresh: bool,
+}
+
+/// Runs one tune to its end. `found` holds the sets that searches have kept so far, by name.
+///
+/// # Errors
+/// Whatever keeps it from a result; that no candidate is feasible is a result.
+pub fn run_tune(
+    laboratory: &Laboratory,
+    tune: &Tune,
+    found: &HashMap<String, SavedSet>,
+    progress: &dyn Progress,
+) -> Result<TuneResult, ExperimentError> {
+    let cases = case_set(laboratory, tune, found)?;
+    let bench = Bench { laboratory, tune, cases, progress, done: AtomicUsize::new(0) };
+    bench.run()
+}
+
+/// The cases that a tune is judged on.
+fn case_set(
+    laboratory: &Laboratory,
+    tune: &Tune,
+    found: &HashMap<String, SavedSet>,
+) -> Result<Vec<SavedCase>, ExperimentError> {
+    let (name, cases) = match &tune.on {
+        CaseSet::Search(name) => (name, found.get(name).map(|set| set.cases.clone()).unwrap_or_default()),
+        CaseSet::Scenario(name) => (name, laboratory.cases_of(name)?),
+        CaseSet::Sample { scenario, count } => {
+            let mut cases = laboratory.cases_of(scenario)?;
+            let mut stream =
+                Stream::seeded(derive_seed(laboratory.suite.seed, &format!("{} sample", tune.name)));
+            let wanted = (*count as usize).min(cases.len());
+            for first in 0..wanted {
+                let other = first + stream.index(cases.len() - first);
+                cases.swap(first, other);
+            }
+            cases.truncate(wanted);
+            (scenario, cases)
+        }
+        CaseSet::Saved(path) => (path, CaseFile::read(Path::new(path))?.cases),
+    };
+    if cases.is_empty() { Err(ExperimentError::EmptySet(name.clone())) } else { Ok(cases) }
+}
+
+/// One tune under way.
+struct Bench<'a> {
+    laboratory: &'a Laboratory<'a>,
+    tune: &'a Tune,
+    cases: Vec<SavedCase>,
+    progress: &'a dyn Progress,
+    done: AtomicUsize,
+}
+
+impl Bench<'_> {
+    fn run(&self) -> Result<TuneResult, ExperimentError> {
+        let (suite, tune) = (self.laboratory.suite, self.tune);
+        let name = format!("{}/{}", suite.name, tune.name);
+        let goals = tune.objectives.iter().map(|objective| objective.direction).collect();
+        let space = overrides::space(&tune.over)?;
+        let seed = derive_seed(suite.seed, &name);
+        let definition = definition(space, &tune.budget, goals, tune.constraints.len(), seed);
+        let batch = tune.budget.batch as usize;
+        let inputs = (suite.seed, &suite.scenarios, tune, &self.cases);
+        let mut record =
+            Record::open(self.laboratory.journals.as_deref(), &name, &inputs, &definition, batch)?;
+        let mut optimiser = Optimiser::new(definition)?;
+        let failure = Mutex::new(None);
+        optimise::run(&mut optimiser, batch, record.journal(), |proposal| {
+            self.evaluate(proposal).unwrap_or_else(|error| {
+                failure.lock().unwrap_or_else(|broken| broken.into_inner()).get_or_insert(error);
+                self.undefined()
+            })
+        })?;
+        if let Some(error) = failure.into_inner().unwrap_or_else(|broken| broken.into_inner()) {
+            return Err(error);
+        }
+        let result = self.conclude(&optimiser)?;
+        record.remove();
+        Ok(result)
+    }
+
+    fn evaluate(&self, proposal: &Proposal) -> Result<Evaluation, ExperimentError> {
+        let settings = overrides::settings(&self.tune.over, &proposal.point);
+        let evaluation = if self.tune.early_stop && !self.tune.constraints.is_empty() {
+            self.evaluate_until_violated(&settings)?
+        } else {
+            let outcomes = self.laboratory.run_all(&self.cases(&settings, false)?)?;
+            self.evaluation(&outcomes, false)
+        };
+        let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
+        let best = evaluation.objectives[0].value.filter(|_| is_feasible(&evaluation));
+        self.progress.evaluated(done, self.tune.budget.evaluations as usize, best);
+        Ok(evaluation)
+    }
+
+    /// Algorithm 1 of the founding paper: the first violation ends the evaluation of a candidate.
+    fn evaluate_until_violated(&self, settings: &[(Target, Value)]) -> Result<Evaluation, ExperimentError> {
+        let mut outcomes = Vec::with_capacity(self.cases.len());
+        for case in self.cases(settings, false)? {
+            outcomes.push(self.laboratory.run_one(&case)?);
+            let last = &outcomes[outcomes.len() - 1..];
+            let violated =
+                |constraint| self.laboratory.margin(constraint, last).is_none_or(|margin| margin < 0.0);
+            if self.tune.constraints.iter().any(violated) {
+                return Ok(self.evaluation(&outcomes, outcomes.len() < self.cases.len()));
+            }
+        }
+        Ok(self.evaluation(&outcomes, false))
+    }
+
+    fn evaluation(&self, outcomes: &[Outcome], abandoned: bool) -> Evaluation {
+        let objective = |objective: &crate::scenario::Objective| {
+            let (value, noise_variance) = self.laboratory.objective(&objective.aggregate, outcomes);
+            // Of a part of the set an objective says nothing.
+            let value = value.filter(|_| !abandoned);
+            Measurement { value, noise_variance: noise_variance.filter(|_| value.is_some()) }
+        };
+        let margin =
+            |constraint| Margin { value: self.laboratory.margin(constraint, outcomes), censored: abandoned };
+        Evaluation {
+            objectives: self.tune.objectives.iter().map(objective).collect(),
+            margins: self.tune.constraints.iter().map(margin).collect(),
+            repetitions: 1,
+        }
+    }
+
+    fn undefined(&self) -> Evaluation {
+        let (measurement, margin) =
+            (Measurement { value: None, noise_variance: None }, Margin { value: None, censored: false });
+        Evaluation {
+            objectives: vec![measurement; self.tune.objectives.len()],
+            margins: vec![margin; self.tune.constraints.len()],
+            repetitions: 1,
+        }
+    }
+
+    /// The set's cases with these settings: the same seeds for every candidate, or fresh ones.
+    fn cases(&self, settings: &[(Target, Value)], fresh: bool) -> Result<Vec<Case>, ExperimentError> {
+        let revive = |(index, saved): (usize, &SavedCase)| {
+            let key = format!("{}/{}/case={}", self.laboratory.suite.name, self.tune.name, index + 1);
+            let seed = fresh.then(|| derive_seed(self.laboratory.suite.seed, &format!("{key}/fresh")));
+            self.laboratory.revive(saved, settings, key, seed)
+        };
+        self.cases.iter().enumerate().map(revive).collect()
+    }
+
+    fn conclude(&self, optimiser: &Optimiser) -> Result<TuneResult, ExperimentError> {
+        let tune = self.tune;
+        let candidate = |trial: &optimise::Trial| Candidate {
+            point: trial.point.clone(),
+            objectives: trial.evaluation.objectives.iter().map(|one| one.value).collect(),
+            margins: trial.evaluation.margins.iter().map(|one| one.value).collect(),
+            feasible: trial.is_feasible(),
+        };
+        // The predicted best among what was seen to be feasible; where no surrogate can be fitted, the observed best.
+        let predicted = optimiser.best_predicted().ok().flatten();
+        let chosen = predicted
+            .and_then(|one| optimiser.trials().iter().find(|trial| trial.id == one.id && trial.is_feasible()))
+            .or_else(|| optimiser.best_observed());
+        let mut slices = Vec::new();
+        let mut comparison = None;
+        if let Some(best) = chosen {
+            for dimension in 0..tune.over.len() {
+                slices
+                    .push(optimiser.surrogate_slice(dimension, &best.point, SLICE_STEPS).unwrap_or_default());
+            }
+            if tune.compare_with_default {
+                comparison = Some(self.compare(&overrides::settings(&tune.over, &best.point))?);
+            }
+        }
+        Ok(TuneResult {
+            name: tune.name.clone(),
+            objectives: tune.objectives.iter().map(|objective| objective.text.clone()).collect(),
+            constraints: tune.constraints.iter().map(|one| one.text()).collect(),
+            cases: self.cases.len(),
+            parameters: tune.over.iter().map(|range| range.target.to_string()).collect(),
+            chosen: chosen.map(candidate),
+            pareto: if tune.objectives.len() > 1 {
+                optimiser.pareto_front().into_iter().map(candidate).collect()
+            } else {
+                Vec::new()
+            },
+            evaluations: optimiser.trials().iter().map(candidate).collect(),
+            stop: optimiser.stop_reason(),
+            slices,
+            comparison,
+        })
+    }
+
+    fn compare(&self, chosen: &[(Target, Value)]) -> Result<Comparison, ExperimentError> {
+        let outcomes = |settings: &[(Target, Value)], fresh| {
+            let cases = self.cases(settings, fresh)?;
+            self.laboratory.run_all(&cases)
+        };
+        let after_fresh = outcomes(chosen, true)?;
+        let keeps =
+            |constraint| self.laboratory.margin(constraint, &after_fresh).is_some_and(|margin| margin >= 0.0);
+        Ok(Comparison {
+            before: self.laboratory.summaries(&outcomes(&[], false)?),
+            after: self.laboratory.summaries(&outcomes(chosen, false)?),
+            before_fresh: self.laboratory.summaries(&outcomes(&[], true)?),
+            feasible_fresh: self.tune.constraints.iter().all(keeps),
+            after_fresh: self.laboratory.summaries(&after_fresh),
+        })
+    }
+}
+
+fn is_feasible(evaluation: &Evaluation) -> bool {
+    evaluation.margins.iter().all(|margin| margin.value.is_some_and(|value| value >= 0.0))
+}

@@ -1,0 +1,166 @@
+//! The registries as Markdown: the generated part of every page in `docs/models/`.
+
+use std::fmt::Write;
+
+use super::format::with_unit;
+use crate::pedestrian::MODELS;
+use crate::scenario::{Declaration, Dimension, Literal, Parameter, ParameterKind, PresetFamily};
+use crate::vehicle::{CONTROLLERS, DYNAMICS, PERCEPTION};
+
+/// A page about one registered model.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ModelPage {
+    /// `pedestrian`, `controller`, `dynamics` or `perception`.
+    pub kind: &'static str,
+    pub name: &'static str,
+    pub summary: &'static str,
+    /// Everything that the registry knows of it, as Markdown.
+    pub reference: String,
+}
+
+impl ModelPage {
+    fn new(kind: &'static str, declaration: &Declaration, facts: &[String]) -> Self {
+        let reference = reference(declaration, facts);
+        Self { kind, name: declaration.name, summary: declaration.summary, reference }
+    }
+
+    /// Without folder, such as `controller-carla_behavior.md`.
+    pub fn file_name(&self) -> String {
+        format!("{}-{}.md", self.kind, self.name)
+    }
+}
+
+/// One page for every pedestrian model, controller, vehicle dynamics, and perception, in the registries' order.
+pub fn model_pages() -> Vec<ModelPage> {
+    let pedestrians = MODELS.iter().map(|model| {
+        let people =
+            model.takes_individuals.then(|| "Parameter sets may come from a population.".to_string());
+        ModelPage::new("pedestrian", &model.declaration, people.as_slice())
+    });
+    let controllers = CONTROLLERS.iter().map(|model| {
+        let dynamics = format!("Drives `{}` unless told otherwise.", model.default_dynamics);
+        ModelPage::new("controller", &model.declaration, &[dynamics])
+    });
+    let dynamics = DYNAMICS.iter().map(|model| {
+        let (length, width) = model.size;
+        let size = format!(
+            "Length {}, width {} unless told otherwise.",
+            with_unit(length, Dimension::LENGTH),
+            with_unit(width, Dimension::LENGTH)
+        );
+        ModelPage::new("dynamics", &model.declaration, &[size])
+    });
+    let perception = ModelPage::new("perception", &PERCEPTION, &[]);
+    pedestrians.chain(controllers).chain(dynamics).chain([perception]).collect()
+}
+
+fn reference(one: &Declaration, facts: &[String]) -> String {
+    let mut text = format!("{}\n\nSource: {}.\n", one.summary, one.source.trim_end_matches('.'));
+    for fact in facts {
+        write!(text, "\n{fact}\n").expect("writing to a string cannot fail");
+    }
+    if let Some(family) = one.presets {
+        text.push_str(&presets(one, &family));
+    }
+    if !one.parameters.is_empty() {
+        text.push_str(
+            "\n### Parameters\n\n| name | default | range | meaning | source |\n|---|---|---|---|---|\n",
+        );
+    }
+    for parameter in one.parameters {
+        let (default, range) = default_and_range(parameter);
+        let cells = [
+            format!("`{}`", parameter.name),
+            default,
+            range,
+            parameter.doc.to_string(),
+            parameter.source.to_string(),
+        ];
+        text.push_str(&row(&cells));
+    }
+    for parameter in one.parameters {
+        if let ParameterKind::Choice { options, .. } = parameter.kind {
+            write!(text, "\n`{}`\n\n", parameter.name).expect("writing to a string cannot fail");
+            for option in options {
+                writeln!(text, "- `{}`: {}", option.name, option.doc)
+                    .expect("writing to a string cannot fail");
+            }
+        }
+    }
+    text
+}
+
+fn presets(one: &Declaration, family: &PresetFamily) -> String {
+    let mut text = format!(
+        "\n### Presets: `{}` (default `{}`)\n\n| name | meaning | values |\n|---|---|---|\n",
+        family.word, family.default
+    );
+    for preset in family.presets {
+        let values: Vec<_> = preset
+            .values
+            .iter()
+            .map(|(name, value)| format!("`{name}` {}", literal(one.parameter(name), *value)))
+            .collect();
+        let values = if values.is_empty() { "the defaults below".to_string() } else { values.join(", ") };
+        text.push_str(&row(&[format!("`{}`", preset.name), preset.doc.to_string(), values]));
+    }
+    text
+}
+
+fn literal(parameter: Option<&Parameter>, value: Literal) -> String {
+    match (value, parameter.map(|parameter| parameter.kind)) {
+        (Literal::Number(number), Some(ParameterKind::Number { dimension, .. })) => {
+            with_unit(number, dimension)
+        }
+        (Literal::Number(number), _) => with_unit(number, Dimension::NUMBER),
+        (Literal::Flag(flag), _) => flag.to_string(),
+        (Literal::Word(word), _) => word.to_string(),
+    }
+}
+
+fn default_and_range(parameter: &Parameter) -> (String, String) {
+    let between = |low: String, high: String| format!("{low} .. {high}");
+    match parameter.kind {
+        ParameterKind::Number { dimension, default, range: (low, high) } => {
+            let show = |number| with_unit(number, dimension);
+            (default.map_or_else(|| "not set".to_string(), show), between(show(low), show(high)))
+        }
+        ParameterKind::Whole { default, range: (low, high) } => {
+            (default.to_string(), between(low.to_string(), high.to_string()))
+        }
+        ParameterKind::Flag { default } => (default.to_string(), "true, false".to_string()),
+        ParameterKind::Choice { default, options } => {
+            let names: Vec<_> = options.iter().map(|option| format!("`{}`", option.name)).collect();
+            (format!("`{default}`"), names.join(", "))
+        }
+        ParameterKind::Text { default: "" } => ("not set".to_string(), "text".to_string()),
+        ParameterKind::Text { default } => (format!("`{default}`"), "text".to_string()),
+    }
+}
+
+fn row(cells: &[String]) -> String {
+    let escaped: Vec<_> = cells.iter().map(|cell| cell.replace('|', "\\|")).collect();
+    format!("| {} |\n", escaped.join(" | "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_page_has_all_that_is_declared() {
+        let pages = model_pages();
+        let page = pages.iter().find(|page| page.name == "delay_lag").unwrap();
+        assert_eq!(page.file_name(), "dynamics-delay_lag.md");
+        insta::assert_snapshot!(page.reference);
+    }
+
+    #[test]
+    fn file_names_are_unique() {
+        let mut names: Vec<_> = model_pages().iter().map(ModelPage::file_name).collect();
+        let count = names.len();
+        names.sort();
+        names.dedup();
+        assert_eq!(names.len(), count);
+    }
+}
