@@ -6,6 +6,7 @@ mod exit;
 mod load;
 mod models;
 mod progress;
+mod record;
 mod replay;
 mod run;
 

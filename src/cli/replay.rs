@@ -8,11 +8,11 @@ use clap::Args;
 
 use super::Exit;
 use super::load::{self, Loaded};
+use super::record::{Recorded, record};
 use crate::plan::Plan;
 use crate::report::{render_replay, write_trace};
-use crate::run::{FreeFlows, Requests, run_case};
+use crate::run::{FreeFlows, Requests};
 use crate::scenario::Case;
-use crate::sim::{Observer, Snapshot, Step, Timeline, Trace};
 
 #[derive(Debug, Args)]
 pub struct ReplayArguments {
@@ -70,18 +70,17 @@ pub fn replay(arguments: &ReplayArguments) -> Exit {
 fn replay_case(arguments: &ReplayArguments, plan: &Plan, case: &Case) -> Exit {
     let mut requests = Requests::defaults();
     plan.trials.iter().for_each(|trial| requests.include(&trial.criteria));
-    let mut watchers = Watchers { timeline: Timeline::new(&case.world), trace: Trace::default() };
-    let outcome = match run_case(case, &requests, &FreeFlows::default(), &mut watchers) {
-        Ok(outcome) => outcome,
+    let Recorded { outcome, trace, events } = match record(case, &requests, &FreeFlows::default()) {
+        Ok(recorded) => recorded,
         Err(error) => {
             eprintln!("error: {}: {error}", case.key);
             return Exit::Scenario;
         }
     };
-    print!("{}", render_replay(case, &outcome, &watchers.timeline.into_events(), &requests));
+    print!("{}", render_replay(case, &outcome, &events, &requests));
     if let Some(path) = &arguments.trace {
         let written = fs::File::create(path)
-            .and_then(|file| write_trace(&case.world, &watchers.trace, io::BufWriter::new(file)));
+            .and_then(|file| write_trace(&case.world, &trace, io::BufWriter::new(file)));
         if let Err(error) = written {
             eprintln!("error: cannot write {}: {error}", path.display());
             return Exit::Output;
@@ -117,21 +116,4 @@ fn find<'a>(loaded: &'a [Loaded], key: &str) -> Result<(&'a Plan, &'a Case), Opt
         let similarity = |known: &str| (strsim::normalized_levenshtein(known, key) * 1e6) as u64;
         cases().map(|(_, case)| case.key.as_str()).max_by_key(|known| similarity(known))
     })
-}
-
-struct Watchers<'a> {
-    timeline: Timeline<'a>,
-    trace: Trace,
-}
-
-impl Observer for Watchers<'_> {
-    fn begin(&mut self, start: &Snapshot) {
-        self.timeline.begin(start);
-        self.trace.begin(start);
-    }
-
-    fn observe(&mut self, step: &Step) {
-        self.timeline.observe(step);
-        self.trace.observe(step);
-    }
 }

@@ -1,5 +1,6 @@
 //! `scenario-runner FILES`: runs suites, reports every trial, writes the reports that were asked for.
 
+use std::collections::HashMap;
 use std::fs;
 use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
@@ -8,14 +9,17 @@ use std::time::{Duration, Instant, SystemTime};
 
 use clap::{Args, ValueEnum};
 use libtest_mimic::{Arguments, ColorSetting, Failed};
+use rayon::prelude::*;
 
 use super::Exit;
 use super::load::{self, Loaded};
 use super::progress::Progress;
+use super::record::record;
 use crate::judge::{Verdict, judge};
 use crate::plan::Trial;
 use crate::report::{
-    SuiteIdentity, SuiteReport, TrialReport, TrialState, render_failure, to_json, to_junit, write_trace,
+    Chosen, Recording, SuiteIdentity, SuiteReport, TrialReport, TrialState, choose_runs, render_failure,
+    to_html, to_json, to_junit, write_trace,
 };
 use crate::run::{FreeFlows, Outcome, Requests, RunError, Unwatched, run_case, run_trial};
 use crate::scenario::Case;
@@ -54,6 +58,10 @@ pub struct RunArguments {
     /// Write all results as JSON.
     #[arg(long, value_name = "PATH")]
     json: Option<PathBuf>,
+
+    /// Write one HTML file with tables, charts and animations of the worst runs.
+    #[arg(long, value_name = "PATH")]
+    html: Option<PathBuf>,
 
     /// Write the course of every run as CSV into this folder.
     #[arg(long, value_name = "DIR")]
@@ -318,6 +326,32 @@ impl Session {
             to_junit(reports, &self.requests).map_err(|error| error.to_string())
         });
         write(&self.arguments.json, &|| Ok(to_json(reports, &self.requests)));
+        write(&self.arguments.html, &|| self.html(reports));
+    }
+
+    /// The HTML report, for which some runs are run again to record their course.
+    fn html(&self, reports: &[SuiteReport]) -> Result<String, String> {
+        let chosen: Vec<_> = reports.iter().flat_map(choose_runs).collect();
+        let outcomes: HashMap<&str, (&Case, &Outcome)> = reports
+            .iter()
+            .flat_map(|report| &report.trials)
+            .flat_map(|trial| trial.trial.cases.iter().zip(&trial.outcomes))
+            .map(|(case, outcome)| (case.key.as_str(), (case, outcome)))
+            .collect();
+        let again = |chosen: Chosen| {
+            let (case, outcome) = outcomes[chosen.key.as_str()];
+            let recorded =
+                record(case, &self.requests, &self.free_flows).map_err(|error| error.to_string())?;
+            if recorded.outcome.fingerprint != outcome.fingerprint {
+                return Err(format!(
+                    "{} went differently when it was repeated: please report this",
+                    case.key
+                ));
+            }
+            Ok((chosen, Recording::new(case, &recorded.trace, recorded.events)))
+        };
+        let recordings: Vec<_> = chosen.into_par_iter().map(again).collect::<Result<_, String>>()?;
+        Ok(to_html(reports, &self.requests, &recordings))
     }
 
     fn print_summary(&self, reports: &[SuiteReport]) {

@@ -3,12 +3,12 @@
 use chrono::{DateTime, Utc};
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 
+use super::digest::Digest;
 use super::failure::render_failure;
-use super::format::quantity;
 use super::replay::replay_command;
 use super::{SuiteReport, TrialReport, TrialState};
 use crate::judge::Verdict;
-use crate::metrics::{self, MetricKind};
+use crate::metrics;
 use crate::run::Requests;
 
 /// The report as an XML document. A failed criterion is a failure; a trial that could not run is an error.
@@ -73,8 +73,7 @@ fn test_case(report: &SuiteReport, trial: &TrialReport, class: &str, requests: &
     property("runs", &trial.outcomes.len().to_string());
     for (index, reference) in requests.iter().enumerate() {
         let Some(metric) = metrics::metric(&reference.name) else { continue };
-        let values: Vec<f64> = trial.outcomes.iter().filter_map(|outcome| outcome.metrics[index]).collect();
-        property(&reference.label(), &summary(metric, &values, trial.outcomes.len()));
+        property(&reference.label(), &Digest::new(metric, &trial.outcomes, index).long());
     }
     let worst = match &trial.state {
         TrialState::Judged(judged) => judged.findings.iter().flat_map(|finding| &finding.worst).next(),
@@ -84,36 +83,6 @@ fn test_case(report: &SuiteReport, trial: &TrialReport, class: &str, requests: &
         property("replay", &replay_command(&report.identity, key));
     }
     case
-}
-
-/// A metric over a trial's runs: the value of one run, the range of several, the share of a flag.
-fn summary(metric: &metrics::Metric, values: &[f64], runs: usize) -> String {
-    let defined =
-        if values.len() < runs { format!(" in {} of {runs} runs", values.len()) } else { String::new() };
-    let (Some(low), Some(high)) =
-        (values.iter().copied().reduce(f64::min), values.iter().copied().reduce(f64::max))
-    else {
-        return "undefined".to_string();
-    };
-    if low == high {
-        return format!("{}{defined}", quantity(metric, Some(low)));
-    }
-    match metric.kind {
-        MetricKind::Flag => {
-            format!("yes in {} of {runs} runs", values.iter().filter(|value| **value != 0.0).count())
-        }
-        MetricKind::Category(words) => {
-            let counts = words.iter().enumerate().map(|(index, word)| {
-                format!("{word} {}", values.iter().filter(|value| **value as usize == index).count())
-            });
-            counts.collect::<Vec<_>>().join(", ")
-        }
-        MetricKind::Quantity(_) => {
-            let mean = values.iter().sum::<f64>() / values.len() as f64;
-            let show = |value| quantity(metric, Some(value));
-            format!("min {}, mean {}, max {}{defined}", show(low), show(mean), show(high))
-        }
-    }
 }
 
 fn first_line(text: &str) -> &str {

@@ -1,15 +1,24 @@
 //! Results for people and machines: one file a format.
 
+pub mod chart;
+mod digest;
 mod excerpt;
 mod failure;
 pub mod findings;
+mod figures;
+mod finding;
+#[cfg(test)]
+mod fixture;
 mod format;
+mod html;
 mod json;
 mod junit;
 mod models;
 mod pages;
+mod recording;
 mod replay;
 mod trace;
+mod variable;
 
 use std::time::Duration;
 
@@ -19,11 +28,14 @@ use crate::run::Outcome;
 
 pub use excerpt::Excerpt;
 pub use failure::render_failure;
+pub use figures::{Figure, figures};
 pub use format::{quantity, share};
+pub use html::{Chosen, choose_runs, to_html};
 pub use json::to_json;
 pub use junit::to_junit;
 pub use models::{registered_names, render_model, render_models};
 pub use pages::{ModelPage, model_pages};
+pub use recording::{PairCourse, Place, Recording};
 pub use replay::{render_replay, replay_command};
 pub use trace::write_trace;
 

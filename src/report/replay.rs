@@ -54,7 +54,8 @@ pub fn render_replay(case: &Case, outcome: &Outcome, events: &[Event], requests:
     text
 }
 
-fn describe(what: &Happening) -> String {
+/// An event in words, without when and who.
+pub fn describe(what: &Happening) -> String {
     let speed = |value: f64| with_unit(value, Dimension::SPEED);
     match what {
         Happening::Appears => "appears".to_string(),

@@ -1,0 +1,88 @@
+//! A metric against a variation: one marker per individual, and the courses of some with mean and range.
+
+use super::look::{First, Look};
+use super::panel::{Axis, Panel, Quantity, Rule};
+use super::scale::nice_range;
+
+/// A scatter chart, such as each individual's smallest post-encroachment time against the time to arrival that it was
+/// found at.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Individuals {
+    pub title: String,
+    pub x: Quantity,
+    pub y: Quantity,
+    pub points: Vec<Found>,
+    /// Drawn below the points.
+    pub courses: Vec<Course>,
+    pub rules: Vec<Rule>,
+}
+
+/// One individual (or run) and the variation's value that it was found at.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Found {
+    pub x: f64,
+    pub y: f64,
+    pub first: First,
+    pub name: String,
+}
+
+/// A metric over a variation: its mean and range over repetitions.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Course {
+    pub name: String,
+    /// `(x, smallest, mean, largest)` in order of x.
+    pub points: Vec<(f64, f64, f64, f64)>,
+}
+
+impl Individuals {
+    pub fn to_svg(&self) -> String {
+        let places = self.points.iter().map(|point| point.x);
+        let x = nice_range(places.chain(self.courses.iter().flat_map(|course| &course.points).map(|p| p.0)));
+        let values = self.points.iter().map(|point| point.y).chain(self.rules.iter().map(|rule| rule.value));
+        let reaches = self.courses.iter().flat_map(|course| &course.points).flat_map(|p| [p.1, p.3]);
+        let y = nice_range(values.chain(reaches));
+        let labels = (self.x.label(), self.y.label());
+        let description = format!("{} against {}", labels.1, labels.0);
+        let axis = Axis::Numbers { range: x };
+        let mut panel = Panel::new(&self.title, &description, (&labels.0, &labels.1), axis, y);
+        for (index, course) in self.courses.iter().enumerate() {
+            // The first looks are taken by who passed first.
+            let look = Look::series(index + 2);
+            let band: Vec<_> = course.points.iter().map(|(x, low, _, high)| (*x, *low, *high)).collect();
+            panel.band(&band, look);
+            panel.line(course.points.iter().map(|(x, _, mean, _)| (*x, *mean)), look, &course.name);
+        }
+        for rule in &self.rules {
+            panel.rule(rule);
+        }
+        for point in &self.points {
+            let title = format!("{} at {} {}", self.y.show(point.y), self.x.show(point.x), point.name);
+            panel.marker(point.x, point.y, 0.0, point.first.look(), title.trim_end());
+        }
+        panel.finish()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn draws_points_over_courses() {
+        let chart = Individuals {
+            title: "low_pet".into(),
+            x: Quantity::new("tta", "s"),
+            y: Quantity::new("pet", "s"),
+            points: vec![
+                Found { x: 7.5, y: 1.2, first: First::Pedestrian, name: "individual 3".into() },
+                Found { x: 16.0, y: 4.1, first: First::Vehicle, name: "individual 8".into() },
+            ],
+            courses: vec![Course {
+                name: "individual 3".into(),
+                points: vec![(6.0, 1.0, 1.4, 1.9), (10.0, 1.2, 1.9, 2.5), (18.0, 3.0, 3.5, 4.0)],
+            }],
+            rules: vec![Rule { value: 1.5, label: "1.5 s".into() }],
+        };
+        insta::assert_snapshot!(chart.to_svg());
+    }
+}

@@ -1,0 +1,93 @@
+//! From data to pixels, with ticks at round numbers.
+
+use crate::scenario::significant;
+
+/// A linear map from data to pixels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Scale {
+    low: f64,
+    high: f64,
+    from: f64,
+    to: f64,
+}
+
+impl Scale {
+    /// Maps `low` to `from` and `high` to `to`.
+    pub fn new((low, high): (f64, f64), (from, to): (f64, f64)) -> Self {
+        Self { low, high, from, to }
+    }
+
+    pub fn at(&self, value: f64) -> f64 {
+        self.from + (value - self.low) / (self.high - self.low) * (self.to - self.from)
+    }
+}
+
+/// An interval that holds all of `values` with a little air, ends at round numbers and is never empty.
+pub fn nice_range(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    for value in values.into_iter().filter(|value| value.is_finite()) {
+        (low, high) = (low.min(value), high.max(value));
+    }
+    if low > high {
+        return (0.0, 1.0);
+    }
+    if low == high {
+        let room = if low == 0.0 { 1.0 } else { low.abs() / 2.0 };
+        (low, high) = (low - room, high + room);
+    }
+    // Quantities that begin near zero are read against zero.
+    if low > 0.0 && low < 0.4 * high {
+        low = 0.0;
+    }
+    let step = step(low, high, 5);
+    ((low / step).floor() * step, (high / step).ceil() * step)
+}
+
+/// Round numbers within the interval, about `about` of them.
+pub fn ticks(low: f64, high: f64, about: usize) -> Vec<f64> {
+    let step = step(low, high, about);
+    let (first, last) = ((low / step - 1e-9).ceil() as i64, (high / step + 1e-9).floor() as i64);
+    (first..=last).map(|index| index as f64 * step).collect()
+}
+
+/// A tick's number without rounding noise.
+pub fn tick_label(value: f64) -> String {
+    significant(value, 6)
+}
+
+/// 1, 2 or 5 times a power of ten, so that the interval has about `about` steps.
+fn step(low: f64, high: f64, about: usize) -> f64 {
+    let rough = (high - low) / about.max(1) as f64;
+    let power = 10f64.powf(rough.log10().floor());
+    let factor = [1.0, 2.0, 5.0, 10.0].into_iter().find(|factor| factor * power >= rough * 0.999);
+    factor.unwrap_or(10.0) * power
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    #[test]
+    fn ticks_are_round() {
+        assert_eq!(ticks(0.0, 1.0, 5), [0.0, 0.2, 0.4, 0.6000000000000001, 0.8, 1.0]);
+        assert_eq!(ticks(6.0, 18.0, 5), [10.0, 15.0]);
+        assert_eq!(tick_label(0.6000000000000001), "0.6");
+        assert_eq!(nice_range([1.2, 4.7]), (0.0, 5.0));
+        assert_eq!(nice_range([]), (0.0, 1.0));
+        assert_eq!(nice_range([0.0]), (-1.0, 1.0));
+        assert_eq!(nice_range([f64::NAN, 98.0, 99.0]), (98.0, 99.0));
+    }
+
+    proptest! {
+        #[test]
+        fn a_nice_range_holds_the_values(values in prop::collection::vec(-1e6..1e6f64, 1..20)) {
+            let (low, high) = nice_range(values.iter().copied());
+            prop_assert!(low < high);
+            prop_assert!(values.iter().all(|value| low <= *value && *value <= high));
+            let count = ticks(low, high, 5).len();
+            prop_assert!((2..=12).contains(&count), "{count} ticks in {low} .. {high}");
+        }
+    }
+}

@@ -1,0 +1,198 @@
+//! Distributions side by side: every run a dot, or a violin where there are too many, with quartiles.
+
+use super::look::First;
+use super::panel::{Axis, Panel, Quantity, Rule};
+use super::scale::nice_range;
+use super::summary::quantile;
+
+/// A chart of distributions: one strip per variation value or condition.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Strips {
+    pub title: String,
+    /// What the strips are, such as `tta`; may be empty.
+    pub x: String,
+    pub y: Quantity,
+    pub strips: Vec<Strip>,
+    pub rules: Vec<Rule>,
+    /// Interval of the vertical axis, so that charts side by side compare; otherwise that of the data.
+    pub range: Option<(f64, f64)>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct Strip {
+    pub name: String,
+    pub dots: Vec<Dot>,
+    /// Runs in which the metric does not exist.
+    pub undefined: usize,
+}
+
+/// One run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Dot {
+    pub value: f64,
+    pub first: First,
+    /// Names the run.
+    pub name: String,
+}
+
+/// With more dots than this a strip is a violin, and only the dots beyond the 5 % and 95 % quantiles are drawn.
+const MOST_DOTS: usize = 120;
+/// Places at which a violin's width is found.
+const VIOLIN_LEVELS: usize = 40;
+
+impl Strips {
+    /// An interval of the vertical axis that suits all of `strips` and `rules`.
+    pub fn range<'a>(
+        strips: impl IntoIterator<Item = &'a Strip>,
+        rules: impl IntoIterator<Item = &'a Rule>,
+    ) -> (f64, f64) {
+        let values = strips.into_iter().flat_map(|strip| &strip.dots).map(|dot| dot.value);
+        nice_range(values.chain(rules.into_iter().map(|rule| rule.value)))
+    }
+
+    pub fn to_svg(&self) -> String {
+        let names: Vec<String> = self.strips.iter().map(|strip| strip.name.clone()).collect();
+        let range = self.range.unwrap_or_else(|| Self::range(&self.strips, &self.rules));
+        let description = format!("distribution of {}", self.y.label());
+        let labels = (self.x.as_str(), self.y.label());
+        let mut panel =
+            Panel::new(&self.title, &description, (labels.0, &labels.1), Axis::Names(&names), range);
+        for rule in &self.rules {
+            panel.rule(rule);
+        }
+        for (index, strip) in self.strips.iter().enumerate() {
+            self.draw(&mut panel, index as f64 + 0.5, strip);
+        }
+        panel.finish()
+    }
+
+    fn draw(&self, panel: &mut Panel, x: f64, strip: &Strip) {
+        let runs = strip.dots.len() + strip.undefined;
+        if strip.undefined > 0 && panel.slot > 26.0 {
+            panel.remark(x, &format!("{}/{runs}", strip.dots.len()));
+        }
+        let mut dots: Vec<&Dot> = strip.dots.iter().collect();
+        dots.sort_by(|left, right| left.value.total_cmp(&right.value));
+        let sorted: Vec<f64> = dots.iter().map(|dot| dot.value).collect();
+        let level = |level| quantile(&sorted, level);
+        let (Some(low), Some(lower), Some(middle), Some(upper), Some(high)) =
+            (level(0.05), level(0.25), level(0.5), level(0.75), level(0.95))
+        else {
+            return;
+        };
+        let width = (panel.slot * 0.7).min(44.0);
+        let many = dots.len() > MOST_DOTS;
+        if many {
+            panel.violin(x, &violin(&sorted, width / 2.0));
+        }
+        if dots.len() >= 4 {
+            let show = |value| self.y.show(value);
+            let title = format!(
+                "{}: median {}, quartiles {} and {}, {} of {runs} runs",
+                strip.name,
+                show(middle),
+                show(lower),
+                show(upper),
+                dots.len()
+            );
+            panel.quartiles(x, (lower, middle, upper), if many { width * 0.3 } else { width }, &title);
+        }
+        for (order, dot) in dots.iter().enumerate() {
+            if many && (low..=high).contains(&dot.value) {
+                continue;
+            }
+            let aside = (spread(order) - 0.5) * width * 0.8;
+            let title = format!("{} {}", self.y.show(dot.value), dot.name);
+            panel.marker(x, dot.value, aside, dot.first.look(), title.trim_end());
+        }
+    }
+
+    /// Who passed first in any of the runs drawn.
+    pub fn firsts(&self) -> impl Iterator<Item = First> {
+        self.strips.iter().flat_map(|strip| &strip.dots).map(|dot| dot.first)
+    }
+}
+
+/// A sequence in 0..1 that fills the interval evenly from the start: van der Corput's, base 2.
+fn spread(index: usize) -> f64 {
+    f64::from((index as u32).reverse_bits()) / 2f64.powi(32)
+}
+
+/// Heights and half widths of a violin: a Gaussian kernel density with Silverman's bandwidth, cut at the extremes.
+fn violin(sorted: &[f64], half_width: f64) -> Vec<(f64, f64)> {
+    let (first, last) = (sorted[0], sorted[sorted.len() - 1]);
+    let count = sorted.len() as f64;
+    let mean = sorted.iter().sum::<f64>() / count;
+    let deviation = (sorted.iter().map(|value| (value - mean) * (value - mean)).sum::<f64>() / count).sqrt();
+    let bandwidth = 0.9 * deviation * count.powf(-0.2);
+    if bandwidth <= 0.0 {
+        return vec![(first, half_width), (last, half_width)];
+    }
+    let heights: Vec<f64> = (0..=VIOLIN_LEVELS)
+        .map(|level| first + (last - first) * level as f64 / VIOLIN_LEVELS as f64)
+        .collect();
+    let density = |height: f64| -> f64 {
+        let kernel = |value: &f64| {
+            let distance = (height - value) / bandwidth;
+            (-0.5 * distance * distance).exp()
+        };
+        sorted.iter().map(kernel).sum()
+    };
+    let densities: Vec<f64> = heights.iter().map(|height| density(*height)).collect();
+    let most = densities.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+    heights
+        .into_iter()
+        .zip(densities)
+        .map(|(height, density)| (height, density / most * half_width))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn strip(name: &str, values: &[f64], undefined: usize) -> Strip {
+        let dot = |(index, value): (usize, &f64)| Dot {
+            value: *value,
+            first: First::ALL[index % 2],
+            name: format!("{name}/rep={index}"),
+        };
+        Strip { name: name.into(), dots: values.iter().enumerate().map(dot).collect(), undefined }
+    }
+
+    fn chart(strips: Vec<Strip>) -> Strips {
+        let rule = Rule { value: 1.5, label: ">= 1.5 s".into() };
+        Strips {
+            title: "commotions_carla".into(),
+            x: "tta".into(),
+            y: Quantity::new("pet", "s"),
+            strips,
+            rules: vec![rule],
+            range: None,
+        }
+    }
+
+    #[test]
+    fn few_runs_are_dots() {
+        let strips = vec![
+            strip("6 s", &[1.2, 2.0, 2.2, 3.1, 2.4], 0),
+            strip("10 s", &[2.0, 4.0], 3),
+            strip("14 s", &[], 5),
+        ];
+        insta::assert_snapshot!(chart(strips).to_svg());
+    }
+
+    #[test]
+    fn many_runs_are_a_violin_with_their_extremes() {
+        let values: Vec<f64> = (0..1000).map(|index| 2.0 + f64::from(index) / 1000.0).collect();
+        let svg = chart(vec![strip("6 s", &values, 0)]).to_svg();
+        assert_eq!(svg.matches("class=\"violin\"").count(), 1);
+        assert_eq!(svg.matches("class=\"dot").count(), 100);
+    }
+
+    #[test]
+    fn equal_values_make_a_chart() {
+        let svg = chart(vec![strip("6 s", &[2.0; 200], 0)]).to_svg();
+        assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
+    }
+}

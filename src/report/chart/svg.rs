@@ -1,0 +1,125 @@
+//! SVG as text: elements in order, attributes escaped, coordinates in a tenth of a pixel.
+
+use std::fmt::{Display, Formatter, Result, Write};
+
+/// A growing piece of SVG.
+#[derive(Debug, Default)]
+pub struct Svg {
+    text: String,
+    open: Vec<&'static str>,
+}
+
+/// An attribute: its name and what it is set to.
+pub type Attribute<'a> = (&'static str, &'a dyn Display);
+
+impl Svg {
+    /// Begins an element; [`Self::close`] ends it.
+    pub fn open(&mut self, name: &'static str, attributes: &[Attribute]) {
+        self.tag(name, attributes);
+        self.text.push_str(">\n");
+        self.open.push(name);
+    }
+
+    pub fn close(&mut self) {
+        let name = self.open.pop().expect("every close follows its open");
+        self.push(format_args!("</{name}>\n"));
+    }
+
+    /// An element without content.
+    pub fn empty(&mut self, name: &'static str, attributes: &[Attribute]) {
+        self.tag(name, attributes);
+        self.text.push_str("/>\n");
+    }
+
+    /// A `text` element.
+    pub fn label(&mut self, content: &str, attributes: &[Attribute]) {
+        self.tag("text", attributes);
+        self.push(format_args!(">{}</text>\n", Escaped(&content)));
+    }
+
+    /// An element that says `title` when pointed at.
+    pub fn titled(&mut self, name: &'static str, title: &str, attributes: &[Attribute]) {
+        if title.is_empty() {
+            return self.empty(name, attributes);
+        }
+        self.tag(name, attributes);
+        self.push(format_args!("><title>{}</title></{name}>\n", Escaped(&title)));
+    }
+
+    pub fn finish(mut self) -> String {
+        while !self.open.is_empty() {
+            self.close();
+        }
+        self.text
+    }
+
+    fn tag(&mut self, name: &str, attributes: &[Attribute]) {
+        self.push(format_args!("<{name}"));
+        for (name, value) in attributes {
+            self.push(format_args!(" {name}=\"{}\"", Escaped(value)));
+        }
+    }
+
+    fn push(&mut self, text: std::fmt::Arguments) {
+        self.text.write_fmt(text).expect("writing to a string cannot fail");
+    }
+}
+
+/// Text that can stand in markup.
+struct Escaped<'a>(&'a dyn Display);
+
+impl Display for Escaped<'_> {
+    fn fmt(&self, out: &mut Formatter<'_>) -> Result {
+        for letter in self.0.to_string().chars() {
+            match letter {
+                '&' => out.write_str("&amp;")?,
+                '<' => out.write_str("&lt;")?,
+                '>' => out.write_str("&gt;")?,
+                '"' => out.write_str("&quot;")?,
+                // XML has no way to write the other control characters.
+                _ if letter.is_control() => out.write_char(' ')?,
+                _ => out.write_char(letter)?,
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A coordinate in pixels, shown to a tenth.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct At(pub f64);
+
+impl Display for At {
+    fn fmt(&self, out: &mut Formatter<'_>) -> Result {
+        let tenths = (self.0 * 10.0).round() / 10.0;
+        // Adding zero turns the negative zero into a plain one.
+        write!(out, "{}", tenths + 0.0)
+    }
+}
+
+/// The path through `points`, in pixels.
+pub fn through(points: impl IntoIterator<Item = (f64, f64)>) -> String {
+    let mut path = String::new();
+    for (index, (x, y)) in points.into_iter().enumerate() {
+        let step = if index == 0 { 'M' } else { 'L' };
+        write!(path, "{step}{} {}", At(x), At(y)).expect("writing to a string cannot fail");
+    }
+    path
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn markup_in_names_stays_text() {
+        let mut svg = Svg::default();
+        svg.open("g", &[("class", &"\"><script>")]);
+        svg.label("a < b & c\u{7}", &[("x", &At(-0.04))]);
+        let text = svg.finish();
+        assert_eq!(
+            text,
+            "<g class=\"&quot;&gt;&lt;script&gt;\">\n<text x=\"0\">a &lt; b &amp; c </text>\n</g>\n"
+        );
+    }
+}

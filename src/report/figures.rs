@@ -1,0 +1,397 @@
+//! The charts of a suite's report: which there are, and their data out of trials and recorded runs.
+
+use std::collections::BTreeMap;
+
+use super::chart::{
+    Dot, Entry, First, Found, Individuals, Path, Paths, Quantity, Rate, RateSeries, Rates, Rule, Strip,
+    Strips, first_legend,
+};
+use super::recording::Recording;
+use super::variable::Variable;
+use super::{SuiteReport, TrialReport};
+use crate::metrics::{self, MetricKind, Worst};
+use crate::run::{Outcome, Requests};
+use crate::scenario::{
+    Aggregate, Claim, Comparison, Expression, MetricReference, Relation, Value, significant,
+};
+
+/// Charts that belong together, one per panel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Figure {
+    pub title: String,
+    /// How to read it.
+    pub note: String,
+    pub legend: Vec<Entry>,
+    /// SVG elements.
+    pub panels: Vec<String>,
+}
+
+/// Charted in every report that has them, with whatever the criteria are about.
+const FLAGS: [&str; 3] = ["collision", "gap_accepted", "sudden_speed_change"];
+const QUANTITIES: [&str; 1] = ["pet"];
+/// With more trials than this, distributions per trial become a scatter over the variation.
+const MOST_STRIPS: usize = 12;
+/// More lines in one chart cannot be told apart.
+const MOST_SERIES: usize = super::chart::LOOKS;
+
+/// Every figure that the suite has data for.
+pub fn figures(report: &SuiteReport, requests: &Requests, recordings: &[Recording]) -> Vec<Figure> {
+    let data = Data { report, requests, variable: Variable::of(report), scenarios: scenarios(report) };
+    let charted = data.charted();
+    let mut figures = Vec::new();
+    figures.extend(data.rates(&charted));
+    for index in &charted {
+        if matches!(data.kind(*index), Some(MetricKind::Quantity(_))) {
+            figures.extend(data.distributions(*index));
+            figures.extend(data.individuals(*index));
+            figures.extend(data.conditions(*index));
+        }
+    }
+    figures.extend(data.courses(recordings));
+    figures
+}
+
+/// The trials of every scenario, in the order of the suite.
+pub fn scenarios<'a, 'b>(report: &'a SuiteReport<'b>) -> Vec<(&'a str, Vec<&'a TrialReport<'b>>)> {
+    let mut scenarios: Vec<(&str, Vec<&TrialReport>)> = Vec::new();
+    for trial in &report.trials {
+        let name = trial.trial.scenario.as_str();
+        match scenarios.iter_mut().find(|(known, _)| *known == name) {
+            Some((_, trials)) => trials.push(trial),
+            None => scenarios.push((name, vec![trial])),
+        }
+    }
+    scenarios
+}
+
+/// A trial's name within its scenario: the values of its variations; empty without any.
+pub fn short_name(trial: &TrialReport) -> String {
+    let variation = trial.trial.cases.first().map(|case| case.variation.as_slice()).unwrap_or_default();
+    match variation {
+        [only] => only.label.clone(),
+        several => {
+            several.iter().map(|one| format!("{}={}", one.name, one.label)).collect::<Vec<_>>().join(" ")
+        }
+    }
+}
+
+struct Data<'a> {
+    report: &'a SuiteReport<'a>,
+    requests: &'a Requests,
+    variable: Option<Variable>,
+    scenarios: Vec<(&'a str, Vec<&'a TrialReport<'a>>)>,
+}
+
+impl Data<'_> {
+    fn reference(&self, index: usize) -> &MetricReference {
+        &self.requests.as_slice()[index]
+    }
+
+    fn kind(&self, index: usize) -> Option<MetricKind> {
+        metrics::metric(&self.reference(index).name).map(|metric| metric.kind)
+    }
+
+    /// Indices of the metrics to chart: the usual ones and those of criteria.
+    fn charted(&self) -> Vec<usize> {
+        let usual = |reference: &MetricReference| {
+            let name = reference.name.as_str();
+            let plain = reference.settings.0.is_empty() && reference.pair.is_none();
+            plain && (FLAGS.contains(&name) || QUANTITIES.contains(&name))
+        };
+        let wanted = |reference: &MetricReference| {
+            let mut criteria = self.report.trials.iter().flat_map(|trial| &trial.trial.criteria);
+            usual(reference) || criteria.any(|criterion| criterion.claim.metric() == reference)
+        };
+        let all = self.requests.iter().enumerate();
+        all.filter(|(_, reference)| wanted(reference)).map(|(index, _)| index).collect()
+    }
+
+    fn quantity(&self, index: usize) -> Quantity {
+        let unit = match self.kind(index) {
+            Some(MetricKind::Quantity(dimension)) => dimension.si_unit(),
+            _ => String::new(),
+        };
+        Quantity::new(self.reference(index).label(), unit)
+    }
+
+    fn first(&self, outcome: &Outcome) -> First {
+        let is_it = |reference: &MetricReference| {
+            reference.name == "passed_first" && reference.settings.0.is_empty() && reference.pair.is_none()
+        };
+        let value = self.requests.iter().position(is_it).and_then(|index| outcome.metrics[index]);
+        let word = match (value, metrics::metric("passed_first").map(|metric| metric.kind)) {
+            (Some(value), Some(MetricKind::Category(words))) => words.get(value as usize).copied(),
+            _ => None,
+        };
+        match word {
+            Some("pedestrian") => First::Pedestrian,
+            Some("vehicle") => First::Vehicle,
+            _ => First::Neither,
+        }
+    }
+
+    fn strip(&self, name: String, trials: &[&TrialReport], index: usize) -> Strip {
+        let outcomes = || trials.iter().flat_map(|trial| &trial.outcomes);
+        let dot = |outcome: &Outcome| {
+            let (first, name) = (self.first(outcome), outcome.key.clone());
+            outcome.metrics[index].map(|value| Dot { value, first, name })
+        };
+        let dots: Vec<Dot> = outcomes().filter_map(dot).collect();
+        Strip { name, undefined: outcomes().count() - dots.len(), dots }
+    }
+
+    /// The bounds that the criteria of `trials` compare single runs to.
+    fn rules(&self, trials: &[&TrialReport], index: usize) -> Vec<Rule> {
+        let mut rules: Vec<Rule> = Vec::new();
+        for criterion in trials.iter().flat_map(|trial| &trial.trial.criteria) {
+            let comparison = match &criterion.claim {
+                Claim::Runs { comparison, .. } => comparison,
+                Claim::Aggregate {
+                    aggregate: Aggregate::Rate(comparison) | Aggregate::Count(comparison),
+                    ..
+                } => comparison,
+                Claim::Aggregate { .. } => continue,
+            };
+            let Comparison { metric, relation, bound, .. } = comparison;
+            if let Expression::Constant(Value::Number(bound)) = bound
+                && metric == self.reference(index)
+                && !rules.iter().any(|rule| rule.value == *bound)
+            {
+                let unit = self.quantity(index).unit;
+                let label = format!("{} {} {unit}", sign(*relation), significant(*bound, 4));
+                rules.push(Rule { value: *bound, label: label.trim_end().to_string() });
+            }
+        }
+        // Bounds that change from trial to trial would only clutter the chart.
+        if rules.len() > 3 { Vec::new() } else { rules }
+    }
+
+    /// Figure (a): rates against the variation, one line per scenario.
+    fn rates(&self, charted: &[usize]) -> Option<Figure> {
+        let variable = self.variable.as_ref()?;
+        let chart = |index: &usize| {
+            let mut lines: BTreeMap<(usize, String), Vec<Rate>> = BTreeMap::new();
+            for (place, (_, trials)) in self.scenarios.iter().enumerate() {
+                for trial in trials {
+                    let Some(case) = trial.trial.cases.first() else { continue };
+                    let Some(x) = variable.value(case) else { continue };
+                    let values: Vec<f64> =
+                        trial.outcomes.iter().filter_map(|outcome| outcome.metrics[*index]).collect();
+                    let holding = values.iter().filter(|value| **value != 0.0).count();
+                    let line = lines.entry((place, variable.others(case))).or_default();
+                    line.push(Rate { x, holding, runs: values.len() });
+                }
+            }
+            let name = |(place, others): (usize, String)| {
+                format!("{} {others}", self.scenarios[place].0).trim_end().to_string()
+            };
+            let mut series: Vec<RateSeries> = Vec::new();
+            for (key, mut rates) in lines {
+                rates.sort_by(|left, right| left.x.total_cmp(&right.x));
+                series.push(RateSeries { name: name(key), rates });
+            }
+            Rates { title: self.reference(*index).label(), x: variable.quantity.clone(), series, rule: None }
+        };
+        let flags = charted.iter().filter(|index| self.kind(**index) == Some(MetricKind::Flag));
+        let charts: Vec<Rates> = flags.map(chart).collect();
+        let series = &charts.first()?.series;
+        let sampled = series.iter().any(|line| line.rates.len() > MOST_STRIPS);
+        if series.is_empty() || series.len() > MOST_SERIES || sampled {
+            return None;
+        }
+        Some(Figure {
+            title: format!("Rates against {}", variable.quantity.name),
+            note: "Share of the runs in which it happened, with 95 % Wilson intervals. Overlapping lines are moved apart \
+                   sideways."
+                .into(),
+            legend: charts[0].legend(),
+            panels: charts.iter().map(Rates::to_svg).collect(),
+        })
+    }
+
+    /// Figure (b): the distribution of a metric per scenario and variation, with its criterion's line.
+    fn distributions(&self, index: usize) -> Option<Figure> {
+        let quantity = self.quantity(index);
+        let mut charts = Vec::new();
+        for (name, trials) in &self.scenarios {
+            let ran: Vec<_> = trials.iter().copied().filter(|trial| !trial.outcomes.is_empty()).collect();
+            if ran.is_empty() || ran.len() > MOST_STRIPS {
+                continue;
+            }
+            let strip = |trial: &&TrialReport| {
+                let name = short_name(trial);
+                self.strip(if name.is_empty() { "all runs".into() } else { name }, &[*trial], index)
+            };
+            let variation = &ran[0].trial.cases[0].variation;
+            let names: Vec<_> = variation.iter().map(|one| one.name.as_str()).collect();
+            charts.push(Strips {
+                title: name.to_string(),
+                x: names.join(", "),
+                y: quantity.clone(),
+                strips: ran.iter().map(strip).collect(),
+                rules: self.rules(&ran, index),
+                range: None,
+            });
+        }
+        strips_figure(format!("{} per scenario and variation", quantity.name), charts)
+    }
+
+    /// Figure (e): the distribution of a metric per condition, every scenario being one.
+    fn conditions(&self, index: usize) -> Option<Figure> {
+        if self.scenarios.len() < 2 {
+            return None;
+        }
+        let strips: Vec<Strip> =
+            self.scenarios.iter().map(|(name, trials)| self.strip(name.to_string(), trials, index)).collect();
+        let all: Vec<_> = self.report.trials.iter().collect();
+        let parts = strips.chunks(MOST_STRIPS / 2).map(|part| Strips {
+            title: "all runs of each scenario".into(),
+            x: String::new(),
+            y: self.quantity(index),
+            strips: part.to_vec(),
+            rules: self.rules(&all, index),
+            range: None,
+        });
+        strips_figure(format!("{} per scenario", self.quantity(index).name), parts.collect())
+    }
+
+    /// Figure (d): each individual's worst value against the variation's value that it was found at; where a variation
+    /// is sampled, every run.
+    fn individuals(&self, index: usize) -> Option<Figure> {
+        let variable = self.variable.as_ref()?;
+        let metric = metrics::metric(&self.reference(index).name)?;
+        let mut panels = Vec::new();
+        let mut firsts = Vec::new();
+        for (name, trials) in &self.scenarios {
+            let mut found: Vec<Found> = Vec::new();
+            let mut worst: BTreeMap<String, Found> = BTreeMap::new();
+            for (case, outcome) in
+                trials.iter().flat_map(|trial| trial.trial.cases.iter().zip(&trial.outcomes))
+            {
+                let (Some(x), Some(y)) = (variable.value(case), outcome.metrics[index]) else { continue };
+                let point = Found { x, y, first: self.first(outcome), name: outcome.key.clone() };
+                let person = person(outcome);
+                if person.is_empty() {
+                    found.push(point);
+                    continue;
+                }
+                let worse = |known: &Found| match metric.worst {
+                    Worst::Smallest => y < known.y,
+                    Worst::Largest => y > known.y,
+                };
+                if worst.get(&person).is_none_or(worse) {
+                    worst.insert(person, point);
+                }
+            }
+            if worst.is_empty() && trials.len() <= MOST_STRIPS {
+                continue;
+            }
+            found.extend(worst.into_values());
+            if found.is_empty() {
+                continue;
+            }
+            firsts.extend(found.iter().map(|point| point.first));
+            let chart = Individuals {
+                title: name.to_string(),
+                x: variable.quantity.clone(),
+                y: self.quantity(index),
+                points: found,
+                courses: Vec::new(),
+                rules: self.rules(trials, index),
+            };
+            panels.push(chart.to_svg());
+        }
+        (!panels.is_empty()).then(|| Figure {
+            title: format!("{} against {}", self.quantity(index).name, variable.quantity.name),
+            note: format!(
+                "One mark per individual: its worst run and the {} that it was found at. Without individuals, one per \
+                 run.",
+                variable.quantity.name
+            ),
+            legend: legend(firsts),
+            panels,
+        })
+    }
+
+    /// Figure (c): trajectories in the distance-distance plane, one panel per scenario.
+    fn courses(&self, recordings: &[Recording]) -> Option<Figure> {
+        let outcomes: BTreeMap<&str, &Outcome> = self
+            .report
+            .trials
+            .iter()
+            .flat_map(|trial| &trial.outcomes)
+            .map(|outcome| (outcome.key.as_str(), outcome))
+            .collect();
+        let mut charts = Vec::new();
+        for (name, _) in &self.scenarios {
+            let mut paths = Vec::new();
+            for recording in recordings.iter().filter(|one| one.case.scenario == *name) {
+                let Some(outcome) = outcomes.get(recording.case.key.as_str()) else { continue };
+                let first = self.first(outcome);
+                paths.extend(recording.pairs().into_iter().map(|pair| Path {
+                    points: pair.points,
+                    first,
+                    name: recording.case.key.clone(),
+                }));
+            }
+            if !paths.is_empty() {
+                charts.push(Paths { title: name.to_string(), paths, ranges: None });
+            }
+        }
+        let all: Vec<&Path> = charts.iter().flat_map(|chart| &chart.paths).collect();
+        let ranges = Paths::ranges(all.iter().copied());
+        let entries = Paths::legend(all);
+        for chart in &mut charts {
+            chart.ranges = Some(ranges);
+        }
+        (!charts.is_empty()).then(|| Figure {
+            title: "Trajectories".into(),
+            note: "Each line is a run: where the pedestrian is while the vehicle is there, both in metres from the \
+                   conflict point and negative before it. Lines above the cross are runs in which the pedestrian passes \
+                   first; through the cross, both are there at once."
+                .into(),
+            legend: entries,
+            panels: charts.iter().map(Paths::to_svg).collect(),
+        })
+    }
+}
+
+/// Strips side by side on one scale.
+fn strips_figure(title: String, mut charts: Vec<Strips>) -> Option<Figure> {
+    charts.retain(|chart| chart.strips.iter().any(|strip| !strip.dots.is_empty()));
+    let strips = charts.iter().flat_map(|chart| &chart.strips);
+    let range = Strips::range(strips, charts.iter().flat_map(|chart| &chart.rules));
+    let firsts: Vec<First> = charts.iter().flat_map(Strips::firsts).collect();
+    charts.iter_mut().for_each(|chart| chart.range = Some(range));
+    (!charts.is_empty()).then(|| Figure {
+        title,
+        note: "Boxes show median and quartiles; beyond 120 runs a violin stands for the middle 90 %. A fraction above a \
+               column counts the runs in which the value exists."
+            .into(),
+        legend: legend(firsts),
+        panels: charts.iter().map(Strips::to_svg).collect(),
+    })
+}
+
+/// Nothing where all look the same because nobody asked who passed first.
+fn legend(firsts: Vec<First>) -> Vec<Entry> {
+    if firsts.iter().all(|first| *first == First::Neither) {
+        return Vec::new();
+    }
+    first_legend(firsts, false)
+}
+
+fn person(outcome: &Outcome) -> String {
+    let people =
+        outcome.individuals.iter().map(|one| format!("{}={}:{}", one.pedestrian, one.population, one.number));
+    people.collect::<Vec<_>>().join("+")
+}
+
+fn sign(relation: Relation) -> &'static str {
+    match relation {
+        Relation::GreaterOrEqual => "≥",
+        Relation::LessOrEqual => "≤",
+        Relation::NotEqual => "≠",
+        other => other.symbol(),
+    }
+}

@@ -1,0 +1,244 @@
+//! A made-up session for the tests of every format: two scenarios, three times to arrival, a few runs each.
+
+use std::time::{Duration, SystemTime};
+
+use nalgebra::Vector2;
+
+use super::{Chosen, Recording, SuiteIdentity, SuiteReport, TrialReport, TrialState};
+use crate::judge::judge;
+use crate::metrics::{MetricKind, metric};
+use crate::plan::Trial;
+use crate::run::{Outcome, Requests};
+use crate::scenario::{
+    Appearance, Assignment, Body, Case, Claim, Comparison, Criterion, Crossing, CrossingKind, Direction,
+    Individual, Lane, MetricReference, ModelSetup, Origin, PedestrianSetup, Position, Relation, Road,
+    Settings, Shape, Side, Value, VehicleSetup, VehicleStart, WhenUndefined, World,
+};
+use crate::sim::{Ending, Event, Happening, Sample, StopReason, Trace};
+
+/// The trials, and what reports borrow from.
+pub struct Session {
+    trials: Vec<Trial>,
+    pub requests: Requests,
+}
+
+const RUNS: u32 = 6;
+
+impl Session {
+    pub fn new() -> Self {
+        let mut trials = Vec::new();
+        for scenario in ["commotions_carla", "walker_<carla>"] {
+            for tta in [6.0, 10.0, 14.0] {
+                trials.push(trial(scenario, tta));
+            }
+        }
+        let mut requests = Requests::default();
+        trials.iter().for_each(|trial: &Trial| requests.include(&trial.criteria));
+        Self { trials, requests }
+    }
+
+    /// One trial of every state: the last two are an error and a skipped one.
+    pub fn report(&self) -> SuiteReport<'_> {
+        let count = self.trials.len();
+        let state = |(index, trial): (usize, &Trial)| match count - index {
+            2 => (Vec::new(), TrialState::Errored(format!("{}: time limit of 10 s exceeded", trial.key))),
+            1 => (Vec::new(), TrialState::Skipped("stopped after 2 failures (--max-fail 2)".into())),
+            _ => {
+                let outcomes = self.outcomes(trial);
+                let judged = judge(&trial.criteria, &outcomes, &self.requests);
+                (outcomes, TrialState::Judged(judged))
+            }
+        };
+        let trials = self.trials.iter().enumerate().map(|(index, trial)| {
+            let (outcomes, state) = state((index, trial));
+            TrialReport { trial, outcomes, state, wall_time: Duration::from_millis(250) }
+        });
+        SuiteReport {
+            identity: SuiteIdentity { suite: "zebra", file: "suites/zebra.suite", seed: u64::MAX },
+            started: SystemTime::UNIX_EPOCH + Duration::from_secs(1_795_250_000),
+            wall_time: Duration::from_millis(1500),
+            trials: trials.collect(),
+        }
+    }
+
+    /// A straight course for every chosen run.
+    pub fn record(&self, chosen: Vec<Chosen>) -> Vec<(Chosen, Recording<'_>)> {
+        let cases = || self.trials.iter().flat_map(|trial| &trial.cases);
+        let recording = |chosen: Chosen| {
+            let case = cases().find(|case| case.key == chosen.key).expect("a chosen run is one of the runs");
+            (chosen, course(case))
+        };
+        chosen.into_iter().map(recording).collect()
+    }
+
+    fn outcomes(&self, trial: &Trial) -> Vec<Outcome> {
+        let outcome = |case: &Case| {
+            let (run, tta) = (f64::from(case.repetition), case.variation[0].value.as_number().unwrap_or(0.0));
+            let value = |reference: &MetricReference| match reference.name.as_str() {
+                "collision" => Some(0.0),
+                "pet" => (case.repetition != 3).then_some(tta / 8.0 + 0.25 * run),
+                "passed_first" => Some(word(if run + tta > 13.0 { "pedestrian" } else { "vehicle" })),
+                "gap_accepted" => Some(f64::from(u8::from(run + tta > 13.0))),
+                _ => Some(10.0 / tta + 0.2 * run),
+            };
+            Outcome {
+                key: case.key.clone(),
+                seed: case.seed,
+                individuals: case.individuals.clone(),
+                ending: Ending { reason: StopReason::Completed, time: 20.0 },
+                metrics: self.requests.iter().map(value).collect(),
+                fingerprint: 0x0123_4567_89ab_cdef,
+                wall_time: Duration::from_millis(3),
+            }
+        };
+        trial.cases.iter().map(outcome).collect()
+    }
+}
+
+/// The number that `passed_first` has for a word.
+fn word(word: &str) -> f64 {
+    let Some(MetricKind::Category(words)) = metric("passed_first").map(|metric| metric.kind) else {
+        panic!("`passed_first` is a category");
+    };
+    words.iter().position(|known| *known == word).map_or(f64::NAN, |index| index as f64)
+}
+
+fn trial(scenario: &str, tta: f64) -> Trial {
+    let key = format!("zebra/{scenario}/tta={tta}s");
+    let case = |repetition: u32| {
+        let number = 1 + repetition % 3;
+        Case {
+            key: format!("{key}/individual={number}/rep={repetition}"),
+            scenario: scenario.into(),
+            variation: vec![Assignment {
+                name: "tta".into(),
+                label: format!("{tta}s"),
+                value: Value::Number(tta),
+            }],
+            individuals: vec![Individual {
+                pedestrian: "walker".into(),
+                population: "standard".into(),
+                number,
+                parameters: Settings::default(),
+            }],
+            repetition,
+            seed: u64::from(repetition),
+            world: world(),
+        }
+    };
+    let origin = Origin { file: "zebra.scn".into(), line: 3, column: 1, ..Origin::default() };
+    Trial {
+        scenario: scenario.into(),
+        doc: Some("A pedestrian meets a vehicle & looks.".into()),
+        tags: vec!["zebra".into()],
+        cases: (1..=RUNS).map(case).collect(),
+        criteria: criteria(),
+        origin,
+        key,
+    }
+}
+
+fn criteria() -> Vec<Criterion> {
+    let runs = |line, name: &str, relation: Relation, bound: f64, share, text: &str| Criterion {
+        claim: Claim::Runs {
+            comparison: Comparison {
+                metric: MetricReference { name: name.into(), settings: Settings::default(), pair: None },
+                relation,
+                bound: bound.into(),
+                when_undefined: WhenUndefined::Passes,
+            },
+            share,
+            confidence: None,
+        },
+        when: Vec::new(),
+        text: text.into(),
+        origin: Origin {
+            file: "zebra.scn".into(),
+            line,
+            column: 5,
+            source_line: format!("    {text}"),
+            length: text.chars().count(),
+        },
+    };
+    vec![
+        runs(21, "collision", Relation::Equal, 0.0, None, "no collision"),
+        runs(22, "pet", Relation::GreaterOrEqual, 1.5, None, "pet >= 1.5 s"),
+        runs(
+            23,
+            "max_deceleration",
+            Relation::LessOrEqual,
+            2.5,
+            Some(0.8),
+            "max_deceleration <= 2.5 m/s^2 in 80 % of runs",
+        ),
+        runs(24, "gap_accepted", Relation::Equal, 1.0, Some(0.1), "gap_accepted in 10 % of runs"),
+        runs(25, "passed_first", Relation::NotEqual, word("none"), None, "passed_first != none"),
+    ]
+}
+
+fn world() -> World {
+    let model = |name: &str| ModelSetup { name: name.into(), settings: Settings::default() };
+    World {
+        road: Road {
+            name: "street".into(),
+            lane_width: 4.0,
+            lanes: vec![Lane { direction: Direction::Forward }, Lane { direction: Direction::Backward }],
+            speed_limit: 30.0 / 3.6,
+            kerbs: true,
+            crossing: Crossing { kind: CrossingKind::Zebra, width: 4.0 },
+            boxes: vec![Body { x: -9.0, y: -3.2, length: 4.5, width: 1.8 }],
+        },
+        vehicles: vec![VehicleSetup {
+            name: "av".into(),
+            controller: model("carla_behavior"),
+            dynamics: model("ideal"),
+            length: 4.5,
+            width: 1.9,
+            lane: 0,
+            speed: 30.0 / 3.6,
+            start: VehicleStart::Distance(50.0),
+            sees: None,
+        }],
+        pedestrians: vec![PedestrianSetup {
+            name: "walker".into(),
+            model: model("scripted"),
+            shape: Shape::Disc { radius: 0.3 },
+            side: Side::Near,
+            start: Position { x: 0.0, y: -4.0 },
+            goal: Position { x: 0.0, y: 8.0 },
+            appears: Appearance::At(1.0),
+        }],
+        step: 0.025,
+        horizon: 60.0,
+        finish: 50.0,
+        end_on_collision: false,
+    }
+}
+
+/// Both move at constant speed; the pedestrian a little faster in later repetitions.
+fn course(case: &Case) -> Recording<'_> {
+    let mut trace = Trace::default();
+    let pace = 0.8 + 0.2 * f64::from(case.repetition);
+    for step in 0..=400 {
+        let time = f64::from(step) * 0.025;
+        let (car, person) = (Vector2::new(8.0, 0.0), Vector2::new(0.0, pace));
+        let sample = |who, position: Vector2<f64>, velocity| Sample {
+            time,
+            who,
+            position,
+            velocity,
+            acceleration: 0.0,
+            mode: "",
+        };
+        trace.samples.push(sample(0, Vector2::new(-50.0 + car.x * time, 0.0), car));
+        if time >= 1.0 {
+            trace.samples.push(sample(1, Vector2::new(0.0, -4.0 + person.y * (time - 1.0)), person));
+        }
+    }
+    let event = |time, who: &str, what| Event { time, who: who.into(), what };
+    let events = vec![
+        event(1.0, "walker", Happening::Appears),
+        event(6.25, "av", Happening::PassesCrossing { speed: 8.0 }),
+    ];
+    Recording::new(case, &trace, events)
+}

@@ -1,0 +1,262 @@
+"use strict";
+// The animation of single runs, and buttons that copy commands. Everything else on the page works without.
+(() => {
+  const byId = (id) => document.getElementById(id);
+
+  for (const button of document.querySelectorAll(".copy")) {
+    if (!navigator.clipboard) continue;
+    button.hidden = false;
+    button.addEventListener("click", async () => {
+      await navigator.clipboard.writeText(button.previousElementSibling.textContent);
+      button.textContent = "copied";
+      setTimeout(() => { button.textContent = "copy"; }, 1200);
+    });
+  }
+
+  const data = byId("data");
+  if (!data) return;
+  const runs = JSON.parse(data.textContent);
+  byId("player").hidden = false;
+
+  const element = (name, attributes, parent, text) => {
+    const made = document.createElementNS("http://www.w3.org/2000/svg", name);
+    for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
+    if (text !== undefined) made.textContent = text;
+    if (parent) parent.append(made);
+    return made;
+  };
+  const view = byId("view"), plane = byId("plane"), slider = byId("time");
+  let run, time = 0, playing = false, last = 0, update = () => {};
+
+  // The place of a road user at a time, linear between the recorded ones; null before it appears.
+  const placeAt = (user, at) => {
+    const times = run.times;
+    let after = times.findIndex((known) => known >= at);
+    if (after < 0) after = times.length - 1;
+    const before = Math.max(0, after - 1);
+    if (user.x[after] === null) return null;
+    if (user.x[before] === null || after === before) return pick(user, after);
+    const part = Math.min(1, (at - times[before]) / (times[after] - times[before]));
+    const mix = (values) => values[before] + part * (values[after] - values[before]);
+    return { x: mix(user.x), y: mix(user.y), v: mix(user.v), h: user.h[after] };
+  };
+  const pick = (user, index) => ({ x: user.x[index], y: user.y[index], v: user.v[index], h: user.h[index] });
+
+  // The road from above. Its y axis points up, SVG's points down.
+  const drawView = () => {
+    view.replaceChildren();
+    const road = run.road, narrow = view.clientWidth > 0 && view.clientWidth < 560;
+    const people = run.users.filter((user) => user.kind === "pedestrian").flatMap((user) => user.y).filter((y) => y !== null);
+    const [left, right] = narrow ? [-21, 9] : [-42, 16];
+    const low = Math.max(road.near - 9, Math.min(road.near - 3.2, ...people.map((y) => y - 1.8)));
+    const high = Math.min(road.far + 9, Math.max(road.far + 3.2, ...people.map((y) => y + 1.8)));
+    const flip = (y) => low + high - y;
+    const size = narrow ? 0.95 : 1.05;
+    view.setAttribute("viewBox", `${left} ${low} ${right - left} ${high - low}`);
+    element("rect", { class: "road", x: left, y: flip(road.far), width: right - left, height: road.far - road.near }, view);
+    for (const y of [road.near, road.far]) element("line", { class: "kerb", x1: left, x2: right, y1: flip(y), y2: flip(y) }, view);
+    for (let lane = 1; lane < road.lanes.length; lane++) {
+      const y = flip((lane - 0.5) * road.width);
+      element("line", { class: "lane", x1: left, x2: right, y1: y, y2: y }, view);
+    }
+    const half = road.crossing / 2;
+    element("rect", { class: "road", x: -half, y: flip(road.far) + 0.1, width: 2 * half, height: road.far - road.near - 0.2 }, view);
+    if (road.zebra) {
+      for (let y = road.near + 0.25; y + 0.5 <= road.far; y += 1) {
+        element("rect", { class: "stripe", x: -half, y: flip(y + 0.5), width: 2 * half, height: 0.5 }, view);
+      }
+    } else {
+      element("rect", { class: "edge", x: -half, y: flip(road.far), width: 2 * half, height: road.far - road.near }, view);
+    }
+    for (const [x, y, length, width] of road.boxes) {
+      element("rect", { class: "block", x: x - length / 2, y: flip(y + width / 2), width: length, height: width, rx: 0.3 }, view);
+    }
+    const lamp = road.signal && element("circle", { cx: half + 0.8, cy: flip(road.near - 0.9), r: 0.45 }, view);
+    const bar = element("g", {}, view);
+    element("path", { d: `M${right - 11} ${low + 0.9}v.5h10v-.5`, fill: "none", stroke: "var(--muted)", "stroke-width": 0.1 }, bar);
+    element("text", { x: right - 6, y: low + 1.1, "font-size": size, "text-anchor": "middle" }, bar, "10 m");
+    const actors = run.users.map((user) => {
+      const trail = element("path", { class: `trail ${user.kind}` }, view);
+      const body = element("g", {}, view);
+      const { length, width } = user;
+      if (user.round) {
+        element("circle", { class: user.kind, r: length / 2 }, body);
+      } else {
+        element("rect", { class: user.kind, x: -length / 2, y: -width / 2, width: length, height: width, rx: user.kind === "vehicle" ? 0.35 : 0.05 }, body);
+      }
+      if (user.kind === "vehicle") element("path", { class: "nose", d: `M${length * 0.22} ${-width * 0.36}V${width * 0.36}` }, body);
+      const label = element("text", { "font-size": size, "text-anchor": "middle" }, view);
+      return { user, trail, body, label };
+    });
+    return () => {
+      if (lamp) {
+        const [cycle, from, green] = road.signal;
+        lamp.setAttribute("class", (((time - from) % cycle) + cycle) % cycle < green ? "green" : "red");
+      }
+      for (const { user, trail, body, label } of actors) {
+        const place = placeAt(user, time);
+        for (const part of [trail, body, label]) part.setAttribute("visibility", place ? "visible" : "hidden");
+        if (!place) continue;
+        body.setAttribute("transform", `translate(${place.x} ${flip(place.y)}) rotate(${(-place.h * 180) / Math.PI})`);
+        let path = "";
+        run.times.forEach((known, index) => {
+          if (known <= time && user.x[index] !== null) path += `${path ? "L" : "M"}${user.x[index]} ${flip(user.y[index])}`;
+        });
+        trail.setAttribute("d", path ? `${path}L${place.x} ${flip(place.y)}` : "");
+        const speed = `${user.name} ${place.v.toFixed(1)} m/s`;
+        const [above, below] = [flip(place.y) - user.width / 2 - 0.4, flip(place.y) + user.width / 2 + 1.1];
+        const fits = user.kind === "vehicle" ? above > low + 1 : below > high - 0.2;
+        const y = fits ? above : below;
+        // Who is outside the picture is announced at its edge.
+        if (place.x < left || place.x > right) {
+          const before = place.x < left, far = Math.round(Math.abs(place.x));
+          label.textContent = before ? `◀ ${speed}, ${far} m away` : `${speed}, ${far} m away ▶`;
+          label.setAttribute("text-anchor", before ? "start" : "end");
+          label.setAttribute("x", before ? left + 0.5 : right - 0.5);
+        } else {
+          label.textContent = speed;
+          const edge = size * 0.3 * speed.length;
+          label.setAttribute("text-anchor", "middle");
+          label.setAttribute("x", Math.min(right - edge, Math.max(left + edge, place.x)));
+        }
+        label.setAttribute("y", y);
+      }
+    };
+  };
+
+  const steps = (low, high) => {
+    const rough = (high - low) / 5, power = 10 ** Math.floor(Math.log10(rough));
+    const step = [1, 2, 5, 10].map((factor) => factor * power).find((known) => known >= rough * 0.999);
+    const list = [];
+    for (let index = Math.ceil(low / step); index * step <= high; index++) list.push(+(index * step).toFixed(6));
+    return list;
+  };
+
+  // The distance-distance plane with a marker for now.
+  const drawPlane = () => {
+    plane.replaceChildren();
+    const points = run.pairs.flatMap((pair) => pair.points);
+    if (!points.length) return () => {};
+    const clamp = (value, low, high) => Math.min(high, Math.max(low, value));
+    const range = (values, low, high) => {
+      const near = values.map((value) => clamp(value, low, high));
+      const span = [Math.min(0, ...near), Math.max(0, ...near)];
+      return span[0] === span[1] ? [span[0] - 1, span[1] + 1] : span;
+    };
+    const xs = range(points.map((point) => point[0]), -60, 20), ys = range(points.map((point) => point[1]), -15, 15);
+    const x = (value) => 42 + ((value - xs[0]) / (xs[1] - xs[0])) * 288, y = (value) => 216 - ((value - ys[0]) / (ys[1] - ys[0])) * 178;
+    element("text", { class: "title", x: 4, y: 13 }, plane, "Distances from the conflict point");
+    element("text", { class: "muted", x: 4, y: 29 }, plane, "pedestrian (m)");
+    element("text", { class: "muted", x: 186, y: 254, "text-anchor": "middle" }, plane, "vehicle (m)");
+    for (const tick of steps(...ys)) {
+      element("line", { class: "grid", x1: 42, x2: 330, y1: y(tick), y2: y(tick) }, plane);
+      element("text", { x: 37, y: y(tick) + 4, "text-anchor": "end" }, plane, tick);
+    }
+    for (const tick of steps(...xs)) element("text", { x: x(tick), y: 231, "text-anchor": "middle" }, plane, tick);
+    element("path", { class: "axis", d: "M42 38V216H330" }, plane);
+    element("path", { class: "hair", d: `M42 ${y(0)}H330M${x(0)} 38V216` }, plane);
+    const inner = element("svg", { x: 42, y: 38, width: 288, height: 178, viewBox: "42 38 288 178", overflow: "hidden" }, plane);
+    const markers = run.pairs.filter((pair) => pair.points.length).map((pair, index) => {
+      const path = pair.points.map((point, at) => `${at ? "L" : "M"}${x(point[0]).toFixed(1)} ${y(point[1]).toFixed(1)}`).join("");
+      const line = element("path", { class: `line c${index % 6}`, d: path }, inner);
+      element("title", {}, line, `${pair.pedestrian} and ${pair.vehicle}`);
+      return { pair, marker: element("circle", { class: `dot c${index % 6}`, r: 5 }, inner) };
+    });
+    return () => {
+      for (const { pair, marker } of markers) {
+        // A pair's points are those of the times at which both are there, up to the end.
+        const first = run.times.length - pair.points.length;
+        let index = -1;
+        run.times.forEach((known, at) => { if (known <= time + 1e-9) index = at - first; });
+        marker.setAttribute("visibility", index < 0 ? "hidden" : "visible");
+        if (index < 0) continue;
+        const [here, next] = [pair.points[index], pair.points[Math.min(index + 1, pair.points.length - 1)]];
+        const span = (run.times[first + index + 1] ?? run.times[first + index] + 1) - run.times[first + index];
+        const part = clamp((time - run.times[first + index]) / span, 0, 1);
+        marker.setAttribute("cx", x(here[0] + part * (next[0] - here[0])));
+        marker.setAttribute("cy", y(here[1] + part * (next[1] - here[1])));
+      }
+    };
+  };
+
+  const drawEvents = () => {
+    const list = byId("events");
+    list.replaceChildren();
+    const items = run.events.map(([at, who, what]) => {
+      const item = document.createElement("li"), button = document.createElement("button");
+      button.type = "button";
+      button.textContent = `${at.toFixed(2)} s  ${who} ${what}`;
+      button.addEventListener("click", () => { pause(); show(at); });
+      item.append(button);
+      list.append(item);
+      return { at, item };
+    });
+    return () => {
+      const past = items.filter(({ at }) => at <= time + 1e-9);
+      const now = past.length ? past[past.length - 1].at : -1;
+      for (const { at, item } of items) item.className = at === now ? "now" : at > time + 1e-9 ? "later" : "";
+    };
+  };
+
+  const show = (at) => {
+    time = Math.min(at, run.times[run.times.length - 1]);
+    slider.value = time;
+    byId("clock").value = `${time.toFixed(2)} s`;
+    update();
+  };
+  const pause = () => { playing = false; byId("play").textContent = "▶ play"; };
+  const frame = (now) => {
+    if (!playing) return;
+    show(time + ((now - last) / 1000) * byId("pace").value);
+    last = now;
+    if (time >= run.times[run.times.length - 1]) pause();
+    else requestAnimationFrame(frame);
+  };
+  const redraw = () => {
+    const parts = [drawView(), drawPlane(), drawEvents()];
+    update = () => parts.forEach((part) => part());
+    update();
+  };
+  const choose = (index) => {
+    pause();
+    run = runs[index];
+    byId("choice").value = index;
+    byId("command").textContent = run.command;
+    slider.max = run.times[run.times.length - 1];
+    redraw();
+    // Begin where something happens: when the first pedestrian appears.
+    const appears = run.events.find((event) => event[2] === "appears");
+    show(appears ? appears[0] : 0);
+  };
+
+  runs.forEach(({ key, reason }, index) => {
+    const option = document.createElement("option");
+    option.value = index;
+    option.textContent = reason === "example" ? `${key} (example)` : `${key} (${reason})`;
+    byId("choice").append(option);
+  });
+  byId("choice").addEventListener("change", (event) => choose(+event.target.value));
+  slider.addEventListener("input", () => { pause(); show(+slider.value); });
+  byId("play").addEventListener("click", () => {
+    if (playing) return pause();
+    playing = true;
+    byId("play").textContent = "❚❚ pause";
+    if (time >= run.times[run.times.length - 1]) show(0);
+    last = performance.now();
+    requestAnimationFrame(frame);
+  });
+  let width = 0;
+  addEventListener("resize", () => {
+    if (view.clientWidth !== width) { width = view.clientWidth; redraw(); }
+  });
+  const follow = () => {
+    const match = /^#run=(.*)$/.exec(decodeURIComponent(location.hash));
+    const index = match ? runs.findIndex(({ key }) => key === match[1]) : -1;
+    if (index < 0) return false;
+    choose(index);
+    byId("runs").scrollIntoView();
+    return true;
+  };
+  addEventListener("hashchange", follow);
+  if (!follow()) choose(0);
+})();

@@ -1,0 +1,300 @@
+//! What the page's template shows: every number already in words.
+
+use std::time::SystemTime;
+
+use chrono::{DateTime, Utc};
+use serde::Serialize;
+
+use super::Chosen;
+use super::embed::embed;
+use crate::judge::{Finding, Measure, Verdict};
+use crate::metrics;
+use crate::report::digest::Digest;
+use crate::report::failure::render_failure;
+use crate::report::figures::{figures, scenarios, short_name};
+use crate::report::finding::{bound, interval, margin, observed, verdict_mark, verdict_word};
+use crate::report::replay::replay_command;
+use crate::report::{Recording, SuiteReport, TrialReport, TrialState};
+use crate::run::Requests;
+
+#[derive(Debug, Serialize)]
+pub struct Page {
+    version: &'static str,
+    platform: String,
+    started: String,
+    title: String,
+    counts: Counts,
+    suites: Vec<Suite>,
+    /// JSON for the script.
+    runs: String,
+    run_count: usize,
+    runs_left_out: usize,
+}
+
+/// Trials by what became of them, and runs.
+#[derive(Debug, Default, Clone, Copy, Serialize)]
+struct Counts {
+    trials: usize,
+    passed: usize,
+    failed: usize,
+    inconclusive: usize,
+    errors: usize,
+    skipped: usize,
+    runs: usize,
+}
+
+#[derive(Debug, Serialize)]
+struct Suite {
+    name: String,
+    file: String,
+    /// As a string, for JavaScript's numbers would round it.
+    seed: String,
+    seconds: String,
+    counts: Counts,
+    scenarios: Vec<Scenario>,
+    figures: Vec<Figure>,
+    metrics: Vec<Heading>,
+}
+
+#[derive(Debug, Serialize)]
+struct Figure {
+    title: String,
+    note: String,
+    legend: Vec<(String, String)>,
+    panels: Vec<String>,
+}
+
+#[derive(Debug, Serialize)]
+struct Heading {
+    label: String,
+    below: String,
+    about: &'static str,
+}
+
+#[derive(Debug, Serialize)]
+struct Scenario {
+    name: String,
+    doc: String,
+    tags: Vec<String>,
+    counts: Counts,
+    variations: String,
+    /// The criteria of any of its trials.
+    criteria: Vec<String>,
+    trials: Vec<Trial>,
+}
+
+#[derive(Debug, Serialize)]
+struct Trial {
+    key: String,
+    name: String,
+    runs: usize,
+    state: &'static str,
+    mark: &'static str,
+    /// One per criterion of the scenario; `None` where it does not apply.
+    cells: Vec<Option<Cell>>,
+    /// One per metric of the suite.
+    metrics: Vec<String>,
+    /// Why it did not pass.
+    failure: Option<Failure>,
+    /// Why it was not run.
+    skipped: Option<String>,
+}
+
+#[derive(Debug, Serialize)]
+struct Cell {
+    verdict: &'static str,
+    mark: &'static str,
+    observed: String,
+    interval: Option<String>,
+    /// Bound, margin and what is missing.
+    details: String,
+}
+
+#[derive(Debug, Serialize)]
+struct Failure {
+    text: String,
+    commands: Vec<Command>,
+}
+
+#[derive(Debug, Serialize)]
+struct Command {
+    key: String,
+    command: String,
+    /// Whether the page has the run's animation.
+    animated: bool,
+}
+
+impl Page {
+    pub fn new(
+        reports: &[SuiteReport],
+        requests: &Requests,
+        recordings: &[(Chosen, Recording)],
+        started: SystemTime,
+    ) -> Self {
+        let embedded = embed(reports, recordings);
+        let drawn: Vec<Recording> = recordings.iter().map(|(_, recording)| recording.clone()).collect();
+        let mut counts = Counts::default();
+        reports.iter().flat_map(|report| &report.trials).for_each(|trial| counts.add(trial));
+        let names: Vec<_> = reports.iter().map(|report| report.identity.suite).collect();
+        Self {
+            version: env!("CARGO_PKG_VERSION"),
+            platform: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
+            started: DateTime::<Utc>::from(started).format("%Y-%m-%d %H:%M:%S UTC").to_string(),
+            title: names.join(", "),
+            counts,
+            suites: reports.iter().map(|report| suite(report, requests, &drawn, &embedded.keys)).collect(),
+            run_count: embedded.count,
+            runs_left_out: embedded.left_out,
+            runs: embedded.json,
+        }
+    }
+}
+
+impl Counts {
+    fn add(&mut self, trial: &TrialReport) {
+        self.trials += 1;
+        self.runs += trial.outcomes.len();
+        *match (&trial.state, trial.verdict()) {
+            (TrialState::Skipped(_), _) => &mut self.skipped,
+            (_, Some(Verdict::Passed)) => &mut self.passed,
+            (_, Some(Verdict::Failed)) => &mut self.failed,
+            (_, Some(Verdict::Inconclusive)) => &mut self.inconclusive,
+            (_, None) => &mut self.errors,
+        } += 1;
+    }
+}
+
+fn suite(report: &SuiteReport, requests: &Requests, drawn: &[Recording], animated: &[String]) -> Suite {
+    let mut counts = Counts::default();
+    report.trials.iter().for_each(|trial| counts.add(trial));
+    let figure = |figure: crate::report::Figure| Figure {
+        title: figure.title,
+        note: figure.note,
+        legend: figure.legend.into_iter().map(|entry| (entry.swatch, entry.label)).collect(),
+        panels: figure.panels,
+    };
+    let heading = |reference: &crate::scenario::MetricReference| {
+        let metric = metrics::metric(&reference.name)?;
+        let (label, below) = Digest::heading(metric, &reference.label());
+        Some(Heading { label, below, about: metric.declaration.summary })
+    };
+    Suite {
+        name: report.identity.suite.to_string(),
+        file: report.identity.file.to_string(),
+        seed: report.identity.seed.to_string(),
+        seconds: format!("{:.2}", report.wall_time.as_secs_f64()),
+        counts,
+        scenarios: scenarios(report)
+            .into_iter()
+            .map(|(name, trials)| scenario(report, name, &trials, requests, animated))
+            .collect(),
+        figures: figures(report, requests, drawn).into_iter().map(figure).collect(),
+        metrics: requests.iter().filter_map(heading).collect(),
+    }
+}
+
+fn scenario(
+    report: &SuiteReport,
+    name: &str,
+    trials: &[&TrialReport],
+    requests: &Requests,
+    animated: &[String],
+) -> Scenario {
+    let mut counts = Counts::default();
+    trials.iter().for_each(|trial| counts.add(trial));
+    let mut criteria: Vec<String> = Vec::new();
+    for criterion in trials.iter().flat_map(|trial| &trial.trial.criteria) {
+        if !criteria.contains(&criterion.text) {
+            criteria.push(criterion.text.clone());
+        }
+    }
+    let first = trials.first().map(|trial| trial.trial);
+    let variation = first.and_then(|trial| trial.cases.first()).map(|case| case.variation.as_slice());
+    let names: Vec<_> = variation.unwrap_or_default().iter().map(|one| one.name.as_str()).collect();
+    Scenario {
+        name: name.to_string(),
+        doc: first.and_then(|trial| trial.doc.clone()).unwrap_or_default(),
+        tags: first.map(|trial| trial.tags.clone()).unwrap_or_default(),
+        counts,
+        variations: names.join(", "),
+        trials: trials.iter().map(|one| trial(report, one, &criteria, requests, animated)).collect(),
+        criteria,
+    }
+}
+
+fn trial(
+    report: &SuiteReport,
+    trial: &TrialReport,
+    criteria: &[String],
+    requests: &Requests,
+    animated: &[String],
+) -> Trial {
+    let findings = match &trial.state {
+        TrialState::Judged(judged) => judged.findings.as_slice(),
+        TrialState::Errored(_) | TrialState::Skipped(_) => &[],
+    };
+    let (state, mark) = match (&trial.state, trial.verdict()) {
+        (TrialState::Skipped(_), _) => ("skipped", "–"),
+        (_, Some(verdict)) => (verdict_word(verdict), verdict_mark(verdict)),
+        (_, None) => ("error", "!"),
+    };
+    let cell = |text: &String| findings.iter().find(|finding| finding.criterion == *text).map(cell);
+    let metric = |(index, reference): (usize, &crate::scenario::MetricReference)| {
+        let metric = metrics::metric(&reference.name)?;
+        Some(Digest::new(metric, &trial.outcomes, index).short())
+    };
+    let name = short_name(trial);
+    Trial {
+        key: trial.trial.key.clone(),
+        name: if name.is_empty() { "all runs".into() } else { name },
+        runs: trial.outcomes.len(),
+        state,
+        mark,
+        cells: criteria.iter().map(cell).collect(),
+        metrics: requests.iter().enumerate().filter_map(metric).collect(),
+        failure: failure(report, trial, findings, animated),
+        skipped: match &trial.state {
+            TrialState::Skipped(reason) => Some(reason.clone()),
+            _ => None,
+        },
+    }
+}
+
+fn cell(finding: &Finding) -> Cell {
+    Cell {
+        verdict: verdict_word(finding.verdict),
+        mark: verdict_mark(finding.verdict),
+        observed: observed(finding),
+        interval: interval(finding),
+        details: details(finding),
+    }
+}
+
+fn details(finding: &Finding) -> String {
+    let bound = (finding.measure != Measure::EveryRun).then(|| format!("bound {}", bound(finding)));
+    let margin = margin(finding).map(|margin| format!("margin {margin}"));
+    let undefined = (finding.undefined > 0).then(|| format!("undefined in {}", finding.undefined));
+    [bound, margin, undefined].into_iter().flatten().collect::<Vec<_>>().join(", ")
+}
+
+fn failure(
+    report: &SuiteReport,
+    trial: &TrialReport,
+    findings: &[Finding],
+    animated: &[String],
+) -> Option<Failure> {
+    let passed_or_skipped =
+        matches!(trial.state, TrialState::Skipped(_)) || trial.verdict() == Some(Verdict::Passed);
+    if passed_or_skipped {
+        return None;
+    }
+    let mut commands: Vec<Command> = Vec::new();
+    let bad = findings.iter().filter(|finding| finding.verdict != Verdict::Passed);
+    for run in bad.filter_map(|finding| finding.worst.first()) {
+        if !commands.iter().any(|known| known.key == run.key) {
+            let command = replay_command(&report.identity, &run.key);
+            commands.push(Command { animated: animated.contains(&run.key), key: run.key.clone(), command });
+        }
+    }
+    Some(Failure { text: render_failure(&report.identity, &trial.state, false), commands })
+}

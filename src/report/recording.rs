@@ -1,0 +1,141 @@
+//! The course of one run in few numbers, for drawing: where everybody is ten times a second.
+
+use crate::scenario::{Case, PedestrianSetup, Shape};
+use crate::sim::{Event, Trace};
+
+/// A run as it is drawn. Metrics are never computed from it.
+#[derive(Debug, Clone)]
+pub struct Recording<'a> {
+    pub case: &'a Case,
+    pub events: Vec<Event>,
+    /// s; steps of about [`INTERVAL`] and the very end.
+    pub times: Vec<f64>,
+    /// Per road user, vehicles first, one per time; `None` before it appears.
+    pub users: Vec<Vec<Option<Place>>>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Place {
+    /// World frame, m.
+    pub x: f64,
+    pub y: f64,
+    /// m/s
+    pub speed: f64,
+    /// rad, counter-clockwise from the x axis.
+    pub heading: f64,
+}
+
+/// One pedestrian and one vehicle in the distance-distance plane.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PairCourse {
+    pub vehicle: String,
+    pub pedestrian: String,
+    /// `(vehicle, pedestrian)` in m along each one's way, negative before the conflict point.
+    pub points: Vec<(f64, f64)>,
+}
+
+/// Between two places, s.
+const INTERVAL: f64 = 0.1;
+/// Below this a heading is that of before, m/s.
+const STANDING: f64 = 0.01;
+
+impl<'a> Recording<'a> {
+    /// Thins out `trace`, which must be that of `case`.
+    pub fn new(case: &'a Case, trace: &Trace, events: Vec<Event>) -> Self {
+        let cars = case.world.vehicles.len();
+        let mut headings: Vec<f64> = (0..cars).map(|_| 0.0).collect();
+        headings.extend(case.world.pedestrians.iter().map(initial_heading));
+        let mut recording = Self { case, events, times: Vec::new(), users: vec![Vec::new(); headings.len()] };
+        let end = trace.samples.last().map_or(0.0, |sample| sample.time);
+        let mut due = 0.0;
+        for moment in trace.samples.chunk_by(|left, right| left.time == right.time) {
+            let time = moment[0].time;
+            let wanted = time >= due - 1e-9 || time == end;
+            let mut places = vec![None; headings.len()];
+            for sample in moment {
+                let speed = sample.velocity.norm();
+                if speed > STANDING {
+                    headings[sample.who] = sample.velocity.y.atan2(sample.velocity.x);
+                } else if sample.who < cars {
+                    let lane = case.world.vehicles[sample.who].lane;
+                    headings[sample.who] = if case.world.road.lanes[lane].direction.sign() < 0.0 {
+                        std::f64::consts::PI
+                    } else {
+                        0.0
+                    };
+                }
+                places[sample.who] = Some(Place {
+                    x: sample.position.x,
+                    y: sample.position.y,
+                    speed,
+                    heading: headings[sample.who],
+                });
+            }
+            if wanted {
+                due = time + INTERVAL;
+                recording.times.push(time);
+                for (user, place) in recording.users.iter_mut().zip(places) {
+                    user.push(place);
+                }
+            }
+        }
+        recording
+    }
+
+    /// The name of a road user by its index.
+    pub fn name(&self, who: usize) -> &str {
+        let world = &self.case.world;
+        match world.vehicles.get(who) {
+            Some(vehicle) => &vehicle.name,
+            None => &world.pedestrians[who - world.vehicles.len()].name,
+        }
+    }
+
+    /// Length and width of a road user's footprint in m; a disc has neither corner nor difference.
+    pub fn footprint(&self, who: usize) -> (f64, f64, bool) {
+        let world = &self.case.world;
+        match world.vehicles.get(who) {
+            Some(vehicle) => (vehicle.length, vehicle.width, false),
+            None => match world.pedestrians[who - world.vehicles.len()].shape {
+                Shape::Disc { radius } => (2.0 * radius, 2.0 * radius, true),
+                Shape::Rectangle { length, width } => (length, width, false),
+            },
+        }
+    }
+
+    /// Every pedestrian with every vehicle whose lane lies on its way.
+    pub fn pairs(&self) -> Vec<PairCourse> {
+        let world = &self.case.world;
+        let cars = world.vehicles.len();
+        let mut pairs = Vec::new();
+        for (vehicle, car) in world.vehicles.iter().enumerate() {
+            let lane = world.road.lane_centre(car.lane);
+            let along = world.road.lanes[car.lane].direction.sign();
+            for (pedestrian, person) in world.pedestrians.iter().enumerate() {
+                let Some(conflict) = conflict_place(person, lane) else { continue };
+                let across = (person.goal.y - person.start.y).signum();
+                let places = self.users[vehicle].iter().zip(&self.users[cars + pedestrian]);
+                let point = |(car, person): (&Option<Place>, &Option<Place>)| {
+                    Some((along * (car.as_ref()?.x - conflict), across * (person.as_ref()?.y - lane)))
+                };
+                pairs.push(PairCourse {
+                    vehicle: car.name.clone(),
+                    pedestrian: person.name.clone(),
+                    points: places.filter_map(point).collect(),
+                });
+            }
+        }
+        pairs
+    }
+}
+
+/// Where along the road the straight way of a pedestrian meets a lane's centre line, if it does.
+fn conflict_place(person: &PedestrianSetup, lane: f64) -> Option<f64> {
+    let (start, goal) = (person.start, person.goal);
+    let part = (lane - start.y) / (goal.y - start.y);
+    (0.0..=1.0).contains(&part).then_some(start.x + part * (goal.x - start.x))
+}
+
+fn initial_heading(person: &PedestrianSetup) -> f64 {
+    (person.goal.y - person.start.y).atan2(person.goal.x - person.start.x)
+}
