@@ -4,9 +4,8 @@ pub mod chart;
 mod digest;
 mod excerpt;
 mod failure;
-pub mod findings;
 mod figures;
-mod finding;
+pub mod findings;
 #[cfg(test)]
 mod fixture;
 mod format;
@@ -19,6 +18,7 @@ mod recording;
 mod replay;
 mod trace;
 mod variable;
+mod wording;
 
 use std::time::Duration;
 

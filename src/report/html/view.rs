@@ -12,8 +12,8 @@ use crate::metrics;
 use crate::report::digest::Digest;
 use crate::report::failure::render_failure;
 use crate::report::figures::{figures, scenarios, short_name};
-use crate::report::finding::{bound, interval, margin, observed, verdict_mark, verdict_word};
 use crate::report::replay::replay_command;
+use crate::report::wording::{bound, interval, margin, observed, verdict_mark, verdict_word};
 use crate::report::{Recording, SuiteReport, TrialReport, TrialState};
 use crate::run::Requests;
 
