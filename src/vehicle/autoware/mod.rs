@@ -1,7 +1,7 @@
 //! A reduced Autoware: how its stack reacts to pedestrians at a crossing without a signal, longitudinally.
 //!
 //! Tracker, decisions and profile run at the planning rate, the controller at its own; the `delay_lag` dynamics are
-//! the vehicle. What it is and is not: docs/models/autoware.md.
+//! the vehicle. What it is and is not: docs/models/controller-autoware.md.
 
 mod braking;
 mod crossing;

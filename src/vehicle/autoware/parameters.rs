@@ -80,7 +80,7 @@ const fn plain(
 pub const DECLARATION: Declaration = Declaration {
     name: "autoware",
     summary: "A reduced Autoware: tracker, crosswalk yield decision, in-lane stop, jerk-limited profile, PID; longitudinal only.",
-    source: "Autoware core 1.9.0, launch 0.52.0 and 0.41.0, universe; reduced as docs/models/autoware.md says",
+    source: "Autoware core 1.9.0, launch 0.52.0 and 0.41.0, universe; reduced as docs/models/controller-autoware.md says",
     parameters: &[
         Parameter::flag(
             "crosswalk_mapped",
@@ -504,7 +504,7 @@ pub const DECLARATION: Declaration = Declaration {
             },
             Preset {
                 name: "lane_only",
-                doc: "No crosswalk in the map: it reacts to pedestrians in its lane only. Nearer to published closed-loop results.",
+                doc: "No crosswalk in the map: it reacts to pedestrians in its lane only. Seems nearer to published closed-loop results.",
                 values: &[("crosswalk_mapped", Literal::Flag(false))],
             },
         ],
