@@ -1,5 +1,6 @@
 //! Criteria over a trial's outcomes: verdicts, with how far from failing and which runs were worst.
 
 mod criteria;
+pub mod statistics;
 
 pub use criteria::{Finding, Measure, TrialVerdict, Verdict, WorstRun, aggregate, judge};

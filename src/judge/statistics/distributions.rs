@@ -1,0 +1,133 @@
+//! Tails of the binomial distribution and the beta distribution behind them.
+
+/// The regularised incomplete beta function I_x(a, b) for a, b > 0.
+///
+/// Source: NIST Digital Library of Mathematical Functions, 8.17.4 and the continued fraction 8.17.22.
+pub fn regularised_beta(x: f64, a: f64, b: f64) -> f64 {
+    if x <= 0.0 {
+        return 0.0;
+    }
+    if x >= 1.0 {
+        return 1.0;
+    }
+    // The fraction converges fast below the mean; above it the mirrored one does.
+    if x > (a + 1.0) / (a + b + 2.0) {
+        return 1.0 - regularised_beta_below(1.0 - x, b, a);
+    }
+    regularised_beta_below(x, a, b)
+}
+
+fn regularised_beta_below(x: f64, a: f64, b: f64) -> f64 {
+    let front = libm::exp(a * libm::log(x) + b * libm::log1p(-x) - ln_beta(a, b)) / a;
+    front / fraction(x, a, b)
+}
+
+/// 1 + d1/(1 + d2/(1 + ...)) with the coefficients of DLMF 8.17.23, by convergents kept in scale.
+fn fraction(x: f64, a: f64, b: f64) -> f64 {
+    let coefficient = |index: u32| {
+        let m = f64::from(index / 2);
+        if index.is_multiple_of(2) {
+            m * (b - m) * x / ((a + 2.0 * m - 1.0) * (a + 2.0 * m))
+        } else {
+            -(a + m) * (a + b + m) * x / ((a + 2.0 * m) * (a + 2.0 * m + 1.0))
+        }
+    };
+    let (mut above, mut below) = ((1.0, 1.0), (0.0, 1.0));
+    let mut value = 1.0;
+    for index in 1..100_000 {
+        let d = coefficient(index);
+        above = (above.1, above.1 + d * above.0);
+        below = (below.1, below.1 + d * below.0);
+        // Dividing both by the same number leaves the convergent and keeps it from overflowing.
+        let scale = 1.0 / below.1;
+        above = (above.0 * scale, above.1 * scale);
+        below = (below.0 * scale, 1.0);
+        let next = above.1;
+        if (next - value).abs() <= 1e-16 * next.abs() {
+            return next;
+        }
+        value = next;
+    }
+    value
+}
+
+/// ln B(a, b).
+pub fn ln_beta(a: f64, b: f64) -> f64 {
+    libm::lgamma(a) + libm::lgamma(b) - libm::lgamma(a + b)
+}
+
+/// The quantile of the beta distribution at probability `p`.
+pub fn beta_quantile(p: f64, a: f64, b: f64) -> f64 {
+    let (mut low, mut high) = (0.0, 1.0);
+    loop {
+        let middle = 0.5 * (low + high);
+        if middle <= low || middle >= high {
+            return middle;
+        }
+        if regularised_beta(middle, a, b) < p {
+            low = middle
+        } else {
+            high = middle
+        }
+        // Far below what any number of runs can tell.
+        if high - low <= 1e-15 * high {
+            return 0.5 * (low + high);
+        }
+    }
+}
+
+/// P(X >= k) for X successes in n tries of probability p.
+pub fn binomial_at_least(k: u64, n: u64, p: f64) -> f64 {
+    match k {
+        0 => 1.0,
+        _ if k > n => 0.0,
+        _ => regularised_beta(p, k as f64, (n - k) as f64 + 1.0),
+    }
+}
+
+/// P(X <= k) for X successes in n tries of probability p.
+pub fn binomial_at_most(k: u64, n: u64, p: f64) -> f64 {
+    if k >= n { 1.0 } else { regularised_beta(1.0 - p, (n - k) as f64, k as f64 + 1.0) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use statrs::distribution::{Beta, ContinuousCDF};
+
+    #[test]
+    fn the_beta_distribution_agrees_with_another_implementation() {
+        for (a, b) in [(1.0, 1.0), (0.5, 3.0), (3.0, 297.0), (150.0, 151.0), (2000.0, 5.0), (40.0, 0.7)] {
+            let reference = Beta::new(a, b).unwrap();
+            for k in 1..50 {
+                let x = f64::from(k) / 50.0;
+                let (found, expected) = (regularised_beta(x, a, b), reference.cdf(x));
+                assert!((found - expected).abs() < 1e-11, "I_{x}({a}, {b}) = {found}, {expected}");
+                let p = x;
+                assert!((regularised_beta(beta_quantile(p, a, b), a, b) - p).abs() < 1e-10, "{p} {a} {b}");
+            }
+        }
+    }
+
+    #[test]
+    fn binomial_tails_are_sums_of_their_terms() {
+        let (n, p) = (12_u64, 0.3_f64);
+        let term = |k: u64| {
+            let choose = (0..k).fold(1.0, |product, i| product * (n - i) as f64 / (i + 1) as f64);
+            choose * p.powi(k as i32) * (1.0 - p).powi((n - k) as i32)
+        };
+        for k in 0..=n {
+            let below: f64 = (0..=k).map(term).sum();
+            assert!((binomial_at_most(k, n, p) - below).abs() < 1e-13);
+            let above: f64 = (k..=n).map(term).sum();
+            assert!((binomial_at_least(k, n, p) - above).abs() < 1e-13);
+        }
+    }
+
+    #[test]
+    fn small_tails_keep_their_relative_precision() {
+        // All of 1000 tries: p^1000.
+        let found = binomial_at_least(1000, 1000, 0.5);
+        assert!((found / 0.5_f64.powi(1000) - 1.0).abs() < 1e-11, "{found}");
+    }
+}

@@ -1,0 +1,34 @@
+//! Statistics behind verdicts: intervals with stated confidence, sequential decisions, paired comparisons.
+//!
+//! Pure functions: the same numbers in give the same numbers out. What is random is drawn from a given seed.
+
+mod bootstrap;
+mod comparison;
+mod distributions;
+mod proportion;
+mod sequential;
+mod summary;
+
+pub use bootstrap::{mean_interval, paired_difference, relative_change, std_interval};
+pub use comparison::{McNemar, holm, mcnemar, rate_change};
+pub use distributions::{beta_quantile, binomial_at_least, binomial_at_most, regularised_beta};
+pub use proportion::{
+    clopper_pearson, confidence_of_worst, failures_allowed, lower_bound, runs_needed, upper_bound, wilson,
+};
+pub use sequential::{ConfidenceSequence, Decision, Sequential, Sprt};
+pub use summary::{mean, median, quantile, quantile_interval, std};
+
+use serde::{Deserialize, Serialize};
+
+/// Where a quantity lies at a stated confidence; both ends belong to it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Interval {
+    pub low: f64,
+    pub high: f64,
+}
+
+impl Interval {
+    pub fn contains(&self, value: f64) -> bool {
+        self.low <= value && value <= self.high
+    }
+}

@@ -1,0 +1,103 @@
+//! Aggregates of a metric over runs, and what they say of quantiles of all runs there could be.
+
+use super::distributions::{binomial_at_least, binomial_at_most};
+
+/// `None` of no values.
+pub fn mean(values: &[f64]) -> Option<f64> {
+    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+}
+
+/// The sample standard deviation (divisor n - 1); `None` of fewer than two values.
+pub fn std(values: &[f64]) -> Option<f64> {
+    let mean = mean(values).filter(|_| values.len() > 1)?;
+    let squares: f64 = values.iter().map(|value| (value - mean) * (value - mean)).sum();
+    Some((squares / (values.len() - 1) as f64).sqrt())
+}
+
+/// The median of sorted values; `None` of none.
+pub fn median(sorted: &[f64]) -> Option<f64> {
+    quantile(sorted, 0.5)
+}
+
+/// The quantile at `level` (0..1) of sorted values, linear between order statistics; `None` of none.
+///
+/// Source: type 7 of R. J. Hyndman & Y. Fan, Am. Stat. 50, 1996.
+pub fn quantile(sorted: &[f64], level: f64) -> Option<f64> {
+    let last = sorted.len().checked_sub(1)?;
+    let place = level * last as f64;
+    let below = place.floor() as usize;
+    let (low, high) = (sorted[below], sorted[(below + 1).min(last)]);
+    Some(low + (place - below as f64) * (high - low))
+}
+
+/// Bounds on the quantile at `level` of the distribution behind sorted values: two of the values themselves, without
+/// assumptions about the distribution. Each bound is wrong with probability at most (1 - `confidence`)/2, or is `None`
+/// if there are too few values for one. For a one-sided bound at confidence c ask for 2 c - 1.
+///
+/// Source: H. A. David & H. N. Nagaraja, Order Statistics, 3rd ed. 2003, section 7.1.
+pub fn quantile_interval(sorted: &[f64], level: f64, confidence: f64) -> (Option<f64>, Option<f64>) {
+    let n = sorted.len() as u64;
+    // Rounding must not cost the run that is just enough.
+    let each = (1.0 - confidence) / 2.0 * (1.0 + 1e-12);
+    // The k-th smallest value is too large as a lower bound if fewer than k values lie below the quantile.
+    let low = largest_true(n, |k| binomial_at_most(k - 1, n, level) <= each);
+    // Mirrored: the k-th largest is too small as an upper bound if fewer than k lie above the quantile.
+    let high = largest_true(n, |k| binomial_at_least(n - k + 1, n, level) <= each);
+    (low.map(|k| sorted[k as usize - 1]), high.map(|k| sorted[(n - k) as usize]))
+}
+
+/// The largest of 1..=n for which something holds that holds up to it and not beyond.
+fn largest_true(n: u64, holds: impl Fn(u64) -> bool) -> Option<u64> {
+    let (mut below, mut above) = (0, n + 1);
+    while above - below > 1 {
+        let middle = below + (above - below) / 2;
+        if holds(middle) { below = middle } else { above = middle }
+    }
+    (below > 0).then_some(below)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::distributions::binomial_at_most;
+    use super::*;
+
+    fn numbers(n: u64) -> Vec<f64> {
+        (1..=n).map(|k| k as f64).collect()
+    }
+
+    #[test]
+    fn aggregates_of_few_values() {
+        assert_eq!((mean(&[]), std(&[1.0]), median(&[])), (None, None, None));
+        assert_eq!(mean(&[1.0, 2.0, 6.0]), Some(3.0));
+        assert_eq!(std(&[1.0, 3.0]), Some(2.0_f64.sqrt()));
+        assert_eq!(median(&[1.0, 2.0, 4.0, 9.0]), Some(3.0));
+        assert_eq!(quantile(&[1.0, 2.0, 3.0, 4.0, 5.0], 0.9), Some(4.6));
+        assert_eq!(quantile(&[7.0], 1.0), Some(7.0));
+    }
+
+    #[test]
+    fn tabulated_bounds_of_the_median() {
+        // Tables give the 2nd and 9th of 10 values and the 6th and 15th of 20 at 95 %.
+        assert_eq!(quantile_interval(&numbers(10), 0.5, 0.95), (Some(2.0), Some(9.0)));
+        assert_eq!(quantile_interval(&numbers(20), 0.5, 0.95), (Some(6.0), Some(15.0)));
+    }
+
+    #[test]
+    fn a_bound_needs_enough_runs() {
+        // One-sided at 95 %: the largest of 59 values bounds the 95 % quantile, of 58 it does not.
+        assert_eq!(quantile_interval(&numbers(59), 0.95, 0.9).1, Some(59.0));
+        assert_eq!(quantile_interval(&numbers(58), 0.95, 0.9).1, None);
+        assert_eq!(quantile_interval(&[], 0.5, 0.95), (None, None));
+    }
+
+    #[test]
+    fn bounds_cover_as_stated() {
+        // For continuous values the number below the quantile is binomial, so coverage is a sum.
+        for (n, level) in [(20, 0.5), (100, 0.9), (300, 0.95), (77, 0.1)] {
+            let (low, high) = quantile_interval(&numbers(n), level, 0.95);
+            let (low, high) = (low.unwrap() as u64, high.unwrap() as u64);
+            let covered = binomial_at_most(high - 1, n, level) - binomial_at_most(low - 1, n, level);
+            assert!(covered >= 0.95, "{covered} for {n}");
+        }
+    }
+}
