@@ -465,16 +465,21 @@ fn another_cruise_speed_is_settled_before_the_start() {
     assert!(run.speeds.iter().all(|speed| (speed - 4.17).abs() < 1e-3), "{:?}", &run.speeds[..3]);
 }
 
-#[test]
-fn signals_are_refused() {
-    let mut world = world(&preset("mapped"), 6.0);
-    world.road.crossing.kind =
-        CrossingKind::Signalised { cycle: 60.0, pedestrian_green_from: 0.0, pedestrian_green: 20.0 };
+fn refusal(world: &World) -> String {
     let setup = &world.vehicles[0];
-    let context =
-        ControllerContext { settings: &setup.controller.settings, setup, world: &world, index: 0, seed: 1 };
-    let error = (vehicle::controller("autoware").unwrap().build)(&context).err().unwrap();
-    assert!(error.hint.unwrap().contains("lane_only"));
+    let context = ControllerContext { settings: &setup.controller.settings, setup, world, index: 0, seed: 1 };
+    (vehicle::controller("autoware").unwrap().build)(&context).err().unwrap().hint.unwrap()
+}
+
+#[test]
+fn what_it_cannot_do_is_refused() {
+    let mut signalised = world(&preset("mapped"), 6.0);
+    signalised.road.crossing.kind =
+        CrossingKind::Signalised { cycle: 60.0, pedestrian_green_from: 0.0, pedestrian_green: 20.0 };
+    assert!(refusal(&signalised).contains("lane_only"));
+    // The plan moves on by one period a tick, so ticks must not be farther apart than that.
+    let hasty = Settings::from([("planning_period", Value::Number(0.01))]);
+    assert!(refusal(&world(&hasty, 6.0)).contains("0.03 s"));
 }
 
 proptest! {

@@ -40,6 +40,14 @@ fn build(context: &ControllerContext) -> Result<Box<dyn Controller>, ModelError>
             "use `preset: lane_only`, or a crossing without a signal",
         ));
     }
+    let period = settings.number("planning_period");
+    let shortest = settings.number("control_period").max(context.world.step);
+    if period < shortest {
+        return Err(ModelError::with_hint(
+            format!("`planning_period` of `autoware` is {period} s, shorter than its calls are apart"),
+            format!("use at least {shortest} s, the longer of `control_period` and the simulation step"),
+        ));
+    }
     let misses = stream(context.seed, Agent::Vehicle(context.index), Purpose::Perception);
     let pedestrians = context.world.pedestrians.len();
     Ok(Box::new(stack::Stack::new(settings, context.setup.speed, pedestrians, misses)))
