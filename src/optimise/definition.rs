@@ -130,11 +130,6 @@ impl Definition {
                 "stopping on small improvement needs a positive threshold and patience".to_owned(),
             );
         }
-        if self.improvement_stop.is_some() && self.objectives.len() > 1 {
-            return refuse(
-                "expected improvement has no unit with several objectives; stop on the budget".to_owned(),
-            );
-        }
         if let Method::GpMinimizeLike { penalty } = self.method {
             if self.objectives.len() > 1 {
                 return refuse(
