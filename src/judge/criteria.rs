@@ -91,11 +91,14 @@ fn find(criterion: &Criterion, outcomes: &[Outcome], requests: &Requests) -> Fin
                 Aggregate::Rate(comparison) => {
                     let held = holding(comparison, outcomes, requests);
                     let rate = held.count as f64 / outcomes.len() as f64;
-                    against(criterion, Measure::Share, *relation, bound, Some(rate), &held)
+                    let finding = against(criterion, Measure::Share, *relation, bound, Some(rate), &held);
+                    with_worst_of_rate(finding, comparison, *relation, &held, outcomes)
                 }
                 Aggregate::Count(comparison) => {
                     let held = holding(comparison, outcomes, requests);
-                    against(criterion, Measure::Count, *relation, bound, Some(held.count as f64), &held)
+                    let count = held.count as f64;
+                    let finding = against(criterion, Measure::Count, *relation, bound, Some(count), &held);
+                    with_worst_of_rate(finding, comparison, *relation, &held, outcomes)
                 }
                 Aggregate::Mean(metric)
                 | Aggregate::Median(metric)
@@ -167,6 +170,21 @@ fn runs(
         !comparison_holds(comparison, bound, value)
     });
     finding
+}
+
+/// Names the runs that a rate or count has too many of: those that hold where it is bounded above, else the others.
+fn with_worst_of_rate(
+    finding: Finding,
+    comparison: &Comparison,
+    relation: Relation,
+    held: &Held,
+    outcomes: &[Outcome],
+) -> Finding {
+    let bound = comparison.constant_bound();
+    let too_many_hold = matches!(relation, Relation::Less | Relation::LessOrEqual);
+    let against = |value: Option<f64>| comparison_holds(comparison, bound, value) == too_many_hold;
+    let direction = if too_many_hold { comparison.relation.opposite() } else { comparison.relation };
+    Finding { worst: worst(&comparison.metric, direction, &held.values, outcomes, against), ..finding }
 }
 
 /// A finding that compares `observed` to `bound`.

@@ -31,12 +31,10 @@ fn render_finding(suite: &SuiteIdentity, finding: &Finding, colour: bool) -> Str
         ));
     }
     notes.extend(finding.worst.iter().map(|run| format!("{}  {}", value(finding, run), run.key)));
-    if let Some(run) = finding.worst.first() {
-        notes.push(format!("replay: {}", replay_command(suite, &run.key)));
-    }
+    let replay = finding.worst.first().map(|run| format!("replay: {}", replay_command(suite, &run.key)));
     let label =
         finding.worst.first().map_or_else(String::new, |run| format!("worst: {}", value(finding, run)));
-    Excerpt { title: &title, origin: &finding.origin, label: &label, notes: &notes, help: None }
+    Excerpt { title: &title, origin: &finding.origin, label: &label, notes: &notes, help: replay.as_deref() }
         .render(colour)
 }
 

@@ -104,6 +104,18 @@ impl Relation {
         }
     }
 
+    /// The relation that holds exactly where this one does not.
+    pub fn opposite(self) -> Self {
+        match self {
+            Self::Less => Self::GreaterOrEqual,
+            Self::LessOrEqual => Self::Greater,
+            Self::Greater => Self::LessOrEqual,
+            Self::GreaterOrEqual => Self::Less,
+            Self::Equal => Self::NotEqual,
+            Self::NotEqual => Self::Equal,
+        }
+    }
+
     pub fn symbol(self) -> &'static str {
         match self {
             Self::Less => "<",

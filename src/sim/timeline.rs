@@ -146,7 +146,9 @@ impl<'a> Timeline<'a> {
             let slot = car_index * world.pedestrians.len() + index;
             if let Some(moment) = contact.filter(|_| !self.in_contact[slot]) {
                 let with = world.vehicles[car_index].name.clone();
-                let relative_speed = moved.norm() / step.duration;
+                let apart = |person: &PedestrianState, car: &VehicleState| person.velocity - car.velocity();
+                let (first, last) = (apart(before, car), apart(after, &step.after.vehicles[car_index]));
+                let relative_speed = first.lerp(&last, moment / step.duration).norm();
                 self.add(step.time + moment, name, Happening::Collides { with, relative_speed });
             }
             self.in_contact[slot] = contact.is_some();

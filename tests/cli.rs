@@ -1,0 +1,155 @@
+//! What a user does at the command line, with the binary that ships.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+/// Runs the program in the repository's root.
+fn scenario_runner(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_scenario-runner"))
+        .args(arguments)
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .env("NO_COLOR", "1")
+        .output()
+        .expect("the binary runs")
+}
+
+fn code(output: &Output) -> i32 {
+    output.status.code().expect("the program ends by itself")
+}
+
+/// Standard output without what differs from run to run.
+fn stdout(output: &Output) -> String {
+    let text = String::from_utf8(output.stdout.clone()).expect("output is UTF-8");
+    text.lines().map(|line| without_time(line) + "\n").collect()
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).expect("output is UTF-8")
+}
+
+/// `finished in 0.14s` and `seed 1, 0.14 s` without their numbers.
+fn without_time(line: &str) -> String {
+    for mark in ["finished in ", "seed 20261121, "] {
+        if let Some((before, _)) = line.split_once(mark) {
+            return format!("{before}{mark}[time]");
+        }
+    }
+    line.to_string()
+}
+
+/// The results of a run as JSON, with more arguments if wanted.
+fn results(suite: &str, more: &[&str]) -> Value {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("results.json");
+    let path_text = path.to_string_lossy();
+    scenario_runner(&[&[suite, "--json", &path_text], more].concat());
+    serde_json::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap()
+}
+
+/// Removes every wall time.
+fn forget_times(value: &mut Value) {
+    match value {
+        Value::Object(fields) => {
+            fields.remove("wall_time_s");
+            fields.values_mut().for_each(forget_times);
+        }
+        Value::Array(items) => items.iter_mut().for_each(forget_times),
+        _ => {}
+    }
+}
+
+#[test]
+fn the_zebra_suite_passes() {
+    let output = scenario_runner(&["suites/zebra.suite", "--test-threads", "1"]);
+    assert_eq!(code(&output), 0, "{}{}", stdout(&output), stderr(&output));
+    insta::assert_snapshot!(stdout(&output));
+}
+
+#[test]
+fn the_unsafe_suite_fails_readably() {
+    let output = scenario_runner(&["suites/zebra_unsafe.suite", "--test-threads", "1"]);
+    assert_eq!(code(&output), 100);
+    insta::assert_snapshot!(stdout(&output));
+}
+
+#[test]
+fn results_do_not_depend_on_threads() {
+    let with = |threads| {
+        let mut results = results("suites/zebra.suite", &["--test-threads", threads]);
+        forget_times(&mut results);
+        results
+    };
+    assert_eq!(with("1"), with("2"));
+}
+
+#[test]
+fn every_failing_run_is_replayed_bit_for_bit() {
+    let results = results("suites/zebra_unsafe.suite", &[]);
+    for trial in results["suites"][0]["trials"].as_array().unwrap() {
+        let key = trial["findings"][0]["worst"][0]["key"].as_str().expect("a failing run is named");
+        let run = trial["runs"].as_array().unwrap().iter().find(|run| run["key"] == key).unwrap();
+        let fingerprint = run["fingerprint"].as_str().unwrap();
+        let output = scenario_runner(&["replay", key, "--fingerprint", fingerprint]);
+        assert_eq!(code(&output), 0, "{}", stderr(&output));
+        assert!(stdout(&output).contains("the same run, bit for bit"));
+        let other = scenario_runner(&["replay", key, "--fingerprint", "0000000000000000"]);
+        assert_eq!(code(&other), 100, "another run is not taken for this one");
+    }
+}
+
+#[test]
+fn a_replay_tells_what_happened() {
+    let output = scenario_runner(&["replay", "zebra_unsafe/stands_in_lane/tta=6s/rep=1"]);
+    assert_eq!(code(&output), 0);
+    insta::assert_snapshot!(stdout(&output));
+}
+
+#[test]
+fn filters_select_trials() {
+    let list = |arguments: &[&str]| {
+        stdout(&scenario_runner(&[&["suites/zebra.suite", "--list"], arguments].concat()))
+    };
+    assert_eq!(list(&["scripted/tta=6s"]), "zebra/scripted/tta=6s: test\n");
+    assert_eq!(list(&["zebra/scripted/tta=6s", "--exact"]), "zebra/scripted/tta=6s: test\n");
+    assert_eq!(list(&["scripted", "--skip", "tta=1"]), "zebra/scripted/tta=6s: test\n");
+    assert_eq!(list(&[]).lines().count(), 8);
+}
+
+#[test]
+fn what_cannot_be_done_has_its_own_exit_code() {
+    let cases: &[(&[&str], i32, &str)] = &[
+        (&["suites/zebra.suite", "no_such_trial"], 4, "no trial is selected"),
+        (&["zebra"], 2, "no suite or scenario is named"),
+        (&["suites/zebra.suite", "one", "two"], 2, "more than one filter"),
+        (&["suites/missing.suite"], 3, "missing.suite"),
+        (&["--no-such-flag"], 2, "no-such-flag"),
+        (&["replay", "zebra/scripted/tta=6s/rep=9"], 4, "the nearest name is `zebra/scripted/tta=6s/rep=1`"),
+        (&["replay", "nothing/x"], 2, "name it"),
+        (&["models", "carla_behaviour"], 2, "`carla_behavior`"),
+        (&["suites/zebra.suite", "--junit", "/dev/null/x.xml"], 110, "cannot write"),
+    ];
+    for (arguments, expected, message) in cases {
+        let output = scenario_runner(arguments);
+        assert_eq!(code(&output), *expected, "{arguments:?}: {}", stderr(&output));
+        assert!(stderr(&output).contains(message), "{arguments:?}: {}", stderr(&output));
+    }
+}
+
+#[test]
+fn junit_can_be_read_back_and_traces_are_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    let (junit, traces) = (at("deep/junit.xml"), at("traces"));
+    let output = scenario_runner(&["suites/zebra.suite", "scripted", "--junit", &junit, "--trace", &traces]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let report = quick_junit::Report::deserialize_from_str(&std::fs::read_to_string(junit).unwrap()).unwrap();
+    assert_eq!(report.test_suites.len(), 1);
+    assert_eq!(report.test_suites[0].test_cases.len(), 4);
+    let trace =
+        std::fs::read_to_string(Path::new(&traces).join("zebra__scripted__tta=6s__rep=1.csv")).unwrap();
+    let mut lines = trace.lines();
+    assert_eq!(lines.next(), Some("time_s,who,x_m,y_m,vx_m_s,vy_m_s,acceleration_m_s2,mode"));
+    assert!(lines.clone().any(|line| line.contains(",walker,")) && lines.any(|line| line.contains(",av,")));
+}
