@@ -1,6 +1,7 @@
 //! `scenario-runner FILES`: runs suites, reports every trial, writes the reports that were asked for.
 
 use std::collections::HashMap;
+use std::env;
 use std::fs;
 use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
@@ -18,8 +19,8 @@ use super::record::record;
 use crate::judge::{Verdict, judge};
 use crate::plan::Trial;
 use crate::report::{
-    Chosen, Recording, SuiteIdentity, SuiteReport, TrialReport, TrialState, choose_runs, render_failure,
-    to_html, to_json, to_junit, write_trace,
+    Chosen, Recording, SuiteIdentity, SuiteReport, TrialReport, TrialState, annotations, choose_runs,
+    render_failure, render_tables, step_summary, to_html, to_json, to_junit, to_tap, write_trace,
 };
 use crate::run::{FreeFlows, Outcome, Requests, RunError, Unwatched, run_case, run_trial};
 use crate::scenario::Case;
@@ -59,6 +60,14 @@ pub struct RunArguments {
     #[arg(long, value_name = "PATH")]
     json: Option<PathBuf>,
 
+    /// Write a TAP 14 report.
+    #[arg(long, value_name = "PATH")]
+    tap: Option<PathBuf>,
+
+    /// Print GitHub annotations and append to the step's summary [default: in GitHub Actions only].
+    #[arg(long)]
+    github: bool,
+
     /// Write one HTML file with tables, charts and animations of the worst runs.
     #[arg(long, value_name = "PATH")]
     html: Option<PathBuf>,
@@ -88,7 +97,7 @@ impl Colour {
     pub fn wanted(self, stream: &impl IsTerminal) -> bool {
         match self {
             Self::Auto => {
-                stream.is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
+                stream.is_terminal() && env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
             }
             Self::Always => true,
             Self::Never => false,
@@ -326,7 +335,22 @@ impl Session {
             to_junit(reports, &self.requests).map_err(|error| error.to_string())
         });
         write(&self.arguments.json, &|| Ok(to_json(reports, &self.requests)));
+        write(&self.arguments.tap, &|| Ok(to_tap(reports)));
         write(&self.arguments.html, &|| self.html(reports));
+        if self.arguments.github || env::var_os("GITHUB_ACTIONS").is_some_and(|value| value == "true") {
+            self.tell_github(reports);
+        }
+    }
+
+    /// Annotations go to stdout; the summary goes to the file that GitHub names.
+    fn tell_github(&self, reports: &[SuiteReport]) {
+        print!("{}", annotations(reports));
+        let Some(path) = env::var_os("GITHUB_STEP_SUMMARY").filter(|path| !path.is_empty()) else { return };
+        let summary = step_summary(reports, &self.requests);
+        let opened = fs::OpenOptions::new().create(true).append(true).open(&path);
+        if let Err(error) = opened.and_then(|mut file| file.write_all(summary.as_bytes())) {
+            self.complain(format!("cannot write {}: {error}", Path::new(&path).display()));
+        }
     }
 
     /// The HTML report, for which some runs are run again to record their course.
@@ -355,6 +379,7 @@ impl Session {
     }
 
     fn print_summary(&self, reports: &[SuiteReport]) {
+        let colour = self.arguments.color.wanted(&io::stdout());
         let mut out = io::stdout().lock();
         for report in reports.iter().filter(|report| !report.trials.is_empty()) {
             let runs: usize = report.trials.iter().map(|trial| trial.outcomes.len()).sum();
@@ -366,8 +391,9 @@ impl Session {
                 identity.seed,
                 report.wall_time.as_secs_f64()
             );
+            let tables = render_tables(report, &self.requests, colour);
             // A closed pipe is the reader's choice, not an error.
-            let _ = writeln!(out, "{line}");
+            let _ = writeln!(out, "{tables}\n{line}");
         }
     }
 }

@@ -9,6 +9,7 @@ pub mod findings;
 #[cfg(test)]
 mod fixture;
 mod format;
+mod github;
 mod html;
 mod json;
 mod junit;
@@ -16,6 +17,8 @@ mod models;
 mod pages;
 mod recording;
 mod replay;
+mod table;
+mod tap;
 mod trace;
 mod variable;
 mod wording;
@@ -30,6 +33,7 @@ pub use excerpt::Excerpt;
 pub use failure::render_failure;
 pub use figures::{Figure, figures};
 pub use format::{quantity, share};
+pub use github::{annotations, step_summary};
 pub use html::{Chosen, choose_runs, to_html};
 pub use json::to_json;
 pub use junit::to_junit;
@@ -37,6 +41,8 @@ pub use models::{registered_names, render_model, render_models};
 pub use pages::{ModelPage, model_pages};
 pub use recording::{PairCourse, Place, Recording};
 pub use replay::{render_replay, replay_command};
+pub use table::render_tables;
+pub use tap::to_tap;
 pub use trace::write_trace;
 
 /// Which suite was run, and how to run it again.

@@ -22,7 +22,7 @@ mod svg;
 
 pub use individuals::{Course, Found, Individuals};
 pub use look::{Entry, First, LOOKS, Look};
-pub use panel::{Quantity, Rule};
+pub use panel::{Quantity, Rule, shortened};
 pub use paths::{Path, Paths};
 pub use rates::{Rate, RateSeries, Rates};
 pub use scale::nice_range;

@@ -1,0 +1,199 @@
+//! Results on GitHub: annotations at the criteria that did not hold, and the summary of a step in Markdown.
+
+use std::fmt::Write;
+
+use super::digest::Digest;
+use super::failure::render_failure;
+use super::figures::{scenarios, short_name};
+use super::findings::{data, property};
+use super::wording::{verdict_mark, verdict_word};
+use super::{SuiteReport, TrialReport, TrialState};
+use crate::judge::Verdict;
+use crate::run::Requests;
+use crate::scenario::Origin;
+
+/// GitHub shows ten annotations of a kind per step, so a criterion has one for all the trials it failed in.
+struct Annotation<'a> {
+    level: &'static str,
+    origin: &'a Origin,
+    title: String,
+    trials: Vec<String>,
+}
+
+/// A step summary may have a mebibyte; this leaves room for those of others.
+const MOST_SUMMARY_BYTES: usize = 900_000;
+/// More trials are only counted in an annotation.
+const MOST_TRIALS_NAMED: usize = 5;
+/// Trials whose failures are written out in full.
+const MOST_FAILURES: usize = 20;
+
+/// Workflow commands such as `::error file=…,line=…::message`, one a line.
+pub fn annotations(reports: &[SuiteReport]) -> String {
+    let mut annotations: Vec<Annotation> = Vec::new();
+    let mut add = |level, origin, title: String, said: String| match annotations
+        .iter_mut()
+        .find(|one| one.origin == origin && one.title == title && one.level == level)
+    {
+        Some(known) => known.trials.push(said),
+        None => annotations.push(Annotation { level, origin, title, trials: vec![said] }),
+    };
+    for trial in reports.iter().flat_map(|report| &report.trials) {
+        match &trial.state {
+            TrialState::Skipped(_) => {}
+            TrialState::Errored(message) => {
+                add("error", &trial.trial.origin, "could not run".to_string(), message.clone());
+            }
+            TrialState::Judged(judged) => {
+                for finding in judged.findings.iter().filter(|one| one.verdict != Verdict::Passed) {
+                    let level = if finding.verdict == Verdict::Failed { "error" } else { "warning" };
+                    let said = format!("{}: {}", trial.trial.key, super::wording::observed(finding));
+                    let title = format!("{} {}", finding.criterion, verdict_word(finding.verdict));
+                    add(level, &finding.origin, title, said);
+                }
+            }
+        }
+    }
+    let mut text = String::new();
+    for Annotation { level, origin, title, trials } in annotations {
+        let mut message = trials.iter().take(MOST_TRIALS_NAMED).cloned().collect::<Vec<_>>().join("\n");
+        if trials.len() > MOST_TRIALS_NAMED {
+            write!(message, "\nand {} more trials", trials.len() - MOST_TRIALS_NAMED)
+                .expect("writing to a string cannot fail");
+        }
+        let end = origin.column + origin.length.max(1);
+        writeln!(
+            text,
+            "::{level} file={},line={},col={},endColumn={end},title={}::{}",
+            property(&origin.file),
+            origin.line,
+            origin.column,
+            property(&title),
+            data(&message),
+        )
+        .expect("writing to a string cannot fail");
+    }
+    text
+}
+
+/// The summary of a step in GitHub's Markdown.
+pub fn step_summary(reports: &[SuiteReport], requests: &Requests) -> String {
+    let mut text = String::new();
+    for report in reports {
+        suite_summary(&mut text, report, requests);
+    }
+    if text.len() > MOST_SUMMARY_BYTES {
+        let end = text[..text.floor_char_boundary(MOST_SUMMARY_BYTES)].rfind("\n\n").unwrap_or(0);
+        text.truncate(end);
+        text.push_str("\n\n…cut: the whole report is too long for a step summary.\n");
+    }
+    text
+}
+
+fn suite_summary(text: &mut String, report: &SuiteReport, requests: &Requests) {
+    let mut line = |content: String| {
+        text.push_str(&content);
+        text.push('\n');
+    };
+    let count = |wanted: Option<Verdict>| {
+        let judged = |trial: &&TrialReport| !matches!(trial.state, TrialState::Skipped(_));
+        report.trials.iter().filter(judged).filter(|trial| trial.verdict() == wanted).count()
+    };
+    let runs: usize = report.trials.iter().map(|trial| trial.outcomes.len()).sum();
+    let counts = [
+        (count(Some(Verdict::Passed)), "✅ passed"),
+        (count(Some(Verdict::Failed)), "❌ failed"),
+        (count(Some(Verdict::Inconclusive)), "❔ inconclusive"),
+        (count(None), "💥 could not run"),
+    ];
+    let said: Vec<_> = counts
+        .iter()
+        .filter(|(number, _)| *number > 0)
+        .map(|(number, word)| format!("{number} {word}"))
+        .collect();
+    let identity = &report.identity;
+    line(format!("## {}: {}\n", markdown(identity.suite), said.join(", ")));
+    line(format!(
+        "`{}`, seed {}, {} trials, {runs} runs, {:.1} s, scenario-runner {}\n",
+        identity.file,
+        identity.seed,
+        report.trials.len(),
+        report.wall_time.as_secs_f64(),
+        env!("CARGO_PKG_VERSION"),
+    ));
+    for (name, trials) in scenarios(report) {
+        let columns = super::table::columns(&trials, requests);
+        let mut heading = format!("| {} | |", markdown(name));
+        let mut rule = "|---|---|".to_string();
+        for (_, metric, label) in &columns {
+            let (label, below) = Digest::heading(metric, label);
+            write!(heading, " {}<br><sub>{}</sub> |", markdown(&label), markdown(&below))
+                .expect("writing to a string cannot fail");
+            rule.push_str("--:|");
+        }
+        line(heading);
+        line(rule);
+        for trial in trials {
+            let mark = match (&trial.state, trial.verdict()) {
+                (TrialState::Skipped(_), _) => "skipped".to_string(),
+                (_, None) => "💥 error".to_string(),
+                (_, Some(verdict)) => format!("{} {}", verdict_mark(verdict), verdict_word(verdict)),
+            };
+            let mut row = format!("| {} | {mark} |", markdown(&short_name(trial)));
+            for (index, metric, _) in &columns {
+                let digest = Digest::new(metric, &trial.outcomes, *index).short();
+                write!(row, " {} |", markdown(&digest)).expect("writing to a string cannot fail");
+            }
+            line(row);
+        }
+        line(String::new());
+    }
+    let failed = |trial: &&TrialReport| {
+        !matches!(trial.state, TrialState::Skipped(_)) && trial.verdict() != Some(Verdict::Passed)
+    };
+    for trial in report.trials.iter().filter(failed).take(MOST_FAILURES) {
+        line(format!("<details><summary>{}</summary>\n", markdown(&trial.trial.key)));
+        line("~~~~text".into());
+        line(render_failure(identity, &trial.state, false));
+        line("~~~~\n".into());
+        line("</details>\n".into());
+    }
+    let more = report.trials.iter().filter(failed).count().saturating_sub(MOST_FAILURES);
+    if more > 0 {
+        line(format!("and {more} more that did not pass\n"));
+    }
+}
+
+/// Text in which nothing means more than it says.
+fn markdown(text: &str) -> String {
+    let mut plain = String::with_capacity(text.len());
+    for letter in text.chars() {
+        match letter {
+            '<' => plain.push_str("&lt;"),
+            '>' => plain.push_str("&gt;"),
+            '&' => plain.push_str("&amp;"),
+            '\n' | '\r' => plain.push(' '),
+            '\\' | '`' | '*' | '_' | '|' | '~' | '[' | ']' | '#' => plain.extend(['\\', letter]),
+            _ => plain.push(letter),
+        }
+    }
+    plain
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::fixture::Session;
+
+    #[test]
+    fn one_annotation_per_criterion() {
+        let session = Session::new();
+        insta::assert_snapshot!(annotations(&[session.report()]));
+    }
+
+    #[test]
+    fn summary_in_markdown() {
+        let session = Session::new();
+        let summary = step_summary(&[session.report()], &session.requests);
+        insta::assert_snapshot!(summary.replace(env!("CARGO_PKG_VERSION"), "[version]"));
+    }
+}

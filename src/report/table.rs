@@ -1,0 +1,182 @@
+//! A compact table per scenario for the terminal: variation values down, the criteria's metrics across.
+
+use anstyle::{AnsiColor, Style};
+
+use super::digest::Digest;
+use super::figures::{scenarios, short_name};
+use super::wording::{verdict_mark, verdict_word};
+use super::{SuiteReport, TrialReport, TrialState};
+use crate::judge::Verdict;
+use crate::metrics::{self, Metric};
+use crate::run::Requests;
+
+/// A scenario with more trials shows only those that did not pass.
+const MOST_ROWS: usize = 24;
+/// Wider labels are cut.
+const WIDEST_LABEL: usize = 40;
+
+/// A metric with its index in the outcomes and the name that it is shown by.
+pub type Column = (usize, &'static Metric, String);
+
+/// The metrics that the criteria of `trials` are about, in their order.
+pub fn columns(trials: &[&TrialReport], requests: &Requests) -> Vec<Column> {
+    let mut columns: Vec<Column> = Vec::new();
+    for criterion in trials.iter().flat_map(|trial| &trial.trial.criteria) {
+        let reference = criterion.claim.metric();
+        if let (Some(index), Some(metric)) = (requests.index(reference), metrics::metric(&reference.name))
+            && !columns.iter().any(|(known, _, _)| *known == index)
+        {
+            columns.push((index, metric, reference.label()));
+        }
+    }
+    columns
+}
+
+/// Every scenario's table; without `colour` plain text.
+pub fn render_tables(report: &SuiteReport, requests: &Requests, colour: bool) -> String {
+    let tables = scenarios(report)
+        .into_iter()
+        .map(|(name, trials)| table(report, name, &trials, requests, colour))
+        .filter(|table| !table.is_empty());
+    tables.collect::<Vec<_>>().join("\n")
+}
+
+fn table(
+    report: &SuiteReport,
+    name: &str,
+    trials: &[&TrialReport],
+    requests: &Requests,
+    colour: bool,
+) -> String {
+    let ran: Vec<_> =
+        trials.iter().copied().filter(|trial| !matches!(trial.state, TrialState::Skipped(_))).collect();
+    let crowded = ran.len() > MOST_ROWS;
+    let not_passed = |trial: &&&TrialReport| !crowded || trial.verdict() != Some(Verdict::Passed);
+    let rows: Vec<_> = ran.iter().filter(not_passed).take(MOST_ROWS).collect();
+    let (Some(first), columns) = (ran.first(), columns(&ran, requests)) else { return String::new() };
+    let names: Vec<_> = first.trial.cases[0].variation.iter().map(|one| one.name.as_str()).collect();
+    let plain = Style::new();
+    let muted = plain.dimmed();
+
+    let mut lines: Vec<Vec<Cell>> = Vec::new();
+    let headings = columns.iter().map(|(_, metric, label)| Digest::heading(metric, label));
+    let (above, below): (Vec<_>, Vec<_>) = headings.unzip();
+    let heading = |name: String, style: Style, labels: Vec<String>| -> Vec<Cell> {
+        let labels = labels.into_iter().map(|label| Cell { text: label, style });
+        [Cell { text: name, style }, Cell::empty()].into_iter().chain(labels).collect()
+    };
+    lines.push(heading(names.join(", "), plain.bold(), above));
+    lines.push(heading(String::new(), muted, below));
+    for trial in &rows {
+        lines.push(row(trial, &columns, requests));
+    }
+
+    let widths: Vec<usize> = (0..columns.len() + 2)
+        .map(|column| lines.iter().map(|line| line[column].text.chars().count()).max().unwrap_or(0))
+        .collect();
+    let bold = |text: &str| paint(text, plain.bold(), colour);
+    let mut text = format!("{}\n", bold(&format!("{}/{name}", report.identity.suite)));
+    for line in lines {
+        let mut drawn = String::from(" ");
+        for (column, (cell, width)) in line.iter().zip(&widths).enumerate() {
+            let space = " ".repeat(width - cell.text.chars().count());
+            let painted = paint(&cell.text, cell.style, colour);
+            // Names and marks stand left, numbers right.
+            drawn += &if column < 2 { format!(" {painted}{space} ") } else { format!("  {space}{painted}") };
+        }
+        text.push_str(drawn.trim_end());
+        text.push('\n');
+    }
+    if crowded {
+        let passed = ran.iter().filter(|trial| trial.verdict() == Some(Verdict::Passed)).count();
+        let hidden = ran.len() - passed - rows.len();
+        let mut note = format!("  {passed} of {} trials passed and are not shown", ran.len());
+        if hidden > 0 {
+            note += &format!(", nor are {hidden} that did not pass");
+        }
+        text += &paint(&note, muted, colour);
+        text.push('\n');
+    }
+    text
+}
+
+struct Cell {
+    text: String,
+    style: Style,
+}
+
+impl Cell {
+    fn empty() -> Self {
+        Self { text: String::new(), style: Style::new() }
+    }
+}
+
+fn row(trial: &TrialReport, columns: &[Column], requests: &Requests) -> Vec<Cell> {
+    let name = short_name(trial);
+    let name = if name.is_empty() { "all runs".into() } else { name };
+    let verdict = trial.verdict();
+    let (mark, style) = match verdict {
+        Some(verdict) => (format!("{} {}", verdict_mark(verdict), verdict_word(verdict)), style(verdict)),
+        None => ("! error".into(), style(Verdict::Failed)),
+    };
+    let name = super::chart::shortened(&name, WIDEST_LABEL);
+    let mut cells = vec![Cell { text: name, style: Style::new() }, Cell { text: mark, style }];
+    for (index, metric, _) in columns {
+        let text = Digest::new(metric, &trial.outcomes, *index).short();
+        let bad = worst(trial, *index, requests).filter(|verdict| *verdict != Verdict::Passed);
+        cells.push(Cell { text, style: bad.map_or(Style::new(), self::style) });
+    }
+    cells
+}
+
+/// The worst verdict on the metric with this index.
+fn worst(trial: &TrialReport, index: usize, requests: &Requests) -> Option<Verdict> {
+    let TrialState::Judged(judged) = &trial.state else { return None };
+    // Findings come in the order of the criteria.
+    let verdicts = trial.trial.criteria.iter().zip(&judged.findings);
+    let about = verdicts.filter(|(criterion, _)| requests.index(criterion.claim.metric()) == Some(index));
+    about.map(|(_, finding)| finding.verdict).max()
+}
+
+fn style(verdict: Verdict) -> Style {
+    match verdict {
+        Verdict::Passed => AnsiColor::Green.on_default(),
+        Verdict::Inconclusive => AnsiColor::Yellow.on_default(),
+        Verdict::Failed => AnsiColor::Red.on_default(),
+    }
+}
+
+fn paint(text: &str, style: Style, colour: bool) -> String {
+    if colour && !text.is_empty() { format!("{style}{text}{style:#}") } else { text.to_string() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::fixture::Session;
+
+    #[test]
+    fn one_table_per_scenario() {
+        let session = Session::new();
+        insta::assert_snapshot!(render_tables(&session.report(), &session.requests, false));
+    }
+
+    #[test]
+    fn colours_change_nothing_but_colours() {
+        let session = Session::new();
+        let report = session.report();
+        let coloured = render_tables(&report, &session.requests, true);
+        assert!(coloured.contains("\u{1b}[31m"));
+        let mut stripped = String::new();
+        let mut escape = false;
+        for letter in coloured.chars() {
+            match letter {
+                '\u{1b}' => escape = true,
+                'm' if escape => escape = false,
+                _ if escape => {}
+                _ => stripped.push(letter),
+            }
+        }
+        assert_eq!(stripped, render_tables(&report, &session.requests, false));
+    }
+}

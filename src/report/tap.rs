@@ -1,0 +1,116 @@
+//! Results as TAP 14 (Test Anything Protocol): one test point per trial, with a YAML block where there is something to say.
+
+use std::fmt::Write;
+
+use super::failure::render_failure;
+use super::replay::replay_command;
+use super::wording::verdict_word;
+use super::{SuiteReport, TrialReport, TrialState};
+use crate::judge::Verdict;
+
+/// The report as TAP. An inconclusive trial is `not ok`, and its block says so.
+pub fn to_tap(reports: &[SuiteReport]) -> String {
+    let trials: usize = reports.iter().map(|report| report.trials.len()).sum();
+    let mut text = format!("TAP version 14\n1..{trials}\n");
+    let mut number = 0;
+    for report in reports {
+        let identity = &report.identity;
+        line(
+            &mut text,
+            &format!("# suite {}, file {}, seed {}", identity.suite, identity.file, identity.seed),
+        );
+        for trial in &report.trials {
+            number += 1;
+            point(&mut text, number, report, trial);
+        }
+    }
+    text
+}
+
+fn point(text: &mut String, number: usize, report: &SuiteReport, trial: &TrialReport) {
+    let name = escaped(&trial.trial.key);
+    match (&trial.state, trial.verdict()) {
+        (TrialState::Skipped(reason), _) => {
+            line(text, &format!("ok {number} - {name} # SKIP {}", escaped(&one_line(reason))));
+        }
+        (_, Some(Verdict::Passed)) => {
+            line(text, &format!("ok {number} - {name}"));
+            line(text, "  ---");
+            field(text, "runs", trial.outcomes.len());
+            field(text, "duration_ms", trial.wall_time.as_millis());
+            line(text, "  ...");
+        }
+        (state, verdict) => {
+            line(text, &format!("not ok {number} - {name}"));
+            line(text, "  ---");
+            field(text, "severity", verdict.map_or("error", verdict_word));
+            field(text, "runs", trial.outcomes.len());
+            field(text, "duration_ms", trial.wall_time.as_millis());
+            if let TrialState::Judged(judged) = state {
+                let bad = judged.findings.iter().filter(|finding| finding.verdict != Verdict::Passed);
+                if let Some(run) = bad.flat_map(|finding| &finding.worst).next() {
+                    field(text, "replay", quoted(&replay_command(&report.identity, &run.key)));
+                }
+            }
+            block(text, "message", &render_failure(&report.identity, state, false));
+            line(text, "  ...");
+        }
+    }
+}
+
+fn line(text: &mut String, content: &str) {
+    text.push_str(&one_line(content));
+    text.push('\n');
+}
+
+fn field(text: &mut String, name: &str, value: impl std::fmt::Display) {
+    writeln!(text, "  {name}: {value}").expect("writing to a string cannot fail");
+}
+
+/// A YAML literal block; its explicit indentation lets lines begin with blanks.
+fn block(text: &mut String, name: &str, content: &str) {
+    writeln!(text, "  {name}: |2-").expect("writing to a string cannot fail");
+    for content in content.lines() {
+        writeln!(text, "{}", format!("    {content}").trim_end()).expect("writing to a string cannot fail");
+    }
+}
+
+/// A double-quoted YAML scalar: YAML takes every JSON string.
+fn quoted(text: &str) -> String {
+    serde_json::Value::from(text).to_string()
+}
+
+/// `#` would begin a directive.
+fn escaped(text: &str) -> String {
+    text.replace('\\', "\\\\").replace('#', "\\#")
+}
+
+fn one_line(text: &str) -> String {
+    text.replace(['\n', '\r'], " ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::fixture::Session;
+
+    #[test]
+    fn every_state_of_a_trial() {
+        let session = Session::new();
+        insta::assert_snapshot!(to_tap(&[session.report()]));
+    }
+
+    #[test]
+    fn the_blocks_are_yaml() {
+        let session = Session::new();
+        let tap = to_tap(&[session.report()]);
+        let mut blocks = 0;
+        for part in tap.split("  ---\n").skip(1) {
+            let yaml = part.split("  ...\n").next().expect("a split has a first part");
+            let value: serde_yaml::Value = serde_yaml::from_str(yaml).expect("the block is YAML");
+            assert!(value["runs"].is_number() && value["duration_ms"].is_number());
+            blocks += 1;
+        }
+        assert_eq!(blocks, 5);
+    }
+}
