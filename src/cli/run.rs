@@ -242,7 +242,9 @@ impl Session {
         if !complaints.is_empty() {
             return Exit::Output;
         }
-        let verdicts = || reports.iter().flat_map(|report| &report.trials).map(TrialReport::verdict);
+        let ran = |trial: &&TrialReport| !trial.skipped();
+        let verdicts =
+            || reports.iter().flat_map(|report| &report.trials).filter(ran).map(TrialReport::verdict);
         if verdicts().any(|verdict| verdict == Some(Verdict::Failed)) || conclusion.has_failed() {
             let undecided = |verdict| matches!(verdict, Some(Verdict::Inconclusive | Verdict::Passed));
             if verdicts().all(undecided) { Exit::Inconclusive } else { Exit::Failed }
@@ -294,17 +296,15 @@ impl Session {
         self.finished[suite][trial].lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The trials of a suite that have run so far.
+    /// All trials of a suite; those that have not run are skipped ones.
     fn report(&self, suite: usize) -> SuiteReport<'_> {
         let loaded = &self.loaded[suite];
-        let trials = loaded.plan.trials.iter().enumerate().filter_map(|(index, trial)| {
-            let slot = self.slot(suite, index);
-            slot.as_ref().map(|finished| TrialReport {
-                trial,
-                outcomes: finished.outcomes.clone(),
-                state: finished.state.clone(),
-                wall_time: finished.wall_time,
-            })
+        let trials = loaded.plan.trials.iter().enumerate().map(|(index, trial)| {
+            let (outcomes, state, wall_time) = match self.slot(suite, index).as_ref() {
+                Some(finished) => (finished.outcomes.clone(), finished.state.clone(), finished.wall_time),
+                None => (Vec::new(), TrialState::Skipped("not selected".into()), Duration::ZERO),
+            };
+            TrialReport { trial, outcomes, state, wall_time }
         });
         SuiteReport {
             identity: self.identity(suite),
@@ -381,13 +381,16 @@ impl Session {
     fn print_summary(&self, reports: &[SuiteReport]) {
         let colour = self.arguments.color.wanted(&io::stdout());
         let mut out = io::stdout().lock();
-        for report in reports.iter().filter(|report| !report.trials.is_empty()) {
+        for report in reports {
+            let ran = report.trials.iter().filter(|trial| !trial.skipped()).count();
+            if ran == 0 {
+                continue;
+            }
             let runs: usize = report.trials.iter().map(|trial| trial.outcomes.len()).sum();
             let identity = &report.identity;
             let line = format!(
-                "{}: {} trials, {runs} runs, seed {}, {:.2} s",
+                "{}: {ran} trials, {runs} runs, seed {}, {:.2} s",
                 identity.suite,
-                report.trials.len(),
                 identity.seed,
                 report.wall_time.as_secs_f64()
             );

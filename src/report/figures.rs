@@ -172,7 +172,7 @@ impl Data<'_> {
         let chart = |index: &usize| {
             let mut lines: BTreeMap<(usize, String), Vec<Rate>> = BTreeMap::new();
             for (place, (_, trials)) in self.scenarios.iter().enumerate() {
-                for trial in trials {
+                for trial in trials.iter().filter(|trial| !trial.outcomes.is_empty()) {
                     let Some(case) = trial.trial.cases.first() else { continue };
                     let Some(x) = variable.value(case) else { continue };
                     let values: Vec<f64> =

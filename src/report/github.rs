@@ -95,8 +95,7 @@ fn suite_summary(text: &mut String, report: &SuiteReport, requests: &Requests) {
         text.push('\n');
     };
     let count = |wanted: Option<Verdict>| {
-        let judged = |trial: &&TrialReport| !matches!(trial.state, TrialState::Skipped(_));
-        report.trials.iter().filter(judged).filter(|trial| trial.verdict() == wanted).count()
+        report.trials.iter().filter(|trial| !trial.skipped() && trial.verdict() == wanted).count()
     };
     let runs: usize = report.trials.iter().map(|trial| trial.outcomes.len()).sum();
     let counts = [
@@ -116,11 +115,15 @@ fn suite_summary(text: &mut String, report: &SuiteReport, requests: &Requests) {
         "`{}`, seed {}, {} trials, {runs} runs, {:.1} s, scenario-runner {}\n",
         identity.file,
         identity.seed,
-        report.trials.len(),
+        report.trials.iter().filter(|trial| !trial.skipped()).count(),
         report.wall_time.as_secs_f64(),
         env!("CARGO_PKG_VERSION"),
     ));
     for (name, trials) in scenarios(report) {
+        let trials: Vec<_> = trials.into_iter().filter(|trial| !trial.skipped()).collect();
+        if trials.is_empty() {
+            continue;
+        }
         let columns = super::table::columns(&trials, requests);
         let mut heading = format!("| {} | |", markdown(name));
         let mut rule = "|---|---|".to_string();
@@ -133,10 +136,9 @@ fn suite_summary(text: &mut String, report: &SuiteReport, requests: &Requests) {
         line(heading);
         line(rule);
         for trial in trials {
-            let mark = match (&trial.state, trial.verdict()) {
-                (TrialState::Skipped(_), _) => "skipped".to_string(),
-                (_, None) => "💥 error".to_string(),
-                (_, Some(verdict)) => format!("{} {}", verdict_mark(verdict), verdict_word(verdict)),
+            let mark = match trial.verdict() {
+                None => "💥 error".to_string(),
+                Some(verdict) => format!("{} {}", verdict_mark(verdict), verdict_word(verdict)),
             };
             let mut row = format!("| {} | {mark} |", markdown(&short_name(trial)));
             for (index, metric, _) in &columns {
@@ -147,9 +149,7 @@ fn suite_summary(text: &mut String, report: &SuiteReport, requests: &Requests) {
         }
         line(String::new());
     }
-    let failed = |trial: &&TrialReport| {
-        !matches!(trial.state, TrialState::Skipped(_)) && trial.verdict() != Some(Verdict::Passed)
-    };
+    let failed = |trial: &&TrialReport| !trial.skipped() && trial.verdict() != Some(Verdict::Passed);
     for trial in report.trials.iter().filter(failed).take(MOST_FAILURES) {
         line(format!("<details><summary>{}</summary>\n", markdown(&trial.trial.key)));
         line("~~~~text".into());

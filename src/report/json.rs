@@ -85,3 +85,45 @@ fn outcome_value(outcome: &Outcome, requests: &Requests) -> Value {
 fn plain(value: &impl Serialize) -> Value {
     serde_json::to_value(value).expect("plain data serialises")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::fixture::Session;
+    use crate::report::schema::violations;
+
+    fn results() -> Value {
+        let session = Session::new();
+        let text = to_json(&[session.report()], &session.requests);
+        serde_json::from_str(&text).expect("it is JSON")
+    }
+
+    fn schema() -> Value {
+        serde_json::from_str(include_str!("../../docs/results.schema.json")).expect("the schema is JSON")
+    }
+
+    #[test]
+    fn results_are_what_the_published_schema_says() {
+        assert_eq!(violations(&schema(), &results()), Vec::<String>::new());
+    }
+
+    #[test]
+    fn the_schema_refuses_what_is_wrong() {
+        let wrong: [(&str, Value); 6] = [
+            ("/layout", json!(2)),
+            ("/suites/0/trials/0/verdict", json!("fine")),
+            ("/suites/0/trials/0/runs/0/metrics/pet", json!("1.5 s")),
+            ("/suites/0/trials/0/runs/0/fingerprint", json!("beef")),
+            ("/suites/0/trials/0/findings/0", json!({})),
+            ("/suites/0/trials/0/variation", json!({ "tta": [6] })),
+        ];
+        for (place, value) in wrong {
+            let mut results = results();
+            *results.pointer_mut(place).expect("the place exists") = value;
+            assert!(!violations(&schema(), &results).is_empty(), "nobody minds {place}");
+        }
+        let mut results = results();
+        results["suites"][0]["surprise"] = json!(1);
+        assert_eq!(violations(&schema(), &results), ["$.suites[0].surprise: nobody expects it"]);
+    }
+}

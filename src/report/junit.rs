@@ -6,8 +6,9 @@ use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 use super::digest::Digest;
 use super::failure::render_failure;
 use super::replay::replay_command;
+use super::wording::{interval, margin, observed, verdict_word};
 use super::{SuiteReport, TrialReport, TrialState};
-use crate::judge::Verdict;
+use crate::judge::{Finding, Verdict};
 use crate::metrics;
 use crate::run::Requests;
 
@@ -31,7 +32,11 @@ fn test_suites(report: &SuiteReport, requests: &Requests) -> Vec<TestSuite> {
         let name = format!("{}.{}", report.identity.suite, trial.trial.scenario);
         if suites.last().is_none_or(|suite| suite.name.as_str() != name) {
             let mut suite = TestSuite::new(name.as_str());
-            suite.set_timestamp(timestamp).add_property(("seed", report.identity.seed.to_string().as_str()));
+            suite
+                .set_timestamp(timestamp)
+                .add_property(("seed", report.identity.seed.to_string().as_str()))
+                .add_property(("file", report.identity.file))
+                .add_property(("tool", concat!("scenario-runner ", env!("CARGO_PKG_VERSION"))));
             suites.push(suite);
         }
         let suite = suites.last_mut().expect("one was pushed above");
@@ -75,6 +80,11 @@ fn test_case(report: &SuiteReport, trial: &TrialReport, class: &str, requests: &
         let Some(metric) = metrics::metric(&reference.name) else { continue };
         property(&reference.label(), &Digest::new(metric, &trial.outcomes, index).long());
     }
+    if let TrialState::Judged(judged) = &trial.state {
+        for finding in &judged.findings {
+            property(&format!("criterion {}", finding.criterion), &in_words(finding));
+        }
+    }
     let worst = match &trial.state {
         TrialState::Judged(judged) => judged.findings.iter().flat_map(|finding| &finding.worst).next(),
         _ => None,
@@ -85,6 +95,29 @@ fn test_case(report: &SuiteReport, trial: &TrialReport, class: &str, requests: &
     case
 }
 
+/// Verdict, what was found, its interval and margin.
+fn in_words(finding: &Finding) -> String {
+    let parts = [
+        Some(format!("{}: {}", verdict_word(finding.verdict), observed(finding))),
+        interval(finding),
+        margin(finding).map(|margin| format!("margin {margin}")),
+    ];
+    parts.into_iter().flatten().collect::<Vec<_>>().join(", ")
+}
+
 fn first_line(text: &str) -> &str {
     text.lines().next().unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::fixture::Session;
+
+    #[test]
+    fn every_state_of_a_trial() {
+        let session = Session::new();
+        let xml = to_junit(&[session.report()], &session.requests).expect("the report has no odd characters");
+        insta::assert_snapshot!(xml.replace(env!("CARGO_PKG_VERSION"), "[version]"));
+    }
 }

@@ -17,6 +17,8 @@ mod models;
 mod pages;
 mod recording;
 mod replay;
+#[cfg(test)]
+mod schema;
 mod table;
 mod tap;
 mod trace;
@@ -82,6 +84,11 @@ pub enum TrialState {
 }
 
 impl TrialReport<'_> {
+    /// Whether nobody tried to run it.
+    pub fn skipped(&self) -> bool {
+        matches!(self.state, TrialState::Skipped(_))
+    }
+
     pub fn verdict(&self) -> Option<Verdict> {
         match &self.state {
             TrialState::Judged(judged) => Some(judged.verdict),

@@ -48,8 +48,7 @@ fn table(
     requests: &Requests,
     colour: bool,
 ) -> String {
-    let ran: Vec<_> =
-        trials.iter().copied().filter(|trial| !matches!(trial.state, TrialState::Skipped(_))).collect();
+    let ran: Vec<_> = trials.iter().copied().filter(|trial| !trial.skipped()).collect();
     let crowded = ran.len() > MOST_ROWS;
     let not_passed = |trial: &&&TrialReport| !crowded || trial.verdict() != Some(Verdict::Passed);
     let rows: Vec<_> = ran.iter().filter(not_passed).take(MOST_ROWS).collect();

@@ -81,6 +81,8 @@ struct Scenario {
     /// The criteria of any of its trials.
     criteria: Vec<String>,
     trials: Vec<Trial>,
+    /// Why trials were skipped, and how many.
+    skipped: Vec<String>,
 }
 
 #[derive(Debug, Serialize)]
@@ -96,8 +98,6 @@ struct Trial {
     metrics: Vec<String>,
     /// Why it did not pass.
     failure: Option<Failure>,
-    /// Why it was not run.
-    skipped: Option<String>,
 }
 
 #[derive(Debug, Serialize)]
@@ -217,9 +217,27 @@ fn scenario(
         tags: first.map(|trial| trial.tags.clone()).unwrap_or_default(),
         counts,
         variations: names.join(", "),
-        trials: trials.iter().map(|one| trial(report, one, &criteria, requests, animated)).collect(),
+        trials: trials
+            .iter()
+            .filter(|one| !one.skipped())
+            .map(|one| trial(report, one, &criteria, requests, animated))
+            .collect(),
+        skipped: skipped(trials),
         criteria,
     }
+}
+
+/// The reasons for which trials were skipped, each with its count.
+fn skipped(trials: &[&TrialReport]) -> Vec<String> {
+    let mut reasons: Vec<(&str, usize)> = Vec::new();
+    for trial in trials {
+        let TrialState::Skipped(reason) = &trial.state else { continue };
+        match reasons.iter_mut().find(|(known, _)| known == reason) {
+            Some((_, count)) => *count += 1,
+            None => reasons.push((reason, 1)),
+        }
+    }
+    reasons.into_iter().map(|(reason, count)| format!("{count} skipped: {reason}")).collect()
 }
 
 fn trial(
@@ -233,11 +251,8 @@ fn trial(
         TrialState::Judged(judged) => judged.findings.as_slice(),
         TrialState::Errored(_) | TrialState::Skipped(_) => &[],
     };
-    let (state, mark) = match (&trial.state, trial.verdict()) {
-        (TrialState::Skipped(_), _) => ("skipped", "–"),
-        (_, Some(verdict)) => (verdict_word(verdict), verdict_mark(verdict)),
-        (_, None) => ("error", "!"),
-    };
+    let (state, mark) =
+        trial.verdict().map_or(("error", "!"), |verdict| (verdict_word(verdict), verdict_mark(verdict)));
     let cell = |text: &String| findings.iter().find(|finding| finding.criterion == *text).map(cell);
     let metric = |(index, reference): (usize, &crate::scenario::MetricReference)| {
         let metric = metrics::metric(&reference.name)?;
@@ -253,10 +268,6 @@ fn trial(
         cells: criteria.iter().map(cell).collect(),
         metrics: requests.iter().enumerate().filter_map(metric).collect(),
         failure: failure(report, trial, findings, animated),
-        skipped: match &trial.state {
-            TrialState::Skipped(reason) => Some(reason.clone()),
-            _ => None,
-        },
     }
 }
 
@@ -283,9 +294,7 @@ fn failure(
     findings: &[Finding],
     animated: &[String],
 ) -> Option<Failure> {
-    let passed_or_skipped =
-        matches!(trial.state, TrialState::Skipped(_)) || trial.verdict() == Some(Verdict::Passed);
-    if passed_or_skipped {
+    if trial.verdict() == Some(Verdict::Passed) {
         return None;
     }
     let mut commands: Vec<Command> = Vec::new();
