@@ -4,6 +4,7 @@ pub mod commotions;
 pub mod population;
 
 mod carla_walker;
+mod jaywalker;
 mod scripted;
 #[cfg(test)]
 mod test_walk;
@@ -38,6 +39,7 @@ pub struct PedestrianContext<'a> {
 pub static MODELS: &[&PedestrianModel] = &[
     &carla_walker::CARLA_WALKER,
     &commotions::model::COMMOTIONS,
+    &jaywalker::JAYWALKER,
     &scripted::SCRIPTED,
     &timeline::TIMELINE,
 ];

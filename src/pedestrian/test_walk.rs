@@ -14,7 +14,7 @@ pub struct Walk {
     pub pedestrian: Box<dyn Pedestrian>,
     pub vehicles: Vec<VehicleState>,
     states: Vec<PedestrianState>,
-    world: World,
+    pub world: World,
     pub time: f64,
     pub step: f64,
 }
@@ -29,11 +29,9 @@ impl Walk {
     }
 
     pub fn seeded(model: &PedestrianModel, settings: Settings, seed: u64) -> Result<Self, ModelError> {
-        let resolved = model.declaration.resolve(&settings).unwrap();
         let world = world();
+        let pedestrian = build(model, &settings, &world, seed)?;
         let setup = &world.pedestrians[0];
-        let context = PedestrianContext { settings: &resolved, setup, world: &world, index: 0, seed };
-        let pedestrian = (model.build)(&context)?;
         let state = PedestrianState {
             position: Vector2::new(setup.start.x, setup.start.y),
             velocity: Vector2::zeros(),
@@ -43,6 +41,12 @@ impl Walk {
             present: true,
         };
         Ok(Self { pedestrian, vehicles: Vec::new(), states: vec![state], world, time: 0.0, step: 0.025 })
+    }
+
+    /// Another pedestrian in the same place, for worlds that were changed.
+    pub fn rebuild(&mut self, model: &PedestrianModel, settings: Settings) -> Result<(), ModelError> {
+        self.pedestrian = build(model, &settings, &self.world, 1)?;
+        Ok(())
     }
 
     /// A car 4.514 m long and 2.007 m wide with its centre at x, at a speed.
@@ -118,6 +122,17 @@ impl Walk {
             assert!(self.time < 100.0, "never reaches {y}");
         }
     }
+}
+
+fn build(
+    model: &PedestrianModel,
+    settings: &Settings,
+    world: &World,
+    seed: u64,
+) -> Result<Box<dyn Pedestrian>, ModelError> {
+    let resolved = model.declaration.resolve(settings).unwrap();
+    let setup = &world.pedestrians[0];
+    (model.build)(&PedestrianContext { settings: &resolved, setup, world, index: 0, seed })
 }
 
 fn world() -> World {
