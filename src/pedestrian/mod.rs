@@ -4,8 +4,10 @@ pub mod commotions;
 pub mod population;
 
 mod carla_walker;
+mod interceptor;
 mod jaywalker;
 mod scripted;
+mod social_force;
 #[cfg(test)]
 mod test_walk;
 mod timeline;
@@ -39,8 +41,10 @@ pub struct PedestrianContext<'a> {
 pub static MODELS: &[&PedestrianModel] = &[
     &carla_walker::CARLA_WALKER,
     &commotions::model::COMMOTIONS,
+    &interceptor::INTERCEPTOR,
     &jaywalker::JAYWALKER,
     &scripted::SCRIPTED,
+    &social_force::SOCIAL_FORCE,
     &timeline::TIMELINE,
 ];
 
