@@ -123,7 +123,7 @@ pub static GAP_ACCEPTED: Metric = Metric {
     declaration: Declaration {
         name: "gap_accepted",
         summary: "Whether the pedestrian passed the conflict point before the vehicle reached it; undefined if neither \
-                  ever did, false on a collision before the pedestrian passed.",
+                  ever did or nobody appeared, false on a collision before the pedestrian passed.",
         source: "order at the conflict point as in passed_first",
         parameters: &[],
         presets: None,
@@ -164,7 +164,9 @@ impl Order {
 
     fn first(&self, encounters: &Encounters) -> f64 {
         let passage = encounters.passage(self.pair.0);
-        match encounters.pair(self.pair.0, self.pair.1).final_passing() {
+        let encounter = encounters.pair(self.pair.0, self.pair.1);
+        match encounter.final_passing() {
+            _ if encounter.appeared.is_none() => NOBODY,
             Some(passing) if passing.time < passage.reached(passing.place).moment() => PEDESTRIAN,
             Some(_) => VEHICLE,
             None if passage.reached(self.expected_place).moment() < f64::INFINITY => VEHICLE,

@@ -103,7 +103,6 @@ struct PedestrianDelay {
     pair: (usize, usize),
     /// Of a free walk to the far edge of the lane, s; `None` if the way does not lead there.
     free_time: Option<f64>,
-    appeared: Option<f64>,
 }
 
 impl PedestrianDelay {
@@ -116,25 +115,18 @@ impl PedestrianDelay {
         let (across, sideways) = (setup.goal.y - setup.start.y, setup.goal.x - setup.start.x);
         // The share of the way from start to goal at which it meets the edge.
         let part = (edge - setup.start.y) / across;
-        let length = part * across.hypot(sideways);
+        let length = part * libm::hypot(across, sideways);
         let free_speed = context.free_speed.filter(|speed| *speed > 0.0);
         Self {
             pair: (context.vehicle, context.pedestrian),
             free_time: free_speed.filter(|_| part.is_finite() && part >= 0.0).map(|speed| length / speed),
-            appeared: None,
         }
     }
 }
 
 impl Meter for PedestrianDelay {
-    fn observe(&mut self, step: &Step, _: &Encounters) {
-        if self.appeared.is_none() && step.before.pedestrians[self.pair.1].present {
-            self.appeared = Some(step.time);
-        }
-    }
-
     fn value(&self, encounters: &Encounters) -> Option<f64> {
-        let crossing = encounters.pair(self.pair.0, self.pair.1).crossing?;
-        Some(crossing.left - self.appeared? - self.free_time?)
+        let encounter = encounters.pair(self.pair.0, self.pair.1);
+        Some(encounter.crossing?.left - encounter.appeared? - self.free_time?)
     }
 }

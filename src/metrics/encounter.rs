@@ -24,6 +24,8 @@ pub struct Encounter {
     /// Of the pedestrian, along y.
     walking_sign: f64,
     half_lane: f64,
+    /// When the pedestrian appeared, s.
+    pub appeared: Option<f64>,
     /// The first touch of the footprints.
     pub contact: Option<Contact>,
     /// Every time the pedestrian's centre passes the line, in order, in either direction.
@@ -96,6 +98,7 @@ impl Encounters {
         let encounter = |pedestrian: usize| Encounter {
             walking_sign: world.pedestrians[pedestrian].side.walking_sign(),
             half_lane: world.road.lane_width / 2.0,
+            appeared: None,
             contact: None,
             passings: Vec::with_capacity(EXPECTED_EVENTS),
             visits: Vec::with_capacity(EXPECTED_EVENTS),
@@ -161,6 +164,7 @@ impl Encounter {
     fn observe(&mut self, step: &Step, vehicle: usize, pedestrian: usize) {
         let (old_car, car) = (&step.before.vehicles[vehicle], &step.after.vehicles[vehicle]);
         let (old, new) = (&step.before.pedestrians[pedestrian], &step.after.pedestrians[pedestrian]);
+        self.appeared.get_or_insert(step.time);
         self.time_to_collision = first_contact(car, new, new.velocity - car.velocity());
         self.follow_lane(step, (old_car, car), (old, new));
         self.follow_strip(step, car, (old, new));

@@ -159,7 +159,10 @@ fn snapshot(world: &World, car: &Profile, walk: &Walk, time: f64) -> Snapshot {
             acceleration: Vector2::zeros(),
             heading: Vector2::new(0.0, person.side.walking_sign()),
             shape: person.shape,
-            present: true,
+            present: match person.appears {
+                Appearance::At(moment) => time >= moment - 1e-9,
+                Appearance::TimeToArrival { .. } => true,
+            },
         }],
     }
 }

@@ -2,7 +2,7 @@
 
 use super::fixture::{Profile, Walk, measure, measure_all, request, world};
 use super::*;
-use crate::scenario::{Direction, Side, Value};
+use crate::scenario::{Appearance, Direction, Side, Value};
 use proptest::prelude::*;
 
 const STEPS: [f64; 2] = [0.005, 0.025];
@@ -281,6 +281,28 @@ fn nobody_crosses() {
     assert_near("min_distance", found("min_distance"), Some(2.75), 1e-9);
     assert_near("passed_first", found("passed_first"), Some(2.0), 0.0);
     assert_near("gap_accepted", found("gap_accepted"), Some(0.0), 0.0);
+}
+
+#[test]
+fn nobody_appears() {
+    let mut world = world(0.025, 20.0);
+    world.pedestrians[0].appears = Appearance::At(60.0);
+    let found = measure_all(&world, &straight(-100.0), &crossing_from(0.0));
+    assert_near("passed_first", found("passed_first"), Some(0.0), 0.0);
+    assert_near("collision", found("collision"), Some(0.0), 0.0);
+    for name in ["gap_accepted", "pet", "pet_area", "min_distance", "tta_at_entry", "pedestrian_delay"] {
+        assert_near(name, found(name), None, 0.0);
+    }
+}
+
+#[test]
+fn delay_and_initiation_count_from_the_appearance() {
+    let mut world = world(0.025, 20.0);
+    world.pedestrians[0].appears = Appearance::At(2.0);
+    let found = measure_all(&world, &straight(-150.0), &crossing_from(3.0));
+    assert_near("crossing_initiation_time", found("crossing_initiation_time"), Some(1.0), 1e-9);
+    // 1 s of waiting and 6 m at 1 m/s instead of 1.25 m/s.
+    assert_near("pedestrian_delay", found("pedestrian_delay"), Some(2.2), 1e-9);
 }
 
 #[test]

@@ -23,7 +23,11 @@ pub fn std_interval(values: &[f64], confidence: f64, seed: u64) -> Option<Interv
     let interval = studentised(values, confidence, seed, |sample| {
         let (mean, std) = (mean(sample)?, std(sample)?);
         let n = sample.len() as f64;
-        let kurtosis = sample.iter().map(|value| ((value - mean) / std).powi(4)).sum::<f64>() / n;
+        let fourth_power = |value: &f64| {
+            let square = (value - mean) * (value - mean) / (std * std);
+            square * square
+        };
+        let kurtosis = sample.iter().map(fourth_power).sum::<f64>() / n;
         // Large-sample variance of a sample variance, relative to its square.
         let error = ((kurtosis - (n - 3.0) / (n - 1.0)) / n).max(0.0).sqrt();
         (std > 0.0).then(|| Estimate { value: 2.0 * libm::log(std), error })
@@ -56,7 +60,8 @@ pub fn relative_change(base: &[f64], candidate: &[f64], confidence: f64, seed: u
         let base = sample.iter().map(|pair| pair.0).sum::<f64>() / n;
         let ratio = sample.iter().map(|pair| pair.1).sum::<f64>() / n / base;
         // A ratio errs by what the candidate is off the ratio times the base.
-        let squares: f64 = sample.iter().map(|pair| (pair.1 - ratio * pair.0).powi(2)).sum();
+        let off = |pair: &(f64, f64)| pair.1 - ratio * pair.0;
+        let squares: f64 = sample.iter().map(|pair| off(pair) * off(pair)).sum();
         let error = (squares / (n - 1.0) / n).sqrt() / base.abs();
         Some(Estimate { value: (ratio - 1.0) * base.signum(), error })
     })
