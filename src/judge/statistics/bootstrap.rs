@@ -11,6 +11,9 @@ const RESAMPLES: usize = 1999;
 
 /// The mean of all runs there could be. `None` of fewer than two values, or where so few differ that resampling cannot
 /// tell. Values that are all equal give an interval of no width: resampling knows of no other values.
+///
+/// Coverage at a stated 95 % (`cargo bench --bench coverage`), 20 and 50 values: normal 95.1 and 95.4 %, uniform 97.2
+/// and 96.1 %, exponential 94.5 and 94.6 %.
 pub fn mean_interval(values: &[f64], confidence: f64, seed: u64) -> Option<Interval> {
     studentised(values, confidence, seed, |sample| {
         Some(Estimate { value: mean(sample)?, error: std(sample)? / (sample.len() as f64).sqrt() })
@@ -19,6 +22,9 @@ pub fn mean_interval(values: &[f64], confidence: f64, seed: u64) -> Option<Inter
 
 /// The standard deviation of all runs there could be, as [`mean_interval`]; resampled as the logarithm of the variance,
 /// whose error depends less on its size.
+///
+/// For showing, not for verdicts: at a stated 95 % it covers too seldom where tails are heavy. Measured for 20 and 50
+/// values: normal 93.4 and 94.6 %, uniform 94.3 and 95.1 %, exponential 88.1 and 91.1 %.
 pub fn std_interval(values: &[f64], confidence: f64, seed: u64) -> Option<Interval> {
     let interval = studentised(values, confidence, seed, |sample| {
         let (mean, std) = (mean(sample)?, std(sample)?);
