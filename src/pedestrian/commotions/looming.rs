@@ -3,9 +3,6 @@
 use super::state::Body;
 use super::value::{ActionPhase, Discounting, Phases, SAMPLE_TIME};
 
-/// Samples worked on together.
-const BLOCK: usize = 64;
-
 /// What looming costs one individual.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LoomingCost {
@@ -49,108 +46,378 @@ pub struct OtherTrack<'a> {
     pub later_acceleration: f64,
 }
 
-/// One block of samples.
-struct Block {
-    own_distance: [f64; BLOCK],
-    own_speed: [f64; BLOCK],
-    other_distance: [f64; BLOCK],
-    other_speed: [f64; BLOCK],
-}
+/// Samples that are excluded from collision courses together.
+const BLOCK: usize = 32;
+
+/// Samples worked on side by side.
+const LANES: usize = 8;
+
+/// A speed (m/s) so small that its sign is a matter of rounding.
+const STANDSTILL: f64 = 1e-9;
+
+/// A distance (m) too small to tell the edge of the conflict space by other sums than the published ones.
+const EDGE: f64 = 1e-6;
 
 impl Discounting {
     /// The looming part of the value: never positive.
     pub fn looming(&self, cost: &LoomingCost, own: &OwnTrack, other: &OtherTrack) -> f64 {
-        let samples = own.phases.end() + usize::from(own.phases.left_over);
-        let mut block = Block {
-            own_distance: [0.0; BLOCK],
-            own_speed: [0.0; BLOCK],
-            other_distance: [0.0; BLOCK],
-            other_speed: [0.0; BLOCK],
+        if own.phases.integrated == 0 {
+            return 0.0;
+        }
+        let sum = match (OwnPath::new(own), OtherPath::new(other)) {
+            (Some(own_path), Some(other_path)) => self.along_paths(cost, own, other, &own_path, &other_path),
+            _ => self.sample_by_sample(cost, own, other),
         };
+        -SAMPLE_TIME * sum / (cost.full - cost.onset)
+    }
+
+    /// Σ of the discounted excess over the blocks in which a collision course is possible.
+    fn along_paths(
+        &self,
+        cost: &LoomingCost,
+        own: &OwnTrack,
+        other: &OtherTrack,
+        own_path: &OwnPath,
+        other_path: &OtherPath,
+    ) -> f64 {
+        let sight = Sight::new(cost, own, other);
+        // The first sample has an acceleration of the other of its own.
+        let mut sum = sight.excess(own.distance, own.action.speed, other.distance, other.speed);
+        for piece in &own_path.pieces[..own_path.count] {
+            if piece.stands {
+                continue;
+            }
+            let mut start = usize::from(piece.from == 0);
+            while start < piece.samples {
+                let end = (start + BLOCK).min(piece.samples);
+                let first = sight.at(piece, other_path, start);
+                let last = sight.at(piece, other_path, end - 1);
+                if first.is_past() {
+                    return sum;
+                }
+                if !piece.is_even || Edges::may_collide(&first, &last) {
+                    let from = piece.from + start;
+                    sum += self.weight(from) * self.block(&sight, piece, other_path, start, end);
+                }
+                start = end;
+            }
+        }
+        sum
+    }
+
+    /// Σ of the excess over samples of one piece, discounted from its start.
+    #[inline]
+    fn block(&self, sight: &Sight, piece: &Piece, other: &OtherPath, start: usize, end: usize) -> f64 {
+        let weights = self.first_weights();
+        let mut sums = [0.0; LANES];
+        for group in (start..end).step_by(LANES) {
+            for l in 0..LANES {
+                let n = (group + l) as f64;
+                let (d, u) = piece.at(n);
+                let (e, w) = other.at(n + piece.first);
+                let excess = sight.excess_moving(d, u, e, w);
+                let counts = if group + l < end { weights[group - start + l] } else { 0.0 };
+                sums[l] += counts * excess;
+            }
+        }
+        sums.iter().sum()
+    }
+
+    /// Σ of the discounted excess with the published running sums: their last bit decides where someone stands at
+    /// the edge of the conflict space.
+    #[cold]
+    fn sample_by_sample(&self, cost: &LoomingCost, own: &OwnTrack, other: &OtherTrack) -> f64 {
+        let sight = Sight::new(cost, own, other);
+        let phases = own.phases;
+        let samples = phases.end() + usize::from(phases.left_over);
+        let starts = &phases.starts;
         let (mut d, mut u) = (own.distance, own.action.speed);
         let (mut e, mut w_sum) = (other.distance, other.speed);
-        let stands = own.phases.stands_while_waiting();
-        let starts = &own.phases.starts;
-        let (mut regain, mut regain_from) = (0.0, usize::MAX);
+        let mut regain = 0.0;
         let mut sum = 0.0;
-        let mut start = 0;
-        while start < samples {
-            let count = BLOCK.min(samples - start);
-            for l in 0..count {
-                let n = start + l;
-                let integrated = own.phases.integrated;
-                if integrated == 4 && n == starts[1] {
-                    if stands {
-                        u = 0.0;
-                    }
-                    regain = (own.free_speed - u) / own.regain_time;
-                    regain_from = starts[2];
+        for n in 0..samples {
+            if phases.integrated == 4 && n == starts[1] {
+                if phases.stands_while_waiting() {
+                    u = 0.0;
                 }
-                let a = if n < starts[0] {
-                    own.action.acceleration + own.action.jerk * (n as f64 * SAMPLE_TIME)
-                } else if integrated >= 2 && n < starts[1] {
-                    own.achieve
-                } else if n >= regain_from && n < starts[3] {
-                    regain
-                } else {
-                    0.0
-                };
-                block.own_distance[l] = d;
-                block.own_speed[l] = u;
-                d = d - u * SAMPLE_TIME - a * (SAMPLE_TIME * SAMPLE_TIME) / 2.0;
-                u += SAMPLE_TIME * a;
-                let w = if w_sum > 0.0 { w_sum } else { 0.0 };
-                block.other_distance[l] = e;
-                block.other_speed[l] = w;
-                e -= w * SAMPLE_TIME;
-                let b = if n == 0 { other.first_acceleration } else { other.later_acceleration };
-                w_sum += SAMPLE_TIME * b;
+                regain = (own.free_speed - u) / own.regain_time;
             }
-            for l in 0..count {
-                sum += self.weight(start + l)
-                    * excess(
-                        block.own_distance[l],
-                        block.own_speed[l],
-                        block.other_distance[l],
-                        block.other_speed[l],
-                        own.body.half_extent,
-                        other.body.half_extent,
-                        other.body.width,
-                        cost.onset,
-                    );
-            }
-            start += BLOCK;
+            let a = if n < starts[0] {
+                own.action.acceleration + own.action.jerk * (n as f64 * SAMPLE_TIME)
+            } else if phases.integrated >= 2 && n < starts[1] {
+                own.achieve
+            } else if phases.integrated == 4 && (starts[2]..starts[3]).contains(&n) {
+                regain
+            } else {
+                0.0
+            };
+            let w = if w_sum > 0.0 { w_sum } else { 0.0 };
+            sum += self.weight(n) * sight.excess(d, u, e, w);
+            d = d - u * SAMPLE_TIME - a * (SAMPLE_TIME * SAMPLE_TIME) / 2.0;
+            u += SAMPLE_TIME * a;
+            e -= w * SAMPLE_TIME;
+            w_sum += SAMPLE_TIME * if n == 0 { other.first_acceleration } else { other.later_acceleration };
         }
-        -SAMPLE_TIME * sum / (cost.full - cost.onset)
+        sum
     }
 }
 
-/// How far the optical expansion rate is above the onset; 0 off a collision course.
-#[inline]
-#[allow(clippy::too_many_arguments)]
-fn excess(
-    d: f64,
-    u: f64,
-    e: f64,
-    w: f64,
+/// A piece of one's own path in closed form: distance and speed are polynomials of the sample in it.
+#[derive(Clone, Copy, Debug, Default)]
+struct Piece {
+    /// First sample.
+    from: usize,
+    /// The same as a number.
+    first: f64,
+    samples: usize,
+    distance: f64,
+    travelled: [f64; 3],
+    speed: [f64; 3],
+    /// Whether it is at exactly zero speed outside the conflict space, where nothing looms.
+    stands: bool,
+    /// Whether the acceleration is constant, so that speeds lie between those of the ends.
+    is_even: bool,
+}
+
+impl Piece {
+    /// From sample `from`, where distance and speed are these, with this acceleration and jerk (per second).
+    fn new(from: usize, samples: usize, d: f64, u: f64, acceleration: f64, jerk: f64) -> Self {
+        let t = SAMPLE_TIME;
+        let j = jerk * t;
+        let c = j * t / 2.0;
+        let b = t * acceleration - c;
+        Self {
+            from,
+            first: from as f64,
+            samples,
+            distance: d,
+            travelled: [
+                t * (u - b / 2.0 + c / 6.0) + t * t / 2.0 * (acceleration - j / 2.0),
+                t * (b / 2.0 - c / 2.0) + t * t * j / 4.0,
+                t * c / 3.0,
+            ],
+            speed: [u, b, c],
+            stands: false,
+            is_even: jerk == 0.0,
+        }
+    }
+
+    /// Distance and speed at sample `n` of the piece.
+    #[inline(always)]
+    fn at(&self, n: f64) -> (f64, f64) {
+        let [k1, k2, k3] = self.travelled;
+        let [u, b, c] = self.speed;
+        (self.distance - n * (k1 + n * (k2 + n * k3)), u + n * (b + n * c))
+    }
+
+    /// The lowest speed at its samples and the one after them.
+    fn lowest_speed(&self) -> f64 {
+        let [u, b, c] = self.speed;
+        let end = self.at(self.samples as f64).1;
+        let turn = if c > 0.0 { (-b / (2.0 * c)).clamp(0.0, self.samples as f64) } else { 0.0 };
+        u.min(end).min(self.at(turn).1)
+    }
+}
+
+/// One's own path as pieces, in order.
+struct OwnPath {
+    pieces: [Piece; 5],
+    count: usize,
+}
+
+impl OwnPath {
+    /// `None` where someone goes backwards, or stands inside or at the edge of the conflict space.
+    #[inline]
+    fn new(own: &OwnTrack) -> Option<Self> {
+        let phases = own.phases;
+        let starts = &phases.starts;
+        let mut path = Self { pieces: [Piece::default(); 5], count: 0 };
+        let (mut d, mut u) = (own.distance, own.action.speed);
+        let clear = own.body.half_extent + EDGE;
+        let mut add = |from: usize, to: usize, d: &mut f64, u: &mut f64, acceleration: f64, jerk: f64| {
+            let mut piece = Piece::new(from, to - from, *d, *u, acceleration, jerk);
+            let lowest = piece.lowest_speed();
+            let (end_distance, end_speed) = piece.at(piece.samples as f64);
+            // It may stand before or after the conflict space, not in between.
+            let stands_close = lowest < STANDSTILL && *d > -clear && end_distance < clear;
+            if lowest < -STANDSTILL || stands_close {
+                return false;
+            }
+            piece.stands = *u == 0.0 && acceleration == 0.0 && jerk == 0.0;
+            (*d, *u) = (end_distance, end_speed);
+            path.pieces[path.count] = piece;
+            path.count += 1;
+            true
+        };
+        let mut whole = add(0, starts[0], &mut d, &mut u, own.action.acceleration, own.action.jerk);
+        if phases.integrated >= 2 {
+            whole &= add(starts[0], starts[1], &mut d, &mut u, own.achieve, 0.0);
+        }
+        if phases.stands_while_waiting() {
+            u = 0.0;
+        }
+        let regain = (own.free_speed - u) / own.regain_time;
+        if phases.integrated >= 3 {
+            whole &= add(starts[1], starts[2], &mut d, &mut u, 0.0, 0.0);
+        }
+        if phases.integrated == 4 {
+            whole &= add(starts[2], starts[3], &mut d, &mut u, regain, 0.0);
+        }
+        if phases.left_over {
+            whole &= add(phases.end(), phases.end() + 1, &mut d, &mut u, 0.0, 0.0);
+        }
+        whole.then_some(path)
+    }
+}
+
+/// The other's path from the second sample on, in closed form: it may come to stand.
+struct OtherPath {
+    distance: f64,
+    speed: f64,
+    /// Speed change per sample.
+    change: f64,
+    /// The sample, counted from the second, from which on it stands.
+    stands_from: f64,
+}
+
+impl OtherPath {
+    /// `None` where it stands inside or at the edge of the conflict space, or starts again from a standstill.
+    #[inline]
+    fn new(other: &OtherTrack) -> Option<Self> {
+        let distance = other.distance - other.speed * SAMPLE_TIME;
+        let speed = other.speed + SAMPLE_TIME * other.first_acceleration;
+        let change = SAMPLE_TIME * other.later_acceleration;
+        let stands_from = if change < 0.0 {
+            (speed / -change).ceil().max(0.0)
+        } else if speed <= 0.0 {
+            if change > 0.0 {
+                return None;
+            }
+            0.0
+        } else {
+            f64::INFINITY
+        };
+        let path = Self { distance, speed, change, stands_from };
+        let clear = other.body.half_extent + EDGE;
+        let inside = |e: f64| e.abs() < clear;
+        let stands_inside = (stands_from < f64::INFINITY && inside(path.at(stands_from + 1.0).0))
+            || (other.speed < STANDSTILL && inside(other.distance));
+        (!stands_inside).then_some(path)
+    }
+
+    /// Distance and speed at sample `n` of the future, from 1.
+    #[inline(always)]
+    fn at(&self, n: f64) -> (f64, f64) {
+        let m = n - 1.0;
+        let moving = if m < self.stands_from { m } else { self.stands_from };
+        let w = self.speed + self.change * m;
+        (
+            self.distance - SAMPLE_TIME * moving * (self.speed + self.change * (moving - 1.0) / 2.0),
+            if w > 0.0 { w } else { 0.0 },
+        )
+    }
+}
+
+/// What decides how something looms: the extents of the two, and what is seen of the other.
+struct Sight {
     own_half_extent: f64,
     other_half_extent: f64,
     width: f64,
+    quarter_square: f64,
     onset: f64,
-) -> f64 {
-    let own_entry = (d - own_half_extent) / u;
-    let own_exit = (d + own_half_extent) / u;
-    let other_entry = (e - other_half_extent) / w;
-    let other_exit = (e + other_half_extent) / w;
-    let hit = (own_entry < other_entry && other_entry < own_exit && other_entry > 0.0)
-        || (other_entry < own_entry && own_entry < other_exit && own_entry > 0.0)
-        || (own_entry == other_entry && own_entry > 0.0);
-    if !hit {
-        return 0.0;
+}
+
+impl Sight {
+    fn new(cost: &LoomingCost, own: &OwnTrack, other: &OtherTrack) -> Self {
+        let width = other.body.width;
+        Self {
+            own_half_extent: own.body.half_extent,
+            other_half_extent: other.body.half_extent,
+            width,
+            quarter_square: width * width / 4.0,
+            onset: cost.onset,
+        }
     }
-    let range_squared = d * d + e * e;
-    let rate = (width / range_squared.sqrt()) * (d * u + e * w) / (range_squared + width * width / 4.0);
-    (rate - onset).max(0.0)
+
+    /// How far the optical expansion rate is above the onset; 0 off a collision course. Times are IEEE divisions.
+    fn excess(&self, d: f64, u: f64, e: f64, w: f64) -> f64 {
+        let own_entry = (d - self.own_half_extent) / u;
+        let own_exit = (d + self.own_half_extent) / u;
+        let other_entry = (e - self.other_half_extent) / w;
+        let other_exit = (e + self.other_half_extent) / w;
+        let collides = (own_entry < other_entry && other_entry < own_exit && other_entry > 0.0)
+            || (other_entry < own_entry && own_entry < other_exit && own_entry > 0.0)
+            || (own_entry == other_entry && own_entry > 0.0);
+        if collides { self.excess_on_course(d, u, e, w) } else { 0.0 }
+    }
+
+    /// The same where both move or stand well outside the conflict space: all times multiplied by both speeds.
+    #[inline(always)]
+    fn excess_moving(&self, d: f64, u: f64, e: f64, w: f64) -> f64 {
+        let own_entry = (d - self.own_half_extent) * w;
+        let own_exit = (d + self.own_half_extent) * w;
+        let other_entry = (e - self.other_half_extent) * u;
+        let other_exit = (e + self.other_half_extent) * u;
+        let later_entry = if own_entry > other_entry { own_entry } else { other_entry };
+        let earlier_exit = if own_exit < other_exit { own_exit } else { other_exit };
+        let excess = self.excess_on_course(d, u, e, w);
+        if (later_entry > 0.0) & (later_entry < earlier_exit) { excess } else { 0.0 }
+    }
+
+    #[inline(always)]
+    fn excess_on_course(&self, d: f64, u: f64, e: f64, w: f64) -> f64 {
+        let range_squared = d * d + e * e;
+        let rate =
+            self.width * (d * u + e * w) / (range_squared.sqrt() * (range_squared + self.quarter_square));
+        let excess = rate - self.onset;
+        if excess > 0.0 { excess } else { 0.0 }
+    }
+
+    /// Where the edges of the two are at a sample of a piece.
+    #[inline]
+    fn at(&self, piece: &Piece, other: &OtherPath, n: usize) -> Edges {
+        let (d, u) = piece.at(n as f64);
+        let (e, w) = other.at(n as f64 + piece.first);
+        Edges {
+            own_front: d - self.own_half_extent,
+            own_rear: d + self.own_half_extent,
+            own_speed: u,
+            other_front: e - self.other_half_extent,
+            other_rear: e + self.other_half_extent,
+            other_speed: w,
+        }
+    }
+}
+
+/// Distances of the fronts and rears to the conflict space, and the speeds, at one sample.
+struct Edges {
+    own_front: f64,
+    own_rear: f64,
+    own_speed: f64,
+    other_front: f64,
+    other_rear: f64,
+    other_speed: f64,
+}
+
+impl Edges {
+    /// Whether one of the two is out of the conflict space, so that nothing looms any more.
+    fn is_past(&self) -> bool {
+        self.own_rear <= 0.0 || self.other_rear <= 0.0
+    }
+
+    /// Whether the two may be on a collision course at some sample between two: unless one of them enters after the
+    /// other has left, even with the fastest approach of the one and the slowest of the other.
+    fn may_collide(first: &Self, last: &Self) -> bool {
+        let own_slowest = first.own_speed.min(last.own_speed);
+        let own_fastest = first.own_speed.max(last.own_speed);
+        let other_slowest = first.other_speed.min(last.other_speed);
+        let other_fastest = first.other_speed.max(last.other_speed);
+        let own_later =
+            last.own_front > 0.0 && last.own_front * other_slowest > first.other_rear * own_fastest;
+        let other_later =
+            last.other_front > 0.0 && last.other_front * own_slowest > first.own_rear * other_fastest;
+        !(own_later || other_later)
+    }
 }
 
 #[cfg(test)]
@@ -176,7 +443,7 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig::with_cases(2000))]
+        #![proptest_config(ProptestConfig::with_cases(4000))]
         #[test]
         fn looming_is_the_sampled_sum(
             half_life in 5.0..100.0f64,

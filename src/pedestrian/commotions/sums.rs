@@ -5,7 +5,7 @@
 //! shift of one by the other.
 
 /// Samples between two entries of the coarse table.
-const STRIDE: usize = 64;
+pub const STRIDE: usize = 64;
 
 /// r^n and the sums S₀, S₁, S₂ over m < n.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,6 +51,7 @@ impl PowerSums {
 #[derive(Clone, Debug)]
 pub struct PowerSumTable {
     fine: [PowerSums; STRIDE],
+    weights: [f64; STRIDE],
     coarse: Vec<PowerSums>,
 }
 
@@ -68,7 +69,7 @@ impl PowerSumTable {
             let n = (g * STRIDE) as f64;
             coarse.push(coarse[g].followed_by(n, &block));
         }
-        Self { fine, coarse }
+        Self { fine, weights: fine.map(|sums| sums.weight), coarse }
     }
 
     /// r^n and the sums over m < n.
@@ -83,6 +84,12 @@ impl PowerSumTable {
         }
         let start = n - n % STRIDE;
         self.coarse[n / STRIDE].followed_by(start as f64, fine)
+    }
+
+    /// r^n for n below the stride.
+    #[inline]
+    pub fn first_weights(&self) -> &[f64; STRIDE] {
+        &self.weights
     }
 
     /// r^n alone.

@@ -1,7 +1,7 @@
 //! The value of a course of action: what moving is worth, discounted over an anticipated future in phases (§7), in closed form (§11).
 
 use super::access::Course;
-use super::sums::{PowerSumTable, power_sums_to_fourth};
+use super::sums::{PowerSumTable, STRIDE, power_sums_to_fourth};
 
 /// Time between the samples of an anticipated future (s).
 pub const SAMPLE_TIME: f64 = 0.025;
@@ -136,6 +136,12 @@ impl Discounting {
     #[inline]
     pub fn weight(&self, sample: usize) -> f64 {
         self.table.weight(sample)
+    }
+
+    /// The discounts of the first samples.
+    #[inline]
+    pub fn first_weights(&self) -> &[f64; STRIDE] {
+        self.table.first_weights()
     }
 
     /// The samples of the phases of `course` (§7).
