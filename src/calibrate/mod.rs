@@ -7,9 +7,11 @@
 mod candidates;
 mod criteria;
 mod journal;
+mod published;
 mod retention;
 
 pub use candidates::{CandidateError, Candidates, Design, ParameterRange, published_grid};
 pub use criteria::{CriteriaError, Criterion, Demand, Drives, published_criteria, read_criteria};
 pub use journal::{Journal, JournalError};
+pub use published::{PUBLISHED_SHARE, PublishedError, published_candidates};
 pub use retention::{CalibrateError, Calibration, Report, Request, Verdict, calibrate};

@@ -9,6 +9,7 @@ mod progress;
 mod record;
 mod replay;
 mod run;
+mod validate;
 
 use std::process::ExitCode;
 
@@ -45,6 +46,8 @@ enum Command {
     Models(models::ModelsArguments),
     /// Retain the parameter sets of the COMMOTIONS model that behave as criteria demand.
     Calibrate(calibrate::CalibrateArguments),
+    /// Compare models with published numbers, with full counts.
+    Validate(validate::ValidateArguments),
     /// Run exactly one case again and print what happened when.
     Replay(replay::ReplayArguments),
 }
@@ -58,6 +61,7 @@ pub fn main() -> ExitCode {
         Some(Command::Check(arguments)) => check::check(&arguments),
         Some(Command::Models(arguments)) => models::models(&arguments),
         Some(Command::Calibrate(arguments)) => calibrate::run(&arguments),
+        Some(Command::Validate(arguments)) => validate::run(&arguments),
         Some(Command::Replay(arguments)) => replay::replay(&arguments),
     };
     result.into()

@@ -290,6 +290,21 @@ impl Comparison {
         Some(self.median_start? - self.reference_median_start?)
     }
 
+    /// Whether the shares agree: within three standard errors.
+    pub fn shares_agree(&self) -> bool {
+        self.standard_errors() <= 3.0
+    }
+
+    /// Whether the medians are within 0.1 s, or one of them is undefined.
+    pub fn medians_are_close(&self) -> bool {
+        self.median_difference().is_none_or(|difference| difference.abs() <= 0.1 + 1e-9)
+    }
+
+    /// Whether the medians agree: close, or not told apart by three standard errors.
+    pub fn medians_agree(&self) -> bool {
+        self.medians_are_close() || self.median_standard_errors().is_none_or(|errors| errors <= 3.0)
+    }
+
     /// How many standard errors lie between one half and the share of our start times below the reference's median.
     ///
     /// Where start times fall into two groups of about the same size, as before a car that yields late, the median

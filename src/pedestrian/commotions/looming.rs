@@ -111,13 +111,19 @@ impl Discounting {
         let weights = self.first_weights();
         let mut sums = [0.0; LANES];
         for group in (start..end).step_by(LANES) {
+            let (mut own, mut others) = ([(0.0, 0.0); LANES], [(0.0, 0.0); LANES]);
+            let mut counts = [0.0; LANES];
             for l in 0..LANES {
                 let n = (group + l) as f64;
-                let (d, u) = piece.at(n);
-                let (e, w) = other.at(n + piece.first);
-                let excess = sight.excess_moving(d, u, e, w);
-                let counts = if group + l < end { weights[group - start + l] } else { 0.0 };
-                sums[l] += counts * excess;
+                own[l] = piece.at(n);
+                others[l] = other.at(n + piece.first);
+                let collides = sight.collides_moving(own[l], others[l]) & (group + l < end);
+                counts[l] = if collides { weights[group - start + l] } else { 0.0 };
+            }
+            if counts != [0.0; LANES] {
+                for l in 0..LANES {
+                    sums[l] += counts[l] * sight.excess_on_course(own[l], others[l]);
+                }
             }
         }
         sums.iter().sum()
@@ -210,12 +216,12 @@ impl Piece {
         (self.distance - n * (k1 + n * (k2 + n * k3)), u + n * (b + n * c))
     }
 
-    /// The lowest speed at its samples and the one after them.
+    /// The lowest speed at its samples.
     fn lowest_speed(&self) -> f64 {
         let [u, b, c] = self.speed;
-        let end = self.at(self.samples as f64).1;
-        let turn = if c > 0.0 { (-b / (2.0 * c)).clamp(0.0, self.samples as f64) } else { 0.0 };
-        u.min(end).min(self.at(turn).1)
+        let last = (self.samples - 1) as f64;
+        let turn = if c > 0.0 { (-b / (2.0 * c)).clamp(0.0, last) } else { 0.0 };
+        u.min(self.at(last).1).min(self.at(turn).1)
     }
 }
 
@@ -226,25 +232,27 @@ struct OwnPath {
 }
 
 impl OwnPath {
-    /// `None` where someone goes backwards, or stands inside or at the edge of the conflict space.
+    /// `None` where someone goes backwards, or stands where rounding decides.
     #[inline]
     fn new(own: &OwnTrack) -> Option<Self> {
         let phases = own.phases;
         let starts = &phases.starts;
         let mut path = Self { pieces: [Piece::default(); 5], count: 0 };
         let (mut d, mut u) = (own.distance, own.action.speed);
-        let clear = own.body.half_extent + EDGE;
+        let half_extent = own.body.half_extent;
         let mut add = |from: usize, to: usize, d: &mut f64, u: &mut f64, acceleration: f64, jerk: f64| {
+            if from == to {
+                return true;
+            }
             let mut piece = Piece::new(from, to - from, *d, *u, acceleration, jerk);
-            let lowest = piece.lowest_speed();
-            let (end_distance, end_speed) = piece.at(piece.samples as f64);
-            // It may stand before or after the conflict space, not in between.
-            let stands_close = lowest < STANDSTILL && *d > -clear && end_distance < clear;
-            if lowest < -STANDSTILL || stands_close {
+            if piece.lowest_speed() < -STANDSTILL
+                || is_rounding(*d, *u, half_extent)
+                || is_rounding_at(&piece, piece.samples - 1, half_extent)
+            {
                 return false;
             }
-            piece.stands = *u == 0.0 && acceleration == 0.0 && jerk == 0.0;
-            (*d, *u) = (end_distance, end_speed);
+            piece.stands = *u == 0.0 && acceleration == 0.0 && jerk == 0.0 && d.abs() > half_extent;
+            (*d, *u) = piece.at(piece.samples as f64);
             path.pieces[path.count] = piece;
             path.count += 1;
             true
@@ -270,6 +278,18 @@ impl OwnPath {
     }
 }
 
+/// Whether it is a matter of rounding on which side of the edge of the conflict space someone stands, or whether
+/// someone inside stands or moves.
+fn is_rounding(distance: f64, speed: f64, half_extent: f64) -> bool {
+    let edge = distance.abs() - half_extent;
+    speed < STANDSTILL && edge < EDGE && (speed != 0.0 || edge > -EDGE)
+}
+
+fn is_rounding_at(piece: &Piece, sample: usize, half_extent: f64) -> bool {
+    let (distance, speed) = piece.at(sample as f64);
+    is_rounding(distance, speed, half_extent)
+}
+
 /// The other's path from the second sample on, in closed form: it may come to stand.
 struct OtherPath {
     distance: f64,
@@ -281,7 +301,7 @@ struct OtherPath {
 }
 
 impl OtherPath {
-    /// `None` where it stands inside or at the edge of the conflict space, or starts again from a standstill.
+    /// `None` where it stands where rounding decides, or starts again from a standstill.
     #[inline]
     fn new(other: &OtherTrack) -> Option<Self> {
         let distance = other.distance - other.speed * SAMPLE_TIME;
@@ -298,11 +318,10 @@ impl OtherPath {
             f64::INFINITY
         };
         let path = Self { distance, speed, change, stands_from };
-        let clear = other.body.half_extent + EDGE;
-        let inside = |e: f64| e.abs() < clear;
-        let stands_inside = (stands_from < f64::INFINITY && inside(path.at(stands_from + 1.0).0))
-            || (other.speed < STANDSTILL && inside(other.distance));
-        (!stands_inside).then_some(path)
+        let half_extent = other.body.half_extent;
+        let at_edge = is_rounding(other.distance, other.speed, half_extent)
+            || (stands_from < f64::INFINITY && is_rounding(path.at(stands_from + 1.0).0, 0.0, half_extent));
+        (!at_edge).then_some(path)
     }
 
     /// Distance and speed at sample `n` of the future, from 1.
@@ -348,24 +367,30 @@ impl Sight {
         let collides = (own_entry < other_entry && other_entry < own_exit && other_entry > 0.0)
             || (other_entry < own_entry && own_entry < other_exit && own_entry > 0.0)
             || (own_entry == other_entry && own_entry > 0.0);
-        if collides { self.excess_on_course(d, u, e, w) } else { 0.0 }
+        if collides { self.excess_on_course((d, u), (e, w)) } else { 0.0 }
     }
 
-    /// The same where both move or stand well outside the conflict space: all times multiplied by both speeds.
+    /// Whether two with these distances and speeds are on a collision course: the times of [`Self::excess`] multiplied
+    /// by both speeds.
     #[inline(always)]
-    fn excess_moving(&self, d: f64, u: f64, e: f64, w: f64) -> f64 {
+    fn collides_moving(&self, (d, u): (f64, f64), (e, w): (f64, f64)) -> bool {
         let own_entry = (d - self.own_half_extent) * w;
         let own_exit = (d + self.own_half_extent) * w;
         let other_entry = (e - self.other_half_extent) * u;
         let other_exit = (e + self.other_half_extent) * u;
         let later_entry = if own_entry > other_entry { own_entry } else { other_entry };
         let earlier_exit = if own_exit < other_exit { own_exit } else { other_exit };
-        let excess = self.excess_on_course(d, u, e, w);
-        if (later_entry > 0.0) & (later_entry < earlier_exit) { excess } else { 0.0 }
+        let meet = (later_entry > 0.0) & (later_entry < earlier_exit);
+        // Who stands inside is there from ever to ever: the other only has to be still on its way.
+        let own_stands = (u == 0.0) & (d.abs() < self.own_half_extent);
+        let other_stands = (w == 0.0) & (e.abs() < self.other_half_extent);
+        meet | (own_stands & (w > 0.0) & (e > self.other_half_extent))
+            | (other_stands & (u > 0.0) & (d > self.own_half_extent))
     }
 
+    /// How far the optical expansion rate of the other is above the onset, with the distances and speeds of the two.
     #[inline(always)]
-    fn excess_on_course(&self, d: f64, u: f64, e: f64, w: f64) -> f64 {
+    fn excess_on_course(&self, (d, u): (f64, f64), (e, w): (f64, f64)) -> f64 {
         let range_squared = d * d + e * e;
         let rate =
             self.width * (d * u + e * w) / (range_squared.sqrt() * (range_squared + self.quarter_square));

@@ -1,0 +1,112 @@
+//! `scenario-runner validate`: the models against what is published, with full counts.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, Subcommand};
+
+use super::Exit;
+use crate::calibrate::{
+    Calibration, PUBLISHED_SHARE, Request, calibrate, published_candidates, published_criteria,
+};
+use crate::pedestrian::commotions::Variant;
+use crate::pedestrian::commotions::hiker::{Comparison, Reference};
+
+#[derive(Debug, Args)]
+pub struct ValidateArguments {
+    #[command(subcommand)]
+    what: What,
+}
+
+#[derive(Debug, Subcommand)]
+enum What {
+    /// The COMMOTIONS pedestrian in the 24 scenarios of the HIKER crossing experiment.
+    Hiker {
+        /// The reference numbers, `hiker_reference.json`.
+        reference: PathBuf,
+        /// Runs of each individual in each scenario.
+        #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+        repetitions: u32,
+        /// Decides the noise of every run.
+        #[arg(long, default_value_t = 20_261_121)]
+        seed: u64,
+    },
+    /// The share of the published candidates of the default COMMOTIONS variant that calibration retains.
+    Retention {
+        /// The published individuals, `commotions_individuals.json`.
+        individuals: PathBuf,
+        /// How many candidates are drawn at random; more than there are means all.
+        #[arg(long, value_name = "N", default_value_t = 5000)]
+        candidates: usize,
+        /// Decides the draw and the noise of every run.
+        #[arg(long, default_value_t = 20_261_121)]
+        seed: u64,
+    },
+}
+
+pub fn run(arguments: &ValidateArguments) -> Exit {
+    let result = match &arguments.what {
+        What::Hiker { reference, repetitions, seed } => hiker(reference, *repetitions, *seed),
+        What::Retention { individuals, candidates, seed } => retention(individuals, *candidates, *seed),
+    };
+    result.unwrap_or_else(|error| {
+        eprintln!("error: {error}");
+        Exit::Usage
+    })
+}
+
+fn hiker(file: &Path, repetitions: u32, seed: u64) -> Result<Exit, Box<dyn std::error::Error>> {
+    let comparisons = Reference::read(file)?.compare(file, 1, repetitions, seed)?;
+    println!("crossed before the second car       | median start after the first car (s)");
+    println!("scenario    runs   ours  ref.  s.e.  |   ours   ref.   diff.  s.e.");
+    for comparison in &comparisons {
+        println!("{}", row(comparison));
+    }
+    let agree = comparisons.iter().filter(|c| c.shares_agree() && c.medians_agree()).count();
+    let gaps = comparisons.iter().filter(|c| c.medians_agree() && !c.medians_are_close()).count();
+    println!("{agree} of {} scenarios agree", comparisons.len());
+    if gaps > 0 {
+        println!(
+            "* in {gaps} the starts fall into two groups of about the same size: the median lies anywhere between"
+        );
+    }
+    Ok(if agree == comparisons.len() { Exit::Success } else { Exit::Failed })
+}
+
+fn row(c: &Comparison) -> String {
+    let number = |value: Option<f64>| value.map_or_else(|| "–".to_string(), |value| format!("{value:.3}"));
+    let errors = c.median_standard_errors();
+    format!(
+        "{:8} {:7}  {:.3} {:.3}  {:4.1}  | {:>6} {:>6} {:>7}  {:>4}{}{}",
+        c.scenario,
+        c.runs,
+        c.crossed_before,
+        c.reference_crossed_before,
+        c.standard_errors(),
+        number(c.median_start),
+        number(c.reference_median_start),
+        number(c.median_difference()),
+        errors.map_or_else(|| "–".to_string(), |errors| format!("{errors:.1}")),
+        if c.medians_are_close() { "" } else { " *" },
+        if c.shares_agree() && c.medians_agree() { "" } else { "  DIFFERS" },
+    )
+}
+
+fn retention(file: &Path, count: usize, seed: u64) -> Result<Exit, Box<dyn std::error::Error>> {
+    let candidates = published_candidates(&file.to_string_lossy(), count, seed)?;
+    let total = candidates.rows.len();
+    let calibration =
+        Calibration { variant: Variant::STANDARD, criteria: published_criteria(), repetitions: 5, seed };
+    let request = Request { calibration, candidates, design: String::new() };
+    let report = calibrate(&request, None, || ())?;
+    for (criterion, failed) in request.calibration.criteria.iter().zip(&report.failed) {
+        println!("{failed:>6} failed: {}", criterion.name);
+    }
+    let share = report.retained.len() as f64 / total as f64;
+    println!(
+        "{:>6} of {total} candidates retained: {:.1} %; published {:.1} %",
+        report.retained.len(),
+        100.0 * share,
+        100.0 * PUBLISHED_SHARE
+    );
+    Ok(if (share - PUBLISHED_SHARE).abs() <= 0.02 { Exit::Success } else { Exit::Failed })
+}
