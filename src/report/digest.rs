@@ -60,7 +60,7 @@ impl<'a> Digest<'a> {
     /// The heading of a column of [`Self::short`]s: name, and unit with what the numbers are.
     pub fn heading(metric: &Metric, label: &str) -> (String, String) {
         let below = match metric.kind {
-            MetricKind::Flag => "runs".to_string(),
+            MetricKind::Flag => "of runs".to_string(),
             MetricKind::Category(_) => "runs each".to_string(),
             MetricKind::Quantity(dimension) => {
                 let worst = if metric.worst == Worst::Smallest { "min" } else { "max" };

@@ -186,7 +186,8 @@ impl Data<'_> {
                 format!("{} {others}", self.scenarios[place].0).trim_end().to_string()
             };
             let mut series: Vec<RateSeries> = Vec::new();
-            for (key, mut rates) in lines {
+            // A sampled variation has no rates: every value is another one.
+            for (key, mut rates) in lines.into_iter().filter(|(_, rates)| rates.len() <= MOST_STRIPS) {
                 rates.sort_by(|left, right| left.x.total_cmp(&right.x));
                 series.push(RateSeries { name: name(key), rates });
             }
@@ -195,8 +196,7 @@ impl Data<'_> {
         let flags = charted.iter().filter(|index| self.kind(**index) == Some(MetricKind::Flag));
         let charts: Vec<Rates> = flags.map(chart).collect();
         let series = &charts.first()?.series;
-        let sampled = series.iter().any(|line| line.rates.len() > MOST_STRIPS);
-        if series.is_empty() || series.len() > MOST_SERIES || sampled {
+        if series.is_empty() || series.len() > MOST_SERIES {
             return None;
         }
         Some(Figure {
@@ -260,8 +260,7 @@ impl Data<'_> {
     fn individuals(&self, index: usize) -> Option<Figure> {
         let variable = self.variable.as_ref()?;
         let metric = metrics::metric(&self.reference(index).name)?;
-        let mut panels = Vec::new();
-        let mut firsts = Vec::new();
+        let mut charts = Vec::new();
         for (name, trials) in &self.scenarios {
             let mut found: Vec<Found> = Vec::new();
             let mut worst: BTreeMap<String, Found> = BTreeMap::new();
@@ -290,18 +289,20 @@ impl Data<'_> {
             if found.is_empty() {
                 continue;
             }
-            firsts.extend(found.iter().map(|point| point.first));
-            let chart = Individuals {
+            charts.push(Individuals {
                 title: name.to_string(),
                 x: variable.quantity.clone(),
                 y: self.quantity(index),
                 points: found,
                 courses: Vec::new(),
                 rules: self.rules(trials, index),
-            };
-            panels.push(chart.to_svg());
+                ranges: None,
+            });
         }
-        (!panels.is_empty()).then(|| Figure {
+        let ranges = Individuals::ranges(&charts);
+        charts.iter_mut().for_each(|chart| chart.ranges = Some(ranges));
+        let firsts = charts.iter().flat_map(|chart| &chart.points).map(|point| point.first).collect();
+        (!charts.is_empty()).then(|| Figure {
             title: format!("{} against {}", self.quantity(index).name, variable.quantity.name),
             note: format!(
                 "One mark per individual: its worst run and the {} that it was found at. Without individuals, one per \
@@ -309,7 +310,7 @@ impl Data<'_> {
                 variable.quantity.name
             ),
             legend: legend(firsts),
-            panels,
+            panels: charts.iter().map(Individuals::to_svg).collect(),
         })
     }
 

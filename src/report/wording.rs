@@ -5,10 +5,10 @@ use crate::judge::{Finding, Measure, Verdict};
 use crate::metrics;
 use crate::scenario::significant;
 
-/// What was found: `18 of 20 runs`, `85 %`, `1.62 s`; `–` if no run has a value.
+/// What was found: `holds in 18 of 20 runs`, `85 %`, `1.62 s`; `–` if no run has a value.
 pub fn observed(finding: &Finding) -> String {
     match (finding.measure, finding.observed) {
-        (Measure::EveryRun, _) => format!("{} of {} runs", finding.holding, finding.runs),
+        (Measure::EveryRun, _) => format!("holds in {} of {} runs", finding.holding, finding.runs),
         (_, None) => "–".to_string(),
         (Measure::Share, Some(value)) => share(value),
         (Measure::Count, Some(value)) => format!("{value} of {} runs", finding.runs),

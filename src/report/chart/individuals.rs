@@ -2,7 +2,7 @@
 
 use super::look::{First, Look};
 use super::panel::{Axis, Panel, Quantity, Rule};
-use super::scale::nice_range;
+use super::scale::{nice_range, with_room};
 
 /// A scatter chart, such as each individual's smallest post-encroachment time against the time to arrival that it was
 /// found at.
@@ -15,7 +15,12 @@ pub struct Individuals {
     /// Drawn below the points.
     pub courses: Vec<Course>,
     pub rules: Vec<Rule>,
+    /// Intervals of the axes, so that charts side by side compare; otherwise those of the data.
+    pub ranges: Option<Ranges>,
 }
+
+/// Intervals of the horizontal and the vertical axis.
+pub type Ranges = ((f64, f64), (f64, f64));
 
 /// One individual (or run) and the variation's value that it was found at.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,12 +40,21 @@ pub struct Course {
 }
 
 impl Individuals {
+    /// Intervals of the axes that suit all of `charts`.
+    pub fn ranges<'a>(charts: impl IntoIterator<Item = &'a Self>) -> Ranges {
+        let (mut places, mut values) = (Vec::new(), Vec::new());
+        for chart in charts {
+            places.extend(chart.points.iter().map(|point| point.x));
+            places.extend(chart.courses.iter().flat_map(|course| &course.points).map(|point| point.0));
+            values.extend(chart.points.iter().map(|point| point.y));
+            values.extend(chart.rules.iter().map(|rule| rule.value));
+            values.extend(chart.courses.iter().flat_map(|course| &course.points).flat_map(|p| [p.1, p.3]));
+        }
+        (with_room(&places), nice_range(values))
+    }
+
     pub fn to_svg(&self) -> String {
-        let places = self.points.iter().map(|point| point.x);
-        let x = nice_range(places.chain(self.courses.iter().flat_map(|course| &course.points).map(|p| p.0)));
-        let values = self.points.iter().map(|point| point.y).chain(self.rules.iter().map(|rule| rule.value));
-        let reaches = self.courses.iter().flat_map(|course| &course.points).flat_map(|p| [p.1, p.3]);
-        let y = nice_range(values.chain(reaches));
+        let (x, y) = self.ranges.unwrap_or_else(|| Self::ranges([self]));
         let labels = (self.x.label(), self.y.label());
         let description = format!("{} against {}", labels.1, labels.0);
         let axis = Axis::Numbers { range: x };
@@ -82,6 +96,7 @@ mod tests {
                 points: vec![(6.0, 1.0, 1.4, 1.9), (10.0, 1.2, 1.9, 2.5), (18.0, 3.0, 3.5, 4.0)],
             }],
             rules: vec![Rule { value: 1.5, label: "1.5 s".into() }],
+            ranges: None,
         };
         insta::assert_snapshot!(chart.to_svg());
     }

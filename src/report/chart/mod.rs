@@ -17,17 +17,15 @@ mod paths;
 mod rates;
 mod scale;
 mod strips;
-mod summary;
 mod svg;
 
-pub use individuals::{Course, Found, Individuals};
+pub use individuals::{Course, Found, Individuals, Ranges};
 pub use look::{Entry, First, LOOKS, Look};
 pub use panel::{Quantity, Rule, shortened};
 pub use paths::{Path, Paths};
 pub use rates::{Rate, RateSeries, Rates};
 pub use scale::nice_range;
 pub use strips::{Dot, Strip, Strips};
-pub use summary::{quantile, wilson};
 
 /// The rules that the classes in charts refer to; they rely on the custom properties of the page's own style sheet.
 pub const STYLE: &str = include_str!("chart.css");

@@ -66,7 +66,7 @@ const RIGHT: f64 = 10.0;
 const TOP: f64 = 38.0;
 const BOTTOM: f64 = 44.0;
 /// Mean width of a letter at the chart's font size.
-const LETTER: f64 = 5.8;
+const LETTER: f64 = 6.2;
 const LINE: f64 = 12.0;
 
 impl Panel {
@@ -119,7 +119,7 @@ impl Panel {
         let under = HEIGHT - BOTTOM + 14.0;
         match x {
             Axis::Names(names) => {
-                let letters = ((self.slot - 2.0) / LETTER).max(1.0) as usize;
+                let letters = ((self.slot - 4.0) / LETTER).max(1.0) as usize;
                 // Where names would run into each other, only every so many are written.
                 let every = if letters < 3 { (3.0 * LETTER / self.slot).ceil() as usize } else { 1 };
                 for (index, name) in names.iter().enumerate().step_by(every) {

@@ -2,7 +2,8 @@
 
 use super::look::{Entry, Look};
 use super::panel::{Axis, Panel, Quantity, Rule};
-use super::summary::wilson;
+use super::scale::with_room;
+use crate::judge::statistics::{Interval, wilson};
 
 /// A chart of rates in per cent.
 #[derive(Debug, Clone, PartialEq)]
@@ -61,7 +62,7 @@ impl Rates {
             let points = counted().map(|rate| (rate.x, percent(rate)));
             panel.line_aside(points, aside, look, &series.name);
             for rate in counted() {
-                let (low, high) = wilson(rate.holding, rate.runs);
+                let Interval { low, high } = wilson(rate.holding as u64, rate.runs as u64, 0.95);
                 panel.interval(rate.x, low * 100.0, high * 100.0, aside, look);
                 let title = format!(
                     "{}, {}: {} of {} runs (95 % interval {:.0}–{:.0} %)",
@@ -81,13 +82,6 @@ impl Rates {
 
 fn percent(rate: &Rate) -> f64 {
     rate.holding as f64 / rate.runs as f64 * 100.0
-}
-
-/// The interval of the values with a little room at both ends.
-fn with_room(sorted: &[f64]) -> (f64, f64) {
-    let (low, high) = (sorted.first().copied().unwrap_or(0.0), sorted.last().copied().unwrap_or(1.0));
-    let room = if high > low { (high - low) * 0.08 } else { 1.0 };
-    (low - room, high + room)
 }
 
 #[cfg(test)]

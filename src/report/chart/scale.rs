@@ -43,6 +43,18 @@ pub fn nice_range(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
     ((low / step).floor() * step, (high / step).ceil() * step)
 }
 
+/// The interval of the values with a little room at both ends, so that no mark sits on the frame.
+pub fn with_room(values: &[f64]) -> (f64, f64) {
+    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    match high - low {
+        span if span > 0.0 => (low - span * 0.08, high + span * 0.08),
+        // One value, or none at all.
+        _ if low.is_finite() => (low - 1.0, high + 1.0),
+        _ => (0.0, 1.0),
+    }
+}
+
 /// Round numbers within the interval, about `about` of them.
 pub fn ticks(low: f64, high: f64, about: usize) -> Vec<f64> {
     let step = step(low, high, about);

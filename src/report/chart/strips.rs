@@ -3,7 +3,7 @@
 use super::look::First;
 use super::panel::{Axis, Panel, Quantity, Rule};
 use super::scale::nice_range;
-use super::summary::quantile;
+use crate::judge::statistics::quantile;
 
 /// A chart of distributions: one strip per variation value or condition.
 #[derive(Debug, Clone, PartialEq)]
@@ -85,6 +85,14 @@ impl Strips {
         if many {
             panel.violin(x, &violin(&sorted, width / 2.0));
         }
+        for (order, dot) in dots.iter().enumerate() {
+            if many && (low..=high).contains(&dot.value) {
+                continue;
+            }
+            let aside = (spread(order) - 0.5) * width * 0.8;
+            let title = format!("{} {}", self.y.show(dot.value), dot.name);
+            panel.marker(x, dot.value, aside, dot.first.look(), title.trim_end());
+        }
         if dots.len() >= 4 {
             let show = |value| self.y.show(value);
             let title = format!(
@@ -96,14 +104,6 @@ impl Strips {
                 dots.len()
             );
             panel.quartiles(x, (lower, middle, upper), if many { width * 0.3 } else { width }, &title);
-        }
-        for (order, dot) in dots.iter().enumerate() {
-            if many && (low..=high).contains(&dot.value) {
-                continue;
-            }
-            let aside = (spread(order) - 0.5) * width * 0.8;
-            let title = format!("{} {}", self.y.show(dot.value), dot.name);
-            panel.marker(x, dot.value, aside, dot.first.look(), title.trim_end());
         }
     }
 

@@ -224,9 +224,10 @@
     byId("command").textContent = run.command;
     slider.max = run.times[run.times.length - 1];
     redraw();
-    // Begin where something happens: when the first pedestrian appears.
-    const appears = run.events.find((event) => event[2] === "appears");
-    show(appears ? appears[0] : 0);
+    // Begin where something happens: when the first pedestrian is there.
+    const people = run.users.filter((user) => user.kind === "pedestrian");
+    const first = run.times.findIndex((_, index) => people.some((user) => user.x[index] !== null));
+    show(first < 0 ? 0 : run.times[first]);
   };
 
   runs.forEach(({ key, reason }, index) => {
@@ -250,8 +251,8 @@
     if (view.clientWidth !== width) { width = view.clientWidth; redraw(); }
   });
   const follow = () => {
-    const match = /^#run=(.*)$/.exec(decodeURIComponent(location.hash));
-    const index = match ? runs.findIndex(({ key }) => key === match[1]) : -1;
+    const hash = location.hash;
+    const index = runs.findIndex(({ key }) => hash === `#run=${key}` || hash === `#run=${encodeURI(key)}`);
     if (index < 0) return false;
     choose(index);
     byId("runs").scrollIntoView();
