@@ -271,6 +271,7 @@ fn join(
                     span,
                     format!("{} and {} cannot be added or subtracted", left.kind.name(), right.kind.name()),
                 )
+                .label("of different kinds")
                 .context(left.span, left.kind.name())
                 .context(right.span, right.kind.name())
                 .hint("give both the same kind of unit"),

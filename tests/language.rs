@@ -1,0 +1,155 @@
+//! The scenario language as users meet it: one file a case, expected findings beside the line they belong to.
+//!
+//! `#~ E0401 words` at the end of a line expects that code there, with those words in its message. Every file under
+//! `tests/language/fails` must give exactly the findings it announces; how they look is held by snapshots.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use scenario_runner::lang::{self, Code, Diagnostic, Severity, Sources, Style};
+
+fn folder(name: &str) -> PathBuf {
+    Path::new("tests/language").join(name)
+}
+
+fn files(name: &str) -> Vec<PathBuf> {
+    let mut files: Vec<_> = std::fs::read_dir(folder(name))
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.extension().is_some_and(|extension| extension == "scn" || extension == "suite"))
+        .collect();
+    files.sort();
+    files
+}
+
+fn findings(path: &Path) -> (Vec<Diagnostic>, Sources) {
+    match lang::load(path) {
+        Ok(loaded) => (loaded.warnings, loaded.sources),
+        Err(failure) => (failure.diagnostics, failure.sources),
+    }
+}
+
+/// File, line, code and words that a text announces.
+fn announced(name: &str, text: &str) -> Vec<(String, usize, String, String)> {
+    text.lines()
+        .enumerate()
+        .flat_map(|(index, line)| line.split("#~").skip(1).map(move |note| (index + 1, note.trim())))
+        .map(|(line, note)| {
+            let (code, words) = note.split_once(' ').unwrap_or((note, ""));
+            (name.to_string(), line, code.to_string(), words.trim().to_string())
+        })
+        .collect()
+}
+
+#[test]
+fn wrong_files_give_exactly_the_findings_they_announce() {
+    let mut complaints = Vec::new();
+    for path in files("fails") {
+        let (found, sources) = findings(&path);
+        let mut expected: Vec<_> =
+            sources.iter().flat_map(|(_, source)| announced(&source.name, &source.text)).collect();
+        for finding in &found {
+            let place = sources.location(finding.span());
+            let file = &sources.get(finding.span().source).name;
+            let matching = expected.iter().position(|(name, line, code, words)| {
+                name == file
+                    && *line == place.line
+                    && code == finding.code.name()
+                    && finding.message.contains(words.as_str())
+            });
+            match matching {
+                Some(index) => {
+                    expected.remove(index);
+                }
+                None => complaints.push(format!(
+                    "{file}:{}: unexpected {}: {}",
+                    place.line,
+                    finding.code.name(),
+                    finding.message
+                )),
+            }
+        }
+        for (name, line, code, words) in expected {
+            complaints.push(format!("{name}:{line}: missing {code} {words}"));
+        }
+    }
+    assert!(complaints.is_empty(), "{}", complaints.join("\n"));
+}
+
+#[test]
+fn findings_look_as_they_should() {
+    for path in files("fails") {
+        let (found, sources) = findings(&path);
+        let name = path.file_name().unwrap().to_string_lossy().replace('.', "_");
+        insta::with_settings!({ prepend_module_to_snapshot => false, snapshot_path => "language/snapshots", omit_expression => true }, {
+            insta::assert_snapshot!(name, lang::render_all(&found, &sources, Style::default()));
+        });
+    }
+}
+
+#[test]
+fn every_finding_says_what_to_do() {
+    for path in files("fails") {
+        for finding in findings(&path).0 {
+            assert!(!finding.hints.is_empty(), "{}: {}", path.display(), finding.message);
+            assert!(!finding.labels[0].text.is_empty(), "{}: {}", path.display(), finding.message);
+        }
+    }
+}
+
+#[test]
+fn good_files_have_no_errors() {
+    for path in files("ok") {
+        if let Err(failure) = lang::load(&path) {
+            panic!("{}", failure.render(Style::default()));
+        }
+    }
+}
+
+#[test]
+fn a_full_scenario_becomes_the_data_it_describes() {
+    let loaded = lang::load(&folder("ok/whole.suite")).unwrap();
+    insta::with_settings!({ prepend_module_to_snapshot => false, snapshot_path => "language/snapshots", omit_expression => true }, {
+        insta::assert_json_snapshot!("whole_suite", loaded.suite);
+    });
+}
+
+/// Codes that need a file no repository should hold.
+const TESTED_ELSEWHERE: [Code; 4] =
+    [Code::NotUtf8, Code::FileTooLarge, Code::TooManyFiles, Code::StartBeyondGoal];
+
+#[test]
+fn every_code_is_tested() {
+    let mut tested: BTreeSet<&str> = TESTED_ELSEWHERE.iter().map(|code| code.name()).collect();
+    for path in files("fails") {
+        tested.extend(findings(&path).0.iter().map(|finding| finding.code.name()));
+    }
+    let missing: Vec<_> = Code::ALL.iter().filter(|code| !tested.contains(code.name())).collect();
+    assert!(missing.is_empty(), "no file under tests/language/fails leads to {missing:?}");
+}
+
+#[test]
+fn text_that_is_not_utf8_is_refused_at_its_byte() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("latin.scn");
+    std::fs::write(&path, b"# caf\xe9\n").unwrap();
+    let (found, sources) = findings(&path);
+    assert_eq!(found[0].code, Code::NotUtf8);
+    assert!(found[0].message.contains("byte 5 is 0xe9"), "{}", found[0].message);
+    assert_eq!(sources.location(found[0].span()).column, 6);
+}
+
+#[test]
+fn files_beyond_the_limit_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("large.scn");
+    std::fs::File::create(&path).unwrap().set_len(lang::LARGEST_FILE as u64 + 1).unwrap();
+    assert_eq!(findings(&path).0[0].code, Code::FileTooLarge);
+}
+
+#[test]
+fn a_file_that_is_not_there_is_refused_with_the_nearest_name() {
+    let (found, _) = findings(Path::new("tests/language/ok/everythin.scn"));
+    assert_eq!((found[0].code, found[0].severity), (Code::UnreadableFile, Severity::Error));
+    assert_eq!(found[0].hints, ["did you mean `everything.scn`?"]);
+}
