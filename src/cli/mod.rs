@@ -3,6 +3,9 @@
 mod calibrate;
 mod check;
 mod exit;
+mod explain;
+mod format;
+mod list;
 mod load;
 mod models;
 mod progress;
@@ -42,6 +45,12 @@ enum Command {
     Run(run::RunArguments),
     /// Look for errors in suites and scenarios without running anything.
     Check(check::CheckArguments),
+    /// Bring scenario files into the one style.
+    Fmt(format::FormatArguments),
+    /// Explain the code of an error or warning.
+    Explain(explain::ExplainArguments),
+    /// Show the scenarios of suites with their tags and how much they run.
+    List(list::ListArguments),
     /// Show the pedestrian models, controllers, vehicle dynamics and metrics there are.
     Models(models::ModelsArguments),
     /// Retain the parameter sets of the COMMOTIONS model that behave as criteria demand.
@@ -59,6 +68,9 @@ pub fn main() -> ExitCode {
         None => run::run(cli.run),
         Some(Command::Run(arguments)) => run::run(arguments),
         Some(Command::Check(arguments)) => check::check(&arguments),
+        Some(Command::Fmt(arguments)) => format::format(&arguments),
+        Some(Command::Explain(arguments)) => explain::explain(&arguments),
+        Some(Command::List(arguments)) => list::list(&arguments),
         Some(Command::Models(arguments)) => models::models(&arguments),
         Some(Command::Calibrate(arguments)) => calibrate::run(&arguments),
         Some(Command::Validate(arguments)) => validate::run(&arguments),

@@ -146,6 +146,7 @@ fn suite() -> Suite {
         scenarios: vec![scenario()],
         searches: vec![search],
         tunes: vec![tune],
+        gates: Vec::new(),
         origin: Origin::default(),
     }
 }

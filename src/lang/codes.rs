@@ -232,6 +232,24 @@ codes! {
     NoScenario = "E0705", "a file without scenarios",
         "A file that is run, or matched by a suite's pattern, must hold at least one scenario. Files with only roads \
          and templates are for `use`.";
+    // Search, tune and gates
+    UnknownScenario = "E0801", "a search or tune is about a scenario that is not there",
+        "`in NAME` and `on NAME` refer to a scenario of the same suite, or of the same file when a scenario file is run by \
+         itself; `on` may also name a search of it.";
+    BadTarget = "E0802", "there is nothing to search over",
+        "`over` takes a variation of the scenario, such as `tta`, or a parameter of a road user, such as \
+         `av.controller.braking_distance` or `walker.model.speed`.";
+    BadRange = "E0803", "a range cannot be searched",
+        "Numbers are searched between two bounds, `4 m .. 25 m`, the lower one first; with `logarithmic` both are positive. \
+         Words are listed: `[cautious, normal]`.";
+    BadBudget = "E0804", "a budget makes no sense",
+        "The evaluations that come first are part of all evaluations, so there are at most as many.";
+    BadObjective = "E0805", "nothing to minimise or maximise",
+        "An objective is an aggregate over runs, such as `minimise min(pet)`; a metric alone means its mean, and one that is \
+         true or false its rate. A search has one objective, a tune one or two.";
+    BadGate = "E0806", "a gate compares nothing",
+        "A gate names a baseline file and says at least once what may not get worse: \
+         `gate braking { baseline \"zebra.json\"; no metric worse by more than 5 % with 95 % confidence }`.";
     // Warnings
     UnusedName = "W0901", "a name is never used",
         "A `let` inside a scenario or a variation that no value refers to has no effect, except that a variation \

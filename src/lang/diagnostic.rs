@@ -74,6 +74,7 @@ impl Diagnostic {
         let listed: Vec<_> = valid.iter().take(MOST).map(|name| format!("`{name}`")).collect();
         match valid.len() {
             0 => self.hint("there is none to choose from here"),
+            1 => self.hint(format!("there is only {}", listed.join(", "))),
             count if count > MOST => {
                 self.hint(format!("there are {}, … ({} in all)", listed.join(", "), count))
             }

@@ -7,81 +7,8 @@ use super::codes::Code;
 use super::diagnostic::Diagnostic;
 use super::lexer::{self, TokenKind};
 use super::source::{SourceId, Span};
+use super::statements::{self, Statement};
 use super::tree::{Grammar, Node, Rule, Tree};
-
-/// The statements of a block: first word and rule.
-type Statements = &'static [(&'static str, Rule)];
-
-const FILE: Statements = &[
-    ("use", Rule::use_file),
-    ("let", Rule::binding),
-    ("road", Rule::road_definition),
-    ("define", Rule::define),
-    ("scenario", Rule::scenario),
-    ("suite", Rule::suite),
-];
-const ROAD: Statements = &[
-    ("lanes", Rule::lanes),
-    ("lane_width", Rule::lane_width),
-    ("speed_limit", Rule::speed_limit),
-    ("no", Rule::no_kerbs),
-    ("crossing", Rule::crossing),
-    ("box", Rule::obstacle),
-    ("parked", Rule::obstacle),
-];
-const SCENARIO: Statements = &[
-    ("tags", Rule::tags),
-    ("road", Rule::road_choice),
-    ("vehicle", Rule::vehicle),
-    ("pedestrian", Rule::pedestrian),
-    ("vary", Rule::vary),
-    ("repeat", Rule::repeat),
-    ("step", Rule::step),
-    ("horizon", Rule::horizon),
-    ("finish", Rule::finish),
-    ("end", Rule::end_on_collision),
-    ("expect", Rule::expect),
-    ("let", Rule::binding),
-];
-const VEHICLE: Statements = &[
-    ("controller", Rule::controller),
-    ("dynamics", Rule::dynamics),
-    ("sees", Rule::sees),
-    ("size", Rule::size),
-    ("speed", Rule::speed),
-    ("lane", Rule::lane),
-    ("start", Rule::vehicle_start),
-];
-const PEDESTRIAN: Statements = &[
-    ("model", Rule::model),
-    ("individuals", Rule::individuals),
-    ("individual", Rule::individual),
-    ("size", Rule::size),
-    ("radius", Rule::radius),
-    ("start", Rule::pedestrian_start),
-    ("from", Rule::side),
-    ("along", Rule::along),
-    ("goal", Rule::goal),
-    ("appears", Rule::appears),
-];
-const SUITE: Statements = &[
-    ("scenarios", Rule::suite_files),
-    ("tags", Rule::tags),
-    ("seed", Rule::seed),
-    ("time_limit", Rule::time_limit),
-    ("expect", Rule::expect),
-    ("scenario", Rule::scenario),
-];
-
-/// The blocks with the word that people know them by.
-const BLOCKS: &[(Rule, &str, Statements)] = &[
-    (Rule::file, "a file", FILE),
-    (Rule::road_block, "a `road`", ROAD),
-    (Rule::scenario_block, "a `scenario`", SCENARIO),
-    (Rule::vehicle_block, "a `vehicle`", VEHICLE),
-    (Rule::pedestrian_block, "a `pedestrian`", PEDESTRIAN),
-    (Rule::suite_block, "a `suite`", SUITE),
-];
 
 /// A diagnostic for every statement that is `bad`.
 pub fn explain(tree: &Tree) -> Vec<Diagnostic> {
@@ -99,108 +26,108 @@ pub fn explain(tree: &Tree) -> Vec<Diagnostic> {
 }
 
 fn statement(block: Rule, bad: Node) -> Diagnostic {
-    match block {
-        Rule::expect_block => return again(bad, Rule::criterion, "a criterion"),
-        Rule::together_block => return again(bad, Rule::varied, "`NAME in [ … ]`"),
-        _ => {}
-    }
-    let (place, statements) = BLOCKS
-        .iter()
-        .find(|(rule, ..)| *rule == block)
-        .map_or(("this block", FILE), |(_, place, statements)| (*place, *statements));
+    let context = statements::block(block);
     let word = first_word(bad);
     let word_text = &bad.tree().text()[word.start..word.end];
-    if let Some((_, rule)) = statements.iter().find(|(keyword, _)| *keyword == word_text) {
-        let is_together =
-            *rule == Rule::vary && bad.text()["vary".len()..].trim_start().starts_with("together");
-        let rule = if is_together { Rule::vary_together } else { *rule };
-        return again(bad, rule, "this statement");
+    if let [only] = context.statements
+        && only.word.is_empty()
+    {
+        return again(bad, only);
     }
-    let elsewhere: Vec<&str> = BLOCKS
+    let is_together = statements::second_word(bad.text()) == "together";
+    let known = context
+        .statements
         .iter()
-        .filter(|(_, _, statements)| statements.iter().any(|(keyword, _)| *keyword == word_text))
-        .map(|(_, place, _)| *place)
-        .collect();
+        .filter(|statement| statement.word == word_text)
+        .max_by_key(|statement| (statement.rule == Rule::vary_together) == is_together);
+    if let Some(statement) = known {
+        return again(bad, statement);
+    }
+    if let Some(free) = context.statements.iter().find(|statement| statement.word.is_empty()) {
+        return again(bad, free);
+    }
+    let place = context.name;
+    let elsewhere = statements::homes(word_text);
     if !elsewhere.is_empty() {
-        return Diagnostic::new(
-            Code::MisplacedStatement,
-            word,
-            format!("`{word_text}` does not belong into {place}"),
-        )
-        .label("not here")
-        .hint(format!("it belongs into {}", elsewhere.join(" or ")));
+        return Diagnostic::new(Code::MisplacedStatement, word, format!("`{word_text}` does not belong in {place}"))
+            .label("not here")
+            .hint(format!("it belongs in {}", elsewhere.join(" or ")));
     }
     Diagnostic::new(Code::UnknownStatement, word, format!("{place} has no statement `{word_text}`"))
         .label("unknown here")
-        .suggest(word_text, statements.iter().map(|(keyword, _)| *keyword))
+        .suggest(word_text, context.statements.iter().map(|statement| statement.word))
 }
 
 fn setting(bad: Node) -> Diagnostic {
-    let mut diagnostic = again(bad, Rule::setting, "a setting");
+    let mut diagnostic = again(bad, &statements::SETTING);
     diagnostic.code = Code::BadSetting;
-    diagnostic.hint("settings read `name: value`, with commas or line ends between them")
+    diagnostic
 }
 
 /// Parses the statement once more on its own, to see how far it gets.
-fn again(bad: Node, rule: Rule, what: &str) -> Diagnostic {
+fn again(bad: Node, statement: &Statement) -> Diagnostic {
     let span = bad.span();
-    match Grammar::parse(rule, bad.text()) {
-        Err(error) => unexpected(span.source, span.start, bad.tree().text(), &error, Some(what)),
+    let text = bad.tree().text();
+    let hint = format!("it reads `{}`", statement.usage);
+    match Grammar::parse(statement.rule, bad.text()) {
+        Err(error) => unexpected(span.source, span.start, text, &error).hint(hint),
         Ok(pairs) => {
-            let parsed = pairs.last().map_or(0, |pair| pair.as_span().end());
-            let rest = bad.text()[parsed..].trim_start_matches([' ', '\t', '\u{feff}']);
-            let start = span.end - rest.len();
-            let found = Span::new(span.source, start, end_of_token(bad.tree().text(), start));
-            let text = &bad.tree().text()[found.start..found.end];
-            Diagnostic::new(Code::UnexpectedText, found, format!("`{text}` does not belong to {what}"))
-                .label("expected the end of the line")
-                .hint("a statement ends with its line; put `;` between two in one line")
+            let parsed = span.start + pairs.last().map_or(0, |pair| pair.as_span().end());
+            let found = next_token(span.source, text, parsed);
+            Diagnostic::new(
+                Code::UnexpectedText,
+                found,
+                format!("{} after the end of the statement", words(text, found)),
+            )
+            .label("expected the end of the line")
+            .hint(hint)
+            .hint("a statement ends with its line; put `;` between two in one line")
         }
     }
 }
 
 /// A pest error of text that begins at `offset`, in words.
-pub fn unexpected(
-    source: SourceId,
-    offset: usize,
-    text: &str,
-    error: &Error<Rule>,
-    what: Option<&str>,
-) -> Diagnostic {
+pub fn unexpected(source: SourceId, offset: usize, text: &str, error: &Error<Rule>) -> Diagnostic {
     let at = match error.location {
         InputLocation::Pos(at) | InputLocation::Span((at, _)) => at + offset,
     };
-    let span = Span::new(source, at, end_of_token(text, at));
-    let found = match &text[span.start..span.end] {
-        "" => "the end of the file".to_string(),
-        "\n" | "\r\n" | "\r" => "the end of the line".to_string(),
-        token => format!("`{token}`"),
-    };
+    let found = next_token(source, text, at);
     let mut expected = match &error.variant {
         ErrorVariant::ParsingError { positives, .. } => positives.iter().filter_map(describe).collect(),
         ErrorVariant::CustomError { message } => vec![message.clone()],
     };
     expected.sort();
     expected.dedup();
+    if expected.len() > 1 {
+        expected.retain(|words| words != OPERATOR);
+    }
     let list = match expected.as_slice() {
         [] => "something else".to_string(),
         [only] => only.clone(),
         [first @ .., last] => format!("{} or {last}", first.join(", ")),
     };
-    let message = match what {
-        Some(_) => format!("expected {list}, found {found}"),
-        None => format!("cannot read {found}"),
-    };
-    Diagnostic::new(Code::UnexpectedText, span, message)
+    Diagnostic::new(Code::UnexpectedText, found, format!("expected {list}, found {}", words(text, found)))
         .label(format!("expected {list}"))
-        .hint(format!("{} is described by `scenario-runner explain E0106`", what.unwrap_or("it")))
 }
 
-/// The token that begins at `start`; empty at the end of the text.
-fn end_of_token(text: &str, start: usize) -> usize {
+fn words(text: &str, found: Span) -> String {
+    match &text[found.start..found.end] {
+        "" => "the end of the file".to_string(),
+        "\n" | "\r\n" | "\r" => "the end of the line".to_string(),
+        token => format!("`{token}`"),
+    }
+}
+
+/// The first token at or after `start` that is neither space nor comment; empty at the end of the text.
+fn next_token(source: SourceId, text: &str, start: usize) -> Span {
     let rest = &text[start..];
     let end = rest.find(['\n', '\r']).map_or(rest.len(), |end| end + 1);
-    lexer::tokens(&rest[..end]).first().map_or(start, |token| start + token.end)
+    lexer::tokens(&rest[..end])
+        .into_iter()
+        .find(|token| !matches!(token.kind, TokenKind::Space | TokenKind::Comment))
+        .map_or(Span::new(source, start + end, start + end), |token| {
+            Span::new(source, start + token.start, start + token.end)
+        })
 }
 
 fn first_word(bad: Node) -> Span {
@@ -209,6 +136,9 @@ fn first_word(bad: Node) -> Span {
     first.map_or(span, |token| Span::new(span.source, span.start + token.start, span.start + token.end))
 }
 
+/// Could follow every value, so it is mentioned only when nothing else could.
+const OPERATOR: &str = "an operator such as `+`";
+
 /// A rule as people call it; `None` for what goes without saying.
 fn describe(rule: &Rule) -> Option<String> {
     let name = format!("{rule:?}");
@@ -216,7 +146,8 @@ fn describe(rule: &Rule) -> Option<String> {
         return Some(format!("`{keyword}`"));
     }
     let words = match rule {
-        Rule::EOI | Rule::operator | Rule::negation | Rule::modifier | Rule::base => return None,
+        Rule::EOI | Rule::negation | Rule::modifier | Rule::base => return None,
+        Rule::operator => OPERATOR,
         Rule::expression | Rule::quantity | Rule::number | Rule::reference | Rule::group | Rule::boolean => {
             "a value"
         }
@@ -240,6 +171,9 @@ fn describe(rule: &Rule) -> Option<String> {
         Rule::tag => "a tag",
         Rule::vehicle_part => "`front` or `centre`",
         Rule::varied => "`NAME in [ … ]`",
+        Rule::target => "what to search over",
+        Rule::initial | Rule::batch => "a whole number",
+        Rule::constraint => "a metric",
         Rule::metric_details => return None,
         _ if name.ends_with("_block") => "`{`",
         _ => return Some(name.replace('_', " ")),

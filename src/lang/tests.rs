@@ -92,6 +92,14 @@ fn text() -> impl Strategy<Value = String> {
     prop_oneof![pieces, spaced, any::<String>()]
 }
 
+/// Everything but white space, separators and comparisons, comments included.
+fn words(text: &str) -> Vec<String> {
+    let (tree, _) = Tree::parse(source(), Arc::from(text));
+    let kept = |token: &&Token| !matches!(token.kind, TokenKind::Space | TokenKind::Newline);
+    let words = tree.tokens().iter().filter(kept).map(|token| text[token.start..token.end].trim_end().to_string());
+    words.filter(|word| !word.chars().all(|c| ";,=<>!≤≥≠".contains(c))).collect()
+}
+
 fn source() -> SourceId {
     Sources::default().add("test.scn", "")
 }
@@ -118,6 +126,14 @@ proptest! {
                 prop_assert!(at <= child.span().start && child.span().end <= node.span().end);
                 at = child.span().end;
             }
+        }
+    }
+
+    #[test]
+    fn formatting_keeps_words_and_comments_and_twice_is_once(text in text()) {
+        if let Ok(once) = format(source(), &text) {
+            prop_assert_eq!(words(&text), words(&once), "{}", once);
+            prop_assert_eq!(&format(source(), &once).unwrap(), &once);
         }
     }
 

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Criterion, Expression, Origin, Road, Search, Side, Tune, Value, VehicleReference};
+use super::{Criterion, Expression, Gate, Origin, Road, Search, Side, Tune, Value, VehicleReference};
 
 /// A suite: scenarios and what holds for all of them. A bare `.scn` file becomes a suite named after the file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -18,6 +18,8 @@ pub struct Suite {
     pub searches: Vec<Search>,
     #[serde(default)]
     pub tunes: Vec<Tune>,
+    #[serde(default)]
+    pub gates: Vec<Gate>,
     pub origin: Origin,
 }
 

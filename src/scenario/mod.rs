@@ -10,6 +10,7 @@ mod declaration;
 mod declared;
 mod dimension;
 mod expression;
+mod gate;
 mod optimisation;
 mod road;
 mod value;
@@ -30,6 +31,7 @@ pub use declared::{
     Population, Samples, SamplingScheme, Scenario, Suite, Variation, VariedValue, Vehicle,
 };
 pub use dimension::Dimension;
+pub use gate::{Gate, GateRule, Tolerance};
 pub use expression::{BinaryOperator, EvaluationError, Expression};
 pub use optimisation::{
     Budget, CaseSet, Goal, InitialDesign, Method, Objective, Part, Range, RangeValues, Search, Target, Tune,

@@ -83,7 +83,7 @@ fn modifiers<'t>(node: Node<'t>, scope: &Scope, report: &mut Vec<Diagnostic>) ->
     Modifiers { share, confidence, undefined: undefined(node) }
 }
 
-fn undefined(node: Node) -> WhenUndefined {
+pub fn undefined(node: Node) -> WhenUndefined {
     match node.child(Rule::undefined) {
         Some(undefined) if undefined.has(Rule::kw_passes) => WhenUndefined::Passes,
         _ => WhenUndefined::Fails,
@@ -91,7 +91,7 @@ fn undefined(node: Node) -> WhenUndefined {
 }
 
 /// A constant between 0 and 1; `open`: neither of them.
-fn share(node: Node, what: &str, open: bool, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<f64> {
+pub fn share(node: Node, what: &str, open: bool, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<f64> {
     let value = value::quantity_of(node, Dimension::NUMBER, what, scope, report)?;
     let number = value
         .as_constant_number()
@@ -167,56 +167,9 @@ fn aggregate_claim(
     }
     let relation = relation(node.child(Rule::relation)?);
     let bound = node.child(Rule::expression)?;
-    let (aggregate, bound) = if let Some(rate) = node.child(Rule::rate) {
-        let condition = rate.child(Rule::condition)?;
-        let comparison = comparison(condition, undefined(rate), cast, scope, report);
-        if rate.has(Rule::kw_rate) {
-            let bound = value::quantity_in(bound, Dimension::NUMBER, (0.0, 1.0), "a rate", scope, report);
-            (Aggregate::Rate(comparison?), bound?)
-        } else {
-            let bound = value::quantity_in(bound, Dimension::NUMBER, (0.0, 1e9), "a count", scope, report);
-            (Aggregate::Count(comparison?), bound?)
-        }
-    } else {
-        let (of, level) = match node.child(Rule::quantile) {
-            Some(quantile) => {
-                let level =
-                    share(quantile.child(Rule::expression)?, "the level of a quantile", false, scope, report);
-                (quantile, Some(level))
-            }
-            None => (node.child(Rule::statistic)?, None),
-        };
-        let metric_node = of.child(Rule::metric)?;
-        let (reference, found) = metric_reference(metric_node, cast, scope, report)?;
-        let MetricKind::Quantity(dimension) = found.kind else {
-            report.push(
-                Diagnostic::new(
-                    Code::NoNumber,
-                    metric_node.span(),
-                    format!(
-                        "`{}` is {}, of which there is no such aggregate",
-                        reference.name,
-                        kind_name(found)
-                    ),
-                )
-                .label("not a quantity")
-                .hint(format!("take the share of runs: `rate({} …)`", reference.name)),
-            );
-            return None;
-        };
-        let what = format!("the bound of `{}`", reference.name);
-        let bound = value::quantity_of(bound, dimension, &what, scope, report);
-        let statistic = of.child(Rule::statistic_name).map_or("", Node::text);
-        let aggregate = match (level, statistic) {
-            (Some(level), _) => Aggregate::Quantile(level?, reference),
-            (_, "mean") => Aggregate::Mean(reference),
-            (_, "median") => Aggregate::Median(reference),
-            (_, "min") => Aggregate::Min(reference),
-            (_, "max") => Aggregate::Max(reference),
-            _ => Aggregate::Std(reference),
-        };
-        (aggregate, bound?)
-    };
+    let (aggregate, dimension, range) = aggregate(node, cast, scope, report)?;
+    let what = format!("the bound of `{}`", aggregate_word(&aggregate));
+    let bound = value::quantity_in(bound, dimension, range, &what, scope, report)?;
     Some(Claim::Aggregate {
         aggregate,
         relation,
@@ -227,6 +180,68 @@ fn aggregate_claim(
             None => None,
         },
     })
+}
+
+/// The aggregate below a node, with the dimension and range of what it can be compared to.
+pub fn aggregate(
+    node: Node,
+    cast: &Cast,
+    scope: &Scope,
+    report: &mut Vec<Diagnostic>,
+) -> Option<(Aggregate, Dimension, (f64, f64))> {
+    if let Some(rate) = node.child(Rule::rate) {
+        let comparison = comparison(rate.child(Rule::condition)?, undefined(rate), cast, scope, report)?;
+        return Some(if rate.has(Rule::kw_rate) {
+            (Aggregate::Rate(comparison), Dimension::NUMBER, (0.0, 1.0))
+        } else {
+            (Aggregate::Count(comparison), Dimension::NUMBER, (0.0, 1e9))
+        });
+    }
+    let (of, level) = match node.child(Rule::quantile) {
+        Some(quantile) => {
+            let level =
+                share(quantile.child(Rule::expression)?, "the level of a quantile", false, scope, report);
+            (quantile, Some(level))
+        }
+        None => (node.child(Rule::statistic)?, None),
+    };
+    let metric_node = of.child(Rule::metric)?;
+    let (reference, found) = metric_reference(metric_node, cast, scope, report)?;
+    let MetricKind::Quantity(dimension) = found.kind else {
+        report.push(
+            Diagnostic::new(
+                Code::NoNumber,
+                metric_node.span(),
+                format!("`{}` is {}, of which there is no such aggregate", reference.name, kind_name(found)),
+            )
+            .label("not a quantity")
+            .hint(format!("take the share of runs: `rate({} …)`", reference.name)),
+        );
+        return None;
+    };
+    let statistic = of.child(Rule::statistic_name).map_or("", Node::text);
+    let aggregate = match (level, statistic) {
+        (Some(level), _) => Aggregate::Quantile(level?, reference),
+        (_, "mean") => Aggregate::Mean(reference),
+        (_, "median") => Aggregate::Median(reference),
+        (_, "min") => Aggregate::Min(reference),
+        (_, "max") => Aggregate::Max(reference),
+        _ => Aggregate::Std(reference),
+    };
+    Some((aggregate, dimension, (f64::NEG_INFINITY, f64::INFINITY)))
+}
+
+fn aggregate_word(aggregate: &Aggregate) -> String {
+    match aggregate {
+        Aggregate::Rate(_) => "rate(…)".to_string(),
+        Aggregate::Count(_) => "count(…)".to_string(),
+        Aggregate::Mean(metric)
+        | Aggregate::Median(metric)
+        | Aggregate::Min(metric)
+        | Aggregate::Max(metric)
+        | Aggregate::Std(metric)
+        | Aggregate::Quantile(_, metric) => metric.name.clone(),
+    }
 }
 
 /// `no collision`, `gap_accepted`, `pet >= 1.5 s`, `passed_first = pedestrian`
@@ -320,7 +335,7 @@ pub fn comparison(
     }
 }
 
-fn kind_name(metric: &Metric) -> String {
+pub fn kind_name(metric: &Metric) -> String {
     match metric.kind {
         MetricKind::Quantity(dimension) => Kind::Number(dimension).name(),
         MetricKind::Flag => "true or false".to_string(),
@@ -529,19 +544,7 @@ fn holds(relation: Relation, value: &Value, bound: &Value) -> bool {
 /// The criterion in its one spelling.
 pub fn text(node: Node) -> String {
     let mut text = match node.child(Rule::aggregate_claim) {
-        Some(claim) => {
-            let of = claim.children().next();
-            let aggregate = of.map_or(String::new(), |of| {
-                let name = of.text().split('(').next().unwrap_or_default().trim();
-                let level = of.child(Rule::expression).map(|level| format!("{}, ", print::expression(level)));
-                let inside = match of.child(Rule::condition) {
-                    Some(condition) => condition_text(condition) + &undefined_text(of),
-                    None => of.child(Rule::metric).map_or(String::new(), metric_text),
-                };
-                format!("{name}({}{inside})", level.unwrap_or_default())
-            });
-            aggregate + &bound_text(claim)
-        }
+        Some(claim) => claim.children().next().map_or(String::new(), aggregate_text) + &bound_text(claim),
         None => node.child(Rule::condition).map_or(String::new(), condition_text),
     };
     if let Some(share) = node.child(Rule::share).and_then(|share| share.child(Rule::expression)) {
@@ -562,6 +565,17 @@ pub fn text(node: Node) -> String {
         text += &format!(" when {}", conditions.join(" and "));
     }
     text
+}
+
+/// A `rate`, `quantile` or `statistic` in its one spelling.
+pub fn aggregate_text(of: Node) -> String {
+    let name = of.text().split('(').next().unwrap_or_default().trim();
+    let level = of.child(Rule::expression).map(|level| format!("{}, ", print::expression(level)));
+    let inside = match of.child(Rule::condition) {
+        Some(condition) => condition_text(condition) + &undefined_text(of),
+        None => of.child(Rule::metric).map_or(String::new(), metric_text),
+    };
+    format!("{name}({}{inside})", level.unwrap_or_default())
 }
 
 fn condition_text(node: Node) -> String {
@@ -587,7 +601,7 @@ fn bound_text(node: Node) -> String {
     }
 }
 
-fn metric_text(node: Node) -> String {
+pub fn metric_text(node: Node) -> String {
     let name = node.child(Rule::name).map_or("", Node::text);
     let Some(details) = node.child(Rule::metric_details) else { return name.to_string() };
     let inside: Vec<_> = details

@@ -2,6 +2,8 @@
 
 mod block;
 mod criterion;
+mod experiment;
+mod gate;
 mod pedestrian;
 mod road;
 mod scenario;
@@ -17,6 +19,9 @@ use super::source::Span;
 use super::tree::{Node, Rule};
 use crate::scenario::Origin;
 
+pub use criterion::{Cast, relation};
+pub use experiment::{Subjects, search, tune};
+pub use gate::gate;
 pub use pedestrian::DEFAULT_GOAL;
 pub use scenario::{Defaults, SuiteCriteria, defined_road, scenario};
 
@@ -88,6 +93,14 @@ pub fn tags(block: Node) -> Vec<String> {
 
 /// Reports what a suite says twice.
 pub fn reject_suite_repeats(block: Node, report: &mut Vec<Diagnostic>) {
-    const REPEATABLE: &[Rule] = &[Rule::suite_files, Rule::tags, Rule::expect, Rule::scenario];
+    const REPEATABLE: &[Rule] = &[
+        Rule::suite_files,
+        Rule::tags,
+        Rule::expect,
+        Rule::scenario,
+        Rule::search,
+        Rule::tune,
+        Rule::gate,
+    ];
     block::reject_repeats(block, REPEATABLE, report);
 }

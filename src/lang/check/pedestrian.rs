@@ -71,6 +71,9 @@ pub fn pedestrian(
         Some(said) => appears(said, vehicles, report),
         None => Some(DeclaredAppearance::At(Expression::number(0.0))),
     };
+    if let (Some(road), Some(start), Some(goal)) = (road, &start, &goal) {
+        check_way(start, goal, last(layers, Rule::pedestrian_start), road, report)?;
+    }
     Some(Pedestrian {
         name: name.text().to_string(),
         model: model?,
@@ -89,6 +92,31 @@ pub fn pedestrian(
         },
         origin: places.origin(name.span()),
     })
+}
+
+/// The way from start to goal must lead across the road, as far as both are known already.
+fn check_way(
+    start: &Expression,
+    goal: &Expression,
+    said: Option<Said>,
+    road: &Road,
+    report: &mut Vec<Diagnostic>,
+) -> Option<()> {
+    let (Expression::Constant(Value::Number(start)), Expression::Constant(Value::Number(goal)), Some(said)) =
+        (start, goal, said)
+    else {
+        return Some(());
+    };
+    let way = start - road.lane_width / 2.0 + road.lanes.len() as f64 * road.lane_width + goal;
+    if way > 0.0 {
+        return Some(());
+    }
+    report.push(
+        Diagnostic::new(Code::StartBeyondGoal, said.node.span(), "the pedestrian starts beyond its goal")
+            .label(format!("{} m beyond it", -way))
+            .hint("a positive distance from the kerb is away from the road"),
+    );
+    None
 }
 
 /// Two statements that say the same thing in different ways cannot stand together.
@@ -118,7 +146,7 @@ fn registered(said: Said, report: &mut Vec<Diagnostic>) -> Option<&'static regis
     found
 }
 
-fn individuals(
+pub fn individuals(
     said: Said,
     model: Option<&registry::PedestrianModel>,
     places: &Places,

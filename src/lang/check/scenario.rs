@@ -174,6 +174,22 @@ pub fn scenario(
     })
 }
 
+/// The variations of a scenario that was checked before, by name.
+pub fn surroundings(definition: Definition, places: &Places) -> Option<HashMap<String, Binding>> {
+    let mut known = Vec::new();
+    let chain = chain(definition, places, &mut known)?;
+    let scopes = parameter_scopes(&chain, places, &mut known)?;
+    let layers: Vec<Layer> = chain
+        .iter()
+        .zip(&scopes)
+        .filter_map(|(definition, scope)| {
+            let block = places.files.node(*definition).child(Rule::scenario_block)?;
+            Some(Layer { block, scope })
+        })
+        .collect();
+    Some(variation::variations(&layers, &mut known).1)
+}
+
 /// What a scenario builds on, the base first and itself last.
 fn chain(definition: Definition, places: &Places, report: &mut Vec<Diagnostic>) -> Option<Vec<Definition>> {
     let mut chain = vec![definition];

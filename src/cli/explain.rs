@@ -1,0 +1,53 @@
+//! `scenario-runner explain`: what a code means.
+
+use clap::Args;
+
+use super::Exit;
+use crate::lang::Code;
+
+#[derive(Debug, Args)]
+pub struct ExplainArguments {
+    /// Such as E0401; without it, all codes are listed.
+    code: Option<String>,
+}
+
+pub fn explain(arguments: &ExplainArguments) -> Exit {
+    let Some(name) = &arguments.code else {
+        for code in Code::ALL {
+            println!("{}  {}", code.name(), code.title());
+        }
+        return Exit::Success;
+    };
+    match Code::find(name) {
+        Some(code) => {
+            println!("{}: {}\n", code.name(), code.title());
+            for line in wrapped(code.explanation(), 100) {
+                println!("{line}");
+            }
+            Exit::Success
+        }
+        None => {
+            eprintln!("error: there is no code `{name}`");
+            eprintln!("help: `scenario-runner explain` lists them all");
+            Exit::Usage
+        }
+    }
+}
+
+/// The words in lines of at most `width` characters.
+fn wrapped(text: &str, width: usize) -> Vec<String> {
+    let mut lines = vec![String::new()];
+    for word in text.split(' ') {
+        let line = lines.last_mut().filter(|line| line.chars().count() + word.chars().count() < width);
+        match line {
+            Some(line) => {
+                if !line.is_empty() {
+                    line.push(' ');
+                }
+                line.push_str(word);
+            }
+            None => lines.push(word.to_string()),
+        }
+    }
+    lines
+}

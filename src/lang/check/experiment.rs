@@ -1,0 +1,549 @@
+//! `search NAME { … }` and `tune NAME { … }`
+
+use std::collections::HashMap;
+
+use super::Places;
+use super::block::{Layer, Said, missing, reject_repeats};
+use super::criterion::{self, Cast};
+use super::pedestrian::individuals;
+use super::scenario::surroundings;
+use crate::lang::codes::Code;
+use crate::lang::diagnostic::Diagnostic;
+use crate::lang::files::Definition;
+use crate::lang::print;
+use crate::lang::settings::{self, lone_word, repeated};
+use crate::lang::source::Span;
+use crate::lang::tree::{Node, Rule};
+use crate::lang::value::{self, Binding, Kind, Scope, unquote};
+use crate::metrics::MetricKind;
+use crate::scenario::{
+    Aggregate, Budget, CaseSet, Comparison, Declaration, Dimension, Expression, Goal, InitialDesign, Method, Model,
+    Objective, ParameterKind, Part, Range, RangeValues, Relation, Scenario, Search, Target, Tune, Value,
+};
+use crate::{pedestrian, vehicle};
+
+const MOST_EVALUATIONS: u32 = 1_000_000;
+
+/// What searches and tunes of a suite can be about.
+pub struct Subjects<'a> {
+    pub definitions: &'a [Definition],
+    pub scenarios: &'a [Scenario],
+    /// The scenario of every search of the suite.
+    pub searches: &'a HashMap<String, String>,
+}
+
+/// A scenario with what its file says about names.
+struct Subject<'a> {
+    scenario: &'a Scenario,
+    varied: HashMap<String, Binding>,
+}
+
+impl<'a> Subjects<'a> {
+    /// The scenario of that name, which must have no errors of its own.
+    fn find(
+        &self,
+        name: Node,
+        text: &str,
+        places: &Places,
+        report: &mut Vec<Diagnostic>,
+    ) -> Option<Subject<'a>> {
+        let defined = self.definitions.iter().find(|definition| {
+            places.files.node(**definition).child(Rule::name).is_some_and(|known| known.text() == text)
+        });
+        let Some(definition) = defined else {
+            let known = self
+                .definitions
+                .iter()
+                .filter_map(|definition| places.files.node(*definition).child(Rule::name).map(Node::text))
+                .chain(self.searches.keys().map(String::as_str).filter(|_| name.rule() == Rule::tune_on));
+            report.push(
+                Diagnostic::new(Code::UnknownScenario, name.span(), format!("there is no scenario `{text}` here"))
+                    .label("not in this suite")
+                    .suggest(text, known),
+            );
+            return None;
+        };
+        let scenario = self.scenarios.iter().find(|scenario| scenario.name == text)?;
+        Some(Subject { scenario, varied: surroundings(*definition, places)? })
+    }
+}
+
+impl Subject<'_> {
+    fn cast(&self) -> Cast<'_> {
+        Cast {
+            vehicles: self.scenario.vehicles.iter().map(|vehicle| vehicle.name.as_str()).collect(),
+            pedestrians: self.scenario.pedestrians.iter().map(|person| person.name.as_str()).collect(),
+        }
+    }
+}
+
+/// The search at `node`.
+pub fn search(
+    node: Node,
+    subjects: &Subjects,
+    scope: &Scope,
+    places: &Places,
+    report: &mut Vec<Diagnostic>,
+) -> Option<Search> {
+    let name = node.child(Rule::name)?;
+    let block = node.child(Rule::search_block)?;
+    reject_repeats(block, &[Rule::over], report);
+    let layers = [Layer { block, scope }];
+    let what = format!("search `{}`", name.text());
+    let Some(wanted) = block.child(Rule::search_in).and_then(|node| node.child(Rule::name)) else {
+        missing(&layers, name.span(), &what, "scenario", "in SCENARIO", report);
+        return None;
+    };
+    let subject = subjects.find(wanted, wanted.text(), places, report)?;
+    let cast = subject.cast();
+    let people = block
+        .children()
+        .find(|child| matches!(child.rule(), Rule::individuals | Rule::individual))
+        .map(|node| individuals(Said { node, scope }, able_model(&subject), places, report));
+    let objective = match block.child(Rule::objective) {
+        Some(node) => objective(node, &cast, scope, report),
+        None => {
+            missing(&layers, name.span(), &what, "objective", "minimise pet", report);
+            None
+        }
+    };
+    let over = ranges(block, name, &what, &subject, scope, places, report);
+    let budget = budget(block, name, &what, scope, report);
+    let runs = match block.child(Rule::repeat).and_then(|node| node.child(Rule::integer)) {
+        Some(node) => super::count(node, 1, 100_000, "the number of runs per evaluation", report),
+        None => Some(1),
+    };
+    let keep = block.child(Rule::keep).map(|node| constant_comparison(node, &cast, scope, report));
+    Some(Search {
+        name: name.text().to_string(),
+        doc: super::doc(block),
+        scenario: subject.scenario.name.clone(),
+        individuals: match people {
+            Some(people) => Some(people?),
+            None => None,
+        },
+        together: block.has(Rule::together),
+        objective: objective?,
+        over: over?,
+        budget: budget?,
+        runs: runs?,
+        keep: match keep {
+            Some(keep) => Some(keep?),
+            None => None,
+        },
+        origin: places.origin(name.span()),
+    })
+}
+
+/// The tune at `node`.
+pub fn tune(
+    node: Node,
+    subjects: &Subjects,
+    scope: &Scope,
+    places: &Places,
+    report: &mut Vec<Diagnostic>,
+) -> Option<Tune> {
+    let name = node.child(Rule::name)?;
+    let block = node.child(Rule::tune_block)?;
+    reject_repeats(block, &[Rule::over, Rule::objective, Rule::constraints], report);
+    let layers = [Layer { block, scope }];
+    let what = format!("tune `{}`", name.text());
+    let Some(on) = block.child(Rule::tune_on) else {
+        missing(&layers, name.span(), &what, "cases", "on SCENARIO", report);
+        return None;
+    };
+    let (case_set, subject) = case_set(on, subjects, places, report)?;
+    let cast = subject.cast();
+    let objectives: Vec<_> =
+        block.all(Rule::objective).map(|node| (node.span(), objective(node, &cast, scope, report))).collect();
+    match objectives.as_slice() {
+        [] => missing(&layers, name.span(), &what, "objective", "minimise mean(time_lost)", report),
+        [_, _, more, ..] => report.push(
+            Diagnostic::new(Code::BadObjective, more.0, "a tune has at most two objectives")
+                .label("one too many")
+                .hint("turn one of them into a constraint: `subject to …`"),
+        ),
+        _ => {}
+    }
+    let constraints: Vec<_> = block
+        .all(Rule::constraints)
+        .flat_map(|node| node.all(Rule::constraint))
+        .map(|node| constant_comparison(node, &cast, scope, report))
+        .collect();
+    let over = ranges(block, name, &what, &subject, scope, places, report);
+    let budget = budget(block, name, &what, scope, report);
+    Some(Tune {
+        name: name.text().to_string(),
+        doc: super::doc(block),
+        on: case_set,
+        over: over?,
+        objectives: objectives.into_iter().map(|(_, objective)| objective).collect::<Option<_>>()?,
+        constraints: constraints.into_iter().collect::<Option<_>>()?,
+        budget: budget?,
+        early_stop: block.has(Rule::stop_early),
+        compare_with_default: block.has(Rule::compare),
+        origin: places.origin(name.span()),
+    })
+}
+
+fn case_set<'a>(
+    node: Node,
+    subjects: &Subjects<'a>,
+    places: &Places,
+    report: &mut Vec<Diagnostic>,
+) -> Option<(CaseSet, Subject<'a>)> {
+    if let Some(path) = node.child(Rule::string) {
+        let saved = places.beside(path.span(), &unquote(path.text()));
+        // Which scenario a saved set is of is known only when it is read; what it may name is that of the first.
+        let first = subjects.definitions.first().map(|definition| places.files.node(*definition));
+        let name = first.and_then(|first| first.child(Rule::name))?;
+        return Some((CaseSet::Saved(saved), subjects.find(node, name.text(), places, report)?));
+    }
+    let name = node.child(Rule::name)?;
+    if let Some(count) = node.child(Rule::integer) {
+        let count = super::count(count, 1, 1_000_000, "the number of cases", report);
+        let subject = subjects.find(name, name.text(), places, report)?;
+        return Some((CaseSet::Sample { scenario: name.text().to_string(), count: count? }, subject));
+    }
+    if let Some(scenario) = subjects.searches.get(name.text()) {
+        return Some((CaseSet::Search(name.text().to_string()), subjects.find(name, scenario, places, report)?));
+    }
+    let subject = subjects.find(name, name.text(), places, report)?;
+    Some((CaseSet::Scenario(name.text().to_string()), subject))
+}
+
+fn able_model(subject: &Subject) -> Option<&'static pedestrian::PedestrianModel> {
+    let models = subject.scenario.pedestrians.iter().filter_map(|person| pedestrian::model(&person.model.name));
+    models.max_by_key(|model| model.takes_individuals)
+}
+
+/// A comparison whose bound is the same for all runs.
+fn constant_comparison(
+    node: Node,
+    cast: &Cast,
+    scope: &Scope,
+    report: &mut Vec<Diagnostic>,
+) -> Option<Comparison> {
+    let condition = node.child(Rule::condition)?;
+    let comparison = criterion::comparison(condition, criterion::undefined(node), cast, scope, report)?;
+    match &comparison.bound {
+        Expression::Constant(_) => Some(comparison),
+        varying => value::not_constant(condition.span(), varying, "the bound of this comparison", report),
+    }
+}
+
+fn objective(node: Node, cast: &Cast, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<Objective> {
+    let (direction, word) = match node.has(Rule::kw_minimise) {
+        true => (Goal::Minimise, "minimise"),
+        false => (Goal::Maximise, "maximise"),
+    };
+    let (aggregate, text) = match node.child(Rule::metric) {
+        None => {
+            let (aggregate, ..) = criterion::aggregate(node, cast, scope, report)?;
+            let of = node.children().find(|child| matches!(child.rule(), Rule::rate | Rule::quantile | Rule::statistic));
+            (aggregate, of.map_or(String::new(), criterion::aggregate_text))
+        }
+        Some(metric) => {
+            let (reference, found) = criterion::metric_reference(metric, cast, scope, report)?;
+            let text = criterion::metric_text(metric);
+            match found.kind {
+                MetricKind::Quantity(_) => (Aggregate::Mean(reference), format!("mean({text})")),
+                MetricKind::Flag => {
+                    let comparison = Comparison {
+                        metric: reference,
+                        relation: Relation::Equal,
+                        bound: Expression::number(1.0),
+                        when_undefined: Default::default(),
+                    };
+                    (Aggregate::Rate(comparison), format!("rate({text})"))
+                }
+                MetricKind::Category(_) => {
+                    report.push(
+                        Diagnostic::new(
+                            Code::BadObjective,
+                            metric.span(),
+                            format!("`{text}` is {}, which cannot be small or large", criterion::kind_name(found)),
+                        )
+                        .label("not a quantity")
+                        .hint(format!("take a rate: `{word} rate({text} = …)`")),
+                    );
+                    return None;
+                }
+            }
+        }
+    };
+    Some(Objective { direction, aggregate, text: format!("{word} {text}") })
+}
+
+fn budget(
+    block: Node,
+    name: Node,
+    what: &str,
+    scope: &Scope,
+    report: &mut Vec<Diagnostic>,
+) -> Option<Budget> {
+    let Some(node) = block.child(Rule::budget) else {
+        let example = "budget 60 evaluations, 15 random first";
+        missing(&[Layer { block, scope }], name.span(), what, "budget", example, report);
+        return None;
+    };
+    reject_repeats(node, &[], report);
+    let evaluations =
+        super::count(node.child(Rule::integer)?, 1, MOST_EVALUATIONS, "the number of evaluations", report)?;
+    let (initial, initial_design) = match node.child(Rule::initial) {
+        Some(first) => {
+            let count = super::count(first.child(Rule::integer)?, 1, MOST_EVALUATIONS, "the first evaluations", report)?;
+            if count > evaluations {
+                report.push(
+                    Diagnostic::new(
+                        Code::BadBudget,
+                        first.span(),
+                        format!("{count} evaluations come first, but there are only {evaluations} in all"),
+                    )
+                    .label("more than all")
+                    .hint("the first ones are part of all evaluations"),
+                );
+                return None;
+            }
+            let random = first.has(Rule::kw_random);
+            (count, if random { InitialDesign::Random } else { InitialDesign::Stratified })
+        }
+        None => ((evaluations / 4).max(1), InitialDesign::Stratified),
+    };
+    let method = match node.child(Rule::method) {
+        None => Method::Bayesian,
+        Some(method) if method.has(Rule::kw_gp_minimize_like) => Method::GpMinimizeLike,
+        Some(method) if method.has(Rule::kw_random) => Method::Random,
+        Some(method) if method.has(Rule::kw_latin_hypercube) => Method::LatinHypercube,
+        Some(method) if method.has(Rule::kw_sobol) => Method::Sobol,
+        Some(method) if method.has(Rule::kw_grid) => Method::Grid,
+        Some(_) => Method::Bayesian,
+    };
+    let batch = match node.child(Rule::batch).and_then(|batch| batch.child(Rule::integer)) {
+        Some(batch) => super::count(batch, 1, 1000, "the evaluations at once", report)?,
+        None => 1,
+    };
+    Some(Budget { evaluations, initial, initial_design, method, batch })
+}
+
+fn ranges(
+    block: Node,
+    name: Node,
+    what: &str,
+    subject: &Subject,
+    scope: &Scope,
+    places: &Places,
+    report: &mut Vec<Diagnostic>,
+) -> Option<Vec<Range>> {
+    let nodes: Vec<Node> = block.all(Rule::over).flat_map(|over| over.all(Rule::over_range)).collect();
+    if nodes.is_empty() {
+        missing(&[Layer { block, scope }], name.span(), what, "range", "over tta in 6 s .. 18 s", report);
+        return None;
+    }
+    let mut said: HashMap<String, Span> = HashMap::new();
+    for target in nodes.iter().filter_map(|node| node.child(Rule::target)) {
+        if let Some(first) = said.insert(target.text().to_string(), target.span()) {
+            report.push(repeated(target.text(), target.span(), first));
+        }
+    }
+    let ranges: Vec<_> = nodes.into_iter().map(|node| range(node, subject, scope, places, report)).collect();
+    ranges.into_iter().collect()
+}
+
+/// What a target takes: anything of a kind, or what a parameter declares.
+enum Takes {
+    Kind(Kind),
+    Parameter(Declaration, &'static str),
+}
+
+fn range(
+    node: Node,
+    subject: &Subject,
+    scope: &Scope,
+    places: &Places,
+    report: &mut Vec<Diagnostic>,
+) -> Option<Range> {
+    let target_node = node.child(Rule::target)?;
+    let (target, takes) = target(target_node, subject, report)?;
+    let what = format!("`{target}`");
+    let (kind, whole, limits, options) = match takes {
+        Takes::Kind(kind) => (kind, false, (f64::NEG_INFINITY, f64::INFINITY), None),
+        Takes::Parameter(declaration, name) => match declaration.parameter(name).map(|found| found.kind) {
+            Some(ParameterKind::Number { dimension, range, .. }) => (Kind::Number(dimension), false, range, None),
+            Some(ParameterKind::Whole { range: (low, high), .. }) => {
+                (Kind::Number(Dimension::NUMBER), true, (low as f64, high as f64), None)
+            }
+            Some(ParameterKind::Choice { options, .. }) => {
+                let names = options.iter().map(|option| option.name).collect();
+                (Kind::Word, false, (0.0, 0.0), Some(names))
+            }
+            Some(ParameterKind::Text { .. }) => (Kind::Word, false, (0.0, 0.0), None),
+            Some(ParameterKind::Flag { .. }) => (Kind::Flag, false, (0.0, 0.0), None),
+            None => {
+                let names: Option<Vec<_>> =
+                    declaration.presets.map(|family| family.presets.iter().map(|preset| preset.name).collect());
+                (Kind::Word, false, (0.0, 0.0), names)
+            }
+        },
+    };
+    let (values, unit) = match (kind, node.child(Rule::list)) {
+        (Kind::Number(dimension), None) => {
+            let mut bounds = node.all(Rule::expression);
+            let mut bound = || value::constant_in(bounds.next()?, dimension, limits, &what, scope, report);
+            let (low, high) = (bound(), bound());
+            let (low, high) = (low?, high?);
+            (interval(node, low, high, whole, report)?, dimension.si_unit())
+        }
+        (Kind::Word, Some(list)) => (RangeValues::Words(words(list, &what, options, scope, report)?), String::new()),
+        (kind, _) => {
+            let (message, hint) = match kind {
+                Kind::Number(_) => ("numbers are searched between two bounds", "write `LOW .. HIGH`"),
+                Kind::Word => ("words are searched from a list", "write `[one, another]`"),
+                Kind::Flag => ("`true` and `false` cannot be searched", "run both as a variation"),
+            };
+            report.push(
+                Diagnostic::new(Code::BadRange, node.span(), format!("{what}: {message}"))
+                    .label(format!("takes {}", kind.name()))
+                    .hint(hint),
+            );
+            return None;
+        }
+    };
+    Some(Range { target, values, unit, origin: places.origin(node.span()) })
+}
+
+fn interval(node: Node, low: f64, high: f64, whole: bool, report: &mut Vec<Diagnostic>) -> Option<RangeValues> {
+    let logarithmic = node.has(Rule::kw_logarithmic);
+    let fault = if low >= high {
+        Some(("the first bound is not below the second", "write the smaller one first"))
+    } else if logarithmic && low <= 0.0 {
+        Some(("a logarithmic range begins above zero", "begin with a positive value"))
+    } else if whole && (low.fract() != 0.0 || high.fract() != 0.0) {
+        Some(("this parameter takes whole numbers", "write whole bounds"))
+    } else {
+        None
+    };
+    if let Some((message, hint)) = fault {
+        report.push(Diagnostic::new(Code::BadRange, node.span(), message).label("cannot be searched").hint(hint));
+        return None;
+    }
+    Some(match (whole, logarithmic) {
+        (true, _) => RangeValues::Whole { low: low as i64, high: high as i64 },
+        (_, true) => RangeValues::Logarithmic { low, high },
+        _ => RangeValues::Real { low, high },
+    })
+}
+
+fn words(
+    list: Node,
+    what: &str,
+    options: Option<Vec<&str>>,
+    scope: &Scope,
+    report: &mut Vec<Diagnostic>,
+) -> Option<Vec<String>> {
+    let mut words = Vec::new();
+    for node in list.all(Rule::expression) {
+        let word = match (&options, lone_word(node)) {
+            (Some(options), _) => match settings::choice(node, what, options, scope, report)? {
+                Expression::Constant(Value::Word(word)) => word,
+                varying => return value::not_constant(node.span(), &varying, what, report),
+            },
+            (None, Some(word)) => word.to_string(),
+            (None, None) => print::expression(node).trim_matches('"').to_string(),
+        };
+        words.push(word);
+    }
+    if words.len() < 2 {
+        report.push(
+            Diagnostic::new(Code::BadRange, list.span(), "there is nothing to choose from")
+                .label("fewer than two words")
+                .hint("list at least two"),
+        );
+        return None;
+    }
+    Some(words)
+}
+
+fn target(node: Node, subject: &Subject, report: &mut Vec<Diagnostic>) -> Option<(Target, Takes)> {
+    let name = node.child(Rule::name)?;
+    let scenario = subject.scenario;
+    let Some(parameter) = node.child(Rule::setting_name) else {
+        let kind = subject.varied.get(name.text()).map(|binding| binding.value.as_ref().map(|value| value.kind));
+        let Some(kind) = kind else {
+            report.push(
+                Diagnostic::new(
+                    Code::BadTarget,
+                    name.span(),
+                    format!("scenario `{}` does not vary `{}`", scenario.name, name.text()),
+                )
+                .label("not varied")
+                .suggest(name.text(), subject.varied.keys().map(String::as_str)),
+            );
+            return None;
+        };
+        return Some((Target::Variation(name.text().to_string()), Takes::Kind(kind?)));
+    };
+    let part = match (node.has(Rule::kw_controller), node.has(Rule::kw_dynamics), node.has(Rule::kw_sees)) {
+        (true, ..) => Part::Controller,
+        (_, true, _) => Part::Dynamics,
+        (.., true) => Part::Sees,
+        _ => Part::Model,
+    };
+    let Some(declaration) = declaration(scenario, name.text(), part) else {
+        let users = scenario.vehicles.iter().map(|vehicle| vehicle.name.as_str());
+        let everybody: Vec<_> = users.chain(scenario.pedestrians.iter().map(|person| person.name.as_str())).collect();
+        let known = everybody.contains(&name.text());
+        let diagnostic = Diagnostic::new(
+            Code::BadTarget,
+            node.span(),
+            format!("there is no `{}` in scenario `{}`", node.text(), scenario.name),
+        )
+        .label(if known { "has no such part" } else { "nobody of this name" });
+        report.push(if known {
+            diagnostic.hint("vehicles have `controller`, `dynamics` and `sees`, pedestrians `model`")
+        } else {
+            diagnostic.suggest(name.text(), everybody)
+        });
+        return None;
+    };
+    let presets = declaration.presets.map(|family| family.word);
+    let names = declaration.parameters.iter().map(|found| found.name).chain(presets);
+    let Some(found) = names.clone().find(|known| *known == parameter.text()) else {
+        report.push(
+            Diagnostic::new(
+                Code::UnknownParameter,
+                parameter.span(),
+                format!("`{}` has no parameter `{}`", declaration.name, parameter.text()),
+            )
+            .label("unknown parameter")
+            .suggest(parameter.text(), names),
+        );
+        return None;
+    };
+    let target = Target::Setting {
+        road_user: name.text().to_string(),
+        part,
+        parameter: parameter.text().to_string(),
+    };
+    Some((target, Takes::Parameter(declaration, found)))
+}
+
+/// What the part of a road user declares.
+fn declaration(scenario: &Scenario, user: &str, part: Part) -> Option<Declaration> {
+    let car = scenario.vehicles.iter().find(|vehicle| vehicle.name == user);
+    let controller = |car: &crate::scenario::Vehicle| vehicle::controller(&car.controller.name);
+    match part {
+        Part::Controller => controller(car?).map(|found| found.declaration),
+        Part::Dynamics => {
+            let car = car?;
+            let declared: Option<&Model> = car.dynamics.as_ref();
+            let name = declared.map_or(controller(car)?.default_dynamics, |model| model.name.as_str());
+            vehicle::dynamics(name).map(|found| found.declaration)
+        }
+        Part::Sees => car.map(|_| vehicle::PERCEPTION),
+        Part::Model => {
+            let person = scenario.pedestrians.iter().find(|person| person.name == user)?;
+            pedestrian::model(&person.model.name).map(|found| found.declaration)
+        }
+    }
+}

@@ -1,0 +1,107 @@
+//! `gate NAME { … }`
+
+use super::Places;
+use super::block::{Layer, missing, reject_repeats};
+use super::criterion::{self, Cast};
+use crate::lang::codes::Code;
+use crate::lang::diagnostic::Diagnostic;
+use crate::lang::print;
+use crate::lang::tree::{Node, Rule};
+use crate::lang::value::{self, Kind, Scope, unquote};
+use crate::metrics::MetricKind;
+use crate::scenario::{Dimension, Gate, GateRule, Tolerance};
+
+/// What a rule promises that does not say how sure it wants to be.
+pub const DEFAULT_CONFIDENCE: f64 = 0.95;
+
+/// The gate at `node`; its metrics may name the road users of `cast`.
+pub fn gate(
+    node: Node,
+    cast: &Cast,
+    scope: &Scope,
+    places: &Places,
+    report: &mut Vec<Diagnostic>,
+) -> Option<Gate> {
+    let name = node.child(Rule::name)?;
+    let block = node.child(Rule::gate_block)?;
+    reject_repeats(block, &[Rule::gate_rule], report);
+    let baseline = block.child(Rule::baseline).and_then(|baseline| baseline.child(Rule::string));
+    if baseline.is_none() {
+        let what = format!("gate `{}`", name.text());
+        missing(&[Layer { block, scope }], name.span(), &what, "baseline", "baseline \"zebra.json\"", report);
+    }
+    let nodes: Vec<Node> = block.all(Rule::gate_rule).collect();
+    if nodes.is_empty() && !block.has(Rule::bad) {
+        report.push(
+            Diagnostic::new(Code::BadGate, name.span(), format!("gate `{}` forbids nothing", name.text()))
+                .label("compares nothing")
+                .hint("say `no metric worse by more than 5 % with 95 % confidence`"),
+        );
+        return None;
+    }
+    let rules: Vec<_> = nodes.into_iter().map(|node| rule(node, cast, scope, places, report)).collect();
+    Some(Gate {
+        name: name.text().to_string(),
+        doc: super::doc(block),
+        baseline: baseline.map(|string| places.beside(string.span(), &unquote(string.text())))?,
+        rules: rules.into_iter().collect::<Option<_>>()?,
+        origin: places.origin(name.span()),
+    })
+}
+
+fn rule(
+    node: Node,
+    cast: &Cast,
+    scope: &Scope,
+    places: &Places,
+    report: &mut Vec<Diagnostic>,
+) -> Option<GateRule> {
+    let metric = match node.child(Rule::metric) {
+        Some(metric) => Some(criterion::metric_reference(metric, cast, scope, report)?),
+        None => None,
+    };
+    let bound = node.child(Rule::gate_tolerance).and_then(|tolerance| tolerance.child(Rule::expression));
+    let tolerance = match bound {
+        None => Tolerance::Relative(0.0),
+        Some(bound) => tolerance(bound, metric.as_ref().map(|(_, found)| found.kind), scope, report)?,
+    };
+    let said = node.child(Rule::confidence).and_then(|confidence| confidence.child(Rule::expression));
+    let confidence = match said {
+        Some(said) => criterion::share(said, "the confidence", true, scope, report)?,
+        None => DEFAULT_CONFIDENCE,
+    };
+    let mut text = match node.child(Rule::metric) {
+        Some(metric) => format!("{} not worse", criterion::metric_text(metric)),
+        None => "no metric worse".to_string(),
+    };
+    if let Some(bound) = bound {
+        text += &format!(" by more than {}", print::expression(bound));
+    }
+    if let Some(said) = said {
+        text += &format!(" with {} confidence", print::expression(said));
+    }
+    let metric = metric.map(|(reference, _)| reference);
+    Some(GateRule { metric, tolerance, confidence, text, origin: places.origin(node.span()) })
+}
+
+/// In percent it is relative; in the metric's own unit absolute.
+fn tolerance(
+    node: Node,
+    metric: Option<MetricKind>,
+    scope: &Scope,
+    report: &mut Vec<Diagnostic>,
+) -> Option<Tolerance> {
+    let found = value::evaluate(node, scope, report)?;
+    let what = "how much worse a metric may be";
+    let dimension = match (metric, found.kind) {
+        (Some(MetricKind::Quantity(dimension)), Kind::Number(found)) if found == dimension => dimension,
+        _ => Dimension::NUMBER,
+    };
+    let is_percentage = node.children().any(|part| part.child(Rule::unit).is_some_and(|unit| unit.text() == "%"));
+    let number = value::constant_in(node, dimension, (0.0, f64::MAX), what, scope, report)?;
+    Some(if dimension == Dimension::NUMBER && (is_percentage || metric.is_none()) {
+        Tolerance::Relative(number)
+    } else {
+        Tolerance::Absolute(number)
+    })
+}

@@ -1,0 +1,395 @@
+//! The one style of scenario files. Comments stay, and formatting twice changes nothing.
+//!
+//! A block that is written in one line stays in one line; every other statement gets a line of its own, indented by
+//! two spaces a level. Line breaks inside brackets stay where they are.
+
+use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
+
+use super::check::relation;
+use super::diagnostic::Diagnostic;
+use super::lexer::TokenKind;
+use super::source::SourceId;
+use super::tree::{Rule, Tree};
+
+const INDENT: &str = "  ";
+
+/// The text in the one style, or why it does not parse.
+pub fn format(source: SourceId, text: &str) -> Result<String, Vec<Diagnostic>> {
+    let (tree, diagnostics) = Tree::parse(source, Arc::from(text));
+    if diagnostics.is_empty() { Ok(format_tree(&tree)) } else { Err(diagnostics) }
+}
+
+/// Something that is printed without anything inside it being touched.
+struct Atom {
+    text: String,
+    kind: AtomKind,
+    /// Line ends in the source between the one before and this.
+    newlines: usize,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum AtomKind {
+    Word,
+    Negation,
+    Comment,
+    /// `{`; written in one line up to its partner, and whether it holds settings.
+    OpenBrace {
+        inline: bool,
+        settings: bool,
+    },
+    CloseBrace,
+    /// `(` or `[`; of a group, which is no call.
+    OpenBracket {
+        group: bool,
+    },
+    CloseBracket,
+    Comma,
+    Semicolon,
+    Colon,
+    Dot,
+    DotDot,
+}
+
+fn is_leaf(rule: Rule) -> bool {
+    use Rule::{
+        boolean, distribution_name, integer, name, negation, number, operator, reference, setting_name, string, tag, unit,
+    };
+    matches!(
+        rule,
+        boolean | distribution_name | integer | name | negation | number | operator | reference | setting_name | string | tag | unit
+    ) || rule == Rule::relation
+        || format!("{rule:?}").starts_with("kw_")
+}
+
+fn atoms(tree: &Tree) -> Vec<Atom> {
+    let text = tree.text();
+    let mut leaves: HashMap<usize, (usize, Rule, String)> = HashMap::new();
+    let mut settings: HashSet<usize> = HashSet::new();
+    let mut groups: HashSet<usize> = HashSet::new();
+    for node in tree.nodes() {
+        let span = node.span();
+        match node.rule() {
+            Rule::settings => _ = settings.insert(span.start),
+            Rule::group => _ = groups.insert(span.start),
+            Rule::relation => {
+                let symbol = relation(node).symbol().to_string();
+                leaves.insert(span.start, (span.end, Rule::relation, symbol));
+            }
+            rule if is_leaf(rule) => {
+                leaves.entry(span.start).or_insert_with(|| (span.end, rule, node.text().to_string()));
+            }
+            _ => {}
+        }
+    }
+    let mut atoms = Vec::new();
+    let mut newlines = 0;
+    let mut skip_to = 0;
+    for (index, token) in tree.tokens().iter().enumerate() {
+        if token.start < skip_to {
+            continue;
+        }
+        if let Some((end, rule, text)) = leaves.get(&token.start) {
+            let kind = if *rule == Rule::negation { AtomKind::Negation } else { AtomKind::Word };
+            atoms.push(Atom { text: text.clone(), kind, newlines: std::mem::take(&mut newlines) });
+            skip_to = *end;
+            continue;
+        }
+        let written = &text[token.start..token.end];
+        let kind = match (token.kind, written) {
+            (TokenKind::Space, _) => continue,
+            (TokenKind::Newline, _) => {
+                newlines += 1;
+                continue;
+            }
+            (TokenKind::Comment, _) => AtomKind::Comment,
+            (_, "{") => AtomKind::OpenBrace {
+                inline: is_inline(tree, index),
+                settings: settings.contains(&token.start),
+            },
+            (_, "}") => AtomKind::CloseBrace,
+            (_, "(" | "[") => AtomKind::OpenBracket { group: written == "[" || groups.contains(&token.start) },
+            (_, ")" | "]") => AtomKind::CloseBracket,
+            (_, ",") => AtomKind::Comma,
+            (_, ";") => AtomKind::Semicolon,
+            (_, ":") => AtomKind::Colon,
+            (_, ".") if text[token.end..].starts_with('.') => {
+                skip_to = token.end + 1;
+                AtomKind::DotDot
+            }
+            (_, ".") => AtomKind::Dot,
+            _ => AtomKind::Word,
+        };
+        let text = if kind == AtomKind::DotDot { ".." } else { written.trim_end() };
+        atoms.push(Atom { text: text.to_string(), kind, newlines: std::mem::take(&mut newlines) });
+    }
+    atoms
+}
+
+/// Whether the bracket that opens at a token closes in the same line.
+fn is_inline(tree: &Tree, open: usize) -> bool {
+    let mut depth = 0;
+    for token in &tree.tokens()[open..] {
+        match token.kind {
+            TokenKind::Open => depth += 1,
+            TokenKind::Close => depth -= 1,
+            TokenKind::Newline => return false,
+            _ => {}
+        }
+        if depth == 0 {
+            return true;
+        }
+    }
+    false
+}
+
+/// What is open around a place.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Frame {
+    Block { settings: bool },
+    Inline { settings: bool },
+    Bracket,
+}
+
+struct Printer {
+    out: String,
+    frames: Vec<Frame>,
+    /// Whether something is in the current line already.
+    in_line: bool,
+    before: Option<AtomKind>,
+    /// A separator that is printed only if another statement follows in the line.
+    pending: Option<&'static str>,
+}
+
+fn format_tree(tree: &Tree) -> String {
+    let mut printer =
+        Printer { out: String::with_capacity(tree.text().len()), frames: Vec::new(), in_line: false, before: None, pending: None };
+    for atom in atoms(tree) {
+        printer.print(&atom);
+    }
+    if printer.in_line {
+        printer.out.push('\n');
+    }
+    printer.out
+}
+
+impl Printer {
+    fn print(&mut self, atom: &Atom) {
+        let frame = self.frames.last().copied().unwrap_or(Frame::Block { settings: false });
+        match (atom.kind, frame) {
+            (AtomKind::Comment, _) => return self.comment(atom),
+            (AtomKind::Semicolon, Frame::Block { .. }) => return self.separate(""),
+            (AtomKind::Comma, Frame::Block { settings: true }) => return self.separate(""),
+            (AtomKind::Semicolon, Frame::Inline { settings: false }) => return self.separate(";"),
+            (AtomKind::Semicolon | AtomKind::Comma, Frame::Inline { settings: true }) => return self.separate(","),
+            _ => {}
+        }
+        if atom.kind == AtomKind::CloseBrace {
+            return self.close_brace(frame);
+        }
+        self.begin(atom, frame);
+        if atom.kind == AtomKind::CloseBracket {
+            self.frames.pop();
+        }
+        self.out.push_str(&atom.text);
+        self.in_line = true;
+        self.before = Some(atom.kind);
+        match atom.kind {
+            AtomKind::OpenBrace { inline, settings } => {
+                self.frames.push(if inline { Frame::Inline { settings } } else { Frame::Block { settings } });
+            }
+            AtomKind::OpenBracket { .. } => self.frames.push(Frame::Bracket),
+            _ => {}
+        }
+    }
+
+    /// Line ends, indentation or space before an atom.
+    fn begin(&mut self, atom: &Atom, frame: Frame) {
+        if let Some(separator) = self.pending.take() {
+            self.out.push_str(separator);
+            if separator.is_empty() {
+                self.end_line();
+            }
+        } else if self.in_line && matches!(frame, Frame::Block { .. }) {
+            let after_open = matches!(self.before, Some(AtomKind::OpenBrace { .. }));
+            let continues = self.before == Some(AtomKind::Comma);
+            if after_open {
+                self.end_line();
+            } else if atom.newlines > 0 {
+                self.end_line();
+                if continues {
+                    self.out.push_str(INDENT);
+                }
+            }
+        } else if self.in_line && frame == Frame::Bracket && atom.newlines > 0 {
+            self.end_line();
+        }
+        if !self.in_line {
+            if atom.newlines > 1 && !matches!(self.before, None | Some(AtomKind::OpenBrace { .. })) && frame != Frame::Bracket {
+                self.out.push('\n');
+            }
+            self.indent(atom);
+        } else if self.spaced(atom, frame) {
+            self.out.push(' ');
+        }
+    }
+
+    fn indent(&mut self, atom: &Atom) {
+        let closes = usize::from(atom.kind == AtomKind::CloseBracket);
+        let depth = self.frames.iter().filter(|frame| !matches!(frame, Frame::Inline { .. })).count() - closes;
+        if self.out.ends_with('\n') || self.out.is_empty() {
+            for _ in 0..depth {
+                self.out.push_str(INDENT);
+            }
+        } else {
+            // After the extra indentation of a continued line.
+            let extra = INDENT.repeat(depth);
+            self.out.push_str(&extra);
+        }
+    }
+
+    fn end_line(&mut self) {
+        self.out.push('\n');
+        self.in_line = false;
+    }
+
+    fn separate(&mut self, separator: &'static str) {
+        if self.in_line && !matches!(self.before, Some(AtomKind::OpenBrace { .. })) {
+            self.pending = Some(separator);
+        }
+    }
+
+    fn close_brace(&mut self, frame: Frame) {
+        self.pending = None;
+        let empty = matches!(self.before, Some(AtomKind::OpenBrace { .. })) && self.in_line;
+        self.frames.pop();
+        match frame {
+            Frame::Inline { .. } => self.out.push_str(" }"),
+            _ if empty => self.out.push_str(" }"),
+            _ => {
+                if self.in_line {
+                    self.end_line();
+                }
+                let depth = self.frames.iter().filter(|frame| !matches!(frame, Frame::Inline { .. })).count();
+                self.out.push_str(&INDENT.repeat(depth));
+                self.out.push('}');
+            }
+        }
+        self.in_line = true;
+        self.before = Some(AtomKind::CloseBrace);
+    }
+
+    /// A comment ends its line; one that began a line keeps a line of its own.
+    fn comment(&mut self, atom: &Atom) {
+        let trailing = atom.newlines == 0 && self.in_line;
+        match self.pending.take() {
+            Some(separator) if !separator.is_empty() && self.frames.last() == Some(&Frame::Bracket) => {
+                self.out.push_str(separator);
+            }
+            _ => {}
+        }
+        if trailing {
+            self.out.push_str("  ");
+        } else {
+            if self.in_line {
+                self.end_line();
+            }
+            if atom.newlines > 1 && !matches!(self.before, None | Some(AtomKind::OpenBrace { .. })) {
+                self.out.push('\n');
+            }
+            let depth = self.frames.iter().filter(|frame| !matches!(frame, Frame::Inline { .. })).count();
+            self.out.push_str(&INDENT.repeat(depth));
+        }
+        self.out.push_str(&atom.text);
+        self.end_line();
+        if self.before.is_none() || matches!(self.before, Some(AtomKind::OpenBrace { .. })) {
+            // Blank lines after it count again.
+            self.before = Some(AtomKind::Comment);
+        }
+    }
+
+    fn spaced(&self, atom: &Atom, frame: Frame) -> bool {
+        let Some(before) = self.before else { return false };
+        if matches!(before, AtomKind::Negation | AtomKind::Dot | AtomKind::OpenBracket { .. }) {
+            return false;
+        }
+        match atom.kind {
+            AtomKind::Comma | AtomKind::Semicolon | AtomKind::CloseBracket | AtomKind::Dot => false,
+            AtomKind::OpenBracket { group } => group,
+            // `scenario a : base`, but `name: value`.
+            AtomKind::Colon => {
+                matches!(frame, Frame::Block { settings: false } | Frame::Inline { settings: false })
+            }
+            _ => true,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Sources;
+    use super::*;
+
+    fn formatted(text: &str) -> String {
+        format(Sources::default().add("test.scn", ""), text).unwrap()
+    }
+
+    #[test]
+    fn there_is_one_style() {
+        let untidy = "# first\n\n\nuse   \"a.scn\";let x=-( 1+2 )*3km/h   # why\nscenario a:base( t : 2s ){\n\n\n \
+                      vehicle av{controller c{profile:normal,gap:5m};speed 30km/h}\n# own line\n   expect\t{\n\
+                      no collision;pet>=1.5s in 80% of runs\n\n\n\nrate( max_deceleration≥2m/s^2 )<20%\n\n}\n vary t in[1s,2 s,\n\
+                      3s]\n  vary u in 1s..3s step 1s\n controller { a: 1\n b : 2, c:3 }\n} \n\n\n";
+        // `controller` is no statement of a scenario, so that line goes.
+        let untidy = untidy.replace(" controller { a: 1\n b : 2, c:3 }\n", "");
+        insta::assert_snapshot!(formatted(&untidy), @r#"
+        # first
+
+        use "a.scn"
+        let x = -(1 + 2) * 3 km/h  # why
+        scenario a : base(t: 2 s) {
+          vehicle av { controller c { profile: normal, gap: 5 m }; speed 30 km/h }
+          # own line
+          expect {
+            no collision
+            pet >= 1.5 s in 80 % of runs
+
+            rate(max_deceleration >= 2 m/s^2) < 20 %
+          }
+          vary t in [1 s, 2 s,
+            3 s]
+          vary u in 1 s .. 3 s step 1 s
+        }
+        "#);
+    }
+
+    #[test]
+    fn blocks_over_several_lines_keep_their_comments() {
+        let text = "scenario a { # one\n  # two\n\n  vehicle av { # three\n    controller c {\n profile: normal, # four\n\n      \
+                    gap: 5 m }\n    # five\n  }\n  vary t in [ # six\n    1 s, # seven\n    2 s\n  ]\n} # eight\n# nine\n";
+        insta::assert_snapshot!(formatted(text), @r"
+        scenario a {  # one
+          # two
+
+          vehicle av {  # three
+            controller c {
+              profile: normal  # four
+
+              gap: 5 m
+            }
+            # five
+          }
+          vary t in [  # six
+            1 s,  # seven
+            2 s
+          ]
+        }  # eight
+        # nine
+        ");
+    }
+
+    #[test]
+    fn what_does_not_parse_is_left_alone() {
+        assert!(format(Sources::default().add("test.scn", ""), "scenario {").is_err());
+    }
+}

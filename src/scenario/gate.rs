@@ -1,0 +1,39 @@
+//! What `gate` blocks declare: by how much a metric may be worse than a baseline.
+
+use serde::{Deserialize, Serialize};
+
+use super::{MetricReference, Origin};
+
+/// A comparison with a baseline that a change must survive.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Gate {
+    pub name: String,
+    pub doc: Option<String>,
+    /// A path resolved against the file that names it.
+    pub baseline: String,
+    /// Never empty.
+    pub rules: Vec<GateRule>,
+    pub origin: Origin,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct GateRule {
+    /// `None`: every metric that the suite measures and no other rule of the gate names.
+    pub metric: Option<MetricReference>,
+    pub tolerance: Tolerance,
+    /// Confidence (0..1) with which it must be shown that the tolerance is kept.
+    pub confidence: f64,
+    /// In canonical words, such as `no metric worse by more than 5 % with 95 % confidence`.
+    pub text: String,
+    pub origin: Origin,
+}
+
+/// How much worse is still acceptable.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Tolerance {
+    /// A share of the baseline's value; of metrics that are true or false, a difference of rates.
+    Relative(f64),
+    /// In the metric's SI unit.
+    Absolute(f64),
+}
