@@ -21,7 +21,8 @@ pub struct FormatArguments {
 pub fn format(arguments: &FormatArguments) -> Exit {
     let mut exit = Exit::Success;
     for file in &arguments.files {
-        let outcome = if file == Path::new("-") { standard_input(arguments.check) } else { one(file, arguments.check) };
+        let outcome =
+            if file == Path::new("-") { standard_input(arguments.check) } else { one(file, arguments.check) };
         if outcome != Exit::Success {
             exit = outcome;
         }
@@ -63,7 +64,11 @@ fn standard_input(check: bool) -> Exit {
     match formatted("<stdin>", &text) {
         None => Exit::Scenario,
         Some(after) if check => {
-            if after == text { Exit::Success } else { Exit::Failed }
+            if after == text {
+                Exit::Success
+            } else {
+                Exit::Failed
+            }
         }
         Some(after) => match std::io::stdout().write_all(after.as_bytes()) {
             Ok(()) => Exit::Success,

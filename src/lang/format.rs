@@ -53,11 +53,23 @@ enum AtomKind {
 
 fn is_leaf(rule: Rule) -> bool {
     use Rule::{
-        boolean, distribution_name, integer, name, negation, number, operator, reference, setting_name, string, tag, unit,
+        boolean, distribution_name, integer, name, negation, number, operator, reference, setting_name,
+        string, tag, unit,
     };
     matches!(
         rule,
-        boolean | distribution_name | integer | name | negation | number | operator | reference | setting_name | string | tag | unit
+        boolean
+            | distribution_name
+            | integer
+            | name
+            | negation
+            | number
+            | operator
+            | reference
+            | setting_name
+            | string
+            | tag
+            | unit
     ) || rule == Rule::relation
         || format!("{rule:?}").starts_with("kw_")
 }
@@ -108,7 +120,9 @@ fn atoms(tree: &Tree) -> Vec<Atom> {
                 settings: settings.contains(&token.start),
             },
             (_, "}") => AtomKind::CloseBrace,
-            (_, "(" | "[") => AtomKind::OpenBracket { group: written == "[" || groups.contains(&token.start) },
+            (_, "(" | "[") => {
+                AtomKind::OpenBracket { group: written == "[" || groups.contains(&token.start) }
+            }
             (_, ")" | "]") => AtomKind::CloseBracket,
             (_, ",") => AtomKind::Comma,
             (_, ";") => AtomKind::Semicolon,
@@ -162,8 +176,13 @@ struct Printer {
 }
 
 fn format_tree(tree: &Tree) -> String {
-    let mut printer =
-        Printer { out: String::with_capacity(tree.text().len()), frames: Vec::new(), in_line: false, before: None, pending: None };
+    let mut printer = Printer {
+        out: String::with_capacity(tree.text().len()),
+        frames: Vec::new(),
+        in_line: false,
+        before: None,
+        pending: None,
+    };
     for atom in atoms(tree) {
         printer.print(&atom);
     }
@@ -181,7 +200,9 @@ impl Printer {
             (AtomKind::Semicolon, Frame::Block { .. }) => return self.separate(""),
             (AtomKind::Comma, Frame::Block { settings: true }) => return self.separate(""),
             (AtomKind::Semicolon, Frame::Inline { settings: false }) => return self.separate(";"),
-            (AtomKind::Semicolon | AtomKind::Comma, Frame::Inline { settings: true }) => return self.separate(","),
+            (AtomKind::Semicolon | AtomKind::Comma, Frame::Inline { settings: true }) => {
+                return self.separate(",");
+            }
             _ => {}
         }
         if atom.kind == AtomKind::CloseBrace {
@@ -225,7 +246,10 @@ impl Printer {
             self.end_line();
         }
         if !self.in_line {
-            if atom.newlines > 1 && !matches!(self.before, None | Some(AtomKind::OpenBrace { .. })) && frame != Frame::Bracket {
+            if atom.newlines > 1
+                && !matches!(self.before, None | Some(AtomKind::OpenBrace { .. }))
+                && frame != Frame::Bracket
+            {
                 self.out.push('\n');
             }
             self.indent(atom);
@@ -236,7 +260,8 @@ impl Printer {
 
     fn indent(&mut self, atom: &Atom) {
         let closes = usize::from(atom.kind == AtomKind::CloseBracket);
-        let depth = self.frames.iter().filter(|frame| !matches!(frame, Frame::Inline { .. })).count() - closes;
+        let depth =
+            self.frames.iter().filter(|frame| !matches!(frame, Frame::Inline { .. })).count() - closes;
         if self.out.ends_with('\n') || self.out.is_empty() {
             for _ in 0..depth {
                 self.out.push_str(INDENT);

@@ -28,7 +28,8 @@ const fn statement(word: &'static str, rule: Rule, usage: &'static str, doc: &'s
 }
 
 const TAGS: Statement = statement("tags", Rule::tags, "tags paper, zebra", "Words to select scenarios by.");
-const EXPECT: Statement = statement("expect", Rule::expect, "expect { no collision }", "Criteria that runs must meet.");
+const EXPECT: Statement =
+    statement("expect", Rule::expect, "expect { no collision }", "Criteria that runs must meet.");
 const LET: Statement = statement("let", Rule::binding, "let pace = 1.4 m/s", "Gives a value a name.");
 const SCENARIO: Statement = statement(
     "scenario",
@@ -68,7 +69,8 @@ const INDIVIDUAL: Statement = statement(
     "individual 17 of standard",
     "Takes the parameters of one person of a population.",
 );
-const SIZE: Statement = statement("size", Rule::size, "size 4.5 m x 1.8 m", "Length and width of the footprint.");
+const SIZE: Statement =
+    statement("size", Rule::size, "size 4.5 m x 1.8 m", "Length and width of the footprint.");
 const MINIMISE: Statement =
     statement("minimise", Rule::objective, "minimise mean(time_lost)", "What is to be small.");
 const MAXIMISE: Statement =
@@ -86,10 +88,20 @@ pub static BLOCKS: &[Block] = &[
         rule: Rule::file,
         name: "a file",
         statements: &[
-            statement("use", Rule::use_file, "use \"../roads/town01.scn\"", "Makes the names of another file known."),
+            statement(
+                "use",
+                Rule::use_file,
+                "use \"../roads/town01.scn\"",
+                "Makes the names of another file known.",
+            ),
             LET,
             statement("road", Rule::road_definition, "road NAME { … }", "A road that scenarios can name."),
-            statement("define", Rule::define, "define NAME(delay = 2 s) { … }", "A scenario with parameters to build others on."),
+            statement(
+                "define",
+                Rule::define,
+                "define NAME(delay = 2 s) { … }",
+                "A scenario with parameters to build others on.",
+            ),
             SCENARIO,
             SEARCH,
             TUNE,
@@ -100,7 +112,12 @@ pub static BLOCKS: &[Block] = &[
         rule: Rule::road_block,
         name: "a `road`",
         statements: &[
-            statement("lanes", Rule::lanes, "lanes forward, backward", "The lanes from the near side to the far side, or their number."),
+            statement(
+                "lanes",
+                Rule::lanes,
+                "lanes forward, backward",
+                "The lanes from the near side to the far side, or their number.",
+            ),
             statement("lane_width", Rule::lane_width, "lane_width 3.5 m", "Width of every lane."),
             statement("speed_limit", Rule::speed_limit, "speed_limit 30 km/h", "The speed limit."),
             statement("no", Rule::no_kerbs, "no kerbs", "Carriageway and pavement are on one level."),
@@ -131,7 +148,12 @@ pub static BLOCKS: &[Block] = &[
             TAGS,
             statement("road", Rule::road_choice, "road NAME` or `road { … }", "Where it happens."),
             statement("vehicle", Rule::vehicle, "vehicle NAME { … }", "A vehicle with its controller."),
-            statement("pedestrian", Rule::pedestrian, "pedestrian NAME { … }", "A pedestrian with its model."),
+            statement(
+                "pedestrian",
+                Rule::pedestrian,
+                "pedestrian NAME { … }",
+                "A pedestrian with its model.",
+            ),
             statement(
                 "vary",
                 Rule::vary,
@@ -147,7 +169,12 @@ pub static BLOCKS: &[Block] = &[
             REPEAT,
             statement("step", Rule::step, "step 25 ms", "The simulation step."),
             statement("horizon", Rule::horizon, "horizon 60 s", "Simulated time after which a run ends."),
-            statement("finish", Rule::finish, "finish 100 m", "Distance of the finish line behind the crossing."),
+            statement(
+                "finish",
+                Rule::finish,
+                "finish 100 m",
+                "Distance of the finish line behind the crossing.",
+            ),
             statement("end", Rule::end_on_collision, "end on collision", "Ends a run at a collision."),
             EXPECT,
             LET,
@@ -163,8 +190,18 @@ pub static BLOCKS: &[Block] = &[
                 "controller carla_behavior { profile: normal }",
                 "What drives it, with settings.",
             ),
-            statement("dynamics", Rule::dynamics, "dynamics prius", "How it answers to the controller's commands."),
-            statement("sees", Rule::sees, "sees { range: 60 m }", "What its controller perceives; without it, everything."),
+            statement(
+                "dynamics",
+                Rule::dynamics,
+                "dynamics prius",
+                "How it answers to the controller's commands.",
+            ),
+            statement(
+                "sees",
+                Rule::sees,
+                "sees { range: 60 m }",
+                "What its controller perceives; without it, everything.",
+            ),
             SIZE,
             statement("speed", Rule::speed, "speed 30 km/h", "The steady cruise that it starts in."),
             statement("lane", Rule::lane, "lane 0", "Its lane, counted from the near side."),
@@ -192,8 +229,18 @@ pub static BLOCKS: &[Block] = &[
                 "Where it stands at first.",
             ),
             statement("from", Rule::side, "from far side", "The side of the road that it comes from."),
-            statement("along", Rule::along, "along 1 m", "Its place along the road; 0 is the middle of the crossing."),
-            statement("goal", Rule::goal, "goal 2 m beyond kerb", "Where it wants to go, beyond the opposite kerb."),
+            statement(
+                "along",
+                Rule::along,
+                "along 1 m",
+                "Its place along the road; 0 is the middle of the crossing.",
+            ),
+            statement(
+                "goal",
+                Rule::goal,
+                "goal 2 m beyond kerb",
+                "Where it wants to go, beyond the opposite kerb.",
+            ),
             statement(
                 "appears",
                 Rule::appears,
@@ -215,7 +262,12 @@ pub static BLOCKS: &[Block] = &[
     Block {
         rule: Rule::together_block,
         name: "`vary together`",
-        statements: &[statement("", Rule::varied, "tta in [6 s, 10 s]", "One of the names that vary together.")],
+        statements: &[statement(
+            "",
+            Rule::varied,
+            "tta in [6 s, 10 s]",
+            "One of the names that vary together.",
+        )],
     },
     Block {
         rule: Rule::suite_block,
@@ -262,13 +314,23 @@ pub static BLOCKS: &[Block] = &[
             statement("in", Rule::search_in, "in zebra_walk", "The scenario that is searched."),
             INDIVIDUALS,
             INDIVIDUAL,
-            statement("together", Rule::together, "together", "One search over all individuals instead of one for each."),
+            statement(
+                "together",
+                Rule::together,
+                "together",
+                "One search over all individuals instead of one for each.",
+            ),
             MINIMISE,
             MAXIMISE,
             OVER,
             BUDGET,
             REPEAT,
-            statement("keep", Rule::keep, "keep pet < 1.5 s", "Which of the worst cases belong to the set that the search makes."),
+            statement(
+                "keep",
+                Rule::keep,
+                "keep pet < 1.5 s",
+                "Which of the worst cases belong to the set that the search makes.",
+            ),
         ],
     },
     Block {
@@ -310,7 +372,8 @@ pub fn homes(word: &str) -> Vec<&'static str> {
 
 /// The second word of a statement.
 pub fn second_word(text: &str) -> &str {
-    let rest = text.trim_start().trim_start_matches(|c: char| c.is_ascii_alphanumeric() || c == '_').trim_start();
+    let rest =
+        text.trim_start().trim_start_matches(|c: char| c.is_ascii_alphanumeric() || c == '_').trim_start();
     let end = rest.find(|c: char| !c.is_ascii_alphanumeric() && c != '_').unwrap_or(rest.len());
     &rest[..end]
 }

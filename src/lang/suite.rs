@@ -193,7 +193,8 @@ fn declared(files: &mut Files, file: FileId, path: &Path, report: &mut Vec<Diagn
             }
         }
     }
-    let all_files: Vec<FileId> = std::iter::once(file).chain(included.iter().map(|(file, _)| *file)).collect();
+    let all_files: Vec<FileId> =
+        std::iter::once(file).chain(included.iter().map(|(file, _)| *file)).collect();
     let experiments = experiments(files, &all_files, &definitions, &scenarios, report);
     let cast = everybody(&scenarios);
     let mut gate_names: HashMap<&str, Span> = HashMap::new();
@@ -242,7 +243,8 @@ fn experiments(
         .iter()
         .flat_map(|file| {
             let root = files.tree(*file).root();
-            let inner = root.all(Rule::suite).flat_map(|suite| suite.all(Rule::suite_block)).flat_map(Node::children);
+            let inner =
+                root.all(Rule::suite).flat_map(|suite| suite.all(Rule::suite_block)).flat_map(Node::children);
             root.children().chain(inner).map(|node| (*file, node))
         })
         .filter(|(_, node)| matches!(node.rule(), Rule::search | Rule::tune))
@@ -252,7 +254,9 @@ fn experiments(
     for (_, node) in &nodes {
         reject_duplicate(*node, &mut names, report);
         let about = node.child(Rule::search_block).and_then(|block| block.child(Rule::search_in));
-        if let (Some(name), Some(about)) = (node.child(Rule::name), about.and_then(|about| about.child(Rule::name))) {
+        if let (Some(name), Some(about)) =
+            (node.child(Rule::name), about.and_then(|about| about.child(Rule::name)))
+        {
             searches.insert(name.text().to_string(), about.text().to_string());
         }
     }
@@ -286,7 +290,11 @@ fn reject_duplicate<'a>(node: Node<'a>, names: &mut HashMap<&'a str, Span>, repo
 fn everybody(scenarios: &[Scenario]) -> check::Cast<'_> {
     check::Cast {
         vehicles: scenarios.iter().flat_map(|s| &s.vehicles).map(|vehicle| vehicle.name.as_str()).collect(),
-        pedestrians: scenarios.iter().flat_map(|s| &s.pedestrians).map(|person| person.name.as_str()).collect(),
+        pedestrians: scenarios
+            .iter()
+            .flat_map(|s| &s.pedestrians)
+            .map(|person| person.name.as_str())
+            .collect(),
     }
 }
 

@@ -49,9 +49,13 @@ fn statement(block: Rule, bad: Node) -> Diagnostic {
     let place = context.name;
     let elsewhere = statements::homes(word_text);
     if !elsewhere.is_empty() {
-        return Diagnostic::new(Code::MisplacedStatement, word, format!("`{word_text}` does not belong in {place}"))
-            .label("not here")
-            .hint(format!("it belongs in {}", elsewhere.join(" or ")));
+        return Diagnostic::new(
+            Code::MisplacedStatement,
+            word,
+            format!("`{word_text}` does not belong in {place}"),
+        )
+        .label("not here")
+        .hint(format!("it belongs in {}", elsewhere.join(" or ")));
     }
     Diagnostic::new(Code::UnknownStatement, word, format!("{place} has no statement `{word_text}`"))
         .label("unknown here")

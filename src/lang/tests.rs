@@ -96,7 +96,8 @@ fn text() -> impl Strategy<Value = String> {
 fn words(text: &str) -> Vec<String> {
     let (tree, _) = Tree::parse(source(), Arc::from(text));
     let kept = |token: &&Token| !matches!(token.kind, TokenKind::Space | TokenKind::Newline);
-    let words = tree.tokens().iter().filter(kept).map(|token| text[token.start..token.end].trim_end().to_string());
+    let words =
+        tree.tokens().iter().filter(kept).map(|token| text[token.start..token.end].trim_end().to_string());
     words.filter(|word| !word.chars().all(|c| ";,=<>!≤≥≠".contains(c))).collect()
 }
 

@@ -58,7 +58,8 @@ impl Tree {
                 }
                 Err(error) => {
                     tree.add_empty_file();
-                    let diagnostic = super::syntax_error::unexpected(source, 0, &text, &error).hint("is a line unfinished?");
+                    let diagnostic = super::syntax_error::unexpected(source, 0, &text, &error)
+                        .hint("is a line unfinished?");
                     return (tree, vec![diagnostic]);
                 }
             }

@@ -31,8 +31,8 @@ pub use declared::{
     Population, Samples, SamplingScheme, Scenario, Suite, Variation, VariedValue, Vehicle,
 };
 pub use dimension::Dimension;
-pub use gate::{Gate, GateRule, Tolerance};
 pub use expression::{BinaryOperator, EvaluationError, Expression};
+pub use gate::{Gate, GateRule, Tolerance};
 pub use optimisation::{
     Budget, CaseSet, Goal, InitialDesign, Method, Objective, Part, Range, RangeValues, Search, Target, Tune,
 };

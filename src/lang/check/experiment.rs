@@ -17,8 +17,9 @@ use crate::lang::tree::{Node, Rule};
 use crate::lang::value::{self, Binding, Kind, Scope, unquote};
 use crate::metrics::MetricKind;
 use crate::scenario::{
-    Aggregate, Budget, CaseSet, Comparison, Declaration, Dimension, Expression, Goal, InitialDesign, Method, Model,
-    Objective, ParameterKind, Part, Range, RangeValues, Relation, Scenario, Search, Target, Tune, Value,
+    Aggregate, Budget, CaseSet, Comparison, Declaration, Dimension, Expression, Goal, InitialDesign, Method,
+    Model, Objective, ParameterKind, Part, Range, RangeValues, Relation, Scenario, Search, Target, Tune,
+    Value,
 };
 use crate::{pedestrian, vehicle};
 
@@ -57,9 +58,13 @@ impl<'a> Subjects<'a> {
                 .filter_map(|definition| places.files.node(*definition).child(Rule::name).map(Node::text))
                 .chain(self.searches.keys().map(String::as_str).filter(|_| name.rule() == Rule::tune_on));
             report.push(
-                Diagnostic::new(Code::UnknownScenario, name.span(), format!("there is no scenario `{text}` here"))
-                    .label("not in this suite")
-                    .suggest(text, known),
+                Diagnostic::new(
+                    Code::UnknownScenario,
+                    name.span(),
+                    format!("there is no scenario `{text}` here"),
+                )
+                .label("not in this suite")
+                .suggest(text, known),
             );
             return None;
         };
@@ -206,14 +211,18 @@ fn case_set<'a>(
         return Some((CaseSet::Sample { scenario: name.text().to_string(), count: count? }, subject));
     }
     if let Some(scenario) = subjects.searches.get(name.text()) {
-        return Some((CaseSet::Search(name.text().to_string()), subjects.find(name, scenario, places, report)?));
+        return Some((
+            CaseSet::Search(name.text().to_string()),
+            subjects.find(name, scenario, places, report)?,
+        ));
     }
     let subject = subjects.find(name, name.text(), places, report)?;
     Some((CaseSet::Scenario(name.text().to_string()), subject))
 }
 
 fn able_model(subject: &Subject) -> Option<&'static pedestrian::PedestrianModel> {
-    let models = subject.scenario.pedestrians.iter().filter_map(|person| pedestrian::model(&person.model.name));
+    let models =
+        subject.scenario.pedestrians.iter().filter_map(|person| pedestrian::model(&person.model.name));
     models.max_by_key(|model| model.takes_individuals)
 }
 
@@ -240,7 +249,9 @@ fn objective(node: Node, cast: &Cast, scope: &Scope, report: &mut Vec<Diagnostic
     let (aggregate, text) = match node.child(Rule::metric) {
         None => {
             let (aggregate, ..) = criterion::aggregate(node, cast, scope, report)?;
-            let of = node.children().find(|child| matches!(child.rule(), Rule::rate | Rule::quantile | Rule::statistic));
+            let of = node
+                .children()
+                .find(|child| matches!(child.rule(), Rule::rate | Rule::quantile | Rule::statistic));
             (aggregate, of.map_or(String::new(), criterion::aggregate_text))
         }
         Some(metric) => {
@@ -262,7 +273,10 @@ fn objective(node: Node, cast: &Cast, scope: &Scope, report: &mut Vec<Diagnostic
                         Diagnostic::new(
                             Code::BadObjective,
                             metric.span(),
-                            format!("`{text}` is {}, which cannot be small or large", criterion::kind_name(found)),
+                            format!(
+                                "`{text}` is {}, which cannot be small or large",
+                                criterion::kind_name(found)
+                            ),
                         )
                         .label("not a quantity")
                         .hint(format!("take a rate: `{word} rate({text} = …)`")),
@@ -292,7 +306,13 @@ fn budget(
         super::count(node.child(Rule::integer)?, 1, MOST_EVALUATIONS, "the number of evaluations", report)?;
     let (initial, initial_design) = match node.child(Rule::initial) {
         Some(first) => {
-            let count = super::count(first.child(Rule::integer)?, 1, MOST_EVALUATIONS, "the first evaluations", report)?;
+            let count = super::count(
+                first.child(Rule::integer)?,
+                1,
+                MOST_EVALUATIONS,
+                "the first evaluations",
+                report,
+            )?;
             if count > evaluations {
                 report.push(
                     Diagnostic::new(
@@ -369,7 +389,9 @@ fn range(
     let (kind, whole, limits, options) = match takes {
         Takes::Kind(kind) => (kind, false, (f64::NEG_INFINITY, f64::INFINITY), None),
         Takes::Parameter(declaration, name) => match declaration.parameter(name).map(|found| found.kind) {
-            Some(ParameterKind::Number { dimension, range, .. }) => (Kind::Number(dimension), false, range, None),
+            Some(ParameterKind::Number { dimension, range, .. }) => {
+                (Kind::Number(dimension), false, range, None)
+            }
             Some(ParameterKind::Whole { range: (low, high), .. }) => {
                 (Kind::Number(Dimension::NUMBER), true, (low as f64, high as f64), None)
             }
@@ -380,8 +402,9 @@ fn range(
             Some(ParameterKind::Text { .. }) => (Kind::Word, false, (0.0, 0.0), None),
             Some(ParameterKind::Flag { .. }) => (Kind::Flag, false, (0.0, 0.0), None),
             None => {
-                let names: Option<Vec<_>> =
-                    declaration.presets.map(|family| family.presets.iter().map(|preset| preset.name).collect());
+                let names: Option<Vec<_>> = declaration
+                    .presets
+                    .map(|family| family.presets.iter().map(|preset| preset.name).collect());
                 (Kind::Word, false, (0.0, 0.0), names)
             }
         },
@@ -394,7 +417,9 @@ fn range(
             let (low, high) = (low?, high?);
             (interval(node, low, high, whole, report)?, dimension.si_unit())
         }
-        (Kind::Word, Some(list)) => (RangeValues::Words(words(list, &what, options, scope, report)?), String::new()),
+        (Kind::Word, Some(list)) => {
+            (RangeValues::Words(words(list, &what, options, scope, report)?), String::new())
+        }
         (kind, _) => {
             let (message, hint) = match kind {
                 Kind::Number(_) => ("numbers are searched between two bounds", "write `LOW .. HIGH`"),
@@ -412,7 +437,13 @@ fn range(
     Some(Range { target, values, unit, origin: places.origin(node.span()) })
 }
 
-fn interval(node: Node, low: f64, high: f64, whole: bool, report: &mut Vec<Diagnostic>) -> Option<RangeValues> {
+fn interval(
+    node: Node,
+    low: f64,
+    high: f64,
+    whole: bool,
+    report: &mut Vec<Diagnostic>,
+) -> Option<RangeValues> {
     let logarithmic = node.has(Rule::kw_logarithmic);
     let fault = if low >= high {
         Some(("the first bound is not below the second", "write the smaller one first"))
@@ -424,7 +455,9 @@ fn interval(node: Node, low: f64, high: f64, whole: bool, report: &mut Vec<Diagn
         None
     };
     if let Some((message, hint)) = fault {
-        report.push(Diagnostic::new(Code::BadRange, node.span(), message).label("cannot be searched").hint(hint));
+        report.push(
+            Diagnostic::new(Code::BadRange, node.span(), message).label("cannot be searched").hint(hint),
+        );
         return None;
     }
     Some(match (whole, logarithmic) {
@@ -468,7 +501,8 @@ fn target(node: Node, subject: &Subject, report: &mut Vec<Diagnostic>) -> Option
     let name = node.child(Rule::name)?;
     let scenario = subject.scenario;
     let Some(parameter) = node.child(Rule::setting_name) else {
-        let kind = subject.varied.get(name.text()).map(|binding| binding.value.as_ref().map(|value| value.kind));
+        let kind =
+            subject.varied.get(name.text()).map(|binding| binding.value.as_ref().map(|value| value.kind));
         let Some(kind) = kind else {
             report.push(
                 Diagnostic::new(
@@ -491,7 +525,8 @@ fn target(node: Node, subject: &Subject, report: &mut Vec<Diagnostic>) -> Option
     };
     let Some(declaration) = declaration(scenario, name.text(), part) else {
         let users = scenario.vehicles.iter().map(|vehicle| vehicle.name.as_str());
-        let everybody: Vec<_> = users.chain(scenario.pedestrians.iter().map(|person| person.name.as_str())).collect();
+        let everybody: Vec<_> =
+            users.chain(scenario.pedestrians.iter().map(|person| person.name.as_str())).collect();
         let known = everybody.contains(&name.text());
         let diagnostic = Diagnostic::new(
             Code::BadTarget,
@@ -520,11 +555,8 @@ fn target(node: Node, subject: &Subject, report: &mut Vec<Diagnostic>) -> Option
         );
         return None;
     };
-    let target = Target::Setting {
-        road_user: name.text().to_string(),
-        part,
-        parameter: parameter.text().to_string(),
-    };
+    let target =
+        Target::Setting { road_user: name.text().to_string(), part, parameter: parameter.text().to_string() };
     Some((target, Takes::Parameter(declaration, found)))
 }
 

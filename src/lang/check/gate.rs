@@ -97,7 +97,8 @@ fn tolerance(
         (Some(MetricKind::Quantity(dimension)), Kind::Number(found)) if found == dimension => dimension,
         _ => Dimension::NUMBER,
     };
-    let is_percentage = node.children().any(|part| part.child(Rule::unit).is_some_and(|unit| unit.text() == "%"));
+    let is_percentage =
+        node.children().any(|part| part.child(Rule::unit).is_some_and(|unit| unit.text() == "%"));
     let number = value::constant_in(node, dimension, (0.0, f64::MAX), what, scope, report)?;
     Some(if dimension == Dimension::NUMBER && (is_percentage || metric.is_none()) {
         Tolerance::Relative(number)

@@ -93,14 +93,7 @@ pub fn tags(block: Node) -> Vec<String> {
 
 /// Reports what a suite says twice.
 pub fn reject_suite_repeats(block: Node, report: &mut Vec<Diagnostic>) {
-    const REPEATABLE: &[Rule] = &[
-        Rule::suite_files,
-        Rule::tags,
-        Rule::expect,
-        Rule::scenario,
-        Rule::search,
-        Rule::tune,
-        Rule::gate,
-    ];
+    const REPEATABLE: &[Rule] =
+        &[Rule::suite_files, Rule::tags, Rule::expect, Rule::scenario, Rule::search, Rule::tune, Rule::gate];
     block::reject_repeats(block, REPEATABLE, report);
 }
