@@ -82,7 +82,8 @@ pub fn step_summary(reports: &[SuiteReport], requests: &Requests) -> String {
         suite_summary(&mut text, report, requests);
     }
     if text.len() > MOST_SUMMARY_BYTES {
-        let end = text[..text.floor_char_boundary(MOST_SUMMARY_BYTES)].rfind("\n\n").unwrap_or(0);
+        let most = (0..=MOST_SUMMARY_BYTES).rev().find(|end| text.is_char_boundary(*end)).unwrap_or(0);
+        let end = text[..most].rfind("\n\n").unwrap_or(0);
         text.truncate(end);
         text.push_str("\n\n…cut: the whole report is too long for a step summary.\n");
     }
