@@ -9,7 +9,7 @@ use super::{PedestrianContext, PedestrianModel};
 use crate::scenario::{
     ChoiceOption, Declaration, Dimension, Literal, Parameter, Position, Preset, PresetFamily, Settings,
 };
-use crate::sim::random::{Agent, Purpose, stream};
+use crate::sim::random::{Agent, Purpose, Stream, stream};
 use crate::sim::{ModelError, Motion, Pedestrian, Scene, VehicleState, geometry};
 
 const WALKER: &str = "CARLA LibCarla/source/carla/nav";
@@ -181,6 +181,22 @@ pub static CARLA_WALKER: PedestrianModel = PedestrianModel {
                 "assumption: the limit in CARLA is not known",
             ),
             Parameter::number(
+                "stuck_time",
+                Dimension::TIME,
+                4.0,
+                (0.0, 3600.0),
+                "Walking less than `stuck_distance` within this time, it turns to a new place on either pavement, up to 20 m along the road (assumption); 0: never.",
+                EVENT,
+            ),
+            Parameter::number(
+                "stuck_distance",
+                Dimension::LENGTH,
+                0.5,
+                (0.0, 100.0),
+                "See `stuck_time`.",
+                EVENT,
+            ),
+            Parameter::number(
                 "snap_min",
                 Dimension::LENGTH,
                 0.0,
@@ -251,6 +267,19 @@ struct CarlaWalker {
     turns_left: bool,
     since: Option<f64>,
     state: State,
+    /// Where it came from and where it was going; a new destination is on one of these pavements.
+    ends: [Vector2<f64>; 2],
+    goal: Vector2<f64>,
+    unstuck: Unstuck,
+}
+
+/// The test for being stuck.
+struct Unstuck {
+    time: f64,
+    distance: f64,
+    /// Time (s) and place of the last test; `None` while it does not walk.
+    last: Option<(f64, Vector2<f64>)>,
+    draws: Stream,
 }
 
 /// The pause before the kerb.
@@ -277,6 +306,13 @@ struct Vehicles {
 
 /// Below this speed a vehicle does no harm, m/s.
 const HARMLESS_SPEED: f64 = 0.1;
+
+/// Clearance below which separation grows no more, m. The formula diverges at the margin itself, where a pushed
+/// walker ends up but for rounding.
+const LEAST_CLEARANCE: f64 = 0.01;
+
+/// How far along the road a new destination may be, m.
+const DETOUR: f64 = 20.0;
 
 /// Absorbs the rounding of summed times, s.
 const TIME_TOLERANCE: f64 = 1e-9;
@@ -323,6 +359,14 @@ fn build(context: &PedestrianContext) -> Result<Box<dyn Pedestrian>, ModelError>
         turns_left: side < 0.5,
         since: None,
         state: State::Wait,
+        ends: [start, goal],
+        goal,
+        unstuck: Unstuck {
+            time: settings.number("stuck_time"),
+            distance: settings.number("stuck_distance"),
+            last: None,
+            draws: stream(context.seed, Agent::Pedestrian(context.index), Purpose::Decision),
+        },
     }))
 }
 
@@ -375,7 +419,7 @@ impl Vehicles {
             }
             if clearance < self.range {
                 let share = clearance / self.range;
-                drive += away * (self.weight * (1.0 - share * share) / clearance);
+                drive += away * (self.weight * (1.0 - share * share) / clearance.max(LEAST_CLEARANCE));
                 neighbours += 1.0;
             }
         }
@@ -438,6 +482,24 @@ impl CarlaWalker {
     }
 }
 
+impl CarlaWalker {
+    /// Every `stuck_time`, turns to a new destination if it hardly moved and is not there yet.
+    fn turn_if_stuck(&mut self, scene: &Scene) {
+        let place = scene.ego().position;
+        let stuck = &mut self.unstuck;
+        let (since, before) = *stuck.last.get_or_insert((scene.time, place));
+        if stuck.time == 0.0 || scene.time - since < stuck.time - TIME_TOLERANCE {
+            return;
+        }
+        stuck.last = Some((scene.time, place));
+        let arrived = (self.goal - place).norm() < self.arrival_distance;
+        if !arrived && (place - before).norm() < stuck.distance {
+            let end = self.ends[stuck.draws.index(2)];
+            self.goal = end + Vector2::new(stuck.draws.uniform_in(-DETOUR, DETOUR), 0.0);
+        }
+    }
+}
+
 impl Pedestrian for CarlaWalker {
     fn act(&mut self, scene: &Scene) -> Motion {
         let Some(since) = self.since else {
@@ -449,10 +511,14 @@ impl Pedestrian for CarlaWalker {
         };
         self.state = self.next_state(scene, since);
         match self.state {
-            State::Wait | State::Check(_) | State::Dead => Motion::Walk(Vector2::zeros()),
+            State::Wait | State::Check(_) | State::Dead => {
+                self.unstuck.last = None;
+                Motion::Walk(Vector2::zeros())
+            }
             State::WalkAway(direction) => self.vehicles.motion(scene, direction, self.speed),
             State::Approach | State::Walk => {
-                let to_goal = Vector2::new(scene.goal.x, scene.goal.y) - scene.ego().position;
+                self.turn_if_stuck(scene);
+                let to_goal = self.goal - scene.ego().position;
                 let distance = to_goal.norm();
                 let way = to_goal.try_normalize(1e-9).unwrap_or_else(Vector2::zeros);
                 let speed = self.speed * (distance / self.arrival_distance).min(1.0);

@@ -171,3 +171,20 @@ fn ranges_upside_down_are_errors() {
     let settings = Settings::from([("snap_min", number(1.0))]);
     assert!(Walk::try_new(&CARLA_WALKER, settings).is_err());
 }
+
+#[test]
+fn turns_to_a_new_place_when_stuck() {
+    // A car stands on its way; its margin pushes the walker out in front, where it hardly moves.
+    let end = |stuck_time: f64| {
+        let mut walk = walk(&[("checks", Value::Flag(false)), ("stuck_time", number(stuck_time))]);
+        walk.state().position = Vector2::new(0.0, 0.0);
+        walk.add_car(-3.0, 0.0);
+        walk.go(60.0);
+        walk.position()
+    };
+    let place = end(4.0);
+    let to_nearest = (place.y - 6.0).abs().min((place.y + 4.0).abs());
+    assert!(to_nearest < 1e-3 && place.x.abs() < 20.0 && place.x.abs() > 1e-3, "{place}");
+    // Without the turn it gets across slowly, and the car still drives it off its goal a little.
+    assert!((end(0.0) - Vector2::new(0.0, 6.0)).norm() < 0.5, "{}", end(0.0));
+}
