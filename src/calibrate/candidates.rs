@@ -247,3 +247,79 @@ fn shuffled(count: usize, stream: &mut Stream) -> Vec<usize> {
     }
     order
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pedestrian::commotions::model::COMMOTIONS;
+    use std::collections::BTreeSet;
+
+    const RANGES: [ParameterRange; 2] = [
+        ParameterRange { name: "T_delta", low: 10.0, high: 100.0, levels: 10 },
+        ParameterRange { name: "T", low: 0.1, high: 0.5, levels: 10 },
+    ];
+
+    fn design(base: &Candidates, design: Design) -> Result<Candidates, CandidateError> {
+        Candidates::design(base, &RANGES, design, 1, &COMMOTIONS.declaration)
+    }
+
+    fn bits(rows: &[Vec<f64>]) -> BTreeSet<Vec<u64>> {
+        rows.iter().map(|row| row.iter().map(|x| x.to_bits()).collect()).collect()
+    }
+
+    #[test]
+    fn a_grid_is_the_published_one_and_its_samples_are_in_it() {
+        let grid = design(&Candidates::nothing_given(), Design::Grid).unwrap();
+        assert_eq!(grid.names, ["T_delta", "T"]);
+        assert_eq!((grid.rows.len(), bits(&grid.rows).len()), (100, 100));
+        assert!(grid.rows.iter().any(|row| row[0] == 12.9155 && row[1] == 0.119581));
+        let some = design(&Candidates::nothing_given(), Design::FromGrid(40)).unwrap();
+        assert_eq!(bits(&some.rows).len(), 40);
+        assert!(bits(&some.rows).is_subset(&bits(&grid.rows)));
+    }
+
+    #[test]
+    fn a_base_gives_its_parameters_and_the_rest_varies() {
+        let base = Candidates { names: vec!["T_delta".into()], rows: vec![vec![11.0], vec![22.0]] };
+        let crossed = design(&base, Design::Grid).unwrap();
+        assert_eq!(crossed.names, ["T_delta", "T"]);
+        assert_eq!(crossed.rows.len(), 20);
+        let (number, parameters) = crossed.parameters().unwrap()[1].clone();
+        assert_eq!((number, parameters.discount_half_life, parameters.evidence_time), (2, 22.0, 0.1));
+    }
+
+    #[test]
+    fn a_latin_hypercube_has_one_candidate_in_every_stratum() {
+        let hypercube = design(&Candidates::nothing_given(), Design::LatinHypercube(50)).unwrap();
+        for (column, range) in RANGES.iter().enumerate() {
+            let strata: BTreeSet<usize> = hypercube
+                .rows
+                .iter()
+                .map(|row| (50.0 * (row[column] / range.low).ln() / (range.high / range.low).ln()) as usize)
+                .collect();
+            // Rounding to six digits may move a value over the edge of its stratum.
+            assert!(strata.len() >= 49, "{}", strata.len());
+        }
+    }
+
+    #[test]
+    fn impossible_designs_say_why() {
+        let none = Candidates::nothing_given();
+        assert_eq!(
+            design(&none, Design::FromGrid(101)),
+            Err(CandidateError::TooMany { wanted: 101, most: 100 })
+        );
+        let with = |name, low, high| {
+            let ranges = [ParameterRange { name, low, high, levels: 3 }];
+            Candidates::design(&none, &ranges, Design::Grid, 1, &COMMOTIONS.declaration)
+                .unwrap_err()
+                .to_string()
+        };
+        assert_eq!(with("T_delta", 0.5, 10.0), "`T_delta` of `commotions` is 0.5, outside 1 .. 300 s");
+        assert_eq!(
+            with("beta_V", 0.0, 10.0),
+            "the range of `beta_V` is 0 .. 10; it must be positive and rising"
+        );
+        assert_eq!(with("beta", 1.0, 10.0), "there is no parameter `beta`");
+    }
+}

@@ -218,3 +218,50 @@ impl Showing {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(distance: f64) -> State {
+        State { distance, ..State::default() }
+    }
+
+    #[test]
+    fn demands_are_about_the_way_up_to_the_conflict_space() {
+        let mut showing = Showing::default();
+        showing.see(0.0, &at(5.2), false);
+        showing.see(4.0, &at(1.2), false);
+        showing.see(9.0, &at(-3.0), true);
+        // 4 m in 4 s.
+        assert!(showing.meets(Demand::MeanSpeedBelow(0.8), 1.3));
+        assert!(!showing.meets(Demand::MeanSpeedBelow(0.75), 1.3));
+        assert!(
+            showing.meets(Demand::ReachesWithin(4.0), 1.3) && !showing.meets(Demand::ReachesWithin(3.9), 1.3)
+        );
+        assert!(!showing.meets(Demand::NoCollision, 1.3));
+    }
+
+    #[test]
+    fn criteria_survive_the_round_trip_and_bad_ones_are_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("criteria.json");
+        let published = published_criteria();
+        std::fs::write(&file, serde_json::to_string_pretty(&published).unwrap()).unwrap();
+        assert_eq!(read_criteria(&file).unwrap(), published);
+        let mut late = published.clone();
+        late[4].demand = Demand::ReachesWithin(13.0);
+        for (text, expected) in [
+            (
+                serde_json::to_string(&late).unwrap(),
+                "`crosses in time`: `reaches_within` is 13, outside 0 .. 12",
+            ),
+            ("[]".to_owned(), "no criteria"),
+            ("[{\"name\": 3}]".to_owned(), "line 1 column 11"),
+        ] {
+            std::fs::write(&file, text).unwrap();
+            let error = read_criteria(&file).unwrap_err().to_string();
+            assert!(error.contains(expected), "{error}");
+        }
+    }
+}

@@ -117,3 +117,37 @@ fn parse(line: &str) -> Option<(usize, Verdict)> {
     };
     Some((number.parse().ok()?, verdict))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    #[test]
+    fn a_journal_goes_on_where_it_was_cut_off() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("journal");
+        let journal = Journal::open(&file, "calibration 1").unwrap();
+        journal.add(3, Verdict::Retained).unwrap();
+        journal.add(1, Verdict::Failed(2)).unwrap();
+        drop(journal);
+        // Cut off in the middle of a line.
+        fs::write(&file, fs::read_to_string(&file).unwrap() + "7 ret").unwrap();
+        let journal = Journal::open(&file, "calibration 1").unwrap();
+        assert_eq!(journal.verdict(3), Some(Verdict::Retained));
+        assert_eq!(journal.verdict(1), Some(Verdict::Failed(2)));
+        assert_eq!(journal.verdict(7), None);
+        journal.add(7, Verdict::Failed(0)).unwrap();
+        assert_eq!(fs::read_to_string(&file).unwrap(), "calibration 1\n3 retained\n1 2\n7 0\n");
+    }
+
+    #[test]
+    fn another_calibration_and_bad_lines_are_errors() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("journal");
+        fs::write(&file, "calibration 1\nseven\n").unwrap();
+        let error = |fingerprint| Journal::open(&file, fingerprint).unwrap_err().to_string();
+        assert!(error("calibration 2").contains("another calibration"));
+        assert!(error("calibration 1").contains("line 2: `seven` is no result"));
+    }
+}
