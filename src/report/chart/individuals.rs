@@ -66,12 +66,12 @@ impl Individuals {
             panel.band(&band, look);
             panel.line(course.points.iter().map(|(x, _, mean, _)| (*x, *mean)), look, &course.name);
         }
-        for rule in &self.rules {
-            panel.rule(rule);
-        }
         for point in &self.points {
             let title = format!("{} at {} {}", self.y.show(point.y), self.x.show(point.x), point.name);
             panel.marker(point.x, point.y, 0.0, point.first.look(), title.trim_end());
+        }
+        for rule in &self.rules {
+            panel.rule(rule);
         }
         panel.finish()
     }

@@ -23,14 +23,17 @@ pub struct Path {
 }
 
 /// What is farther from the conflict point than this is not looked at, m.
-const NEIGHBOURHOOD: (f64, f64) = (-60.0, 20.0);
+const VEHICLE_NEIGHBOURHOOD: (f64, f64) = (-60.0, 20.0);
+const PEDESTRIAN_NEIGHBOURHOOD: (f64, f64) = (-10.0, 10.0);
 
 impl Paths {
     /// Intervals that show the neighbourhood of the conflict point for all of `paths`.
     pub fn ranges<'a>(paths: impl IntoIterator<Item = &'a Path> + Clone) -> ((f64, f64), (f64, f64)) {
-        let near = |value: f64| value.clamp(NEIGHBOURHOOD.0, NEIGHBOURHOOD.1);
         let points = || paths.clone().into_iter().flat_map(|path| path.points.iter().copied());
-        (nice_range(points().map(|(car, _)| near(car))), nice_range(points().map(|(_, person)| near(person))))
+        let within = |(low, high): (f64, f64)| move |value: f64| value.clamp(low, high);
+        let vehicles = points().map(|(car, _)| car).map(within(VEHICLE_NEIGHBOURHOOD));
+        let pedestrians = points().map(|(_, person)| person).map(within(PEDESTRIAN_NEIGHBOURHOOD));
+        (nice_range(vehicles), nice_range(pedestrians))
     }
 
     pub fn legend<'a>(paths: impl IntoIterator<Item = &'a Path>) -> Vec<Entry> {

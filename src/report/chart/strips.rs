@@ -57,11 +57,11 @@ impl Strips {
         let labels = (self.x.as_str(), self.y.label());
         let mut panel =
             Panel::new(&self.title, &description, (labels.0, &labels.1), Axis::Names(&names), range);
-        for rule in &self.rules {
-            panel.rule(rule);
-        }
         for (index, strip) in self.strips.iter().enumerate() {
             self.draw(&mut panel, index as f64 + 0.5, strip);
+        }
+        for rule in &self.rules {
+            panel.rule(rule);
         }
         panel.finish()
     }

@@ -134,7 +134,9 @@
 
   // The distance-distance plane with a marker for now.
   const drawPlane = () => {
+    const legend = byId("pairs");
     plane.replaceChildren();
+    legend.replaceChildren();
     const points = run.pairs.flatMap((pair) => pair.points);
     if (!points.length) return () => {};
     const clamp = (value, low, high) => Math.min(high, Math.max(low, value));
@@ -158,7 +160,16 @@
     const inner = element("svg", { x: 42, y: 38, width: 288, height: 178, viewBox: "42 38 288 178", overflow: "hidden" }, plane);
     const markers = run.pairs.filter((pair) => pair.points.length).map((pair, index) => {
       const path = pair.points.map((point, at) => `${at ? "L" : "M"}${x(point[0]).toFixed(1)} ${y(point[1]).toFixed(1)}`).join("");
-      const line = element("path", { class: `line c${index % 6}`, d: path }, inner);
+      const dashes = ["none", "7 3", "2 3", "9 3 2 3", "4 2", "12 4"][index % 6];
+      const line = element("path", { class: `line c${index % 6}`, d: path, "stroke-dasharray": dashes }, inner);
+      if (run.pairs.length > 1) {
+        const entry = document.createElement("li");
+        const swatch = element("svg", { class: "chart swatch", viewBox: "0 0 28 12" }, entry);
+        element("path", { class: `line c${index % 6}`, d: "M0 6H28", "stroke-dasharray": dashes }, swatch);
+        element("circle", { class: `dot c${index % 6}`, cx: 14, cy: 6, r: 4 }, swatch);
+        entry.append(` ${pair.pedestrian} and ${pair.vehicle}`);
+        legend.append(entry);
+      }
       element("title", {}, line, `${pair.pedestrian} and ${pair.vehicle}`);
       return { pair, marker: element("circle", { class: `dot c${index % 6}`, r: 5 }, inner) };
     });

@@ -17,6 +17,9 @@ use crate::report::wording::{bound, interval, margin, observed, verdict_mark, ve
 use crate::report::{Recording, SuiteReport, TrialReport, TrialState};
 use crate::run::Requests;
 
+/// A table with more trials than this scrolls.
+const LONG_TABLE: usize = 30;
+
 #[derive(Debug, Serialize)]
 pub struct Page {
     version: &'static str,
@@ -81,6 +84,8 @@ struct Scenario {
     /// The criteria of any of its trials.
     criteria: Vec<String>,
     trials: Vec<Trial>,
+    /// Whether the table of trials scrolls, those that did not pass first.
+    long: bool,
     /// Why trials were skipped, and how many.
     skipped: Vec<String>,
 }
@@ -208,6 +213,11 @@ fn scenario(
             criteria.push(criterion.text.clone());
         }
     }
+    let mut ran: Vec<_> = trials.iter().copied().filter(|trial| !trial.skipped()).collect();
+    let long = ran.len() > LONG_TABLE;
+    if long {
+        ran.sort_by_key(|trial| trial.verdict() == Some(Verdict::Passed));
+    }
     let first = trials.first().map(|trial| trial.trial);
     let variation = first.and_then(|trial| trial.cases.first()).map(|case| case.variation.as_slice());
     let names: Vec<_> = variation.unwrap_or_default().iter().map(|one| one.name.as_str()).collect();
@@ -217,12 +227,9 @@ fn scenario(
         tags: first.map(|trial| trial.tags.clone()).unwrap_or_default(),
         counts,
         variations: names.join(", "),
-        trials: trials
-            .iter()
-            .filter(|one| !one.skipped())
-            .map(|one| trial(report, one, &criteria, requests, animated))
-            .collect(),
+        trials: ran.into_iter().map(|one| trial(report, one, &criteria, requests, animated)).collect(),
         skipped: skipped(trials),
+        long,
         criteria,
     }
 }
