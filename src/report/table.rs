@@ -15,14 +15,19 @@ const MOST_ROWS: usize = 24;
 /// Wider labels are cut.
 const WIDEST_LABEL: usize = 40;
 
+/// What is shown of trials without criteria.
+const HEADLINES: [&str; 5] = ["collision", "gap_accepted", "pet", "max_deceleration", "time_lost"];
+
 /// A metric with its index in the outcomes and the name that it is shown by.
 pub type Column = (usize, &'static Metric, String);
 
-/// The metrics that the criteria of `trials` are about, in their order.
+/// The metrics that the criteria of `trials` are about, in their order; without criteria those that tell most.
 pub fn columns(trials: &[&TrialReport], requests: &Requests) -> Vec<Column> {
     let mut columns: Vec<Column> = Vec::new();
-    for criterion in trials.iter().flat_map(|trial| &trial.trial.criteria) {
-        let reference = criterion.claim.metric();
+    let criteria = || trials.iter().flat_map(|trial| &trial.trial.criteria);
+    let headlines = requests.iter().filter(|reference| HEADLINES.contains(&reference.name.as_str()));
+    let headlines = headlines.filter(|_| criteria().next().is_none());
+    for reference in criteria().map(|criterion| criterion.claim.metric()).chain(headlines) {
         if let (Some(index), Some(metric)) = (requests.index(reference), metrics::metric(&reference.name))
             && !columns.iter().any(|(known, _, _)| *known == index)
         {
@@ -32,22 +37,20 @@ pub fn columns(trials: &[&TrialReport], requests: &Requests) -> Vec<Column> {
     columns
 }
 
-/// Every scenario's table; without `colour` plain text.
+/// Every scenario's table; scenarios without variations stand in one. Without `colour` plain text.
 pub fn render_tables(report: &SuiteReport, requests: &Requests, colour: bool) -> String {
-    let tables = scenarios(report)
-        .into_iter()
-        .map(|(name, trials)| table(report, name, &trials, requests, colour))
-        .filter(|table| !table.is_empty());
+    let suite = report.identity.suite;
+    let is_single = |trials: &[&TrialReport]| trials.len() == 1 && short_name(trials[0]).is_empty();
+    let (single, varied): (Vec<_>, Vec<_>) =
+        scenarios(report).into_iter().partition(|(_, trials)| is_single(trials));
+    let single: Vec<_> = single.into_iter().flat_map(|(_, trials)| trials).collect();
+    let varied =
+        varied.into_iter().map(|(name, trials)| table(&format!("{suite}/{name}"), &trials, requests, colour));
+    let tables = varied.chain([table(suite, &single, requests, colour)]).filter(|table| !table.is_empty());
     tables.collect::<Vec<_>>().join("\n")
 }
 
-fn table(
-    report: &SuiteReport,
-    name: &str,
-    trials: &[&TrialReport],
-    requests: &Requests,
-    colour: bool,
-) -> String {
+fn table(title: &str, trials: &[&TrialReport], requests: &Requests, colour: bool) -> String {
     let ran: Vec<_> = trials.iter().copied().filter(|trial| !trial.skipped()).collect();
     let crowded = ran.len() > MOST_ROWS;
     let not_passed = |trial: &&&TrialReport| !crowded || trial.verdict() != Some(Verdict::Passed);
@@ -74,7 +77,7 @@ fn table(
         .map(|column| lines.iter().map(|line| line[column].text.chars().count()).max().unwrap_or(0))
         .collect();
     let bold = |text: &str| paint(text, plain.bold(), colour);
-    let mut text = format!("{}\n", bold(&format!("{}/{name}", report.identity.suite)));
+    let mut text = format!("{}\n", bold(title));
     for line in lines {
         let mut drawn = String::from(" ");
         for (column, (cell, width)) in line.iter().zip(&widths).enumerate() {
@@ -112,7 +115,7 @@ impl Cell {
 
 fn row(trial: &TrialReport, columns: &[Column], requests: &Requests) -> Vec<Cell> {
     let name = short_name(trial);
-    let name = if name.is_empty() { "all runs".into() } else { name };
+    let name = if name.is_empty() { trial.trial.scenario.clone() } else { name };
     let verdict = trial.verdict();
     let (mark, style) = match verdict {
         Some(verdict) => (format!("{} {}", verdict_mark(verdict), verdict_word(verdict)), style(verdict)),
