@@ -3,6 +3,7 @@
 mod calibrate;
 mod check;
 mod exit;
+mod experiment;
 mod explain;
 mod format;
 mod list;
@@ -53,6 +54,10 @@ enum Command {
     List(list::ListArguments),
     /// Show the pedestrian models, controllers, vehicle dynamics and metrics there are.
     Models(models::ModelsArguments),
+    /// Run a `search` block: find the plausible cases that are worst.
+    Search(experiment::ExperimentArguments),
+    /// Run a `tune` block: find the controller parameters that are best on a set of cases.
+    Tune(experiment::ExperimentArguments),
     /// Retain the parameter sets of the COMMOTIONS model that behave as criteria demand.
     Calibrate(calibrate::CalibrateArguments),
     /// Compare models with published numbers, with full counts.
@@ -72,6 +77,8 @@ pub fn main() -> ExitCode {
         Some(Command::Explain(arguments)) => explain::explain(&arguments),
         Some(Command::List(arguments)) => list::list(&arguments),
         Some(Command::Models(arguments)) => models::models(&arguments),
+        Some(Command::Search(arguments)) => experiment::search(&arguments),
+        Some(Command::Tune(arguments)) => experiment::tune(&arguments),
         Some(Command::Calibrate(arguments)) => calibrate::run(&arguments),
         Some(Command::Validate(arguments)) => validate::run(&arguments),
         Some(Command::Replay(arguments)) => replay::replay(&arguments),

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::{confidence, statistics};
 use crate::metrics;
 use crate::run::{Outcome, Requests};
 use crate::scenario::{
@@ -84,14 +85,17 @@ pub fn judge(criteria: &[Criterion], outcomes: &[Outcome], requests: &Requests) 
 
 fn find(criterion: &Criterion, outcomes: &[Outcome], requests: &Requests) -> Finding {
     match &criterion.claim {
-        Claim::Runs { comparison, share, .. } => runs(criterion, comparison, *share, outcomes, requests),
-        Claim::Aggregate { aggregate, relation, bound, when_undefined, .. } => {
+        Claim::Runs { comparison, share, confidence } => {
+            runs(criterion, comparison, *share, *confidence, outcomes, requests)
+        }
+        Claim::Aggregate { aggregate, relation, bound, when_undefined, confidence } => {
             let bound = constant(bound);
             match aggregate {
                 Aggregate::Rate(comparison) => {
                     let held = holding(comparison, outcomes, requests);
                     let rate = held.count as f64 / outcomes.len() as f64;
                     let finding = against(criterion, Measure::Share, *relation, bound, Some(rate), &held);
+                    let finding = with_confidence_in_share(finding, *relation, *confidence);
                     with_worst_of_rate(finding, comparison, *relation, &held, outcomes)
                 }
                 Aggregate::Count(comparison) => {
@@ -110,8 +114,16 @@ fn find(criterion: &Criterion, outcomes: &[Outcome], requests: &Requests) -> Fin
                     let defined: Vec<f64> = values.iter().copied().flatten().collect();
                     let undefined = values.len() - defined.len();
                     let held = Held { count: defined.len(), undefined, values };
-                    let observed = aggregate_of(aggregate, defined);
+                    let observed = aggregate_of(aggregate, defined.clone());
                     let mut finding = against(criterion, Measure::Value, *relation, bound, observed, &held);
+                    if let (Some(confidence), Some(_)) = (confidence, observed) {
+                        let seed = outcomes.first().map_or(0, |outcome| outcome.seed);
+                        let interval = confidence::value_interval(aggregate, &defined, *confidence, seed);
+                        finding.interval = interval.map(|interval| (interval.low, interval.high));
+                        finding.verdict = interval.map_or(Verdict::Inconclusive, |interval| {
+                            confidence::decide(*relation, interval, bound)
+                        });
+                    }
                     if observed.is_none() && *when_undefined == WhenUndefined::Passes {
                         finding.verdict = Verdict::Passed;
                     }
@@ -120,6 +132,17 @@ fn find(criterion: &Criterion, outcomes: &[Outcome], requests: &Requests) -> Fin
                 }
             }
         }
+    }
+}
+
+/// Where a confidence is stated, the verdict rests on the bounds of the share and not on the share that was seen.
+fn with_confidence_in_share(finding: Finding, relation: Relation, confidence: Option<f64>) -> Finding {
+    let Some(confidence) = confidence else { return finding };
+    let interval = confidence::share_interval(finding.holding, finding.runs, confidence);
+    Finding {
+        verdict: confidence::decide(relation, interval, finding.bound),
+        interval: Some((interval.low, interval.high)),
+        ..finding
     }
 }
 
@@ -150,6 +173,7 @@ fn runs(
     criterion: &Criterion,
     comparison: &Comparison,
     share: Option<f64>,
+    confidence: Option<f64>,
     outcomes: &[Outcome],
     requests: &Requests,
 ) -> Finding {
@@ -157,7 +181,11 @@ fn runs(
     let bound = comparison.constant_bound();
     let rate = held.count as f64 / outcomes.len() as f64;
     let mut finding = match share {
-        Some(share) => against(criterion, Measure::Share, Relation::GreaterOrEqual, share, Some(rate), &held),
+        Some(share) => {
+            let finding =
+                against(criterion, Measure::Share, Relation::GreaterOrEqual, share, Some(rate), &held);
+            with_confidence_in_share(finding, Relation::GreaterOrEqual, confidence)
+        }
         None => against(criterion, Measure::EveryRun, Relation::GreaterOrEqual, 1.0, Some(rate), &held),
     };
     if share.is_none() {
@@ -265,30 +293,17 @@ fn worst(
 
 /// `None` where the aggregate does not exist: of no values, or the spread of one.
 fn aggregate_of(aggregate: &Aggregate, mut values: Vec<f64>) -> Option<f64> {
+    // Sorted, so that sums do not depend on the order of the runs.
     values.sort_by(f64::total_cmp);
-    let (first, last) = (*values.first()?, *values.last()?);
-    // Summed in sorted order, so the result does not depend on the order of the runs.
-    let mean = values.iter().sum::<f64>() / values.len() as f64;
     match aggregate {
-        Aggregate::Mean(_) => Some(mean),
-        Aggregate::Median(_) => Some(quantile(&values, 0.5)),
-        Aggregate::Min(_) => Some(first),
-        Aggregate::Max(_) => Some(last),
-        Aggregate::Std(_) => {
-            let squares: f64 = values.iter().map(|value| (value - mean) * (value - mean)).sum();
-            (values.len() > 1).then(|| (squares / (values.len() - 1) as f64).sqrt())
-        }
-        Aggregate::Quantile(level, _) => Some(quantile(&values, *level)),
+        Aggregate::Mean(_) => statistics::mean(&values),
+        Aggregate::Median(_) => statistics::median(&values),
+        Aggregate::Min(_) => values.first().copied(),
+        Aggregate::Max(_) => values.last().copied(),
+        Aggregate::Std(_) => statistics::std(&values),
+        Aggregate::Quantile(level, _) => statistics::quantile(&values, *level),
         Aggregate::Rate(_) | Aggregate::Count(_) => {
             unreachable!("rates and counts are not aggregates of values")
         }
     }
-}
-
-/// The quantile at `level` of sorted values, linear between order statistics (type 7 of Hyndman & Fan 1996).
-fn quantile(sorted: &[f64], level: f64) -> f64 {
-    let place = level * (sorted.len() - 1) as f64;
-    let below = place.floor();
-    let upper = sorted[(below as usize + 1).min(sorted.len() - 1)];
-    sorted[below as usize] + (place - below) * (upper - sorted[below as usize])
 }

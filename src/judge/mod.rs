@@ -1,5 +1,6 @@
 //! Criteria over a trial's outcomes: verdicts, with how far from failing and which runs were worst.
 
+mod confidence;
 mod criteria;
 pub mod statistics;
 

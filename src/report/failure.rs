@@ -30,6 +30,15 @@ fn render_finding(suite: &SuiteIdentity, finding: &Finding, colour: bool) -> Str
             finding.metric, finding.undefined, finding.runs
         ));
     }
+    if let Some((low, high)) = finding.interval {
+        let show = |bound: f64| match finding.measure {
+            Measure::Share | Measure::EveryRun => share(bound),
+            _ if bound.is_infinite() => "anywhere".to_string(),
+            _ => metrics::metric(&finding.metric)
+                .map_or_else(|| significant(bound, 4), |metric| quantity(metric, Some(bound))),
+        };
+        notes.push(format!("at the stated confidence it lies between {} and {}", show(low), show(high)));
+    }
     notes.extend(finding.worst.iter().map(|run| format!("{}  {}", value(finding, run), run.key)));
     let replay = finding.worst.first().map(|run| format!("replay: {}", replay_command(suite, &run.key)));
     let label =

@@ -3,6 +3,7 @@
 pub mod chart;
 mod digest;
 mod excerpt;
+mod experiment;
 mod failure;
 mod figures;
 pub mod findings;
@@ -32,6 +33,7 @@ use crate::plan::Trial;
 use crate::run::Outcome;
 
 pub use excerpt::Excerpt;
+pub use experiment::{render_search, render_tune, tuned_parameters};
 pub use failure::render_failure;
 pub use figures::{Figure, figures};
 pub use format::{quantity, share};

@@ -1,0 +1,134 @@
+//! What searches and tunes found, for the terminal, and tuned parameters as a file to `use`.
+
+use std::fmt::Write;
+
+use crate::experiment::{Candidate, MetricSummary, SearchResult, TuneResult};
+use crate::optimise::Value;
+use crate::scenario::{Target, Tune, significant};
+
+/// One line per person: where the worst is, what was seen there, what is believed, and what fresh seeds give.
+pub fn render_search(result: &SearchResult) -> String {
+    let mut lines =
+        vec![["", "where", "observed", "model", "fresh seeds", "first", "runs"].map(String::from)];
+    for found in &result.found {
+        let who: Vec<_> = found.individuals.iter().map(|person| person.number.to_string()).collect();
+        let who = match who.as_slice() {
+            [] => "all".to_string(),
+            [one] => one.clone(),
+            several => format!("{} people", several.len()),
+        };
+        let point = found.best.iter().flatten().map(|(name, value)| format!("{name} {}", short(value)));
+        lines.push([
+            who,
+            point.collect::<Vec<_>>().join(", "),
+            number(found.observed),
+            found.predicted.map_or("–".into(), |(mean, sd)| format!("{} ± {}", digits(mean), digits(sd))),
+            format!("{} ({})", number(found.fresh), found.fresh_runs),
+            found.passed_first.unwrap_or("–").to_string(),
+            found.evaluations.len().to_string(),
+        ]);
+    }
+    let mut text = format!("search {}: {}\n", result.name, result.objective);
+    text += &columns(&lines);
+    writeln!(text, "{} of {} kept", result.kept.cases.len(), result.found.len()).expect(STRING);
+    text
+}
+
+/// The chosen candidate, or why there is none, with the table of before and after.
+pub fn render_tune(result: &TuneResult) -> String {
+    let mut text =
+        format!("tune {}: {} over {} cases\n", result.name, result.objectives.join(", "), result.cases);
+    if !result.constraints.is_empty() {
+        writeln!(text, "  subject to {}", result.constraints.join(", ")).expect(STRING);
+    }
+    let feasible = result.evaluations.iter().filter(|candidate| candidate.feasible).count();
+    writeln!(text, "  {feasible} of {} candidates are feasible", result.evaluations.len()).expect(STRING);
+    match &result.chosen {
+        Some(chosen) => writeln!(text, "  chosen: {}", candidate(result, chosen)).expect(STRING),
+        None if result.pareto.is_empty() => {
+            text.push_str("  no candidate keeps every constraint: nothing is chosen\n")
+        }
+        None => {}
+    }
+    for one in &result.pareto {
+        writeln!(text, "  front: {}", candidate(result, one)).expect(STRING);
+    }
+    if let Some(comparison) = &result.comparison {
+        let mut lines = vec![["", "before", "after", "before, fresh", "after, fresh"].map(String::from)];
+        let tables = [&comparison.after, &comparison.before_fresh, &comparison.after_fresh];
+        for (index, before) in comparison.before.iter().enumerate() {
+            let others = tables.map(|table| summary(&table[index]));
+            let [after, before_fresh, after_fresh] = others;
+            lines.push([before.metric.clone(), summary(before), after, before_fresh, after_fresh]);
+        }
+        text += &columns(&lines);
+        text.push_str("  mean (min .. max) over the cases; fresh: the same cases with other seeds\n");
+        if !comparison.feasible_fresh {
+            text.push_str("  the chosen candidate breaks a constraint on the fresh seeds\n");
+        }
+    }
+    text
+}
+
+/// The chosen parameters as `let` lines that a scenario can `use`.
+pub fn tuned_parameters(result: &TuneResult, tune: &Tune) -> String {
+    let mut text = format!("# Found by `tune {}`: {}.\n", result.name, result.objectives.join(", "));
+    for (range, value) in tune.over.iter().zip(result.chosen.iter().flat_map(|chosen| &chosen.point)) {
+        let name = match &range.target {
+            Target::Variation(name) => name,
+            Target::Setting { parameter, .. } => parameter,
+        };
+        writeln!(text, "let {name} = {value} {}", range.unit).expect(STRING);
+    }
+    text
+}
+
+const STRING: &str = "writing to a string cannot fail";
+
+fn candidate(result: &TuneResult, candidate: &Candidate) -> String {
+    let point = result.parameters.iter().zip(&candidate.point);
+    let point: Vec<_> = point.map(|(name, value)| format!("{name} {}", short(value))).collect();
+    let objectives: Vec<_> = candidate.objectives.iter().map(|value| number(*value)).collect();
+    let margins: Vec<_> = candidate.margins.iter().map(|value| number(*value)).collect();
+    let margins =
+        if margins.is_empty() { String::new() } else { format!(", margins {}", margins.join(", ")) };
+    format!("{} gives {}{margins}", point.join(", "), objectives.join(", "))
+}
+
+fn summary(summary: &MetricSummary) -> String {
+    match (summary.mean, summary.min, summary.max) {
+        (Some(mean), Some(min), Some(max)) if min < max => {
+            format!("{} ({} .. {})", digits(mean), digits(min), digits(max))
+        }
+        (Some(mean), ..) => digits(mean),
+        _ => "–".to_string(),
+    }
+}
+
+fn short(value: &Value) -> String {
+    value.number().map_or_else(|| value.to_string(), digits)
+}
+
+fn number(value: Option<f64>) -> String {
+    value.map_or_else(|| "–".to_string(), digits)
+}
+
+fn digits(value: f64) -> String {
+    significant(value, 4)
+}
+
+/// Rows in columns, the first to the left, the others to the right.
+fn columns<const N: usize>(lines: &[[String; N]]) -> String {
+    let width = |column: usize| lines.iter().map(|line| line[column].chars().count()).max().unwrap_or(0);
+    let widths: [usize; N] = std::array::from_fn(width);
+    let mut text = String::new();
+    for line in lines {
+        let mut drawn = format!("  {:<1$}", line[0], widths[0]);
+        for (cell, width) in line.iter().zip(widths).skip(1) {
+            write!(drawn, "  {cell:>width$}").expect(STRING);
+        }
+        text += drawn.trim_end();
+        text.push('\n');
+    }
+    text
+}
