@@ -114,7 +114,7 @@ fn filters_select_trials() {
     assert_eq!(list(&["scripted/tta=6s"]), "zebra/scripted/tta=6s: test\n");
     assert_eq!(list(&["zebra/scripted/tta=6s", "--exact"]), "zebra/scripted/tta=6s: test\n");
     assert_eq!(list(&["scripted", "--skip", "tta=1"]), "zebra/scripted/tta=6s: test\n");
-    assert_eq!(list(&[]).lines().count(), 8);
+    assert_eq!(list(&[]).lines().count(), 12);
 }
 
 #[test]
@@ -152,4 +152,45 @@ fn junit_can_be_read_back_and_traces_are_written() {
     let mut lines = trace.lines();
     assert_eq!(lines.next(), Some("time_s,who,x_m,y_m,vx_m_s,vy_m_s,acceleration_m_s2,mode"));
     assert!(lines.clone().any(|line| line.contains(",walker,")) && lines.any(|line| line.contains(",av,")));
+}
+
+#[test]
+fn a_search_and_a_tune_from_the_command_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    let (cases, parameters, journal) = (at("low_pet.json"), at("tuned.scn"), at("journal"));
+    let suite = "suites/worst_arrival.suite";
+    let found = scenario_runner(&["search", "low_pet", suite, "--save", &cases, "--journal", &journal]);
+    assert_eq!(code(&found), 0, "{}", stderr(&found));
+    insta::assert_snapshot!(stdout(&found));
+    let set: Value = serde_json::from_str(&std::fs::read_to_string(cases).unwrap()).unwrap();
+    assert!(!set["cases"].as_array().unwrap().is_empty());
+    let tuned =
+        scenario_runner(&["tune", "braking_distance", suite, "--save", &parameters, "--journal", &journal]);
+    assert_eq!(code(&tuned), 0, "{}", stderr(&tuned));
+    insta::assert_snapshot!(stdout(&tuned));
+    assert_eq!(
+        code(&scenario_runner(&["check", &parameters])),
+        3,
+        "a file of definitions alone is no scenario"
+    );
+    assert!(std::fs::read_to_string(&parameters).unwrap().contains("let braking_distance = "));
+    let unknown = scenario_runner(&["search", "low_pett", suite]);
+    assert_eq!(code(&unknown), 2);
+    assert!(stderr(&unknown).contains("it declares `low_pet`"), "{}", stderr(&unknown));
+}
+
+#[test]
+fn a_gate_is_refused_rather_than_ignored() {
+    let folder = tempfile::tempdir().unwrap();
+    let scenario = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/zebra/scripted.scn");
+    let text = format!(
+        "suite gated {{\n  scenarios \"{}\"\n  gate braking {{ baseline \"b.json\"; no metric worse by more than 5 % with 95 % confidence }}\n}}\n",
+        scenario.display()
+    );
+    let path = folder.path().join("gated.suite");
+    std::fs::write(&path, text).unwrap();
+    let output = scenario_runner(&[&path.to_string_lossy()]);
+    assert_eq!(code(&output), 3, "{}{}", stdout(&output), stderr(&output));
+    assert!(stderr(&output).contains("gate `braking` cannot be judged"), "{}", stderr(&output));
 }

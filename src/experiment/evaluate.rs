@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{ExperimentError, Laboratory};
 use crate::judge::aggregate;
-use crate::metrics::MetricKind;
+use crate::metrics::{MetricKind, metric};
 use crate::run::{Outcome, Unwatched, run_case};
 use crate::scenario::{Aggregate, Case, Comparison, MetricReference, WhenUndefined};
 
@@ -61,10 +61,14 @@ impl Laboratory<'_> {
         (worst < f64::INFINITY).then_some(worst)
     }
 
-    /// Every quantity, flag and category over the outcomes, for tables.
+    /// Every quantity and flag over the outcomes, for tables. Categories have no mean.
     pub(super) fn summaries(&self, outcomes: &[Outcome]) -> Vec<MetricSummary> {
+        let has_mean = |reference: &&MetricReference| {
+            metric(&reference.name).is_some_and(|metric| !matches!(metric.kind, MetricKind::Category(_)))
+        };
         self.requests
             .iter()
+            .filter(has_mean)
             .map(|reference| {
                 let mut values: Vec<f64> = self.values(reference, outcomes).into_iter().flatten().collect();
                 values.sort_by(f64::total_cmp);
@@ -84,7 +88,7 @@ impl Laboratory<'_> {
     /// Who passed first in an outcome, in the metric's own words.
     pub(super) fn passed_first(&self, outcome: &Outcome) -> Option<&'static str> {
         let index = self.requests.iter().position(|reference| reference.name == "passed_first")?;
-        let MetricKind::Category(words) = crate::metrics::metric("passed_first")?.kind else { return None };
+        let MetricKind::Category(words) = metric("passed_first")?.kind else { return None };
         words.get(outcome.metrics[index]? as usize).copied()
     }
 }
