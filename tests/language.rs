@@ -16,7 +16,10 @@ fn files(name: &str) -> Vec<PathBuf> {
     let mut files: Vec<_> = std::fs::read_dir(folder(name))
         .unwrap()
         .map(|entry| entry.unwrap().path())
-        .filter(|path| path.extension().is_some_and(|extension| extension == "scn" || extension == "suite"))
+        .filter(|path| {
+            path.extension()
+                .is_some_and(|extension| extension == "scn" || extension == "suite" || extension == "yaml")
+        })
         .collect();
     files.sort();
     files
@@ -109,6 +112,9 @@ fn good_files_have_no_errors() {
 #[test]
 fn good_files_stay_what_they_are_when_formatted() {
     for path in files("ok").into_iter().chain(files("fails")) {
+        if path.extension().is_some_and(|extension| extension == "yaml") {
+            continue;
+        }
         let text = std::fs::read_to_string(&path).unwrap();
         let source = Sources::default().add("test", "");
         let Ok(once) = lang::format(source, &text) else { continue };
@@ -119,6 +125,34 @@ fn good_files_stay_what_they_are_when_formatted() {
                 assert_eq!(without_places(before), without_places(after), "{}", path.display());
             }
         }
+    }
+}
+
+#[test]
+fn yaml_says_the_same() {
+    let copies = tempfile::tempdir().unwrap();
+    let copy = |from: &Path, to: &str| std::fs::copy(from, copies.path().join(to)).unwrap();
+    std::fs::create_dir_all(copies.path().join("support")).unwrap();
+    std::fs::create_dir_all(copies.path().join("ok")).unwrap();
+    copy(&folder("support/street.scn"), "support/street.scn");
+    copy(&folder("ok/everything.scn"), "ok/everything.scn");
+    for name in ["ok/everything.scn", "ok/whole.suite"] {
+        let text = std::fs::read_to_string(folder(name)).unwrap();
+        let source = Sources::default().add("test", "");
+        let yaml = lang::to_yaml(source, &text).unwrap();
+        let path = copies.path().join(name).with_extension("yaml");
+        let loaded = lang::check(&path, &yaml)
+            .unwrap_or_else(|failure| panic!("{yaml}\n{}", failure.render(Style::default())));
+        let original = lang::load(&folder(name)).unwrap();
+        for (before, after) in original.suite.scenarios.iter().zip(&loaded.suite.scenarios) {
+            assert_eq!(without_places(before), without_places(after), "{yaml}");
+        }
+        assert_eq!(original.suite.searches.len(), loaded.suite.searches.len());
+        assert_eq!(original.suite.tunes.len(), loaded.suite.tunes.len());
+        assert_eq!(original.suite.gates.len(), loaded.suite.gates.len());
+        // And back again.
+        let scn = lang::from_yaml(source, &yaml).unwrap();
+        assert_eq!(lang::to_yaml(source, &scn).unwrap(), yaml);
     }
 }
 
@@ -184,4 +218,44 @@ fn a_file_that_is_not_there_is_refused_with_the_nearest_name() {
     let (found, _) = findings(Path::new("tests/language/ok/everythin.scn"));
     assert_eq!((found[0].code, found[0].severity), (Code::UnreadableFile, Severity::Error));
     assert_eq!(found[0].hints, ["did you mean `everything.scn`?"]);
+}
+
+/// The fenced blocks of a language in the reference.
+fn examples(language: &str) -> Vec<String> {
+    let text = std::fs::read_to_string("docs/language.md").unwrap();
+    let fence = format!("```{language}\n");
+    text.split(&fence).skip(1).map(|rest| rest.split("```").next().unwrap().to_string()).collect()
+}
+
+#[test]
+fn the_reference_compiles() {
+    let whole = examples("scn").concat();
+    let pieces = [("docs/whole.scn", whole.clone())];
+    let suites = examples("suite").into_iter().map(|text| ("docs/example.suite", text));
+    let yaml = examples("yaml").into_iter().map(|text| ("docs/example.yaml", text));
+    for (name, text) in pieces.into_iter().chain(suites).chain(yaml) {
+        match lang::check(Path::new(name), &text) {
+            Ok(loaded) => {
+                assert!(
+                    loaded.warnings.is_empty(),
+                    "{}",
+                    lang::render_all(&loaded.warnings, &loaded.sources, Style::default())
+                );
+                scenario_runner::plan::plan(&loaded.suite).unwrap_or_else(|errors| panic!("{errors:?}"));
+            }
+            Err(failure) => panic!("{}", failure.render(Style::default())),
+        }
+    }
+    assert!(whole.len() > 3000);
+}
+
+#[test]
+fn the_schema_in_the_repository_is_current() {
+    let current = format!("{:#}\n", lang::yaml_schema());
+    let path = "grammar/scenario.schema.json";
+    if std::env::var_os("UPDATE_DOCS").is_some() {
+        std::fs::write(path, &current).unwrap();
+    }
+    let stored = std::fs::read_to_string(path).unwrap_or_default();
+    assert!(stored == current, "{path} is out of date; run the tests once with UPDATE_DOCS=1");
 }

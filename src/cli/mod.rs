@@ -2,6 +2,7 @@
 
 mod calibrate;
 mod check;
+mod convert;
 mod exit;
 mod experiment;
 mod explain;
@@ -48,6 +49,8 @@ enum Command {
     Check(check::CheckArguments),
     /// Bring scenario files into the one style.
     Fmt(format::FormatArguments),
+    /// Turn a scenario file into YAML or back, on standard output.
+    Convert(convert::ConvertArguments),
     /// Explain the code of an error or warning.
     Explain(explain::ExplainArguments),
     /// Show the scenarios of suites with their tags and how much they run.
@@ -74,6 +77,7 @@ pub fn main() -> ExitCode {
         Some(Command::Run(arguments)) => run::run(arguments),
         Some(Command::Check(arguments)) => check::check(&arguments),
         Some(Command::Fmt(arguments)) => format::format(&arguments),
+        Some(Command::Convert(arguments)) => convert::convert(&arguments),
         Some(Command::Explain(arguments)) => explain::explain(&arguments),
         Some(Command::List(arguments)) => list::list(&arguments),
         Some(Command::Models(arguments)) => models::models(&arguments),

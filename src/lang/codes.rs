@@ -75,6 +75,15 @@ codes! {
     BadSetting = "E0109", "a setting does not read as `name: value`",
         "Settings stand in braces after the name of what they set: `controller carla_behavior { profile: normal, \
          braking_distance: 5 m }`. Between them stand commas or line ends.";
+    BadYaml = "E0110", "a YAML file cannot be read",
+        "The file is not YAML, or uses what scenario files do without: anchors, aliases, tags, several documents, \
+         the same key twice.";
+    WrongShape = "E0111", "a YAML value has the wrong shape",
+        "Quantities, criteria and conditions are written as in a scenario file, as one text: `speed: 30 km/h`. Road users \
+         and settings are made of keys, several values are a list.";
+    UnknownKey = "E0112", "a YAML key is not known here",
+        "Keys are the words that begin statements in a scenario file; what may stand several times has a plural, such as \
+         `vehicles`.";
     // Files
     UnreadableFile = "E0201", "a file cannot be read",
         "The file does not exist, is a folder, or may not be read. Paths in `use` and `scenarios` are relative to the \

@@ -7,8 +7,10 @@ use std::sync::Arc;
 use super::codes::Code;
 use super::diagnostic::{Diagnostic, Severity};
 use super::source::{SourceId, Sources, Span};
+use super::suite::{self, FileKind};
 use super::tree::{Node, NodeIndex, Rule, Tree};
 use super::value::{self, Binding, Scope, unquote};
+use super::yaml;
 
 /// Larger files are refused.
 pub const LARGEST_FILE: usize = 16 << 20;
@@ -111,10 +113,23 @@ impl Files {
             }
         };
         self.reading.push((identity.clone(), asked));
-        let file = self.add(source, path, report);
+        let text = self.sources.get(source).text.clone();
+        let file = match suite::file_kind(path) {
+            Some(FileKind::Yaml) => match yaml::to_scn(source, &text) {
+                Ok(yaml::Translation { text, places }) => {
+                    let translation = self.sources.add_translation(text, source, places);
+                    Some(self.add(translation, path, report))
+                }
+                Err(diagnostics) => {
+                    report.extend(diagnostics);
+                    None
+                }
+            },
+            _ => Some(self.add(source, path, report)),
+        };
         self.reading.pop();
-        self.by_path.insert(identity, Some(file));
-        Some(file)
+        self.by_path.insert(identity, file);
+        file
     }
 
     /// The text, or code, message, hint and the part that could be read.

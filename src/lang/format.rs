@@ -10,7 +10,7 @@ use super::check::relation;
 use super::diagnostic::Diagnostic;
 use super::lexer::TokenKind;
 use super::source::SourceId;
-use super::tree::{Rule, Tree};
+use super::tree::{Node, Rule, Tree};
 
 const INDENT: &str = "  ";
 
@@ -18,6 +18,19 @@ const INDENT: &str = "  ";
 pub fn format(source: SourceId, text: &str) -> Result<String, Vec<Diagnostic>> {
     let (tree, diagnostics) = Tree::parse(source, Arc::from(text));
     if diagnostics.is_empty() { Ok(format_tree(&tree)) } else { Err(diagnostics) }
+}
+
+/// A node in the one style in one line, without comments.
+pub fn phrase(node: Node) -> String {
+    // Everything counts as the inside of a bracket, where lines break only as in the source.
+    let mut printer = Printer { frames: vec![Frame::Bracket], ..Printer::default() };
+    for mut atom in atoms(node) {
+        if atom.kind != AtomKind::Comment {
+            atom.newlines = 0;
+            printer.print(&atom);
+        }
+    }
+    printer.out.trim().to_string()
 }
 
 /// Something that is printed without anything inside it being touched.
@@ -74,12 +87,13 @@ fn is_leaf(rule: Rule) -> bool {
         || format!("{rule:?}").starts_with("kw_")
 }
 
-fn atoms(tree: &Tree) -> Vec<Atom> {
+fn atoms(of: Node) -> Vec<Atom> {
+    let tree = of.tree();
     let text = tree.text();
     let mut leaves: HashMap<usize, (usize, Rule, String)> = HashMap::new();
     let mut settings: HashSet<usize> = HashSet::new();
     let mut groups: HashSet<usize> = HashSet::new();
-    for node in tree.nodes() {
+    for node in of.descendants() {
         let span = node.span();
         match node.rule() {
             Rule::settings => _ = settings.insert(span.start),
@@ -96,10 +110,15 @@ fn atoms(tree: &Tree) -> Vec<Atom> {
     }
     let mut atoms = Vec::new();
     let mut newlines = 0;
+    let span = of.span();
     let mut skip_to = 0;
-    for (index, token) in tree.tokens().iter().enumerate() {
+    let first = tree.tokens().partition_point(|token| token.start < span.start);
+    for (index, token) in tree.tokens().iter().enumerate().skip(first) {
         if token.start < skip_to {
             continue;
+        }
+        if token.start >= span.end {
+            break;
         }
         if let Some((end, rule, text)) = leaves.get(&token.start) {
             let kind = if *rule == Rule::negation { AtomKind::Negation } else { AtomKind::Word };
@@ -165,6 +184,7 @@ enum Frame {
     Bracket,
 }
 
+#[derive(Default)]
 struct Printer {
     out: String,
     frames: Vec<Frame>,
@@ -176,14 +196,8 @@ struct Printer {
 }
 
 fn format_tree(tree: &Tree) -> String {
-    let mut printer = Printer {
-        out: String::with_capacity(tree.text().len()),
-        frames: Vec::new(),
-        in_line: false,
-        before: None,
-        pending: None,
-    };
-    for atom in atoms(tree) {
+    let mut printer = Printer::default();
+    for atom in atoms(tree.root()) {
         printer.print(&atom);
     }
     if printer.in_line {

@@ -21,6 +21,7 @@ mod tests;
 mod tree;
 mod units;
 mod value;
+mod yaml;
 
 use std::path::Path;
 
@@ -35,6 +36,7 @@ pub use source::{Location, Source, SourceId, Sources, Span};
 pub use suite::DEFAULT_SEED;
 pub use tree::{Node, NodeIndex, Rule, Tree};
 pub use units::{UNITS, Unit};
+pub use yaml::schema as yaml_schema;
 
 use crate::scenario::Suite;
 use files::Files;
@@ -78,7 +80,7 @@ fn load_with(path: &Path, mut files: Files) -> Result<Loaded, Failure> {
                 format!("`{}` is neither a scenario file nor a suite", path.display()),
             )
             .label("unknown kind of file")
-            .hint("scenario files end in `.scn`, suites in `.suite`"),
+            .hint("scenario files end in `.scn`, suites in `.suite`, and both may be `.yaml`"),
         );
         return Err(Failure { diagnostics: report, sources: files.sources });
     };
@@ -88,12 +90,32 @@ fn load_with(path: &Path, mut files: Files) -> Result<Loaded, Failure> {
         let root = files.tree(file).source;
         files.trace(root, &mut report);
     }
+    for label in report.iter_mut().flat_map(|diagnostic| &mut diagnostic.labels) {
+        label.span = files.sources.resolve(label.span);
+    }
     report.sort_by_key(|diagnostic| (diagnostic.span().source, diagnostic.span().start));
     let sources = files.sources;
     match suite {
         Some(suite) if !files::has_errors(&report) => Ok(Loaded { suite, warnings: report, sources }),
         _ => Err(Failure { diagnostics: report, sources }),
     }
+}
+
+/// The YAML form of a scenario file or suite. Comments are not kept.
+pub fn to_yaml(source: SourceId, text: &str) -> Result<String, Vec<Diagnostic>> {
+    let (tree, diagnostics) = Tree::parse(source, text.into());
+    if diagnostics.is_empty() { Ok(yaml::to_yaml(&tree)) } else { Err(diagnostics) }
+}
+
+/// The scenario file or suite that a YAML text stands for, in the one style.
+pub fn from_yaml(source: SourceId, text: &str) -> Result<String, Vec<Diagnostic>> {
+    let yaml::Translation { text, places } = yaml::to_scn(source, text)?;
+    format(source, &text).map_err(|mut diagnostics| {
+        for label in diagnostics.iter_mut().flat_map(|diagnostic| &mut diagnostic.labels) {
+            (label.span.start, label.span.end) = places.original(label.span.start, label.span.end);
+        }
+        diagnostics
+    })
 }
 
 impl Failure {

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::yaml::Places;
 use crate::scenario::Origin;
 
 /// One of the texts in [`Sources`].
@@ -23,6 +24,8 @@ pub struct Source {
     pub text: Arc<str>,
     /// Byte offset of the first character of every line.
     line_starts: Vec<usize>,
+    /// The text that this one was made from, and from where in it.
+    original: Option<(SourceId, Places)>,
 }
 
 /// Every text that a suite was read from.
@@ -42,7 +45,7 @@ impl Source {
     fn new(name: String, text: Arc<str>) -> Self {
         let mut line_starts = vec![0];
         line_starts.extend(text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n').map(|(at, _)| at + 1));
-        Self { name, text, line_starts }
+        Self { name, text, line_starts, original: None }
     }
 
     /// Index of the line that holds byte `offset`.
@@ -78,6 +81,24 @@ impl Sources {
         id
     }
 
+    /// Adds a text that was made from another; places in it are shown in that one.
+    pub fn add_translation(&mut self, text: String, original: SourceId, places: Places) -> SourceId {
+        let id = self.add(self.get(original).name.clone(), text);
+        self.sources[id.0 as usize].original = Some((original, places));
+        id
+    }
+
+    /// The place as its author knows it.
+    pub fn resolve(&self, span: Span) -> Span {
+        match &self.get(span.source).original {
+            Some((source, places)) => {
+                let (start, end) = places.original(span.start, span.end);
+                Span { source: *source, start, end }
+            }
+            None => span,
+        }
+    }
+
     pub fn get(&self, id: SourceId) -> &Source {
         &self.sources[id.0 as usize]
     }
@@ -92,12 +113,14 @@ impl Sources {
 
     /// The first place of a span.
     pub fn location(&self, span: Span) -> Location {
+        let span = self.resolve(span);
         self.get(span.source).location(span.start)
     }
 
     /// The place as the data that travels with a scenario. Very long lines are not carried along.
     pub fn origin(&self, span: Span) -> Origin {
         const LONGEST_LINE: usize = 400;
+        let span = self.resolve(span);
         let source = self.get(span.source);
         let index = source.line_index(span.start);
         let line = source.line(index);

@@ -22,6 +22,8 @@ const MOST_FILES: usize = 20_000;
 pub enum FileKind {
     Scenarios,
     Suite,
+    /// Either of them, as its content says.
+    Yaml,
 }
 
 /// What the name of a file says about it.
@@ -29,6 +31,7 @@ pub fn file_kind(path: &Path) -> Option<FileKind> {
     match path.extension()?.to_str()? {
         "scn" => Some(FileKind::Scenarios),
         "suite" => Some(FileKind::Suite),
+        "yaml" | "yml" => Some(FileKind::Yaml),
         _ => None,
     }
 }
@@ -43,7 +46,8 @@ pub fn suite(
 ) -> Option<Suite> {
     match kind {
         FileKind::Scenarios => bare(files, file, path, report),
-        FileKind::Suite => declared(files, file, path, report),
+        FileKind::Yaml if !files.tree(file).root().has(Rule::suite) => bare(files, file, path, report),
+        FileKind::Suite | FileKind::Yaml => declared(files, file, path, report),
     }
 }
 
@@ -340,7 +344,7 @@ fn open_all(
                 break;
             }
             match file_kind(&found) {
-                Some(FileKind::Scenarios) => {
+                Some(FileKind::Scenarios | FileKind::Yaml) => {
                     if let Some(file) = files.open(&join(&found, &file_name(&found)), Some(*span), report)
                         && seen.insert(file)
                     {
@@ -354,7 +358,7 @@ fn open_all(
                         format!("`{}` is not a scenario file", found.display()),
                     )
                     .label("matches it")
-                    .hint("let the pattern end in `.scn`"),
+                    .hint("let the pattern end in `.scn` or `.yaml`"),
                 ),
             }
         }

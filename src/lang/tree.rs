@@ -170,6 +170,11 @@ impl<'t> Node<'t> {
         })
     }
 
+    /// The node itself and every node below it, parents before children.
+    pub fn descendants(self) -> impl Iterator<Item = Node<'t>> {
+        (self.index..self.data().after).map(move |index| Node { tree: self.tree, index })
+    }
+
     /// The first child of that rule.
     pub fn child(self, rule: Rule) -> Option<Node<'t>> {
         self.children().find(|child| child.rule() == rule)

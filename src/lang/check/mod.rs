@@ -23,6 +23,7 @@ pub use criterion::{Cast, relation};
 pub use experiment::{Subjects, search, tune};
 pub use gate::gate;
 pub use pedestrian::DEFAULT_GOAL;
+pub use road::{OBSTACLE, SIGNALISED, UNMARKED, ZEBRA};
 pub use scenario::{Defaults, SuiteCriteria, defined_road, scenario};
 
 /// Where things were said.

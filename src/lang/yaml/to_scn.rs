@@ -1,0 +1,362 @@
+//! YAML to the text of a scenario file.
+
+use super::document::{Content, Yaml, read};
+use super::shape::{Key, Shape, keys};
+use super::{Piece, Places};
+use crate::lang::codes::Code;
+use crate::lang::diagnostic::Diagnostic;
+use crate::lang::lexer::{self, TokenKind};
+use crate::lang::source::SourceId;
+use crate::lang::tree::Rule;
+
+/// The text of a scenario file that says what a YAML file says.
+#[derive(Debug, Clone)]
+pub struct Translation {
+    pub text: String,
+    pub places: Places,
+}
+
+/// Translates the YAML `text` of `source`; findings are about the YAML.
+pub fn to_scn(source: SourceId, text: &str) -> Result<Translation, Vec<Diagnostic>> {
+    let document = read(source, text).map_err(|diagnostic| vec![diagnostic])?;
+    let mut writer = Writer {
+        source,
+        yaml: text,
+        text: String::new(),
+        places: Places::default(),
+        report: Vec::new(),
+        depth: 0,
+    };
+    writer.block(&document, Rule::file, "a file");
+    if writer.report.is_empty() {
+        Ok(Translation { text: writer.text, places: writer.places })
+    } else {
+        Err(writer.report)
+    }
+}
+
+struct Writer<'a> {
+    source: SourceId,
+    yaml: &'a str,
+    text: String,
+    places: Places,
+    report: Vec<Diagnostic>,
+    depth: usize,
+}
+
+impl Writer<'_> {
+    fn wrong(&mut self, value: &Yaml, message: impl Into<String>, hint: impl Into<String>) {
+        self.report.push(
+            Diagnostic::new(Code::WrongShape, value.span(self.source), message)
+                .label("not understood")
+                .hint(hint),
+        );
+    }
+
+    /// Text that came from `value`.
+    fn from(&mut self, value: &Yaml, text: &str) {
+        let start = self.text.len();
+        self.text.push_str(text);
+        let verbatim = self.yaml.get(value.start..value.end) == Some(text);
+        let piece = Piece { start, end: self.text.len(), from: value.start, to: value.end, verbatim };
+        self.places.pieces.push(piece);
+    }
+
+    fn line(&mut self) {
+        self.text.push('\n');
+        let indentation = "  ".repeat(self.depth);
+        self.text.push_str(&indentation);
+    }
+
+    /// A name that can stand in a scenario file.
+    fn name(&mut self, value: &Yaml) {
+        let name = value.scalar().unwrap_or_default();
+        let fits =
+            name.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '.')) && !name.is_empty();
+        if fits {
+            self.from(value, name);
+        } else {
+            self.wrong(value, format!("`{name}` is no name"), "names are made of letters, digits and `_`");
+        }
+    }
+
+    /// Words of the language as they are.
+    fn words(&mut self, value: &Yaml) {
+        let Some(words) = value.scalar() else {
+            return self.wrong(
+                value,
+                "words are needed here",
+                "write it as in a scenario file, such as `30 km/h`",
+            );
+        };
+        let tokens = lexer::tokens(words);
+        let forbidden = tokens.iter().any(|token| {
+            matches!(token.kind, TokenKind::Comment | TokenKind::Newline | TokenKind::OpenString)
+                || matches!(&words[token.start..token.end], "{" | "}" | ";")
+        });
+        if forbidden || !lexer::balance(self.source, words, &tokens).is_empty() {
+            let shown: String = words.chars().take(40).collect();
+            return self.wrong(
+                value,
+                format!("`{shown}` cannot stand in a statement"),
+                "write only what follows the key",
+            );
+        }
+        self.from(value, words);
+    }
+
+    fn quoted(&mut self, value: &Yaml) {
+        let Some(text) = value.scalar() else {
+            return self.wrong(value, "a text is needed here", "write it in quotes");
+        };
+        let escaped =
+            text.replace('\\', "\\\\").replace('"', "\\\"").replace('\n', "\\n").replace('\t', "\\t");
+        self.text.push('"');
+        let escaped: String = escaped.chars().filter(|c| !c.is_control()).collect();
+        self.from(value, &escaped);
+        self.text.push('"');
+    }
+
+    fn fields<'y>(&mut self, value: &'y Yaml, what: &str) -> &'y [(Yaml, Yaml)] {
+        match &value.value {
+            Content::Mapping(fields) => fields,
+            // `vehicles:` with nothing below it.
+            Content::Scalar(text) if text.is_empty() || text == "~" || text == "null" => &[],
+            _ => {
+                self.wrong(value, format!("{what} is made of keys"), "write `key: value` lines below it");
+                &[]
+            }
+        }
+    }
+
+    fn block(&mut self, value: &Yaml, rule: Rule, what: &str) {
+        for (name, value) in self.fields(value, what) {
+            let word = name.scalar().unwrap_or_default();
+            match keys(rule).iter().find(|key| key.name == word) {
+                Some(key) => self.statement(name, value, key),
+                None => {
+                    let known = keys(rule).iter().map(|key| key.name);
+                    self.report.push(
+                        Diagnostic::new(
+                            Code::UnknownKey,
+                            name.span(self.source),
+                            format!("{what} has no key `{word}`"),
+                        )
+                        .label("unknown here")
+                        .suggest(word, known),
+                    );
+                }
+            }
+        }
+    }
+
+    /// `keyword` and what `rest` writes, as a line of its own.
+    fn said(&mut self, key: &Yaml, keyword: &str, rest: impl FnOnce(&mut Self)) {
+        self.line();
+        if !keyword.is_empty() {
+            self.from(key, keyword);
+            self.text.push(' ');
+        }
+        rest(self);
+    }
+
+    fn braces(&mut self, inside: impl FnOnce(&mut Self)) {
+        self.text.push_str(" {");
+        self.depth += 1;
+        inside(self);
+        self.depth -= 1;
+        self.line();
+        self.text.push('}');
+    }
+
+    fn each<'y>(value: &'y Yaml) -> &'y [Yaml] {
+        match &value.value {
+            Content::List(items) => items,
+            _ => std::slice::from_ref(value),
+        }
+    }
+
+    fn statement(&mut self, name: &Yaml, value: &Yaml, key: &Key) {
+        match key.shape {
+            Shape::Words(keyword) => {
+                for item in Self::each(value) {
+                    self.said(name, keyword, |writer| writer.words(item));
+                }
+            }
+            Shape::Text(keyword) => {
+                for item in Self::each(value) {
+                    self.said(name, keyword, |writer| writer.quoted(item));
+                }
+            }
+            Shape::Commas(keyword) => self.said(name, keyword, |writer| writer.separated(value)),
+            Shape::Named(keyword, rule) => {
+                for (user, block) in self.fields(value, &format!("`{}`", key.name)) {
+                    self.said(name, keyword, |writer| {
+                        writer.name(user);
+                        if rule == Rule::scenario_block {
+                            writer.head(block);
+                        }
+                        writer.braces(|writer| writer.block(block, rule, &format!("a `{keyword}`")));
+                    });
+                }
+            }
+            Shape::NameOrBlock(keyword, rule) => self.said(name, keyword, |writer| match value.value {
+                Content::Mapping(_) => {
+                    writer.braces(|writer| writer.block(value, rule, &format!("a `{keyword}`")))
+                }
+                _ => writer.words(value),
+            }),
+            Shape::Statements("") => {
+                for item in Self::each(value) {
+                    self.said(name, "", |writer| writer.words(item));
+                }
+            }
+            Shape::Statements(keyword) => self.said(name, keyword, |writer| {
+                writer.braces(|writer| {
+                    for item in Self::each(value) {
+                        writer.said(name, "", |writer| writer.words(item));
+                    }
+                });
+            }),
+            Shape::Model(keyword) => self.said(name, keyword, |writer| match &value.value {
+                Content::Mapping(fields) => match fields.as_slice() {
+                    [(model, settings)] => {
+                        writer.name(model);
+                        writer.settings(settings);
+                    }
+                    _ => writer.wrong(value, "one name is needed here", "write `name: { setting: value }`"),
+                },
+                _ => writer.words(value),
+            }),
+            Shape::NamedSettings(keyword) => {
+                for (user, settings) in self.fields(value, &format!("`{}`", key.name)) {
+                    self.said(name, keyword, |writer| {
+                        writer.name(user);
+                        writer.settings(settings);
+                    });
+                }
+            }
+            Shape::Settings(keyword) => self.said(name, keyword, |writer| writer.settings(value)),
+            Shape::Values(keyword) => {
+                for (varied, values) in self.fields(value, &format!("`{}`", key.name)) {
+                    self.said(name, keyword, |writer| writer.varied(varied, values));
+                }
+            }
+            Shape::Together => {
+                for group in Self::each(value) {
+                    self.said(name, "vary together", |writer| writer.together(group));
+                }
+            }
+            Shape::Bindings => {
+                for (bound, expression) in self.fields(value, "`let`") {
+                    self.said(name, "let", |writer| {
+                        writer.name(bound);
+                        writer.text.push_str(" = ");
+                        writer.words(expression);
+                    });
+                }
+            }
+            Shape::Flag(words) | Shape::NotFlag(words) => {
+                let wanted = matches!(key.shape, Shape::Flag(_));
+                match value.scalar() {
+                    Some("true") if wanted => self.said(name, words, |_| {}),
+                    Some("false") if !wanted => self.said(name, words, |_| {}),
+                    Some("true" | "false") => {}
+                    _ => self.wrong(
+                        value,
+                        format!("`{}` is true or false", key.name),
+                        "write `true` or `false`",
+                    ),
+                }
+            }
+            Shape::Cases => self.said(name, "on", |writer| match &value.value {
+                Content::Mapping(fields) => match fields.as_slice() {
+                    [(file, path)] if file.scalar() == Some("file") => writer.quoted(path),
+                    _ => writer.wrong(
+                        value,
+                        "cases come from a name or a file",
+                        "write `{ file: cases.json }`",
+                    ),
+                },
+                _ => writer.words(value),
+            }),
+            Shape::Head => {}
+        }
+    }
+
+    fn separated(&mut self, value: &Yaml) {
+        for (index, item) in Self::each(value).iter().enumerate() {
+            if index > 0 {
+                self.text.push_str(", ");
+            }
+            self.words(item);
+        }
+    }
+
+    /// `extends` and `parameters`, which stand before the block.
+    fn head(&mut self, block: &Yaml) {
+        let Content::Mapping(fields) = &block.value else { return };
+        for (key, value) in fields {
+            match key.scalar() {
+                Some("extends") => {
+                    self.text.push_str(" : ");
+                    self.words(value);
+                }
+                Some("parameters") => {
+                    self.text.push('(');
+                    for (index, (name, default)) in self.fields(value, "`parameters`").iter().enumerate() {
+                        if index > 0 {
+                            self.text.push_str(", ");
+                        }
+                        self.name(name);
+                        if !matches!(default.scalar(), Some("" | "~" | "null")) {
+                            self.text.push_str(" = ");
+                            self.words(default);
+                        }
+                    }
+                    self.text.push(')');
+                }
+                _ => {}
+            }
+        }
+    }
+
+    fn settings(&mut self, value: &Yaml) {
+        self.text.push_str(" { ");
+        for (index, (name, value)) in self.fields(value, "settings").iter().enumerate() {
+            if index > 0 {
+                self.text.push_str(", ");
+            }
+            self.name(name);
+            self.text.push_str(": ");
+            self.words(value);
+        }
+        self.text.push_str(" }");
+    }
+
+    fn varied(&mut self, name: &Yaml, values: &Yaml) {
+        self.name(name);
+        self.text.push_str(" in ");
+        match values.value {
+            Content::List(_) => {
+                self.text.push('[');
+                self.separated(values);
+                self.text.push(']');
+            }
+            _ => self.words(values),
+        }
+    }
+
+    fn together(&mut self, group: &Yaml) {
+        let fields = self.fields(group, "`vary_together`");
+        if let Some((_, sampling)) = fields.iter().find(|(name, _)| name.scalar() == Some("sample")) {
+            self.words(sampling);
+        }
+        self.braces(|writer| {
+            for (name, values) in fields.iter().filter(|(name, _)| name.scalar() != Some("sample")) {
+                writer.line();
+                writer.varied(name, values);
+            }
+        });
+    }
+}
