@@ -169,7 +169,7 @@ impl Writer<'_> {
         self.text.push('}');
     }
 
-    fn each<'y>(value: &'y Yaml) -> &'y [Yaml] {
+    fn each(value: &Yaml) -> &[Yaml] {
         match &value.value {
             Content::List(items) => items,
             _ => std::slice::from_ref(value),
