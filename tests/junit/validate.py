@@ -3,7 +3,7 @@
 import sys
 
 import xmlschema
-from junitparser import Error, Failure, JUnitXml
+from junitparser import Error, Failure, JUnitXml, Properties
 
 
 def check(schema, path):
@@ -18,7 +18,7 @@ def check(schema, path):
             name = (case.classname, case.name)
             assert name not in names, f"{path}: {name} stands there twice, and GitLab would drop one"
             names.add(name)
-            properties = {prop.name: prop.value for prop in case.properties()}
+            properties = {prop.name: prop.value for prop in case.child(Properties)}
             for needed in ("seed", "runs", "replay", "pet"):
                 assert needed in properties, f"{path}: {case.name} has no property {needed}"
             for result in case.result:
