@@ -89,7 +89,7 @@ fn test_case(report: &SuiteReport, trial: &TrialReport, class: &str, requests: &
         TrialState::Judged(judged) => judged.findings.iter().flat_map(|finding| &finding.worst).next(),
         _ => None,
     };
-    if let Some(key) = worst.map(|run| &run.key).or(trial.outcomes.first().map(|outcome| &outcome.key)) {
+    if let Some(key) = worst.map(|run| &run.key).or(trial.trial.cases.first().map(|case| &case.key)) {
         property("replay", &replay_command(&report.identity, key));
     }
     case

@@ -67,11 +67,12 @@ fn field(text: &mut String, name: &str, value: impl std::fmt::Display) {
     writeln!(text, "  {name}: {value}").expect("writing to a string cannot fail");
 }
 
-/// A YAML literal block; its explicit indentation lets lines begin with blanks.
+/// A YAML literal block; its explicit indentation lets lines begin with blanks. Empty lines are indented as well, for
+/// readers that take the first line without indentation for the end.
 fn block(text: &mut String, name: &str, content: &str) {
     writeln!(text, "  {name}: |2-").expect("writing to a string cannot fail");
     for content in content.lines() {
-        writeln!(text, "{}", format!("    {content}").trim_end()).expect("writing to a string cannot fail");
+        writeln!(text, "    {}", content.trim_end()).expect("writing to a string cannot fail");
     }
 }
 
