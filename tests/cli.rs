@@ -198,3 +198,32 @@ fn a_gate_is_refused_rather_than_ignored() {
     assert_eq!(code(&output), 3, "{}{}", stdout(&output), stderr(&output));
     assert!(stderr(&output).contains("gate `braking` cannot be judged"), "{}", stderr(&output));
 }
+
+#[test]
+fn reports_are_written_in_every_format() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    let (html, tap, summary) = (path("deep/report.html"), path("report.tap"), path("summary.md"));
+    let output = Command::new(env!("CARGO_BIN_EXE_scenario-runner"))
+        .args(["suites/zebra_unsafe.suite", "--html", &html, "--tap", &tap, "--github"])
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .env("GITHUB_STEP_SUMMARY", &summary)
+        .output()
+        .expect("the binary runs");
+    assert_eq!(code(&output), 100, "{}", stderr(&output));
+    assert!(stdout(&output).contains("::error file=scenarios/unsafe/stands_in_lane.scn,line="));
+    let page = std::fs::read_to_string(&html).unwrap();
+    // Drawn from runs that were run again, which succeeds only if they are the same bit for bit.
+    assert!(page.contains("<b>Trajectories</b>") && page.contains("\"key\":\"zebra_unsafe/late_walker/rep="));
+    assert!(std::fs::read_to_string(&tap).unwrap().contains("not ok 1 - zebra_unsafe/late_walker\n"));
+    assert!(std::fs::read_to_string(&summary).unwrap().contains("## zebra\\_unsafe: 4 ❌ failed"));
+}
+
+#[test]
+fn trials_that_were_not_selected_are_reported_as_skipped() {
+    let results = results("suites/zebra.suite", &["scripted/tta=6s"]);
+    let trials = results["suites"][0]["trials"].as_array().unwrap();
+    let skipped = trials.iter().filter(|trial| trial["verdict"] == "skipped");
+    assert!(skipped.clone().all(|trial| trial["message"] == "not selected"));
+    assert_eq!((skipped.count(), trials.len()), (11, 12));
+}
