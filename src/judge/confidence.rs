@@ -1,7 +1,7 @@
 //! Verdicts at a stated confidence: passed or failed only where the runs leave no reasonable doubt.
 
-use super::criteria::Verdict;
 use super::statistics::{self, Interval};
+use super::verdict::Verdict;
 use crate::scenario::{Aggregate, Relation};
 
 /// The bounds on the share of all runs that hold, each one-sided at `confidence`.

@@ -2,22 +2,13 @@
 
 use serde::Serialize;
 
+use super::verdict::Verdict;
 use super::{confidence, statistics};
 use crate::metrics;
 use crate::run::{Outcome, Requests};
 use crate::scenario::{
     Aggregate, Claim, Comparison, Criterion, MetricReference, Origin, Relation, WhenUndefined, constant,
 };
-
-/// What a criterion, a trial or a suite comes to. The order is from good to bad.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Verdict {
-    Passed,
-    /// The runs do not suffice to say, at the confidence that was asked for.
-    Inconclusive,
-    Failed,
-}
 
 /// A trial's verdict: the worst of its findings.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -3,5 +3,7 @@
 mod confidence;
 mod criteria;
 pub mod statistics;
+mod verdict;
 
-pub use criteria::{Finding, Measure, TrialVerdict, Verdict, WorstRun, aggregate, judge};
+pub use criteria::{Finding, Measure, TrialVerdict, WorstRun, aggregate, judge};
+pub use verdict::Verdict;

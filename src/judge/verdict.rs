@@ -1,0 +1,13 @@
+//! The three verdicts.
+
+use serde::Serialize;
+
+/// What a criterion, a trial or a suite comes to. The order is from good to bad.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    Passed,
+    /// The runs do not suffice to say, at the confidence that was asked for.
+    Inconclusive,
+    Failed,
+}
