@@ -64,14 +64,15 @@ impl Discounting {
         if own.phases.integrated == 0 {
             return 0.0;
         }
-        let sum = match (OwnPath::new(own), OtherPath::new(other)) {
-            (Some(own_path), Some(other_path)) => self.along_paths(cost, own, other, &own_path, &other_path),
-            _ => self.sample_by_sample(cost, own, other),
-        };
+        let smooth = OwnPath::new(own)
+            .zip(OtherPath::new(other))
+            .and_then(|(own_path, other_path)| self.along_paths(cost, own, other, &own_path, &other_path));
+        let sum = smooth.unwrap_or_else(|| self.sample_by_sample(cost, own, other));
         -SAMPLE_TIME * sum / (cost.full - cost.onset)
     }
 
-    /// Σ of the discounted excess over the blocks in which a collision course is possible.
+    /// Σ of the discounted excess over the blocks in which a collision course is possible. `None` where rounding
+    /// decides.
     fn along_paths(
         &self,
         cost: &LoomingCost,
@@ -79,7 +80,7 @@ impl Discounting {
         other: &OtherTrack,
         own_path: &OwnPath,
         other_path: &OtherPath,
-    ) -> f64 {
+    ) -> Option<f64> {
         let sight = Sight::new(cost, own, other);
         // The first sample has an acceleration of the other of its own.
         let mut sum = sight.excess(own.distance, own.action.speed, other.distance, other.speed);
@@ -93,32 +94,44 @@ impl Discounting {
                 let first = sight.at(piece, other_path, start);
                 let last = sight.at(piece, other_path, end - 1);
                 if first.is_past() {
-                    return sum;
+                    return Some(sum);
                 }
                 if !piece.is_even || Edges::may_collide(&first, &last) {
                     let from = piece.from + start;
-                    sum += self.weight(from) * self.block(&sight, piece, other_path, start, end);
+                    sum += self.weight(from) * self.block(&sight, piece, other_path, start, end)?;
                 }
                 start = end;
             }
         }
-        sum
+        Some(sum)
     }
 
-    /// Σ of the excess over samples of one piece, discounted from its start.
+    /// Σ of the excess over samples of one piece, discounted from its start. `None` where rounding decides.
     #[inline]
-    fn block(&self, sight: &Sight, piece: &Piece, other: &OtherPath, start: usize, end: usize) -> f64 {
+    fn block(
+        &self,
+        sight: &Sight,
+        piece: &Piece,
+        other: &OtherPath,
+        start: usize,
+        end: usize,
+    ) -> Option<f64> {
         let weights = self.first_weights();
         let mut sums = [0.0; LANES];
         for group in (start..end).step_by(LANES) {
             let (mut own, mut others) = ([(0.0, 0.0); LANES], [(0.0, 0.0); LANES]);
             let mut counts = [0.0; LANES];
+            let mut at_edge = false;
             for l in 0..LANES {
                 let n = (group + l) as f64;
                 own[l] = piece.at(n);
                 others[l] = other.at(n + piece.first);
                 let collides = sight.collides_moving(own[l], others[l]) & (group + l < end);
                 counts[l] = if collides { weights[group - start + l] } else { 0.0 };
+                at_edge |= sight.ends_by_rounding(own[l].0, others[l].0) & (group + l < end);
+            }
+            if at_edge {
+                return None;
             }
             if counts != [0.0; LANES] {
                 for l in 0..LANES {
@@ -126,7 +139,7 @@ impl Discounting {
                 }
             }
         }
-        sums.iter().sum()
+        Some(sums.iter().sum())
     }
 
     /// Σ of the discounted excess with the published running sums: their last bit decides where someone stands at
@@ -239,19 +252,26 @@ impl OwnPath {
         let starts = &phases.starts;
         let mut path = Self { pieces: [Piece::default(); 5], count: 0 };
         let (mut d, mut u) = (own.distance, own.action.speed);
+        let stands = phases.stands_while_waiting();
         let half_extent = own.body.half_extent;
+        // A speed that comes out as 0 here may be a little off 0 in the published sums, unless nothing was summed.
+        let mut exact = true;
         let mut add = |from: usize, to: usize, d: &mut f64, u: &mut f64, acceleration: f64, jerk: f64| {
             if from == to {
                 return true;
             }
             let mut piece = Piece::new(from, to - from, *d, *u, acceleration, jerk);
+            let is_still = *u == 0.0 && acceleration == 0.0 && jerk == 0.0;
+            let (last_distance, last_speed) = piece.at((piece.samples - 1) as f64);
+            let starts_exactly = exact || (stands && from == starts[1]);
+            exact = starts_exactly && is_still;
             if piece.lowest_speed() < -STANDSTILL
-                || is_rounding(*d, *u, half_extent)
-                || is_rounding_at(&piece, piece.samples - 1, half_extent)
+                || is_rounding(*d, *u, half_extent, starts_exactly)
+                || is_rounding(last_distance, last_speed, half_extent, exact)
             {
                 return false;
             }
-            piece.stands = *u == 0.0 && acceleration == 0.0 && jerk == 0.0 && d.abs() > half_extent;
+            piece.stands = is_still && d.abs() > half_extent;
             (*d, *u) = piece.at(piece.samples as f64);
             path.pieces[path.count] = piece;
             path.count += 1;
@@ -261,7 +281,7 @@ impl OwnPath {
         if phases.integrated >= 2 {
             whole &= add(starts[0], starts[1], &mut d, &mut u, own.achieve, 0.0);
         }
-        if phases.stands_while_waiting() {
+        if stands {
             u = 0.0;
         }
         let regain = (own.free_speed - u) / own.regain_time;
@@ -279,15 +299,10 @@ impl OwnPath {
 }
 
 /// Whether it is a matter of rounding on which side of the edge of the conflict space someone stands, or whether
-/// someone inside stands or moves.
-fn is_rounding(distance: f64, speed: f64, half_extent: f64) -> bool {
+/// someone inside stands or moves. `exact`: a speed of 0 is 0 in the published sums too.
+fn is_rounding(distance: f64, speed: f64, half_extent: f64, exact: bool) -> bool {
     let edge = distance.abs() - half_extent;
-    speed < STANDSTILL && edge < EDGE && (speed != 0.0 || edge > -EDGE)
-}
-
-fn is_rounding_at(piece: &Piece, sample: usize, half_extent: f64) -> bool {
-    let (distance, speed) = piece.at(sample as f64);
-    is_rounding(distance, speed, half_extent)
+    speed < STANDSTILL && edge < EDGE && !(exact && speed == 0.0 && edge < -EDGE)
 }
 
 /// The other's path from the second sample on, in closed form: it may come to stand.
@@ -319,8 +334,9 @@ impl OtherPath {
         };
         let path = Self { distance, speed, change, stands_from };
         let half_extent = other.body.half_extent;
-        let at_edge = is_rounding(other.distance, other.speed, half_extent)
-            || (stands_from < f64::INFINITY && is_rounding(path.at(stands_from + 1.0).0, 0.0, half_extent));
+        let at_edge = is_rounding(other.distance, other.speed, half_extent, true)
+            || (stands_from < f64::INFINITY
+                && is_rounding(path.at(stands_from + 1.0).0, 0.0, half_extent, true));
         (!at_edge).then_some(path)
     }
 
@@ -386,6 +402,14 @@ impl Sight {
         let other_stands = (w == 0.0) & (e.abs() < self.other_half_extent);
         meet | (own_stands & (w > 0.0) & (e > self.other_half_extent))
             | (other_stands & (u > 0.0) & (d > self.own_half_extent))
+    }
+
+    /// Whether the later of the two is just at the edge of the conflict space, where a collision course ends.
+    #[inline(always)]
+    fn ends_by_rounding(&self, d: f64, e: f64) -> bool {
+        let (own_front, other_front) = (d - self.own_half_extent, e - self.other_half_extent);
+        let later_front = if own_front > other_front { own_front } else { other_front };
+        later_front.abs() < EDGE
     }
 
     /// How far the optical expansion rate of the other is above the onset, with the distances and speeds of the two.
@@ -481,7 +505,11 @@ mod tests {
             first_acceleration in prop_oneof![Just(0.0), -4.0..4.0],
             later_acceleration in prop_oneof![Just(0.0), -4.0..4.0],
             course in a_course(),
+            stops in prop_oneof![3 => Just(false), 1 => Just(true)],
         ) {
+            // Someone who stops just at the end of the action stands where rounding decides.
+            let (speed, acceleration, jerk) =
+                if stops { (f64::round(2.0 * speed) / 2.0, -f64::round(2.0 * speed), 0.0) } else { (speed, acceleration, jerk) };
             let (body, other_body) = if is_vehicle { (VEHICLE, PEDESTRIAN) } else { (PEDESTRIAN, VEHICLE) };
             let free_speed = if is_vehicle { 50.0 / 3.6 } else { 1.3 };
             let gains = Gains::for_free_speed(free_speed, 0.5);
