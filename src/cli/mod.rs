@@ -9,6 +9,7 @@ mod explain;
 mod format;
 mod list;
 mod load;
+mod lsp;
 mod models;
 mod progress;
 mod record;
@@ -51,6 +52,8 @@ enum Command {
     Fmt(format::FormatArguments),
     /// Turn a scenario file into YAML or back, on standard output.
     Convert(convert::ConvertArguments),
+    /// Serve editors: findings, hover, completion, definitions, formatting.
+    Lsp(lsp::LspArguments),
     /// Explain the code of an error or warning.
     Explain(explain::ExplainArguments),
     /// Show the scenarios of suites with their tags and how much they run.
@@ -78,6 +81,7 @@ pub fn main() -> ExitCode {
         Some(Command::Check(arguments)) => check::check(&arguments),
         Some(Command::Fmt(arguments)) => format::format(&arguments),
         Some(Command::Convert(arguments)) => convert::convert(&arguments),
+        Some(Command::Lsp(arguments)) => lsp::lsp(&arguments),
         Some(Command::Explain(arguments)) => explain::explain(&arguments),
         Some(Command::List(arguments)) => list::list(&arguments),
         Some(Command::Models(arguments)) => models::models(&arguments),

@@ -3,6 +3,9 @@
 use super::codes::Code;
 use super::source::Span;
 
+/// More findings than this are of no use to anybody and are not listed.
+pub const MOST_FINDINGS: usize = 1000;
+
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Severity {
     Error,

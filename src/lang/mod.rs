@@ -3,6 +3,7 @@
 //! A text becomes a lossless [`Tree`]; `check` turns trees into plain [`crate::scenario`] data; what is wrong is a
 //! list of [`Diagnostic`]s, which [`render`] shows.
 
+mod assist;
 mod check;
 mod codes;
 mod diagnostic;
@@ -25,6 +26,7 @@ mod yaml;
 
 use std::path::Path;
 
+pub use assist::{Proposal, complete, definition, hover};
 pub use check::{DEFAULT_GOAL, Defaults};
 pub use codes::Code;
 pub use diagnostic::{Diagnostic, Label, Severity};
@@ -94,9 +96,15 @@ fn load_with(path: &Path, mut files: Files) -> Result<Loaded, Failure> {
         label.span = files.sources.resolve(label.span);
     }
     report.sort_by_key(|diagnostic| (diagnostic.span().source, diagnostic.span().start));
+    let failed = files::has_errors(&report);
+    let more = report.len().saturating_sub(diagnostic::MOST_FINDINGS);
+    report.truncate(diagnostic::MOST_FINDINGS);
+    if let Some(last) = report.last_mut().filter(|_| more > 0) {
+        last.notes.push(format!("at least {more} more findings are not shown"));
+    }
     let sources = files.sources;
     match suite {
-        Some(suite) if !files::has_errors(&report) => Ok(Loaded { suite, warnings: report, sources }),
+        Some(suite) if !failed => Ok(Loaded { suite, warnings: report, sources }),
         _ => Err(Failure { diagnostics: report, sources }),
     }
 }

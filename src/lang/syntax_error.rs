@@ -4,7 +4,7 @@ use pest::Parser;
 use pest::error::{Error, ErrorVariant, InputLocation};
 
 use super::codes::Code;
-use super::diagnostic::Diagnostic;
+use super::diagnostic::{Diagnostic, MOST_FINDINGS};
 use super::lexer::{self, TokenKind};
 use super::source::{SourceId, Span};
 use super::statements::{self, Statement};
@@ -15,6 +15,9 @@ pub fn explain(tree: &Tree) -> Vec<Diagnostic> {
     let mut diagnostics = Vec::new();
     for block in tree.nodes() {
         for child in block.children() {
+            if diagnostics.len() > MOST_FINDINGS {
+                return diagnostics;
+            }
             match child.rule() {
                 Rule::bad => diagnostics.push(statement(block.rule(), child)),
                 Rule::bad_setting => diagnostics.push(setting(child)),

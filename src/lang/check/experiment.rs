@@ -199,10 +199,19 @@ fn case_set<'a>(
 ) -> Option<(CaseSet, Subject<'a>)> {
     if let Some(path) = node.child(Rule::string) {
         let saved = places.beside(path.span(), &unquote(path.text()));
-        // Which scenario a saved set is of is known only when it is read; what it may name is that of the first.
-        let first = subjects.definitions.first().map(|definition| places.files.node(*definition));
-        let name = first.and_then(|first| first.child(Rule::name))?;
-        return Some((CaseSet::Saved(saved), subjects.find(node, name.text(), places, report)?));
+        let Some(scenario) = saved_scenario(&saved) else {
+            report.push(
+                Diagnostic::new(
+                    Code::UnreadableFile,
+                    path.span(),
+                    format!("`{saved}` is no readable set of cases"),
+                )
+                .label("named here")
+                .hint("a search writes such a file; paths are relative to the file they stand in"),
+            );
+            return None;
+        };
+        return Some((CaseSet::Saved(saved), subjects.find(node, &scenario, places, report)?));
     }
     let name = node.child(Rule::name)?;
     if let Some(count) = node.child(Rule::integer) {
@@ -218,6 +227,12 @@ fn case_set<'a>(
     }
     let subject = subjects.find(name, name.text(), places, report)?;
     Some((CaseSet::Scenario(name.text().to_string()), subject))
+}
+
+/// The scenario that the first case of a saved set is of.
+fn saved_scenario(path: &str) -> Option<String> {
+    let set: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(path).ok()?).ok()?;
+    Some(set["cases"][0]["scenario"].as_str()?.to_string())
 }
 
 fn able_model(subject: &Subject) -> Option<&'static pedestrian::PedestrianModel> {
