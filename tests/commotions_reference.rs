@@ -5,7 +5,8 @@
 mod support;
 
 use std::fmt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 
 use scenario_runner::pedestrian::commotions::access::{Course, access_orders};
 use scenario_runner::pedestrian::commotions::affordance::{Move, Party, Valuation};
@@ -179,15 +180,25 @@ struct Run {
     perceived: Vec<[Real; 2]>,
 }
 
-fn reference() -> Option<(PathBuf, Reference)> {
-    let path = match std::env::var_os("COMMOTIONS_REFERENCE") {
-        Some(path) => PathBuf::from(path),
-        None => support::shared("data/commotions_reference.json")?,
+fn main() -> ExitCode {
+    let file = match std::env::var_os("COMMOTIONS_REFERENCE") {
+        Some(path) => Some(PathBuf::from(path)),
+        None => support::shared("data/commotions_reference.json"),
     };
+    support::run_with(
+        file,
+        &[
+            ("entry_and_exit_times", entry_and_exit_times),
+            ("access_orders_and_their_values", access_orders_and_their_values),
+            ("simulations", simulations),
+        ],
+    )
+}
+
+fn reference(path: &Path) -> Reference {
     let text =
-        std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("cannot read {}: {e}", path.display()));
-    let reference = serde_json::from_str(&text).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
-    Some((path, reference))
+        std::fs::read_to_string(path).unwrap_or_else(|e| panic!("cannot read {}: {e}", path.display()));
+    serde_json::from_str(&text).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
 }
 
 fn parameters(given: &BTreeMap<String, f64>, place: impl fmt::Display) -> Parameters {
@@ -212,9 +223,8 @@ fn agrees_relatively(found: f64, expected: f64) -> bool {
         || (found - expected).abs() <= 1e-9 * expected.abs()
 }
 
-#[test]
-fn entry_and_exit_times() {
-    let Some((path, reference)) = reference() else { return };
+fn entry_and_exit_times(path: &Path) {
+    let reference = reference(path);
     let units = &reference.units.entry_exit;
     for (i, unit) in units.iter().enumerate() {
         let state = State { distance: unit.d, speed: unit.v, acceleration: unit.a };
@@ -230,9 +240,8 @@ fn entry_and_exit_times() {
     println!("{}: compared {} entry and exit times", path.display(), 4 * units.len());
 }
 
-#[test]
-fn access_orders_and_their_values() {
-    let Some((path, reference)) = reference() else { return };
+fn access_orders_and_their_values(path: &Path) {
+    let reference = reference(path);
     let mut compared = 0;
     let mut worst: f64 = 0.0;
     for (i, unit) in reference.units.access.iter().enumerate() {
@@ -478,9 +487,8 @@ fn replay(i: usize, simulation: &Simulation) -> Comparison {
     comparison
 }
 
-#[test]
-fn simulations() {
-    let Some((path, reference)) = reference() else { return };
+fn simulations(path: &Path) {
+    let reference = reference(path);
     let total = reference.simulations.len();
     let (mut steps, mut probes, mut wrong_probes, mut parted) = (0, 0, 0, 0);
     for (i, simulation) in reference.simulations.iter().enumerate() {

@@ -4,14 +4,21 @@
 
 mod support;
 
+use std::path::Path;
+use std::process::ExitCode;
+
 use scenario_runner::pedestrian::commotions::hiker::Reference;
 
-#[test]
-fn crossing_shares_and_start_times() {
-    let Some(file) = support::shared("data/hiker_reference.json") else { return };
-    let reference = Reference::read(&file).unwrap();
+fn main() -> ExitCode {
+    let tests: [(&str, fn(&Path)); 1] =
+        [("crossing_shares_and_start_times", crossing_shares_and_start_times)];
+    support::run_with(support::shared("data/hiker_reference.json"), &tests)
+}
+
+fn crossing_shares_and_start_times(file: &Path) {
+    let reference = Reference::read(file).unwrap();
     // Every second individual once: 250 runs per scenario.
-    let comparisons = reference.compare(&file, 2, 1, 20_261_121).unwrap();
+    let comparisons = reference.compare(file, 2, 1, 20_261_121).unwrap();
     assert_eq!(comparisons.len(), 24);
     for c in &comparisons {
         println!(

@@ -2,14 +2,21 @@
 
 mod support;
 
+use std::path::Path;
+use std::process::ExitCode;
+
 use scenario_runner::calibrate::{
     Calibration, PUBLISHED_SHARE, Request, calibrate, published_candidates, published_criteria,
 };
 use scenario_runner::pedestrian::commotions::Variant;
 
-#[test]
-fn the_published_share_of_candidates_is_retained() {
-    let Some(file) = support::shared("data/commotions_individuals.json") else { return };
+fn main() -> ExitCode {
+    let tests: [(&str, fn(&Path)); 1] =
+        [("the_published_share_of_candidates_is_retained", the_published_share_of_candidates_is_retained)];
+    support::run_with(support::shared("data/commotions_individuals.json"), &tests)
+}
+
+fn the_published_share_of_candidates_is_retained(file: &Path) {
     let candidates = published_candidates(file.to_str().unwrap(), 400, 20_261_121).unwrap();
     assert_eq!(candidates.names, ["T_delta", "beta_V", "T", "DeltaV_th_rel", "tau_theta"]);
     assert_eq!(published_candidates(file.to_str().unwrap(), usize::MAX, 1).unwrap().rows.len(), 69 * 125);
