@@ -273,3 +273,10 @@ fn editors_highlight_every_keyword() {
     let missing: Vec<_> = keywords.filter(|word| !words.contains(word.trim_start_matches('b'))).collect();
     assert!(missing.is_empty(), "not in editors/vscode/syntaxes/scn.tmLanguage.json: {missing:?}");
 }
+
+#[test]
+fn a_file_for_others_to_use_may_be_checked_but_not_run() {
+    let path = folder("support/street.scn");
+    assert!(lang::examine(&path, None).0.is_empty());
+    assert_eq!(lang::load(&path).unwrap_err().diagnostics[0].code, Code::NoScenario);
+}

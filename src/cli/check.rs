@@ -36,10 +36,7 @@ enum Format {
 pub fn check(arguments: &CheckArguments) -> Exit {
     let mut checked: Vec<(Vec<Diagnostic>, Sources)> = Vec::new();
     for file in &arguments.files {
-        checked.push(match lang::load(file) {
-            Ok(loaded) => (loaded.warnings, loaded.sources),
-            Err(failure) => (failure.diagnostics, failure.sources),
-        });
+        checked.push(lang::examine(file, None));
     }
     forget_repeated(&mut checked);
     let failed = checked.iter().flat_map(|(found, _)| found).any(|found| found.severity == Severity::Error);

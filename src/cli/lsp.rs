@@ -125,10 +125,7 @@ impl Server<'_> {
     /// Checks a document and shows what was found, in it and in the files that it uses.
     fn publish(&mut self, uri: &Uri) -> Result<(), Failure> {
         let (Some(text), Some(path)) = (self.texts.get(uri), path_of(uri)) else { return Ok(()) };
-        let (found, sources) = match lang::check(&path, text) {
-            Ok(loaded) => (loaded.warnings, loaded.sources),
-            Err(failure) => (failure.diagnostics, failure.sources),
-        };
+        let (found, sources) = lang::examine(&path, Some(text));
         let mut by_file: BTreeMap<String, Vec<lsp_types::Diagnostic>> = BTreeMap::new();
         for diagnostic in &found {
             let name = sources.get(diagnostic.span().source).name.clone();

@@ -71,6 +71,23 @@ pub fn check(path: &Path, text: &str) -> Result<Loaded, Failure> {
     load_with(path, files)
 }
 
+/// Everything that is to be said about a file, which may be there only to be used by others; `text` stands for what is
+/// on disk.
+pub fn examine(path: &Path, text: Option<&str>) -> (Vec<Diagnostic>, Sources) {
+    let mut files = Files::default();
+    if let Some(text) = text {
+        files.overlay(path, text);
+    }
+    let (mut found, sources) = match load_with(path, files) {
+        Ok(loaded) => (loaded.warnings, loaded.sources),
+        Err(failure) => (failure.diagnostics, failure.sources),
+    };
+    if suite::file_kind(path) == Some(suite::FileKind::Scenarios) {
+        found.retain(|diagnostic| diagnostic.code != Code::NoScenario);
+    }
+    (found, sources)
+}
+
 fn load_with(path: &Path, mut files: Files) -> Result<Loaded, Failure> {
     let mut report = Vec::new();
     let Some(kind) = suite::file_kind(path) else {
