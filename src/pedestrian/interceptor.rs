@@ -137,7 +137,7 @@ fn check_place(road: &Road, side: Side, start: Position) -> Result<(), ModelErro
     if !road.kerbs {
         return Err(ModelError::with_hint(
             "`interceptor` needs a road with kerbs: it lurks before one",
-            "write `kerbs: true` in the road, or take the model `scripted`",
+            "take `no kerbs` out of the road, or take the model `scripted`",
         ));
     }
     let inside = side.walking_sign() * (start.y - road.kerb(side));

@@ -45,7 +45,7 @@ fn check_place(context: &PedestrianContext) -> Result<(), ModelError> {
     if !road.kerbs {
         return Err(ModelError::with_hint(
             "`jaywalker` needs a road with kerbs: it waits on the pavement and turns back only on the carriageway",
-            "write `kerbs: true` in the road, or take the model `scripted`",
+            "take `no kerbs` out of the road, or take the model `scripted`",
         ));
     }
     let (start, goal, side) = (context.setup.start, context.setup.goal, context.setup.side);
