@@ -10,8 +10,7 @@ use std::process::ExitCode;
 use scenario_runner::pedestrian::commotions::hiker::Reference;
 
 fn main() -> ExitCode {
-    let tests: [(&str, fn(&Path)); 1] =
-        [("crossing_shares_and_start_times", crossing_shares_and_start_times)];
+    let tests: [support::Test; 1] = [("crossing_shares_and_start_times", crossing_shares_and_start_times)];
     support::run_with(support::shared("data/hiker_reference.json"), &tests)
 }
 

@@ -11,7 +11,7 @@ use scenario_runner::calibrate::{
 use scenario_runner::pedestrian::commotions::Variant;
 
 fn main() -> ExitCode {
-    let tests: [(&str, fn(&Path)); 1] =
+    let tests: [support::Test; 1] =
         [("the_published_share_of_candidates_is_retained", the_published_share_of_candidates_is_retained)];
     support::run_with(support::shared("data/commotions_individuals.json"), &tests)
 }

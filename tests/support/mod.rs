@@ -22,9 +22,12 @@ pub fn shared(name: &str) -> Option<PathBuf> {
     Some(file)
 }
 
+/// A test by name, which is given the file that it needs.
+pub type Test = (&'static str, fn(&Path));
+
 /// Runs tests that need `file`; without it they are counted as ignored, never as passed. What they print is shown.
-pub fn run_with(file: Option<PathBuf>, tests: &[(&str, fn(&Path))]) -> ExitCode {
-    let trial = |&(name, test): &(&str, fn(&Path))| {
+pub fn run_with(file: Option<PathBuf>, tests: &[Test]) -> ExitCode {
+    let trial = |&(name, test): &Test| {
         let file = file.clone();
         let missing = file.is_none();
         let run = move || {
