@@ -227,3 +227,21 @@ fn trials_that_were_not_selected_are_reported_as_skipped() {
     assert!(skipped.clone().all(|trial| trial["message"] == "not selected"));
     assert_eq!((skipped.count(), trials.len()), (11, 12));
 }
+
+#[test]
+fn what_ships_is_in_the_one_style() {
+    let list = |pattern: &str| {
+        let paths = glob::glob(&format!("{}/{pattern}", env!("CARGO_MANIFEST_DIR"))).unwrap();
+        paths.map(|path| path.unwrap().to_string_lossy().into_owned()).collect::<Vec<_>>()
+    };
+    let files = [list("scenarios/**/*.scn"), list("suites/*.suite")].concat();
+    assert!(files.len() > 10, "{files:?}");
+    let arguments: Vec<&str> =
+        ["fmt", "--check"].into_iter().chain(files.iter().map(String::as_str)).collect();
+    let output = scenario_runner(&arguments);
+    assert_eq!(code(&output), 0, "not formatted: {}{}", stdout(&output), stderr(&output));
+    let folder = tempfile::tempdir().unwrap();
+    let untidy = folder.path().join("untidy.scn");
+    std::fs::write(&untidy, "let   a=1 s\n").unwrap();
+    assert_eq!(code(&scenario_runner(&["fmt", "--check", &untidy.to_string_lossy()])), 5);
+}

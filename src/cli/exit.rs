@@ -14,6 +14,8 @@ pub enum Exit {
     Scenario = 3,
     /// No trial was selected.
     NothingSelected = 4,
+    /// `fmt --check` found a file that is not in the one style.
+    Unformatted = 5,
     /// A verdict failed.
     Failed = 100,
     /// No verdict failed, but one could not be decided with the runs there were.
@@ -29,6 +31,7 @@ Exit codes:
     2  the command line cannot be understood
     3  a scenario or suite cannot be read or has errors
     4  no trial was selected
+    5  `fmt --check` found a file that is not in the one style
   100  a verdict failed
   102  no verdict failed, but one is inconclusive
   110  a report could not be written

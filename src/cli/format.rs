@@ -43,7 +43,7 @@ fn one(file: &Path, check: bool) -> Exit {
         Some(after) if after == text => Exit::Success,
         Some(_) if check => {
             println!("{}", file.display());
-            Exit::Failed
+            Exit::Unformatted
         }
         Some(after) => match std::fs::write(file, after) {
             Ok(()) => Exit::Success,
@@ -67,7 +67,7 @@ fn standard_input(check: bool) -> Exit {
             if after == text {
                 Exit::Success
             } else {
-                Exit::Failed
+                Exit::Unformatted
             }
         }
         Some(after) => match std::io::stdout().write_all(after.as_bytes()) {
