@@ -52,7 +52,17 @@ fn load(file: &str, seed: Option<u64>, colour: bool) -> Result<Loaded, ()> {
         }
     })?;
     build_everybody(&plan, colour)?;
+    name_blocks_left_out(file, &suite);
     Ok(Loaded { file: file.to_string(), plan })
+}
+
+/// Searches and tunes have commands of their own: whoever runs the suite should know that they were not run.
+fn name_blocks_left_out(file: &str, suite: &Suite) {
+    let searches = suite.searches.iter().map(|search| format!("search {}", search.name));
+    let tunes = suite.tunes.iter().map(|tune| format!("tune {}", tune.name));
+    for block in searches.chain(tunes) {
+        eprintln!("note: `{block}` is not part of this run; `scenario-runner {block} {file}` runs it");
+    }
 }
 
 /// A gate that nobody judges would let every regression pass.
