@@ -1,7 +1,7 @@
 """The reference beside `benches/optimisation_goals.rs`: scikit-optimize 0.10.2's gp_minimize on the same test functions.
 
-    python3 -m venv /tmp/reference && /tmp/reference/bin/pip install scikit-optimize==0.10.2
-    OMP_NUM_THREADS=1 nice /tmp/reference/bin/python benches/gp_minimize.py --out target/gp_minimize.jsonl
+    python3 -m venv target/reference && target/reference/bin/pip install scikit-optimize==0.10.2
+    OMP_NUM_THREADS=1 nice target/reference/bin/python benches/gp_minimize.py --out target/gp_minimize.jsonl
     cargo bench --bench optimisation_goals
 
 One JSON line per run: problem, seed, the 60 points in evaluation order, the value each was told, and the CPU seconds of the
