@@ -192,9 +192,8 @@ impl Candidates {
                 })
                 .collect(),
             Design::LatinHypercube(_) => {
-                let mut strata: Vec<Vec<usize>> =
-                    ranges.iter().map(|_| shuffled(count, &mut stream)).collect();
-                let sets: Vec<usize> = shuffled(count, &mut stream).iter().map(|i| i % sets).collect();
+                let mut strata: Vec<Vec<usize>> = ranges.iter().map(|_| stream.shuffled(count)).collect();
+                let sets: Vec<usize> = stream.shuffled(count).iter().map(|i| i % sets).collect();
                 (0..count)
                     .map(|i| {
                         let mut row = base.rows[sets[i]].clone();
@@ -237,15 +236,6 @@ impl Candidates {
 /// The number with six significant digits, so that what a file says is what was judged.
 fn six_digits(x: f64) -> f64 {
     format!("{x:.5e}").parse().unwrap_or(x)
-}
-
-/// 0..count in random order.
-fn shuffled(count: usize, stream: &mut Stream) -> Vec<usize> {
-    let mut order: Vec<usize> = (0..count).collect();
-    for last in (1..count).rev() {
-        order.swap(last, stream.index(last + 1));
-    }
-    order
 }
 
 #[cfg(test)]

@@ -95,12 +95,7 @@ fn case_set(
             let mut cases = laboratory.cases_of(scenario)?;
             let mut stream =
                 Stream::seeded(derive_seed(laboratory.suite.seed, &format!("{} sample", tune.name)));
-            let wanted = (*count as usize).min(cases.len());
-            for first in 0..wanted {
-                let other = first + stream.index(cases.len() - first);
-                cases.swap(first, other);
-            }
-            cases.truncate(wanted);
+            stream.draw(&mut cases, *count as usize);
             (scenario, cases)
         }
         CaseSet::Saved(path) => (path, CaseFile::read(Path::new(path))?.cases),

@@ -103,10 +103,7 @@ fn draw(count: usize, size: usize, seed: u64) -> Vec<usize> {
     }
     let mut stream = Stream::seeded(seed);
     let mut numbers: Vec<usize> = (1..=size).collect();
-    for place in 0..count {
-        numbers.swap(place, place + stream.index(size - place));
-    }
-    numbers.truncate(count);
+    stream.draw(&mut numbers, count);
     numbers.sort_unstable();
     numbers
 }

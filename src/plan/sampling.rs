@@ -40,10 +40,7 @@ pub fn design(scheme: SamplingScheme, count: usize, dimensions: usize, seed: u64
         SamplingScheme::LatinHypercube => {
             let mut points = vec![vec![0.0; dimensions]; count];
             for dimension in 0..dimensions {
-                let mut slices: Vec<usize> = (0..count).collect();
-                for last in (1..count).rev() {
-                    slices.swap(last, stream.index(last + 1));
-                }
+                let slices = stream.shuffled(count);
                 for (point, slice) in points.iter_mut().zip(slices) {
                     point[dimension] = (slice as f64 + stream.uniform()) / count as f64;
                 }

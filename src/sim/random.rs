@@ -64,6 +64,26 @@ impl Stream {
         ((self.uniform() * count as f64) as usize).min(count - 1)
     }
 
+    /// Leaves `count` of the items (or all, if there are fewer), drawn without replacement, in the order of drawing. A
+    /// smaller draw from the same stream is the beginning of a larger one.
+    pub fn draw<T>(&mut self, items: &mut Vec<T>, count: usize) {
+        let count = count.min(items.len());
+        for place in 0..count {
+            let other = place + self.index(items.len() - place);
+            items.swap(place, other);
+        }
+        items.truncate(count);
+    }
+
+    /// 0..count in random order.
+    pub fn shuffled(&mut self, count: usize) -> Vec<usize> {
+        let mut order: Vec<usize> = (0..count).collect();
+        for last in (1..count).rev() {
+            order.swap(last, self.index(last + 1));
+        }
+        order
+    }
+
     /// Standard normal.
     pub fn normal(&mut self) -> f64 {
         normal_quantile(self.uniform())
