@@ -1,6 +1,5 @@
 //! `scenario-runner search NAME FILE` and `tune NAME FILE`: one block of a suite, with what it builds on.
 
-use std::collections::HashMap;
 use std::fs;
 use std::io::{self, IsTerminal};
 use std::path::{Path, PathBuf};
@@ -11,10 +10,11 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::{Exit, load};
 use crate::experiment::{
-    CaseFile, ExperimentError, Laboratory, Progress, SavedSet, SearchResult, run_search, run_tune,
+    Block, BlockResult, CaseFile, ExperimentError, Laboratory, Need, Progress, Results, SearchResult,
+    run_search, run_tune,
 };
 use crate::report::{render_search, render_tune, tuned_parameters};
-use crate::scenario::{CaseSet, Search, Suite};
+use crate::scenario::{Search, Suite};
 
 #[derive(Debug, Args)]
 pub struct ExperimentArguments {
@@ -60,16 +60,17 @@ pub fn search(arguments: &ExperimentArguments) -> Exit {
 pub fn tune(arguments: &ExperimentArguments) -> Exit {
     run(arguments, |suite, laboratory| {
         let block = named(&suite.tunes, &arguments.name, "tune", |tune| &tune.name)?;
-        let mut sets: HashMap<String, SavedSet> = HashMap::new();
-        if let CaseSet::Search(name) = &block.on {
-            let search = named(&suite.searches, name, "search", |search| &search.name)?;
+        let mut results = Results::default();
+        for need in Block::Tune(block).needs() {
+            let Need::Block(name) = need else { continue };
+            let search = named(&suite.searches, &name, "search", |search| &search.name)?;
             let result = searched(arguments, laboratory, search)?;
             print!("{}", render_search(&result));
             println!();
-            sets.insert(name.clone(), result.kept);
+            results.blocks.insert(name, BlockResult::Search(result));
         }
         let bar = Bar::new(&format!("tune {}", block.name), !arguments.no_progress);
-        let result = run_tune(laboratory, block, &sets, &bar);
+        let result = run_tune(laboratory, block, &results, &bar);
         bar.finish();
         let result = result?;
         print!("{}", render_tune(&result));

@@ -4,9 +4,10 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::{ExperimentError, Laboratory, overrides};
-use crate::plan;
-use crate::scenario::{Assignment, Case, Individual, Target, Value};
+use super::{ExperimentError, Laboratory, Results, overrides};
+use crate::plan::{self, derive_seed};
+use crate::scenario::{Assignment, Case, CaseSet, Individual, SampleSize, Target, Value};
+use crate::sim::random::Stream;
 
 /// Cases with a name.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -83,6 +84,37 @@ impl Laboratory<'_> {
             value: None,
         });
         Ok(saved.collect())
+    }
+}
+
+impl Laboratory<'_> {
+    /// The cases that the block called `name` is about; never empty.
+    pub(super) fn case_set(
+        &self,
+        set: &CaseSet,
+        name: &str,
+        results: &Results,
+    ) -> Result<Vec<SavedCase>, ExperimentError> {
+        let (from, cases) = match set {
+            CaseSet::Search(search) => (search, results.search(search)?.kept.cases.clone()),
+            CaseSet::Bests(search) => {
+                let found = &results.search(search)?.found;
+                (search, found.iter().flat_map(|one| one.bests.clone()).collect())
+            }
+            CaseSet::Scenario(scenario) => (scenario, self.cases_of(scenario)?),
+            CaseSet::Sample { scenario, count } => {
+                let count = match count {
+                    SampleSize::Number(count) => *count as usize,
+                    SampleSize::AsManyAs(search) => results.search(search)?.kept.cases.len(),
+                };
+                let mut cases = self.cases_of(scenario)?;
+                let mut stream = Stream::seeded(derive_seed(self.suite.seed, &format!("{name} sample")));
+                stream.draw(&mut cases, count);
+                (scenario, cases)
+            }
+            CaseSet::Saved(path) => (path, CaseFile::read(Path::new(path))?.cases),
+        };
+        if cases.is_empty() { Err(ExperimentError::EmptySet(from.clone())) } else { Ok(cases) }
     }
 }
 

@@ -4,6 +4,7 @@
 //! that are best on a set of cases under constraints. Both are functions of the suite and its seed: the number of
 //! threads changes nothing.
 
+mod block;
 mod cases;
 mod evaluate;
 mod journal;
@@ -22,6 +23,7 @@ use crate::plan::PlanError;
 use crate::run::{FreeFlows, Requests, RunError};
 use crate::scenario::{Scenario, Suite};
 
+pub use block::{Block, BlockResult, Need, Results};
 pub use cases::{CaseFile, SavedCase, SavedSet};
 pub use evaluate::MetricSummary;
 pub use search::{Found, SearchResult, run_search};
@@ -79,6 +81,8 @@ impl Progress for Silent {
 pub enum ExperimentError {
     #[error("there is no scenario called `{0}`")]
     UnknownScenario(String),
+    #[error("`{0}` has not been run, but is needed")]
+    NotRun(String),
     #[error("there is no `{0}` to vary: {1}")]
     UnknownTarget(String, String),
     #[error("the set of cases `{0}` is empty")]

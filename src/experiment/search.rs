@@ -53,7 +53,10 @@ pub struct Found {
     pub stop: Option<StopReason>,
     /// The surrogate through the best point, one slice per dimension.
     pub slices: Vec<Vec<SlicePoint>>,
-    /// The runs at the best point that are kept.
+    /// The runs at the best point, kept or not.
+    #[serde(skip)]
+    pub bests: Vec<SavedCase>,
+    /// Those of them that are kept.
     #[serde(skip)]
     kept: Vec<SavedCase>,
 }
@@ -265,6 +268,7 @@ impl Hunt<'_> {
             evaluations,
             stop: optimiser.stop_reason(),
             slices: Vec::new(),
+            bests: Vec::new(),
             kept: Vec::new(),
         };
         let Some(best) = optimiser.best_observed() else { return Ok(found) };
@@ -284,7 +288,14 @@ impl Hunt<'_> {
         let cases = self.cases(&evaluation_key, group, &best.point, self.search.runs)?;
         let outcomes = self.laboratory.run_all(&cases)?;
         found.passed_first = outcomes.first().and_then(|outcome| self.laboratory.passed_first(outcome));
-        found.kept = self.kept(&best.point, &cases, &outcomes);
+        let runs = self.saved(&best.point, &cases, &outcomes);
+        found.kept = runs
+            .iter()
+            .zip(&outcomes)
+            .filter(|(_, outcome)| self.keeps(outcome))
+            .map(|(run, _)| run.clone())
+            .collect();
+        found.bests = runs;
         let fresh = self.cases(&format!("{name}/fresh"), group, &best.point, FRESH_RUNS)?;
         let outcomes = self.laboratory.run_all(&fresh)?;
         found.fresh = self.laboratory.objective(&self.search.objective.aggregate, &outcomes).0;
@@ -293,20 +304,20 @@ impl Hunt<'_> {
         Ok(found)
     }
 
-    /// The runs at the best point that the search was to keep; without a condition all of them.
-    fn kept(&self, point: &[optimise::Value], cases: &[Case], outcomes: &[Outcome]) -> Vec<SavedCase> {
-        let keeps = |outcome: &Outcome| {
-            let Some(keep) = &self.search.keep else { return true };
-            let outcome = std::slice::from_ref(outcome);
-            match self.laboratory.values(&keep.metric, outcome)[0] {
-                Some(value) => keep.relation.holds(value, keep.constant_bound()),
-                None => keep.when_undefined == WhenUndefined::Passes,
-            }
-        };
+    /// Whether a run at the best point is one that the search was to keep; without a condition all are.
+    fn keeps(&self, outcome: &Outcome) -> bool {
+        let Some(keep) = &self.search.keep else { return true };
+        match self.laboratory.values(&keep.metric, std::slice::from_ref(outcome))[0] {
+            Some(value) => keep.relation.holds(value, keep.constant_bound()),
+            None => keep.when_undefined == WhenUndefined::Passes,
+        }
+    }
+
+    /// Runs as cases to be used again.
+    fn saved(&self, point: &[optimise::Value], cases: &[Case], outcomes: &[Outcome]) -> Vec<SavedCase> {
         let values = self.laboratory.values(self.search.objective.aggregate.metric(), outcomes);
         let settings = overrides::settings(&self.search.over, point);
-        let runs = cases.iter().zip(outcomes).zip(values).filter(|((_, outcome), _)| keeps(outcome));
-        let saved = runs.map(|((case, _), value)| SavedCase {
+        let saved = cases.iter().zip(values).map(|(case, value)| SavedCase {
             key: case.key.clone(),
             scenario: case.scenario.clone(),
             variation: case.variation.clone(),

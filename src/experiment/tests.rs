@@ -1,13 +1,11 @@
 //! Searches and tunes over real simulations, small ones.
 
-use std::collections::HashMap;
-
 use super::*;
 use crate::scenario::{
     Aggregate, Budget, CaseSet, Crossing, CrossingKind, DeclaredAppearance, DeclaredVehicleStart, Direction,
     Expression, Goal, Individuals, InitialDesign, Lane, Method, MetricReference, Model, Objective, Origin,
-    Part, Pedestrian, Population, Range, RangeValues, Relation, Road, Search, Settings, Side, Target, Tune,
-    Variation, VariedValue, Vehicle, VehicleReference, WhenUndefined,
+    Part, Pedestrian, Population, Range, RangeValues, Relation, Road, SampleSize, Search, Settings, Side,
+    Target, Tune, Variation, VariedValue, Vehicle, VehicleReference, WhenUndefined,
 };
 use crate::scenario::{Comparison as Condition, Value};
 
@@ -146,6 +144,8 @@ fn suite() -> Suite {
         scenarios: vec![scenario()],
         searches: vec![search],
         tunes: vec![tune],
+        evaluates: Vec::new(),
+        statements: Vec::new(),
         gates: Vec::new(),
         origin: Origin::default(),
     }
@@ -154,8 +154,9 @@ fn suite() -> Suite {
 fn run(suite: &Suite, journals: Option<std::path::PathBuf>) -> (SearchResult, TuneResult) {
     let laboratory = Laboratory::new(suite, journals);
     let found = run_search(&laboratory, &suite.searches[0], &Silent).unwrap();
-    let sets = HashMap::from([(found.name.clone(), found.kept.clone())]);
-    let tuned = run_tune(&laboratory, &suite.tunes[0], &sets, &Silent).unwrap();
+    let mut results = Results::default();
+    results.blocks.insert(found.name.clone(), BlockResult::Search(found.clone()));
+    let tuned = run_tune(&laboratory, &suite.tunes[0], &results, &Silent).unwrap();
     (found, tuned)
 }
 
@@ -229,19 +230,25 @@ fn sets_of_cases_round_trip_and_can_be_tuned_on() {
     assert_eq!(CaseFile::read(&path).unwrap(), found.kept);
     suite.tunes[0].on = CaseSet::Saved(path.to_string_lossy().into_owned());
     let laboratory = Laboratory::new(&suite, None);
-    let again = run_tune(&laboratory, &suite.tunes[0], &HashMap::new(), &Silent).unwrap();
+    let again = run_tune(&laboratory, &suite.tunes[0], &Results::default(), &Silent).unwrap();
     assert_eq!(serde_json::to_string(&again).unwrap(), serde_json::to_string(&tuned).unwrap());
 }
 
 #[test]
 fn an_empty_set_and_an_unsatisfiable_constraint_are_said_plainly() {
     let mut suite = suite();
+    suite.searches[0].keep = Some(condition("pet", Relation::Less, -1.0));
     let laboratory = Laboratory::new(&suite, None);
-    let empty = run_tune(&laboratory, &suite.tunes[0], &HashMap::new(), &Silent);
+    let early = run_tune(&laboratory, &suite.tunes[0], &Results::default(), &Silent);
+    assert_eq!(early.unwrap_err().to_string(), "`low_pet` has not been run, but is needed");
+    let nothing = run_search(&laboratory, &suite.searches[0], &Silent).unwrap();
+    let mut results = Results::default();
+    results.blocks.insert("low_pet".into(), BlockResult::Search(nothing));
+    let empty = run_tune(&laboratory, &suite.tunes[0], &results, &Silent);
     assert_eq!(empty.unwrap_err().to_string(), "the set of cases `low_pet` is empty");
-    suite.tunes[0].on = CaseSet::Sample { scenario: "encounter".into(), count: 2 };
+    suite.tunes[0].on = CaseSet::Sample { scenario: "encounter".into(), count: SampleSize::Number(2) };
     suite.tunes[0].constraints = vec![condition("min_distance", Relation::Greater, 1e6)];
     let laboratory = Laboratory::new(&suite, None);
-    let result = run_tune(&laboratory, &suite.tunes[0], &HashMap::new(), &Silent).unwrap();
+    let result = run_tune(&laboratory, &suite.tunes[0], &Results::default(), &Silent).unwrap();
     assert!(result.chosen.is_none() && result.evaluations.iter().all(|one| !one.feasible));
 }

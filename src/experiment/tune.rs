@@ -1,22 +1,19 @@
 //! `tune`: controller parameters that are best on a set of cases, under constraints that hold in every run.
 
-use std::collections::HashMap;
-use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use serde::Serialize;
 
-use super::cases::{CaseFile, SavedCase, SavedSet};
+use super::cases::SavedCase;
 use super::evaluate::MetricSummary;
 use super::journal::Record;
 use super::search::definition;
-use super::{ExperimentError, Laboratory, Progress, overrides};
+use super::{ExperimentError, Laboratory, Progress, Results, overrides};
 use crate::optimise::{self, Evaluation, Margin, Measurement, Optimiser, Proposal, SlicePoint, StopReason};
 use crate::plan::derive_seed;
 use crate::run::Outcome;
-use crate::scenario::{Case, CaseSet, Target, Tune, Value};
-use crate::sim::random::Stream;
+use crate::scenario::{Case, Target, Tune, Value};
 
 /// Points of a slice through the surrogate.
 const SLICE_STEPS: usize = 101;
@@ -67,40 +64,19 @@ pub struct Comparison {
     pub feasible_fresh: bool,
 }
 
-/// Runs one tune to its end. `found` holds the sets that searches have kept so far, by name.
+/// Runs one tune to its end. `results` holds the searches that its cases come from.
 ///
 /// # Errors
 /// Whatever keeps it from a result; that no candidate is feasible is a result.
 pub fn run_tune(
     laboratory: &Laboratory,
     tune: &Tune,
-    found: &HashMap<String, SavedSet>,
+    results: &Results,
     progress: &dyn Progress,
 ) -> Result<TuneResult, ExperimentError> {
-    let cases = case_set(laboratory, tune, found)?;
+    let cases = laboratory.case_set(&tune.on, &tune.name, results)?;
     let bench = Bench { laboratory, tune, cases, progress, done: AtomicUsize::new(0) };
     bench.run()
-}
-
-/// The cases that a tune is judged on.
-fn case_set(
-    laboratory: &Laboratory,
-    tune: &Tune,
-    found: &HashMap<String, SavedSet>,
-) -> Result<Vec<SavedCase>, ExperimentError> {
-    let (name, cases) = match &tune.on {
-        CaseSet::Search(name) => (name, found.get(name).map(|set| set.cases.clone()).unwrap_or_default()),
-        CaseSet::Scenario(name) => (name, laboratory.cases_of(name)?),
-        CaseSet::Sample { scenario, count } => {
-            let mut cases = laboratory.cases_of(scenario)?;
-            let mut stream =
-                Stream::seeded(derive_seed(laboratory.suite.seed, &format!("{} sample", tune.name)));
-            stream.draw(&mut cases, *count as usize);
-            (scenario, cases)
-        }
-        CaseSet::Saved(path) => (path, CaseFile::read(Path::new(path))?.cases),
-    };
-    if cases.is_empty() { Err(ExperimentError::EmptySet(name.clone())) } else { Ok(cases) }
 }
 
 /// One tune under way.

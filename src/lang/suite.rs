@@ -95,6 +95,8 @@ fn bare(files: &Files, file: FileId, path: &Path, report: &mut Vec<Diagnostic>) 
         scenarios,
         searches: experiments.searches,
         tunes: experiments.tunes,
+        evaluates: Vec::new(),
+        statements: Vec::new(),
         gates: Vec::new(),
         origin: files.sources.origin(Span::beginning(root.span().source)),
     })
@@ -224,6 +226,8 @@ fn declared(files: &mut Files, file: FileId, path: &Path, report: &mut Vec<Diagn
         scenarios,
         searches: experiments.searches,
         tunes: experiments.tunes,
+        evaluates: Vec::new(),
+        statements: Vec::new(),
         gates: gates.into_iter().flatten().collect(),
         origin: files.sources.origin(name.span()),
     })

@@ -2,7 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Criterion, Expression, Gate, Origin, Road, Search, Side, Tune, Value, VehicleReference};
+use super::{
+    Criterion, Evaluate, Expression, Gate, Origin, Road, Search, Side, Statement, Tune, Value,
+    VehicleReference,
+};
 
 /// A suite: scenarios and what holds for all of them. A bare `.scn` file becomes a suite named after the file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -18,6 +21,10 @@ pub struct Suite {
     pub searches: Vec<Search>,
     #[serde(default)]
     pub tunes: Vec<Tune>,
+    #[serde(default)]
+    pub evaluates: Vec<Evaluate>,
+    #[serde(default)]
+    pub statements: Vec<Statement>,
     #[serde(default)]
     pub gates: Vec<Gate>,
     pub origin: Origin,

@@ -9,10 +9,12 @@ mod criterion;
 mod declaration;
 mod declared;
 mod dimension;
+mod evaluate;
 mod expression;
 mod gate;
 mod optimisation;
 mod road;
+mod statement;
 mod value;
 
 pub use case::{
@@ -31,10 +33,15 @@ pub use declared::{
     Population, Samples, SamplingScheme, Scenario, Suite, Variation, VariedValue, Vehicle,
 };
 pub use dimension::Dimension;
+pub use evaluate::{Condition, Evaluate, Measure, ParameterSet};
 pub use expression::{BinaryOperator, EvaluationError, Expression};
 pub use gate::{Gate, GateRule, Tolerance};
 pub use optimisation::{
-    Budget, CaseSet, Goal, InitialDesign, Method, Objective, Part, Range, RangeValues, Search, Target, Tune,
+    Budget, CaseSet, Goal, InitialDesign, Method, Objective, Part, Range, RangeValues, SampleSize, Search,
+    Target, Tune,
 };
 pub use road::{Body, Crossing, CrossingKind, Direction, Lane, Road, Side};
+pub use statement::{
+    Measured, OutcomesOf, Quantity, Standing, Statement, StatementClaim, StatementClaimKind, TrendDirection,
+};
 pub use value::{Settings, Value, significant};

@@ -46,18 +46,28 @@ pub struct Tune {
     pub origin: Origin,
 }
 
-/// The cases that a `tune` is judged on.
+/// The cases that a `tune` is judged on, or an `evaluate` compares.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CaseSet {
     /// What a search of this name kept.
     Search(String),
+    /// The best cases of every individual of a search, kept or not.
+    Bests(String),
     /// Every case of a scenario.
     Scenario(String),
     /// This many cases of a scenario, drawn by the suite's seed.
-    Sample { scenario: String, count: u32 },
+    Sample { scenario: String, count: SampleSize },
     /// A saved set; a path resolved against the file that names it.
     Saved(String),
+}
+
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SampleSize {
+    Number(u32),
+    /// As many as a search of this name kept.
+    AsManyAs(String),
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -18,8 +18,8 @@ use crate::lang::value::{self, Binding, Kind, Scope, unquote};
 use crate::metrics::MetricKind;
 use crate::scenario::{
     Aggregate, Budget, CaseSet, Comparison, Declaration, Dimension, Expression, Goal, InitialDesign, Method,
-    Model, Objective, ParameterKind, Part, Range, RangeValues, Relation, Scenario, Search, Target, Tune,
-    Value,
+    Model, Objective, ParameterKind, Part, Range, RangeValues, Relation, SampleSize, Scenario, Search,
+    Target, Tune, Value,
 };
 use crate::{pedestrian, vehicle};
 
@@ -217,7 +217,10 @@ fn case_set<'a>(
     if let Some(count) = node.child(Rule::integer) {
         let count = super::count(count, 1, 1_000_000, "the number of cases", report);
         let subject = subjects.find(name, name.text(), places, report)?;
-        return Some((CaseSet::Sample { scenario: name.text().to_string(), count: count? }, subject));
+        return Some((
+            CaseSet::Sample { scenario: name.text().to_string(), count: SampleSize::Number(count?) },
+            subject,
+        ));
     }
     if let Some(scenario) = subjects.searches.get(name.text()) {
         return Some((

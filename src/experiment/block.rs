@@ -1,0 +1,120 @@
+//! The blocks of a suite as units of work that build on each other.
+
+use std::collections::HashMap;
+
+use serde::Serialize;
+
+use super::{ExperimentError, Laboratory, Progress, SearchResult, TuneResult, run_search, run_tune};
+use crate::run::Outcome;
+use crate::scenario::{Case, CaseSet, Origin, SampleSize, Search, Suite, Tune};
+
+/// Something in a suite that takes simulations and gives one result.
+#[derive(Debug, Clone, Copy)]
+pub enum Block<'a> {
+    Search(&'a Search),
+    Tune(&'a Tune),
+}
+
+/// What a block has to wait for.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub enum Need {
+    /// The result of the block of this name.
+    Block(String),
+    /// Every run of the scenario of this name.
+    Scenario(String),
+}
+
+/// What a block came to.
+#[derive(Debug, Clone, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum BlockResult {
+    Search(SearchResult),
+    Tune(TuneResult),
+}
+
+/// What is known so far; later blocks read it.
+#[derive(Debug, Default)]
+pub struct Results {
+    /// By name of the block.
+    pub blocks: HashMap<String, BlockResult>,
+    /// Every run, by name of the scenario; only scenarios that some block needs, and only once they are complete.
+    pub scenarios: HashMap<String, Vec<(Case, Outcome)>>,
+}
+
+impl<'a> Block<'a> {
+    /// Every block of a suite in an order in which each comes after what it needs.
+    pub fn all(suite: &'a Suite) -> Vec<Self> {
+        let searches = suite.searches.iter().map(Self::Search);
+        searches.chain(suite.tunes.iter().map(Self::Tune)).collect()
+    }
+
+    pub fn name(&self) -> &'a str {
+        match self {
+            Self::Search(search) => &search.name,
+            Self::Tune(tune) => &tune.name,
+        }
+    }
+
+    /// `search` or `tune`.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Search(_) => "search",
+            Self::Tune(_) => "tune",
+        }
+    }
+
+    pub fn doc(&self) -> Option<&'a str> {
+        match self {
+            Self::Search(search) => search.doc.as_deref(),
+            Self::Tune(tune) => tune.doc.as_deref(),
+        }
+    }
+
+    pub fn origin(&self) -> &'a Origin {
+        match self {
+            Self::Search(search) => &search.origin,
+            Self::Tune(tune) => &tune.origin,
+        }
+    }
+
+    pub fn needs(&self) -> Vec<Need> {
+        match self {
+            Self::Search(_) => Vec::new(),
+            Self::Tune(tune) => case_set_needs(&tune.on),
+        }
+    }
+
+    /// Runs it. `results` must hold what it [needs](Self::needs).
+    ///
+    /// # Errors
+    /// Whatever keeps it from a result.
+    pub fn run(
+        &self,
+        laboratory: &Laboratory,
+        results: &Results,
+        progress: &dyn Progress,
+    ) -> Result<BlockResult, ExperimentError> {
+        match self {
+            Self::Search(search) => run_search(laboratory, search, progress).map(BlockResult::Search),
+            Self::Tune(tune) => run_tune(laboratory, tune, results, progress).map(BlockResult::Tune),
+        }
+    }
+}
+
+fn case_set_needs(set: &CaseSet) -> Vec<Need> {
+    match set {
+        CaseSet::Search(name) | CaseSet::Bests(name) => vec![Need::Block(name.clone())],
+        CaseSet::Sample { count: SampleSize::AsManyAs(search), .. } => vec![Need::Block(search.clone())],
+        CaseSet::Sample { .. } | CaseSet::Scenario(_) | CaseSet::Saved(_) => Vec::new(),
+    }
+}
+
+impl Results {
+    /// What the search of this name found.
+    pub(super) fn search(&self, name: &str) -> Result<&SearchResult, ExperimentError> {
+        match self.blocks.get(name) {
+            Some(BlockResult::Search(search)) => Ok(search),
+            _ => Err(ExperimentError::NotRun(name.to_string())),
+        }
+    }
+}

@@ -1,0 +1,54 @@
+//! What `evaluate` blocks declare: parameter sets compared on the same cases.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Aggregate, CaseSet, Origin, Target, Value};
+
+/// Runs the same cases under several conditions and sets the metrics side by side.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Evaluate {
+    pub name: String,
+    pub doc: Option<String>,
+    pub on: CaseSet,
+    /// Never empty, names unique; the others are compared with the first.
+    pub conditions: Vec<Condition>,
+    /// Runs of every case under fresh seeds; 0: once, with the case's own seed.
+    pub fresh: u32,
+    /// The columns of its table; empty: every metric that the suite measures.
+    pub measures: Vec<Measure>,
+    /// Where the reported rows come from, such as `Wang et al., Table 1`.
+    pub source: Option<String>,
+    /// Rows of a source to show beside ours: a condition's name and a value per measure, SI units.
+    pub reported: Vec<(String, Vec<f64>)>,
+    pub origin: Origin,
+}
+
+/// A set of parameters under which the cases run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Condition {
+    pub name: String,
+    pub parameters: ParameterSet,
+    pub origin: Origin,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ParameterSet {
+    /// What the scenarios declare.
+    Declared,
+    /// What a tune of this name chose.
+    Tuned(String),
+    /// Given in place, such as `av.controller.braking_distance: 10 m`.
+    Given(Vec<(Target, Value)>),
+    /// What a tune saved; a path resolved against the file that names it.
+    Saved(String),
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Measure {
+    pub aggregate: Aggregate,
+    /// In canonical words, such as `mean(pet)`.
+    pub text: String,
+    /// SI unit shown in reports.
+    pub unit: String,
+}
