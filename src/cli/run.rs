@@ -311,6 +311,7 @@ impl Session {
             started: self.started,
             wall_time: self.begun.elapsed(),
             trials: trials.collect(),
+            blocks: Vec::new(),
         }
     }
 

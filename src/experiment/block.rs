@@ -27,6 +27,8 @@ pub enum Need {
 /// What a block came to.
 #[derive(Debug, Clone, Serialize)]
 #[serde(rename_all = "snake_case")]
+// There are few of them and nobody moves them about.
+#[allow(clippy::large_enum_variant)]
 pub enum BlockResult {
     Search(SearchResult),
     Tune(TuneResult),
@@ -63,6 +65,11 @@ impl<'a> Block<'a> {
         }
     }
 
+    /// What reports call it: `zebra/search=low_pet`. No trial has such a key: names of scenarios have no `=`.
+    pub fn key(&self, suite: &str) -> String {
+        format!("{suite}/{}={}", self.kind(), self.name())
+    }
+
     pub fn doc(&self) -> Option<&'a str> {
         match self {
             Self::Search(search) => search.doc.as_deref(),
@@ -97,6 +104,19 @@ impl<'a> Block<'a> {
         match self {
             Self::Search(search) => run_search(laboratory, search, progress).map(BlockResult::Search),
             Self::Tune(tune) => run_tune(laboratory, tune, results, progress).map(BlockResult::Tune),
+        }
+    }
+}
+
+impl BlockResult {
+    /// Why it is not what the block was to show; `None` if it is.
+    pub fn failure(&self) -> Option<String> {
+        match self {
+            Self::Search(_) => None,
+            Self::Tune(tune) if tune.chosen.is_none() && tune.pareto.is_empty() => {
+                Some("no candidate keeps every constraint: nothing is chosen".to_string())
+            }
+            Self::Tune(_) => None,
         }
     }
 }

@@ -58,7 +58,7 @@ pub struct Found {
     pub bests: Vec<SavedCase>,
     /// Those of them that are kept.
     #[serde(skip)]
-    kept: Vec<SavedCase>,
+    pub kept: Vec<SavedCase>,
 }
 
 /// Runs one search to its end.

@@ -2,9 +2,17 @@
 
 use std::fmt::Write;
 
-use crate::experiment::{Candidate, MetricSummary, SearchResult, TuneResult};
+use crate::experiment::{BlockResult, Candidate, MetricSummary, SearchResult, TuneResult};
 use crate::optimise::Value;
 use crate::scenario::{Target, Tune, significant};
+
+/// What a block came to, whatever its kind.
+pub fn render_block(result: &BlockResult) -> String {
+    match result {
+        BlockResult::Search(search) => render_search(search),
+        BlockResult::Tune(tune) => render_tune(tune),
+    }
+}
 
 /// One line per person: where the worst is, what was seen there, what is believed, and what fresh seeds give.
 pub fn render_search(result: &SearchResult) -> String {

@@ -2,8 +2,8 @@
 
 use super::excerpt::Excerpt;
 use super::format::{quantity, share};
-use super::replay::replay_command;
-use super::{SuiteIdentity, TrialState};
+use super::replay::{block_command, replay_command};
+use super::{BlockReport, BlockState, SuiteIdentity, TrialState};
 use crate::judge::{Finding, Measure, Verdict, WorstRun};
 use crate::metrics;
 use crate::scenario::significant;
@@ -19,6 +19,22 @@ pub fn render_failure(suite: &SuiteIdentity, state: &TrialState, colour: bool) -
             drawings.join("\n\n")
         }
     }
+}
+
+/// Why a block has no result, or one that is not what it was to show; empty for the others.
+pub fn render_block_failure(suite: &SuiteIdentity, report: &BlockReport, colour: bool) -> String {
+    let block = format!("`{} {}`", report.block.kind(), report.block.name());
+    let title = match &report.state {
+        BlockState::Skipped(reason) => return reason.clone(),
+        BlockState::Errored(message) => format!("{block} could not be run: {message}"),
+        BlockState::Finished(result) => match result.failure() {
+            Some(reason) => format!("{block} failed: {reason}"),
+            None => return String::new(),
+        },
+    };
+    let again = format!("run it again: {}", block_command(suite, &report.key));
+    let origin = report.block.origin();
+    Excerpt { title: &title, origin, label: "", notes: &[], help: Some(&again) }.render(colour)
 }
 
 fn render_finding(suite: &SuiteIdentity, finding: &Finding, colour: bool) -> String {

@@ -4,21 +4,28 @@ use std::time::{Duration, SystemTime};
 
 use nalgebra::Vector2;
 
-use super::{Chosen, Recording, SuiteIdentity, SuiteReport, TrialReport, TrialState};
+use super::{
+    BlockReport, BlockState, Chosen, Recording, SuiteIdentity, SuiteReport, TrialReport, TrialState,
+};
+use crate::experiment::{Block, BlockResult, Candidate, Found, SavedSet, SearchResult, TuneResult};
 use crate::judge::judge;
 use crate::metrics::{MetricKind, metric};
+use crate::optimise::{self, SlicePoint};
 use crate::plan::Trial;
 use crate::run::{Outcome, Requests};
 use crate::scenario::{
-    Appearance, Assignment, Body, Case, Claim, Comparison, Criterion, Crossing, CrossingKind, Direction,
-    Individual, Lane, MetricReference, ModelSetup, Origin, PedestrianSetup, Position, Relation, Road,
-    Settings, Shape, Side, Value, VehicleSetup, VehicleStart, WhenUndefined, World,
+    Aggregate, Appearance, Assignment, Body, Budget, Case, CaseSet, Claim, Comparison, Criterion, Crossing,
+    CrossingKind, Direction, Goal, Individual, InitialDesign, Lane, Method, MetricReference, ModelSetup,
+    Objective, Origin, Part, PedestrianSetup, Position, Range, RangeValues, Relation, Road, Search, Settings,
+    Shape, Side, Target, Tune, Value, VehicleSetup, VehicleStart, WhenUndefined, World,
 };
 use crate::sim::{Ending, Event, Happening, Sample, StopReason, Trace};
 
 /// The trials, and what reports borrow from.
 pub struct Session {
     trials: Vec<Trial>,
+    search: Search,
+    tune: Tune,
     pub requests: Requests,
 }
 
@@ -34,7 +41,8 @@ impl Session {
         }
         let mut requests = Requests::default();
         trials.iter().for_each(|trial: &Trial| requests.include(&trial.criteria));
-        Self { trials, requests }
+        let (search, tune) = blocks();
+        Self { trials, search, tune, requests }
     }
 
     /// One trial of every state: the last two are an error and a skipped one.
@@ -58,7 +66,28 @@ impl Session {
             started: SystemTime::UNIX_EPOCH + Duration::from_secs(1_795_250_000),
             wall_time: Duration::from_millis(1500),
             trials: trials.collect(),
+            blocks: self.blocks(),
         }
+    }
+
+    /// One block of every state: with a result, with one that fails, with an error and a skipped one.
+    fn blocks(&self) -> Vec<BlockReport<'_>> {
+        let (search, tune) = (Block::Search(&self.search), Block::Tune(&self.tune));
+        let error = "`walker`: there is no population called `standard`".to_string();
+        let reason = "needs `low_pet`, which failed".to_string();
+        let states = [
+            (search, BlockState::Finished(Box::new(BlockResult::Search(found(&self.search))))),
+            (tune, BlockState::Finished(Box::new(BlockResult::Tune(tuned(&self.tune))))),
+            (search, BlockState::Errored(error)),
+            (tune, BlockState::Skipped(reason)),
+        ];
+        let mut reports = Vec::new();
+        for (index, (block, state)) in states.into_iter().enumerate() {
+            // Names are unique in a real suite.
+            let key = format!("{}{}", block.key("zebra"), ["", "", "_2", "_2"][index]);
+            reports.push(BlockReport { block, key, state, wall_time: Duration::from_millis(750) });
+        }
+        reports
     }
 
     /// A straight course for every chosen run.
@@ -103,6 +132,133 @@ fn word(word: &str) -> f64 {
     words.iter().position(|known| *known == word).map_or(f64::NAN, |index| index as f64)
 }
 
+/// A search over the arrival time and a tune on what it found.
+fn blocks() -> (Search, Tune) {
+    let metric =
+        |name: &str| MetricReference { name: name.into(), settings: Settings::default(), pair: None };
+    let range = |target, low, high, unit: &str| Range {
+        target,
+        values: RangeValues::Real { low, high },
+        unit: unit.into(),
+        origin: Origin::default(),
+    };
+    let objective =
+        |aggregate, text: &str| Objective { direction: Goal::Minimise, aggregate, text: text.into() };
+    let budget = Budget {
+        evaluations: 3,
+        initial: 2,
+        initial_design: InitialDesign::Random,
+        method: Method::Bayesian,
+        batch: 1,
+    };
+    let origin = |line, text: &str| Origin {
+        file: "zebra.suite".into(),
+        line,
+        column: 1,
+        source_line: text.into(),
+        length: text.chars().count() - 2,
+    };
+    let parameter = Target::Setting {
+        road_user: "av".into(),
+        part: Part::Controller,
+        parameter: "braking_distance".into(),
+    };
+    let search = Search {
+        name: "low_pet".into(),
+        doc: None,
+        scenario: "commotions_carla".into(),
+        individuals: None,
+        together: false,
+        objective: objective(Aggregate::Mean(metric("pet")), "minimise mean(pet)"),
+        over: vec![range(Target::Variation("tta".into()), 6.0, 18.0, "s")],
+        budget: budget.clone(),
+        runs: 1,
+        keep: None,
+        origin: origin(8, "search low_pet {"),
+    };
+    let tune = Tune {
+        name: "braking_distance".into(),
+        doc: None,
+        on: CaseSet::Search("low_pet".into()),
+        over: vec![range(parameter, 4.0, 25.0, "m")],
+        objectives: vec![objective(Aggregate::Mean(metric("time_lost")), "minimise mean(time_lost)")],
+        constraints: Vec::new(),
+        budget,
+        early_stop: true,
+        compare_with_default: true,
+        origin: origin(16, "tune braking_distance {"),
+    };
+    (search, tune)
+}
+
+/// One person's worst arrival.
+fn found(search: &Search) -> SearchResult {
+    let tta = |value| vec![optimise::Value::Real(value)];
+    let slice = |value: f64| SlicePoint {
+        value: optimise::Value::Real(value),
+        mean: value / 4.0,
+        lower: value / 4.0 - 0.5,
+        upper: value / 4.0 + 0.5,
+        feasibility: 1.0,
+    };
+    let found = Found {
+        individuals: vec![person(17)],
+        best: Some(vec![("tta".into(), optimise::Value::Real(6.5))]),
+        observed: Some(1.25),
+        predicted: Some((1.5, 0.125)),
+        fresh: Some(1.75),
+        fresh_runs: 20,
+        passed_first: Some("pedestrian"),
+        evaluations: vec![(tta(12.0), Some(3.0)), (tta(18.0), None), (tta(6.5), Some(1.25))],
+        stop: Some(optimise::StopReason::Budget { evaluations: 3 }),
+        slices: vec![vec![slice(6.0), slice(12.0), slice(18.0)]],
+        bests: Vec::new(),
+        kept: Vec::new(),
+    };
+    SearchResult {
+        name: search.name.clone(),
+        objective: search.objective.text.clone(),
+        found: vec![found],
+        kept: SavedSet {
+            name: search.name.clone(),
+            source: "search low_pet of suite zebra".into(),
+            cases: Vec::new(),
+        },
+    }
+}
+
+/// A tune for which nothing was feasible.
+fn tuned(tune: &Tune) -> TuneResult {
+    let candidate = |value: f64| Candidate {
+        point: vec![optimise::Value::Real(value)],
+        objectives: vec![None],
+        margins: vec![Some(-0.25), None],
+        feasible: false,
+    };
+    TuneResult {
+        name: tune.name.clone(),
+        objectives: tune.objectives.iter().map(|objective| objective.text.clone()).collect(),
+        constraints: vec!["pet >= 1".into(), "collision = 0".into()],
+        cases: 1,
+        parameters: vec!["av.controller.braking_distance".into()],
+        chosen: None,
+        pareto: Vec::new(),
+        evaluations: vec![candidate(4.0), candidate(25.0), candidate(12.0)],
+        stop: Some(optimise::StopReason::Budget { evaluations: 3 }),
+        slices: Vec::new(),
+        comparison: None,
+    }
+}
+
+fn person(number: u32) -> Individual {
+    Individual {
+        pedestrian: "walker".into(),
+        population: "standard".into(),
+        number,
+        parameters: Settings::default(),
+    }
+}
+
 fn trial(scenario: &str, tta: f64) -> Trial {
     let key = format!("zebra/{scenario}/tta={tta}s");
     let case = |repetition: u32| {
@@ -115,12 +271,7 @@ fn trial(scenario: &str, tta: f64) -> Trial {
                 label: format!("{tta}s"),
                 value: Value::Number(tta),
             }],
-            individuals: vec![Individual {
-                pedestrian: "walker".into(),
-                population: "standard".into(),
-                number,
-                parameters: Settings::default(),
-            }],
+            individuals: vec![person(number)],
             repetition,
             seed: u64::from(repetition),
             world: world(),

@@ -3,11 +3,13 @@
 use std::fmt::Write;
 
 use super::digest::Digest;
-use super::failure::render_failure;
+use super::experiment::render_block;
+use super::failure::{render_block_failure, render_failure};
 use super::figures::{scenarios, short_name};
 use super::findings::{data, property};
+use super::replay::block_command;
 use super::wording::{verdict_mark, verdict_word};
-use super::{SuiteReport, TrialReport, TrialState};
+use super::{BlockReport, BlockState, SuiteReport, TrialReport, TrialState};
 use crate::judge::Verdict;
 use crate::run::Requests;
 use crate::scenario::Origin;
@@ -53,6 +55,19 @@ pub fn annotations(reports: &[SuiteReport]) -> String {
             }
         }
     }
+    for (report, block) in reports.iter().flat_map(|one| one.blocks.iter().map(move |block| (one, block))) {
+        let title = format!("{} {}", block.block.kind(), block.block.name());
+        let (said, what) = match &block.state {
+            BlockState::Skipped(_) => continue,
+            BlockState::Errored(message) => ("could not run", message.clone()),
+            BlockState::Finished(result) => match result.failure() {
+                Some(reason) => ("failed", reason),
+                None => continue,
+            },
+        };
+        let again = block_command(&report.identity, &block.key);
+        add("error", block.block.origin(), format!("{title} {said}"), format!("{what}\n{again}"));
+    }
     let mut text = String::new();
     for Annotation { level, origin, title, trials } in annotations {
         let mut message = trials.iter().take(MOST_TRIALS_NAMED).cloned().collect::<Vec<_>>().join("\n");
@@ -95,9 +110,10 @@ fn suite_summary(text: &mut String, report: &SuiteReport, requests: &Requests) {
         text.push_str(&content);
         text.push('\n');
     };
-    let count = |wanted: Option<Verdict>| {
-        report.trials.iter().filter(|trial| !trial.skipped() && trial.verdict() == wanted).count()
-    };
+    let trials = report.trials.iter().filter(|trial| !trial.skipped()).map(TrialReport::verdict);
+    let blocks = report.blocks.iter().filter(|block| !block.skipped()).map(BlockReport::verdict);
+    let verdicts: Vec<_> = trials.chain(blocks).collect();
+    let count = |wanted: Option<Verdict>| verdicts.iter().filter(|verdict| **verdict == wanted).count();
     let runs: usize = report.trials.iter().map(|trial| trial.outcomes.len()).sum();
     let counts = [
         (count(Some(Verdict::Passed)), "✅ passed"),
@@ -161,6 +177,28 @@ fn suite_summary(text: &mut String, report: &SuiteReport, requests: &Requests) {
     let more = report.trials.iter().filter(failed).count().saturating_sub(MOST_FAILURES);
     if more > 0 {
         line(format!("and {more} more that did not pass\n"));
+    }
+    blocks_summary(text, report);
+}
+
+/// What every block came to, folded up.
+fn blocks_summary(text: &mut String, report: &SuiteReport) {
+    for block in report.blocks.iter().filter(|block| !block.skipped()) {
+        let mark = match block.verdict() {
+            None => "💥",
+            Some(verdict) => verdict_mark(verdict),
+        };
+        let failure = render_block_failure(&report.identity, block, false);
+        let result = block.result().map(render_block).unwrap_or_default();
+        let said: Vec<_> =
+            [failure.trim_end(), result.trim_end()].into_iter().filter(|part| !part.is_empty()).collect();
+        writeln!(
+            text,
+            "<details><summary>{mark} {}</summary>\n\n~~~~text\n{}\n~~~~\n\n</details>\n",
+            html(&block.key),
+            said.join("\n\n"),
+        )
+        .expect("writing to a string cannot fail");
     }
 }
 

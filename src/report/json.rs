@@ -3,7 +3,7 @@
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
-use super::{SuiteReport, TrialReport, TrialState};
+use super::{BlockReport, BlockState, SuiteReport, TrialReport, TrialState};
 use crate::run::{Outcome, Requests};
 
 /// Version of the layout; raised when a reader would have to change.
@@ -28,6 +28,7 @@ fn suite_value(report: &SuiteReport, requests: &Requests) -> Value {
         "seed": report.identity.seed,
         "wall_time_s": report.wall_time.as_secs_f64(),
         "trials": report.trials.iter().map(|trial| trial_value(trial, requests)).collect::<Vec<_>>(),
+        "blocks": report.blocks.iter().map(block_value).collect::<Vec<_>>(),
     })
 }
 
@@ -62,6 +63,30 @@ fn trial_value(report: &TrialReport, requests: &Requests) -> Value {
             fields.insert("verdict".into(), "skipped".into());
             fields.insert("message".into(), reason.as_str().into());
         }
+    }
+    value
+}
+
+fn block_value(report: &BlockReport) -> Value {
+    let mut value = json!({
+        "key": report.key,
+        "kind": report.block.kind(),
+        "name": report.block.name(),
+        "wall_time_s": report.wall_time.as_secs_f64(),
+    });
+    let fields = value.as_object_mut().expect("it was made as an object");
+    let (verdict, message) = match &report.state {
+        BlockState::Finished(result) => {
+            fields.insert("result".into(), plain(result));
+            let failure = result.failure();
+            (if failure.is_some() { "failed" } else { "passed" }, failure)
+        }
+        BlockState::Errored(message) => ("error", Some(message.clone())),
+        BlockState::Skipped(reason) => ("skipped", Some(reason.clone())),
+    };
+    fields.insert("verdict".into(), verdict.into());
+    if let Some(message) = message {
+        fields.insert("message".into(), message.into());
     }
     value
 }

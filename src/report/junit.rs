@@ -1,13 +1,16 @@
-//! Results as JUnit XML, for GitLab, Jenkins and their like: one testsuite per scenario, one testcase per trial.
+//! Results as JUnit XML, for GitLab, Jenkins and their like: one testsuite per scenario, one testcase per trial; one more
+//! testsuite per kind of block.
 
 use chrono::{DateTime, Utc};
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 
 use super::digest::Digest;
-use super::failure::render_failure;
-use super::replay::replay_command;
+use super::experiment::render_block;
+use super::failure::{render_block_failure, render_failure};
+use super::replay::{block_command, replay_command};
 use super::wording::{interval, margin, observed, verdict_word};
-use super::{SuiteReport, TrialReport, TrialState};
+use super::{BlockReport, BlockState, SuiteReport, TrialReport, TrialState};
+use crate::experiment::BlockResult;
 use crate::judge::{Finding, Verdict};
 use crate::metrics;
 use crate::run::Requests;
@@ -26,47 +29,64 @@ pub fn to_junit(reports: &[SuiteReport], requests: &Requests) -> Result<String, 
 }
 
 fn test_suites(report: &SuiteReport, requests: &Requests) -> Vec<TestSuite> {
-    let timestamp = DateTime::<Utc>::from(report.started);
     let mut suites: Vec<TestSuite> = Vec::new();
     for trial in &report.trials {
         let name = format!("{}.{}", report.identity.suite, trial.trial.scenario);
-        if suites.last().is_none_or(|suite| suite.name.as_str() != name) {
-            let mut suite = TestSuite::new(name.as_str());
-            suite
-                .set_timestamp(timestamp)
-                .add_property(("seed", report.identity.seed.to_string().as_str()))
-                .add_property(("file", report.identity.file))
-                .add_property(("tool", concat!("scenario-runner ", env!("CARGO_PKG_VERSION"))));
-            suites.push(suite);
-        }
-        let suite = suites.last_mut().expect("one was pushed above");
+        let suite = suite_named(&mut suites, report, &name);
         suite.time = Some(suite.time.unwrap_or_default() + trial.wall_time);
         suite.add_test_case(test_case(report, trial, &name, requests));
+    }
+    for block in &report.blocks {
+        let name = format!("{}.{}", report.identity.suite, block.block.kind());
+        let suite = suite_named(&mut suites, report, &name);
+        suite.time = Some(suite.time.unwrap_or_default() + block.wall_time);
+        suite.add_test_case(block_case(report, block, &name));
     }
     suites
 }
 
+/// The suite of that name, made if there is none.
+fn suite_named<'a>(suites: &'a mut Vec<TestSuite>, report: &SuiteReport, name: &str) -> &'a mut TestSuite {
+    // From the end: trials of a scenario stand together.
+    let index = suites.iter().rposition(|suite| suite.name.as_str() == name).unwrap_or_else(|| {
+        let mut suite = TestSuite::new(name);
+        suite
+            .set_timestamp(DateTime::<Utc>::from(report.started))
+            .add_property(("seed", report.identity.seed.to_string().as_str()))
+            .add_property(("file", report.identity.file))
+            .add_property(("tool", concat!("scenario-runner ", env!("CARGO_PKG_VERSION"))));
+        suites.push(suite);
+        suites.len() - 1
+    });
+    &mut suites[index]
+}
+
+fn skipped(reason: &str) -> TestCaseStatus {
+    let mut status = TestCaseStatus::skipped();
+    status.set_message(reason);
+    status
+}
+
+/// One that did not succeed: what it is about in a line, and all there is to say.
+fn problem(kind: NonSuccessKind, name: &str, message: &str, text: String) -> TestCaseStatus {
+    let mut status = TestCaseStatus::non_success(kind);
+    status.set_message(message).set_type(name).set_description(text);
+    status
+}
+
 fn test_case(report: &SuiteReport, trial: &TrialReport, class: &str, requests: &Requests) -> TestCase {
     let status = match &trial.state {
-        TrialState::Skipped(reason) => {
-            let mut status = TestCaseStatus::skipped();
-            status.set_message(reason.as_str());
-            status
-        }
+        TrialState::Skipped(reason) => skipped(reason),
         TrialState::Errored(message) => {
-            let mut status = TestCaseStatus::non_success(NonSuccessKind::Error);
-            status.set_message(first_line(message)).set_type("error").set_description(message.as_str());
-            status
+            problem(NonSuccessKind::Error, "error", first_line(message), message.clone())
         }
         TrialState::Judged(judged) if judged.verdict == Verdict::Passed => TestCaseStatus::success(),
         TrialState::Judged(judged) => {
             let text = render_failure(&report.identity, &trial.state, false);
             let failing = judged.findings.iter().filter(|finding| finding.verdict != Verdict::Passed);
             let criteria: Vec<_> = failing.map(|finding| finding.criterion.as_str()).collect();
-            let mut status = TestCaseStatus::non_success(NonSuccessKind::Failure);
             let kind = if judged.verdict == Verdict::Failed { "criterion" } else { "inconclusive" };
-            status.set_message(criteria.join("; ")).set_type(kind).set_description(text);
-            status
+            problem(NonSuccessKind::Failure, kind, &criteria.join("; "), text)
         }
     };
     let mut case = TestCase::new(trial.trial.key.as_str(), status);
@@ -91,6 +111,30 @@ fn test_case(report: &SuiteReport, trial: &TrialReport, class: &str, requests: &
     };
     if let Some(key) = worst.map(|run| &run.key).or(trial.trial.cases.first().map(|case| &case.key)) {
         property("replay", &replay_command(&report.identity, key));
+    }
+    case
+}
+
+/// A block: its result in words is the output of the test.
+fn block_case(report: &SuiteReport, block: &BlockReport, class: &str) -> TestCase {
+    let text = || render_block_failure(&report.identity, block, false);
+    let failure = block.result().and_then(BlockResult::failure);
+    let status = match (&block.state, &failure) {
+        (BlockState::Skipped(reason), _) => skipped(reason),
+        (BlockState::Errored(message), _) => {
+            problem(NonSuccessKind::Error, "error", first_line(message), text())
+        }
+        (BlockState::Finished(_), Some(reason)) => {
+            problem(NonSuccessKind::Failure, block.block.kind(), reason, text())
+        }
+        (BlockState::Finished(_), None) => TestCaseStatus::success(),
+    };
+    let mut case = TestCase::new(block.key.as_str(), status);
+    case.set_classname(class).set_time(block.wall_time);
+    case.add_property(("seed", report.identity.seed.to_string().as_str()));
+    case.add_property(("replay", block_command(&report.identity, &block.key).as_str()));
+    if let Some(result) = block.result() {
+        case.set_system_out(render_block(result));
     }
     case
 }

@@ -28,13 +28,14 @@ mod wording;
 
 use std::time::Duration;
 
+use crate::experiment::{Block, BlockResult};
 use crate::judge::{TrialVerdict, Verdict};
 use crate::plan::Trial;
 use crate::run::Outcome;
 
 pub use excerpt::Excerpt;
-pub use experiment::{render_search, render_tune, tuned_parameters};
-pub use failure::render_failure;
+pub use experiment::{render_block, render_search, render_tune, tuned_parameters};
+pub use failure::{render_block_failure, render_failure};
 pub use figures::{Figure, figures};
 pub use format::{quantity, share};
 pub use github::{annotations, step_summary};
@@ -44,7 +45,7 @@ pub use junit::to_junit;
 pub use models::{registered_names, render_model, render_models};
 pub use pages::{ModelPage, model_pages};
 pub use recording::{PairCourse, Place, Recording};
-pub use replay::{render_replay, replay_command};
+pub use replay::{block_command, render_replay, replay_command};
 pub use table::render_tables;
 pub use tap::to_tap;
 pub use trace::write_trace;
@@ -66,6 +67,8 @@ pub struct SuiteReport<'a> {
     pub started: std::time::SystemTime,
     pub wall_time: Duration,
     pub trials: Vec<TrialReport<'a>>,
+    /// The suite's blocks, each after what it builds on.
+    pub blocks: Vec<BlockReport<'a>>,
 }
 
 #[derive(Debug)]
@@ -83,6 +86,44 @@ pub enum TrialState {
     /// Could not be run to its end; the message says why.
     Errored(String),
     Skipped(String),
+}
+
+/// What became of a `search`, a `tune` or whatever else a suite computes besides its trials.
+#[derive(Debug)]
+pub struct BlockReport<'a> {
+    pub block: Block<'a>,
+    /// Such as `zebra/search=low_pet`.
+    pub key: String,
+    pub state: BlockState,
+    pub wall_time: Duration,
+}
+
+#[derive(Debug, Clone)]
+pub enum BlockState {
+    /// It came to a result, which may still [fail](BlockResult::failure).
+    Finished(Box<BlockResult>),
+    /// Could not be run to its end; the message says why.
+    Errored(String),
+    Skipped(String),
+}
+
+impl BlockReport<'_> {
+    /// Whether nobody tried to run it.
+    pub fn skipped(&self) -> bool {
+        matches!(self.state, BlockState::Skipped(_))
+    }
+
+    /// What it came to, if it did.
+    pub fn result(&self) -> Option<&BlockResult> {
+        match &self.state {
+            BlockState::Finished(result) => Some(result),
+            BlockState::Errored(_) | BlockState::Skipped(_) => None,
+        }
+    }
+
+    pub fn verdict(&self) -> Option<Verdict> {
+        self.result().map(|result| if result.failure().is_some() { Verdict::Failed } else { Verdict::Passed })
+    }
 }
 
 impl TrialReport<'_> {

@@ -14,6 +14,11 @@ pub fn replay_command(suite: &SuiteIdentity, key: &str) -> String {
     format!("scenario-runner replay '{key}' {} --seed {}", suite.file, suite.seed)
 }
 
+/// What to type to run one block again, with whatever it builds on.
+pub fn block_command(suite: &SuiteIdentity, key: &str) -> String {
+    format!("scenario-runner {} '{key}' --exact --seed {}", suite.file, suite.seed)
+}
+
 /// The course of one run in words: who it is about, the events in order of time, every metric.
 pub fn render_replay(case: &Case, outcome: &Outcome, events: &[Event], requests: &Requests) -> String {
     let mut text = String::new();
