@@ -22,7 +22,7 @@ use crate::report::{
     Chosen, Recording, SuiteIdentity, SuiteReport, TrialReport, TrialState, annotations, choose_runs,
     render_failure, render_tables, step_summary, to_html, to_json, to_junit, to_tap, write_trace,
 };
-use crate::run::{FreeFlows, Outcome, Requests, RunError, Unwatched, run_case, run_trial};
+use crate::run::{FreeFlows, Outcome, Requests, RunError, Stop, Unwatched, run_case, run_trial};
 use crate::scenario::Case;
 use crate::sim::Trace;
 
@@ -258,7 +258,7 @@ impl Session {
         let trial = self.trial(suite, index);
         let begun = Instant::now();
         let limit = self.loaded[suite].plan.time_limit.map(Duration::from_secs_f64);
-        let (outcomes, state) = match run_trial(trial, limit, |case| self.run_case(case)) {
+        let (outcomes, state) = match run_trial(trial, limit, &Stop::default(), |case| self.run_case(case)) {
             Ok(outcomes) => {
                 let judged = judge(&trial.criteria, &outcomes, &self.requests);
                 (outcomes, TrialState::Judged(judged))

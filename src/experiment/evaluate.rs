@@ -16,6 +16,9 @@ impl Laboratory<'_> {
     }
 
     pub(super) fn run_one(&self, case: &Case) -> Result<Outcome, ExperimentError> {
+        if self.stop.is_requested() {
+            return Err(ExperimentError::Stopped);
+        }
         Ok(run_case(case, &self.requests, &self.free_flows, &mut Unwatched)?)
     }
 

@@ -20,7 +20,7 @@ use thiserror::Error;
 
 use crate::optimise;
 use crate::plan::PlanError;
-use crate::run::{FreeFlows, Requests, RunError};
+use crate::run::{FreeFlows, Requests, RunError, Stop};
 use crate::scenario::{Scenario, Suite};
 
 pub use block::{Block, BlockResult, Need, Results};
@@ -36,6 +36,8 @@ pub struct Laboratory<'a> {
     pub free_flows: FreeFlows,
     /// Where journals are kept; `None` keeps none.
     pub journals: Option<PathBuf>,
+    /// Looked at before every run.
+    pub stop: Stop,
 }
 
 impl<'a> Laboratory<'a> {
@@ -51,7 +53,12 @@ impl<'a> Laboratory<'a> {
             tune.objectives.iter().for_each(|objective| requests.add(objective.aggregate.metric()));
             tune.constraints.iter().for_each(|constraint| requests.add(&constraint.metric));
         }
-        Self { suite, requests, free_flows: FreeFlows::default(), journals }
+        Self { suite, requests, free_flows: FreeFlows::default(), journals, stop: Stop::default() }
+    }
+
+    /// One in which no run begins any more once `stop` is requested.
+    pub fn stopped_by(self, stop: Stop) -> Self {
+        Self { stop, ..self }
     }
 
     fn scenario(&self, name: &str) -> Result<&'a Scenario, ExperimentError> {
@@ -85,6 +92,9 @@ pub enum ExperimentError {
     NotRun(String),
     #[error("there is no `{0}` to vary: {1}")]
     UnknownTarget(String, String),
+    /// On somebody's wish. What was evaluated is in the journal.
+    #[error("interrupted")]
+    Stopped,
     #[error("the set of cases `{0}` is empty")]
     EmptySet(String),
     #[error("cannot read the cases of {}: {reason}", path.display())]

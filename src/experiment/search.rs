@@ -176,16 +176,9 @@ impl Hunt<'_> {
         let mut record =
             Record::open(self.laboratory.journals.as_deref(), &name, &inputs, &definition, batch)?;
         let mut optimiser = Optimiser::new(definition)?;
-        let failure = std::sync::Mutex::new(None);
-        optimise::run(&mut optimiser, batch, record.journal(), |proposal| {
-            self.evaluate(&name, group, proposal).unwrap_or_else(|error| {
-                failure.lock().unwrap_or_else(|broken| broken.into_inner()).get_or_insert(error);
-                undefined()
-            })
+        optimise::try_run(&mut optimiser, batch, record.journal(), |proposal| {
+            self.evaluate(&name, group, proposal)
         })?;
-        if let Some(error) = failure.into_inner().unwrap_or_else(|broken| broken.into_inner()) {
-            return Err(error);
-        }
         let found = self.conclude(&name, group, &optimiser)?;
         record.remove();
         Ok(found)
@@ -327,13 +320,5 @@ impl Hunt<'_> {
             value,
         });
         saved.collect()
-    }
-}
-
-fn undefined() -> Evaluation {
-    Evaluation {
-        objectives: vec![Measurement { value: None, noise_variance: None }],
-        margins: Vec::new(),
-        repetitions: 1,
     }
 }

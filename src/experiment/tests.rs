@@ -221,6 +221,30 @@ fn a_run_that_was_cut_off_resumes_to_the_same_result() {
 }
 
 #[test]
+fn a_run_that_is_asked_to_stop_leaves_a_journal_without_the_evaluations_that_it_gave_up() {
+    let suite = suite();
+    let folder = tempfile::tempdir().unwrap();
+    let undisturbed = text(&run(&suite, None));
+    let laboratory = Laboratory::new(&suite, Some(folder.path().to_owned()));
+    struct Stops<'a>(&'a crate::run::Stop);
+    impl Progress for Stops<'_> {
+        fn evaluated(&self, done: usize, _all: usize, _value: Option<f64>) {
+            if done == 13 {
+                self.0.request();
+            }
+        }
+    }
+    let stopped = run_search(&laboratory, &suite.searches[0], &Stops(&laboratory.stop));
+    assert!(matches!(stopped, Err(ExperimentError::Stopped)));
+    let lines = |path: std::path::PathBuf| std::fs::read_to_string(path).unwrap().lines().count();
+    let files = std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().path());
+    // A line of each journal says what it belongs to.
+    let recorded: usize = files.map(|path| lines(path) - 1).sum();
+    assert!((13..27).contains(&recorded), "{recorded} of 27 evaluations are recorded");
+    assert_eq!(text(&run(&suite, Some(folder.path().to_owned()))), undisturbed);
+}
+
+#[test]
 fn sets_of_cases_round_trip_and_can_be_tuned_on() {
     let mut suite = suite();
     let (found, tuned) = run(&suite, None);

@@ -1,6 +1,5 @@
 //! `tune`: controller parameters that are best on a set of cases, under constraints that hold in every run.
 
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use serde::Serialize;
@@ -101,16 +100,7 @@ impl Bench<'_> {
         let mut record =
             Record::open(self.laboratory.journals.as_deref(), &name, &inputs, &definition, batch)?;
         let mut optimiser = Optimiser::new(definition)?;
-        let failure = Mutex::new(None);
-        optimise::run(&mut optimiser, batch, record.journal(), |proposal| {
-            self.evaluate(proposal).unwrap_or_else(|error| {
-                failure.lock().unwrap_or_else(|broken| broken.into_inner()).get_or_insert(error);
-                self.undefined()
-            })
-        })?;
-        if let Some(error) = failure.into_inner().unwrap_or_else(|broken| broken.into_inner()) {
-            return Err(error);
-        }
+        optimise::try_run(&mut optimiser, batch, record.journal(), |proposal| self.evaluate(proposal))?;
         let result = self.conclude(&optimiser)?;
         record.remove();
         Ok(result)
@@ -157,16 +147,6 @@ impl Bench<'_> {
         Evaluation {
             objectives: self.tune.objectives.iter().map(objective).collect(),
             margins: self.tune.constraints.iter().map(margin).collect(),
-            repetitions: 1,
-        }
-    }
-
-    fn undefined(&self) -> Evaluation {
-        let (measurement, margin) =
-            (Measurement { value: None, noise_variance: None }, Margin { value: None, censored: false });
-        Evaluation {
-            objectives: vec![measurement; self.tune.objectives.len()],
-            margins: vec![margin; self.tune.constraints.len()],
             repetitions: 1,
         }
     }

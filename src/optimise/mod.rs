@@ -41,7 +41,7 @@ pub use acquisition::Acquisition;
 pub use definition::{Definition, Goal, ImprovementStop, InitialDesign, Method};
 pub use findings::{Prediction, SlicePoint};
 pub use history::{Evaluation, Margin, Measurement, Trial};
-pub use journal::{Journal, run};
+pub use journal::{Journal, run, try_run};
 pub use optimiser::{Optimiser, Origin, Proposal, StopReason};
 pub use space::{Dimension, LARGEST_DIMENSION_COUNT, Point, Range, Space, Value};
 

@@ -4,10 +4,12 @@ mod build;
 mod case;
 mod free_flow;
 mod outcome;
+mod stop;
 mod trial;
 
 pub use build::{RunError, road_users};
 pub use case::{Unwatched, run_case};
 pub use free_flow::FreeFlows;
 pub use outcome::{Outcome, Requests};
+pub use stop::Stop;
 pub use trial::{TrialError, run_trial};
