@@ -99,7 +99,7 @@ impl Laboratory<'_> {
             CaseSet::Search(search) => (search, results.search(search)?.kept.cases.clone()),
             CaseSet::Bests(search) => {
                 let found = &results.search(search)?.found;
-                (search, found.iter().flat_map(|one| one.bests.clone()).collect())
+                (search, found.iter().flat_map(|one| &one.runs).map(|run| run.case.clone()).collect())
             }
             CaseSet::Scenario(scenario) => (scenario, self.cases_of(scenario)?),
             CaseSet::Sample { scenario, count } => {

@@ -1,117 +1,359 @@
-//! Cases run for an experiment, and metrics summed up over them.
+//! `evaluate`: sets of parameters compared on the same cases.
 
-use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
+use std::path::Path;
 
-use super::{ExperimentError, Laboratory};
-use crate::judge::aggregate;
+use serde::Serialize;
+
+use super::cases::SavedCase;
+use super::parameters::ParameterFile;
+use super::runs::CaseRun;
+use super::{ExperimentError, Laboratory, Progress, Results, overrides};
+use crate::judge::statistics::{Interval, mean, paired_difference, rate_change};
+use crate::judge::{aggregate, holds};
 use crate::metrics::{MetricKind, metric};
-use crate::run::{Outcome, Unwatched, run_case};
-use crate::scenario::{Aggregate, Case, Comparison, MetricReference, WhenUndefined};
+use crate::pedestrian;
+use crate::plan::derive_seed;
+use crate::run::Outcome;
+use crate::scenario::{
+    Aggregate, Case, Comparison, Condition, Declaration, Evaluate, Measure, MetricReference, ParameterKind,
+    ParameterSet, Part, Relation, Target, Value, WhenUndefined,
+};
+use crate::vehicle;
+
+/// Confidence of the intervals of differences.
+const CONFIDENCE: f64 = 0.95;
+
+/// What an evaluation came to.
+#[derive(Debug, Clone, Serialize)]
+pub struct EvaluateResult {
+    pub name: String,
+    pub doc: Option<String>,
+    /// Where the reported values come from.
+    pub source: Option<String>,
+    /// Labels of the metrics of every run, in their order.
+    pub metrics: Vec<String>,
+    /// The columns of its table.
+    pub measures: Vec<Measure>,
+    /// Number of cases in the set.
+    pub cases: usize,
+    /// Runs of every case under fresh seeds; 0: once, with the case's own seed.
+    pub fresh: u32,
+    /// In the order of declaration; the others are compared with the first.
+    pub conditions: Vec<ConditionResult>,
+    /// Rows of the source whose names no condition has, with a value per measure.
+    pub reported_besides: Vec<(String, Vec<f64>)>,
+}
+
+/// One condition over all the cases.
+#[derive(Debug, Clone, Serialize)]
+pub struct ConditionResult {
+    pub name: String,
+    /// What this or another condition of the evaluation sets, with the value that it has in this one.
+    pub parameters: Vec<ParameterValue>,
+    /// Why it was not run, such as a tune that chose nothing; everything measured is then empty.
+    pub missing: Option<String>,
+    /// One per measure; `None` where no run has the metric.
+    pub measured: Vec<Option<f64>>,
+    /// What the source reports, one per measure, SI units.
+    pub reported: Option<Vec<f64>>,
+    /// From the first condition, one per measure; none in the first itself.
+    pub differences: Vec<Option<Difference>>,
+    /// In the order of the cases; with several fresh seeds, all of a case one after the other.
+    pub runs: Vec<CaseRun>,
+}
+
+/// A parameter with its value under a condition.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ParameterValue {
+    pub target: Target,
+    /// `None` if the cases do not agree on it.
+    pub value: Option<Value>,
+    /// SI unit; empty for plain numbers and words.
+    pub unit: String,
+}
+
+/// How much more there is of a measure than in the first condition, case by case.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Difference {
+    /// Of a mean or rate: the mean of the differences over the pairs. Otherwise what the two aggregates differ by.
+    pub value: f64,
+    /// At 95 %; `None` where there is none to be had: of extremes, quantiles and spreads, and of too few pairs.
+    pub interval: Option<Interval>,
+    /// Cases in which both conditions have the metric.
+    pub pairs: usize,
+}
+
+/// Runs one evaluation. `results` holds the searches and tunes that it names.
+///
+/// # Errors
+/// Whatever keeps it from a result; a tune that chose nothing leaves its condition empty.
+pub fn run_evaluate(
+    laboratory: &Laboratory,
+    evaluate: &Evaluate,
+    results: &Results,
+    progress: &dyn Progress,
+) -> Result<EvaluateResult, ExperimentError> {
+    let cases = laboratory.case_set(&evaluate.on, &evaluate.name, results)?;
+    let measures =
+        if evaluate.measures.is_empty() { laboratory.all_measures() } else { evaluate.measures.clone() };
+    let series = Series { laboratory, evaluate, cases, measures };
+    let all = evaluate.conditions.len();
+    let mut conditions: Vec<ConditionResult> = Vec::with_capacity(all);
+    let settings: Vec<Known> = evaluate
+        .conditions
+        .iter()
+        .map(|condition| laboratory.settings_of(condition, results))
+        .collect::<Result<_, _>>()?;
+    let targets = targets(&settings);
+    for (condition, settings) in evaluate.conditions.iter().zip(settings) {
+        let result = series.condition(condition, settings, &targets, conditions.first())?;
+        conditions.push(result);
+        progress.evaluated(conditions.len(), all, None);
+    }
+    let known = |name: &String| evaluate.conditions.iter().any(|condition| condition.name == *name);
+    Ok(EvaluateResult {
+        name: evaluate.name.clone(),
+        doc: evaluate.doc.clone(),
+        source: evaluate.source.clone(),
+        metrics: laboratory.requests.iter().map(MetricReference::label).collect(),
+        cases: series.cases.len(),
+        measures: series.measures,
+        fresh: evaluate.fresh,
+        conditions,
+        reported_besides: evaluate.reported.iter().filter(|(name, _)| !known(name)).cloned().collect(),
+    })
+}
+
+/// What a condition sets, or why nobody knows.
+type Known = Result<Vec<(Target, Value)>, String>;
+
+/// Everything that any condition sets, each once.
+fn targets(settings: &[Known]) -> Vec<Target> {
+    let mut targets = Vec::new();
+    for (target, _) in settings.iter().flatten().flatten() {
+        if !targets.contains(target) {
+            targets.push(target.clone());
+        }
+    }
+    targets
+}
+
+/// One evaluation under way.
+struct Series<'a> {
+    laboratory: &'a Laboratory<'a>,
+    evaluate: &'a Evaluate,
+    cases: Vec<SavedCase>,
+    measures: Vec<Measure>,
+}
+
+impl Series<'_> {
+    fn condition(
+        &self,
+        condition: &Condition,
+        settings: Known,
+        targets: &[Target],
+        first: Option<&ConditionResult>,
+    ) -> Result<ConditionResult, ExperimentError> {
+        let reported = self.evaluate.reported.iter().find(|(name, _)| *name == condition.name);
+        let mut result = ConditionResult {
+            name: condition.name.clone(),
+            parameters: Vec::new(),
+            missing: None,
+            measured: vec![None; self.measures.len()],
+            reported: reported.map(|(_, values)| values.clone()),
+            differences: Vec::new(),
+            runs: Vec::new(),
+        };
+        let settings = match settings {
+            Ok(settings) => settings,
+            Err(reason) => {
+                result.differences = vec![None; if first.is_some() { self.measures.len() } else { 0 }];
+                result.missing = Some(reason);
+                return Ok(result);
+            }
+        };
+        let (saved, cases) = self.cases(condition, &settings)?;
+        result.parameters = targets.iter().map(|target| parameter(target, &cases)).collect();
+        let outcomes = self.laboratory.run_all(&cases)?;
+        let requests = &self.laboratory.requests;
+        result.measured =
+            self.measures.iter().map(|measure| aggregate(&measure.aggregate, &outcomes, requests)).collect();
+        if let Some(first) = first {
+            let base: Vec<Outcome> = first.runs.iter().map(|run| run.outcome.clone()).collect();
+            result.differences = self
+                .measures
+                .iter()
+                .map(|measure| self.difference(measure, &condition.name, &base, &outcomes))
+                .collect();
+        }
+        result.runs = self.laboratory.case_runs(saved, outcomes);
+        Ok(result)
+    }
+
+    /// The cases under a condition: once with their own seeds, or several times with fresh ones, which are the same
+    /// under every condition.
+    fn cases(
+        &self,
+        condition: &Condition,
+        settings: &[(Target, Value)],
+    ) -> Result<(Vec<SavedCase>, Vec<Case>), ExperimentError> {
+        let (suite, name) = (self.laboratory.suite, &self.evaluate.name);
+        let mut saved = Vec::new();
+        let mut cases = Vec::new();
+        for (index, case) in self.cases.iter().enumerate() {
+            for fresh in 0..self.evaluate.fresh.max(1) {
+                let within = match self.evaluate.fresh {
+                    0 => format!("case={}", index + 1),
+                    _ => format!("case={}/fresh={}", index + 1, fresh + 1),
+                };
+                let key = format!("{}/{name}/{}/{within}", suite.name, condition.name);
+                let seed = (self.evaluate.fresh > 0)
+                    .then(|| derive_seed(suite.seed, &format!("{}/{name}/{within}", suite.name)));
+                cases.push(self.laboratory.revive(case, settings, key.clone(), seed)?);
+                let settings = case.settings.iter().chain(settings).cloned().collect();
+                let seed = seed.unwrap_or(case.seed);
+                saved.push(SavedCase { key, settings, seed, value: None, ..case.clone() });
+            }
+        }
+        Ok((saved, cases))
+    }
+
+    /// `None` where one of both does not exist.
+    fn difference(
+        &self,
+        measure: &Measure,
+        condition: &str,
+        base: &[Outcome],
+        outcomes: &[Outcome],
+    ) -> Option<Difference> {
+        let requests = &self.laboratory.requests;
+        let per_case = self.evaluate.fresh.max(1) as usize;
+        let seed = || {
+            let key =
+                format!("{}/{}/{condition}/{}", self.laboratory.suite.name, self.evaluate.name, measure.text);
+            derive_seed(self.laboratory.suite.seed, &key)
+        };
+        // The runs of one case are alike, so that a case counts once, by its mean.
+        let paired = |of: &dyn Fn(&Outcome) -> Option<f64>| {
+            let case_mean = |runs: &[Outcome]| mean(&runs.iter().filter_map(of).collect::<Vec<_>>());
+            let both = base.chunks(per_case).zip(outcomes.chunks(per_case));
+            let both = both.filter_map(|(base, ours)| Some((case_mean(base)?, case_mean(ours)?)));
+            let (base, ours): (Vec<f64>, Vec<f64>) = both.unzip();
+            let differences: Vec<f64> = base.iter().zip(&ours).map(|(base, ours)| ours - base).collect();
+            Some(Difference {
+                value: mean(&differences)?,
+                interval: paired_difference(&base, &ours, CONFIDENCE, seed()),
+                pairs: base.len(),
+            })
+        };
+        let index = requests.index(measure.aggregate.metric())?;
+        match &measure.aggregate {
+            Aggregate::Mean(_) => paired(&|outcome| outcome.metrics[index]),
+            Aggregate::Rate(comparison) if per_case > 1 => {
+                paired(&|outcome| Some(f64::from(holds(comparison, outcome.metrics[index]))))
+            }
+            Aggregate::Rate(comparison) => {
+                let held = |outcome: &Outcome| holds(comparison, outcome.metrics[index]);
+                let both = || base.iter().zip(outcomes).map(|(base, ours)| (held(base), held(ours)));
+                let only_base = both().filter(|(base, ours)| *base && !ours).count() as u64;
+                let only_ours = both().filter(|(base, ours)| !base && *ours).count() as u64;
+                let pairs = both().count();
+                (pairs > 0).then(|| Difference {
+                    value: (only_ours as f64 - only_base as f64) / pairs as f64,
+                    interval: Some(rate_change(only_base, only_ours, pairs as u64, CONFIDENCE)),
+                    pairs,
+                })
+            }
+            other => {
+                let value = aggregate(other, outcomes, requests)? - aggregate(other, base, requests)?;
+                let defined = |(base, ours): &(&Outcome, &Outcome)| {
+                    base.metrics[index].is_some() && ours.metrics[index].is_some()
+                };
+                let pairs = base.iter().zip(outcomes).filter(defined).count();
+                Some(Difference { value, interval: None, pairs })
+            }
+        }
+    }
+}
 
 impl Laboratory<'_> {
-    /// Runs every case side by side; the outcomes are in the order of the cases.
-    pub(super) fn run_all(&self, cases: &[Case]) -> Result<Vec<Outcome>, ExperimentError> {
-        cases.par_iter().map(|case| self.run_one(case)).collect()
-    }
-
-    pub(super) fn run_one(&self, case: &Case) -> Result<Outcome, ExperimentError> {
-        if self.stop.is_requested() {
-            return Err(ExperimentError::Stopped);
-        }
-        Ok(run_case(case, &self.requests, &self.free_flows, &mut Unwatched)?)
-    }
-
-    /// The metric in every outcome.
-    pub(super) fn values(&self, metric: &MetricReference, outcomes: &[Outcome]) -> Vec<Option<f64>> {
-        let index =
-            self.requests.index(metric).expect("the laboratory requested every metric that is asked for");
-        outcomes.iter().map(|outcome| outcome.metrics[index]).collect()
-    }
-
-    /// An objective's value over the outcomes, with the variance of its error where it is a mean of several runs.
-    pub(super) fn objective(
-        &self,
-        objective: &Aggregate,
-        outcomes: &[Outcome],
-    ) -> (Option<f64>, Option<f64>) {
-        let value = aggregate(objective, outcomes, &self.requests);
-        let variance = match objective {
-            Aggregate::Mean(metric) => {
-                let values: Vec<f64> = self.values(metric, outcomes).into_iter().flatten().collect();
-                error_variance(&values)
+    fn settings_of(&self, condition: &Condition, results: &Results) -> Result<Known, ExperimentError> {
+        match &condition.parameters {
+            ParameterSet::Declared => Ok(Ok(Vec::new())),
+            ParameterSet::Given(settings) => Ok(Ok(settings.clone())),
+            ParameterSet::Tuned(name) => {
+                let tune = self.suite.tunes.iter().find(|tune| tune.name == *name);
+                let tune = tune.ok_or_else(|| ExperimentError::NotRun(name.clone()))?;
+                Ok(match &results.tune(name)?.chosen {
+                    Some(chosen) => Ok(overrides::settings(&tune.over, &chosen.point)),
+                    None => Err(format!("tune `{name}` chose nothing")),
+                })
             }
-            _ => None,
-        };
-        (value, variance)
-    }
-
-    /// How far every run is from violating a constraint; `None` where that cannot be said, which counts as violated.
-    pub(super) fn margin(&self, constraint: &Comparison, outcomes: &[Outcome]) -> Option<f64> {
-        let bound = constraint.constant_bound();
-        let mut worst = f64::INFINITY;
-        for value in self.values(&constraint.metric, outcomes) {
-            match value {
-                Some(value) => {
-                    let holds = constraint.relation.holds(value, bound);
-                    let margin = constraint.relation.margin(value, bound);
-                    worst = worst.min(margin.unwrap_or(if holds { 1.0 } else { -1.0 }));
-                }
-                None if constraint.when_undefined == WhenUndefined::Passes => {}
-                None => return None,
+            ParameterSet::Saved(path) => {
+                ParameterFile::read(Path::new(path)).map(|saved| Ok(saved.parameters))
             }
         }
-        (worst < f64::INFINITY).then_some(worst)
     }
 
-    /// Every quantity and flag over the outcomes, for tables. Categories have no mean.
-    pub(super) fn summaries(&self, outcomes: &[Outcome]) -> Vec<MetricSummary> {
-        let has_mean = |reference: &&MetricReference| {
-            metric(&reference.name).is_some_and(|metric| !matches!(metric.kind, MetricKind::Category(_)))
+    /// Every metric that the suite measures: flags as rates, quantities as means. Categories have neither.
+    fn all_measures(&self) -> Vec<Measure> {
+        let measure = |reference: &MetricReference| {
+            let label = reference.label();
+            match metric(&reference.name)?.kind {
+                MetricKind::Category(_) => None,
+                MetricKind::Flag => Some(Measure {
+                    aggregate: Aggregate::Rate(Comparison {
+                        metric: reference.clone(),
+                        relation: Relation::Equal,
+                        bound: 1.0.into(),
+                        when_undefined: WhenUndefined::Fails,
+                    }),
+                    text: format!("rate({label})"),
+                    unit: "%".into(),
+                }),
+                MetricKind::Quantity(dimension) => Some(Measure {
+                    aggregate: Aggregate::Mean(reference.clone()),
+                    text: format!("mean({label})"),
+                    unit: dimension.si_unit(),
+                }),
+            }
         };
-        self.requests
-            .iter()
-            .filter(has_mean)
-            .map(|reference| {
-                let mut values: Vec<f64> = self.values(reference, outcomes).into_iter().flatten().collect();
-                values.sort_by(f64::total_cmp);
-                let mean = values.iter().sum::<f64>() / values.len() as f64;
-                MetricSummary {
-                    metric: reference.label(),
-                    runs: outcomes.len(),
-                    defined: values.len(),
-                    mean: (!values.is_empty()).then_some(mean),
-                    min: values.first().copied(),
-                    max: values.last().copied(),
-                }
-            })
-            .collect()
-    }
-
-    /// Who passed first in an outcome, in the metric's own words.
-    pub(super) fn passed_first(&self, outcome: &Outcome) -> Option<&'static str> {
-        let index = self.requests.iter().position(|reference| reference.name == "passed_first")?;
-        let MetricKind::Category(words) = metric("passed_first")?.kind else { return None };
-        words.get(outcome.metrics[index]? as usize).copied()
+        self.requests.iter().filter_map(measure).collect()
     }
 }
 
-/// One metric over a set of runs; flags are shares.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct MetricSummary {
-    pub metric: String,
-    pub runs: usize,
-    /// Runs in which the metric exists.
-    pub defined: usize,
-    pub mean: Option<f64>,
-    pub min: Option<f64>,
-    pub max: Option<f64>,
+/// The value that a parameter has in all of the cases, as the models resolved it.
+fn parameter(target: &Target, cases: &[Case]) -> ParameterValue {
+    let mut values = cases.iter().map(|case| resolved(target, case));
+    let first = values.next().flatten();
+    let agreed =
+        values.all(|other| other.as_ref().map(|(value, _)| value) == first.as_ref().map(|(value, _)| value));
+    match first {
+        Some((value, unit)) => {
+            ParameterValue { target: target.clone(), value: agreed.then_some(value), unit }
+        }
+        None => ParameterValue { target: target.clone(), value: None, unit: String::new() },
+    }
 }
 
-/// Variance of the mean of some values; `None` for fewer than two.
-fn error_variance(values: &[f64]) -> Option<f64> {
-    let count = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / count;
-    let squares: f64 = values.iter().map(|value| (value - mean) * (value - mean)).sum();
-    (values.len() > 1).then(|| squares / (count - 1.0) / count)
+/// What a case sets a parameter to, with its unit.
+fn resolved(target: &Target, case: &Case) -> Option<(Value, String)> {
+    let Target::Setting { road_user, part, parameter } = target else { return None };
+    let (setup, declaration): (_, &Declaration) = if *part == Part::Model {
+        let pedestrian = case.world.pedestrians.iter().find(|one| one.name == *road_user)?;
+        (&pedestrian.model, &pedestrian::model(&pedestrian.model.name)?.declaration)
+    } else {
+        let car = case.world.vehicles.iter().find(|one| one.name == *road_user)?;
+        match part {
+            Part::Controller => (&car.controller, &vehicle::controller(&car.controller.name)?.declaration),
+            Part::Dynamics => (&car.dynamics, &vehicle::dynamics(&car.dynamics.name)?.declaration),
+            _ => (car.sees.as_ref()?, &vehicle::PERCEPTION),
+        }
+    };
+    let unit = declaration.parameters.iter().find(|known| known.name == parameter).map(|known| known.kind);
+    let unit = match unit {
+        Some(ParameterKind::Number { dimension, .. }) => dimension.si_unit(),
+        _ => String::new(),
+    };
+    Some((setup.settings.get(parameter)?.clone(), unit))
 }

@@ -1,7 +1,8 @@
-//! `search` and `tune` blocks: the optimiser put to work on simulations.
+//! The blocks of a suite that build on each other: `search`, `tune`, `evaluate` and `statement`.
 //!
 //! A search looks for the values at which a metric is worst, person by person; a tune looks for controller parameters
-//! that are best on a set of cases under constraints. Both are functions of the suite and its seed: the number of
+//! that are best on a set of cases under constraints; an evaluation compares sets of parameters on the same cases; a
+//! statement holds what a source says against all that. Each is a function of the suite and its seed: the number of
 //! threads changes nothing.
 
 mod block;
@@ -9,7 +10,10 @@ mod cases;
 mod evaluate;
 mod journal;
 mod overrides;
+mod parameters;
+mod runs;
 mod search;
+mod statement;
 #[cfg(test)]
 mod tests;
 mod tune;
@@ -25,8 +29,11 @@ use crate::scenario::{Scenario, Suite};
 
 pub use block::{Block, BlockResult, Need, Results};
 pub use cases::{CaseFile, SavedCase, SavedSet};
-pub use evaluate::MetricSummary;
-pub use search::{Found, SearchResult, run_search};
+pub use evaluate::{ConditionResult, Difference, EvaluateResult, ParameterValue, run_evaluate};
+pub use parameters::ParameterFile;
+pub use runs::{CaseRun, MetricSummary};
+pub use search::{Course, CoursePoint, Found, SearchResult, run_search};
+pub use statement::{ClaimResult, ClaimValues, Conclusion, StatementResult, TrendPoint, run_statement};
 pub use tune::{Candidate, Comparison, TuneResult, run_tune};
 
 /// What every experiment of a suite shares.
@@ -41,7 +48,7 @@ pub struct Laboratory<'a> {
 }
 
 impl<'a> Laboratory<'a> {
-    /// With every metric that the suite's scenarios, searches and tunes ask for.
+    /// With every metric that anything in the suite asks for.
     pub fn new(suite: &'a Suite, journals: Option<PathBuf>) -> Self {
         let mut requests = Requests::defaults();
         suite.scenarios.iter().for_each(|scenario| requests.include(&scenario.criteria));
@@ -52,6 +59,12 @@ impl<'a> Laboratory<'a> {
         for tune in &suite.tunes {
             tune.objectives.iter().for_each(|objective| requests.add(objective.aggregate.metric()));
             tune.constraints.iter().for_each(|constraint| requests.add(&constraint.metric));
+        }
+        for evaluate in &suite.evaluates {
+            evaluate.measures.iter().for_each(|measure| requests.add(measure.aggregate.metric()));
+        }
+        for statement in &suite.statements {
+            statement::measured(statement).iter().for_each(|one| requests.add(one.aggregate.metric()));
         }
         Self { suite, requests, free_flows: FreeFlows::default(), journals, stop: Stop::default() }
     }
@@ -90,7 +103,7 @@ pub enum ExperimentError {
     UnknownScenario(String),
     #[error("`{0}` has not been run, but is needed")]
     NotRun(String),
-    #[error("there is no `{0}` to vary: {1}")]
+    #[error("there is no `{0}` to set in the scenario `{1}`")]
     UnknownTarget(String, String),
     /// On somebody's wish. What was evaluated is in the journal.
     #[error("interrupted")]
@@ -99,6 +112,8 @@ pub enum ExperimentError {
     EmptySet(String),
     #[error("cannot read the cases of {}: {reason}", path.display())]
     CaseFile { path: PathBuf, reason: String },
+    #[error("cannot read the parameters of {}: {reason}", path.display())]
+    ParameterFile { path: PathBuf, reason: String },
     #[error(transparent)]
     Plan(#[from] PlanError),
     #[error(transparent)]

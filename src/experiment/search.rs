@@ -7,7 +7,9 @@ use serde::Serialize;
 
 use super::cases::{SavedCase, SavedSet};
 use super::journal::Record;
+use super::runs::CaseRun;
 use super::{ExperimentError, Laboratory, Progress, overrides};
+use crate::judge::statistics::mean;
 use crate::optimise::{
     self, Definition, Evaluation, InitialDesign, Measurement, Method, Optimiser, Proposal, SlicePoint,
     StopReason,
@@ -22,11 +24,20 @@ const FRESH_RUNS: u32 = 20;
 /// Points of a slice through the surrogate.
 const SLICE_STEPS: usize = 101;
 
+/// How many individuals get a [`Course`]: those that were kept, the worst first.
+const MOST_COURSES: usize = 12;
+/// Values of a dimension that a course is run at.
+const COURSE_STEPS: usize = 25;
+/// Runs at each of them.
+const COURSE_RUNS: u32 = 10;
+
 /// What a search found.
 #[derive(Debug, Clone, Serialize)]
 pub struct SearchResult {
     pub name: String,
     pub objective: String,
+    /// Labels of the metrics of every run, in their order.
+    pub metrics: Vec<String>,
     /// One per individual, or a single one for all.
     pub found: Vec<Found>,
     /// The cases to keep, in the order of the individuals.
@@ -54,11 +65,39 @@ pub struct Found {
     /// The surrogate through the best point, one slice per dimension.
     pub slices: Vec<Vec<SlicePoint>>,
     /// The runs at the best point, kept or not.
-    #[serde(skip)]
-    pub bests: Vec<SavedCase>,
-    /// Those of them that are kept.
-    #[serde(skip)]
-    pub kept: Vec<SavedCase>,
+    pub runs: Vec<CaseRun>,
+    /// Which of them are kept.
+    pub kept: Vec<bool>,
+    /// What the metric does along each numeric dimension through the best point: where there is a condition to be kept,
+    /// of some individuals that fulfil it.
+    pub courses: Vec<Course>,
+}
+
+/// A metric along one dimension of a search, over fresh seeds.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Course {
+    /// The dimension's name.
+    pub over: String,
+    /// In rising order.
+    pub points: Vec<CoursePoint>,
+}
+
+/// The runs at one value of a dimension; a value at which no run has the metric has no point.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CoursePoint {
+    pub at: f64,
+    pub smallest: f64,
+    pub mean: f64,
+    pub largest: f64,
+    /// How many of the runs have the metric.
+    pub runs: usize,
+}
+
+impl Found {
+    /// The runs at the best point that are kept.
+    pub fn kept_cases(&self) -> impl Iterator<Item = &SavedCase> {
+        self.runs.iter().zip(&self.kept).filter(|(_, kept)| **kept).map(|(run, _)| &run.case)
+    }
 }
 
 /// Runs one search to its end.
@@ -92,11 +131,16 @@ pub fn run_search(
         done: AtomicUsize::new(0),
         all: groups.len() * search.budget.evaluations as usize,
     };
-    let found: Vec<Found> = groups.par_iter().map(|group| hunt.hunt(group)).collect::<Result<_, _>>()?;
-    let kept = found.iter().flat_map(|one| one.kept.clone()).collect();
+    let hunted: Vec<_> = groups.par_iter().map(|group| hunt.hunt(group)).collect::<Result<_, _>>()?;
+    let (mut found, records): (Vec<Found>, Vec<Record>) = hunted.into_iter().unzip();
+    hunt.follow(&groups, &mut found)?;
+    // Only now: a search that is cut off repeats nobody.
+    records.into_iter().for_each(Record::remove);
+    let kept = found.iter().flat_map(Found::kept_cases).cloned().collect();
     Ok(SearchResult {
         name: search.name.clone(),
         objective: search.objective.text.clone(),
+        metrics: laboratory.requests.iter().map(|reference| reference.label()).collect(),
         kept: SavedSet {
             name: search.name.clone(),
             source: format!(
@@ -163,10 +207,9 @@ struct Hunt<'a> {
 
 impl Hunt<'_> {
     /// Searches for one group of people, who are all in every evaluation.
-    fn hunt(&self, group: &[Vec<Individual>]) -> Result<Found, ExperimentError> {
+    fn hunt(&self, group: &[Vec<Individual>]) -> Result<(Found, Record), ExperimentError> {
         let suite = self.laboratory.suite;
-        let label = if self.search.together { String::new() } else { plan::people_label(&group[0]) };
-        let name = format!("{}/{}{label}", suite.name, self.search.name);
+        let name = self.name(group);
         let space = overrides::space(&self.search.over)?;
         let seed = derive_seed(suite.seed, &name);
         let goals = vec![self.search.objective.direction];
@@ -179,9 +222,13 @@ impl Hunt<'_> {
         optimise::try_run(&mut optimiser, batch, record.journal(), |proposal| {
             self.evaluate(&name, group, proposal)
         })?;
-        let found = self.conclude(&name, group, &optimiser)?;
-        record.remove();
-        Ok(found)
+        Ok((self.conclude(&name, group, &optimiser)?, record))
+    }
+
+    /// The beginning of the keys of a group's runs.
+    fn name(&self, group: &[Vec<Individual>]) -> String {
+        let label = if self.search.together { String::new() } else { plan::people_label(&group[0]) };
+        format!("{}/{}{label}", self.laboratory.suite.name, self.search.name)
     }
 
     fn evaluate(
@@ -261,8 +308,9 @@ impl Hunt<'_> {
             evaluations,
             stop: optimiser.stop_reason(),
             slices: Vec::new(),
-            bests: Vec::new(),
+            runs: Vec::new(),
             kept: Vec::new(),
+            courses: Vec::new(),
         };
         let Some(best) = optimiser.best_observed() else { return Ok(found) };
         let names = self.search.over.iter().map(|range| range.target.to_string());
@@ -281,14 +329,8 @@ impl Hunt<'_> {
         let cases = self.cases(&evaluation_key, group, &best.point, self.search.runs)?;
         let outcomes = self.laboratory.run_all(&cases)?;
         found.passed_first = outcomes.first().and_then(|outcome| self.laboratory.passed_first(outcome));
-        let runs = self.saved(&best.point, &cases, &outcomes);
-        found.kept = runs
-            .iter()
-            .zip(&outcomes)
-            .filter(|(_, outcome)| self.keeps(outcome))
-            .map(|(run, _)| run.clone())
-            .collect();
-        found.bests = runs;
+        found.kept = outcomes.iter().map(|outcome| self.keeps(outcome)).collect();
+        found.runs = self.saved(&best.point, &cases, outcomes);
         let fresh = self.cases(&format!("{name}/fresh"), group, &best.point, FRESH_RUNS)?;
         let outcomes = self.laboratory.run_all(&fresh)?;
         found.fresh = self.laboratory.objective(&self.search.objective.aggregate, &outcomes).0;
@@ -306,9 +348,9 @@ impl Hunt<'_> {
         }
     }
 
-    /// Runs as cases to be used again.
-    fn saved(&self, point: &[optimise::Value], cases: &[Case], outcomes: &[Outcome]) -> Vec<SavedCase> {
-        let values = self.laboratory.values(self.search.objective.aggregate.metric(), outcomes);
+    /// Runs as cases to be used again, with what came of them.
+    fn saved(&self, point: &[optimise::Value], cases: &[Case], outcomes: Vec<Outcome>) -> Vec<CaseRun> {
+        let values = self.laboratory.values(self.search.objective.aggregate.metric(), &outcomes);
         let settings = overrides::settings(&self.search.over, point);
         let saved = cases.iter().zip(values).map(|(case, value)| SavedCase {
             key: case.key.clone(),
@@ -319,6 +361,69 @@ impl Hunt<'_> {
             seed: case.seed,
             value,
         });
-        saved.collect()
+        self.laboratory.case_runs(saved, outcomes)
+    }
+
+    /// Gives those who were kept, the worst first, their courses.
+    fn follow(&self, groups: &[Vec<Vec<Individual>>], found: &mut [Found]) -> Result<(), ExperimentError> {
+        if self.search.keep.is_none() || self.search.together {
+            return Ok(());
+        }
+        let sign = if self.search.objective.direction == Goal::Minimise { 1.0 } else { -1.0 };
+        let mut kept: Vec<(f64, usize)> = found
+            .iter()
+            .enumerate()
+            .filter(|(_, one)| one.kept.contains(&true))
+            .filter_map(|(index, one)| Some((sign * one.observed?, index)))
+            .collect();
+        kept.sort_by(|left, right| left.0.total_cmp(&right.0).then(left.1.cmp(&right.1)));
+        kept.truncate(MOST_COURSES);
+        let course = |(_, index): &(f64, usize)| Ok((*index, self.courses(&groups[*index], &found[*index])?));
+        let courses: Vec<_> = kept.par_iter().map(course).collect::<Result<_, ExperimentError>>()?;
+        for (index, courses) in courses {
+            found[index].courses = courses;
+        }
+        Ok(())
+    }
+
+    fn courses(&self, group: &[Vec<Individual>], found: &Found) -> Result<Vec<Course>, ExperimentError> {
+        let best: Vec<_> = found.best.iter().flatten().map(|(_, value)| value.clone()).collect();
+        let mut courses = Vec::new();
+        for (dimension, range) in self.search.over.iter().enumerate() {
+            let dimension_values = overrides::dimension(range);
+            if dimension_values.is_categorical() {
+                continue;
+            }
+            let place = |step| dimension_values.value(step as f64 / (COURSE_STEPS - 1) as f64);
+            let mut steps: Vec<optimise::Value> = (0..COURSE_STEPS).map(place).collect();
+            steps.dedup();
+            let over = range.target.to_string();
+            let mut points = Vec::new();
+            for step in steps {
+                let Some(at) = step.number() else { continue };
+                let mut point = best.clone();
+                point[dimension] = step;
+                let cases =
+                    self.cases(&format!("{}/course={over}", self.name(group)), group, &point, COURSE_RUNS)?;
+                let outcomes = self.laboratory.run_all(&cases)?;
+                let metric = self.search.objective.aggregate.metric();
+                let mut values: Vec<f64> =
+                    self.laboratory.values(metric, &outcomes).into_iter().flatten().collect();
+                values.sort_by(f64::total_cmp);
+                if let (Some(smallest), Some(mean), Some(largest)) =
+                    (values.first(), mean(&values), values.last())
+                {
+                    points.push(CoursePoint {
+                        at,
+                        smallest: *smallest,
+                        mean,
+                        largest: *largest,
+                        runs: values.len(),
+                    });
+                }
+            }
+            courses.push(Course { over, points });
+        }
+        Ok(courses)
     }
 }

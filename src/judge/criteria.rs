@@ -243,6 +243,11 @@ fn holding(comparison: &Comparison, outcomes: &[Outcome], requests: &Requests) -
     }
 }
 
+/// Whether a comparison holds for a metric's value, which may not exist.
+pub fn holds(comparison: &Comparison, value: Option<f64>) -> bool {
+    comparison_holds(comparison, comparison.constant_bound(), value)
+}
+
 fn comparison_holds(comparison: &Comparison, bound: f64, value: Option<f64>) -> bool {
     match value {
         Some(value) => comparison.relation.holds(value, bound),

@@ -5,5 +5,5 @@ mod criteria;
 pub mod statistics;
 mod verdict;
 
-pub use criteria::{Finding, Measure, TrialVerdict, WorstRun, aggregate, judge};
+pub use criteria::{Finding, Measure, TrialVerdict, WorstRun, aggregate, holds, judge};
 pub use verdict::Verdict;

@@ -19,7 +19,7 @@ mod sliding;
 mod tests;
 mod travel;
 
-use crate::scenario::{Declaration, Dimension, Settings, World};
+use crate::scenario::{Aggregate, Declaration, Dimension, Settings, World};
 use crate::sim::Step;
 
 pub use encounter::{Contact, Encounter, Encounters, Entry, LaneCrossing, Passing, Visit};
@@ -120,4 +120,16 @@ pub static METRICS: &[&Metric] = &[
 /// The metric of that name.
 pub fn metric(name: &str) -> Option<&'static Metric> {
     METRICS.iter().copied().find(|metric| metric.declaration.name == name)
+}
+
+/// SI unit of an aggregate's value; `%` for a rate, which is a share in 0..1, and nothing for plain numbers.
+pub fn unit_of(aggregate: &Aggregate) -> String {
+    match aggregate {
+        Aggregate::Rate(_) => "%".to_string(),
+        Aggregate::Count(_) => String::new(),
+        of_values => match metric(&of_values.metric().name).map(|metric| metric.kind) {
+            Some(MetricKind::Quantity(dimension)) => dimension.si_unit(),
+            _ => String::new(),
+        },
+    }
 }

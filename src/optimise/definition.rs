@@ -130,6 +130,12 @@ impl Definition {
                 "stopping on small improvement needs a positive threshold and patience".to_owned(),
             );
         }
+        if self.improvement_stop.is_some() && self.objectives.len() > 1 {
+            return refuse(
+                "stopping on small improvement needs one objective: of several there is no one improvement"
+                    .to_owned(),
+            );
+        }
         if let Method::GpMinimizeLike { penalty } = self.method {
             if self.objectives.len() > 1 {
                 return refuse(

@@ -170,6 +170,11 @@ fn senseless_definitions_and_tells_are_errors() {
         Definition { feasibility: 1.0, ..good.clone() },
         Definition { method: Method::GpMinimizeLike { penalty: f64::NAN }, ..good.clone() },
         Definition { improvement_stop: Some(ImprovementStop { below: 0.0, patience: 1 }), ..good.clone() },
+        Definition {
+            improvement_stop: Some(ImprovementStop { below: 0.1, patience: 1 }),
+            objectives: vec![Goal::Minimise, Goal::Minimise],
+            ..good.clone()
+        },
         Definition { method: Method::Grid, ..Definition::new(Space::new(grid_of_1024).unwrap(), 0) },
     ] {
         assert!(matches!(Optimiser::new(bad), Err(Error::Definition(_))));

@@ -10,9 +10,7 @@ use std::collections::{BTreeMap, HashSet};
 
 use thiserror::Error;
 
-use crate::scenario::{
-    Assignment, Case, Criterion, Expression, Individual, Origin, Scenario, Suite, Value, VariationCondition,
-};
+use crate::scenario::{Assignment, Case, Criterion, Expression, Individual, Origin, Scenario, Suite, Value};
 
 pub use individuals::{label as people_label, select as select_people};
 pub use seed::derive_seed;
@@ -64,7 +62,7 @@ impl PlanError {
 }
 
 /// The values of a trial's variations.
-type Variables = BTreeMap<String, Value>;
+pub type Variables = BTreeMap<String, Value>;
 
 /// More runs than this in one suite are taken for a mistake.
 const MOST_RUNS: usize = 10_000_000;
@@ -151,7 +149,8 @@ pub fn concrete_case(
     Ok(Case { key, scenario: scenario.name.clone(), variation, individuals, repetition, seed, world })
 }
 
-fn variables(variation: &[Assignment]) -> Variables {
+/// The values of variations by name.
+pub fn variables(variation: &[Assignment]) -> Variables {
     variation.iter().map(|assignment| (assignment.name.clone(), assignment.value.clone())).collect()
 }
 
@@ -162,22 +161,9 @@ fn criteria(scenario: &Scenario, variables: &Variables) -> Result<Vec<Criterion>
         let failed = |error: crate::scenario::EvaluationError| {
             PlanError::new(&criterion.origin, format!("in `{}`: {error}", criterion.text))
         };
-        let holds = |condition: &VariationCondition| {
-            let value =
-                Expression::Variable(condition.variable.clone()).evaluate(variables).map_err(failed)?;
-            let bound = condition.bound.evaluate(variables).map_err(failed)?;
-            Ok(match (value, bound) {
-                (Value::Number(left), Value::Number(right)) => condition.relation.holds(left, right),
-                (left, right) => match condition.relation {
-                    crate::scenario::Relation::Equal => left == right,
-                    crate::scenario::Relation::NotEqual => left != right,
-                    _ => false,
-                },
-            })
-        };
         let mut applies = true;
         for condition in &criterion.when {
-            applies &= holds(condition)?;
+            applies &= condition.holds(variables).map_err(failed)?;
         }
         if applies {
             let mut criterion = criterion.clone();

@@ -1,23 +1,28 @@
-//! What searches and tunes found, for the terminal, and tuned parameters as a file to `use`.
+//! What the blocks of a suite came to, for the terminal; searches and tunes, and tuned parameters as a file to `use`.
 
 use std::fmt::Write;
 
+use super::columns::columns;
+use super::evaluation::render_evaluate;
+use super::statement::render_statement;
 use crate::experiment::{BlockResult, Candidate, MetricSummary, SearchResult, TuneResult};
 use crate::optimise::Value;
 use crate::scenario::{Target, Tune, significant};
 
-/// What a block came to, whatever its kind.
+/// A block's result in a few lines or a table.
 pub fn render_block(result: &BlockResult) -> String {
     match result {
         BlockResult::Search(search) => render_search(search),
         BlockResult::Tune(tune) => render_tune(tune),
+        BlockResult::Evaluate(evaluate) => render_evaluate(evaluate),
+        BlockResult::Statement(statement) => render_statement(statement),
     }
 }
 
 /// One line per person: where the worst is, what was seen there, what is believed, and what fresh seeds give.
 pub fn render_search(result: &SearchResult) -> String {
-    let mut lines =
-        vec![["", "where", "observed", "model", "fresh seeds", "first", "runs"].map(String::from)];
+    let headings = ["", "where", "observed", "model", "fresh seeds", "first", "runs"];
+    let mut lines = vec![headings.map(String::from).to_vec()];
     for found in &result.found {
         let who: Vec<_> = found.individuals.iter().map(|person| person.number.to_string()).collect();
         let who = match who.as_slice() {
@@ -26,7 +31,7 @@ pub fn render_search(result: &SearchResult) -> String {
             several => format!("{} people", several.len()),
         };
         let point = found.best.iter().flatten().map(|(name, value)| format!("{name} {}", short(value)));
-        lines.push([
+        lines.push(vec![
             who,
             point.collect::<Vec<_>>().join(", "),
             number(found.observed),
@@ -62,12 +67,13 @@ pub fn render_tune(result: &TuneResult) -> String {
         writeln!(text, "  front: {}", candidate(result, one)).expect(STRING);
     }
     if let Some(comparison) = &result.comparison {
-        let mut lines = vec![["", "before", "after", "before, fresh", "after, fresh"].map(String::from)];
+        let headings = ["", "before", "after", "before, fresh", "after, fresh"];
+        let mut lines = vec![headings.map(String::from).to_vec()];
         let tables = [&comparison.after, &comparison.before_fresh, &comparison.after_fresh];
         for (index, before) in comparison.before.iter().enumerate() {
             let others = tables.map(|table| summary(&table[index]));
             let [after, before_fresh, after_fresh] = others;
-            lines.push([before.metric.clone(), summary(before), after, before_fresh, after_fresh]);
+            lines.push(vec![before.metric.clone(), summary(before), after, before_fresh, after_fresh]);
         }
         text += &columns(&lines);
         text.push_str("  mean (min .. max) over the cases; fresh: the same cases with other seeds\n");
@@ -123,20 +129,4 @@ fn number(value: Option<f64>) -> String {
 
 fn digits(value: f64) -> String {
     significant(value, 4)
-}
-
-/// Rows in columns, the first to the left, the others to the right.
-fn columns<const N: usize>(lines: &[[String; N]]) -> String {
-    let width = |column: usize| lines.iter().map(|line| line[column].chars().count()).max().unwrap_or(0);
-    let widths: [usize; N] = std::array::from_fn(width);
-    let mut text = String::new();
-    for line in lines {
-        let mut drawn = format!("  {:<1$}", line[0], widths[0]);
-        for (cell, width) in line.iter().zip(widths).skip(1) {
-            write!(drawn, "  {cell:>width$}").expect(STRING);
-        }
-        text += drawn.trim_end();
-        text.push('\n');
-    }
-    text
 }

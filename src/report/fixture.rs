@@ -7,17 +7,23 @@ use nalgebra::Vector2;
 use super::{
     BlockReport, BlockState, Chosen, Recording, SuiteIdentity, SuiteReport, TrialReport, TrialState,
 };
-use crate::experiment::{Block, BlockResult, Candidate, Found, SavedSet, SearchResult, TuneResult};
+use crate::experiment::{
+    Block, BlockResult, Candidate, CaseRun, ClaimResult, ClaimValues, Conclusion, ConditionResult, Course,
+    CoursePoint, Difference, EvaluateResult, Found, ParameterValue, SavedCase, SavedSet, SearchResult,
+    StatementResult, TrendPoint, TuneResult,
+};
 use crate::judge::judge;
+use crate::judge::statistics::Interval;
 use crate::metrics::{MetricKind, metric};
 use crate::optimise::{self, SlicePoint};
 use crate::plan::Trial;
 use crate::run::{Outcome, Requests};
 use crate::scenario::{
     Aggregate, Appearance, Assignment, Body, Budget, Case, CaseSet, Claim, Comparison, Criterion, Crossing,
-    CrossingKind, Direction, Goal, Individual, InitialDesign, Lane, Method, MetricReference, ModelSetup,
-    Objective, Origin, Part, PedestrianSetup, Position, Range, RangeValues, Relation, Road, Search, Settings,
-    Shape, Side, Target, Tune, Value, VehicleSetup, VehicleStart, WhenUndefined, World,
+    CrossingKind, Direction, Goal, Individual, InitialDesign, Lane, Measure, Method, MetricReference,
+    ModelSetup, Objective, Origin, Part, PedestrianSetup, Position, Range, RangeValues, Relation, Road,
+    Search, Settings, Shape, Side, Standing, Target, TrendDirection, Tune, Value, VehicleSetup, VehicleStart,
+    WhenUndefined, World,
 };
 use crate::sim::{Ending, Event, Happening, Sample, StopReason, Trace};
 
@@ -212,12 +218,17 @@ fn found(search: &Search) -> SearchResult {
         evaluations: vec![(tta(12.0), Some(3.0)), (tta(18.0), None), (tta(6.5), Some(1.25))],
         stop: Some(optimise::StopReason::Budget { evaluations: 3 }),
         slices: vec![vec![slice(6.0), slice(12.0), slice(18.0)]],
-        bests: Vec::new(),
-        kept: Vec::new(),
+        runs: vec![case_run(6.5)],
+        kept: vec![true],
+        courses: vec![Course {
+            over: "tta".into(),
+            points: vec![CoursePoint { at: 6.0, smallest: 1.0, mean: 1.5, largest: 2.0, runs: 10 }],
+        }],
     };
     SearchResult {
         name: search.name.clone(),
         objective: search.objective.text.clone(),
+        metrics: vec!["pet".into()],
         found: vec![found],
         kept: SavedSet {
             name: search.name.clone(),
@@ -392,4 +403,129 @@ fn course(case: &Case) -> Recording<'_> {
         event(6.25, "av", Happening::PassesCrossing { speed: 8.0 }),
     ];
     Recording::new(case, &trace, events)
+}
+
+/// A run at an arrival time, which gives a post-encroachment time of a fifth of it.
+fn case_run(tta: f64) -> CaseRun {
+    let value = Value::Number(tta);
+    let case = SavedCase {
+        key: format!("zebra/low_pet/individual=17/tta={tta}s/rep=1"),
+        scenario: "commotions_carla".into(),
+        variation: vec![Assignment { name: "tta".into(), label: format!("{tta}s"), value }],
+        settings: Vec::new(),
+        individuals: vec![person(17)],
+        seed: 1,
+        value: Some(tta / 5.0),
+    };
+    let outcome = Outcome {
+        key: case.key.clone(),
+        seed: case.seed,
+        individuals: case.individuals.clone(),
+        ending: Ending { reason: StopReason::Completed, time: 20.0 },
+        metrics: vec![Some(tta / 5.0)],
+        fingerprint: 0x0123_4567_89ab_cdef,
+        wall_time: Duration::from_millis(3),
+    };
+    CaseRun { case, outcome, passed_first: Some("pedestrian") }
+}
+
+/// Two conditions and one that could not be run.
+pub fn evaluation() -> EvaluateResult {
+    let target = Target::Setting {
+        road_user: "av".into(),
+        part: Part::Controller,
+        parameter: "braking_distance".into(),
+    };
+    let parameter = |value: f64| ParameterValue {
+        target: target.clone(),
+        value: Some(Value::Number(value)),
+        unit: "m".into(),
+    };
+    let metric = MetricReference { name: "pet".into(), settings: Settings::default(), pair: None };
+    let measure = |aggregate, text: &str| Measure { aggregate, text: text.into(), unit: "s".into() };
+    let difference = |interval| Some(Difference { value: 0.5, interval, pairs: 2 });
+    let condition = |name: &str, distance, measured: f64| ConditionResult {
+        name: name.into(),
+        parameters: vec![parameter(distance)],
+        missing: None,
+        measured: vec![Some(measured), Some(measured - 0.25)],
+        reported: None,
+        differences: Vec::new(),
+        runs: vec![case_run(5.0 * measured), case_run(5.0 * measured + 1.0)],
+    };
+    let tuned = ConditionResult {
+        differences: vec![difference(Some(Interval { low: 0.25, high: 0.75 })), difference(None)],
+        ..condition("tuned", 12.5, 1.75)
+    };
+    let missing = ConditionResult {
+        parameters: Vec::new(),
+        missing: Some("tune `braking` chose nothing".into()),
+        measured: vec![None, None],
+        differences: vec![None, None],
+        runs: Vec::new(),
+        ..condition("braking", 0.0, 0.0)
+    };
+    EvaluateResult {
+        name: "final".into(),
+        doc: None,
+        source: Some("Wang et al., Table 1".into()),
+        metrics: vec!["pet".into()],
+        measures: vec![
+            measure(Aggregate::Mean(metric.clone()), "mean(pet)"),
+            measure(Aggregate::Min(metric), "min(pet)"),
+        ],
+        cases: 2,
+        fresh: 0,
+        conditions: vec![
+            ConditionResult { reported: Some(vec![2.48, 1.05]), ..condition("default", 5.0, 1.25) },
+            tuned,
+            missing,
+        ],
+        reported_besides: vec![("tuned on another population".into(), vec![5.52, 1.62])],
+    }
+}
+
+/// A statement with a claim of each kind: one holds, one does not, of one nobody can say.
+pub fn statement(standing: Standing, conclusion: Conclusion) -> StatementResult {
+    let point = |label: &str, at, value| TrendPoint { label: label.into(), at, value, runs: 20 };
+    let claims = vec![
+        ClaimResult {
+            text: "rate(gap_accepted) of people rises with tta".into(),
+            holds: Some(true),
+            undefined: None,
+            values: ClaimValues::Trend {
+                direction: TrendDirection::Rises,
+                variable: "tta".into(),
+                points: vec![point("6s", 6.0, Some(0.1)), point("18s", 18.0, Some(1.0))],
+            },
+            unit: "%".into(),
+        },
+        ClaimResult {
+            text: "mean(pet) of final.tuned > mean(pet) of final.default".into(),
+            holds: Some(false),
+            undefined: None,
+            values: ClaimValues::Compared { left: Some(2.0), relation: Relation::Greater, right: Some(2.48) },
+            unit: "s".into(),
+        },
+        ClaimResult {
+            text: "min(pet) of nobody >= 1.5 s".into(),
+            holds: None,
+            undefined: Some("no run of `nobody` is asked about".into()),
+            values: ClaimValues::Compared {
+                left: None,
+                relation: Relation::GreaterOrEqual,
+                right: Some(1.5),
+            },
+            unit: "s".into(),
+        },
+    ];
+    StatementResult {
+        name: "gaps_rise".into(),
+        doc: Some("The more time there is, the more people accept the gap.".into()),
+        source: Some("Wang et al., experiment 1".into()),
+        reported: Some("about 10 % at 6 s".into()),
+        conclusion,
+        claims,
+        standing,
+    }
 }

@@ -25,6 +25,15 @@ pub fn share(value: f64) -> String {
     format!("{} %", significant(value * 100.0, 3))
 }
 
+/// A number in a unit given in words, `%` for shares in 0..1.
+pub fn in_unit(value: f64, unit: &str) -> String {
+    match unit {
+        "%" => share(value),
+        "" => significant(value, 4),
+        unit => format!("{} {unit}", significant(value, 4)),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -114,8 +114,10 @@ fn plain(value: &impl Serialize) -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::fixture::Session;
+    use crate::experiment::{BlockResult, Conclusion};
+    use crate::report::fixture::{Session, evaluation, statement};
     use crate::report::schema::violations;
+    use crate::scenario::Standing;
 
     fn results() -> Value {
         let session = Session::new();
@@ -130,6 +132,30 @@ mod tests {
     #[test]
     fn results_are_what_the_published_schema_says() {
         assert_eq!(violations(&schema(), &results()), Vec::<String>::new());
+    }
+
+    #[test]
+    fn results_of_every_kind_of_block_are_what_the_schema_says() {
+        let mut results = results();
+        let blocks = results.pointer_mut("/suites/0/blocks").and_then(Value::as_array_mut).unwrap();
+        let differs = Standing::Differs("the car is heavier".into());
+        let unknown = Conclusion::NotComparable("nobody was run".into());
+        for result in [
+            BlockResult::Evaluate(evaluation()),
+            BlockResult::Statement(statement(Standing::Reproduced, unknown)),
+            BlockResult::Statement(statement(differs, Conclusion::NotReproduced)),
+        ] {
+            let kind = if matches!(result, BlockResult::Evaluate(_)) { "evaluate" } else { "statement" };
+            blocks.push(json!({
+                "key": "zebra/one",
+                "kind": kind,
+                "name": "one",
+                "wall_time_s": 0.5,
+                "verdict": "passed",
+                "result": plain(&result),
+            }));
+        }
+        assert_eq!(violations(&schema(), &results), Vec::<String>::new());
     }
 
     #[test]

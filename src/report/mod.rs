@@ -1,7 +1,9 @@
 //! Results for people and machines: one file a format.
 
 pub mod chart;
+mod columns;
 mod digest;
+mod evaluation;
 mod excerpt;
 mod experiment;
 mod failure;
@@ -20,6 +22,7 @@ mod recording;
 mod replay;
 #[cfg(test)]
 mod schema;
+mod statement;
 mod table;
 mod tap;
 mod trace;
@@ -33,11 +36,12 @@ use crate::judge::{TrialVerdict, Verdict};
 use crate::plan::Trial;
 use crate::run::Outcome;
 
+pub use evaluation::render_evaluate;
 pub use excerpt::Excerpt;
 pub use experiment::{render_block, render_search, render_tune, tuned_parameters};
 pub use failure::{render_block_failure, render_failure};
 pub use figures::{Figure, figures};
-pub use format::{quantity, share};
+pub use format::{in_unit, quantity, share};
 pub use github::{annotations, step_summary};
 pub use html::{Chosen, choose_runs, to_html};
 pub use json::to_json;
@@ -46,6 +50,7 @@ pub use models::{registered_names, render_model, render_models};
 pub use pages::{ModelPage, model_pages};
 pub use recording::{PairCourse, Place, Recording};
 pub use replay::{block_command, render_replay, replay_command};
+pub use statement::{claim_values, conclusion_words, render_statement, render_statements};
 pub use table::render_tables;
 pub use tap::to_tap;
 pub use trace::write_trace;

@@ -1,8 +1,10 @@
 //! Pass criteria over the metrics of a trial's runs.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
-use super::{Expression, Settings, Value};
+use super::{EvaluationError, Expression, Settings, Value};
 
 /// Where in a file something was said; enough to show it again without reading the file.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -34,6 +36,22 @@ pub struct VariationCondition {
     pub variable: String,
     pub relation: Relation,
     pub bound: Expression,
+}
+
+impl VariationCondition {
+    /// Whether it holds where the variations have these values. Words are equal or not and nothing else.
+    pub fn holds(&self, variables: &BTreeMap<String, Value>) -> Result<bool, EvaluationError> {
+        let value = Expression::Variable(self.variable.clone()).evaluate(variables)?;
+        let bound = self.bound.evaluate(variables)?;
+        Ok(match (value, bound) {
+            (Value::Number(left), Value::Number(right)) => self.relation.holds(left, right),
+            (left, right) => match self.relation {
+                Relation::Equal => left == right,
+                Relation::NotEqual => left != right,
+                _ => false,
+            },
+        })
+    }
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -1,0 +1,121 @@
+//! What evaluations measured, for the terminal: a row per condition, the source's row below it.
+
+use std::fmt::Write;
+
+use super::columns::columns;
+use super::format::in_unit;
+use crate::experiment::{ConditionResult, Difference, EvaluateResult, ParameterValue};
+use crate::metrics::unit_of;
+use crate::scenario::Target;
+
+const STRING: &str = "writing to a string cannot fail";
+
+/// The table of conditions: what was measured, by how much more than in the first condition, and what a source reports.
+pub fn render_evaluate(result: &EvaluateResult) -> String {
+    let mut text = format!("evaluate {}: {} cases, ", result.name, result.cases);
+    text += &match result.fresh {
+        0 => "each once under its own seed\n".to_string(),
+        1 => "each once under a fresh seed\n".to_string(),
+        runs => format!("each {runs} times under fresh seeds\n"),
+    };
+    let units: Vec<String> = result.measures.iter().map(|measure| unit_of(&measure.aggregate)).collect();
+    let parameters = result.conditions.iter().map(|one| &one.parameters).find(|all| !all.is_empty());
+    let parameters: Vec<String> = parameters.into_iter().flatten().map(heading).collect();
+    let mut headings = vec![String::new()];
+    headings.extend(parameters.iter().cloned());
+    headings.extend(result.measures.iter().map(|measure| measure.text.clone()));
+    let mut lines = vec![headings];
+    let unset = || vec![String::new(); parameters.len()];
+    let reported = |values: &[f64]| {
+        let values = values.iter().zip(&units).map(|(value, unit)| in_unit(*value, unit));
+        ["  reported".to_string()].into_iter().chain(unset()).chain(values).collect()
+    };
+    for condition in &result.conditions {
+        lines.push(measured(condition, parameters.len(), &units));
+        if let Some(values) = &condition.reported {
+            lines.push(reported(values));
+        }
+        if condition.differences.iter().any(Option::is_some) {
+            let changes =
+                condition.differences.iter().zip(&units).map(|(one, unit)| change(one.as_ref(), unit));
+            lines.push(["  change".to_string()].into_iter().chain(unset()).chain(changes).collect());
+        }
+    }
+    for (name, values) in &result.reported_besides {
+        lines.push(vec![name.clone()]);
+        lines.push(reported(values));
+    }
+    text += &columns(&lines);
+    for condition in &result.conditions {
+        if let Some(reason) = &condition.missing {
+            writeln!(text, "  {} was not run: {reason}", condition.name).expect(STRING);
+        }
+    }
+    if let [first, _, ..] = result.conditions.as_slice() {
+        let (first, pairs) = (&first.name, "case by case, with an interval at 95 % where there is one");
+        writeln!(text, "  change: from {first}, {pairs}").expect(STRING);
+    }
+    if let Some(source) = &result.source {
+        writeln!(text, "  reported: {source}").expect(STRING);
+    }
+    text
+}
+
+fn measured(condition: &ConditionResult, parameters: usize, units: &[String]) -> Vec<String> {
+    let mut line = vec![condition.name.clone()];
+    line.extend(condition.parameters.iter().map(setting));
+    line.resize(1 + parameters, "–".to_string());
+    let values = condition.measured.iter().zip(units);
+    line.extend(values.map(|(value, unit)| value.map_or("–".to_string(), |value| in_unit(value, unit))));
+    line
+}
+
+fn heading(parameter: &ParameterValue) -> String {
+    match &parameter.target {
+        Target::Variation(name) => name.clone(),
+        Target::Setting { parameter, .. } => parameter.clone(),
+    }
+}
+
+fn setting(parameter: &ParameterValue) -> String {
+    match &parameter.value {
+        None => "varies".to_string(),
+        Some(value) => match value.as_number() {
+            Some(number) => in_unit(number, &parameter.unit),
+            None => value.to_string(),
+        },
+    }
+}
+
+/// Such as `+2.5 s [2.1, 2.9]`.
+fn change(difference: Option<&Difference>, unit: &str) -> String {
+    let Some(Difference { value, interval, .. }) = difference else { return "–".to_string() };
+    let sign = if *value > 0.0 { "+" } else { "" };
+    let mut text = format!("{sign}{}", in_unit(*value, unit));
+    if let Some(interval) = interval {
+        let bare = |value: f64| in_unit(value, unit).trim_end_matches(unit).trim_end().to_string();
+        write!(text, " [{}, {}]", bare(interval.low), bare(interval.high)).expect(STRING);
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::judge::statistics::Interval;
+    use crate::report::fixture::evaluation;
+
+    #[test]
+    fn conditions_stand_above_what_is_reported_of_them() {
+        insta::assert_snapshot!(render_evaluate(&evaluation()));
+    }
+
+    #[test]
+    fn changes_read_with_sign_and_interval() {
+        let difference =
+            |value, low, high| Difference { value, interval: Some(Interval { low, high }), pairs: 9 };
+        assert_eq!(change(Some(&difference(2.5, 2.0, 3.0)), "s"), "+2.5 s [2, 3]");
+        assert_eq!(change(Some(&difference(-0.66, -0.8, -0.5)), "%"), "-66 % [-80, -50]");
+        assert_eq!(change(None, "s"), "–");
+    }
+}
