@@ -6,6 +6,7 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
+use scenario_runner::judge;
 use scenario_runner::lang::{self, Code, Diagnostic, Severity, Sources, Style};
 
 fn folder(name: &str) -> PathBuf {
@@ -27,7 +28,10 @@ fn files(name: &str) -> Vec<PathBuf> {
 
 fn findings(path: &Path) -> (Vec<Diagnostic>, Sources) {
     match lang::load(path) {
-        Ok(loaded) => (loaded.warnings, loaded.sources),
+        Ok(loaded) => {
+            let more = judge::examine_criteria(&loaded.suite, &loaded.sources);
+            (loaded.warnings.into_iter().chain(more).collect(), loaded.sources)
+        }
         Err(failure) => (failure.diagnostics, failure.sources),
     }
 }
@@ -277,6 +281,6 @@ fn editors_highlight_every_keyword() {
 #[test]
 fn a_file_for_others_to_use_may_be_checked_but_not_run() {
     let path = folder("support/street.scn");
-    assert!(lang::examine(&path, None).0.is_empty());
+    assert!(lang::examine(&path, None).found.is_empty());
     assert_eq!(lang::load(&path).unwrap_err().diagnostics[0].code, Code::NoScenario);
 }

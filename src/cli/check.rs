@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 
 use super::Exit;
+use super::load;
 use crate::lang::{self, Diagnostic, Severity, Sources};
 use crate::report::findings;
 
@@ -36,7 +37,7 @@ enum Format {
 pub fn check(arguments: &CheckArguments) -> Exit {
     let mut checked: Vec<(Vec<Diagnostic>, Sources)> = Vec::new();
     for file in &arguments.files {
-        checked.push(lang::examine(file, None));
+        checked.push(load::examine(file, None));
     }
     forget_repeated(&mut checked);
     let failed = checked.iter().flat_map(|(found, _)| found).any(|found| found.severity == Severity::Error);

@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use super::Exit;
-use crate::lang;
+use crate::judge::examine_criteria;
+use crate::lang::{self, Diagnostic, Severity, Sources};
 use crate::plan::{Plan, plan};
 use crate::report::Excerpt;
 use crate::run::road_users;
@@ -35,10 +36,21 @@ pub fn load_all(files: &[&String], seed: Option<u64>, colour: bool) -> Result<Ve
     if failed { Err(Exit::Scenario) } else { Ok(loaded) }
 }
 
+/// Everything that is to be said about a file before it is run; `text` stands for what is on disk.
+pub fn examine(path: &Path, text: Option<&str>) -> (Vec<Diagnostic>, Sources) {
+    let lang::Examined { suite, mut found, sources } = lang::examine(path, text);
+    if let Some(suite) = &suite {
+        found.extend(examine_criteria(suite, &sources));
+        found.sort_by_key(|diagnostic| (diagnostic.span().source, diagnostic.span().start));
+    }
+    (found, sources)
+}
+
 fn load(file: &str, seed: Option<u64>, colour: bool) -> Result<Loaded, ()> {
-    let mut suite = read(file, colour)?;
+    let lang::Loaded { mut suite, sources, .. } = read_with_sources(file, colour)?;
     suite.seed = seed.unwrap_or(suite.seed);
     refuse_gates(&suite, colour)?;
+    refuse_hopeless(&suite, &sources, colour)?;
     let plan = plan(&suite).map_err(|errors| {
         for error in errors {
             let excerpt = Excerpt {
@@ -63,6 +75,15 @@ fn name_blocks_left_out(file: &str, suite: &Suite) {
     for block in searches.chain(tunes) {
         eprintln!("note: `{block}` is not part of this run; `scenario-runner {block} {file}` runs it");
     }
+}
+
+/// Criteria that no run could make pass are not worth a run.
+fn refuse_hopeless(suite: &Suite, sources: &Sources, colour: bool) -> Result<(), ()> {
+    let found = examine_criteria(suite, sources);
+    for diagnostic in &found {
+        eprintln!("{}\n", lang::render(diagnostic, sources, lang::Style { colour }));
+    }
+    if found.iter().any(|one| one.severity == Severity::Error) { Err(()) } else { Ok(()) }
 }
 
 /// A gate that nobody judges would let every regression pass.
@@ -101,13 +122,17 @@ fn build_everybody(plan: &Plan, colour: bool) -> Result<(), ()> {
 
 /// Loads and checks one file; warnings and errors go to stderr.
 pub fn read(file: &str, colour: bool) -> Result<Suite, ()> {
+    read_with_sources(file, colour).map(|loaded| loaded.suite)
+}
+
+fn read_with_sources(file: &str, colour: bool) -> Result<lang::Loaded, ()> {
     let style = lang::Style { colour };
     match lang::load(Path::new(file)) {
         Ok(loaded) => {
             for warning in &loaded.warnings {
                 eprintln!("{}\n", lang::render(warning, &loaded.sources, style));
             }
-            Ok(loaded.suite)
+            Ok(loaded)
         }
         Err(failure) => {
             eprint!("{}", failure.render(style));

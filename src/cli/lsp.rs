@@ -15,7 +15,7 @@ use lsp_types::{
 };
 use serde_json::Value;
 
-use super::Exit;
+use super::{Exit, load};
 use crate::lang::{self, Diagnostic, Severity, Sources, Span, Tree};
 
 #[derive(Debug, Args)]
@@ -125,7 +125,7 @@ impl Server<'_> {
     /// Checks a document and shows what was found, in it and in the files that it uses.
     fn publish(&mut self, uri: &Uri) -> Result<(), Failure> {
         let (Some(text), Some(path)) = (self.texts.get(uri), path_of(uri)) else { return Ok(()) };
-        let (found, sources) = lang::examine(&path, Some(text));
+        let (found, sources) = load::examine(&path, Some(text));
         let mut by_file: BTreeMap<String, Vec<lsp_types::Diagnostic>> = BTreeMap::new();
         for diagnostic in &found {
             let name = sources.get(diagnostic.span().source).name.clone();

@@ -219,7 +219,9 @@ codes! {
         "`in … of runs`, `undefined …`, `with … confidence` and `when` may each stand once.";
     BadModifier = "E0606", "a part of a criterion has no meaning here",
         "`in 80 % of runs` belongs to a comparison of every single run, not to an aggregate over runs; a confidence \
-         needs a share or an aggregate, because a claim about every run is either true or false.";
+         needs a share or an aggregate, because a claim about every run is either true or false. Counts and \
+         extremes are of the runs that were done, and no number of runs shows that two numbers are equal: they take no \
+         confidence either.";
     UnknownWord = "E0607", "a metric never has this value",
         "A metric with words as values can only be compared to one of them.";
     NoOrder = "E0608", "words and truth values have no order",
@@ -229,6 +231,12 @@ codes! {
          name.";
     NeverApplies = "E0610", "a criterion never applies",
         "The condition after `when` holds for no run, so the criterion would pass without being checked.";
+    TooFewRuns = "E0611", "a criterion that its runs can never show",
+        "A criterion with stated confidence passes only if its runs leave no reasonable doubt. Even if every run goes \
+         well, that takes a number of them: 95 % of runs at 95 % confidence need 59, 99 % need 299, 99.9 % need 2995, \
+         and the 95 % quantile needs 59 for an upper bound. With fewer the criterion could only be inconclusive or fail. \
+         Say `repeat` for more runs, or claim less. That all runs hold, or that a share is exactly so large, no number of \
+         runs shows.";
     // Suites
     EmptySuite = "E0701", "a suite has no scenarios",
         "A suite without scenarios would pass without testing anything.";
@@ -265,4 +273,7 @@ codes! {
          repeats the runs. Perhaps another name was meant.";
     NoCriteria = "W0902", "a scenario expects nothing",
         "Without `expect` a scenario passes whatever happens. Add criteria to it or to the suite.";
+    NeverSampled = "W0903", "a criterion applies to none of the values drawn",
+        "The condition after `when` holds for none of the values that a sampled variation has with this seed, so the \
+         criterion is never checked.";
 }

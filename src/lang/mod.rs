@@ -59,6 +59,14 @@ pub struct Failure {
     pub sources: Sources,
 }
 
+/// What there is to say about a file, and the suite it is, if it has no errors.
+#[derive(Debug, Clone)]
+pub struct Examined {
+    pub suite: Option<Suite>,
+    pub found: Vec<Diagnostic>,
+    pub sources: Sources,
+}
+
 /// Reads and checks a `.suite` file, or a `.scn` file as a suite named after it with seed [`DEFAULT_SEED`].
 pub fn load(path: &Path) -> Result<Loaded, Failure> {
     load_with(path, Files::default())
@@ -73,19 +81,19 @@ pub fn check(path: &Path, text: &str) -> Result<Loaded, Failure> {
 
 /// Everything that is to be said about a file, which may be there only to be used by others; `text` stands for what is
 /// on disk.
-pub fn examine(path: &Path, text: Option<&str>) -> (Vec<Diagnostic>, Sources) {
+pub fn examine(path: &Path, text: Option<&str>) -> Examined {
     let mut files = Files::default();
     if let Some(text) = text {
         files.overlay(path, text);
     }
-    let (mut found, sources) = match load_with(path, files) {
-        Ok(loaded) => (loaded.warnings, loaded.sources),
-        Err(failure) => (failure.diagnostics, failure.sources),
+    let (suite, mut found, sources) = match load_with(path, files) {
+        Ok(loaded) => (Some(loaded.suite), loaded.warnings, loaded.sources),
+        Err(failure) => (None, failure.diagnostics, failure.sources),
     };
     if suite::file_kind(path) == Some(suite::FileKind::Scenarios) {
         found.retain(|diagnostic| diagnostic.code != Code::NoScenario);
     }
-    (found, sources)
+    Examined { suite, found, sources }
 }
 
 fn load_with(path: &Path, mut files: Files) -> Result<Loaded, Failure> {

@@ -117,6 +117,18 @@ impl Sources {
         self.get(span.source).location(span.start)
     }
 
+    /// The place that travelled with a scenario, back in its text; `None` if it is from none of these.
+    pub fn span(&self, origin: &Origin) -> Option<Span> {
+        let (id, source) = self.iter().find(|(_, source)| source.name == origin.file)?;
+        let start = *source.line_starts.get(origin.line.checked_sub(1)?)?;
+        let offset = |characters: usize| {
+            let rest = &source.text[start..];
+            start + rest.char_indices().nth(characters).map_or(rest.len(), |(index, _)| index)
+        };
+        let column = origin.column.checked_sub(1)?;
+        Some(Span::new(id, offset(column), offset(column + origin.length)))
+    }
+
     /// The place as the data that travels with a scenario. Very long lines are not carried along.
     pub fn origin(&self, span: Span) -> Origin {
         const LONGEST_LINE: usize = 400;

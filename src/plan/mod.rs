@@ -84,13 +84,27 @@ pub fn plan(suite: &Suite) -> Result<Plan, Vec<PlanError>> {
     }
 }
 
-/// The trials of one scenario in a suite.
-pub fn plan_scenario(suite: &Suite, scenario: &Scenario) -> Result<Vec<Trial>, PlanError> {
-    let people = select_people(suite.seed, scenario)?;
+/// A trial before its runs are worked out: what it is called, how many runs it has, what is asked of them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outline {
+    pub key: String,
+    pub variation: Vec<Assignment>,
+    pub runs: usize,
+    /// As [`Trial::criteria`].
+    pub criteria: Vec<Criterion>,
+}
+
+/// The trials of one scenario in a suite, without working out their worlds.
+pub fn outline(suite: &Suite, scenario: &Scenario) -> Result<Vec<Outline>, PlanError> {
+    outline_with(suite, scenario, select_people(suite.seed, scenario)?.len())
+}
+
+fn outline_with(suite: &Suite, scenario: &Scenario, people: usize) -> Result<Vec<Outline>, PlanError> {
     let variations = combinations(suite.seed, scenario);
-    let runs = variations.len().saturating_mul(people.len()).saturating_mul(scenario.repeat as usize);
-    if runs > MOST_RUNS {
-        let message = format!("scenario `{}` asks for {runs} runs, more than {MOST_RUNS}", scenario.name);
+    let runs = people.saturating_mul(scenario.repeat as usize);
+    let all = variations.len().saturating_mul(runs);
+    if all > MOST_RUNS {
+        let message = format!("scenario `{}` asks for {all} runs, more than {MOST_RUNS}", scenario.name);
         return Err(
             PlanError::new(&scenario.origin, message).with_hint("vary fewer values or repeat less often")
         );
@@ -99,7 +113,6 @@ pub fn plan_scenario(suite: &Suite, scenario: &Scenario) -> Result<Vec<Trial>, P
     variations
         .into_iter()
         .map(|variation| {
-            let variables = variables(&variation);
             let mut key = format!("{}/{}", suite.name, scenario.name);
             for assignment in &variation {
                 key.push_str(&format!("/{}={}", assignment.name, assignment.label));
@@ -108,32 +121,36 @@ pub fn plan_scenario(suite: &Suite, scenario: &Scenario) -> Result<Vec<Trial>, P
                 let message = format!("scenario `{}` has two trials named `{key}`", scenario.name);
                 return Err(PlanError::new(&scenario.origin, message).with_hint("list every value once"));
             }
-            let mut cases = Vec::with_capacity(people.len() * scenario.repeat as usize);
-            for person in &people {
-                for repetition in 1..=scenario.repeat {
-                    let key = format!("{key}{}/rep={repetition}", people_label(person));
-                    let seed = derive_seed(suite.seed, &key);
-                    cases.push(concrete_case(
-                        scenario,
-                        key,
-                        variation.clone(),
-                        person.clone(),
-                        repetition,
-                        seed,
-                    )?);
-                }
-            }
-            Ok(Trial {
-                key,
-                scenario: scenario.name.clone(),
-                doc: scenario.doc.clone(),
-                tags: scenario.tags.clone(),
-                cases,
-                criteria: criteria(scenario, &variables)?,
-                origin: scenario.origin.clone(),
-            })
+            let criteria = criteria(scenario, &variables(&variation))?;
+            Ok(Outline { key, variation, runs, criteria })
         })
         .collect()
+}
+
+/// The trials of one scenario in a suite.
+pub fn plan_scenario(suite: &Suite, scenario: &Scenario) -> Result<Vec<Trial>, PlanError> {
+    let people = select_people(suite.seed, scenario)?;
+    let trial = |Outline { key, variation, runs, criteria }| {
+        let mut cases = Vec::with_capacity(runs);
+        for person in &people {
+            for repetition in 1..=scenario.repeat {
+                let key = format!("{key}{}/rep={repetition}", people_label(person));
+                let seed = derive_seed(suite.seed, &key);
+                let (variation, person) = (variation.clone(), person.clone());
+                cases.push(concrete_case(scenario, key, variation, person, repetition, seed)?);
+            }
+        }
+        Ok(Trial {
+            key,
+            scenario: scenario.name.clone(),
+            doc: scenario.doc.clone(),
+            tags: scenario.tags.clone(),
+            cases,
+            criteria,
+            origin: scenario.origin.clone(),
+        })
+    };
+    outline_with(suite, scenario, people.len())?.into_iter().map(trial).collect()
 }
 
 /// One run of a scenario in which these variations have their values and these people walk.

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::{EvaluationError, Expression, Settings, Value};
 
 /// Where in a file something was said; enough to show it again without reading the file.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Origin {
     pub file: String,
     /// Counted from 1.
