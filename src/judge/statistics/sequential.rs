@@ -7,7 +7,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::Interval;
-use super::distributions::ln_beta;
+use super::distributions::{ln_beta, regularised_beta};
+use super::summary::largest_true;
 
 /// What is known of a claim that at least some share of runs holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -86,11 +87,15 @@ impl Sprt {
     }
 }
 
-/// Intervals for a share that all cover at once with the stated confidence, however many runs: a mixture of likelihood
-/// ratios over a uniform prior.
+/// Bounds on a share that hold all at once, each side with the stated confidence, however many runs and however often one
+/// looks: for every share, the mean likelihood of all larger (or all smaller) shares over its own.
+///
+/// Runs need not be alike: where a fixed group takes turns, each with a share of its own, the bounds are on the mean of
+/// those shares as long as one looks only after whole turns. (The factor that a turn adds to the ratio has a mean of at
+/// most 1, since a product of numbers is at most the power of their mean.)
 ///
 /// Source: H. Robbins, Ann. Math. Stat. 41, 1970; beta-binomial mixture as in S. R. Howard, A. Ramdas, J. McAuliffe &
-/// J. Sekhon, Ann. Stat. 49, 2021.
+/// J. Sekhon, Ann. Stat. 49, 2021, with the prior on one side of the share that is tested.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ConfidenceSequence {
     /// 0..1
@@ -98,47 +103,70 @@ pub struct ConfidenceSequence {
 }
 
 impl ConfidenceSequence {
-    /// The logarithm of the mixture's likelihood over that of `share`, less what it takes to exclude it.
+    /// The logarithm of the mean likelihood of larger shares over that of `share`, less what it takes to exclude `share`
+    /// and all below it.
     fn excess(&self, holding: u64, runs: u64, share: f64) -> f64 {
         let (held, failed) = (holding as f64, (runs - holding) as f64);
+        if held <= share * runs as f64 {
+            // No larger share is likelier.
+            return f64::NEG_INFINITY;
+        }
         let term = |count: f64, logarithm: f64| if count == 0.0 { 0.0 } else { count * logarithm };
-        ln_beta(1.0 + held, 1.0 + failed) - term(held, libm::log(share)) - term(failed, libm::log1p(-share))
+        let mean = ln_beta(1.0 + held, 1.0 + failed)
+            + libm::log(regularised_beta(1.0 - share, 1.0 + failed, 1.0 + held))
+            - libm::log1p(-share);
+        mean - term(held, libm::log(share)) - term(failed, libm::log1p(-share))
             + libm::log1p(-self.confidence)
     }
 
-    /// The shares not excluded by `holding` of `runs`.
-    pub fn interval(&self, holding: u64, runs: u64) -> Interval {
-        if runs == 0 {
-            return Interval { low: 0.0, high: 1.0 };
+    /// The share is at least this, whenever one looks.
+    pub fn lower_bound(&self, holding: u64, runs: u64) -> f64 {
+        if holding == 0 {
+            return 0.0;
         }
-        let observed = holding as f64 / runs as f64;
-        // The excess rises away from the observed share, where it is below 0.
-        let border = |mut outside: f64| {
-            let mut inside = observed;
-            while (outside - inside).abs() > 1e-15 {
-                let middle = 0.5 * (outside + inside);
-                if middle == inside || middle == outside {
-                    break;
-                }
-                if self.excess(holding, runs, middle) >= 0.0 { outside = middle } else { inside = middle }
+        // The excess falls up to the observed share, where nothing is excluded any more.
+        let (mut excluded, mut possible) = (0.0, holding as f64 / runs as f64);
+        while possible - excluded > 1e-15 {
+            let middle = 0.5 * (excluded + possible);
+            if middle <= excluded || middle >= possible {
+                break;
             }
-            outside
-        };
-        Interval {
-            low: if holding == 0 { 0.0 } else { border(0.0) },
-            high: if holding == runs { 1.0 } else { border(1.0) },
+            if self.excess(holding, runs, middle) >= 0.0 { excluded = middle } else { possible = middle }
         }
+        excluded
+    }
+
+    /// The share is at most this, whenever one looks.
+    pub fn upper_bound(&self, holding: u64, runs: u64) -> f64 {
+        1.0 - self.lower_bound(runs - holding, runs)
+    }
+
+    /// Both bounds, each with the stated confidence.
+    pub fn interval(&self, holding: u64, runs: u64) -> Interval {
+        Interval { low: self.lower_bound(holding, runs), high: self.upper_bound(holding, runs) }
     }
 
     /// On the claim that at least `share` of all runs hold.
     pub fn decide(&self, holding: u64, runs: u64, share: f64) -> Decision {
-        if runs == 0 || self.excess(holding, runs, share) < 0.0 {
-            Decision::Open
-        } else if holding as f64 >= share * runs as f64 {
+        if self.excess(holding, runs, share) >= 0.0 {
             Decision::Holds
-        } else {
+        } else if self.excess(runs - holding, runs, 1.0 - share) >= 0.0 {
             Decision::Fails
+        } else {
+            Decision::Open
         }
+    }
+
+    /// Bounds on the quantile at `level` of the distribution behind sorted values, as
+    /// [`quantile_interval`](super::quantile_interval) gives them for a fixed number of runs: two of the values, or `None`
+    /// where there are too few for a bound.
+    pub fn quantile_interval(&self, sorted: &[f64], level: f64) -> (Option<f64>, Option<f64>) {
+        let n = sorted.len() as u64;
+        let shown = |below: u64, decision| self.decide(below, n, level) == decision;
+        // As there: too few values below for it to be the quantile, and too few above.
+        let low = largest_true(n, |k| shown(k - 1, Decision::Fails));
+        let high = largest_true(n, |k| shown(n - k + 1, Decision::Holds));
+        (low.map(|k| sorted[k as usize - 1]), high.map(|k| sorted[(n - k) as usize]))
     }
 
     /// Takes outcomes in seed order until it decides on the claim that at least `share` of all runs hold, at the
@@ -151,6 +179,9 @@ impl ConfidenceSequence {
     pub fn runs_needed(&self, share: f64) -> Option<u64> {
         if share >= 1.0 {
             return None;
+        }
+        if share <= 0.0 {
+            return Some(1);
         }
         let mut enough = 1;
         while self.decide(enough, enough, share) != Decision::Holds {
@@ -176,11 +207,21 @@ mod tests {
     /// Probabilities of `Holds` and `Fails` and the expected number of runs, up to `most` of them: exact, by following
     /// the distribution of the number of holding runs among those undecided.
     fn operate(share: f64, most: u64, decide: impl Fn(u64, u64) -> Decision) -> (f64, f64, f64) {
+        operate_with(|_| share, most, decide)
+    }
+
+    /// As [`operate`], for runs each with a share of its own.
+    fn operate_with(
+        share: impl Fn(u64) -> f64,
+        most: u64,
+        decide: impl Fn(u64, u64) -> Decision,
+    ) -> (f64, f64, f64) {
         let mut open = vec![1.0];
         let (mut holds, mut fails, mut expected) = (0.0, 0.0, 0.0);
         for runs in 1..=most {
             expected += open.iter().sum::<f64>();
             let mut next = vec![0.0; runs as usize + 1];
+            let share = share(runs);
             for (holding, probability) in open.iter().enumerate() {
                 next[holding] += probability * (1.0 - share);
                 next[holding + 1] += probability * share;
@@ -216,12 +257,14 @@ mod tests {
     }
 
     #[test]
-    fn the_confidence_sequence_keeps_its_error_while_looking_at_every_run() {
+    fn the_confidence_sequence_keeps_both_errors_while_looking_at_every_run() {
         let sequence = ConfidenceSequence { confidence: 0.95 };
-        for share in [0.5, 0.95, 0.99] {
+        for share in [0.2, 0.5, 0.95, 0.99] {
             let (holds, fails, _) =
                 operate(share, 1000, |holding, runs| sequence.decide(holding, runs, share));
-            assert!(holds + fails <= 0.05, "{holds} {fails} at {share}");
+            assert!(holds <= 0.05 && fails <= 0.05, "{holds} {fails} at {share}");
+            // It gives little away.
+            assert!(holds > 0.015 && fails > 0.01, "{holds} {fails} at {share}");
         }
         // The same looks with an ordinary 95 % bound, which this is there to prevent.
         let peeking = |holding, runs| match super::super::lower_bound(holding, runs, 0.95) >= 0.95 {
@@ -233,33 +276,85 @@ mod tests {
     }
 
     #[test]
-    fn intervals_of_the_sequence_hold_the_observed_share_and_agree_with_its_decisions() {
+    fn runs_that_take_turns_keep_the_errors_on_their_mean() {
+        // Four people with shares of their own, of which the mean is 90 %.
+        let shares = [1.0, 0.6, 1.0, 1.0];
         let sequence = ConfidenceSequence { confidence: 0.95 };
-        assert_eq!(sequence.interval(0, 0), Interval { low: 0.0, high: 1.0 });
-        for (holding, runs) in [(0, 1), (5, 10), (10, 10), (99, 100), (700, 1000)] {
+        let after_turns = |holding, runs: u64| match runs.is_multiple_of(4) {
+            true => sequence.decide(holding, runs, 0.9),
+            false => Decision::Open,
+        };
+        let share = |runs: u64| shares[(runs - 1) as usize % 4];
+        let (holds, fails, _) = operate_with(share, 1000, after_turns);
+        assert!(holds <= 0.05 && fails <= 0.05, "{holds} {fails}");
+    }
+
+    #[test]
+    fn it_takes_fewer_runs_the_clearer_the_case() {
+        let sequence = ConfidenceSequence { confidence: 0.95 };
+        let expected = |share: f64| {
+            let (holds, _, expected) =
+                operate(share, 3000, |holding, runs| sequence.decide(holding, runs, 0.95));
+            (holds, expected)
+        };
+        let ((sure, few), (likely, more)) = (expected(1.0), expected(0.98));
+        assert_eq!((sure, few), (1.0, 88.0));
+        assert!(likely > 0.97 && (150.0..400.0).contains(&more), "{likely} {more}");
+    }
+
+    #[test]
+    fn bounds_agree_with_decisions() {
+        let sequence = ConfidenceSequence { confidence: 0.95 };
+        for (holding, runs) in [(0, 1), (5, 10), (10, 10), (99, 100), (3, 100), (700, 1000), (9990, 10_000)] {
             let interval = sequence.interval(holding, runs);
             assert!(interval.contains(holding as f64 / runs as f64));
-            if interval.low > 0.0 {
-                assert_eq!(sequence.decide(holding, runs, interval.low * (1.0 - 1e-9)), Decision::Holds);
-                assert_eq!(sequence.decide(holding, runs, interval.low * (1.0 + 1e-9)), Decision::Open);
-            }
-            if interval.high < 1.0 {
-                assert_eq!(sequence.decide(holding, runs, interval.high * (1.0 + 1e-9)), Decision::Fails);
+            // Nothing below is left open and nothing between excluded: the bounds are the only borders.
+            for part in 1..=40 {
+                let decided = |share: f64| sequence.decide(holding, runs, share);
+                let part = f64::from(part) / 41.0;
+                if interval.low > 0.0 {
+                    assert_eq!(decided(interval.low * part), Decision::Holds);
+                }
+                assert_eq!(decided(interval.low + part * (interval.high - interval.low)), Decision::Open);
+                if interval.high < 1.0 {
+                    assert_eq!(decided(interval.high + part * (1.0 - interval.high)), Decision::Fails);
+                }
             }
         }
     }
 
     #[test]
+    fn bounds_of_quantiles_agree_with_decisions_on_their_share() {
+        let sequence = ConfidenceSequence { confidence: 0.95 };
+        let values: Vec<f64> = (1..=300).map(f64::from).collect();
+        for level in [0.1, 0.5, 0.95] {
+            let (low, high) = sequence.quantile_interval(&values, level);
+            let (low, high) = (low.unwrap() as u64, high.unwrap() as u64);
+            let (fixed_low, fixed_high) = super::super::quantile_interval(&values, level, 0.9);
+            assert!(low as f64 <= fixed_low.unwrap() && high as f64 >= fixed_high.unwrap());
+            // `low - 1` values below are too few, `low` are not; the other way round at the upper end.
+            assert_eq!(sequence.decide(low - 1, 300, level), Decision::Fails);
+            assert_eq!(sequence.decide(low, 300, level), Decision::Open);
+            assert_eq!(sequence.decide(high, 300, level), Decision::Holds);
+            assert_eq!(sequence.decide(high - 1, 300, level), Decision::Open);
+        }
+        assert_eq!(sequence.quantile_interval(&values[..87], 0.95).1, None);
+        assert_eq!(sequence.quantile_interval(&values[..88], 0.95).1, Some(88.0));
+    }
+
+    #[test]
     fn runs_needed_are_enough() {
         let sequence = ConfidenceSequence { confidence: 0.95 };
-        for share in [0.5, 0.95, 0.99] {
+        for (share, known) in [(0.5, 7), (0.9, 43), (0.95, 88), (0.99, 449), (0.999, 4512)] {
             let runs = sequence.runs_needed(share).unwrap();
+            assert_eq!(runs, known);
             assert_eq!(sequence.decide(runs, runs, share), Decision::Holds);
             assert_eq!(sequence.decide(runs - 1, runs - 1, share), Decision::Open);
             let run = sequence.run(std::iter::repeat(true), 1, share);
             assert_eq!(run.runs as u64, runs);
         }
         assert_eq!(sequence.runs_needed(1.0), None);
+        assert_eq!(sequence.runs_needed(0.0), Some(1));
     }
 
     #[test]

@@ -47,7 +47,7 @@ pub fn quantile_interval(sorted: &[f64], level: f64, confidence: f64) -> (Option
 }
 
 /// The largest of 1..=n for which something holds that holds up to it and not beyond.
-fn largest_true(n: u64, holds: impl Fn(u64) -> bool) -> Option<u64> {
+pub fn largest_true(n: u64, holds: impl Fn(u64) -> bool) -> Option<u64> {
     let (mut below, mut above) = (0, n + 1);
     while above - below > 1 {
         let middle = below + (above - below) / 2;
