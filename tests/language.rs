@@ -139,6 +139,7 @@ fn yaml_says_the_same() {
     std::fs::create_dir_all(copies.path().join("support")).unwrap();
     std::fs::create_dir_all(copies.path().join("ok")).unwrap();
     copy(&folder("support/street.scn"), "support/street.scn");
+    copy(&folder("support/tuned.json"), "support/tuned.json");
     copy(&folder("ok/everything.scn"), "ok/everything.scn");
     for name in ["ok/everything.scn", "ok/whole.suite"] {
         let text = std::fs::read_to_string(folder(name)).unwrap();
@@ -151,8 +152,12 @@ fn yaml_says_the_same() {
         for (before, after) in original.suite.scenarios.iter().zip(&loaded.suite.scenarios) {
             assert_eq!(without_places(before), without_places(after), "{yaml}");
         }
-        assert_eq!(original.suite.searches.len(), loaded.suite.searches.len());
-        assert_eq!(original.suite.tunes.len(), loaded.suite.tunes.len());
+        let blocks = |suite: &scenario_runner::scenario::Suite| {
+            without_places(&(&suite.searches, &suite.tunes, &suite.evaluates, &suite.statements))
+        };
+        let here = copies.path().display().to_string();
+        let beside = |value: serde_json::Value| value.to_string().replace(&here, "tests/language");
+        assert_eq!(blocks(&original.suite).to_string(), beside(blocks(&loaded.suite)), "{yaml}");
         assert_eq!(original.suite.gates.len(), loaded.suite.gates.len());
         // And back again.
         let scn = lang::from_yaml(source, &yaml).unwrap();
@@ -161,7 +166,7 @@ fn yaml_says_the_same() {
 }
 
 /// As JSON, without where things were said.
-fn without_places(scenario: &scenario_runner::scenario::Scenario) -> serde_json::Value {
+fn without_places(data: &impl serde::Serialize) -> serde_json::Value {
     fn forget(value: &mut serde_json::Value) {
         match value {
             serde_json::Value::Object(fields) => {
@@ -172,7 +177,7 @@ fn without_places(scenario: &scenario_runner::scenario::Scenario) -> serde_json:
             _ => {}
         }
     }
-    let mut value = serde_json::to_value(scenario).unwrap();
+    let mut value = serde_json::to_value(data).unwrap();
     forget(&mut value);
     value
 }

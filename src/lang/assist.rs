@@ -169,7 +169,12 @@ pub fn complete(text: &str, offset: usize) -> Vec<Proposal> {
         }
         _ if matches!(
             block,
-            Rule::expect_block | Rule::search_block | Rule::tune_block | Rule::gate_block
+            Rule::expect_block
+                | Rule::search_block
+                | Rule::tune_block
+                | Rule::evaluate_block
+                | Rule::statement_block
+                | Rule::gate_block
         ) =>
         {
             metrics()
@@ -204,6 +209,8 @@ fn block_of(owner: &[&str]) -> Rule {
         ["gate", ..] => Rule::gate_block,
         ["search", ..] => Rule::search_block,
         ["tune", ..] => Rule::tune_block,
+        ["evaluate", ..] => Rule::evaluate_block,
+        ["statement", ..] => Rule::statement_block,
         _ => Rule::settings,
     }
 }
@@ -280,7 +287,7 @@ pub fn definition(path: &Path, text: &str, offset: usize) -> Option<(Span, Sourc
     let name = node.text();
     let names = files.names(file);
     let span = match (node.rule(), parent.rule()) {
-        (Rule::name, Rule::base | Rule::search_in | Rule::tune_on) => names.scenarios.get(name)?.span,
+        (Rule::name, Rule::base | Rule::search_in | Rule::on_cases) => names.scenarios.get(name)?.span,
         (Rule::name, Rule::road_choice) => names.roads.get(name)?.span,
         (Rule::reference | Rule::name, _) => local_definition(&around, name)
             .or_else(|| files.scope(file).names.get(name).map(|binding| binding.span))?,

@@ -250,9 +250,9 @@ codes! {
         "A file that is run, or matched by a suite's pattern, must hold at least one scenario. Files with only roads \
          and templates are for `use`.";
     // Search, tune and gates
-    UnknownScenario = "E0801", "a search or tune is about a scenario that is not there",
-        "`in NAME` and `on NAME` refer to a scenario of the same suite, or of the same file when a scenario file is run by \
-         itself; `on` may also name a search of it.";
+    UnknownScenario = "E0801", "a block is about a scenario that is not there",
+        "`in NAME`, `on NAME` and `of NAME` refer to a scenario of the same suite, or of the same file when a scenario file is \
+         run by itself; `on` and `of` may also name a search of it.";
     BadTarget = "E0802", "there is nothing to search over",
         "`over` takes a variation of the scenario, such as `tta`, or a parameter of a road user, such as \
          `av.controller.braking_distance` or `walker.model.speed`.";
@@ -267,6 +267,24 @@ codes! {
     BadGate = "E0806", "a gate compares nothing",
         "A gate names a baseline file and says at least once what may not get worse: \
          `gate braking { baseline \"zebra.json\"; no metric worse by more than 5 % with 95 % confidence }`.";
+    UnknownBlock = "E0807", "there is no such search, tune or evaluate",
+        "Blocks refer to each other by name: a tune to the search whose cases it takes, an evaluate to the tunes that it \
+         compares, a statement to what it measures.";
+    UnknownCondition = "E0808", "an evaluate has no such condition",
+        "The conditions of an evaluate are named after `with`: `default`, the name of a tune, or what `as` says. A statement \
+         measures one of them: `mean(pet) of final.default`.";
+    BadCondition = "E0809", "a condition cannot be evaluated",
+        "Conditions have names of their own. A file and parameters in place need one: `{ av.controller.braking_distance: \
+         10 m } as ten`. Every parameter that a condition sets must be there in the scenario whose cases are run.";
+    BadReported = "E0810", "reported numbers do not fit the table",
+        "A reported row has a value for each measure, in the same order and of the same dimension: `measure mean(pet), \
+         rate(collision)` and `reported default: 2.5 s, 3 %`.";
+    BadClaim = "E0811", "a claim cannot be held against results",
+        "A claim compares what is measured: `mean(pet) of low_pet < 1.5 s`. What is true of a value in every run is no claim \
+         until it is summed up over named runs. Where a `when` stands in a calculation, brackets say what belongs to it.";
+    BadStatement = "E0812", "it is not clear what is known about a statement",
+        "A statement is expected to be reproduced, `differs \"why\"` if it is known not to be, or is `not comparable \"why\"`; \
+         not two of them. Only the last may go without a `claim`.";
     // Warnings
     UnusedName = "W0901", "a name is never used",
         "A `let` inside a scenario or a variation that no value refers to has no effect, except that a variation \

@@ -59,7 +59,10 @@ enum AtomKind {
     CloseBracket,
     Comma,
     Semicolon,
-    Colon,
+    /// Of `a : base`, with space before it.
+    Colon {
+        base: bool,
+    },
     Dot,
     DotDot,
 }
@@ -93,11 +96,13 @@ fn atoms(of: Node) -> Vec<Atom> {
     let mut leaves: HashMap<usize, (usize, Rule, String)> = HashMap::new();
     let mut settings: HashSet<usize> = HashSet::new();
     let mut groups: HashSet<usize> = HashSet::new();
+    let mut bases: HashSet<usize> = HashSet::new();
     for node in of.descendants() {
         let span = node.span();
         match node.rule() {
-            Rule::settings => _ = settings.insert(span.start),
-            Rule::group => _ = groups.insert(span.start),
+            Rule::settings | Rule::parameter_set => _ = settings.insert(span.start),
+            Rule::base => _ = bases.insert(span.start),
+            Rule::group | Rule::claimed_group => _ = groups.insert(span.start),
             Rule::relation => {
                 let symbol = relation(node).symbol().to_string();
                 leaves.insert(span.start, (span.end, Rule::relation, symbol));
@@ -145,7 +150,7 @@ fn atoms(of: Node) -> Vec<Atom> {
             (_, ")" | "]") => AtomKind::CloseBracket,
             (_, ",") => AtomKind::Comma,
             (_, ";") => AtomKind::Semicolon,
-            (_, ":") => AtomKind::Colon,
+            (_, ":") => AtomKind::Colon { base: bases.contains(&token.start) },
             (_, ".") if text[token.end..].starts_with('.') => {
                 skip_to = token.end + 1;
                 AtomKind::DotDot
@@ -267,7 +272,7 @@ impl Printer {
                 self.out.push('\n');
             }
             self.indent(atom);
-        } else if self.spaced(atom, frame) {
+        } else if self.spaced(atom) {
             self.out.push(' ');
         }
     }
@@ -347,7 +352,7 @@ impl Printer {
         }
     }
 
-    fn spaced(&self, atom: &Atom, frame: Frame) -> bool {
+    fn spaced(&self, atom: &Atom) -> bool {
         let Some(before) = self.before else { return false };
         if matches!(before, AtomKind::Negation | AtomKind::Dot | AtomKind::OpenBracket { .. }) {
             return false;
@@ -355,10 +360,7 @@ impl Printer {
         match atom.kind {
             AtomKind::Comma | AtomKind::Semicolon | AtomKind::CloseBracket | AtomKind::Dot => false,
             AtomKind::OpenBracket { group } => group,
-            // `scenario a : base`, but `name: value`.
-            AtomKind::Colon => {
-                matches!(frame, Frame::Block { settings: false } | Frame::Inline { settings: false })
-            }
+            AtomKind::Colon { base } => base,
             _ => true,
         }
     }

@@ -4,6 +4,7 @@
 //! list of [`Diagnostic`]s, which [`render`] shows.
 
 mod assist;
+mod blocks;
 mod check;
 mod codes;
 mod diagnostic;

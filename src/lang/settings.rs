@@ -41,7 +41,8 @@ pub fn repeated(name: &str, span: Span, first: Span) -> Diagnostic {
         .hint("remove one of them")
 }
 
-fn one(
+/// One setting against what `declaration` says about it.
+pub fn one(
     name: Node,
     given: Node,
     declaration: &Declaration,

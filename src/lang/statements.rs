@@ -45,6 +45,26 @@ const SEARCH: Statement = statement(
 );
 const TUNE: Statement =
     statement("tune", Rule::tune, "tune NAME { … }", "Looks for the best controller parameters.");
+const EVALUATE: Statement = statement(
+    "evaluate",
+    Rule::evaluate,
+    "evaluate NAME { … }",
+    "Compares parameter sets on the same cases.",
+);
+const STATEMENT: Statement = statement(
+    "statement",
+    Rule::statement,
+    "statement NAME { … }",
+    "What a source says, held against the results.",
+);
+const ON: Statement = statement(
+    "on",
+    Rule::on_cases,
+    "on low_pet`, `on all of low_pet`, `on 50 of zebra_walk`, `on as many of zebra_walk as low_pet` or `on \"cases.json\"",
+    "The cases: what a search kept, the best case of everybody, a scenario, some of its cases, or a saved set.",
+);
+const SOURCE: Statement =
+    statement("source", Rule::source, "source \"Wang et al., Table 1\"", "Where reported numbers come from.");
 const OVER: Statement = statement(
     "over",
     Rule::over,
@@ -82,6 +102,14 @@ const REPEAT: Statement =
 pub const SETTING: Statement =
     statement("", Rule::setting, "{ profile: normal, braking_distance: 5 m }", "A parameter with its value.");
 
+/// A parameter of a road user in braces.
+pub const GIVEN: Statement = statement(
+    "",
+    Rule::given,
+    "{ av.controller.braking_distance: 10 m }",
+    "A parameter of a road user with its value.",
+);
+
 /// Every kind of block there is; the file first.
 pub static BLOCKS: &[Block] = &[
     Block {
@@ -105,6 +133,8 @@ pub static BLOCKS: &[Block] = &[
             SCENARIO,
             SEARCH,
             TUNE,
+            EVALUATE,
+            STATEMENT,
             statement("suite", Rule::suite, "suite NAME { … }", "Scenarios that are run together."),
         ],
     },
@@ -286,6 +316,8 @@ pub static BLOCKS: &[Block] = &[
             SCENARIO,
             SEARCH,
             TUNE,
+            EVALUATE,
+            STATEMENT,
             statement(
                 "gate",
                 Rule::gate,
@@ -337,12 +369,7 @@ pub static BLOCKS: &[Block] = &[
         rule: Rule::tune_block,
         name: "a `tune`",
         statements: &[
-            statement(
-                "on",
-                Rule::tune_on,
-                "on low_pet`, `on 50 of zebra_walk` or `on \"cases.json\"",
-                "The cases to be good at: a search, a scenario, some of its cases, or a saved set.",
-            ),
+            ON,
             OVER,
             MINIMISE,
             MAXIMISE,
@@ -355,6 +382,71 @@ pub static BLOCKS: &[Block] = &[
             BUDGET,
             statement("stop", Rule::stop_early, "stop early", "Gives a candidate up at its first violation."),
             statement("compare", Rule::compare, "compare with default", "Adds a table of before and after."),
+        ],
+    },
+    Block {
+        rule: Rule::evaluate_block,
+        name: "an `evaluate`",
+        statements: &[
+            ON,
+            statement(
+                "with",
+                Rule::conditions,
+                "with default, braking, \"tuned.json\" as saved, { av.controller.braking_distance: 10 m } as ten",
+                "The conditions: what is declared, what a tune chose, a saved set or parameters in place; the first is what \
+                 the others are compared with.",
+            ),
+            statement(
+                "repeat",
+                Rule::fresh_seeds,
+                "repeat 20 with fresh seeds",
+                "Runs every case this often, none with the seed it was found with.",
+            ),
+            statement(
+                "measure",
+                Rule::measures,
+                "measure mean(pet), rate(collision)",
+                "The columns of the table.",
+            ),
+            SOURCE,
+            statement(
+                "reported",
+                Rule::reported_row,
+                "reported default: 2.5 s, 3 %",
+                "What a source has for a condition, a value for each measure.",
+            ),
+        ],
+    },
+    Block {
+        rule: Rule::statement_block,
+        name: "a `statement`",
+        statements: &[
+            SOURCE,
+            statement(
+                "reported",
+                Rule::reported,
+                "reported \"about 10 % at 6 s\"",
+                "The numbers of the source, in words.",
+            ),
+            statement(
+                "claim",
+                Rule::claim,
+                "claim mean(pet) of low_pet < 1.5 s`, `claim rate(gap_accepted) of zebra_walk rises with tta` or \
+                 `claim mean(pet) of final.tuned > mean(pet) of final.default",
+                "What must hold in the results for the statement to be reproduced.",
+            ),
+            statement(
+                "differs",
+                Rule::differs,
+                "differs \"the reason\"",
+                "It is known not to be reproduced, for this reason.",
+            ),
+            statement(
+                "not",
+                Rule::not_comparable,
+                "not comparable \"the reason\"",
+                "It cannot be compared, for this reason.",
+            ),
         ],
     },
 ];

@@ -3,6 +3,7 @@
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
+use super::blocks::{blocks, reject_duplicate};
 use super::check::{self, Places};
 use super::codes::Code;
 use super::diagnostic::Diagnostic;
@@ -10,7 +11,7 @@ use super::files::{Definition, FileId, Files, join};
 use super::source::Span;
 use super::tree::{Node, Rule};
 use super::value::{self, unquote};
-use crate::scenario::{Dimension, Scenario, Search, Suite, Tune};
+use crate::scenario::{Dimension, Scenario, Suite};
 
 /// The seed of a suite that names none, and of a scenario file that is run by itself.
 pub const DEFAULT_SEED: u64 = 1;
@@ -85,7 +86,7 @@ fn bare(files: &Files, file: FileId, path: &Path, report: &mut Vec<Diagnostic>) 
     }
     let scenarios = check_all(files, &definitions, None, report);
     check_definitions(files, report);
-    let experiments = experiments(files, &[file], &definitions, &scenarios, report);
+    let blocks = blocks(files, &[file], &definitions, &scenarios, report);
     let name = path.file_stem().map_or_else(|| "scenarios".into(), |stem| stem.to_string_lossy());
     Some(Suite {
         name: name.into_owned(),
@@ -93,10 +94,10 @@ fn bare(files: &Files, file: FileId, path: &Path, report: &mut Vec<Diagnostic>) 
         seed: DEFAULT_SEED,
         time_limit: None,
         scenarios,
-        searches: experiments.searches,
-        tunes: experiments.tunes,
-        evaluates: Vec::new(),
-        statements: Vec::new(),
+        searches: blocks.searches,
+        tunes: blocks.tunes,
+        evaluates: blocks.evaluates,
+        statements: blocks.statements,
         gates: Vec::new(),
         origin: files.sources.origin(Span::beginning(root.span().source)),
     })
@@ -201,7 +202,7 @@ fn declared(files: &mut Files, file: FileId, path: &Path, report: &mut Vec<Diagn
     }
     let all_files: Vec<FileId> =
         std::iter::once(file).chain(included.iter().map(|(file, _)| *file)).collect();
-    let experiments = experiments(files, &all_files, &definitions, &scenarios, report);
+    let blocks = blocks(files, &all_files, &definitions, &scenarios, report);
     let cast = everybody(&scenarios);
     let mut gate_names: HashMap<&str, Span> = HashMap::new();
     let gates: Vec<_> = block
@@ -224,74 +225,13 @@ fn declared(files: &mut Files, file: FileId, path: &Path, report: &mut Vec<Diagn
             None => None,
         },
         scenarios,
-        searches: experiments.searches,
-        tunes: experiments.tunes,
-        evaluates: Vec::new(),
-        statements: Vec::new(),
+        searches: blocks.searches,
+        tunes: blocks.tunes,
+        evaluates: blocks.evaluates,
+        statements: blocks.statements,
         gates: gates.into_iter().flatten().collect(),
         origin: files.sources.origin(name.span()),
     })
-}
-
-#[derive(Default)]
-struct Experiments {
-    searches: Vec<Search>,
-    tunes: Vec<Tune>,
-}
-
-/// The searches and tunes of some files, about scenarios of any of them.
-fn experiments(
-    files: &Files,
-    of: &[FileId],
-    definitions: &[Definition],
-    scenarios: &[Scenario],
-    report: &mut Vec<Diagnostic>,
-) -> Experiments {
-    let nodes: Vec<(FileId, Node)> = of
-        .iter()
-        .flat_map(|file| {
-            let root = files.tree(*file).root();
-            let inner =
-                root.all(Rule::suite).flat_map(|suite| suite.all(Rule::suite_block)).flat_map(Node::children);
-            root.children().chain(inner).map(|node| (*file, node))
-        })
-        .filter(|(_, node)| matches!(node.rule(), Rule::search | Rule::tune))
-        .collect();
-    let mut names: HashMap<&str, Span> = HashMap::new();
-    let mut searches: HashMap<String, String> = HashMap::new();
-    for (_, node) in &nodes {
-        reject_duplicate(*node, &mut names, report);
-        let about = node.child(Rule::search_block).and_then(|block| block.child(Rule::search_in));
-        if let (Some(name), Some(about)) =
-            (node.child(Rule::name), about.and_then(|about| about.child(Rule::name)))
-        {
-            searches.insert(name.text().to_string(), about.text().to_string());
-        }
-    }
-    let subjects = check::Subjects { definitions, scenarios, searches: &searches };
-    let places = Places { files };
-    let mut experiments = Experiments::default();
-    for (file, node) in nodes {
-        let scope = files.scope(file);
-        if node.rule() == Rule::search {
-            experiments.searches.extend(check::search(node, &subjects, scope, &places, report));
-        } else {
-            experiments.tunes.extend(check::tune(node, &subjects, scope, &places, report));
-        }
-    }
-    experiments
-}
-
-fn reject_duplicate<'a>(node: Node<'a>, names: &mut HashMap<&'a str, Span>, report: &mut Vec<Diagnostic>) {
-    let Some(name) = node.child(Rule::name) else { return };
-    if let Some(first) = names.insert(name.text(), name.span()) {
-        report.push(
-            Diagnostic::new(Code::DuplicateName, name.span(), format!("`{}` is defined twice", name.text()))
-                .label("defined again")
-                .context(first, "defined first here")
-                .hint("give one of them another name"),
-        );
-    }
 }
 
 /// Every road user of any scenario.

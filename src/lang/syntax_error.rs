@@ -20,7 +20,7 @@ pub fn explain(tree: &Tree) -> Vec<Diagnostic> {
             }
             match child.rule() {
                 Rule::bad => diagnostics.push(statement(block.rule(), child)),
-                Rule::bad_setting => diagnostics.push(setting(child)),
+                Rule::bad_setting => diagnostics.push(setting(block.rule(), child)),
                 _ => {}
             }
         }
@@ -65,8 +65,9 @@ fn statement(block: Rule, bad: Node) -> Diagnostic {
         .suggest(word_text, context.statements.iter().map(|statement| statement.word))
 }
 
-fn setting(bad: Node) -> Diagnostic {
-    let mut diagnostic = again(bad, &statements::SETTING);
+fn setting(block: Rule, bad: Node) -> Diagnostic {
+    let kind = if block == Rule::parameter_set { &statements::GIVEN } else { &statements::SETTING };
+    let mut diagnostic = again(bad, kind);
     diagnostic.code = Code::BadSetting;
     diagnostic
 }
@@ -181,6 +182,17 @@ fn describe(rule: &Rule) -> Option<String> {
         Rule::target => "what to search over",
         Rule::initial | Rule::batch => "a whole number",
         Rule::constraint => "a metric",
+        Rule::measured | Rule::measure => "an aggregate such as `mean(…)`",
+        Rule::claimed | Rule::claimed_group | Rule::lone_operand => "a value",
+        Rule::trend => return None,
+        Rule::outcomes => "what is measured",
+        Rule::run_conditions => "`when`",
+        Rule::run_condition => "a name that is varied",
+        Rule::chosen => "`chosen(…)`",
+        Rule::evaluated | Rule::conditions => "`default`, a tune, a file or `{ parameter: value }`",
+        Rule::alias => "`as NAME`",
+        Rule::as_many => "`as many of …`",
+        Rule::given => "a setting `av.controller.name: value`",
         Rule::metric_details => return None,
         _ if name.ends_with("_block") => "`{`",
         _ => return Some(name.replace('_', " ")),

@@ -112,12 +112,40 @@ impl Typed {
     }
 }
 
-/// The value of an `expression` node. Mistakes are reported and give `None`.
-pub fn evaluate(node: Node, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<Typed> {
+/// What a calculation is made of: values, or what results measure.
+pub trait Calculation {
+    type Operand;
+
+    /// What stands between two operators. Mistakes are reported and give `None`, here and below.
+    fn operand(&mut self, node: Node) -> Option<Self::Operand>;
+
+    fn negate(&mut self, operand: Self::Operand) -> Option<Self::Operand>;
+
+    fn join(
+        &mut self,
+        left: Self::Operand,
+        operator: BinaryOperator,
+        right: Self::Operand,
+    ) -> Option<Self::Operand>;
+}
+
+/// The result of a node's operands, operators and negations, multiplication before addition.
+pub fn calculate<C: Calculation>(node: Node, calculation: &mut C) -> Option<C::Operand> {
+    fn joined<C: Calculation>(
+        calculation: &mut C,
+        left: Option<C::Operand>,
+        operator: Option<BinaryOperator>,
+        right: C::Operand,
+    ) -> Option<C::Operand> {
+        match (left, operator) {
+            (Some(left), Some(operator)) => calculation.join(left, operator, right),
+            _ => Some(right),
+        }
+    }
     // Terms to be added up; multiplication binds its factors to the last of them at once.
-    let mut sum: Option<Typed> = None;
+    let mut sum: Option<C::Operand> = None;
     let mut pending_sum: Option<BinaryOperator> = None;
-    let mut product: Option<Typed> = None;
+    let mut product: Option<C::Operand> = None;
     let mut pending_product: Option<BinaryOperator> = None;
     let mut negative = false;
     for part in node.children() {
@@ -127,28 +155,53 @@ pub fn evaluate(node: Node, scope: &Scope, report: &mut Vec<Diagnostic>) -> Opti
                 "*" => pending_product = Some(BinaryOperator::Multiply),
                 "/" => pending_product = Some(BinaryOperator::Divide),
                 sign => {
-                    sum = join(sum, pending_sum.take(), product.take()?, report);
-                    sum.as_ref()?;
+                    sum = Some(joined(calculation, sum, pending_sum.take(), product.take()?)?);
                     pending_sum =
                         Some(if sign == "+" { BinaryOperator::Add } else { BinaryOperator::Subtract });
                 }
             },
             _ => {
-                let mut operand = operand(part, scope, report)?;
+                let mut operand = calculation.operand(part)?;
                 if std::mem::take(&mut negative) {
-                    operand = negate(operand, report)?;
+                    operand = calculation.negate(operand)?;
                 }
-                product = join(product.take(), pending_product.take(), operand, report);
-                product.as_ref()?;
+                product = Some(joined(calculation, product.take(), pending_product.take(), operand)?);
             }
         }
     }
-    let mut result = join(sum, pending_sum, product?, report)?;
+    joined(calculation, sum, pending_sum, product?)
+}
+
+/// The value of an `expression` node. Mistakes are reported and give `None`.
+pub fn evaluate(node: Node, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<Typed> {
+    let mut result = calculate(node, &mut Values { scope, report })?;
     result.span = node.span();
     Some(result)
 }
 
-fn operand(node: Node, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<Typed> {
+struct Values<'a> {
+    scope: &'a Scope<'a>,
+    report: &'a mut Vec<Diagnostic>,
+}
+
+impl Calculation for Values<'_> {
+    type Operand = Typed;
+
+    fn operand(&mut self, node: Node) -> Option<Typed> {
+        operand(node, self.scope, self.report)
+    }
+
+    fn negate(&mut self, operand: Typed) -> Option<Typed> {
+        negate(operand, self.report)
+    }
+
+    fn join(&mut self, left: Typed, operator: BinaryOperator, right: Typed) -> Option<Typed> {
+        join(left, operator, right, self.report)
+    }
+}
+
+/// A quantity, a truth value, a word, a name or a group.
+pub fn operand(node: Node, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<Typed> {
     match node.rule() {
         Rule::quantity => quantity(node, report),
         Rule::boolean => Some(Typed::constant(Value::Flag(node.text() == "true"), Kind::Flag, node.span())),
@@ -225,7 +278,7 @@ fn alias(symbol: &str) -> Option<&'static str> {
 
 fn negate(operand: Typed, report: &mut Vec<Diagnostic>) -> Option<Typed> {
     if !matches!(operand.kind, Kind::Number(_)) {
-        return not_a_number(&operand, report);
+        return not_a_number((operand.kind, operand.span), report);
     }
     let expression = match operand.expression {
         Expression::Constant(Value::Number(number)) => Expression::number(-number),
@@ -234,30 +287,25 @@ fn negate(operand: Typed, report: &mut Vec<Diagnostic>) -> Option<Typed> {
     Some(Typed { expression, size: operand.size + 1, ..operand })
 }
 
-fn not_a_number<T>(operand: &Typed, report: &mut Vec<Diagnostic>) -> Option<T> {
+pub fn not_a_number<T>((kind, span): (Kind, Span), report: &mut Vec<Diagnostic>) -> Option<T> {
     report.push(
-        Diagnostic::new(
-            Code::WrongType,
-            operand.span,
-            format!("cannot calculate with {}", operand.kind.name()),
-        )
-        .label("not a number")
-        .hint("only quantities can be calculated with"),
+        Diagnostic::new(Code::WrongType, span, format!("cannot calculate with {}", kind.name()))
+            .label("not a number")
+            .hint("only quantities can be calculated with"),
     );
     None
 }
 
-/// `left operator right`, or `right` when there is nothing on the left yet.
-fn join(
-    left: Option<Typed>,
-    operator: Option<BinaryOperator>,
-    right: Typed,
+/// The dimension of `left operator right`.
+pub fn dimension(
+    left: (Kind, Span),
+    operator: BinaryOperator,
+    right: (Kind, Span),
     report: &mut Vec<Diagnostic>,
-) -> Option<Typed> {
-    let (Some(left), Some(operator)) = (left, operator) else { return Some(right) };
-    let span = left.span.to(right.span);
-    let Kind::Number(left_dimension) = left.kind else { return not_a_number(&left, report) };
-    let Kind::Number(right_dimension) = right.kind else { return not_a_number(&right, report) };
+) -> Option<Dimension> {
+    let span = left.1.to(right.1);
+    let Kind::Number(left_dimension) = left.0 else { return not_a_number(left, report) };
+    let Kind::Number(right_dimension) = right.0 else { return not_a_number(right, report) };
     let dimension = match operator {
         BinaryOperator::Multiply => left_dimension.times(right_dimension),
         BinaryOperator::Divide => left_dimension.over(right_dimension),
@@ -269,24 +317,36 @@ fn join(
                 Diagnostic::new(
                     Code::MixedDimensions,
                     span,
-                    format!("{} and {} cannot be added or subtracted", left.kind.name(), right.kind.name()),
+                    format!("{} and {} cannot be added or subtracted", left.0.name(), right.0.name()),
                 )
                 .label("of different kinds")
-                .context(left.span, left.kind.name())
-                .context(right.span, right.kind.name())
+                .context(left.1, left.0.name())
+                .context(right.1, right.0.name())
                 .hint("give both the same kind of unit"),
             );
             return None;
         }
     };
-    let Some(dimension) = dimension else {
+    if dimension.is_none() {
         report.push(
             Diagnostic::new(Code::NotFinite, span, "the dimension of this calculation is out of all bounds")
                 .label("too high a power")
                 .hint("no quantity in traffic has such a dimension"),
         );
-        return None;
-    };
+    }
+    dimension
+}
+
+pub fn not_finite(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::NotFinite, span, "the result of this calculation is not a number")
+        .label("divides by zero or grows beyond all bounds")
+        .hint("check the numbers on both sides")
+}
+
+/// `left operator right`
+fn join(left: Typed, operator: BinaryOperator, right: Typed, report: &mut Vec<Diagnostic>) -> Option<Typed> {
+    let span = left.span.to(right.span);
+    let dimension = dimension((left.kind, left.span), operator, (right.kind, right.span), report)?;
     let size = left.size + right.size + 1;
     let constant = matches!(
         (&left.expression, &right.expression),
@@ -312,11 +372,7 @@ fn join(
         match expression.evaluate(&Default::default()) {
             Ok(value) => expression = Expression::Constant(value),
             Err(_) => {
-                report.push(
-                    Diagnostic::new(Code::NotFinite, span, "the result of this calculation is not a number")
-                        .label("divides by zero or grows beyond all bounds")
-                        .hint("check the numbers on both sides"),
-                );
+                report.push(not_finite(span));
                 return None;
             }
         }

@@ -491,7 +491,8 @@ pub fn relation(node: Node) -> Relation {
     }
 }
 
-fn when_condition(
+/// A condition on a variation; `None` also where a suite's criterion is not about this scenario.
+pub fn when_condition(
     node: Node,
     from: From,
     scope: &Scope,
@@ -524,7 +525,7 @@ fn when_condition(
     let kind = binding.value.as_ref()?.kind;
     let relation_node = node.child(Rule::relation)?;
     let relation = relation(relation_node);
-    let bound_node = node.child(Rule::expression)?;
+    let bound_node = node.child(Rule::expression).or_else(|| node.child(Rule::lone_operand))?;
     let what = format!("`{}`", name.text());
     let bound = match (kind, lone_word(bound_node)) {
         (Kind::Word, Some(word)) if scope.find(word).is_none() => {

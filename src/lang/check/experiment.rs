@@ -6,81 +6,22 @@ use super::Places;
 use super::block::{Layer, Said, missing, reject_repeats};
 use super::criterion::{self, Cast};
 use super::pedestrian::individuals;
-use super::scenario::surroundings;
+use super::subject::{Subject, Subjects, case_set, declaration};
 use crate::lang::codes::Code;
 use crate::lang::diagnostic::Diagnostic;
-use crate::lang::files::Definition;
 use crate::lang::print;
 use crate::lang::settings::{self, lone_word, repeated};
 use crate::lang::source::Span;
 use crate::lang::tree::{Node, Rule};
-use crate::lang::value::{self, Binding, Kind, Scope, unquote};
+use crate::lang::value::{self, Kind, Scope};
 use crate::metrics::MetricKind;
+use crate::pedestrian;
 use crate::scenario::{
-    Aggregate, Budget, CaseSet, Comparison, Declaration, Dimension, Expression, Goal, InitialDesign, Method,
-    Model, Objective, ParameterKind, Part, Range, RangeValues, Relation, SampleSize, Scenario, Search,
-    Target, Tune, Value,
+    Aggregate, Budget, Comparison, Declaration, Dimension, Expression, Goal, InitialDesign, Method,
+    Objective, ParameterKind, Part, Range, RangeValues, Relation, Search, Target, Tune, Value,
 };
-use crate::{pedestrian, vehicle};
 
 const MOST_EVALUATIONS: u32 = 1_000_000;
-
-/// What searches and tunes of a suite can be about.
-pub struct Subjects<'a> {
-    pub definitions: &'a [Definition],
-    pub scenarios: &'a [Scenario],
-    /// The scenario of every search of the suite.
-    pub searches: &'a HashMap<String, String>,
-}
-
-/// A scenario with what its file says about names.
-struct Subject<'a> {
-    scenario: &'a Scenario,
-    varied: HashMap<String, Binding>,
-}
-
-impl<'a> Subjects<'a> {
-    /// The scenario of that name, which must have no errors of its own.
-    fn find(
-        &self,
-        name: Node,
-        text: &str,
-        places: &Places,
-        report: &mut Vec<Diagnostic>,
-    ) -> Option<Subject<'a>> {
-        let defined = self.definitions.iter().find(|definition| {
-            places.files.node(**definition).child(Rule::name).is_some_and(|known| known.text() == text)
-        });
-        let Some(definition) = defined else {
-            let known = self
-                .definitions
-                .iter()
-                .filter_map(|definition| places.files.node(*definition).child(Rule::name).map(Node::text))
-                .chain(self.searches.keys().map(String::as_str).filter(|_| name.rule() == Rule::tune_on));
-            report.push(
-                Diagnostic::new(
-                    Code::UnknownScenario,
-                    name.span(),
-                    format!("there is no scenario `{text}` here"),
-                )
-                .label("not in this suite")
-                .suggest(text, known),
-            );
-            return None;
-        };
-        let scenario = self.scenarios.iter().find(|scenario| scenario.name == text)?;
-        Some(Subject { scenario, varied: surroundings(*definition, places)? })
-    }
-}
-
-impl Subject<'_> {
-    fn cast(&self) -> Cast<'_> {
-        Cast {
-            vehicles: self.scenario.vehicles.iter().map(|vehicle| vehicle.name.as_str()).collect(),
-            pedestrians: self.scenario.pedestrians.iter().map(|person| person.name.as_str()).collect(),
-        }
-    }
-}
 
 /// The search at `node`.
 pub fn search(
@@ -99,7 +40,7 @@ pub fn search(
         missing(&layers, name.span(), &what, "scenario", "in SCENARIO", report);
         return None;
     };
-    let subject = subjects.find(wanted, wanted.text(), places, report)?;
+    let subject = subjects.scenario(wanted, wanted.text(), &[], places, report)?;
     let cast = subject.cast();
     let people = block
         .children()
@@ -153,7 +94,7 @@ pub fn tune(
     reject_repeats(block, &[Rule::over, Rule::objective, Rule::constraints], report);
     let layers = [Layer { block, scope }];
     let what = format!("tune `{}`", name.text());
-    let Some(on) = block.child(Rule::tune_on) else {
+    let Some(on) = block.child(Rule::on_cases) else {
         missing(&layers, name.span(), &what, "cases", "on SCENARIO", report);
         return None;
     };
@@ -176,6 +117,7 @@ pub fn tune(
         .map(|node| constant_comparison(node, &cast, scope, report))
         .collect();
     let over = ranges(block, name, &what, &subject, scope, places, report);
+    let over = over.filter(|_| only_parameters(block, report));
     let budget = budget(block, name, &what, scope, report);
     Some(Tune {
         name: name.text().to_string(),
@@ -191,51 +133,23 @@ pub fn tune(
     })
 }
 
-fn case_set<'a>(
-    node: Node,
-    subjects: &Subjects<'a>,
-    places: &Places,
-    report: &mut Vec<Diagnostic>,
-) -> Option<(CaseSet, Subject<'a>)> {
-    if let Some(path) = node.child(Rule::string) {
-        let saved = places.beside(path.span(), &unquote(path.text()));
-        let Some(scenario) = saved_scenario(&saved) else {
-            report.push(
-                Diagnostic::new(
-                    Code::UnreadableFile,
-                    path.span(),
-                    format!("`{saved}` is no readable set of cases"),
-                )
-                .label("named here")
-                .hint("a search writes such a file; paths are relative to the file they stand in"),
-            );
-            return None;
-        };
-        return Some((CaseSet::Saved(saved), subjects.find(node, &scenario, places, report)?));
+/// Cases have values of their own for what is varied, so that a tune over it would try the same thing again and again.
+fn only_parameters(block: Node, report: &mut Vec<Diagnostic>) -> bool {
+    let ranges = block.all(Rule::over).flat_map(|over| over.all(Rule::over_range));
+    let targets = ranges.filter_map(|range| range.child(Rule::target));
+    let varied: Vec<Node> = targets.filter(|target| !target.has(Rule::setting_name)).collect();
+    for target in &varied {
+        report.push(
+            Diagnostic::new(
+                Code::BadTarget,
+                target.span(),
+                format!("`{}` is varied, and a tune chooses parameters", target.text()),
+            )
+            .label("not a parameter")
+            .hint("name one, such as `av.controller.braking_distance`; a search finds values of variations"),
+        );
     }
-    let name = node.child(Rule::name)?;
-    if let Some(count) = node.child(Rule::integer) {
-        let count = super::count(count, 1, 1_000_000, "the number of cases", report);
-        let subject = subjects.find(name, name.text(), places, report)?;
-        return Some((
-            CaseSet::Sample { scenario: name.text().to_string(), count: SampleSize::Number(count?) },
-            subject,
-        ));
-    }
-    if let Some(scenario) = subjects.searches.get(name.text()) {
-        return Some((
-            CaseSet::Search(name.text().to_string()),
-            subjects.find(name, scenario, places, report)?,
-        ));
-    }
-    let subject = subjects.find(name, name.text(), places, report)?;
-    Some((CaseSet::Scenario(name.text().to_string()), subject))
-}
-
-/// The scenario that the first case of a saved set is of.
-fn saved_scenario(path: &str) -> Option<String> {
-    let set: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(path).ok()?).ok()?;
-    Some(set["cases"][0]["scenario"].as_str()?.to_string())
+    varied.is_empty()
 }
 
 fn able_model(subject: &Subject) -> Option<&'static pedestrian::PedestrianModel> {
@@ -264,47 +178,65 @@ fn objective(node: Node, cast: &Cast, scope: &Scope, report: &mut Vec<Diagnostic
         true => (Goal::Minimise, "minimise"),
         false => (Goal::Maximise, "maximise"),
     };
-    let (aggregate, text) = match node.child(Rule::metric) {
-        None => {
-            let (aggregate, ..) = criterion::aggregate(node, cast, scope, report)?;
-            let of = node
-                .children()
-                .find(|child| matches!(child.rule(), Rule::rate | Rule::quantile | Rule::statistic));
-            (aggregate, of.map_or(String::new(), criterion::aggregate_text))
-        }
-        Some(metric) => {
-            let (reference, found) = criterion::metric_reference(metric, cast, scope, report)?;
-            let text = criterion::metric_text(metric);
-            match found.kind {
-                MetricKind::Quantity(_) => (Aggregate::Mean(reference), format!("mean({text})")),
-                MetricKind::Flag => {
-                    let comparison = Comparison {
-                        metric: reference,
-                        relation: Relation::Equal,
-                        bound: Expression::number(1.0),
-                        when_undefined: Default::default(),
-                    };
-                    (Aggregate::Rate(comparison), format!("rate({text})"))
-                }
-                MetricKind::Category(_) => {
-                    report.push(
-                        Diagnostic::new(
-                            Code::BadObjective,
-                            metric.span(),
-                            format!(
-                                "`{text}` is {}, which cannot be small or large",
-                                criterion::kind_name(found)
-                            ),
-                        )
-                        .label("not a quantity")
-                        .hint(format!("take a rate: `{word} rate({text} = …)`")),
-                    );
-                    return None;
-                }
-            }
-        }
-    };
+    let SummedUp { aggregate, text, .. } = summed_up(node, word, cast, scope, report)?;
     Some(Objective { direction, aggregate, text: format!("{word} {text}") })
+}
+
+/// An aggregate with what it can be compared to.
+pub struct SummedUp {
+    pub aggregate: Aggregate,
+    pub dimension: Dimension,
+    pub range: (f64, f64),
+    /// In canonical words, such as `mean(pet)`.
+    pub text: String,
+}
+
+/// The aggregate below a node that begins with `word`; a metric alone means its mean or rate.
+pub fn summed_up(
+    node: Node,
+    word: &str,
+    cast: &Cast,
+    scope: &Scope,
+    report: &mut Vec<Diagnostic>,
+) -> Option<SummedUp> {
+    let Some(metric) = node.child(Rule::metric) else {
+        let (aggregate, dimension, range) = criterion::aggregate(node, cast, scope, report)?;
+        let of = node
+            .children()
+            .find(|child| matches!(child.rule(), Rule::rate | Rule::quantile | Rule::statistic));
+        let text = of.map_or(String::new(), criterion::aggregate_text);
+        return Some(SummedUp { aggregate, dimension, range, text });
+    };
+    let (reference, found) = criterion::metric_reference(metric, cast, scope, report)?;
+    let text = criterion::metric_text(metric);
+    match found.kind {
+        MetricKind::Quantity(dimension) => {
+            let (aggregate, text) = (Aggregate::Mean(reference), format!("mean({text})"));
+            Some(SummedUp { aggregate, dimension, range: (f64::NEG_INFINITY, f64::INFINITY), text })
+        }
+        MetricKind::Flag => {
+            let comparison = Comparison {
+                metric: reference,
+                relation: Relation::Equal,
+                bound: Expression::number(1.0),
+                when_undefined: Default::default(),
+            };
+            let (aggregate, text) = (Aggregate::Rate(comparison), format!("rate({text})"));
+            Some(SummedUp { aggregate, dimension: Dimension::NUMBER, range: (0.0, 1.0), text })
+        }
+        MetricKind::Category(_) => {
+            report.push(
+                Diagnostic::new(
+                    Code::BadObjective,
+                    metric.span(),
+                    format!("`{text}` is {}, which cannot be small or large", criterion::kind_name(found)),
+                )
+                .label("not a quantity")
+                .hint(format!("take a rate: `{word} rate({text} = …)`")),
+            );
+            None
+        }
+    }
 }
 
 fn budget(
@@ -389,7 +321,7 @@ fn ranges(
 }
 
 /// What a target takes: anything of a kind, or what a parameter declares.
-enum Takes {
+pub enum Takes {
     Kind(Kind),
     Parameter(Declaration, &'static str),
 }
@@ -515,7 +447,7 @@ fn words(
     Some(words)
 }
 
-fn target(node: Node, subject: &Subject, report: &mut Vec<Diagnostic>) -> Option<(Target, Takes)> {
+pub fn target(node: Node, subject: &Subject, report: &mut Vec<Diagnostic>) -> Option<(Target, Takes)> {
     let name = node.child(Rule::name)?;
     let scenario = subject.scenario;
     let Some(parameter) = node.child(Rule::setting_name) else {
@@ -576,24 +508,4 @@ fn target(node: Node, subject: &Subject, report: &mut Vec<Diagnostic>) -> Option
     let target =
         Target::Setting { road_user: name.text().to_string(), part, parameter: parameter.text().to_string() };
     Some((target, Takes::Parameter(declaration, found)))
-}
-
-/// What the part of a road user declares.
-fn declaration(scenario: &Scenario, user: &str, part: Part) -> Option<Declaration> {
-    let car = scenario.vehicles.iter().find(|vehicle| vehicle.name == user);
-    let controller = |car: &crate::scenario::Vehicle| vehicle::controller(&car.controller.name);
-    match part {
-        Part::Controller => controller(car?).map(|found| found.declaration),
-        Part::Dynamics => {
-            let car = car?;
-            let declared: Option<&Model> = car.dynamics.as_ref();
-            let name = declared.map_or(controller(car)?.default_dynamics, |model| model.name.as_str());
-            vehicle::dynamics(name).map(|found| found.declaration)
-        }
-        Part::Sees => car.map(|_| vehicle::PERCEPTION),
-        Part::Model => {
-            let person = scenario.pedestrians.iter().find(|person| person.name == user)?;
-            pedestrian::model(&person.model.name).map(|found| found.declaration)
-        }
-    }
 }

@@ -1,12 +1,16 @@
 //! From syntax to checked scenarios.
 
 mod block;
+mod claim;
 mod criterion;
+mod evaluate;
 mod experiment;
 mod gate;
 mod pedestrian;
 mod road;
 mod scenario;
+mod statement;
+mod subject;
 mod variation;
 mod vehicle;
 
@@ -20,11 +24,14 @@ use super::tree::{Node, Rule};
 use crate::scenario::Origin;
 
 pub use criterion::{Cast, relation};
-pub use experiment::{Subjects, search, tune};
+pub use evaluate::evaluate;
+pub use experiment::{search, tune};
 pub use gate::gate;
 pub use pedestrian::DEFAULT_GOAL;
 pub use road::{OBSTACLE, SIGNALISED, UNMARKED, ZEBRA};
 pub use scenario::{Defaults, SuiteCriteria, defined_road, scenario};
+pub use statement::statement;
+pub use subject::{Checked, Subjects};
 
 /// Where things were said.
 #[derive(Clone, Copy)]
@@ -83,8 +90,18 @@ pub fn whole(node: Node, report: &mut Vec<Diagnostic>) -> Option<u64> {
 
 /// The doc string of a block.
 pub fn doc(block: Node) -> Option<String> {
-    let doc = block.child(Rule::doc)?.child(Rule::string)?;
-    Some(super::value::unquote(doc.text()))
+    text(block, Rule::doc)
+}
+
+/// Where a block says that its numbers come from.
+pub fn source(block: Node) -> Option<String> {
+    text(block, Rule::source)
+}
+
+/// The text of a block's statement of that kind.
+pub fn text(block: Node, rule: Rule) -> Option<String> {
+    let string = block.child(rule)?.child(Rule::string)?;
+    Some(super::value::unquote(string.text()))
 }
 
 /// The tags of a block, in order.
@@ -94,7 +111,16 @@ pub fn tags(block: Node) -> Vec<String> {
 
 /// Reports what a suite says twice.
 pub fn reject_suite_repeats(block: Node, report: &mut Vec<Diagnostic>) {
-    const REPEATABLE: &[Rule] =
-        &[Rule::suite_files, Rule::tags, Rule::expect, Rule::scenario, Rule::search, Rule::tune, Rule::gate];
+    const REPEATABLE: &[Rule] = &[
+        Rule::suite_files,
+        Rule::tags,
+        Rule::expect,
+        Rule::scenario,
+        Rule::search,
+        Rule::tune,
+        Rule::evaluate,
+        Rule::statement,
+        Rule::gate,
+    ];
     block::reject_repeats(block, REPEATABLE, report);
 }

@@ -9,7 +9,7 @@ use crate::lang::tree::Rule;
 use crate::scenario::{Declaration, Parameter, ParameterKind};
 use crate::{pedestrian, vehicle};
 
-const BLOCKS: [Rule; 9] = [
+const BLOCKS: [Rule; 11] = [
     Rule::file,
     Rule::road_block,
     Rule::scenario_block,
@@ -19,6 +19,8 @@ const BLOCKS: [Rule; 9] = [
     Rule::gate_block,
     Rule::search_block,
     Rule::tune_block,
+    Rule::evaluate_block,
+    Rule::statement_block,
 ];
 
 /// A schema of draft 2020-12 for scenario files and suites in YAML.
@@ -81,7 +83,7 @@ fn mapping_of(value: &Value) -> Value {
 
 fn value(key: &Key) -> Value {
     match key.shape {
-        Shape::Words(_) | Shape::Commas(_) => one_or_several(&words()),
+        Shape::Words(_) | Shape::Lines(_) | Shape::Commas(_) => one_or_several(&words()),
         Shape::Text(_) => one_or_several(&json!({ "type": "string" })),
         Shape::Named(_, rule) => mapping_of(&json!({ "anyOf": [reference(rule), { "type": "null" }] })),
         Shape::NameOrBlock(_, rule) => json!({ "anyOf": [{ "type": "string" }, reference(rule)] }),
@@ -104,6 +106,24 @@ fn value(key: &Key) -> Value {
                 },
             ],
         }),
+        Shape::Conditions => one_or_several(&json!({
+            "anyOf": [
+                { "type": "string" },
+                {
+                    "type": "object",
+                    "properties": {
+                        "file": { "type": "string" },
+                        "set": mapping_of(&words()),
+                        "as": { "type": "string" },
+                    },
+                    "required": ["as"],
+                    "minProperties": 2,
+                    "maxProperties": 2,
+                    "additionalProperties": false,
+                },
+            ],
+        })),
+        Shape::Rows(_) => mapping_of(&one_or_several(&words())),
         Shape::Head if key.rule == Rule::parameters => {
             mapping_of(&json!({ "type": ["string", "number", "boolean", "null"] }))
         }

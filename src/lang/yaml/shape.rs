@@ -7,6 +7,8 @@ use crate::lang::tree::Rule;
 pub enum Shape {
     /// `KEYWORD words`; a list makes one statement an item.
     Words(&'static str),
+    /// As [`Self::Words`], but long ones: a list stands on lines of its own.
+    Lines(&'static str),
     /// `KEYWORD a, b, c`
     Commas(&'static str),
     /// `KEYWORD "text"`; a list makes one statement an item.
@@ -35,6 +37,10 @@ pub enum Shape {
     NotFlag(&'static str),
     /// Words for cases, or `{ file: PATH }`.
     Cases,
+    /// A list of `default`, names, `{ file: PATH, as: NAME }` and `{ set: { parameter: value }, as: NAME }`.
+    Conditions,
+    /// A mapping of names to lists: `reported name: a, b`
+    Rows(&'static str),
     /// Part of the head of a scenario.
     Head,
 }
@@ -59,6 +65,10 @@ const LET: Key = key("let", Shape::Bindings, Rule::binding);
 const SCENARIOS: Key = key("scenarios", Shape::Named("scenario", Rule::scenario_block), Rule::scenario);
 const SEARCHES: Key = key("searches", Shape::Named("search", Rule::search_block), Rule::search);
 const TUNES: Key = key("tunes", Shape::Named("tune", Rule::tune_block), Rule::tune);
+const EVALUATES: Key = key("evaluates", Shape::Named("evaluate", Rule::evaluate_block), Rule::evaluate);
+const STATEMENTS: Key = key("statements", Shape::Named("statement", Rule::statement_block), Rule::statement);
+const ON: Key = key("on", Shape::Cases, Rule::on_cases);
+const SOURCE: Key = key("source", Shape::Text("source"), Rule::source);
 const INDIVIDUALS: Key = key("individuals", Shape::Words("individuals"), Rule::individuals);
 const INDIVIDUAL: Key = key("individual", Shape::Words("individual"), Rule::individual);
 const SIZE: Key = key("size", Shape::Words("size"), Rule::size);
@@ -81,6 +91,8 @@ pub fn keys(block: Rule) -> &'static [Key] {
                     SCENARIOS,
                     SEARCHES,
                     TUNES,
+                    EVALUATES,
+                    STATEMENTS,
                     key("suite", Shape::Named("suite", Rule::suite_block), Rule::suite),
                 ]
             }
@@ -161,6 +173,8 @@ pub fn keys(block: Rule) -> &'static [Key] {
                     SCENARIOS,
                     SEARCHES,
                     TUNES,
+                    EVALUATES,
+                    STATEMENTS,
                     key("gates", Shape::Named("gate", Rule::gate_block), Rule::gate),
                 ]
             }
@@ -195,7 +209,7 @@ pub fn keys(block: Rule) -> &'static [Key] {
             const {
                 &[
                     DOC,
-                    key("on", Shape::Cases, Rule::tune_on),
+                    ON,
                     OVER,
                     MINIMISE,
                     MAXIMISE,
@@ -203,6 +217,31 @@ pub fn keys(block: Rule) -> &'static [Key] {
                     BUDGET,
                     key("stop_early", Shape::Flag("stop early"), Rule::stop_early),
                     key("compare_with_default", Shape::Flag("compare with default"), Rule::compare),
+                ]
+            }
+        }
+        Rule::evaluate_block => {
+            const {
+                &[
+                    DOC,
+                    ON,
+                    key("with", Shape::Conditions, Rule::conditions),
+                    key("repeat", Shape::Words("repeat"), Rule::fresh_seeds),
+                    key("measure", Shape::Commas("measure"), Rule::measures),
+                    SOURCE,
+                    key("reported", Shape::Rows("reported"), Rule::reported_row),
+                ]
+            }
+        }
+        Rule::statement_block => {
+            const {
+                &[
+                    DOC,
+                    SOURCE,
+                    key("reported", Shape::Text("reported"), Rule::reported),
+                    key("claims", Shape::Lines("claim"), Rule::claim),
+                    key("differs", Shape::Text("differs"), Rule::differs),
+                    key("not_comparable", Shape::Text("not comparable"), Rule::not_comparable),
                 ]
             }
         }

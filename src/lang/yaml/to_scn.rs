@@ -178,7 +178,7 @@ impl Writer<'_> {
 
     fn statement(&mut self, name: &Yaml, value: &Yaml, key: &Key) {
         match key.shape {
-            Shape::Words(keyword) => {
+            Shape::Words(keyword) | Shape::Lines(keyword) => {
                 for item in Self::each(value) {
                     self.said(name, keyword, |writer| writer.words(item));
                 }
@@ -280,7 +280,51 @@ impl Writer<'_> {
                 },
                 _ => writer.words(value),
             }),
+            Shape::Conditions => self.said(name, "with", |writer| {
+                for (index, item) in Self::each(value).iter().enumerate() {
+                    if index > 0 {
+                        writer.text.push_str(", ");
+                    }
+                    writer.condition(item);
+                }
+            }),
+            Shape::Rows(keyword) => {
+                for (condition, values) in self.fields(value, &format!("`{}`", key.name)) {
+                    self.said(name, keyword, |writer| {
+                        writer.name(condition);
+                        writer.text.push_str(": ");
+                        writer.separated(values);
+                    });
+                }
+            }
             Shape::Head => {}
+        }
+    }
+
+    /// `name`, `name as other`, `{ file: PATH, as: NAME }` or `{ set: { parameter: value }, as: NAME }`
+    fn condition(&mut self, value: &Yaml) {
+        let Content::Mapping(fields) = &value.value else { return self.words(value) };
+        let field = |wanted: &str| fields.iter().find(|(key, _)| key.scalar() == Some(wanted));
+        match (field("file"), field("set"), fields.len()) {
+            (Some((_, path)), None, 1 | 2) => self.quoted(path),
+            (None, Some((_, set)), 1 | 2) => self.settings(set),
+            _ => {
+                return self.wrong(
+                    value,
+                    "a condition is a name, a file or a set of parameters",
+                    "write `{ set: { av.controller.braking_distance: 10 m }, as: ten }`",
+                );
+            }
+        }
+        match field("as") {
+            Some((_, alias)) => {
+                self.text.push_str(" as ");
+                self.name(alias);
+            }
+            None if fields.len() == 2 => {
+                self.wrong(value, "a condition has no other key than `as`", "write `as: NAME`");
+            }
+            None => {}
         }
     }
 

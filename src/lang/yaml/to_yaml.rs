@@ -94,6 +94,12 @@ fn write(key: &Key, statements: &[Node], depth: usize, out: &mut String) {
                 line(depth, &format!("{}: {}", key.name, flow_list(items)), out);
             }
         },
+        Shape::Lines(keyword) => {
+            line(depth, &format!("{}:", key.name), out);
+            for node in statements {
+                line(depth + 1, &format!("- {}", scalar(&rest(*node, keyword))), out);
+            }
+        }
         Shape::Text(_) => {
             let texts: Vec<String> = statements
                 .iter()
@@ -108,7 +114,8 @@ fn write(key: &Key, statements: &[Node], depth: usize, out: &mut String) {
             }
         }
         Shape::Commas(_) => {
-            const PARTS: [Rule; 4] = [Rule::tag, Rule::direction, Rule::constraint, Rule::expression];
+            const PARTS: [Rule; 5] =
+                [Rule::tag, Rule::direction, Rule::constraint, Rule::expression, Rule::measure];
             let parts = statements
                 .iter()
                 .flat_map(|node| node.children())
@@ -213,8 +220,39 @@ fn write(key: &Key, statements: &[Node], depth: usize, out: &mut String) {
             }
             None => line(depth, &format!("{}: {}", key.name, scalar(&rest(first, "on"))), out),
         },
+        Shape::Conditions => {
+            let conditions = statements.iter().flat_map(|node| node.all(Rule::evaluated)).map(condition);
+            line(depth, &format!("{}: [{}]", key.name, conditions.collect::<Vec<_>>().join(", ")), out);
+        }
+        Shape::Rows(_) => {
+            line(depth, &format!("{}:", key.name), out);
+            for row in statements {
+                let values = flow_list(row.all(Rule::expression).map(phrase));
+                line(depth + 1, &format!("{}: {values}", name(*row)), out);
+            }
+        }
         Shape::Head => {}
     }
+}
+
+/// `"braking as tuned"`, `{ file: "tuned.json", as: saved }` or `{ set: { av.controller.gap: "5 m" }, as: near }`
+fn condition(node: Node) -> String {
+    let alias = node.child(Rule::alias).map(|alias| format!(", as: {}", name(alias))).unwrap_or_default();
+    if let Some(path) = node.child(Rule::string) {
+        return format!("{{ file: {}{alias} }}", serde_json::Value::from(unquote(path.text())));
+    }
+    let Some(set) = node.child(Rule::parameter_set) else {
+        return serde_json::Value::from(phrase(node)).to_string();
+    };
+    let pairs: Vec<_> = set
+        .all(Rule::given)
+        .filter_map(|given| {
+            let value = serde_json::Value::from(phrase(given.child(Rule::expression)?));
+            Some(format!("{}: {value}", phrase(given.child(Rule::target)?)))
+        })
+        .collect();
+    let set = if pairs.is_empty() { "{}".to_string() } else { format!("{{ {} }}", pairs.join(", ")) };
+    format!("{{ set: {set}{alias} }}")
 }
 
 fn head(node: Node, depth: usize, out: &mut String) {

@@ -1,0 +1,295 @@
+//! `evaluate NAME { … }`
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use super::Places;
+use super::block::{Layer, missing, reject_repeats};
+use super::experiment::{SummedUp, Takes, summed_up, target};
+use super::subject::{Subject, Subjects, case_set};
+use crate::lang::codes::Code;
+use crate::lang::diagnostic::Diagnostic;
+use crate::lang::settings::{self, repeated};
+use crate::lang::source::Span;
+use crate::lang::tree::{Node, Rule};
+use crate::lang::value::{self, Scope, unquote};
+use crate::scenario::{Condition, Evaluate, Expression, Measure, ParameterSet, Target, Value};
+
+/// What a condition is called that changes nothing.
+const DEFAULT: &str = "default";
+
+/// The evaluate at `node`.
+pub fn evaluate(
+    node: Node,
+    subjects: &Subjects,
+    scope: &Scope,
+    places: &Places,
+    report: &mut Vec<Diagnostic>,
+) -> Option<Evaluate> {
+    let name = node.child(Rule::name)?;
+    let block = node.child(Rule::evaluate_block)?;
+    reject_repeats(block, &[Rule::reported_row], report);
+    let layers = [Layer { block, scope }];
+    let what = format!("evaluate `{}`", name.text());
+    let Some(on) = block.child(Rule::on_cases) else {
+        missing(&layers, name.span(), &what, "cases", "on SCENARIO", report);
+        return None;
+    };
+    let (on, subject) = case_set(on, subjects, places, report)?;
+    let nodes: Vec<Node> = block.all(Rule::conditions).flat_map(|node| node.all(Rule::evaluated)).collect();
+    if nodes.is_empty() {
+        missing(&layers, name.span(), &what, "conditions", "with default, TUNE", report);
+    }
+    let mut names: HashMap<String, Span> = HashMap::new();
+    let conditions: Vec<_> = nodes
+        .into_iter()
+        .map(|node| {
+            let condition = condition(node, subjects, &subject, scope, places, report)?;
+            let named = node.child(Rule::alias).unwrap_or(node).span();
+            if let Some(first) = names.insert(condition.name.clone(), named) {
+                report.push(
+                    Diagnostic::new(
+                        Code::BadCondition,
+                        named,
+                        format!("two conditions are called `{}`", condition.name),
+                    )
+                    .label("the second one")
+                    .context(first, "the first one")
+                    .hint("give one of them another name: `… as NAME`"),
+                );
+                return None;
+            }
+            Some(condition)
+        })
+        .collect();
+    let fresh = match block.child(Rule::fresh_seeds).and_then(|node| node.child(Rule::integer)) {
+        Some(count) => super::count(count, 1, 100_000, "the number of fresh seeds", report),
+        None => Some(0),
+    };
+    let cast = subject.cast();
+    let measures: Vec<_> = block
+        .all(Rule::measures)
+        .flat_map(|node| node.all(Rule::measure))
+        .map(|node| summed_up(node, "measure", &cast, scope, report))
+        .collect();
+    let conditions: Vec<Condition> = conditions.into_iter().collect::<Option<_>>()?;
+    let measures: Vec<_> = measures.into_iter().collect::<Option<_>>()?;
+    let reported = reported(block, &conditions, &measures, scope, report);
+    Some(Evaluate {
+        name: name.text().to_string(),
+        doc: super::doc(block),
+        on,
+        conditions: Some(conditions).filter(|conditions| !conditions.is_empty())?,
+        fresh: fresh?,
+        source: super::source(block),
+        reported: reported?,
+        measures: measures
+            .into_iter()
+            .map(|SummedUp { aggregate, text, dimension, .. }| Measure {
+                aggregate,
+                text,
+                unit: dimension.si_unit(),
+            })
+            .collect(),
+        origin: places.origin(name.span()),
+    })
+}
+
+fn condition(
+    node: Node,
+    subjects: &Subjects,
+    subject: &Subject,
+    scope: &Scope,
+    places: &Places,
+    report: &mut Vec<Diagnostic>,
+) -> Option<Condition> {
+    let alias = node.child(Rule::alias).and_then(|alias| alias.child(Rule::name));
+    let (parameters, own_name) = if let Some(name) = node.child(Rule::name) {
+        (by_name(name, subjects, subject, report)?, Some(name))
+    } else if let Some(path) = node.child(Rule::string) {
+        let saved = places.beside(path.span(), &unquote(path.text()));
+        if !Path::new(&saved).is_file() {
+            report.push(
+                Diagnostic::new(
+                    Code::UnreadableFile,
+                    path.span(),
+                    format!("there is no file `{saved}` with parameters"),
+                )
+                .label("named here")
+                .hint("a tune writes such a file; paths are relative to the file they stand in"),
+            );
+            return None;
+        }
+        (ParameterSet::Saved(saved), None)
+    } else {
+        (ParameterSet::Given(given(node.child(Rule::parameter_set)?, subject, scope, report)?), None)
+    };
+    let Some(name) = alias.or(own_name) else {
+        report.push(
+            Diagnostic::new(Code::BadCondition, node.span(), "this condition has no name")
+                .label("nothing to call it by")
+                .hint("give it one: `… as NAME`"),
+        );
+        return None;
+    };
+    Some(Condition { name: name.text().to_string(), parameters, origin: places.origin(node.span()) })
+}
+
+/// `default`, or what a tune chose.
+fn by_name(
+    name: Node,
+    subjects: &Subjects,
+    subject: &Subject,
+    report: &mut Vec<Diagnostic>,
+) -> Option<ParameterSet> {
+    if name.text() == DEFAULT {
+        return Some(ParameterSet::Declared);
+    }
+    if !subjects.tunes.has(name.text()) {
+        let diagnostic = Diagnostic::new(
+            Code::UnknownBlock,
+            name.span(),
+            format!("there is no tune `{}` here", name.text()),
+        );
+        report.push(if subjects.searches.has(name.text()) {
+            diagnostic
+                .label("a search, which finds cases and no parameters")
+                .hint(format!("take its cases: `on {}`", name.text()))
+        } else {
+            diagnostic
+                .label("not in this suite")
+                .suggest(name.text(), subjects.tunes.names().chain([DEFAULT]))
+        });
+        return None;
+    }
+    let tune = subjects.tunes.find(name.text())?;
+    if let Some(range) = tune.over.iter().find(|range| !subject.takes(&range.target)) {
+        report.push(
+            Diagnostic::new(
+                Code::BadCondition,
+                name.span(),
+                format!(
+                    "tune `{}` chooses `{}`, which scenario `{}` does not have",
+                    name.text(),
+                    range.target,
+                    subject.scenario.name
+                ),
+            )
+            .label("does not fit these cases")
+            .hint("compare parameter sets on cases of a scenario that has their parameters"),
+        );
+        return None;
+    }
+    Some(ParameterSet::Tuned(name.text().to_string()))
+}
+
+/// `{ av.controller.braking_distance: 10 m }`
+fn given(
+    node: Node,
+    subject: &Subject,
+    scope: &Scope,
+    report: &mut Vec<Diagnostic>,
+) -> Option<Vec<(Target, Value)>> {
+    let nodes: Vec<Node> = node.all(Rule::given).collect();
+    if nodes.is_empty() && !node.has(Rule::bad_setting) {
+        report.push(
+            Diagnostic::new(Code::BadCondition, node.span(), "this condition sets nothing")
+                .label("no parameters")
+                .hint("what the scenario declares is called `default`"),
+        );
+        return None;
+    }
+    let mut said: HashMap<&str, Span> = HashMap::new();
+    let values: Vec<_> = nodes
+        .into_iter()
+        .map(|node| {
+            let (place, wanted) = (node.child(Rule::target)?, node.child(Rule::expression)?);
+            if let Some(first) = said.insert(place.text(), place.span()) {
+                report.push(repeated(place.text(), place.span(), first));
+                return None;
+            }
+            let (target, takes) = target(place, subject, report)?;
+            let (Takes::Parameter(declaration, _), Some(parameter)) =
+                (takes, place.child(Rule::setting_name))
+            else {
+                report.push(
+                    Diagnostic::new(
+                        Code::BadTarget,
+                        place.span(),
+                        format!("`{target}` is varied, and a condition sets parameters"),
+                    )
+                    .label("not a parameter")
+                    .hint("the cases have their own values; choose other cases after `on`"),
+                );
+                return None;
+            };
+            match settings::one(parameter, wanted, &declaration, scope, report)? {
+                Expression::Constant(value) => Some((target, value)),
+                varying => value::not_constant(wanted.span(), &varying, "a condition", report),
+            }
+        })
+        .collect();
+    values.into_iter().collect()
+}
+
+/// The rows of a source, each with a value for every measure.
+fn reported(
+    block: Node,
+    conditions: &[Condition],
+    measures: &[SummedUp],
+    scope: &Scope,
+    report: &mut Vec<Diagnostic>,
+) -> Option<Vec<(String, Vec<f64>)>> {
+    let mut said: HashMap<&str, Span> = HashMap::new();
+    let rows: Vec<_> = block
+        .all(Rule::reported_row)
+        .map(|row| {
+            let name = row.child(Rule::name)?;
+            if !conditions.iter().any(|condition| condition.name == name.text()) {
+                report.push(
+                    Diagnostic::new(
+                        Code::UnknownCondition,
+                        name.span(),
+                        format!("there is no condition `{}`", name.text()),
+                    )
+                    .label("not after `with`")
+                    .suggest(name.text(), conditions.iter().map(|condition| condition.name.as_str())),
+                );
+                return None;
+            }
+            if let Some(first) = said.insert(name.text(), name.span()) {
+                report.push(repeated(name.text(), name.span(), first));
+                return None;
+            }
+            let values: Vec<Node> = row.all(Rule::expression).collect();
+            if values.len() != measures.len() {
+                let (count, wanted) = (values.len(), measures.len());
+                let values = if count == 1 { "1 value".to_string() } else { format!("{count} values") };
+                let diagnostic = Diagnostic::new(
+                    Code::BadReported,
+                    row.span(),
+                    format!("the row has {values}, but {wanted} are measured"),
+                )
+                .label(values);
+                report.push(match measures {
+                    [] => diagnostic.hint("say what they are, in their order: `measure mean(pet), …`"),
+                    _ => {
+                        let texts: Vec<_> = measures.iter().map(|measure| measure.text.as_str()).collect();
+                        diagnostic.hint(format!("give one for each of {}", texts.join(", ")))
+                    }
+                });
+                return None;
+            }
+            let values: Vec<_> = values
+                .into_iter()
+                .zip(measures)
+                .map(|(value, measure)| {
+                    let what = format!("the reported `{}`", measure.text);
+                    value::constant_in(value, measure.dimension, measure.range, &what, scope, report)
+                })
+                .collect();
+            Some((name.text().to_string(), values.into_iter().collect::<Option<_>>()?))
+        })
+        .collect();
+    rows.into_iter().collect()
+}

@@ -1,0 +1,291 @@
+//! What blocks are about: scenarios, what a search found in one, sets of cases.
+
+use std::collections::HashMap;
+
+use super::Places;
+use super::criterion::Cast;
+use super::scenario::surroundings;
+use crate::lang::codes::Code;
+use crate::lang::diagnostic::Diagnostic;
+use crate::lang::files::Definition;
+use crate::lang::tree::{Node, Rule};
+use crate::lang::value::{Binding, unquote};
+use crate::scenario::{
+    CaseSet, Declaration, Evaluate, Model, Part, Range, RangeValues, SampleSize, Scenario, Search, Target,
+    Tune, Value, VariedValue,
+};
+use crate::{pedestrian, vehicle};
+
+/// What the blocks of a suite can be about: its scenarios, and the blocks that are checked so far.
+pub struct Subjects<'a> {
+    pub definitions: &'a [Definition],
+    pub scenarios: &'a [Scenario],
+    pub searches: Checked<Search>,
+    pub tunes: Checked<Tune>,
+    pub evaluates: Checked<Evaluate>,
+}
+
+/// Blocks of one kind in the order they were checked; of one that is wrong, only the name is known.
+pub struct Checked<T> {
+    blocks: Vec<Option<T>>,
+    by_name: HashMap<String, usize>,
+}
+
+impl<T> Default for Checked<T> {
+    fn default() -> Self {
+        Self { blocks: Vec::new(), by_name: HashMap::new() }
+    }
+}
+
+impl<T> Checked<T> {
+    pub fn add(&mut self, name: &str, block: Option<T>) {
+        self.by_name.insert(name.to_string(), self.blocks.len());
+        self.blocks.push(block);
+    }
+
+    pub fn has(&self, name: &str) -> bool {
+        self.by_name.contains_key(name)
+    }
+
+    /// The block of that name; `None` also if it is wrong, which has been reported.
+    pub fn find(&self, name: &str) -> Option<&T> {
+        self.blocks[*self.by_name.get(name)?].as_ref()
+    }
+
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.by_name.keys().map(String::as_str)
+    }
+
+    /// The blocks without mistakes.
+    pub fn all(self) -> Vec<T> {
+        self.blocks.into_iter().flatten().collect()
+    }
+}
+
+/// A scenario with what its file says about names, as the runs in question vary it.
+pub struct Subject<'a> {
+    pub scenario: &'a Scenario,
+    pub varied: HashMap<String, Binding>,
+    /// The variations that a search found values for, with the numbers between which it looked.
+    pub searched: HashMap<String, (f64, f64)>,
+}
+
+impl<'a> Subjects<'a> {
+    /// The scenario called `text`, which must have no errors of its own; `also` may be named in its place.
+    pub fn scenario(
+        &self,
+        place: Node,
+        text: &str,
+        also: &[&str],
+        places: &Places,
+        report: &mut Vec<Diagnostic>,
+    ) -> Option<Subject<'a>> {
+        if !self.scenario_names(places).any(|known| known == text) {
+            let known: Vec<&str> = self.scenario_names(places).chain(also.iter().copied()).collect();
+            report.push(
+                Diagnostic::new(
+                    Code::UnknownScenario,
+                    place.span(),
+                    format!("there is no scenario `{text}` here"),
+                )
+                .label("not in this suite")
+                .suggest(text, known),
+            );
+            return None;
+        }
+        self.known(text, places)
+    }
+
+    pub fn scenario_names<'p>(&'p self, places: &'p Places) -> impl Iterator<Item = &'p str> {
+        self.definitions
+            .iter()
+            .filter_map(|definition| places.files.node(*definition).child(Rule::name).map(Node::text))
+    }
+
+    /// The scenario of that name, if there is one without mistakes.
+    fn known(&self, name: &str, places: &Places) -> Option<Subject<'a>> {
+        let scenario = self.scenarios.iter().find(|scenario| scenario.name == name)?;
+        let definition = self.definitions.iter().find(|definition| {
+            places.files.node(**definition).child(Rule::name).is_some_and(|known| known.text() == name)
+        })?;
+        Some(Subject { scenario, varied: surroundings(*definition, places)?, searched: HashMap::new() })
+    }
+
+    /// The scenario of a search, varied as it was searched.
+    pub fn found_by(&self, search: &Search, places: &Places) -> Option<Subject<'a>> {
+        let mut subject = self.known(&search.scenario, places)?;
+        search.over.iter().for_each(|range| subject.searched_over(range));
+        Some(subject)
+    }
+
+    /// What the cases of a set are of.
+    pub fn of(&self, set: &CaseSet, places: &Places) -> Option<Subject<'a>> {
+        match set {
+            CaseSet::Search(name) | CaseSet::Bests(name) => self.found_by(self.searches.find(name)?, places),
+            CaseSet::Scenario(name) | CaseSet::Sample { scenario: name, .. } => self.known(name, places),
+            CaseSet::Saved(path) => {
+                let mut subject = self.known(&saved_scenario(path)?, places)?;
+                // Which values were saved is not looked into.
+                subject.varied.values_mut().for_each(|binding| binding.varied = None);
+                Some(subject)
+            }
+        }
+    }
+}
+
+impl Subject<'_> {
+    pub fn cast(&self) -> Cast<'_> {
+        Cast {
+            vehicles: self.scenario.vehicles.iter().map(|vehicle| vehicle.name.as_str()).collect(),
+            pedestrians: self.scenario.pedestrians.iter().map(|person| person.name.as_str()).collect(),
+        }
+    }
+
+    fn searched_over(&mut self, range: &Range) {
+        let Target::Variation(name) = &range.target else { return };
+        let Some(binding) = self.varied.get_mut(name) else { return };
+        binding.varied = None;
+        match &range.values {
+            RangeValues::Real { low, high } | RangeValues::Logarithmic { low, high } => {
+                self.searched.insert(name.clone(), (*low, *high));
+            }
+            RangeValues::Whole { low, high } => {
+                self.searched.insert(name.clone(), (*low as f64, *high as f64));
+            }
+            RangeValues::Words(words) => {
+                let value =
+                    |word: &String| VariedValue { value: Value::Word(word.clone()), label: word.clone() };
+                binding.varied = Some(words.iter().map(value).collect());
+            }
+        }
+    }
+
+    /// Whether the scenario has the parameter that a target names.
+    pub fn takes(&self, target: &Target) -> bool {
+        match target {
+            Target::Variation(name) => self.varied.contains_key(name),
+            Target::Setting { road_user, part, parameter } => declaration(self.scenario, road_user, *part)
+                .is_some_and(|found| {
+                    let preset = found.presets.is_some_and(|family| family.word == parameter);
+                    preset || found.parameter(parameter).is_some()
+                }),
+        }
+    }
+}
+
+/// The cases of an `on` statement, with what they are of.
+pub fn case_set<'a>(
+    node: Node,
+    subjects: &Subjects<'a>,
+    places: &Places,
+    report: &mut Vec<Diagnostic>,
+) -> Option<(CaseSet, Subject<'a>)> {
+    let set = said_set(node, subjects, places, report)?;
+    let subject = match &set {
+        CaseSet::Saved(path) => {
+            let scenario = saved_scenario(path)?;
+            subjects.scenario(node, &scenario, &[], places, report)?;
+            subjects.of(&set, places)?
+        }
+        _ => subjects.of(&set, places)?,
+    };
+    Some((set, subject))
+}
+
+fn said_set(
+    node: Node,
+    subjects: &Subjects,
+    places: &Places,
+    report: &mut Vec<Diagnostic>,
+) -> Option<CaseSet> {
+    if let Some(path) = node.child(Rule::string) {
+        let saved = places.beside(path.span(), &unquote(path.text()));
+        if saved_scenario(&saved).is_none() {
+            report.push(
+                Diagnostic::new(
+                    Code::UnreadableFile,
+                    path.span(),
+                    format!("`{saved}` is no readable set of cases"),
+                )
+                .label("named here")
+                .hint("a search writes such a file; paths are relative to the file they stand in"),
+            );
+            return None;
+        }
+        return Some(CaseSet::Saved(saved));
+    }
+    if let Some(as_many) = node.child(Rule::as_many) {
+        let mut names = as_many.all(Rule::name);
+        let (scenario, search) = (names.next()?, names.next()?);
+        let drawn = drawn(scenario, subjects, places, report);
+        if !subjects.searches.has(search.text()) {
+            report.push(unknown_search(search, subjects));
+            return None;
+        }
+        let count = SampleSize::AsManyAs(search.text().to_string());
+        return Some(CaseSet::Sample { scenario: drawn?, count });
+    }
+    let name = node.child(Rule::name)?;
+    if let Some(count) = node.child(Rule::integer) {
+        let count = super::count(count, 1, 1_000_000, "the number of cases", report);
+        let scenario = drawn(name, subjects, places, report)?;
+        return Some(CaseSet::Sample { scenario, count: SampleSize::Number(count?) });
+    }
+    let text = name.text().to_string();
+    if subjects.searches.has(name.text()) {
+        return Some(if node.has(Rule::kw_all) { CaseSet::Bests(text) } else { CaseSet::Search(text) });
+    }
+    let searches: Vec<&str> = subjects.searches.names().collect();
+    subjects.scenario(name, name.text(), &searches, places, report)?;
+    Some(CaseSet::Scenario(text))
+}
+
+/// The scenario that some cases are drawn of.
+fn drawn(name: Node, subjects: &Subjects, places: &Places, report: &mut Vec<Diagnostic>) -> Option<String> {
+    if subjects.searches.has(name.text()) {
+        report.push(
+            Diagnostic::new(
+                Code::UnknownScenario,
+                name.span(),
+                format!("`{}` is a search, and some cases are drawn from a scenario", name.text()),
+            )
+            .label("not a scenario")
+            .hint(format!("take what it kept, `on {0}`, or its best cases, `on all of {0}`", name.text())),
+        );
+        return None;
+    }
+    subjects.scenario(name, name.text(), &[], places, report)?;
+    Some(name.text().to_string())
+}
+
+pub fn unknown_search(name: Node, subjects: &Subjects) -> Diagnostic {
+    Diagnostic::new(Code::UnknownBlock, name.span(), format!("there is no search `{}` here", name.text()))
+        .label("not in this suite")
+        .suggest(name.text(), subjects.searches.names())
+}
+
+/// The scenario that the first case of a saved set is of.
+fn saved_scenario(path: &str) -> Option<String> {
+    let set: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(path).ok()?).ok()?;
+    Some(set["cases"][0]["scenario"].as_str()?.to_string())
+}
+
+/// What the part of a road user declares.
+pub fn declaration(scenario: &Scenario, user: &str, part: Part) -> Option<Declaration> {
+    let car = scenario.vehicles.iter().find(|vehicle| vehicle.name == user);
+    let controller = |car: &crate::scenario::Vehicle| vehicle::controller(&car.controller.name);
+    match part {
+        Part::Controller => controller(car?).map(|found| found.declaration),
+        Part::Dynamics => {
+            let car = car?;
+            let declared: Option<&Model> = car.dynamics.as_ref();
+            let name = declared.map_or(controller(car)?.default_dynamics, |model| model.name.as_str());
+            vehicle::dynamics(name).map(|found| found.declaration)
+        }
+        Part::Sees => car.map(|_| vehicle::PERCEPTION),
+        Part::Model => {
+            let person = scenario.pedestrians.iter().find(|person| person.name == user)?;
+            pedestrian::model(&person.model.name).map(|found| found.declaration)
+        }
+    }
+}
