@@ -2,6 +2,7 @@
 
 pub mod calibrate;
 pub mod cli;
+pub mod dispatch;
 pub mod experiment;
 pub mod judge;
 pub mod lang;

@@ -12,7 +12,7 @@ pub enum Exit {
     Usage = 2,
     /// A scenario or suite has errors.
     Scenario = 3,
-    /// No trial was selected.
+    /// No trial or block was selected.
     NothingSelected = 4,
     /// `fmt --check` found a file that is not in the one style.
     Unformatted = 5,
@@ -20,6 +20,8 @@ pub enum Exit {
     Failed = 100,
     /// No verdict failed, but one could not be decided with the runs there were.
     Inconclusive = 102,
+    /// Somebody pressed Ctrl-C before everything was run.
+    Interrupted = 105,
     /// A report could not be written.
     Output = 110,
 }
@@ -30,15 +32,17 @@ Exit codes:
     0  everything passed
     2  the command line cannot be understood
     3  a scenario or suite cannot be read or has errors
-    4  no trial was selected
+    4  no trial or block was selected
     5  `fmt --check` found a file that is not in the one style
   100  a verdict failed
   102  no verdict failed, but one is inconclusive
+  105  interrupted: what was finished is reported
   110  a report could not be written
 
 Examples:
   scenario-runner suites/zebra.suite                     run a suite
   scenario-runner suites/zebra.suite tta=6s              only the trials whose name contains `tta=6s`
+  scenario-runner suites/zebra.suite --fail-fast         until the first failure
   scenario-runner suites/zebra.suite --junit junit.xml   and write a report for CI
   scenario-runner models carla_behavior                  all about one controller
   scenario-runner check scenarios/zebra/*.scn            look for errors without running";

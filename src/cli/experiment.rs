@@ -1,20 +1,17 @@
 //! `scenario-runner search NAME FILE` and `tune NAME FILE`: one block of a suite, with what it builds on.
 
 use std::fs;
-use std::io::{self, IsTerminal};
+use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
+use std::thread;
 
 use clap::Args;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use super::{Exit, load};
-use crate::experiment::{
-    Block, BlockResult, CaseFile, ExperimentError, Laboratory, Need, Progress, Results, SearchResult,
-    run_search, run_tune,
-};
-use crate::report::{render_search, render_tune, tuned_parameters};
-use crate::scenario::{Search, Suite};
+use super::interrupt::stop_on_interrupt;
+use super::{Exit, load, shows_progress};
+use crate::dispatch::{self, Orders, Unit, Work, Workshop, dispatch};
+use crate::experiment::{Block, BlockResult, CaseFile};
+use crate::report::{BlockReport, BlockState, Live, Terminal, render_block, tuned_parameters};
 
 #[derive(Debug, Args)]
 pub struct ExperimentArguments {
@@ -37,176 +34,128 @@ pub struct ExperimentArguments {
     json: Option<PathBuf>,
 
     /// Where a run that is cut off leaves its journal, from which the same command goes on.
-    #[arg(long, value_name = "DIR", default_value = ".scenario-runner/journal")]
+    #[arg(long, value_name = "DIR", default_value = super::JOURNAL)]
     journal: PathBuf,
 
-    /// Never draw a progress bar.
+    /// Never show how far it is; it never is in CI or where standard error is no terminal.
     #[arg(long)]
     no_progress: bool,
 }
 
 /// Runs a `search` block.
 pub fn search(arguments: &ExperimentArguments) -> Exit {
-    run(arguments, |suite, laboratory| {
-        let block = named(&suite.searches, &arguments.name, "search", |search| &search.name)?;
-        let result = searched(arguments, laboratory, block)?;
-        print!("{}", render_search(&result));
-        save(arguments.save.as_deref(), || CaseFile::write(&result.kept))?;
-        save(arguments.json.as_deref(), || json(&result))
-    })
+    run(arguments, "search")
 }
 
-/// Runs a `tune` block, after the search that it builds on.
+/// Runs a `tune` block, after what it builds on.
 pub fn tune(arguments: &ExperimentArguments) -> Exit {
-    run(arguments, |suite, laboratory| {
-        let block = named(&suite.tunes, &arguments.name, "tune", |tune| &tune.name)?;
-        let mut results = Results::default();
-        for need in Block::Tune(block).needs() {
-            let Need::Block(name) = need else { continue };
-            let search = named(&suite.searches, &name, "search", |search| &search.name)?;
-            let result = searched(arguments, laboratory, search)?;
-            print!("{}", render_search(&result));
-            println!();
-            results.blocks.insert(name, BlockResult::Search(result));
-        }
-        let bar = Bar::new(&format!("tune {}", block.name), !arguments.no_progress);
-        let result = run_tune(laboratory, block, &results, &bar);
-        bar.finish();
-        let result = result?;
-        print!("{}", render_tune(&result));
-        save(arguments.save.as_deref(), || tuned_parameters(&result, block))?;
-        save(arguments.json.as_deref(), || json(&result))?;
-        if result.chosen.is_none() && result.pareto.is_empty() {
-            Err(Failure::NothingFeasible)
-        } else {
-            Ok(())
-        }
-    })
+    run(arguments, "tune")
 }
 
-/// Why a command does not succeed.
-enum Failure {
-    Unknown {
-        kind: &'static str,
-        name: String,
-        known: Vec<String>,
-    },
-    Experiment(ExperimentError),
-    Write {
-        path: PathBuf,
-        error: io::Error,
-    },
-    /// Said by the report already.
-    NothingFeasible,
-}
-
-impl From<ExperimentError> for Failure {
-    fn from(error: ExperimentError) -> Self {
-        Self::Experiment(error)
-    }
-}
-
-fn run(
-    arguments: &ExperimentArguments,
-    work: impl FnOnce(&Suite, &Laboratory) -> Result<(), Failure>,
-) -> Exit {
+fn run(arguments: &ExperimentArguments, kind: &'static str) -> Exit {
     let colour = io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
-    let Ok(mut suite) = load::read(&arguments.file, colour) else { return Exit::Scenario };
-    suite.seed = arguments.seed.unwrap_or(suite.seed);
-    let laboratory = Laboratory::new(&suite, Some(arguments.journal.clone()));
-    match work(&suite, &laboratory) {
-        Ok(()) => Exit::Success,
-        Err(Failure::NothingFeasible) => Exit::Failed,
-        Err(Failure::Unknown { kind, name, known }) => {
-            eprintln!("error: {} has no {kind} called `{name}`", arguments.file);
-            if known.is_empty() {
-                eprintln!("help: it declares none");
-            } else {
-                eprintln!("help: it declares {}", known.join(", "));
-            }
-            Exit::Usage
+    let suites = match load::load_all(&[&arguments.file], arguments.seed, colour) {
+        Ok(suites) => suites,
+        Err(exit) => return exit,
+    };
+    let units = dispatch::units(&suites);
+    let Some(wanted) = units.iter().position(|unit| is_called(unit, kind, &arguments.name)) else {
+        return unknown(arguments, &units, kind);
+    };
+    let asked = (0..units.len()).map(|unit| unit == wanted).collect();
+    let chosen = dispatch::with_needs(&units, asked);
+    let stop = stop_on_interrupt();
+    let workshop = Workshop::new(&suites, Some(arguments.journal.clone()), &stop);
+    let threads = thread::available_parallelism().map_or(1, usize::from);
+    let orders = Orders { chosen: &chosen, first: &[], threads, max_failures: None };
+    let mut watcher = Terminal::quiet(shows_progress(arguments.no_progress).then(Live::new));
+    let reports = dispatch(&workshop, &units, &orders, &mut watcher);
+    let done = reports.iter().flat_map(|report| &report.blocks);
+    let shown: Vec<_> = done.clone().filter_map(BlockReport::result).map(render_block).collect();
+    // A closed pipe is the reader's choice, not an error.
+    let _ = io::stdout().write_all(shown.join("\n").as_bytes());
+    if stop.is_requested() {
+        let folder = arguments.journal.display();
+        eprintln!("interrupted: what was evaluated is kept in {folder}");
+        let seed = arguments.seed.map(|seed| format!(" --seed {seed}")).unwrap_or_default();
+        eprintln!(
+            "help: `scenario-runner {kind} {} {}{seed}` goes on from there",
+            arguments.name, arguments.file
+        );
+        return Exit::Interrupted;
+    }
+    if let Some(error) = done.clone().find_map(error) {
+        eprintln!("error: {error}");
+        return Exit::Scenario;
+    }
+    let Some((block, result)) = done.filter(|one| one.key == units[wanted].key).find_map(|one| {
+        let result = one.result()?;
+        Some((one.block, result))
+    }) else {
+        // What it needs failed, and said so above.
+        return Exit::Failed;
+    };
+    let saved = save(arguments.save.as_deref(), || file(block, result))
+        .and_then(|()| save(arguments.json.as_deref(), || json(result)));
+    if let Err((path, error)) = saved {
+        eprintln!("error: cannot write {}: {error}", path.display());
+        return Exit::Output;
+    }
+    if result.failure().is_some() { Exit::Failed } else { Exit::Success }
+}
+
+fn is_called(unit: &Unit, kind: &str, name: &str) -> bool {
+    matches!(unit.work, Work::Block(block) if block.kind() == kind && block.name() == name)
+}
+
+fn unknown(arguments: &ExperimentArguments, units: &[Unit], kind: &str) -> Exit {
+    eprintln!("error: {} has no {kind} called `{}`", arguments.file, arguments.name);
+    let known: Vec<_> = units
+        .iter()
+        .filter_map(|unit| match unit.work {
+            Work::Block(block) if block.kind() == kind => Some(format!("`{}`", block.name())),
+            _ => None,
+        })
+        .collect();
+    if known.is_empty() {
+        eprintln!("help: it declares none");
+    } else {
+        eprintln!("help: it declares {}", known.join(", "));
+    }
+    Exit::Usage
+}
+
+fn error(report: &BlockReport) -> Option<String> {
+    match &report.state {
+        BlockState::Errored(message) => {
+            Some(format!("{} {}: {message}", report.block.kind(), report.block.name()))
         }
-        Err(Failure::Experiment(error)) => {
-            eprintln!("error: {error}");
-            if let ExperimentError::EmptySet(name) = &error {
-                eprintln!("help: `{name}` kept no case; loosen its `keep`, or search longer");
-            }
-            Exit::Scenario
-        }
-        Err(Failure::Write { path, error }) => {
-            eprintln!("error: cannot write {}: {error}", path.display());
-            Exit::Output
-        }
+        BlockState::Finished(_) | BlockState::Skipped(_) => None,
     }
 }
 
-fn named<'a, T>(
-    blocks: &'a [T],
-    name: &str,
-    kind: &'static str,
-    name_of: impl Fn(&T) -> &String,
-) -> Result<&'a T, Failure> {
-    blocks.iter().find(|block| name_of(block) == name).ok_or_else(|| Failure::Unknown {
-        kind,
-        name: name.to_string(),
-        known: blocks.iter().map(|block| format!("`{}`", name_of(block))).collect(),
-    })
+/// The result as others use it.
+fn file(block: Block, result: &BlockResult) -> String {
+    match (block, result) {
+        (Block::Tune(tune), BlockResult::Tune(tuned)) => tuned_parameters(tuned, tune),
+        (_, BlockResult::Search(search)) => CaseFile::write(&search.kept),
+        _ => json(result),
+    }
 }
 
-fn searched(
-    arguments: &ExperimentArguments,
-    laboratory: &Laboratory,
-    search: &Search,
-) -> Result<SearchResult, Failure> {
-    let bar = Bar::new(&format!("search {}", search.name), !arguments.no_progress);
-    let result = run_search(laboratory, search, &bar);
-    bar.finish();
-    Ok(result?)
+/// Everything that was found, without the kind's name around it.
+fn json(result: &BlockResult) -> String {
+    let text = match result {
+        BlockResult::Search(search) => serde_json::to_string_pretty(search),
+        BlockResult::Tune(tune) => serde_json::to_string_pretty(tune),
+        BlockResult::Evaluate(evaluate) => serde_json::to_string_pretty(evaluate),
+        BlockResult::Statement(statement) => serde_json::to_string_pretty(statement),
+    };
+    text.expect("plain data serialises") + "\n"
 }
 
-fn json(result: &impl serde::Serialize) -> String {
-    serde_json::to_string_pretty(result).expect("plain data serialises") + "\n"
-}
-
-fn save(path: Option<&Path>, content: impl FnOnce() -> String) -> Result<(), Failure> {
+fn save(path: Option<&Path>, content: impl FnOnce() -> String) -> Result<(), (PathBuf, io::Error)> {
     let Some(path) = path else { return Ok(()) };
     let folder = path.parent().map_or(Ok(()), fs::create_dir_all);
-    folder
-        .and_then(|()| fs::write(path, content()))
-        .map_err(|error| Failure::Write { path: path.to_owned(), error })
-}
-
-/// Evaluations done, the best so far and the time that is left, on the terminal.
-struct Bar {
-    bar: ProgressBar,
-    best: Mutex<Option<f64>>,
-}
-
-const STYLE: &str = "{prefix} {human_pos} of {human_len} [{wide_bar}] {msg} {eta} left";
-
-impl Bar {
-    fn new(name: &str, wanted: bool) -> Self {
-        let drawn = wanted && io::stderr().is_terminal();
-        let target = if drawn { ProgressDrawTarget::stderr_with_hz(5) } else { ProgressDrawTarget::hidden() };
-        let bar = ProgressBar::with_draw_target(None, target).with_prefix(name.to_string());
-        let style = ProgressStyle::with_template(STYLE).expect("the template is valid");
-        Self { bar: bar.with_style(style.progress_chars("=> ")), best: Mutex::new(None) }
-    }
-
-    fn finish(&self) {
-        self.bar.finish_and_clear();
-    }
-}
-
-impl Progress for Bar {
-    fn evaluated(&self, done: usize, all: usize, value: Option<f64>) {
-        self.bar.set_length(all as u64);
-        self.bar.set_position(done as u64);
-        if let (Some(value), Ok(mut best)) = (value, self.best.lock())
-            && best.is_none_or(|known| value < known)
-        {
-            *best = Some(value);
-            self.bar.set_message(format!("lowest {value:.3},"));
-        }
-    }
+    folder.and_then(|()| fs::write(path, content())).map_err(|error| (path.to_owned(), error))
 }

@@ -3,19 +3,13 @@
 use std::path::Path;
 
 use super::Exit;
+use crate::dispatch::Prepared;
 use crate::judge::examine_criteria;
 use crate::lang::{self, Diagnostic, Severity, Sources};
 use crate::plan::{Plan, plan};
 use crate::report::Excerpt;
 use crate::run::road_users;
 use crate::scenario::Suite;
-
-/// A suite that is ready to run.
-pub struct Loaded {
-    /// As the user named it.
-    pub file: String,
-    pub plan: Plan,
-}
 
 /// Whether a word of the command line is meant as a file.
 pub fn names_a_file(word: &str) -> bool {
@@ -24,7 +18,7 @@ pub fn names_a_file(word: &str) -> bool {
 }
 
 /// Loads, checks and plans every file; all errors of all files go to stderr.
-pub fn load_all(files: &[&String], seed: Option<u64>, colour: bool) -> Result<Vec<Loaded>, Exit> {
+pub fn load_all(files: &[&String], seed: Option<u64>, colour: bool) -> Result<Vec<Prepared>, Exit> {
     let mut loaded = Vec::new();
     let mut failed = false;
     for file in files {
@@ -46,7 +40,7 @@ pub fn examine(path: &Path, text: Option<&str>) -> (Vec<Diagnostic>, Sources) {
     (found, sources)
 }
 
-fn load(file: &str, seed: Option<u64>, colour: bool) -> Result<Loaded, ()> {
+fn load(file: &str, seed: Option<u64>, colour: bool) -> Result<Prepared, ()> {
     let lang::Loaded { mut suite, sources, .. } = read_with_sources(file, colour)?;
     suite.seed = seed.unwrap_or(suite.seed);
     refuse_gates(&suite, colour)?;
@@ -64,17 +58,7 @@ fn load(file: &str, seed: Option<u64>, colour: bool) -> Result<Loaded, ()> {
         }
     })?;
     build_everybody(&plan, colour)?;
-    name_blocks_left_out(file, &suite);
-    Ok(Loaded { file: file.to_string(), plan })
-}
-
-/// Searches and tunes have commands of their own: whoever runs the suite should know that they were not run.
-fn name_blocks_left_out(file: &str, suite: &Suite) {
-    let searches = suite.searches.iter().map(|search| format!("search {}", search.name));
-    let tunes = suite.tunes.iter().map(|tune| format!("tune {}", tune.name));
-    for block in searches.chain(tunes) {
-        eprintln!("note: `{block}` is not part of this run; `scenario-runner {block} {file}` runs it");
-    }
+    Ok(Prepared { file: file.to_string(), suite, plan })
 }
 
 /// Criteria that no run could make pass are not worth a run.

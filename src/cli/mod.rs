@@ -7,16 +7,18 @@ mod exit;
 mod experiment;
 mod explain;
 mod format;
+mod interrupt;
 mod list;
 mod load;
 mod lsp;
 mod models;
-mod progress;
 mod record;
 mod replay;
 mod run;
 mod validate;
 
+use std::env;
+use std::io::{self, IsTerminal};
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
@@ -70,6 +72,14 @@ enum Command {
     Validate(validate::ValidateArguments),
     /// Run exactly one case again and print what happened when.
     Replay(replay::ReplayArguments),
+}
+
+/// Where searches and tunes keep what they have evaluated, unless told otherwise.
+const JOURNAL: &str = ".scenario-runner/journal";
+
+/// Whether to show what is under way: to people at a terminal, and not in CI, whose logs keep every redrawing.
+fn shows_progress(unwanted: bool) -> bool {
+    !unwanted && io::stderr().is_terminal() && env::var_os("CI").is_none()
 }
 
 /// Parses the arguments of this process, does what they ask and says how it went.

@@ -7,8 +7,9 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::Exit;
-use super::load::{self, Loaded};
+use super::load;
 use super::record::{Recorded, record};
+use crate::dispatch::Prepared;
 use crate::plan::Plan;
 use crate::report::{render_replay, write_trace};
 use crate::run::{FreeFlows, Requests};
@@ -106,7 +107,7 @@ fn default_file(key: &str) -> Option<String> {
 }
 
 /// The case of that key with its plan, or else the nearest key there is.
-fn find<'a>(loaded: &'a [Loaded], key: &str) -> Result<(&'a Plan, &'a Case), Option<&'a str>> {
+fn find<'a>(loaded: &'a [Prepared], key: &str) -> Result<(&'a Plan, &'a Case), Option<&'a str>> {
     let cases = || {
         loaded.iter().flat_map(|suite| {
             suite.plan.trials.iter().flat_map(|trial| trial.cases.iter().map(|case| (&suite.plan, case)))

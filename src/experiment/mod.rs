@@ -121,3 +121,17 @@ pub enum ExperimentError {
     #[error(transparent)]
     Optimise(#[from] optimise::Error),
 }
+
+impl ExperimentError {
+    /// What to do about it, where that is known.
+    pub fn hint(&self) -> Option<String> {
+        match self {
+            Self::EmptySet(name) => {
+                Some(format!("`{name}` kept no case; loosen its `keep`, or search longer"))
+            }
+            Self::Run(error) => error.hint().map(str::to_string),
+            Self::Plan(error) => error.hint.clone(),
+            _ => None,
+        }
+    }
+}

@@ -11,7 +11,7 @@ use crate::scenario::significant;
 /// Every finding that is not passed, drawn at its place, with the worst runs and how to replay them.
 pub fn render_failure(suite: &SuiteIdentity, state: &TrialState, colour: bool) -> String {
     match state {
-        TrialState::Skipped(reason) => reason.clone(),
+        TrialState::Skipped(reason) => reason.to_string(),
         TrialState::Errored(message) => message.clone(),
         TrialState::Judged(judged) => {
             let bad = judged.findings.iter().filter(|finding| finding.verdict != Verdict::Passed);
@@ -25,7 +25,7 @@ pub fn render_failure(suite: &SuiteIdentity, state: &TrialState, colour: bool) -
 pub fn render_block_failure(suite: &SuiteIdentity, report: &BlockReport, colour: bool) -> String {
     let block = format!("`{} {}`", report.block.kind(), report.block.name());
     let title = match &report.state {
-        BlockState::Skipped(reason) => return reason.clone(),
+        BlockState::Skipped(reason) => return reason.to_string(),
         BlockState::Errored(message) => format!("{block} could not be run: {message}"),
         BlockState::Finished(result) => match result.failure() {
             Some(reason) => format!("{block} failed: {reason}"),

@@ -5,7 +5,8 @@ use std::time::{Duration, SystemTime};
 use nalgebra::Vector2;
 
 use super::{
-    BlockReport, BlockState, Chosen, Recording, SuiteIdentity, SuiteReport, TrialReport, TrialState,
+    BlockReport, BlockState, Chosen, Recording, Skip, Stopping, SuiteIdentity, SuiteReport, TrialReport,
+    TrialState,
 };
 use crate::experiment::{
     Block, BlockResult, Candidate, CaseRun, ClaimResult, ClaimValues, Conclusion, ConditionResult, Course,
@@ -56,7 +57,7 @@ impl Session {
         let count = self.trials.len();
         let state = |(index, trial): (usize, &Trial)| match count - index {
             2 => (Vec::new(), TrialState::Errored(format!("{}: time limit of 10 s exceeded", trial.key))),
-            1 => (Vec::new(), TrialState::Skipped("stopped after 2 failures (--max-fail 2)".into())),
+            1 => (Vec::new(), TrialState::Skipped(Skip::Stopped(Stopping::MaxFail(2)))),
             _ => {
                 let outcomes = self.outcomes(trial);
                 let judged = judge(&trial.criteria, &outcomes, &self.requests);
@@ -80,7 +81,7 @@ impl Session {
     fn blocks(&self) -> Vec<BlockReport<'_>> {
         let (search, tune) = (Block::Search(&self.search), Block::Tune(&self.tune));
         let error = "`walker`: there is no population called `standard`".to_string();
-        let reason = "needs `low_pet`, which failed".to_string();
+        let reason = Skip::Needs { key: "zebra/search=low_pet_2".into(), happened: "could not be run" };
         let states = [
             (search, BlockState::Finished(Box::new(BlockResult::Search(found(&self.search))))),
             (tune, BlockState::Finished(Box::new(BlockResult::Tune(tuned(&self.tune))))),

@@ -34,6 +34,11 @@ pub fn in_unit(value: f64, unit: &str) -> String {
     }
 }
 
+/// `1 trial`, `2 trials`.
+pub fn count(number: usize, noun: &str) -> String {
+    format!("{number} {noun}{}", if number == 1 { "" } else { "s" })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

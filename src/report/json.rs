@@ -61,7 +61,7 @@ fn trial_value(report: &TrialReport, requests: &Requests) -> Value {
         }
         TrialState::Skipped(reason) => {
             fields.insert("verdict".into(), "skipped".into());
-            fields.insert("message".into(), reason.as_str().into());
+            fields.insert("message".into(), reason.to_string().into());
         }
     }
     value
@@ -82,7 +82,7 @@ fn block_value(report: &BlockReport) -> Value {
             (if failure.is_some() { "failed" } else { "passed" }, failure)
         }
         BlockState::Errored(message) => ("error", Some(message.clone())),
-        BlockState::Skipped(reason) => ("skipped", Some(reason.clone())),
+        BlockState::Skipped(reason) => ("skipped", Some(reason.to_string())),
     };
     fields.insert("verdict".into(), verdict.into());
     if let Some(message) = message {

@@ -76,7 +76,7 @@ fn problem(kind: NonSuccessKind, name: &str, message: &str, text: String) -> Tes
 
 fn test_case(report: &SuiteReport, trial: &TrialReport, class: &str, requests: &Requests) -> TestCase {
     let status = match &trial.state {
-        TrialState::Skipped(reason) => skipped(reason),
+        TrialState::Skipped(reason) => skipped(&reason.to_string()),
         TrialState::Errored(message) => {
             problem(NonSuccessKind::Error, "error", first_line(message), message.clone())
         }
@@ -120,7 +120,7 @@ fn block_case(report: &SuiteReport, block: &BlockReport, class: &str) -> TestCas
     let text = || render_block_failure(&report.identity, block, false);
     let failure = block.result().and_then(BlockResult::failure);
     let status = match (&block.state, &failure) {
-        (BlockState::Skipped(reason), _) => skipped(reason),
+        (BlockState::Skipped(reason), _) => skipped(&reason.to_string()),
         (BlockState::Errored(message), _) => {
             problem(NonSuccessKind::Error, "error", first_line(message), text())
         }

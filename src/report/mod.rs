@@ -4,6 +4,7 @@ pub mod chart;
 mod columns;
 mod digest;
 mod evaluation;
+mod event;
 mod excerpt;
 mod experiment;
 mod failure;
@@ -22,9 +23,11 @@ mod recording;
 mod replay;
 #[cfg(test)]
 mod schema;
+mod skip;
 mod statement;
 mod table;
 mod tap;
+mod terminal;
 mod trace;
 mod variable;
 mod wording;
@@ -37,6 +40,7 @@ use crate::plan::Trial;
 use crate::run::Outcome;
 
 pub use evaluation::render_evaluate;
+pub use event::{Evaluations, Event, Outline, Reporter, Standing, Stopping, UnitReport};
 pub use excerpt::Excerpt;
 pub use experiment::{render_block, render_search, render_tune, tuned_parameters};
 pub use failure::{render_block_failure, render_failure};
@@ -50,9 +54,11 @@ pub use models::{registered_names, render_model, render_models};
 pub use pages::{ModelPage, model_pages};
 pub use recording::{PairCourse, Place, Recording};
 pub use replay::{block_command, render_replay, replay_command};
+pub use skip::Skip;
 pub use statement::{claim_values, conclusion_words, render_statement, render_statements};
 pub use table::render_tables;
 pub use tap::to_tap;
+pub use terminal::{Live, StatusLevel, Terminal};
 pub use trace::write_trace;
 
 /// Which suite was run, and how to run it again.
@@ -90,7 +96,7 @@ pub enum TrialState {
     Judged(TrialVerdict),
     /// Could not be run to its end; the message says why.
     Errored(String),
-    Skipped(String),
+    Skipped(Skip),
 }
 
 /// What became of a `search`, a `tune` or whatever else a suite computes besides its trials.
@@ -109,13 +115,21 @@ pub enum BlockState {
     Finished(Box<BlockResult>),
     /// Could not be run to its end; the message says why.
     Errored(String),
-    Skipped(String),
+    Skipped(Skip),
 }
 
 impl BlockReport<'_> {
-    /// Whether nobody tried to run it.
+    /// Whether nobody tried to run it, or it was cut off.
     pub fn skipped(&self) -> bool {
-        matches!(self.state, BlockState::Skipped(_))
+        self.skip().is_some()
+    }
+
+    /// Why nobody tried to run it, or it was cut off.
+    pub fn skip(&self) -> Option<&Skip> {
+        match &self.state {
+            BlockState::Skipped(skip) => Some(skip),
+            _ => None,
+        }
     }
 
     /// What it came to, if it did.
@@ -129,12 +143,24 @@ impl BlockReport<'_> {
     pub fn verdict(&self) -> Option<Verdict> {
         self.result().map(|result| if result.failure().is_some() { Verdict::Failed } else { Verdict::Passed })
     }
+
+    pub fn standing(&self) -> Standing {
+        Standing::of(self.skipped(), self.verdict())
+    }
 }
 
 impl TrialReport<'_> {
-    /// Whether nobody tried to run it.
+    /// Whether nobody tried to run it, or it was cut off.
     pub fn skipped(&self) -> bool {
-        matches!(self.state, TrialState::Skipped(_))
+        self.skip().is_some()
+    }
+
+    /// Why nobody tried to run it, or it was cut off.
+    pub fn skip(&self) -> Option<&Skip> {
+        match &self.state {
+            TrialState::Skipped(skip) => Some(skip),
+            _ => None,
+        }
     }
 
     pub fn verdict(&self) -> Option<Verdict> {
@@ -142,5 +168,9 @@ impl TrialReport<'_> {
             TrialState::Judged(judged) => Some(judged.verdict),
             TrialState::Errored(_) | TrialState::Skipped(_) => None,
         }
+    }
+
+    pub fn standing(&self) -> Standing {
+        Standing::of(self.skipped(), self.verdict())
     }
 }

@@ -140,7 +140,7 @@ fn worst(trial: &TrialReport, index: usize, requests: &Requests) -> Option<Verdi
     about.map(|(_, finding)| finding.verdict).max()
 }
 
-fn style(verdict: Verdict) -> Style {
+pub(super) fn style(verdict: Verdict) -> Style {
     match verdict {
         Verdict::Passed => AnsiColor::Green.on_default(),
         Verdict::Inconclusive => AnsiColor::Yellow.on_default(),
@@ -148,7 +148,7 @@ fn style(verdict: Verdict) -> Style {
     }
 }
 
-fn paint(text: &str, style: Style, colour: bool) -> String {
+pub(super) fn paint(text: &str, style: Style, colour: bool) -> String {
     if colour && !text.is_empty() { format!("{style}{text}{style:#}") } else { text.to_string() }
 }
 

@@ -36,7 +36,7 @@ fn point(text: &mut String, number: usize, report: &SuiteReport, trial: &TrialRe
     let name = escaped(&trial.trial.key);
     match (&trial.state, trial.verdict()) {
         (TrialState::Skipped(reason), _) => {
-            line(text, &format!("ok {number} - {name} # SKIP {}", escaped(&one_line(reason))));
+            line(text, &format!("ok {number} - {name} # SKIP {}", escaped(&one_line(&reason.to_string()))));
         }
         (_, Some(Verdict::Passed)) => {
             line(text, &format!("ok {number} - {name}"));
@@ -66,7 +66,10 @@ fn point(text: &mut String, number: usize, report: &SuiteReport, trial: &TrialRe
 fn block_point(text: &mut String, number: usize, report: &SuiteReport, block: &BlockReport) {
     let name = escaped(&block.key);
     if let BlockState::Skipped(reason) = &block.state {
-        return line(text, &format!("ok {number} - {name} # SKIP {}", escaped(&one_line(reason))));
+        return line(
+            text,
+            &format!("ok {number} - {name} # SKIP {}", escaped(&one_line(&reason.to_string()))),
+        );
     }
     let passed = block.verdict() == Some(Verdict::Passed);
     line(text, &format!("{} {number} - {name}", if passed { "ok" } else { "not ok" }));

@@ -14,7 +14,7 @@ use crate::report::failure::render_failure;
 use crate::report::figures::{figures, scenarios, short_name};
 use crate::report::replay::replay_command;
 use crate::report::wording::{bound, interval, margin, observed, verdict_mark, verdict_word};
-use crate::report::{Recording, SuiteReport, TrialReport, TrialState};
+use crate::report::{Recording, Skip, SuiteReport, TrialReport, TrialState};
 use crate::run::Requests;
 
 /// A table with more trials than this scrolls.
@@ -236,10 +236,10 @@ fn scenario(
 
 /// The reasons for which trials were skipped, each with its count.
 fn skipped(trials: &[&TrialReport]) -> Vec<String> {
-    let mut reasons: Vec<(&str, usize)> = Vec::new();
+    let mut reasons: Vec<(&Skip, usize)> = Vec::new();
     for trial in trials {
         let TrialState::Skipped(reason) = &trial.state else { continue };
-        match reasons.iter_mut().find(|(known, _)| known == reason) {
+        match reasons.iter_mut().find(|(known, _)| *known == reason) {
             Some((_, count)) => *count += 1,
             None => reasons.push((reason, 1)),
         }

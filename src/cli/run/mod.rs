@@ -1,0 +1,252 @@
+//! `scenario-runner FILES`: runs suites, reports every trial and block, writes the reports that were asked for.
+
+mod output;
+mod partition;
+mod select;
+mod watch;
+
+use std::env;
+use std::fs;
+use std::io::{self, IsTerminal};
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+use std::str::FromStr;
+use std::thread;
+
+use clap::builder::PossibleValue;
+use clap::{Args, ValueEnum};
+
+use super::interrupt::stop_on_interrupt;
+use super::{Exit, load};
+use crate::dispatch::{self, Orders, Unit, Workshop, dispatch};
+use crate::judge::Verdict;
+use crate::report::{BlockReport, Live, Standing, StatusLevel, SuiteReport, Terminal, TrialReport};
+
+#[derive(Debug, Args)]
+pub struct RunArguments {
+    /// Suites (.suite) and scenarios (.scn, .yaml) to run; any other word selects trials and blocks whose name contains it.
+    #[arg(required = true, value_name = "FILE|FILTER")]
+    words: Vec<String>,
+
+    #[command(flatten)]
+    select: select::SelectArguments,
+
+    /// Print the names of the trials and blocks and run nothing.
+    #[arg(long)]
+    list: bool,
+
+    /// What it means when nothing is selected.
+    #[arg(long, value_enum, default_value_t = NoTests::Fail)]
+    no_tests: NoTests,
+
+    /// Number of trials and blocks that run side by side [default: one per core]. Results do not depend on it.
+    #[arg(long, short = 'j', visible_alias = "jobs", value_name = "N")]
+    test_threads: Option<NonZeroUsize>,
+
+    /// Begin nothing more after so many failures (`all`: never mind). What could not be decided is no failure.
+    #[arg(long, value_name = "N|all", default_value = "all")]
+    max_fail: MaxFail,
+
+    /// Begin nothing more after the first failure: `--max-fail 1`.
+    #[arg(long, conflicts_with = "max_fail")]
+    fail_fast: bool,
+
+    /// Replaces the seed of every suite.
+    #[arg(long, value_name = "SEED")]
+    seed: Option<u64>,
+
+    /// Where a search or tune that is cut off leaves its journal, from which the same command goes on.
+    #[arg(long, value_name = "DIR", default_value = super::JOURNAL)]
+    journal: PathBuf,
+
+    #[command(flatten)]
+    output: output::OutputArguments,
+
+    /// Write the course of every run as CSV into this folder.
+    #[arg(long, value_name = "DIR")]
+    trace: Option<PathBuf>,
+
+    /// Which trials and blocks get a line of their own.
+    #[arg(long, value_enum, default_value_t = StatusLevel::Pass)]
+    status_level: StatusLevel,
+
+    /// Never show what is under way; it never is in CI or where standard error is no terminal.
+    #[arg(long)]
+    no_progress: bool,
+
+    /// When to use colours.
+    #[arg(long, value_enum, default_value_t = Colour::Auto)]
+    color: Colour,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Colour {
+    Auto,
+    Always,
+    Never,
+}
+
+impl Colour {
+    /// Whether to colour what goes to `stream`.
+    pub fn wanted(self, stream: &impl IsTerminal) -> bool {
+        match self {
+            Self::Auto => {
+                stream.is_terminal() && env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
+            }
+            Self::Always => true,
+            Self::Never => false,
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum NoTests {
+    /// An error.
+    Fail,
+    /// A warning.
+    Warn,
+    /// Nothing.
+    Pass,
+}
+
+/// After how many failures nothing more begins; `None` for never.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct MaxFail(Option<usize>);
+
+impl FromStr for MaxFail {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.parse() {
+            _ if text == "all" => Ok(Self(None)),
+            Ok(number) if number > 0 => Ok(Self(Some(number))),
+            _ => Err("it is a number from 1, or `all`".to_string()),
+        }
+    }
+}
+
+impl ValueEnum for StatusLevel {
+    fn value_variants<'a>() -> &'a [Self] {
+        &[Self::None, Self::Fail, Self::Slow, Self::Pass, Self::Skip, Self::All]
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(match self {
+            Self::None => {
+                PossibleValue::new("none").help("No lines, only failures and the summary at the end")
+            }
+            Self::Fail => PossibleValue::new("fail").help("Those that did not pass"),
+            Self::Slow => PossibleValue::new("slow").help("And, once a minute, those that take long"),
+            Self::Pass => PossibleValue::new("pass").help("And those that passed"),
+            Self::Skip => PossibleValue::new("skip").help("And those that were not run, with the reason"),
+            Self::All => PossibleValue::new("all").help("And each when it begins"),
+        })
+    }
+}
+
+pub fn run(arguments: RunArguments) -> Exit {
+    let (files, filters): (Vec<_>, Vec<_>) =
+        arguments.words.iter().partition(|word| load::names_a_file(word));
+    if files.is_empty() {
+        eprintln!("error: no suite or scenario is named");
+        eprintln!("help: name a file, as in `scenario-runner suites/zebra.suite`");
+        return Exit::Usage;
+    }
+    if filters.len() > 1 {
+        let filters: Vec<_> = filters.iter().map(|filter| format!("`{filter}`")).collect();
+        eprintln!("error: more than one filter: {}", filters.join(", "));
+        eprintln!(
+            "help: files end in .suite, .scn or .yaml; give one filter, and use --skip to leave trials out"
+        );
+        return Exit::Usage;
+    }
+    let suites = match load::load_all(&files, arguments.seed, arguments.color.wanted(&io::stderr())) {
+        Ok(suites) => suites,
+        Err(exit) => return exit,
+    };
+    let units = dispatch::units(&suites);
+    let asked = select::select(&units, filters.first().map(|filter| filter.as_str()), &arguments.select);
+    let chosen = dispatch::with_needs(&units, asked);
+    if !chosen.contains(&true) {
+        return nothing_selected(arguments.no_tests);
+    }
+    if arguments.list {
+        return list(&units, &chosen);
+    }
+    if let Some(folder) = &arguments.trace
+        && let Err(error) = fs::create_dir_all(folder)
+    {
+        eprintln!("error: cannot create the folder {}: {error}", folder.display());
+        return Exit::Output;
+    }
+    let threads = threads(arguments.test_threads);
+    let stop = stop_on_interrupt();
+    let watcher = arguments.trace.as_deref().map(watch::Traces::new);
+    let watch = watcher.as_ref().map(|traces| |case: &_, trace: &_| traces.save(case, trace));
+    let mut workshop = Workshop::new(&suites, Some(arguments.journal.clone()), &stop);
+    if let Some(watch) = &watch {
+        workshop = workshop.watched_by(watch);
+    }
+    let colour = arguments.color.wanted(&io::stdout());
+    let live = super::shows_progress(arguments.no_progress).then(Live::new);
+    let mut terminal = Terminal::new(arguments.status_level, colour, live);
+    let max_failures = if arguments.fail_fast { Some(1) } else { arguments.max_fail.0 };
+    let orders = Orders { chosen: &chosen, first: &[], threads, max_failures };
+    let reports = dispatch(&workshop, &units, &orders, &mut terminal);
+    // Everything is judged. What looks at a whole session, such as a gate, has its place here.
+    let mut complaints = watcher.as_ref().map(watch::Traces::complaints).unwrap_or_default();
+    complaints.extend(output::write(&arguments.output, &workshop, &reports));
+    for complaint in &complaints {
+        eprintln!("error: {complaint}");
+    }
+    if stop.is_requested() {
+        Exit::Interrupted
+    } else if !complaints.is_empty() {
+        Exit::Output
+    } else {
+        verdict(&reports)
+    }
+}
+
+/// The worst that became of anything.
+fn verdict(reports: &[SuiteReport]) -> Exit {
+    let trials = reports.iter().flat_map(|report| &report.trials).map(TrialReport::standing);
+    let blocks = reports.iter().flat_map(|report| &report.blocks).map(BlockReport::standing);
+    match trials.chain(blocks).max() {
+        Some(standing) if standing.is_failure() => Exit::Failed,
+        Some(Standing::Judged(Verdict::Inconclusive)) => Exit::Inconclusive,
+        _ => Exit::Success,
+    }
+}
+
+fn nothing_selected(no_tests: NoTests) -> Exit {
+    let (said, exit) = match no_tests {
+        NoTests::Fail => ("error", Exit::NothingSelected),
+        NoTests::Warn => ("warning", Exit::Success),
+        NoTests::Pass => return Exit::Success,
+    };
+    eprintln!("{said}: no trial is selected");
+    eprintln!("help: `--list` shows the names of all trials and blocks");
+    exit
+}
+
+fn list(units: &[Unit], chosen: &[bool]) -> Exit {
+    let mut out = io::stdout().lock();
+    for (unit, _) in units.iter().zip(chosen).filter(|(_, chosen)| **chosen) {
+        // A closed pipe is the reader's choice, not an error.
+        if io::Write::write_all(&mut out, format!("{}\n", unit.key).as_bytes()).is_err() {
+            break;
+        }
+    }
+    Exit::Success
+}
+
+/// The number of workers; inside a block there are as many.
+fn threads(wanted: Option<NonZeroUsize>) -> usize {
+    let Some(wanted) = wanted else {
+        return thread::available_parallelism().map_or(1, NonZeroUsize::get);
+    };
+    // It fails if there is a pool already, which then is the right one.
+    let _ = rayon::ThreadPoolBuilder::new().num_threads(wanted.get()).build_global();
+    wanted.get()
+}

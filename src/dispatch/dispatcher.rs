@@ -1,0 +1,416 @@
+//! Workers run units and one thread tells what happens, in order.
+
+use std::collections::HashMap;
+use std::sync::mpsc::{self, RecvTimeoutError, Sender};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread;
+use std::time::{Duration, Instant, SystemTime};
+
+use super::schedule::Schedule;
+use super::unit::{Unit, Work};
+use super::workshop::Workshop;
+use crate::experiment::{Block, BlockResult, Progress, Results};
+use crate::report::{
+    BlockReport, BlockState, Evaluations, Event, Outline, Reporter, Skip, Standing, Stopping, SuiteReport,
+    TrialReport, TrialState, UnitReport,
+};
+use crate::run::Outcome;
+use crate::scenario::{Case, Goal};
+
+/// What is to be run, and how.
+#[derive(Debug, Clone, Copy)]
+pub struct Orders<'o> {
+    /// Whether each unit is to run; see [`super::with_needs`].
+    pub chosen: &'o [bool],
+    /// Units that begin before all others.
+    pub first: &'o [usize],
+    /// Workers, at least one.
+    pub threads: usize,
+    /// After so many failures nothing more begins.
+    pub max_failures: Option<usize>,
+}
+
+/// How often time is told when nothing happens.
+const TICK: Duration = Duration::from_millis(100);
+
+/// Runs the chosen units and returns the report of every suite, which names all of its units: those that were not run
+/// are skipped with the reason.
+pub fn dispatch<'a>(
+    workshop: &Workshop<'a>,
+    units: &[Unit<'a>],
+    orders: &Orders,
+    reporter: &mut dyn Reporter,
+) -> Vec<SuiteReport<'a>> {
+    let (started, begun) = (SystemTime::now(), Instant::now());
+    reporter.tell(&Event::Begun(&outline(units, orders.chosen)));
+    let floor = Floor::new(workshop, units, orders);
+    let mut teller = Teller::new(workshop, units, reporter);
+    thread::scope(|scope| {
+        let (sender, receiver) = mpsc::channel();
+        for _ in 0..orders.threads.max(1) {
+            let (floor, sender) = (&floor, sender.clone());
+            scope.spawn(move || floor.work(&sender));
+        }
+        drop(sender);
+        loop {
+            match receiver.recv_timeout(TICK) {
+                Ok(message) => {
+                    teller.hear(message);
+                    receiver.try_iter().for_each(|message| teller.hear(message));
+                }
+                Err(RecvTimeoutError::Timeout) => teller.tell(&Event::Tick),
+                Err(RecvTimeoutError::Disconnected) => break,
+            }
+            if workshop.stop().is_requested() {
+                teller.interrupted(&floor);
+            }
+            teller.reporter.flush();
+        }
+    });
+    if workshop.stop().is_requested() {
+        teller.interrupted(&floor);
+    }
+    let elapsed = begun.elapsed();
+    let mut slots = std::mem::take(&mut teller.slots);
+    let reports: Vec<_> = (0..workshop.suites().len())
+        .map(|suite| suite_report(workshop, units, &mut slots, suite, started, elapsed))
+        .collect();
+    let requests = workshop.requests();
+    reporter.tell(&Event::Ended { reports: &reports, requests, elapsed });
+    reporter.flush();
+    reports
+}
+
+fn outline(units: &[Unit], chosen: &[bool]) -> Outline {
+    let mut outline = Outline {
+        suites: 0,
+        left_out: chosen.iter().filter(|chosen| !**chosen).count(),
+        ..Outline::default()
+    };
+    let mut last = None;
+    for (unit, _) in units.iter().zip(chosen).filter(|(_, chosen)| **chosen) {
+        match unit.work {
+            Work::Trial(_) => outline.trials += 1,
+            Work::Block(_) => outline.blocks += 1,
+        }
+        outline.runs += unit.runs();
+        outline.suites += usize::from(last != Some(unit.suite));
+        last = Some(unit.suite);
+    }
+    outline
+}
+
+/// What workers tell.
+enum Message<'a> {
+    Begun(usize),
+    RunDone(usize),
+    Evaluated { unit: usize, done: usize, all: usize, value: Option<f64> },
+    Finished { unit: usize, report: UnitReport<'a>, off: Vec<(usize, Off)> },
+    Stopping(Stopping),
+}
+
+/// Why a unit will not be run.
+enum Off {
+    /// It needs that unit, which came to nothing.
+    Need(usize),
+    Stopping(Stopping),
+}
+
+/// Where the workers are.
+struct Floor<'w, 'a> {
+    workshop: &'w Workshop<'a>,
+    units: &'w [Unit<'a>],
+    /// Whether some chosen block needs the unit.
+    needed: Vec<bool>,
+    max_failures: Option<usize>,
+    state: Mutex<State>,
+    /// Told when a unit may have become ready, or there is nothing more to wait for.
+    changed: Condvar,
+}
+
+struct State {
+    schedule: Schedule,
+    failures: usize,
+    /// Results that blocks need.
+    kept: Vec<Option<Arc<Kept>>>,
+}
+
+enum Kept {
+    Runs { scenario: String, runs: Vec<(Case, Outcome)> },
+    Block { name: String, result: BlockResult },
+}
+
+impl<'w, 'a> Floor<'w, 'a> {
+    fn new(workshop: &'w Workshop<'a>, units: &'w [Unit<'a>], orders: &Orders) -> Self {
+        let mut needed = vec![false; units.len()];
+        for (unit, _) in units.iter().zip(orders.chosen).filter(|(_, chosen)| **chosen) {
+            unit.needs.iter().for_each(|need| needed[*need] = true);
+        }
+        let needs: Vec<&[usize]> = units.iter().map(|unit| unit.needs.as_slice()).collect();
+        let schedule = Schedule::new(&needs, orders.chosen, orders.first);
+        let kept = units.iter().map(|_| None).collect();
+        Self {
+            workshop,
+            units,
+            needed,
+            max_failures: orders.max_failures,
+            state: Mutex::new(State { schedule, failures: 0, kept }),
+            changed: Condvar::new(),
+        }
+    }
+
+    fn lock(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// One worker: unit after unit until there is none left.
+    fn work(&self, sender: &Sender<Message<'a>>) {
+        // The receiver lives as long as the workers do.
+        let send = |message| drop(sender.send(message));
+        while let Some(unit) = self.next() {
+            send(Message::Begun(unit));
+            let report = self.run(unit, sender);
+            let (off, stopping) = self.end(unit, &report);
+            send(Message::Finished { unit, report, off });
+            if let Some(stopping) = stopping {
+                send(Message::Stopping(stopping));
+            }
+        }
+    }
+
+    /// The next unit, waited for if need be; `None` when there will be none.
+    fn next(&self) -> Option<usize> {
+        let mut state = self.lock();
+        loop {
+            if self.workshop.stop().is_requested() {
+                return None;
+            }
+            if let Some(unit) = state.schedule.begin() {
+                return Some(unit);
+            }
+            if state.schedule.is_over() {
+                return None;
+            }
+            state = self.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+
+    fn run(&self, index: usize, sender: &Sender<Message<'a>>) -> UnitReport<'a> {
+        let unit = &self.units[index];
+        match unit.work {
+            Work::Trial(trial) => {
+                let done = || drop(sender.send(Message::RunDone(index)));
+                UnitReport::Trial(self.workshop.trial(unit.suite, trial, &done))
+            }
+            Work::Block(block) => {
+                let relay = Relay { unit: index, sender: sender.clone() };
+                UnitReport::Block(self.workshop.block(unit.suite, block, &self.results(unit), &relay))
+            }
+        }
+    }
+
+    /// What the unit needs, out of what was kept.
+    fn results(&self, unit: &Unit) -> Results {
+        let kept: Vec<_> = {
+            let state = self.lock();
+            unit.needs.iter().filter_map(|need| state.kept[*need].clone()).collect()
+        };
+        let mut results = Results::default();
+        for one in kept {
+            match &*one {
+                Kept::Runs { scenario, runs } => {
+                    results.scenarios.entry(scenario.clone()).or_default().extend(runs.iter().cloned());
+                }
+                Kept::Block { name, result } => {
+                    results.blocks.insert(name.clone(), result.clone());
+                }
+            }
+        }
+        results
+    }
+
+    /// Books a unit that is done: which units are called off with it, and whether that was one failure too many.
+    fn end(&self, unit: usize, report: &UnitReport) -> (Vec<(usize, Off)>, Option<Stopping>) {
+        let kept = if self.needed[unit] { kept(report) } else { None };
+        let mut state = self.lock();
+        let off = state.schedule.end(unit, kept.is_some());
+        state.kept[unit] = kept.map(Arc::new);
+        let mut off: Vec<_> = off.into_iter().map(|(unit, need)| (unit, Off::Need(need))).collect();
+        let mut stopping = None;
+        if report.standing().is_failure() {
+            state.failures += 1;
+            if let Some(most) = self.max_failures.filter(|most| state.failures == *most) {
+                let rest = state.schedule.call_off();
+                // The last one to fail may be the last one of all.
+                stopping = (!rest.is_empty()).then_some(Stopping::MaxFail(most));
+                off.extend(rest.into_iter().map(|unit| (unit, Off::Stopping(Stopping::MaxFail(most)))));
+            }
+        }
+        self.changed.notify_all();
+        (off, stopping)
+    }
+
+    fn call_off(&self) -> Vec<usize> {
+        let rest = self.lock().schedule.call_off();
+        self.changed.notify_all();
+        rest
+    }
+}
+
+/// What others may need of a result; `None` if there is nothing to build on.
+fn kept(report: &UnitReport) -> Option<Kept> {
+    match report {
+        UnitReport::Trial(report) => matches!(report.state, TrialState::Judged(_)).then(|| Kept::Runs {
+            scenario: report.trial.scenario.clone(),
+            runs: report.trial.cases.iter().cloned().zip(report.outcomes.iter().cloned()).collect(),
+        }),
+        UnitReport::Block(report) => {
+            let result = report.result().filter(|result| result.failure().is_none())?;
+            Some(Kept::Block { name: report.block.name().to_string(), result: result.clone() })
+        }
+    }
+}
+
+/// Sends on what a block says about itself.
+struct Relay<'a> {
+    unit: usize,
+    sender: Sender<Message<'a>>,
+}
+
+impl Progress for Relay<'_> {
+    fn evaluated(&self, done: usize, all: usize, value: Option<f64>) {
+        drop(self.sender.send(Message::Evaluated { unit: self.unit, done, all, value }));
+    }
+}
+
+/// Hears what workers say, keeps what came of each unit and tells it on.
+struct Teller<'t, 'a> {
+    workshop: &'t Workshop<'a>,
+    units: &'t [Unit<'a>],
+    reporter: &'t mut dyn Reporter,
+    slots: Vec<Option<UnitReport<'a>>>,
+    best: HashMap<usize, f64>,
+    interrupted: bool,
+}
+
+impl<'t, 'a> Teller<'t, 'a> {
+    fn new(workshop: &'t Workshop<'a>, units: &'t [Unit<'a>], reporter: &'t mut dyn Reporter) -> Self {
+        let slots = units.iter().map(|_| None).collect();
+        Self { workshop, units, reporter, slots, best: HashMap::new(), interrupted: false }
+    }
+
+    fn tell(&mut self, event: &Event) {
+        self.reporter.tell(event);
+    }
+
+    fn hear(&mut self, message: Message<'a>) {
+        match message {
+            Message::Begun(unit) => {
+                let (key, runs) = (&*self.units[unit].key, self.units[unit].runs());
+                self.reporter.tell(&Event::UnitBegun { unit, key, runs });
+            }
+            Message::RunDone(unit) => self.tell(&Event::RunDone { unit }),
+            Message::Evaluated { unit, done, all, value } => {
+                let best = self.best(unit, value);
+                self.tell(&Event::Evaluated { unit, evaluations: Evaluations { done, all, best } });
+            }
+            Message::Finished { unit, report, off } => {
+                self.finished(unit, report);
+                for (unit, off) in off {
+                    let reason = self.reason(&off);
+                    self.skipped(unit, reason);
+                }
+            }
+            Message::Stopping(stopping) => self.tell(&Event::Stopping(stopping)),
+        }
+    }
+
+    /// The best value of a block's objective so far.
+    fn best(&mut self, unit: usize, value: Option<f64>) -> Option<f64> {
+        let goal = match self.units[unit].work {
+            Work::Block(Block::Search(search)) => Some(search.objective.direction),
+            Work::Block(Block::Tune(tune)) => tune.objectives.first().map(|objective| objective.direction),
+            _ => None,
+        }?;
+        if let Some(value) = value {
+            let best = self.best.entry(unit).or_insert(value);
+            *best = match goal {
+                Goal::Minimise => best.min(value),
+                Goal::Maximise => best.max(value),
+            };
+        }
+        self.best.get(&unit).copied()
+    }
+
+    fn finished(&mut self, unit: usize, report: UnitReport<'a>) {
+        let suite = self.workshop.identity(self.units[unit].suite);
+        self.reporter.tell(&Event::Finished { unit, suite: &suite, report: &report });
+        self.slots[unit] = Some(report);
+    }
+
+    fn skipped(&mut self, unit: usize, reason: Skip) {
+        self.finished(unit, skipped(self.workshop, &self.units[unit], reason));
+    }
+
+    fn reason(&self, off: &Off) -> Skip {
+        match off {
+            Off::Stopping(stopping) => Skip::Stopped(*stopping),
+            Off::Need(need) => {
+                let happened = match self.slots[*need].as_ref().map(UnitReport::standing) {
+                    Some(Standing::Judged(_)) => "failed",
+                    Some(Standing::Errored) => "could not be run",
+                    Some(Standing::Skipped) | None => "was not run",
+                };
+                Skip::Needs { key: self.units[*need].key.to_string(), happened }
+            }
+        }
+    }
+
+    /// Somebody wishes to stop: said once, and nothing more begins.
+    fn interrupted(&mut self, floor: &Floor) {
+        if !std::mem::replace(&mut self.interrupted, true) {
+            self.tell(&Event::Stopping(Stopping::Interrupted));
+        }
+        for unit in floor.call_off() {
+            let reason = self.reason(&Off::Stopping(Stopping::Interrupted));
+            self.skipped(unit, reason);
+        }
+    }
+}
+
+fn skipped<'a>(workshop: &Workshop<'a>, unit: &Unit<'a>, reason: Skip) -> UnitReport<'a> {
+    match unit.work {
+        Work::Trial(trial) => UnitReport::Trial(TrialReport {
+            trial,
+            outcomes: Vec::new(),
+            state: TrialState::Skipped(reason),
+            wall_time: Duration::ZERO,
+        }),
+        Work::Block(block) => UnitReport::Block(BlockReport {
+            block,
+            key: block.key(&workshop.suites()[unit.suite].suite.name),
+            state: BlockState::Skipped(reason),
+            wall_time: Duration::ZERO,
+        }),
+    }
+}
+
+/// All units of a suite; those without a report were not chosen.
+fn suite_report<'a>(
+    workshop: &Workshop<'a>,
+    units: &[Unit<'a>],
+    slots: &mut [Option<UnitReport<'a>>],
+    suite: usize,
+    started: SystemTime,
+    wall_time: Duration,
+) -> SuiteReport<'a> {
+    let identity = workshop.identity(suite);
+    let mut report = SuiteReport { identity, started, wall_time, trials: Vec::new(), blocks: Vec::new() };
+    for (unit, slot) in units.iter().zip(slots).filter(|(unit, _)| unit.suite == suite) {
+        match slot.take().unwrap_or_else(|| skipped(workshop, unit, Skip::NotSelected)) {
+            UnitReport::Trial(trial) => report.trials.push(trial),
+            UnitReport::Block(block) => report.blocks.push(block),
+        }
+    }
+    report
+}

@@ -1,0 +1,13 @@
+//! Running the units of suites, which are trials and blocks: several at a time, each after what it needs.
+//!
+//! Workers run units; one thread hears of everything that happens and tells it on in order, so that reports need no
+//! locks. Results do not depend on the number of workers.
+
+mod dispatcher;
+mod schedule;
+mod unit;
+mod workshop;
+
+pub use dispatcher::{Orders, dispatch};
+pub use unit::{Prepared, Unit, Work, units, with_needs};
+pub use workshop::{Watch, Workshop};

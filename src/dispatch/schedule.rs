@@ -1,0 +1,144 @@
+//! Which unit is next: each after what it needs, and none whose needs came to nothing.
+
+use std::collections::BTreeSet;
+
+/// The units that are still to run.
+#[derive(Debug)]
+pub struct Schedule {
+    /// Place of each unit in the order in which they are to begin.
+    rank: Vec<usize>,
+    /// Units that could begin now, by rank.
+    ready: BTreeSet<(usize, usize)>,
+    /// How many needs of each unit are unfinished; `None` for one that has left the schedule.
+    outstanding: Vec<Option<usize>>,
+    /// Who waits for each unit.
+    waiting: Vec<Vec<usize>>,
+    /// Units that are being run.
+    running: usize,
+}
+
+impl Schedule {
+    /// Of the units that are `chosen`, with all that they need. Those in `first` begin before the others.
+    ///
+    /// `needs` lists for each unit the units that it needs.
+    pub fn new(needs: &[&[usize]], chosen: &[bool], first: &[usize]) -> Self {
+        let units = needs.len();
+        let mut rank: Vec<usize> = (0..units).map(|index| first.len() + index).collect();
+        for (place, index) in first.iter().enumerate() {
+            rank[*index] = place;
+        }
+        let mut schedule = Self {
+            rank,
+            ready: BTreeSet::new(),
+            outstanding: vec![None; units],
+            waiting: vec![Vec::new(); units],
+            running: 0,
+        };
+        for (index, needs) in needs.iter().enumerate().filter(|(index, _)| chosen[*index]) {
+            schedule.outstanding[index] = Some(needs.len());
+            needs.iter().for_each(|need| schedule.waiting[*need].push(index));
+            if needs.is_empty() {
+                schedule.ready.insert((schedule.rank[index], index));
+            }
+        }
+        schedule
+    }
+
+    /// Takes the unit that is to begin next, if one can.
+    pub fn begin(&mut self) -> Option<usize> {
+        let (_, unit) = self.ready.pop_first()?;
+        self.outstanding[unit] = None;
+        self.running += 1;
+        Some(unit)
+    }
+
+    /// Whether nothing is running and nothing can begin.
+    pub fn is_over(&self) -> bool {
+        self.running == 0 && self.ready.is_empty()
+    }
+
+    /// A unit that had begun is done. If others can use it they may begin; if not, they are called off, with all who
+    /// need them: returns those with the unit that each of them misses.
+    pub fn end(&mut self, unit: usize, usable: bool) -> Vec<(usize, usize)> {
+        self.running -= 1;
+        let mut off = Vec::new();
+        let mut missing = vec![];
+        for waiting in std::mem::take(&mut self.waiting[unit]) {
+            let Some(outstanding) = &mut self.outstanding[waiting] else { continue };
+            if !usable {
+                missing.push((waiting, unit));
+                continue;
+            }
+            *outstanding -= 1;
+            if *outstanding == 0 {
+                self.ready.insert((self.rank[waiting], waiting));
+            }
+        }
+        while let Some((waiting, need)) = missing.pop() {
+            if self.outstanding[waiting].take().is_some() {
+                off.push((waiting, need));
+                missing.extend(self.waiting[waiting].iter().map(|next| (*next, waiting)));
+            }
+        }
+        off.sort_unstable();
+        off
+    }
+
+    /// Nothing that has not begun ever will: returns it all.
+    pub fn call_off(&mut self) -> Vec<usize> {
+        self.ready.clear();
+        let left = |(index, one): (usize, &mut Option<usize>)| one.take().map(|_| index);
+        self.outstanding.iter_mut().enumerate().filter_map(left).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 3 needs 0 and 1, 4 needs 3; 2 stands alone.
+    const NEEDS: [&[usize]; 5] = [&[], &[], &[], &[0, 1], &[3]];
+    const NOTHING: [usize; 0] = [];
+
+    fn begun(schedule: &mut Schedule) -> Vec<usize> {
+        std::iter::from_fn(|| schedule.begin()).collect()
+    }
+
+    #[test]
+    fn everything_begins_after_what_it_needs() {
+        let mut schedule = Schedule::new(&NEEDS, &[true; 5], &[]);
+        assert_eq!(begun(&mut schedule), [0, 1, 2]);
+        assert!(!schedule.is_over());
+        assert_eq!(schedule.end(1, true), []);
+        assert_eq!(begun(&mut schedule), NOTHING);
+        assert_eq!(schedule.end(0, true), []);
+        assert_eq!(begun(&mut schedule), [3]);
+        schedule.end(2, false);
+        schedule.end(3, true);
+        assert_eq!(begun(&mut schedule), [4]);
+        schedule.end(4, true);
+        assert!(schedule.is_over());
+    }
+
+    #[test]
+    fn what_comes_to_nothing_takes_along_all_that_need_it() {
+        let mut schedule = Schedule::new(&NEEDS, &[true; 5], &[]);
+        begun(&mut schedule);
+        assert_eq!(schedule.end(0, false), [(3, 0), (4, 3)]);
+        assert_eq!(schedule.end(1, true), []);
+        schedule.end(2, true);
+        assert_eq!(begun(&mut schedule), NOTHING);
+        assert!(schedule.is_over() && schedule.call_off().is_empty());
+    }
+
+    #[test]
+    fn some_begin_first_and_the_rest_can_be_called_off() {
+        let mut schedule = Schedule::new(&NEEDS, &[true, true, true, true, false], &[2]);
+        assert_eq!(schedule.begin(), Some(2));
+        assert_eq!(schedule.begin(), Some(0));
+        assert_eq!(schedule.call_off(), [1, 3]);
+        assert_eq!(begun(&mut schedule), NOTHING);
+        assert_eq!(schedule.end(0, true), []);
+        assert_eq!(begun(&mut schedule), NOTHING, "nothing that was called off ever begins");
+    }
+}

@@ -1,0 +1,84 @@
+//! The units of suites: what is selected, run and reported, and what each needs.
+
+use std::borrow::Cow;
+use std::collections::HashMap;
+
+use crate::experiment::{Block, Need};
+use crate::plan::{Plan, Trial};
+use crate::scenario::Suite;
+
+/// A suite that is ready to run.
+#[derive(Debug)]
+pub struct Prepared {
+    /// As the user named it.
+    pub file: String,
+    pub suite: Suite,
+    pub plan: Plan,
+}
+
+/// One trial or block.
+#[derive(Debug)]
+pub struct Unit<'a> {
+    /// Index of its suite.
+    pub suite: usize,
+    /// Its name in every report.
+    pub key: Cow<'a, str>,
+    pub work: Work<'a>,
+    /// Indices of the units whose results it reads; all of them come before it.
+    pub needs: Vec<usize>,
+}
+
+#[derive(Debug, Clone, Copy)]
+pub enum Work<'a> {
+    Trial(&'a Trial),
+    Block(Block<'a>),
+}
+
+impl Unit<'_> {
+    /// Runs of a trial; a block has none that could be counted beforehand.
+    pub fn runs(&self) -> usize {
+        match self.work {
+            Work::Trial(trial) => trial.cases.len(),
+            Work::Block(_) => 0,
+        }
+    }
+}
+
+/// Every unit of the suites: the trials of a suite and then its blocks, suite after suite.
+pub fn units(suites: &[Prepared]) -> Vec<Unit<'_>> {
+    let mut units = Vec::new();
+    for (suite, prepared) in suites.iter().enumerate() {
+        let mut scenarios: HashMap<&str, Vec<usize>> = HashMap::new();
+        for trial in &prepared.plan.trials {
+            scenarios.entry(&trial.scenario).or_default().push(units.len());
+            let key = Cow::Borrowed(trial.key.as_str());
+            units.push(Unit { suite, key, work: Work::Trial(trial), needs: Vec::new() });
+        }
+        let mut blocks: HashMap<&str, usize> = HashMap::new();
+        for block in Block::all(&prepared.suite) {
+            let mut needs = Vec::new();
+            for need in block.needs() {
+                // What is not there was reported by the checker, or is by the block itself.
+                match need {
+                    Need::Block(name) => needs.extend(blocks.get(name.as_str())),
+                    Need::Scenario(name) => needs.extend(scenarios.get(name.as_str()).into_iter().flatten()),
+                }
+            }
+            blocks.insert(block.name(), units.len());
+            let key = Cow::Owned(block.key(&prepared.suite.name));
+            units.push(Unit { suite, key, work: Work::Block(block), needs });
+        }
+    }
+    units
+}
+
+/// Whether each unit is to run: those that are wanted, and all that they need.
+pub fn with_needs(units: &[Unit], mut wanted: Vec<bool>) -> Vec<bool> {
+    // Needs come before those who need them.
+    for (index, unit) in units.iter().enumerate().rev() {
+        if wanted[index] {
+            unit.needs.iter().for_each(|need| wanted[*need] = true);
+        }
+    }
+    wanted
+}

@@ -1,0 +1,149 @@
+//! Where one unit is run: a trial from its first case to its verdict, a block to its result.
+
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use super::unit::Prepared;
+use crate::experiment::{Block, ExperimentError, Laboratory, Progress, Results};
+use crate::judge::judge;
+use crate::plan::Trial;
+use crate::report::{BlockReport, BlockState, Skip, SuiteIdentity, TrialReport, TrialState};
+use crate::run::{FreeFlows, Outcome, Requests, RunError, Stop, TrialError, Unwatched, run_case, run_trial};
+use crate::scenario::Case;
+use crate::sim::Trace;
+
+/// Given the course of every run of a trial.
+pub type Watch<'a> = dyn Fn(&Case, &Trace) + Sync + 'a;
+
+/// Everything that units share.
+pub struct Workshop<'a> {
+    suites: &'a [Prepared],
+    /// One per suite.
+    laboratories: Vec<Laboratory<'a>>,
+    /// Every metric that anything in any of the suites asks for: all runs are measured alike.
+    requests: Requests,
+    stop: Stop,
+    watch: Option<&'a Watch<'a>>,
+}
+
+impl<'a> Workshop<'a> {
+    /// `journals` is where searches and tunes keep what they have evaluated.
+    pub fn new(suites: &'a [Prepared], journals: Option<PathBuf>, stop: &Stop) -> Self {
+        let mut laboratories: Vec<_> = suites
+            .iter()
+            .map(|suite| Laboratory::new(&suite.suite, journals.clone()).stopped_by(stop.clone()))
+            .collect();
+        let mut requests = Requests::defaults();
+        for laboratory in &laboratories {
+            laboratory.requests.iter().for_each(|request| requests.add(request));
+        }
+        for laboratory in &mut laboratories {
+            laboratory.requests = requests.clone();
+        }
+        Self { suites, laboratories, requests, stop: stop.clone(), watch: None }
+    }
+
+    /// With somebody who is given the course of every run of a trial.
+    pub fn watched_by(mut self, watch: &'a Watch<'a>) -> Self {
+        self.watch = Some(watch);
+        self
+    }
+
+    /// What is measured in every run, in the order of the outcomes' metrics.
+    pub fn requests(&self) -> &Requests {
+        &self.requests
+    }
+
+    pub fn free_flows(&self, suite: usize) -> &FreeFlows {
+        &self.laboratories[suite].free_flows
+    }
+
+    pub fn stop(&self) -> &Stop {
+        &self.stop
+    }
+
+    pub fn suites(&self) -> &'a [Prepared] {
+        self.suites
+    }
+
+    pub fn identity(&self, suite: usize) -> SuiteIdentity<'a> {
+        let prepared = &self.suites[suite];
+        SuiteIdentity { suite: &prepared.plan.suite, file: &prepared.file, seed: prepared.plan.seed }
+    }
+
+    /// Runs and judges one trial of the suite with index `suite`. `done` is called after every run.
+    pub fn trial(&self, suite: usize, trial: &'a Trial, done: &dyn Fn()) -> TrialReport<'a> {
+        let begun = Instant::now();
+        let limit = self.suites[suite].plan.time_limit.map(Duration::from_secs_f64);
+        let run = |case: &Case| {
+            let outcome = self.case(suite, case)?;
+            done();
+            Ok(outcome)
+        };
+        let outcomes = catching(|| run_trial(trial, limit, &self.stop, run));
+        let (outcomes, state) = match outcomes {
+            Ok(Ok(outcomes)) => {
+                let judged = judge(&trial.criteria, &outcomes, &self.requests);
+                (outcomes, TrialState::Judged(judged))
+            }
+            Ok(Err(error @ TrialError::Stopped { .. })) => {
+                (Vec::new(), TrialState::Skipped(Skip::CutOff(error.to_string())))
+            }
+            Ok(Err(error)) => (Vec::new(), TrialState::Errored(error.to_string())),
+            Err(panic) => (Vec::new(), TrialState::Errored(format!("{}: {panic}", trial.key))),
+        };
+        TrialReport { trial, outcomes, state, wall_time: begun.elapsed() }
+    }
+
+    fn case(&self, suite: usize, case: &Case) -> Result<Outcome, RunError> {
+        let free_flows = self.free_flows(suite);
+        let Some(watch) = self.watch else {
+            return run_case(case, &self.requests, free_flows, &mut Unwatched);
+        };
+        let mut trace = Trace::default();
+        let outcome = run_case(case, &self.requests, free_flows, &mut trace)?;
+        watch(case, &trace);
+        Ok(outcome)
+    }
+
+    /// Runs one block, which finds what it needs in `results`.
+    pub fn block(
+        &self,
+        suite: usize,
+        block: Block<'a>,
+        results: &Results,
+        progress: &dyn Progress,
+    ) -> BlockReport<'a> {
+        let begun = Instant::now();
+        let laboratory = &self.laboratories[suite];
+        let state = match catching(|| block.run(laboratory, results, progress)) {
+            Ok(Ok(result)) => BlockState::Finished(Box::new(result)),
+            Ok(Err(ExperimentError::Stopped)) => {
+                BlockState::Skipped(Skip::CutOff(match &laboratory.journals {
+                    Some(folder) => {
+                        format!("interrupted; the same command goes on from {}", folder.display())
+                    }
+                    None => "interrupted".to_string(),
+                }))
+            }
+            Ok(Err(error)) => BlockState::Errored(match error.hint() {
+                Some(hint) => format!("{error} ({hint})"),
+                None => error.to_string(),
+            }),
+            Err(panic) => BlockState::Errored(panic),
+        };
+        let key = block.key(&self.suites[suite].suite.name);
+        BlockReport { block, key, state, wall_time: begun.elapsed() }
+    }
+}
+
+/// What `work` gives, or what it said when it panicked: one broken model must not take the results of all others along.
+fn catching<T>(work: impl FnOnce() -> T) -> Result<T, String> {
+    catch_unwind(AssertUnwindSafe(work)).map_err(|panic: Box<dyn Any + Send>| {
+        let text = panic.downcast_ref::<&str>().map(|text| text.to_string());
+        let text = text.or_else(|| panic.downcast_ref::<String>().cloned());
+        format!("panicked: {}; please report this", text.as_deref().unwrap_or("without a message"))
+    })
+}

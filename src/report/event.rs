@@ -1,0 +1,148 @@
+//! What happens while suites run: every report is fed by it.
+
+use std::time::Duration;
+
+use thiserror::Error;
+
+use super::format::count;
+use super::{BlockReport, Skip, SuiteIdentity, SuiteReport, TrialReport};
+use crate::judge::Verdict;
+use crate::run::Requests;
+
+/// One thing that happened; they come in order and from one thread.
+#[derive(Debug)]
+pub enum Event<'e, 'a> {
+    Begun(&'e Outline),
+    /// A unit begins; `runs` is how many a trial has, 0 for a block.
+    UnitBegun {
+        unit: usize,
+        key: &'e str,
+        runs: usize,
+    },
+    /// One more run of a trial is done.
+    RunDone {
+        unit: usize,
+    },
+    /// A block has got further.
+    Evaluated {
+        unit: usize,
+        evaluations: Evaluations,
+    },
+    Finished {
+        unit: usize,
+        suite: &'e SuiteIdentity<'a>,
+        report: &'e UnitReport<'a>,
+    },
+    /// No more units begin.
+    Stopping(Stopping),
+    /// Nothing happened; time goes on.
+    Tick,
+    Ended {
+        reports: &'e [SuiteReport<'a>],
+        requests: &'e Requests,
+        elapsed: Duration,
+    },
+}
+
+/// What is going to be done.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Outline {
+    pub suites: usize,
+    pub trials: usize,
+    /// Of those trials.
+    pub runs: usize,
+    pub blocks: usize,
+    /// Trials and blocks that were not selected.
+    pub left_out: usize,
+}
+
+/// How far a block is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Evaluations {
+    pub done: usize,
+    pub all: usize,
+    /// The best value of the objective so far.
+    pub best: Option<f64>,
+}
+
+/// Why no more units begin.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+pub enum Stopping {
+    /// So many failed that the rest does not matter.
+    #[error("stopped after {} (--max-fail {_0})", count(*_0, "failure"))]
+    MaxFail(usize),
+    /// Somebody pressed Ctrl-C.
+    #[error("interrupted")]
+    Interrupted,
+}
+
+/// Told everything that happens.
+pub trait Reporter {
+    fn tell(&mut self, event: &Event);
+
+    /// Called when there is nothing more to tell for the moment: the time to write what was collected.
+    fn flush(&mut self) {}
+}
+
+/// What became of one unit.
+#[derive(Debug)]
+pub enum UnitReport<'a> {
+    Trial(TrialReport<'a>),
+    Block(BlockReport<'a>),
+}
+
+impl UnitReport<'_> {
+    pub fn key(&self) -> &str {
+        match self {
+            Self::Trial(trial) => &trial.trial.key,
+            Self::Block(block) => &block.key,
+        }
+    }
+
+    pub fn wall_time(&self) -> Duration {
+        match self {
+            Self::Trial(trial) => trial.wall_time,
+            Self::Block(block) => block.wall_time,
+        }
+    }
+
+    /// Why it was not run, if it was not.
+    pub fn skip(&self) -> Option<&Skip> {
+        match self {
+            Self::Trial(trial) => trial.skip(),
+            Self::Block(block) => block.skip(),
+        }
+    }
+
+    pub fn standing(&self) -> Standing {
+        match self {
+            Self::Trial(trial) => trial.standing(),
+            Self::Block(block) => block.standing(),
+        }
+    }
+}
+
+/// How a unit stands, whatever its kind. The order is from good to bad.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Standing {
+    Skipped,
+    Judged(Verdict),
+    /// It could not be run to its end.
+    Errored,
+}
+
+impl Standing {
+    /// Whether it counts for `--max-fail`: an open question is no failure.
+    pub fn is_failure(self) -> bool {
+        matches!(self, Self::Judged(Verdict::Failed) | Self::Errored)
+    }
+
+    /// Of something that was run and has this verdict, if any.
+    pub(super) fn of(skipped: bool, verdict: Option<Verdict>) -> Self {
+        match verdict {
+            _ if skipped => Self::Skipped,
+            Some(verdict) => Self::Judged(verdict),
+            None => Self::Errored,
+        }
+    }
+}

@@ -1,0 +1,132 @@
+//! The part of the terminal that changes while units run: how far everything is, and what is under way.
+
+use std::time::Duration;
+
+use indicatif::{HumanCount, HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use super::{Running, Tally, status};
+use crate::report::chart::shortened;
+use crate::report::format::count;
+
+/// Drawn on standard error, below everything that is written.
+pub struct Live {
+    bar: ProgressBar,
+}
+
+/// What is over sooner is not drawn at all.
+const PATIENCE: Duration = Duration::from_millis(500);
+/// Units under way that are shown one by one.
+const MOST_SHOWN: usize = 8;
+const WIDEST_KEY: usize = 60;
+const BAR: usize = 24;
+
+impl Live {
+    /// Only for a terminal.
+    pub fn new() -> Self {
+        let target = ProgressDrawTarget::stderr_with_hz(10);
+        let style = ProgressStyle::with_template("{msg}").expect("the template is valid");
+        Self { bar: ProgressBar::with_draw_target(None, target).with_style(style) }
+    }
+
+    /// Writes something that stays, above the part that changes.
+    pub fn aside(&self, write: impl FnMut()) {
+        self.bar.suspend(write);
+    }
+
+    pub(super) fn draw(&self, elapsed: Duration, panel: impl FnOnce() -> String) {
+        if elapsed >= PATIENCE {
+            self.bar.set_message(panel());
+        }
+    }
+
+    pub(super) fn clear(&self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+impl Default for Live {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// A line for everything and one for each unit under way.
+pub(super) fn panel<'r>(
+    tally: &Tally,
+    running: impl Iterator<Item = &'r Running>,
+    elapsed: Duration,
+) -> String {
+    let outline = &tally.outline;
+    let units = outline.trials + outline.blocks;
+    let share = match outline.runs {
+        0 => tally.units_done as f64 / units.max(1) as f64,
+        runs => tally.runs_done as f64 / runs as f64,
+    };
+    let filled = ((share * BAR as f64) as usize).min(BAR);
+    let bar = format!("{}{}", "=".repeat(filled), " ".repeat(BAR - filled));
+    let mut said = vec![format!("{} of {}", tally.units_done, count(units, "unit"))];
+    if outline.runs > 0 {
+        let (done, all) = (HumanCount(tally.runs_done as u64), HumanCount(outline.runs as u64));
+        said.push(format!("{done} of {all} runs"));
+    }
+    if tally.failures > 0 {
+        said.push(format!("{} failed", tally.failures));
+    }
+    let left = left(elapsed, tally.runs_done, outline.runs);
+    let mut text =
+        format!("{:>12} {} [{bar}] {}{left}", "Running", status::seconds(elapsed), said.join(", "));
+    let mut more = 0;
+    for (index, one) in running.enumerate() {
+        if index < MOST_SHOWN {
+            let key = shortened(&one.key, WIDEST_KEY);
+            text += &format!("\n{:>12} {} {key}{}", "", status::seconds(one.begun.elapsed()), one.progress());
+        } else {
+            more += 1;
+        }
+    }
+    if more > 0 {
+        text += &format!("\n{:>12} and {more} more", "");
+    }
+    text
+}
+
+/// The time that is left if all goes on as it did, to be appended; empty while that cannot be said.
+pub(super) fn left(elapsed: Duration, done: usize, all: usize) -> String {
+    if done == 0 || done >= all || elapsed < Duration::from_secs(1) {
+        return String::new();
+    }
+    let left = elapsed.mul_f64((all - done) as f64 / done as f64);
+    format!(", {} left", HumanDuration(left))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::event::{Evaluations, Outline};
+
+    #[test]
+    fn shows_how_far_everything_is() {
+        let outline = Outline { suites: 1, trials: 3, runs: 40, blocks: 1, left_out: 0 };
+        let tally = Tally { outline, units_done: 1, runs_done: 10, failures: 1 };
+        let mut search = Running::new("zebra/search=low_pet", 0);
+        search.evaluations = Some(Evaluations { done: 12, all: 48, best: Some(1.25) });
+        let mut trial = Running::new("zebra/scripted/tta=6s", 20);
+        trial.runs_done = 9;
+        let text = panel(&tally, [trial, search].iter(), Duration::from_secs(3));
+        let lines: Vec<&str> = text.lines().collect();
+        assert_eq!(
+            lines[0],
+            "     Running [   3.000s] [======                  ] 1 of 4 units, 10 of 40 runs, 1 failed, 9 seconds left"
+        );
+        assert!(lines[1].ends_with("zebra/scripted/tta=6s: 9 of 20 runs"), "{text}");
+        assert!(lines[2].ends_with("zebra/search=low_pet: 12 of 48 evaluations, best 1.25"), "{text}");
+    }
+
+    #[test]
+    fn what_is_left_is_not_guessed_from_nothing() {
+        assert_eq!(left(Duration::from_secs(9), 0, 10), "");
+        assert_eq!(left(Duration::from_millis(20), 5, 10), "");
+        assert_eq!(left(Duration::from_secs(9), 10, 10), "");
+        assert_eq!(left(Duration::from_secs(9), 9, 10), ", 1 second left");
+    }
+}

@@ -1,0 +1,277 @@
+//! What the terminal shows: a line per unit, failures when they happen, tables and a summary at the end.
+
+mod live;
+mod status;
+mod summary;
+
+use std::collections::BTreeMap;
+use std::io::{self, Write};
+use std::time::{Duration, Instant};
+
+use anstyle::{AnsiColor, Style};
+
+use super::event::{Evaluations, Event, Outline, Reporter, Standing, Stopping, UnitReport};
+use super::failure::{render_block_failure, render_failure};
+use super::{SuiteIdentity, TrialState};
+use crate::judge::Verdict;
+
+pub use live::Live;
+pub use status::StatusLevel;
+
+/// Tells people what happens.
+pub struct Terminal {
+    out: Box<dyn Write>,
+    colour: bool,
+    level: StatusLevel,
+    live: Option<Live>,
+    /// Not written yet.
+    text: String,
+    /// Written or about to be.
+    lines: usize,
+    /// Whether the last of them is empty.
+    gap: bool,
+    begun: Instant,
+    looked: Instant,
+    tally: Tally,
+    running: BTreeMap<usize, Running>,
+    /// What did not pass, in order.
+    bad: Vec<Bad>,
+}
+
+/// What there is to do and what is done.
+#[derive(Debug, Default)]
+struct Tally {
+    outline: Outline,
+    units_done: usize,
+    runs_done: usize,
+    failures: usize,
+}
+
+/// A unit under way.
+#[derive(Debug)]
+struct Running {
+    key: String,
+    begun: Instant,
+    runs: usize,
+    runs_done: usize,
+    evaluations: Option<Evaluations>,
+    /// How often it was called slow.
+    slow: u32,
+}
+
+/// A unit that did not pass.
+#[derive(Debug)]
+struct Bad {
+    line: String,
+    /// All there is to say about it.
+    text: String,
+    /// The number of the last line of that; `None` if it was not shown.
+    shown: Option<usize>,
+}
+
+/// How often it is looked whether something has to be redrawn or is slow.
+const LOOK: Duration = Duration::from_millis(100);
+/// Every time that a unit has taken as long as this it is called slow.
+const SLOW: Duration = Duration::from_secs(60);
+
+impl Terminal {
+    /// Writes to standard output; `live` draws what is under way in between.
+    pub fn new(level: StatusLevel, colour: bool, live: Option<Live>) -> Self {
+        Self::to(Box::new(io::stdout()), level, colour, live)
+    }
+
+    /// Writes nothing; `live` draws what is under way.
+    pub fn quiet(live: Option<Live>) -> Self {
+        Self::to(Box::new(io::sink()), StatusLevel::None, false, live)
+    }
+
+    fn to(out: Box<dyn Write>, level: StatusLevel, colour: bool, live: Option<Live>) -> Self {
+        let now = Instant::now();
+        Self {
+            out,
+            colour,
+            level,
+            live,
+            text: String::new(),
+            lines: 0,
+            gap: true,
+            begun: now,
+            looked: now,
+            tally: Tally::default(),
+            running: BTreeMap::new(),
+            bad: Vec::new(),
+        }
+    }
+
+    fn say(&mut self, line: &str) {
+        self.lines += 1 + line.matches('\n').count();
+        self.gap = line.is_empty() || line.ends_with('\n');
+        self.text.push_str(line);
+        self.text.push('\n');
+    }
+
+    /// An empty line, unless there is one already.
+    fn gap(&mut self) {
+        if !self.gap {
+            self.say("");
+        }
+    }
+
+    fn begin(&mut self, outline: &Outline) {
+        self.begun = Instant::now();
+        self.tally.outline = outline.clone();
+        if self.level > StatusLevel::None {
+            let line = status::line("Starting", status::GOOD, None, &summary::starting(outline), self.colour);
+            self.say(&line);
+        }
+    }
+
+    fn finish(&mut self, unit: usize, suite: &SuiteIdentity, report: &UnitReport) {
+        if let Some(running) = self.running.remove(&unit) {
+            self.tally.runs_done += running.runs.saturating_sub(running.runs_done);
+        }
+        self.tally.units_done += 1;
+        let standing = report.standing();
+        self.tally.failures += usize::from(standing.is_failure());
+        let said = match report.skip() {
+            Some(reason) => format!("{}: {reason}", report.key()),
+            None => report.key().to_string(),
+        };
+        let line = status::unit_line(standing, report.wall_time(), &said, self.colour);
+        let shown = self.level >= status::level(standing, report.skip());
+        if shown {
+            self.say(&line);
+        }
+        if !matches!(standing, Standing::Skipped | Standing::Judged(Verdict::Passed)) {
+            let text = explain(suite, report, self.colour);
+            let shown = shown.then(|| {
+                self.gap();
+                self.say(&format!("{}\n", text.trim_end()));
+                self.lines
+            });
+            self.bad.push(Bad { line, text, shown });
+        }
+    }
+
+    fn stop(&mut self, stopping: Stopping) {
+        let said = match stopping {
+            Stopping::MaxFail(_) => format!("{stopping}; what has begun comes to its end"),
+            Stopping::Interrupted => "no more runs begin; interrupt again to stop at once".to_string(),
+        };
+        let line = status::line("Stopping", status::DOUBTFUL, None, &said, self.colour);
+        self.say(&line);
+    }
+
+    /// Calls slow what is, once a minute.
+    fn look_for_slow(&mut self) {
+        if self.level < StatusLevel::Slow {
+            return;
+        }
+        let mut lines = Vec::new();
+        for running in self.running.values_mut() {
+            let elapsed = running.begun.elapsed();
+            let times = (elapsed.as_secs_f64() / SLOW.as_secs_f64()) as u32;
+            if times > running.slow {
+                running.slow = times;
+                let said = format!("{}{}", running.key, running.progress());
+                lines.push(status::slow_line(SLOW * times, &said, self.colour));
+            }
+        }
+        lines.iter().for_each(|line| self.say(line));
+    }
+
+    fn write(&mut self) {
+        if self.text.is_empty() {
+            return;
+        }
+        let text = std::mem::take(&mut self.text);
+        let out = &mut self.out;
+        let mut write = || {
+            // A closed pipe is the reader's choice, not an error.
+            let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+        };
+        match &self.live {
+            Some(live) => live.aside(write),
+            None => write(),
+        }
+    }
+}
+
+impl Reporter for Terminal {
+    fn tell(&mut self, event: &Event) {
+        match event {
+            Event::Begun(outline) => self.begin(outline),
+            Event::UnitBegun { unit, key, runs } => {
+                if self.level == StatusLevel::All {
+                    let line = status::line("BEGIN", Style::new(), None, key, self.colour);
+                    self.say(&line);
+                }
+                self.running.insert(*unit, Running::new(key, *runs));
+            }
+            Event::RunDone { unit } => {
+                self.tally.runs_done += 1;
+                if let Some(running) = self.running.get_mut(unit) {
+                    running.runs_done += 1;
+                }
+            }
+            Event::Evaluated { unit, evaluations } => {
+                if let Some(running) = self.running.get_mut(unit) {
+                    running.evaluations = Some(*evaluations);
+                }
+            }
+            Event::Finished { unit, suite, report } => self.finish(*unit, suite, report),
+            Event::Stopping(stopping) => self.stop(*stopping),
+            Event::Tick => {}
+            Event::Ended { reports, requests, elapsed } => {
+                if let Some(live) = self.live.take() {
+                    live.clear();
+                }
+                self.end(reports, requests, *elapsed);
+            }
+        }
+    }
+
+    fn flush(&mut self) {
+        if self.looked.elapsed() >= LOOK {
+            self.looked = Instant::now();
+            self.look_for_slow();
+            if let Some(live) = &self.live {
+                live.draw(self.begun.elapsed(), || {
+                    live::panel(&self.tally, self.running.values(), self.begun.elapsed())
+                });
+            }
+        }
+        self.write();
+    }
+}
+
+impl Running {
+    fn new(key: &str, runs: usize) -> Self {
+        Self { key: key.to_string(), begun: Instant::now(), runs, runs_done: 0, evaluations: None, slow: 0 }
+    }
+
+    /// How far it is, to be appended to its key.
+    fn progress(&self) -> String {
+        match self.evaluations {
+            Some(Evaluations { done, all, best }) => {
+                let best = best.map(|best| format!(", best {}", crate::scenario::significant(best, 4)));
+                let left = live::left(self.begun.elapsed(), done, all);
+                format!(": {done} of {all} evaluations{}{left}", best.unwrap_or_default())
+            }
+            None if self.runs > 1 => format!(": {} of {} runs", self.runs_done, self.runs),
+            None => String::new(),
+        }
+    }
+}
+
+fn explain(suite: &SuiteIdentity, report: &UnitReport, colour: bool) -> String {
+    match report {
+        UnitReport::Trial(trial) => match &trial.state {
+            TrialState::Errored(message) => {
+                super::table::paint("error: ", AnsiColor::Red.on_default().bold(), colour) + message
+            }
+            state => render_failure(suite, state, colour),
+        },
+        UnitReport::Block(block) => render_block_failure(suite, block, colour),
+    }
+}

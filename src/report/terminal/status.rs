@@ -1,0 +1,74 @@
+//! Status lines: a verb of fixed width, the time it took, and what it is about.
+
+use std::time::Duration;
+
+use anstyle::{AnsiColor, Style};
+
+use crate::judge::Verdict;
+use crate::report::Skip;
+use crate::report::event::Standing;
+use crate::report::table::paint;
+
+/// Which units get a status line. Each level shows what those before it show.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum StatusLevel {
+    None,
+    /// Those that failed, could not be run, are inconclusive, or miss what they need.
+    Fail,
+    /// And those that take long.
+    Slow,
+    /// And those that passed.
+    Pass,
+    /// And those that were not run.
+    Skip,
+    /// And every unit when it begins.
+    All,
+}
+
+pub const GOOD: Style = AnsiColor::Green.on_default().bold();
+pub const DOUBTFUL: Style = AnsiColor::Yellow.on_default().bold();
+pub const BAD: Style = AnsiColor::Red.on_default().bold();
+
+/// The level at which such a unit is shown.
+pub fn level(standing: Standing, skip: Option<&Skip>) -> StatusLevel {
+    match standing {
+        Standing::Skipped if matches!(skip, Some(Skip::Needs { .. } | Skip::CutOff(_))) => StatusLevel::Fail,
+        Standing::Skipped => StatusLevel::Skip,
+        Standing::Judged(Verdict::Passed) => StatusLevel::Pass,
+        Standing::Judged(_) | Standing::Errored => StatusLevel::Fail,
+    }
+}
+
+pub fn unit_line(standing: Standing, took: Duration, said: &str, colour: bool) -> String {
+    let (verb, style) = match standing {
+        Standing::Skipped => ("SKIP", DOUBTFUL),
+        Standing::Judged(Verdict::Passed) => ("PASS", GOOD),
+        Standing::Judged(Verdict::Inconclusive) => ("INCONCLUSIVE", DOUBTFUL),
+        Standing::Judged(Verdict::Failed) => ("FAIL", BAD),
+        Standing::Errored => ("ERROR", BAD),
+    };
+    let time = match standing {
+        Standing::Skipped => "[         ]".to_string(),
+        _ => seconds(took),
+    };
+    line(verb, style, Some(&time), said, colour)
+}
+
+/// A unit that has taken longer than `than` and is still running.
+pub fn slow_line(than: Duration, said: &str, colour: bool) -> String {
+    let time = format!("[>{:>7.3}s]", than.as_secs_f64());
+    line("SLOW", DOUBTFUL, Some(&time), said, colour)
+}
+
+/// `[   0.004s]`.
+pub fn seconds(time: Duration) -> String {
+    format!("[{:>8.3}s]", time.as_secs_f64())
+}
+
+/// Verbs stand to the right in twelve columns.
+pub fn line(verb: &str, style: Style, time: Option<&str>, said: &str, colour: bool) -> String {
+    let space = " ".repeat(12_usize.saturating_sub(verb.len()));
+    let verb = paint(verb, style, colour);
+    let time = time.map(|time| format!("{time} ")).unwrap_or_default();
+    format!("{space}{verb} {time}{said}")
+}

@@ -1,0 +1,189 @@
+//! The end of a session: tables and results, failures once more where they have scrolled away, and the summary.
+
+use std::time::Duration;
+
+use super::{Bad, Terminal, status};
+use crate::experiment::{BlockResult, StatementResult};
+use crate::judge::Verdict;
+use crate::report::event::{Outline, Standing};
+use crate::report::experiment::render_block;
+use crate::report::format::count;
+use crate::report::statement::render_statements;
+use crate::report::table::render_tables;
+use crate::report::{BlockReport, Skip, SuiteReport};
+use crate::run::Requests;
+
+/// A failure that is farther up than this is shown again.
+const SCREEN: usize = 100;
+/// Failures shown again; more would scroll each other away.
+const MOST_AGAIN: usize = 10;
+/// Units that did not pass and are named below the summary.
+const MOST_NAMED: usize = 50;
+
+impl Terminal {
+    pub(super) fn end(&mut self, reports: &[SuiteReport], requests: &Requests, elapsed: Duration) {
+        for report in reports {
+            self.suite(report, requests);
+        }
+        self.failures_again();
+        let tally = Standings::of(reports);
+        let style = if tally.failed + tally.errored > 0 {
+            status::BAD
+        } else if tally.inconclusive + tally.not_run > 0 {
+            status::DOUBTFUL
+        } else {
+            status::GOOD
+        };
+        self.gap();
+        self.say(&"─".repeat(12));
+        let time = status::seconds(elapsed);
+        let line = status::line("Summary", style, Some(&time), &tally.in_words(), self.colour);
+        self.say(&line);
+        let bad = std::mem::take(&mut self.bad);
+        bad.iter().take(MOST_NAMED).for_each(|one| self.say(&one.line));
+        if bad.len() > MOST_NAMED {
+            self.say(&format!("{:>12} and {} more", "", bad.len() - MOST_NAMED));
+        }
+    }
+
+    /// Tables of the trials and what the blocks came to.
+    fn suite(&mut self, report: &SuiteReport, requests: &Requests) {
+        let trials = report.trials.iter().filter(|trial| !trial.skipped()).count();
+        let results: Vec<_> = report.blocks.iter().filter_map(BlockReport::result).collect();
+        if trials == 0 && results.is_empty() {
+            return;
+        }
+        self.gap();
+        if trials > 0 {
+            let tables = render_tables(report, requests, self.colour);
+            self.say(&tables);
+        }
+        for result in &results {
+            self.gap();
+            self.say(&render_block(result));
+        }
+        let statements: Vec<_> = results.iter().filter_map(|result| statement(result)).collect();
+        if statements.len() > 1 {
+            self.gap();
+            self.say(&render_statements(&statements));
+        }
+        self.gap();
+        let identity = &report.identity;
+        let mut parts = Vec::new();
+        if trials > 0 {
+            let runs = report.trials.iter().map(|trial| trial.outcomes.len()).sum();
+            parts.extend([count(trials, "trial"), count(runs, "run")]);
+        }
+        let blocks = report.blocks.iter().filter(|block| !block.skipped()).count();
+        if blocks > 0 {
+            parts.push(count(blocks, "block"));
+        }
+        self.say(&format!("{}: {}, seed {}\n", identity.suite, parts.join(", "), identity.seed));
+    }
+
+    /// What did not pass and cannot be seen any more, or was not shown at all.
+    fn failures_again(&mut self) {
+        let bad = std::mem::take(&mut self.bad);
+        let is_far = |one: &&Bad| one.shown.is_none_or(|line| self.lines - line > SCREEN);
+        let far: Vec<_> = bad.iter().filter(is_far).take(MOST_AGAIN).collect();
+        for one in far {
+            self.gap();
+            self.say(&format!("{}\n\n{}\n", one.line, one.text.trim_end()));
+        }
+        self.bad = bad;
+    }
+}
+
+fn statement(result: &BlockResult) -> Option<&StatementResult> {
+    match result {
+        BlockResult::Statement(statement) => Some(statement),
+        _ => None,
+    }
+}
+
+/// What is going to be done, in words.
+pub(super) fn starting(outline: &Outline) -> String {
+    let mut parts = Vec::new();
+    if outline.trials > 0 {
+        parts.push(format!("{} with {}", count(outline.trials, "trial"), count(outline.runs, "run")));
+    }
+    if outline.blocks > 0 {
+        parts.push(count(outline.blocks, "block"));
+    }
+    let mut text = if parts.is_empty() { "nothing".to_string() } else { parts.join(" and ") };
+    if outline.suites > 1 {
+        text += &format!(" of {}", count(outline.suites, "suite"));
+    }
+    if outline.left_out > 0 {
+        text += &format!("; {} not selected", outline.left_out);
+    }
+    text
+}
+
+/// Units by how they stand.
+#[derive(Debug, Default)]
+struct Standings {
+    passed: usize,
+    failed: usize,
+    inconclusive: usize,
+    errored: usize,
+    not_run: usize,
+    not_selected: usize,
+    trials: usize,
+    runs: usize,
+    blocks: usize,
+}
+
+impl Standings {
+    fn of(reports: &[SuiteReport]) -> Self {
+        let mut tally = Self::default();
+        for report in reports {
+            for trial in &report.trials {
+                tally.trials += usize::from(!trial.skipped());
+                tally.runs += trial.outcomes.len();
+                tally.add(trial.standing(), trial.skip());
+            }
+            for block in &report.blocks {
+                tally.blocks += usize::from(!block.skipped());
+                tally.add(block.standing(), block.skip());
+            }
+        }
+        tally
+    }
+
+    fn add(&mut self, standing: Standing, skip: Option<&Skip>) {
+        *match standing {
+            Standing::Judged(Verdict::Passed) => &mut self.passed,
+            Standing::Judged(Verdict::Failed) => &mut self.failed,
+            Standing::Judged(Verdict::Inconclusive) => &mut self.inconclusive,
+            Standing::Errored => &mut self.errored,
+            Standing::Skipped if skip == Some(&Skip::NotSelected) => &mut self.not_selected,
+            Standing::Skipped => &mut self.not_run,
+        } += 1;
+    }
+
+    fn in_words(&self) -> String {
+        let mut what = Vec::new();
+        if self.trials > 0 || self.blocks == 0 {
+            what.extend([count(self.trials, "trial"), count(self.runs, "run")]);
+        }
+        if self.blocks > 0 {
+            what.push(count(self.blocks, "block"));
+        }
+        let numbers = [
+            (self.passed, "passed"),
+            (self.failed, "failed"),
+            (self.inconclusive, "inconclusive"),
+            (self.errored, "could not be run"),
+            (self.not_run, "not run"),
+        ];
+        let numbers = numbers.iter().filter(|(number, _)| *number > 0);
+        let said: Vec<_> = numbers.map(|(number, word)| format!("{number} {word}")).collect();
+        let said = if said.is_empty() { "0 passed".to_string() } else { said.join(", ") };
+        let left_out = match self.not_selected {
+            0 => String::new(),
+            number => format!("; {number} not selected"),
+        };
+        format!("{}: {said}{left_out}", what.join(", "))
+    }
+}

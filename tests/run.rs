@@ -1,0 +1,361 @@
+//! A session at the command line: blocks among trials, what is shown, what is left out, and how it is stopped.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+/// A folder of its own with a suite in it, in which the program runs.
+struct Place {
+    folder: tempfile::TempDir,
+}
+
+impl Place {
+    /// With `small.suite`: the given blocks over two of the scenarios that ship.
+    fn new(blocks: &str) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let place = Self { folder };
+        let (scripted, commotions) = (shipped("zebra/scripted"), shipped("zebra/commotions_carla"));
+        let scenarios = format!("scenarios \"{scripted}\", \"{commotions}\"");
+        place.write("small.suite", &format!("suite small {{ {scenarios}; seed 7 }}\n{blocks}"));
+        place
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    fn write(&self, name: &str, text: &str) {
+        fs::write(self.path(name), text).unwrap();
+    }
+
+    fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_scenario-runner"));
+        command.args(arguments).current_dir(self.folder.path()).env("NO_COLOR", "1");
+        command
+    }
+
+    fn run(&self, arguments: &[&str]) -> Output {
+        self.command(arguments).output().expect("the binary runs")
+    }
+
+    /// Everything as JSON.
+    fn results(&self, arguments: &[&str]) -> Value {
+        self.run(&[arguments, &["--json", "results.json"]].concat());
+        serde_json::from_str(&fs::read_to_string(self.path("results.json")).unwrap()).unwrap()
+    }
+}
+
+/// A scenario that ships, as a suite elsewhere names it.
+fn shipped(name: &str) -> String {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("scenarios/{name}.scn")).to_string_lossy().into_owned()
+}
+
+const BLOCKS: &str = "
+search low_pet {
+  in commotions_carla
+  individuals 2 of standard
+  minimise pet
+  over tta in 6 s .. 18 s
+  budget 6 evaluations, 4 random first
+}
+search nobody {
+  in commotions_carla
+  individuals 1 of standard
+  minimise pet
+  over tta in 6 s .. 18 s
+  budget 3 evaluations, by random
+  keep pet < 0 s
+}
+tune braking_distance {
+  on low_pet
+  over av.controller.braking_distance in 4 m .. 25 m
+  minimise mean(time_lost)
+  budget 4 evaluations, 3 random first
+}
+tune hopeless {
+  on low_pet
+  over av.controller.braking_distance in 4 m .. 25 m
+  minimise mean(time_lost)
+  subject to pet >= 1000 s
+  budget 3 evaluations, by random
+}
+tune on_nothing {
+  on nobody
+  over av.controller.braking_distance in 4 m .. 25 m
+  minimise mean(time_lost)
+  budget 3 evaluations, by random
+}
+";
+
+fn code(output: &Output) -> i32 {
+    output.status.code().expect("the program ends by itself")
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).expect("output is UTF-8")
+}
+
+/// Standard output with every time as `[time]`, and without where the repository is.
+fn stdout(output: &Output) -> String {
+    let text = String::from_utf8(output.stdout.clone()).expect("output is UTF-8");
+    let text = text.replace(env!("CARGO_MANIFEST_DIR"), "[root]");
+    text.lines().map(|line| without_time(line) + "\n").collect()
+}
+
+/// `PASS [   0.004s] key` as `PASS [time] key`.
+fn without_time(line: &str) -> String {
+    let Some((before, rest)) = line.split_once('[') else { return line.to_string() };
+    match rest.split_once("s]") {
+        Some((time, after)) if time.trim().parse::<f64>().is_ok() => format!("{before}[time]{after}"),
+        _ => line.to_string(),
+    }
+}
+
+/// The status lines: verb and key.
+fn status(output: &Output) -> Vec<(String, String)> {
+    let text = stdout(output);
+    let lines = text.split("────").next().unwrap_or_default().lines();
+    let parts = lines.filter_map(|line| {
+        let (verb, rest) = line.split_once(" [")?;
+        let (_, key) = rest.split_once("] ")?;
+        Some((verb.trim().to_string(), key.to_string()))
+    });
+    parts.collect()
+}
+
+fn names(arguments: &[&str]) -> Vec<String> {
+    let output = Place::new(BLOCKS).run(arguments);
+    String::from_utf8(output.stdout).unwrap().lines().map(str::to_string).collect()
+}
+
+#[test]
+fn blocks_run_among_the_trials_in_the_order_in_which_they_need_each_other() {
+    let place = Place::new(BLOCKS);
+    let output = place.run(&["small.suite", "-j", "1"]);
+    assert_eq!(code(&output), 100, "{}{}", stdout(&output), stderr(&output));
+    insta::assert_snapshot!(stdout(&output));
+    assert!(
+        !fs::exists(place.path(".scenario-runner/journal")).unwrap()
+            || empty(&place.path(".scenario-runner/journal"))
+    );
+}
+
+fn empty(folder: &Path) -> bool {
+    fs::read_dir(folder).unwrap().next().is_none()
+}
+
+#[test]
+fn blocks_are_in_every_report() {
+    let place = Place::new(BLOCKS);
+    let reports =
+        ["--junit", "junit.xml", "--tap", "report.tap", "--json", "results.json", "--html", "page.html"];
+    let output =
+        place.run(&[&["small.suite", "=low_pet", "--skip", "tta", "-j", "2"], &reports[..]].concat());
+    assert_eq!(code(&output), 0, "{}{}", stdout(&output), stderr(&output));
+    let text = |name: &str| fs::read_to_string(place.path(name)).unwrap();
+    let results: Value = serde_json::from_str(&text("results.json")).unwrap();
+    let blocks = results["suites"][0]["blocks"].as_array().unwrap();
+    let verdicts: Vec<_> = blocks.iter().map(|block| block["verdict"].as_str().unwrap()).collect();
+    assert_eq!(verdicts, ["passed", "skipped", "skipped", "skipped", "skipped"]);
+    assert_eq!(blocks[0]["result"]["search"]["found"].as_array().unwrap().len(), 2);
+    assert!(text("junit.xml").contains("classname=\"small.search\""));
+    assert!(text("report.tap").contains("- small/search=low_pet\n"));
+}
+
+#[test]
+fn what_a_unit_needs_comes_along() {
+    let list = names(&["small.suite", "tune=braking_distance", "--list"]);
+    assert_eq!(list, ["small/search=low_pet", "small/tune=braking_distance"]);
+    let all = names(&["small.suite", "--list"]);
+    assert_eq!(all.len(), 8 + 5, "{all:?}");
+}
+
+#[test]
+fn the_suite_and_the_commands_find_the_same() {
+    let place = Place::new(BLOCKS);
+    let whole = place.results(&["small.suite", "-j", "2"]);
+    let alone = place.run(&["tune", "braking_distance", "small.suite", "--json", "tune.json"]);
+    assert_eq!(code(&alone), 0, "{}", stderr(&alone));
+    let alone: Value = serde_json::from_str(&fs::read_to_string(place.path("tune.json")).unwrap()).unwrap();
+    assert_eq!(whole["suites"][0]["blocks"][2]["result"]["tune"], alone);
+}
+
+#[test]
+fn partitions_share_the_units_out() {
+    for by in ["slice", "hash"] {
+        let share =
+            |part| names(&["small.suite", "tta=", "--list", "--partition", &format!("{by}:{part}/2")]);
+        let (one, two) = (share(1), share(2));
+        let mut both = [one.clone(), two.clone()].concat();
+        both.sort();
+        let mut all = names(&["small.suite", "tta=", "--list"]);
+        all.sort();
+        assert_eq!(both, all, "{by}: {one:?} {two:?}");
+    }
+    let output = Place::new("").run(&["small.suite", "--partition", "hash:3/2"]);
+    assert_eq!(code(&output), 2);
+    assert!(stderr(&output).contains("there is no share 3 of 2"), "{}", stderr(&output));
+}
+
+#[test]
+fn a_session_ends_early_after_enough_failures() {
+    let place = Place::new("");
+    let suite = format!("suite bad {{ scenarios \"{}\" }}", shipped("unsafe/stands_in_lane"));
+    place.write("bad.suite", &suite);
+    let output = place.run(&["bad.suite", "-j", "1", "--max-fail", "2", "--status-level", "skip"]);
+    assert_eq!(code(&output), 100);
+    let said = "bad/stands_in_lane/tta=10s: stopped after 2 failures (--max-fail 2)";
+    let lines = status(&output);
+    assert_eq!(lines[2], ("SKIP".to_string(), said.to_string()), "{}", stdout(&output));
+    let first = place.results(&["bad.suite", "-j", "1", "--fail-fast"]);
+    let verdicts: Vec<_> = first["suites"][0]["trials"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|trial| trial["verdict"].clone())
+        .collect();
+    assert_eq!(verdicts, ["failed", "skipped", "skipped"]);
+    let all = place.run(&["bad.suite", "--max-fail", "all"]);
+    assert_eq!(status(&all).len(), 3);
+    assert_eq!(code(&place.run(&["bad.suite", "--max-fail", "0"])), 2);
+}
+
+#[test]
+fn the_status_level_says_who_gets_a_line() {
+    let place = Place::new("");
+    let lines = |level: &str| {
+        status(&place.run(&["small.suite", "scripted/tta=6s", "-j", "1", "--status-level", level]))
+    };
+    assert_eq!(lines("none"), []);
+    assert_eq!(lines("fail"), []);
+    assert_eq!(lines("slow"), []);
+    let passed = ("PASS".to_string(), "small/scripted/tta=6s".to_string());
+    assert_eq!(lines("pass"), [passed]);
+    assert_eq!(lines("skip").len(), 1, "what was not selected is not listed line by line");
+}
+
+#[test]
+fn nothing_selected_is_an_error_unless_told_otherwise() {
+    let place = Place::new("");
+    let with = |arguments: &[&str]| place.run(&[&["small.suite", "no_such_unit"], arguments].concat());
+    assert_eq!(code(&with(&[])), 4);
+    let warned = with(&["--no-tests", "warn"]);
+    assert_eq!(code(&warned), 0);
+    assert!(stderr(&warned).contains("warning: no trial is selected"));
+    let silent = with(&["--no-tests", "pass"]);
+    assert_eq!((code(&silent), stderr(&silent)), (0, String::new()));
+}
+
+#[cfg(unix)]
+mod interrupts {
+    use std::io::{BufRead, BufReader, Read};
+    use std::process::{Child, Stdio};
+    use std::thread;
+    use std::time::Duration;
+
+    use super::*;
+
+    /// Presses Ctrl-C.
+    fn interrupt(child: &Child) {
+        let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+        assert!(sent.success());
+    }
+
+    fn start(place: &Place, arguments: &[&str]) -> Child {
+        place.command(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+    }
+
+    /// Reads lines until one has `text` in it.
+    fn wait_for(reader: &mut impl BufRead, text: &str) {
+        let mut line = String::new();
+        while !line.contains(text) {
+            line.clear();
+            assert!(reader.read_line(&mut line).unwrap() > 0, "no line with `{text}`");
+        }
+    }
+
+    /// A pedestrian who takes an hour, over and over; the smaller the step (s), the longer each run.
+    fn endless(place: &Place, step: f64) {
+        let text = fs::read_to_string(shipped("unsafe/stands_in_lane")).unwrap();
+        let varied = "vary tta in [4 s, 6 s]\n  repeat 500\n  horizon 3600 s";
+        let text = text
+            .replace("../roads", &shipped("roads").replace(".scn", ""))
+            .replace("speed: 1.4 m/s, stop_after: 4 m, stop_for: 10 s", "speed: 0.0001 m/s")
+            .replace("vary tta in [4 s, 6 s, 10 s]", &format!("{varied}\n  step {step} s"));
+        place.write("endless.scn", &text);
+    }
+
+    #[test]
+    fn once_reports_what_is_finished() {
+        let place = Place::new("");
+        endless(&place, 0.01);
+        let quick = format!("suite both {{ scenarios \"{}\", \"endless.scn\" }}", shipped("zebra/scripted"));
+        place.write("both.suite", &quick);
+        let mut child =
+            start(&place, &["both.suite", "-j", "1", "--status-level", "all", "--json", "results.json"]);
+        let mut out = BufReader::new(child.stdout.take().unwrap());
+        wait_for(&mut out, "BEGIN both/stands_in_lane/tta=4s");
+        interrupt(&child);
+        let mut rest = String::new();
+        out.read_to_string(&mut rest).unwrap();
+        assert_eq!(child.wait().unwrap().code(), Some(105), "{rest}");
+        assert!(rest.contains("Stopping no more runs begin"), "{rest}");
+        assert!(rest.contains("both/stands_in_lane/tta=4s: interrupted after "), "{rest}");
+        assert!(rest.contains("4 passed, 2 not run"), "{rest}");
+        let results: Value =
+            serde_json::from_str(&fs::read_to_string(place.path("results.json")).unwrap()).unwrap();
+        let last = &results["suites"][0]["trials"][5];
+        assert_eq!((&last["verdict"], &last["message"]), (&"skipped".into(), &"interrupted".into()));
+    }
+
+    #[test]
+    fn twice_stops_at_once() {
+        let place = Place::new("");
+        endless(&place, 0.0001);
+        let mut child = start(&place, &["endless.scn", "-j", "1", "--status-level", "all"]);
+        let mut out = BufReader::new(child.stdout.take().unwrap());
+        wait_for(&mut out, "BEGIN");
+        interrupt(&child);
+        wait_for(&mut out, "Stopping");
+        interrupt(&child);
+        let mut rest = String::new();
+        out.read_to_string(&mut rest).unwrap();
+        assert_eq!(child.wait().unwrap().code(), Some(105));
+        assert!(!rest.contains("Summary"), "{rest}");
+    }
+
+    #[test]
+    fn a_search_goes_on_from_its_journal_to_the_same_result() {
+        let search = "search many {\n  in commotions_carla\n  individuals 5 of standard\n  minimise pet\n\
+                      over tta in 6 s .. 18 s\n  budget 300 evaluations, by random\n}\n";
+        let undisturbed = Place::new(search).run(&["search", "many", "small.suite"]);
+        for arguments in [&["search", "many", "small.suite"][..], &["small.suite", "search=many"][..]] {
+            let place = Place::new(search);
+            let mut child = start(&place, arguments);
+            let journals = place.path(".scenario-runner/journal");
+            let recorded = || {
+                let files = fs::read_dir(&journals).into_iter().flatten();
+                files
+                    .filter_map(|entry| fs::read_to_string(entry.ok()?.path()).ok())
+                    .map(|text| text.lines().count())
+                    .sum::<usize>()
+            };
+            while recorded() < 30 {
+                assert!(child.try_wait().unwrap().is_none(), "it ended before it could be interrupted");
+                thread::sleep(Duration::from_millis(5));
+            }
+            interrupt(&child);
+            let output = child.wait_with_output().unwrap();
+            assert_eq!(code(&output), 105, "{}{}", stdout(&output), stderr(&output));
+            let said = format!("{}{}", stdout(&output), stderr(&output));
+            assert!(said.contains("interrupted") && said.contains("goes on from"), "{said}");
+            assert!(!empty(&journals));
+            let resumed = place.run(&["search", "many", "small.suite"]);
+            assert_eq!(code(&resumed), 0, "{}", stderr(&resumed));
+            assert_eq!(stdout(&resumed), stdout(&undisturbed));
+            assert!(empty(&journals));
+        }
+    }
+}
