@@ -16,7 +16,7 @@ pub enum Exit {
     NothingSelected = 4,
     /// `fmt --check` found a file that is not in the one style.
     Unformatted = 5,
-    /// A verdict failed.
+    /// A verdict failed, or something could not be run.
     Failed = 100,
     /// No verdict failed, but one could not be decided with the runs there were.
     Inconclusive = 102,
@@ -34,7 +34,7 @@ Exit codes:
     3  a scenario or suite cannot be read or has errors
     4  no trial or block was selected
     5  `fmt --check` found a file that is not in the one style
-  100  a verdict failed
+  100  a verdict failed, or something could not be run
   102  no verdict failed, but one is inconclusive
   105  interrupted: what was finished is reported
   110  a report could not be written

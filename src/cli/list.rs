@@ -1,4 +1,4 @@
-//! `scenario-runner list`: the scenarios of suites.
+//! `scenario-runner list`: the scenarios and blocks of suites.
 
 use std::collections::BTreeMap;
 use std::io::IsTerminal;
@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::Exit;
+use crate::experiment::Block;
 use crate::lang::{self, Style};
 use crate::plan;
 
@@ -58,6 +59,12 @@ pub fn list(arguments: &ListArguments) -> Exit {
                 println!("    {doc}");
             }
         }
+        for block in Block::all(&suite).iter().filter(|_| !arguments.tags) {
+            println!("{}{}", block.key(&suite.name), evaluations(block));
+            if let Some(doc) = block.doc() {
+                println!("    {doc}");
+            }
+        }
     }
     if arguments.tags {
         for (tag, count) in tags {
@@ -65,4 +72,13 @@ pub fn list(arguments: &ListArguments) -> Exit {
         }
     }
     exit
+}
+
+/// How much a block evaluates, where that is said; to be appended.
+fn evaluations(block: &Block) -> String {
+    match block {
+        Block::Search(search) => format!("  {} evaluations", search.budget.evaluations),
+        Block::Tune(tune) => format!("  {} evaluations", tune.budget.evaluations),
+        _ => String::new(),
+    }
 }

@@ -58,7 +58,7 @@ enum Command {
     Lsp(lsp::LspArguments),
     /// Explain the code of an error or warning.
     Explain(explain::ExplainArguments),
-    /// Show the scenarios of suites with their tags and how much they run.
+    /// Show the scenarios and blocks of suites with their tags and how much they run.
     List(list::ListArguments),
     /// Show the pedestrian models, controllers, vehicle dynamics and metrics there are.
     Models(models::ModelsArguments),
