@@ -41,7 +41,7 @@ pub fn examine(path: &Path, text: Option<&str>) -> (Vec<Diagnostic>, Sources) {
 }
 
 fn load(file: &str, seed: Option<u64>, colour: bool) -> Result<Prepared, ()> {
-    let lang::Loaded { mut suite, sources, .. } = read_with_sources(file, colour)?;
+    let lang::Loaded { mut suite, sources, .. } = read(file, colour)?;
     suite.seed = seed.unwrap_or(suite.seed);
     refuse_gates(&suite, colour)?;
     refuse_hopeless(&suite, &sources, colour)?;
@@ -105,11 +105,7 @@ fn build_everybody(plan: &Plan, colour: bool) -> Result<(), ()> {
 }
 
 /// Loads and checks one file; warnings and errors go to stderr.
-pub fn read(file: &str, colour: bool) -> Result<Suite, ()> {
-    read_with_sources(file, colour).map(|loaded| loaded.suite)
-}
-
-fn read_with_sources(file: &str, colour: bool) -> Result<lang::Loaded, ()> {
+fn read(file: &str, colour: bool) -> Result<lang::Loaded, ()> {
     let style = lang::Style { colour };
     match lang::load(Path::new(file)) {
         Ok(loaded) => {

@@ -137,7 +137,7 @@ struct State {
 
 enum Kept {
     Runs { scenario: String, runs: Vec<(Case, Outcome)> },
-    Block { name: String, result: BlockResult },
+    Block { name: String, result: Box<BlockResult> },
 }
 
 impl<'w, 'a> Floor<'w, 'a> {
@@ -222,7 +222,7 @@ impl<'w, 'a> Floor<'w, 'a> {
                     results.scenarios.entry(scenario.clone()).or_default().extend(runs.iter().cloned());
                 }
                 Kept::Block { name, result } => {
-                    results.blocks.insert(name.clone(), result.clone());
+                    results.blocks.insert(name.clone(), (**result).clone());
                 }
             }
         }
@@ -266,7 +266,7 @@ fn kept(report: &UnitReport) -> Option<Kept> {
         }),
         UnitReport::Block(report) => {
             let result = report.result().filter(|result| result.failure().is_none())?;
-            Some(Kept::Block { name: report.block.name().to_string(), result: result.clone() })
+            Some(Kept::Block { name: report.block.name().to_string(), result: Box::new(result.clone()) })
         }
     }
 }
