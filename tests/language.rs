@@ -190,6 +190,29 @@ fn a_full_scenario_becomes_the_data_it_describes() {
     });
 }
 
+#[test]
+fn blocks_bring_what_they_build_on() {
+    let suite = lang::load(&folder("ok/parts.suite")).unwrap().suite;
+    // What is measured is run; what is only searched or drawn from is there for that alone.
+    assert_eq!(suite.scenarios.iter().map(|one| one.name.as_str()).collect::<Vec<_>>(), ["stroll"]);
+    assert_eq!(suite.supporting.iter().map(|one| one.name.as_str()).collect::<Vec<_>>(), ["walk"]);
+    assert_eq!(suite.searches.iter().map(|one| one.name.as_str()).collect::<Vec<_>>(), ["low_pet"]);
+    assert_eq!(suite.tunes.iter().map(|one| one.name.as_str()).collect::<Vec<_>>(), ["near"]);
+}
+
+#[test]
+fn the_same_file_over_two_ways_is_one() {
+    let loaded = lang::load(&folder("ok/twice.suite"))
+        .unwrap_or_else(|failure| panic!("{}", failure.render(Style::default())));
+    let suite = loaded.suite;
+    assert_eq!(suite.scenarios.iter().map(|one| one.name.as_str()).collect::<Vec<_>>(), ["walk", "stroll"]);
+    assert_eq!(
+        suite.searches.iter().map(|one| one.name.as_str()).collect::<Vec<_>>(),
+        ["low_pet", "nobody_asks"]
+    );
+    assert!(suite.supporting.is_empty());
+}
+
 /// Codes that need a file no repository should hold.
 const TESTED_ELSEWHERE: [Code; 3] = [Code::NotUtf8, Code::FileTooLarge, Code::TooManyFiles];
 

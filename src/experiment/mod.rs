@@ -78,6 +78,7 @@ impl<'a> Laboratory<'a> {
         self.suite
             .scenarios
             .iter()
+            .chain(&self.suite.supporting)
             .find(|scenario| scenario.name == name)
             .ok_or_else(|| ExperimentError::UnknownScenario(name.to_string()))
     }

@@ -143,6 +143,7 @@ fn suite() -> Suite {
         seed: 11,
         time_limit: None,
         scenarios: vec![scenario()],
+        supporting: Vec::new(),
         searches: vec![search],
         tunes: vec![tune],
         evaluates: Vec::new(),

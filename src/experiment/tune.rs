@@ -101,7 +101,7 @@ impl Bench<'_> {
         let seed = derive_seed(suite.seed, &name);
         let definition = definition(space, &tune.budget, goals, tune.constraints.len(), seed);
         let batch = tune.budget.batch as usize;
-        let inputs = (suite.seed, &suite.scenarios, tune, &self.cases);
+        let inputs = (suite.seed, &suite.scenarios, &suite.supporting, tune, &self.cases);
         let mut record =
             Record::open(self.laboratory.journals.as_deref(), &name, &inputs, &definition, batch)?;
         let mut optimiser = Optimiser::new(definition)?;

@@ -287,7 +287,16 @@ pub fn definition(path: &Path, text: &str, offset: usize) -> Option<(Span, Sourc
     let name = node.text();
     let names = files.names(file);
     let span = match (node.rule(), parent.rule()) {
-        (Rule::name, Rule::base | Rule::search_in | Rule::on_cases) => names.scenarios.get(name)?.span,
+        (Rule::name, Rule::base) => names.scenarios.get(name)?.span,
+        (
+            Rule::name,
+            Rule::search_in
+            | Rule::on_cases
+            | Rule::as_many
+            | Rule::evaluated
+            | Rule::outcomes
+            | Rule::chosen,
+        ) => names.blocks.get(name).or_else(|| names.scenarios.get(name))?.span,
         (Rule::name, Rule::road_choice) => names.roads.get(name)?.span,
         (Rule::reference | Rule::name, _) => local_definition(&around, name)
             .or_else(|| files.scope(file).names.get(name).map(|binding| binding.span))?,

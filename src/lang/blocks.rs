@@ -1,13 +1,13 @@
 //! The searches, tunes, evaluates and statements of a suite: which there are, and in which order they are checked.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use super::check::{self, Checked, Places, Subjects};
 use super::codes::Code;
 use super::diagnostic::Diagnostic;
 use super::files::{Definition, FileId, Files};
 use super::source::Span;
-use super::tree::{Node, Rule};
+use super::tree::{Node, NodeIndex, Rule};
 use crate::scenario::{Evaluate, Scenario, Search, Statement, Tune};
 
 /// Every block of a suite without mistakes.
@@ -21,83 +21,164 @@ pub struct Blocks {
 
 const KINDS: [Rule; 4] = [Rule::search, Rule::tune, Rule::evaluate, Rule::statement];
 
-/// The blocks of some files, about scenarios and blocks of any of them.
-pub fn blocks(
-    files: &Files,
-    of: &[FileId],
-    definitions: &[Definition],
-    scenarios: &[Scenario],
-    report: &mut Vec<Diagnostic>,
-) -> Blocks {
-    let nodes: Vec<(FileId, Node)> = of
-        .iter()
-        .flat_map(|file| {
-            let root = files.tree(*file).root();
-            let inner =
-                root.all(Rule::suite).flat_map(|suite| suite.all(Rule::suite_block)).flat_map(Node::children);
-            root.children().chain(inner).map(|node| (*file, node))
-        })
-        .filter(|(_, node)| KINDS.contains(&node.rule()))
-        .collect();
-    let mut names: HashMap<&str, Span> = definitions
-        .iter()
-        .filter_map(|definition| Some((files.node(*definition).child(Rule::name)?.text(), definition.span)))
-        .collect();
-    for (_, node) in &nodes {
-        reject_duplicate(*node, &mut names, report);
+/// The blocks that belong to a suite, with the scenarios that they bring along from used files.
+#[derive(Default)]
+pub struct Gathered<'t> {
+    nodes: Vec<(FileId, Node<'t>)>,
+    /// Everything that they refer to.
+    names: HashSet<&'t str>,
+    /// Scenarios whose runs a statement measures, so that they belong to the suite.
+    pub measured: Vec<Definition>,
+    /// Scenarios that are only searched, sampled or compared with.
+    pub supporting: Vec<Definition>,
+}
+
+/// What a block refers to by name.
+struct Reference<'t> {
+    name: &'t str,
+    /// Every run of it is wanted, should it be a scenario.
+    measures: bool,
+}
+
+/// The blocks of some files whose scenarios are `definitions`, and everything in used files that those build on.
+pub fn gather<'t>(files: &'t Files, of: &[FileId], definitions: &[Definition]) -> Gathered<'t> {
+    let mut gathered = Gathered::default();
+    for file in of {
+        let root = files.tree(*file).root();
+        let inner =
+            root.all(Rule::suite).flat_map(|suite| suite.all(Rule::suite_block)).flat_map(Node::children);
+        let blocks = root.children().chain(inner).filter(|node| KINDS.contains(&node.rule()));
+        gathered.nodes.extend(blocks.map(|node| (*file, node)));
     }
-    let places = Places { files };
-    let mut subjects = Subjects {
-        definitions,
-        scenarios,
-        searches: Checked::default(),
-        tunes: Checked::default(),
-        evaluates: Checked::default(),
-    };
-    let mut statements = Vec::new();
-    // Each kind is about the ones before it, so no circle can arise.
-    for kind in KINDS {
-        for (file, node) in nodes.iter().filter(|(_, node)| node.rule() == kind) {
-            let scope = files.scope(*file);
-            let name = node.child(Rule::name).map_or("", Node::text);
-            match kind {
-                Rule::search => {
-                    let search = check::search(*node, &subjects, scope, &places, report);
-                    subjects.searches.add(name, search);
+    let mut seen: HashSet<(FileId, NodeIndex)> =
+        gathered.nodes.iter().map(|(file, node)| (*file, node.index())).collect();
+    let mut at = 0;
+    while let Some((file, node)) = gathered.nodes.get(at).copied() {
+        at += 1;
+        let names = files.names(file);
+        for Reference { name, measures } in references(node) {
+            gathered.names.insert(name);
+            if let Some(block) = names.blocks.get(name) {
+                if seen.insert((block.file, block.node)) {
+                    gathered.nodes.push((block.file, files.node(*block)));
                 }
-                Rule::tune => {
-                    let tune = check::tune(*node, &subjects, scope, &places, report);
-                    subjects.tunes.add(name, tune);
+            } else if let Some(scenario) = names.scenarios.get(name)
+                && files.node(*scenario).rule() == Rule::scenario
+                && !definitions.contains(scenario)
+            {
+                let into = if measures { &mut gathered.measured } else { &mut gathered.supporting };
+                if !into.contains(scenario) {
+                    into.push(*scenario);
                 }
-                Rule::evaluate => {
-                    let evaluate = check::evaluate(*node, &subjects, scope, &places, report);
-                    subjects.evaluates.add(name, evaluate);
-                }
-                _ => statements.extend(check::statement(*node, &subjects, scope, &places, report)),
             }
         }
     }
-    Blocks {
-        searches: subjects.searches.all(),
-        tunes: subjects.tunes.all(),
-        evaluates: subjects.evaluates.all(),
-        statements,
+    let measured = &gathered.measured;
+    gathered.supporting.retain(|scenario| !measured.contains(scenario));
+    gathered
+}
+
+fn references(block: Node) -> impl Iterator<Item = Reference> {
+    const REFERRING: [Rule; 6] =
+        [Rule::search_in, Rule::on_cases, Rule::as_many, Rule::evaluated, Rule::outcomes, Rule::chosen];
+    block.descendants().filter(|node| REFERRING.contains(&node.rule())).flat_map(|node| {
+        let alone = node.rule() == Rule::outcomes;
+        let names = node.all(Rule::name).take(if alone { 1 } else { usize::MAX });
+        names.map(move |name| Reference { name: name.text(), measures: alone })
+    })
+}
+
+impl Gathered<'_> {
+    pub fn is_empty(&self) -> bool {
+        self.nodes.is_empty()
+    }
+
+    /// Whether any of them refers to a scenario or block of that name.
+    pub fn are_about(&self, name: &str) -> bool {
+        self.names.contains(name)
+    }
+
+    /// Checks every block. The scenarios are those of the suite and the supporting ones; `definitions` are of both.
+    pub fn check(
+        self,
+        files: &Files,
+        definitions: &[Definition],
+        scenarios: [&[Scenario]; 2],
+        report: &mut Vec<Diagnostic>,
+    ) -> Blocks {
+        reject_shared_names(files, &self.nodes, definitions, report);
+        let places = Places { files };
+        let mut subjects = Subjects {
+            definitions,
+            scenarios,
+            searches: Checked::default(),
+            tunes: Checked::default(),
+            evaluates: Checked::default(),
+        };
+        let mut statements = Vec::new();
+        // Each kind is about the ones before it, so no circle can arise.
+        for kind in KINDS {
+            for (file, node) in self.nodes.iter().filter(|(_, node)| node.rule() == kind) {
+                let scope = files.scope(*file);
+                let name = node.child(Rule::name).map_or("", Node::text);
+                match kind {
+                    Rule::search => {
+                        let search = check::search(*node, &subjects, scope, &places, report);
+                        subjects.searches.add(name, search);
+                    }
+                    Rule::tune => {
+                        let tune = check::tune(*node, &subjects, scope, &places, report);
+                        subjects.tunes.add(name, tune);
+                    }
+                    Rule::evaluate => {
+                        let evaluate = check::evaluate(*node, &subjects, scope, &places, report);
+                        subjects.evaluates.add(name, evaluate);
+                    }
+                    _ => statements.extend(check::statement(*node, &subjects, scope, &places, report)),
+                }
+            }
+        }
+        Blocks {
+            searches: subjects.searches.all(),
+            tunes: subjects.tunes.all(),
+            evaluates: subjects.evaluates.all(),
+            statements,
+        }
     }
 }
 
-/// Reports a block whose name is taken.
-pub fn reject_duplicate<'a>(
-    node: Node<'a>,
-    names: &mut HashMap<&'a str, Span>,
+/// Reports blocks that are called like a scenario or like a block of another file. Within a file and what it uses that
+/// has been done.
+fn reject_shared_names(
+    files: &Files,
+    nodes: &[(FileId, Node)],
+    definitions: &[Definition],
     report: &mut Vec<Diagnostic>,
 ) {
-    let Some(name) = node.child(Rule::name) else { return };
-    if let Some(first) = names.insert(name.text(), name.span()) {
-        report.push(
-            Diagnostic::new(Code::DuplicateName, name.span(), format!("`{}` is defined twice", name.text()))
-                .label("defined again")
-                .context(first, "defined first here")
-                .hint("give one of them another name"),
-        );
+    let scenario = |definition: &Definition| {
+        let name = files.node(*definition).child(Rule::name)?;
+        Some((name.text(), (definition.span, true)))
+    };
+    let mut names: HashMap<&str, (Span, bool)> = definitions.iter().filter_map(scenario).collect();
+    let known: HashSet<Span> =
+        report.iter().filter(|finding| finding.code == Code::DuplicateName).map(Diagnostic::span).collect();
+    let named = nodes.iter().filter_map(|(_, node)| node.child(Rule::name));
+    for name in named.filter(|name| !known.contains(&name.span())) {
+        match names.get(name.text()) {
+            Some((first, is_scenario)) if *is_scenario || first.source != name.span().source => {
+                report.push(
+                    Diagnostic::new(
+                        Code::DuplicateName,
+                        name.span(),
+                        format!("`{}` is defined twice", name.text()),
+                    )
+                    .label("defined again")
+                    .context(*first, if *is_scenario { "a scenario" } else { "defined first here" })
+                    .hint("give one of them another name: scenarios and blocks share theirs"),
+                );
+            }
+            Some(_) => {}
+            None => _ = names.insert(name.text(), (name.span(), false)),
+        }
     }
 }

@@ -34,6 +34,8 @@ pub struct Names {
     pub roads: HashMap<String, Definition>,
     /// Scenarios and templates.
     pub scenarios: HashMap<String, Definition>,
+    /// Searches, tunes, evaluates and statements.
+    pub blocks: HashMap<String, Definition>,
 }
 
 struct File {
@@ -194,18 +196,16 @@ impl Files {
             }
         }
         let file = FileId(self.files.len() as u32);
-        for node in tree.root().children() {
+        let blocks = tree.root().all(Rule::suite).flat_map(|suite| suite.all(Rule::suite_block));
+        let inner = blocks.flat_map(Node::children);
+        for node in tree.root().children().chain(inner) {
             let (table, what) = match node.rule() {
                 Rule::road_definition => (&mut names.roads, "road"),
                 Rule::scenario | Rule::define => (&mut names.scenarios, "scenario"),
-                Rule::suite => {
-                    for block in node.all(Rule::suite_block) {
-                        for inner in block.all(Rule::scenario) {
-                            define(inner, file, &mut names.scenarios, "scenario", report);
-                        }
-                    }
-                    continue;
-                }
+                Rule::search => (&mut names.blocks, "search"),
+                Rule::tune => (&mut names.blocks, "tune"),
+                Rule::evaluate => (&mut names.blocks, "evaluate"),
+                Rule::statement => (&mut names.blocks, "statement"),
                 Rule::binding => {
                     bind(node, &mut scope, report);
                     continue;
@@ -237,9 +237,11 @@ impl Files {
                     .hint("rename one of them"),
             );
         };
-        for (table, more) in
-            [(&mut names.roads, &from.names.roads), (&mut names.scenarios, &from.names.scenarios)]
-        {
+        for (table, more) in [
+            (&mut names.roads, &from.names.roads),
+            (&mut names.scenarios, &from.names.scenarios),
+            (&mut names.blocks, &from.names.blocks),
+        ] {
             for (name, definition) in more {
                 match table.get(name) {
                     Some(known) if known != definition => clash(name, known.span, definition.span),

@@ -45,6 +45,8 @@ struct Atom {
 enum AtomKind {
     Word,
     Negation,
+    /// Of a calculation or comparison, after which a line may end.
+    Operator,
     Comment,
     /// `{`; written in one line up to its partner, and whether it holds settings.
     OpenBrace {
@@ -126,7 +128,11 @@ fn atoms(of: Node) -> Vec<Atom> {
             break;
         }
         if let Some((end, rule, text)) = leaves.get(&token.start) {
-            let kind = if *rule == Rule::negation { AtomKind::Negation } else { AtomKind::Word };
+            let kind = match rule {
+                Rule::negation => AtomKind::Negation,
+                Rule::operator | Rule::relation => AtomKind::Operator,
+                _ => AtomKind::Word,
+            };
             atoms.push(Atom { text: text.clone(), kind, newlines: std::mem::take(&mut newlines) });
             skip_to = *end;
             continue;
@@ -252,7 +258,7 @@ impl Printer {
             }
         } else if self.in_line && matches!(frame, Frame::Block { .. }) {
             let after_open = matches!(self.before, Some(AtomKind::OpenBrace { .. }));
-            let continues = self.before == Some(AtomKind::Comma);
+            let continues = matches!(self.before, Some(AtomKind::Comma | AtomKind::Operator));
             if after_open {
                 self.end_line();
             } else if atom.newlines > 0 {

@@ -127,7 +127,7 @@ pub static BLOCKS: &[Block] = &[
             statement(
                 "define",
                 Rule::define,
-                "define NAME(delay = 2 s) { … }",
+                "define NAME(delay = 2 s) { … }` or `define NAME : BASE { … }",
                 "A scenario with parameters to build others on.",
             ),
             SCENARIO,

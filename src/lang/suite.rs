@@ -3,7 +3,7 @@
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
-use super::blocks::{blocks, reject_duplicate};
+use super::blocks::{Gathered, gather};
 use super::check::{self, Places};
 use super::codes::Code;
 use super::diagnostic::Diagnostic;
@@ -80,13 +80,18 @@ fn bare(files: &Files, file: FileId, path: &Path, report: &mut Vec<Diagnostic>) 
                 .hint("put it into a file ending in `.suite`"),
         );
     }
-    let definitions = own_scenarios(files, file);
-    if definitions.is_empty() && !super::files::has_errors(report) {
+    let mut definitions = own_scenarios(files, file);
+    let blocks = gather(files, &[file], &definitions);
+    if definitions.is_empty() && blocks.is_empty() && !super::files::has_errors(report) {
         report.push(no_scenario(Span::beginning(root.span().source), files));
     }
+    definitions.extend(&blocks.measured);
     let scenarios = check_all(files, &definitions, None, report);
+    warn_of_nothing_expected(files, &definitions, &scenarios, &blocks, report);
+    let supporting = check_all(files, &blocks.supporting, None, report);
     check_definitions(files, report);
-    let blocks = blocks(files, &[file], &definitions, &scenarios, report);
+    definitions.extend(&blocks.supporting);
+    let blocks = blocks.check(files, &definitions, [&scenarios, &supporting], report);
     let name = path.file_stem().map_or_else(|| "scenarios".into(), |stem| stem.to_string_lossy());
     Some(Suite {
         name: name.into_owned(),
@@ -94,6 +99,7 @@ fn bare(files: &Files, file: FileId, path: &Path, report: &mut Vec<Diagnostic>) 
         seed: DEFAULT_SEED,
         time_limit: None,
         scenarios,
+        supporting,
         searches: blocks.searches,
         tunes: blocks.tunes,
         evaluates: blocks.evaluates,
@@ -152,20 +158,26 @@ fn declared(files: &mut Files, file: FileId, path: &Path, report: &mut Vec<Diagn
     for (included, asked) in &included {
         let own = own_scenarios(files, *included);
         let root = files.tree(*included).root();
-        if own.is_empty() && !root.has(Rule::bad) {
+        let has_blocks = !gather(files, &[*included], &[]).is_empty();
+        if own.is_empty() && !has_blocks && !root.has(Rule::bad) {
             let diagnostic = no_scenario(Span::beginning(root.span().source), files);
             report.push(diagnostic.context(*asked, "included here"));
         }
         definitions.extend(own);
     }
-    reject_duplicates(files, &definitions, report);
 
     let files = &*files;
+    let all_files: Vec<FileId> =
+        std::iter::once(file).chain(included.iter().map(|(file, _)| *file)).collect();
+    let blocks = gather(files, &all_files, &definitions);
+    definitions.extend(&blocks.measured);
+    let all_definitions = [definitions.as_slice(), &blocks.supporting].concat();
+    reject_duplicates(files, &all_definitions, report);
     let node = files.tree(file).node(index);
     let block = node.child(Rule::suite_block)?;
     check::reject_suite_repeats(block, report);
     let name = node.child(Rule::name)?;
-    if definitions.is_empty() && patterns.is_empty() && !block.has(Rule::bad) {
+    if definitions.is_empty() && patterns.is_empty() && blocks.is_empty() && !block.has(Rule::bad) {
         report.push(
             Diagnostic::new(
                 Code::EmptySuite,
@@ -192,6 +204,8 @@ fn declared(files: &mut Files, file: FileId, path: &Path, report: &mut Vec<Diagn
         .collect();
     let added = check::SuiteCriteria { nodes: &criteria, scope: files.scope(file) };
     let mut scenarios = check_all(files, &definitions, Some(added), report);
+    warn_of_nothing_expected(files, &definitions, &scenarios, &blocks, report);
+    let supporting = check_all(files, &blocks.supporting, None, report);
     let tags = check::tags(block);
     for scenario in &mut scenarios {
         for tag in &tags {
@@ -200,9 +214,7 @@ fn declared(files: &mut Files, file: FileId, path: &Path, report: &mut Vec<Diagn
             }
         }
     }
-    let all_files: Vec<FileId> =
-        std::iter::once(file).chain(included.iter().map(|(file, _)| *file)).collect();
-    let blocks = blocks(files, &all_files, &definitions, &scenarios, report);
+    let blocks = blocks.check(files, &all_definitions, [&scenarios, &supporting], report);
     let cast = everybody(&scenarios);
     let mut gate_names: HashMap<&str, Span> = HashMap::new();
     let gates: Vec<_> = block
@@ -225,6 +237,7 @@ fn declared(files: &mut Files, file: FileId, path: &Path, report: &mut Vec<Diagn
             None => None,
         },
         scenarios,
+        supporting,
         searches: blocks.searches,
         tunes: blocks.tunes,
         evaluates: blocks.evaluates,
@@ -364,20 +377,7 @@ fn check_all(
     let mut scenarios = Vec::new();
     for definition in definitions {
         let mut findings = Vec::new();
-        if let Some(scenario) = check::scenario(*definition, &places, added, &mut findings) {
-            if scenario.criteria.is_empty() {
-                findings.push(
-                    Diagnostic::new(
-                        Code::NoCriteria,
-                        definition.span,
-                        format!("scenario `{}` expects nothing", scenario.name),
-                    )
-                    .label("passes whatever happens")
-                    .hint("add `expect { no collision }`"),
-                );
-            }
-            scenarios.push(scenario);
-        }
+        scenarios.extend(check::scenario(*definition, &places, added, &mut findings));
         report.extend(
             findings
                 .into_iter()
@@ -385,6 +385,48 @@ fn check_all(
         );
     }
     scenarios
+}
+
+/// Warns of scenarios that pass whatever happens, unless a block is about them.
+fn warn_of_nothing_expected(
+    files: &Files,
+    definitions: &[Definition],
+    scenarios: &[Scenario],
+    blocks: &Gathered,
+    report: &mut Vec<Diagnostic>,
+) {
+    let idle: HashSet<&str> = scenarios
+        .iter()
+        .filter(|scenario| scenario.criteria.is_empty())
+        .map(|scenario| scenario.name.as_str())
+        .filter(|name| !blocks.are_about(name))
+        .collect();
+    for definition in definitions {
+        let Some(name) = files.node(*definition).child(Rule::name) else { continue };
+        if idle.contains(name.text()) {
+            report.push(
+                Diagnostic::new(
+                    Code::NoCriteria,
+                    definition.span,
+                    format!("scenario `{}` expects nothing", name.text()),
+                )
+                .label("passes whatever happens")
+                .hint("add `expect { no collision }`"),
+            );
+        }
+    }
+}
+
+fn reject_duplicate<'a>(node: Node<'a>, names: &mut HashMap<&'a str, Span>, report: &mut Vec<Diagnostic>) {
+    let Some(name) = node.child(Rule::name) else { return };
+    if let Some(first) = names.insert(name.text(), name.span()) {
+        report.push(
+            Diagnostic::new(Code::DuplicateName, name.span(), format!("`{}` is defined twice", name.text()))
+                .label("defined again")
+                .context(first, "defined first here")
+                .hint("give one of them another name"),
+        );
+    }
 }
 
 /// Checks roads and templates that no scenario may have used.

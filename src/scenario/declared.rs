@@ -17,6 +17,9 @@ pub struct Suite {
     pub time_limit: Option<f64>,
     /// In the order of files and of declaration within a file; names are unique.
     pub scenarios: Vec<Scenario>,
+    /// Known to the blocks below, but not run by themselves; their names are unique together with those above.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub supporting: Vec<Scenario>,
     #[serde(default)]
     pub searches: Vec<Search>,
     #[serde(default)]

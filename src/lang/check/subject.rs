@@ -19,7 +19,8 @@ use crate::{pedestrian, vehicle};
 /// What the blocks of a suite can be about: its scenarios, and the blocks that are checked so far.
 pub struct Subjects<'a> {
     pub definitions: &'a [Definition],
-    pub scenarios: &'a [Scenario],
+    /// Those of the suite and the supporting ones.
+    pub scenarios: [&'a [Scenario]; 2],
     pub searches: Checked<Search>,
     pub tunes: Checked<Tune>,
     pub evaluates: Checked<Evaluate>,
@@ -104,7 +105,7 @@ impl<'a> Subjects<'a> {
 
     /// The scenario of that name, if there is one without mistakes.
     fn known(&self, name: &str, places: &Places) -> Option<Subject<'a>> {
-        let scenario = self.scenarios.iter().find(|scenario| scenario.name == name)?;
+        let scenario = self.scenarios.into_iter().flatten().find(|scenario| scenario.name == name)?;
         let definition = self.definitions.iter().find(|definition| {
             places.files.node(**definition).child(Rule::name).is_some_and(|known| known.text() == name)
         })?;

@@ -337,9 +337,11 @@ impl Writer<'_> {
         }
     }
 
-    /// `extends` and `parameters`, which stand before the block.
+    /// `parameters` and `extends`, which stand before the block in this order.
     fn head(&mut self, block: &Yaml) {
         let Content::Mapping(fields) = &block.value else { return };
+        let mut fields: Vec<_> = fields.iter().collect();
+        fields.sort_by_key(|(key, _)| key.scalar() == Some("extends"));
         for (key, value) in fields {
             match key.scalar() {
                 Some("extends") => {
