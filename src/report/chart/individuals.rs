@@ -1,6 +1,6 @@
 //! A metric against a variation: one marker per individual, and the courses of some with mean and range.
 
-use super::look::{First, Look};
+use super::look::{First, LOOKS, Look};
 use super::panel::{Axis, Panel, Quantity, Rule};
 use super::scale::{nice_range, with_room};
 
@@ -34,6 +34,7 @@ pub struct Found {
 /// A metric over a variation: its mean and range over repetitions.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Course {
+    /// Short: it stands in the chart, where the course ends.
     pub name: String,
     /// `(x, smallest, mean, largest)` in order of x.
     pub points: Vec<(f64, f64, f64, f64)>,
@@ -59,12 +60,13 @@ impl Individuals {
         let description = format!("{} against {}", labels.1, labels.0);
         let axis = Axis::Numbers { range: x };
         let mut panel = Panel::new(&self.title, &description, (&labels.0, &labels.1), axis, y);
+        let look = |index: usize| Look::series(TAKEN + index % (LOOKS - TAKEN));
         for (index, course) in self.courses.iter().enumerate() {
-            // The first looks are taken by who passed first.
-            let look = Look::series(index + 2);
             let band: Vec<_> = course.points.iter().map(|(x, low, _, high)| (*x, *low, *high)).collect();
-            panel.band(&band, look);
-            panel.line(course.points.iter().map(|(x, _, mean, _)| (*x, *mean)), look, &course.name);
+            panel.band(&band, look(index));
+        }
+        for (index, course) in self.courses.iter().enumerate() {
+            panel.line(course.points.iter().map(|(x, _, mean, _)| (*x, *mean)), look(index), &course.name);
         }
         for point in &self.points {
             let title = format!("{} at {} {}", self.y.show(point.y), self.x.show(point.x), point.name);
@@ -73,9 +75,32 @@ impl Individuals {
         for rule in &self.rules {
             panel.rule(rule);
         }
+        for (index, (x, y)) in self.name_places(y).into_iter().enumerate() {
+            panel.name(x, y, &self.courses[index].name, look(index));
+        }
         panel.finish()
     }
+
+    /// Where the names of the courses stand: where each course ends, moved apart where they would cover each other.
+    fn name_places(&self, (low, high): (f64, f64)) -> Vec<(f64, f64)> {
+        let end = |course: &Course| course.points.last().map_or((0.0, low), |point| (point.0, point.2));
+        let mut places: Vec<(f64, f64)> = self.courses.iter().map(end).collect();
+        let mut order: Vec<usize> = (0..places.len()).collect();
+        order.sort_by(|left, right| places[*left].1.total_cmp(&places[*right].1));
+        let apart = (high - low) * NAME_HEIGHT;
+        let mut free = low;
+        for index in order {
+            places[index].1 = places[index].1.max(free);
+            free = places[index].1 + apart;
+        }
+        places
+    }
 }
+
+/// Looks that say who passed first.
+const TAKEN: usize = 2;
+/// Height of a name as a share of the plot's.
+const NAME_HEIGHT: f64 = 0.065;
 
 #[cfg(test)]
 mod tests {

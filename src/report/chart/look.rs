@@ -77,10 +77,7 @@ impl Look {
 
     /// A small picture of it for a legend, with its line, its marker or both.
     pub fn swatch(self, line: bool, marker: bool) -> String {
-        let mut svg = Svg::default();
-        let frame: [Attribute; 4] =
-            [("class", &"chart swatch"), ("viewBox", &"0 0 28 12"), ("width", &"28"), ("height", &"12")];
-        svg.open("svg", &frame);
+        let mut svg = framed();
         if line {
             let class = self.class("line");
             svg.empty("path", &[("class", &class), ("d", &"M0 6H28"), ("stroke-dasharray", &self.dash())]);
@@ -90,6 +87,36 @@ impl Look {
         }
         svg.finish()
     }
+
+    /// A small picture of its band, as dark as so many bands on each other.
+    pub fn band_swatch(self, layers: usize) -> String {
+        self.area_swatch(layers, false)
+    }
+
+    /// A small picture of its line within its band.
+    pub fn belief_swatch(self) -> String {
+        self.area_swatch(1, true)
+    }
+
+    fn area_swatch(self, layers: usize, line: bool) -> String {
+        let mut svg = framed();
+        for _ in 0..layers {
+            svg.empty("path", &[("class", &self.class("band")), ("d", &"M0 0H28V12H0z")]);
+        }
+        if line {
+            svg.empty("path", &[("class", &self.class("line")), ("d", &"M0 6H28")]);
+        }
+        svg.finish()
+    }
+}
+
+/// The frame of a small picture for a legend.
+pub fn framed() -> Svg {
+    let mut svg = Svg::default();
+    let frame: [Attribute; 4] =
+        [("class", &"chart swatch"), ("viewBox", &"0 0 28 12"), ("width", &"28"), ("height", &"12")];
+    svg.open("svg", &frame);
+    svg
 }
 
 /// A line of a legend.

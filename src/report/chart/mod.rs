@@ -1,4 +1,4 @@
-//! Charts as SVG: the five kinds of the founding paper, generic over metric and variation.
+//! Charts as SVG: the five kinds of the founding paper, generic over metric and variation, and those of optimisers.
 //!
 //! Plain data goes in, a `<svg>` element comes out. Colours come from the classes of [`STYLE`], so that one style sheet
 //! serves light, dark and print.
@@ -9,22 +9,35 @@
 //! | distributions per scenario and variation, or per condition | [`Strips`] |
 //! | distance-distance trajectories | [`Paths`] |
 //! | metric against the value found for each individual | [`Individuals`] |
+//!
+//! An optimiser's course is a [`Convergence`] (of many: [`Convergences`]), its surrogate a [`Slice`], two objectives
+//! against each other a [`Front`]. [`Rows`] are strips for many conditions or long names.
 
+mod convergence;
+mod front;
 mod individuals;
 mod look;
+mod mark;
 mod panel;
 mod paths;
 mod rates;
+mod rows;
 mod scale;
+mod slice;
 mod strips;
 mod svg;
 
+pub use convergence::{Convergence, Convergences};
+pub use front::Front;
 pub use individuals::{Course, Found, Individuals, Ranges};
 pub use look::{Entry, First, LOOKS, Look};
+pub use mark::Mark;
 pub use panel::{Quantity, Rule, shortened};
 pub use paths::{Path, Paths};
 pub use rates::{Rate, RateSeries, Rates};
+pub use rows::Rows;
 pub use scale::nice_range;
+pub use slice::{Along, Belief, Slice, Tried};
 pub use strips::{Dot, Strip, Strips};
 
 /// The rules that the classes in charts refer to; they rely on the custom properties of the page's own style sheet.

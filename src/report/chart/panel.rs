@@ -1,8 +1,9 @@
 //! One plot: frame, axes, title, and the marks that every kind of chart is made of.
 
 use super::look::Look;
-use super::scale::{Scale, tick_label, ticks};
-use super::svg::{At, Svg, through};
+use super::mark::Mark;
+use super::scale::{Scale, logarithmic_ticks, tick_label, ticks};
+use super::svg::{At, Svg, thinned, through};
 
 /// What an axis says: a quantity and its unit, which is empty for plain numbers.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -34,10 +35,14 @@ pub struct Rule {
     pub label: String,
 }
 
-/// What lies along an axis.
+/// What lies along the horizontal axis.
 #[derive(Debug, Clone, Copy)]
 pub enum Axis<'a> {
     Numbers {
+        range: (f64, f64),
+    },
+    /// Equal factors at equal distances; both ends positive.
+    Logarithmic {
         range: (f64, f64),
     },
     /// Ticks exactly at these values.
@@ -54,6 +59,9 @@ pub struct Panel {
     svg: Svg,
     x: Scale,
     y: Scale,
+    left: f64,
+    top: f64,
+    height: f64,
     /// Pixels between two names of the horizontal axis.
     pub slot: f64,
 }
@@ -72,39 +80,96 @@ const LINE: f64 = 12.0;
 impl Panel {
     /// An empty plot. `description` is for those who cannot see it.
     pub fn new(title: &str, description: &str, labels: (&str, &str), x: Axis, vertical: (f64, f64)) -> Self {
-        let mut svg = Svg::default();
-        let viewport = format!("0 0 {WIDTH} {HEIGHT}");
-        let name = format!("{title}: {description}");
-        svg.open(
-            "svg",
-            &[("class", &"chart"), ("viewBox", &viewport), ("role", &"img"), ("aria-label", &name)],
-        );
-        svg.label(
-            &shortened(title, ((WIDTH - 8.0) / LETTER) as usize),
-            &[("class", &"title"), ("x", &4), ("y", &13)],
-        );
-        svg.label(labels.1, &[("class", &"muted"), ("x", &4), ("y", &29)]);
-        let middle = At((LEFT + WIDTH - RIGHT) / 2.0);
-        svg.label(
-            labels.0,
-            &[("class", &"muted"), ("x", &middle), ("y", &At(HEIGHT - 4.0)), ("text-anchor", &"middle")],
-        );
-        let horizontal = match x {
-            Axis::Numbers { range } | Axis::Values { range, .. } => range,
-            Axis::Names(names) => (0.0, names.len().max(1) as f64),
+        let across = (LEFT, WIDTH - RIGHT);
+        let (horizontal, x_scale) = match x {
+            Axis::Numbers { range } | Axis::Values { range, .. } => (range, Scale::new(range, across)),
+            Axis::Logarithmic { range } => (range, Scale::logarithmic(range, across)),
+            Axis::Names(names) => {
+                let range = (0.0, names.len().max(1) as f64);
+                (range, Scale::new(range, across))
+            }
         };
         let mut panel = Self {
-            svg,
-            x: Scale::new(horizontal, (LEFT, WIDTH - RIGHT)),
+            svg: Svg::default(),
+            x: x_scale,
             y: Scale::new(vertical, (HEIGHT - BOTTOM, TOP)),
+            left: LEFT,
+            top: TOP,
+            height: HEIGHT,
             slot: (WIDTH - LEFT - RIGHT) / horizontal.1.max(1.0),
         };
-        panel.draw_axes(x, horizontal, vertical);
+        panel.begin(title, description, labels);
+        panel.draw_vertical_axis(vertical);
+        match x {
+            Axis::Names(names) => panel.draw_names(names),
+            Axis::Values { values, .. } if values.len() <= 8 => panel.draw_ticks(values),
+            Axis::Numbers { .. } | Axis::Values { .. } => {
+                panel.draw_ticks(&ticks(horizontal.0, horizontal.1, 6))
+            }
+            Axis::Logarithmic { .. } => panel.draw_ticks(&logarithmic_ticks(horizontal.0, horizontal.1)),
+        }
+        panel.draw_frame();
         panel
     }
 
-    fn draw_axes(&mut self, x: Axis, horizontal: (f64, f64), vertical: (f64, f64)) {
-        let (left, right, top, bottom) = (At(LEFT), At(WIDTH - RIGHT), At(TOP), At(HEIGHT - BOTTOM));
+    /// An empty plot of rows, one below the other and `row` pixels high, each under its name: the `index`th one from
+    /// `index` to `index + 1` downwards.
+    pub fn rows(title: &str, description: &str, label: &str, x: (f64, f64), names: &[String], row: f64) -> Self {
+        // Without the line for the vertical axis's label.
+        let (left, top) = (8.0, TOP - LINE);
+        let height = top + names.len().max(1) as f64 * row + BOTTOM;
+        let mut panel = Self {
+            svg: Svg::default(),
+            x: Scale::new(x, (left, WIDTH - RIGHT)),
+            y: Scale::new((0.0, names.len().max(1) as f64), (top, height - BOTTOM)),
+            left,
+            top,
+            height,
+            slot: row,
+        };
+        panel.begin(title, description, (label, ""));
+        let places = ticks(x.0, x.1, 6);
+        for tick in &places {
+            let x = At(panel.x.at(*tick));
+            let (top, bottom) = (At(top), At(height - BOTTOM));
+            panel.svg.empty(
+                "line",
+                &[("class", &"grid"), ("x1", &x), ("x2", &x), ("y1", &top), ("y2", &bottom)],
+            );
+        }
+        panel.draw_ticks(&places);
+        let letters = ((WIDTH - left - RIGHT) / LETTER) as usize;
+        for (index, name) in names.iter().enumerate() {
+            let y = At(panel.y.at(index as f64) + LINE);
+            panel.svg.label(&shortened(name, letters), &[("class", &"row"), ("x", &At(left + 2.0)), ("y", &y)]);
+        }
+        panel.draw_frame();
+        panel
+    }
+
+    fn begin(&mut self, title: &str, description: &str, labels: (&str, &str)) {
+        let viewport = format!("0 0 {WIDTH} {}", self.height);
+        let name = format!("{title}: {description}");
+        self.svg.open(
+            "svg",
+            &[("class", &"chart"), ("viewBox", &viewport), ("role", &"img"), ("aria-label", &name)],
+        );
+        self.svg.label(
+            &shortened(title, ((WIDTH - 8.0) / LETTER) as usize),
+            &[("class", &"title"), ("x", &4), ("y", &13)],
+        );
+        if !labels.1.is_empty() {
+            self.svg.label(labels.1, &[("class", &"muted"), ("x", &4), ("y", &28)]);
+        }
+        let middle = At((self.left + WIDTH - RIGHT) / 2.0);
+        self.svg.label(
+            labels.0,
+            &[("class", &"muted"), ("x", &middle), ("y", &At(self.height - 4.0)), ("text-anchor", &"middle")],
+        );
+    }
+
+    fn draw_vertical_axis(&mut self, vertical: (f64, f64)) {
+        let (left, right) = (At(self.left), At(WIDTH - RIGHT));
         for tick in ticks(vertical.0, vertical.1, 5) {
             let y = self.y.at(tick);
             self.svg.empty(
@@ -113,47 +178,47 @@ impl Panel {
             );
             self.svg.label(
                 &tick_label(tick),
-                &[("x", &At(LEFT - 5.0)), ("y", &At(y + 4.0)), ("text-anchor", &"end")],
+                &[("x", &At(self.left - 5.0)), ("y", &At(y + 4.0)), ("text-anchor", &"end")],
             );
         }
-        let under = HEIGHT - BOTTOM + 14.0;
-        match x {
-            Axis::Names(names) => {
-                let letters = ((self.slot - 4.0) / LETTER).max(1.0) as usize;
-                // Where names would run into each other, only every so many are written.
-                let every = if letters < 3 { (3.0 * LETTER / self.slot).ceil() as usize } else { 1 };
-                for (index, name) in names.iter().enumerate().step_by(every) {
-                    let x = At(self.x.at(index as f64 + 0.5));
-                    for (row, part) in wrapped(name, letters * every).iter().enumerate() {
-                        let y = At(under + row as f64 * (LINE - 1.0));
-                        self.svg.label(part, &[("x", &x), ("y", &y), ("text-anchor", &"middle")]);
-                    }
-                }
-            }
-            Axis::Numbers { .. } | Axis::Values { .. } => {
-                let places = match x {
-                    Axis::Values { values, .. } if values.len() <= 8 => values.to_vec(),
-                    _ => ticks(horizontal.0, horizontal.1, 6),
-                };
-                for tick in places {
-                    let x = At(self.x.at(tick));
-                    self.svg.empty(
-                        "line",
-                        &[
-                            ("class", &"tick"),
-                            ("x1", &x),
-                            ("x2", &x),
-                            ("y1", &bottom),
-                            ("y2", &At(under - 10.0)),
-                        ],
-                    );
-                    self.svg.label(
-                        &tick_label(tick),
-                        &[("x", &x), ("y", &At(under)), ("text-anchor", &"middle")],
-                    );
-                }
+    }
+
+    /// Where the labels of the horizontal axis stand.
+    fn under(&self) -> f64 {
+        self.height - BOTTOM + 14.0
+    }
+
+    fn draw_names(&mut self, names: &[String]) {
+        let letters = ((self.slot - 4.0) / LETTER).max(1.0) as usize;
+        // Where names would run into each other, only every so many are written.
+        let every = if letters < 3 { (3.0 * LETTER / self.slot).ceil() as usize } else { 1 };
+        for (index, name) in names.iter().enumerate().step_by(every) {
+            let x = At(self.x.at(index as f64 + 0.5));
+            for (row, part) in wrapped(name, letters * every).iter().enumerate() {
+                let y = At(self.under() + row as f64 * (LINE - 1.0));
+                self.svg.label(part, &[("x", &x), ("y", &y), ("text-anchor", &"middle")]);
             }
         }
+    }
+
+    fn draw_ticks(&mut self, places: &[f64]) {
+        let (bottom, under) = (At(self.height - BOTTOM), self.under());
+        for tick in places {
+            let x = At(self.x.at(*tick));
+            self.svg.empty(
+                "line",
+                &[("class", &"tick"), ("x1", &x), ("x2", &x), ("y1", &bottom), ("y2", &At(under - 10.0))],
+            );
+            self.svg.label(
+                &tick_label(*tick),
+                &[("x", &x), ("y", &At(under)), ("text-anchor", &"middle")],
+            );
+        }
+    }
+
+    fn draw_frame(&mut self) {
+        let (left, right) = (At(self.left), At(WIDTH - RIGHT));
+        let (top, bottom) = (At(self.top), At(self.height - BOTTOM));
         self.svg.empty("path", &[("class", &"axis"), ("d", &format!("M{left} {top}V{bottom}H{right}"))]);
     }
 
@@ -233,10 +298,10 @@ impl Panel {
     /// A horizontal line across the plot with its label at the right end.
     pub fn rule(&mut self, rule: &Rule) {
         let y = self.y.at(rule.value);
-        if !(TOP - 0.5..=HEIGHT - BOTTOM + 0.5).contains(&y) {
+        if !(self.top - 0.5..=self.height - BOTTOM + 0.5).contains(&y) {
             return;
         }
-        let path = format!("M{} {}H{}", At(LEFT), At(y), At(WIDTH - RIGHT));
+        let path = format!("M{} {}H{}", At(self.left), At(y), At(WIDTH - RIGHT));
         self.svg.empty("path", &[("class", &"rule"), ("d", &path)]);
         self.svg.label(
             &rule.label,
@@ -249,17 +314,91 @@ impl Panel {
         );
     }
 
+    /// A vertical line across the plot with its label at the upper end.
+    pub fn upright(&mut self, x: f64, label: &str, class: &str) {
+        let (x, _) = self.place(x, 0.0);
+        let path = format!("M{} {}V{}", At(x), At(self.top), At(self.height - BOTTOM));
+        self.svg.empty("path", &[("class", &class), ("d", &path)]);
+        // Beside the line, on the side with more room.
+        let (aside, anchor) = if x > WIDTH * 0.6 { (-4.0, "end") } else { (4.0, "start") };
+        if !label.is_empty() {
+            let (x, y, class) = (At(x + aside), At(self.top + 9.0), format!("{class}-label"));
+            self.svg.label(label, &[("class", &class), ("x", &x), ("y", &y), ("text-anchor", &anchor)]);
+        }
+    }
+
+    /// A pale area over the whole height between two places.
+    pub fn shade(&mut self, from: f64, to: f64) {
+        let (from, to) = (At(self.place(from, 0.0).0), At(self.place(to, 0.0).0));
+        let path = format!("M{from} {}H{to}V{}H{from}z", At(self.top), At(self.height - BOTTOM));
+        self.svg.empty("path", &[("class", &"unlikely"), ("d", &path)]);
+    }
+
+    /// Many marks of one kind in one element; what has no value stands at the upper edge.
+    pub fn marks(&mut self, points: impl IntoIterator<Item = (f64, Option<f64>)>, mark: Mark) {
+        let edge = self.top + 5.0;
+        let places: Vec<(f64, f64)> = points
+            .into_iter()
+            .map(|(x, y)| (self.x.at(x), y.map_or(edge, |y| self.y.at(y))))
+            .collect();
+        if !places.is_empty() {
+            self.svg.empty("path", &[("class", &mark.class()), ("d", &mark.path(places))]);
+        }
+    }
+
+    /// A line through data points that are so many that some can be left out.
+    pub fn smooth_line(&mut self, points: impl IntoIterator<Item = (f64, f64)>, look: Look) {
+        let places: Vec<(f64, f64)> = points.into_iter().map(|(x, y)| self.place(x, y)).collect();
+        let path = through(thinned(&places));
+        self.svg.empty("path", &[("class", &look.class("line")), ("d", &path)]);
+    }
+
+    /// A [band](Self::band) whose edges have so many points that some can be left out.
+    pub fn smooth_band(&mut self, points: &[(f64, f64, f64)], look: Look) {
+        let low: Vec<_> = points.iter().map(|(x, low, _)| self.place(*x, *low)).collect();
+        let high: Vec<_> = points.iter().rev().map(|(x, _, high)| self.place(*x, *high)).collect();
+        let path = through(thinned(&low).into_iter().chain(thinned(&high))) + "z";
+        self.svg.empty("path", &[("class", &look.class("band")), ("d", &path)]);
+    }
+
+    /// The area between two lines that may have their points at different places.
+    pub fn area(&mut self, low: &[(f64, f64)], high: &[(f64, f64)], look: Look) {
+        let there = low.iter().map(|(x, y)| self.place(*x, *y));
+        let back = high.iter().rev().map(|(x, y)| self.place(*x, *y));
+        let path = through(there.chain(back)) + "z";
+        self.svg.empty("path", &[("class", &look.class("band")), ("d", &path)]);
+    }
+
+    /// A small name left of a place.
+    pub fn name(&mut self, x: f64, y: f64, content: &str, look: Look) {
+        let (x, y) = self.place(x, y);
+        self.svg.label(
+            content,
+            &[
+                ("class", &look.class("name")),
+                ("x", &At(x - 3.0)),
+                ("y", &At(y + 3.5)),
+                ("text-anchor", &"end"),
+            ],
+        );
+    }
+
+    /// A path of its own in pixels.
+    pub fn shape(&mut self, class: &str, path: &str, title: &str) {
+        self.svg.titled("path", title, &[("class", &class), ("d", &path)]);
+    }
+
     /// A thin cross hair through a place, such as the conflict point.
     pub fn cross_hair(&mut self, x: f64, y: f64) {
         let (x, y) = self.place(x, y);
         let path = format!(
             "M{} {}H{}M{} {}V{}",
-            At(LEFT),
+            At(self.left),
             At(y),
             At(WIDTH - RIGHT),
             At(x),
-            At(TOP),
-            At(HEIGHT - BOTTOM)
+            At(self.top),
+            At(self.height - BOTTOM)
         );
         self.svg.empty("path", &[("class", &"hair"), ("d", &path)]);
     }
@@ -269,21 +408,22 @@ impl Panel {
         let (x, _) = self.place(x, 0.0);
         self.svg.label(
             content,
-            &[("class", &"remark"), ("x", &At(x)), ("y", &At(TOP - 3.0)), ("text-anchor", &"middle")],
+            &[("class", &"remark"), ("x", &At(x)), ("y", &At(self.top - 3.0)), ("text-anchor", &"middle")],
         );
     }
 
     /// What is drawn from here on is cut off at the frame until [`Self::unclip`].
     pub fn clip(&mut self) {
-        let (width, height) = (WIDTH - LEFT - RIGHT, HEIGHT - TOP - BOTTOM);
-        let viewport = format!("{LEFT} {TOP} {width} {height}");
+        let (left, top) = (At(self.left), At(self.top));
+        let (width, height) = (At(WIDTH - self.left - RIGHT), At(self.height - self.top - BOTTOM));
+        let viewport = format!("{left} {top} {width} {height}");
         self.svg.open(
             "svg",
             &[
-                ("x", &At(LEFT)),
-                ("y", &At(TOP)),
-                ("width", &At(width)),
-                ("height", &At(height)),
+                ("x", &left),
+                ("y", &top),
+                ("width", &width),
+                ("height", &height),
                 ("viewBox", &viewport),
                 ("overflow", &"hidden"),
             ],

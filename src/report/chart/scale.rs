@@ -2,22 +2,29 @@
 
 use crate::scenario::significant;
 
-/// A linear map from data to pixels.
+/// A linear or logarithmic map from data to pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scale {
     low: f64,
     high: f64,
     from: f64,
     to: f64,
+    logarithmic: bool,
 }
 
 impl Scale {
     /// Maps `low` to `from` and `high` to `to`.
     pub fn new((low, high): (f64, f64), (from, to): (f64, f64)) -> Self {
-        Self { low, high, from, to }
+        Self { low, high, from, to, logarithmic: false }
+    }
+
+    /// The same with equal factors at equal distances; both ends of the interval are positive.
+    pub fn logarithmic((low, high): (f64, f64), (from, to): (f64, f64)) -> Self {
+        Self { low: libm::log(low), high: libm::log(high), from, to, logarithmic: true }
     }
 
     pub fn at(&self, value: f64) -> f64 {
+        let value = if self.logarithmic { libm::log(value) } else { value };
         self.from + (value - self.low) / (self.high - self.low) * (self.to - self.from)
     }
 }
@@ -62,6 +69,20 @@ pub fn ticks(low: f64, high: f64, about: usize) -> Vec<f64> {
     (first..=last).map(|index| index as f64 * step).collect()
 }
 
+/// Round numbers within an interval of positive numbers that is seen on a logarithmic scale.
+pub fn logarithmic_ticks(low: f64, high: f64) -> Vec<f64> {
+    let decades = libm::floor(libm::log10(low)) as i32..=libm::ceil(libm::log10(high)) as i32;
+    let within = |factors: &[f64]| -> Vec<f64> {
+        let all = decades.clone().flat_map(|power| factors.iter().map(move |factor| factor * 10f64.powi(power)));
+        all.filter(|tick| (low * 0.9999..=high * 1.0001).contains(tick)).collect()
+    };
+    match (within(&[1.0, 2.0, 5.0]), within(&[1.0])) {
+        (fine, _) if fine.len() < 3 => ticks(low, high, 5),
+        (fine, coarse) if fine.len() > 8 && coarse.len() > 1 => coarse,
+        (fine, _) => fine,
+    }
+}
+
 /// A tick's number without rounding noise.
 pub fn tick_label(value: f64) -> String {
     significant(value, 6)
@@ -90,6 +111,16 @@ mod tests {
         assert_eq!(nice_range([]), (0.0, 1.0));
         assert_eq!(nice_range([0.0]), (-1.0, 1.0));
         assert_eq!(nice_range([f64::NAN, 98.0, 99.0]), (98.0, 99.0));
+    }
+
+    #[test]
+    fn equal_factors_lie_at_equal_distances() {
+        let scale = Scale::logarithmic((1.0, 100.0), (0.0, 80.0));
+        assert_eq!([1.0, 10.0, 100.0].map(|value| scale.at(value).round()), [0.0, 40.0, 80.0]);
+        let near = |ticks: Vec<f64>| ticks.into_iter().map(tick_label).collect::<Vec<_>>().join(" ");
+        assert_eq!(near(logarithmic_ticks(0.5, 20.0)), "0.5 1 2 5 10 20");
+        assert_eq!(near(logarithmic_ticks(0.001, 1000.0)), "0.001 0.01 0.1 1 10 100 1000");
+        assert_eq!(near(logarithmic_ticks(3.0, 4.0)), "3 3.2 3.4 3.6 3.8 4");
     }
 
     proptest! {

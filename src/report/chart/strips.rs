@@ -71,39 +71,20 @@ impl Strips {
         if strip.undefined > 0 && panel.slot > 26.0 {
             panel.remark(x, &format!("{}/{runs}", strip.dots.len()));
         }
-        let mut dots: Vec<&Dot> = strip.dots.iter().collect();
-        dots.sort_by(|left, right| left.value.total_cmp(&right.value));
-        let sorted: Vec<f64> = dots.iter().map(|dot| dot.value).collect();
-        let level = |level| quantile(&sorted, level);
-        let (Some(low), Some(lower), Some(middle), Some(upper), Some(high)) =
-            (level(0.05), level(0.25), level(0.5), level(0.75), level(0.95))
-        else {
-            return;
-        };
         let width = (panel.slot * 0.7).min(44.0);
-        let many = dots.len() > MOST_DOTS;
-        if many {
-            panel.violin(x, &violin(&sorted, width / 2.0));
+        let Some(Spread { dots, drawn, quartiles, violin }) = strip.spread(width / 2.0) else { return };
+        let many = violin.is_some();
+        if let Some(outline) = violin {
+            panel.violin(x, &outline);
         }
-        for (order, dot) in dots.iter().enumerate() {
-            if many && (low..=high).contains(&dot.value) {
-                continue;
-            }
+        for (order, dot) in dots.iter().enumerate().filter(|(order, _)| drawn(*order)) {
             let aside = (spread(order) - 0.5) * width * 0.8;
             let title = format!("{} {}", self.y.show(dot.value), dot.name);
             panel.marker(x, dot.value, aside, dot.first.look(), title.trim_end());
         }
-        if dots.len() >= 4 {
-            let show = |value| self.y.show(value);
-            let title = format!(
-                "{}: median {}, quartiles {} and {}, {} of {runs} runs",
-                strip.name,
-                show(middle),
-                show(lower),
-                show(upper),
-                dots.len()
-            );
-            panel.quartiles(x, (lower, middle, upper), if many { width * 0.3 } else { width }, &title);
+        if let Some(quartiles) = quartiles {
+            let title = strip.quartile_title(&self.y, quartiles);
+            panel.quartiles(x, quartiles, if many { width * 0.3 } else { width }, &title);
         }
     }
 
@@ -113,8 +94,45 @@ impl Strips {
     }
 }
 
+/// What is drawn of a strip.
+pub struct Spread<'a> {
+    /// By rising value.
+    pub dots: Vec<&'a Dot>,
+    /// Whether the dot of this index is drawn.
+    pub drawn: Box<dyn Fn(usize) -> bool>,
+    /// Lower quartile, median and upper quartile, if there are enough dots.
+    pub quartiles: Option<(f64, f64, f64)>,
+    /// Values with half widths, where there are too many dots to draw them all.
+    pub violin: Option<Vec<(f64, f64)>>,
+}
+
+impl Strip {
+    /// `None` without any dot. `half_width` is the violin's largest.
+    pub fn spread(&self, half_width: f64) -> Option<Spread<'_>> {
+        let mut dots: Vec<&Dot> = self.dots.iter().collect();
+        dots.sort_by(|left, right| left.value.total_cmp(&right.value));
+        let sorted: Vec<f64> = dots.iter().map(|dot| dot.value).collect();
+        let level = |level| quantile(&sorted, level);
+        let (low, high) = (level(0.05)?, level(0.95)?);
+        let quartiles = (level(0.25)?, level(0.5)?, level(0.75)?);
+        let many = dots.len() > MOST_DOTS;
+        let violin = many.then(|| violin(&sorted, half_width));
+        let drawn = move |index: usize| !many || !(low..=high).contains(&sorted[index]);
+        let quartiles = (dots.len() >= 4).then_some(quartiles);
+        Some(Spread { dots, drawn: Box::new(drawn), quartiles, violin })
+    }
+
+    /// The quartiles in words.
+    pub fn quartile_title(&self, quantity: &Quantity, (lower, middle, upper): (f64, f64, f64)) -> String {
+        let show = |value| quantity.show(value);
+        let (dots, runs) = (self.dots.len(), self.dots.len() + self.undefined);
+        let quartiles = format!("median {}, quartiles {} and {}", show(middle), show(lower), show(upper));
+        format!("{}: {quartiles}, {dots} of {runs} runs", self.name)
+    }
+}
+
 /// A sequence in 0..1 that fills the interval evenly from the start: van der Corput's, base 2.
-fn spread(index: usize) -> f64 {
+pub fn spread(index: usize) -> f64 {
     f64::from((index as u32).reverse_bits()) / 2f64.powi(32)
 }
 

@@ -107,9 +107,45 @@ pub fn through(points: impl IntoIterator<Item = (f64, f64)>) -> String {
     path
 }
 
+/// As few of `points`, in pixels, as make nearly the same line: Douglas and Peucker's choice, to a fifth of a pixel.
+pub fn thinned(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    const TOLERANCE: f64 = 0.2;
+    let (Some(first), Some(last)) = (points.first(), points.last()) else { return Vec::new() };
+    let mut kept = vec![*first];
+    // Stretches that are still to be looked at, the next one last.
+    let mut stretches = vec![(0, points.len() - 1)];
+    while let Some((from, to)) = stretches.pop() {
+        let far = |index: &usize| from_line(points[*index], points[from], points[to]);
+        let farthest = (from + 1..to).max_by(|left, right| far(left).total_cmp(&far(right)));
+        match farthest.filter(|index| far(index) > TOLERANCE) {
+            Some(index) => stretches.extend([(index, to), (from, index)]),
+            None if to > from => kept.push(points[to]),
+            None => {}
+        }
+    }
+    debug_assert_eq!(kept.last(), Some(last));
+    kept
+}
+
+/// Distance of a point from the line between two others.
+fn from_line(point: (f64, f64), from: (f64, f64), to: (f64, f64)) -> f64 {
+    let (along, up) = (to.0 - from.0, to.1 - from.1);
+    let (right, above) = (point.0 - from.0, point.1 - from.1);
+    let length = libm::hypot(along, up);
+    if length == 0.0 { libm::hypot(right, above) } else { (right * up - above * along).abs() / length }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_thinned_line_keeps_its_corners() {
+        let corner: Vec<(f64, f64)> = (0..=20).map(f64::from).map(|x| (x, (x - 10.0).abs())).collect();
+        assert_eq!(thinned(&corner), [(0.0, 10.0), (10.0, 0.0), (20.0, 10.0)]);
+        assert_eq!(thinned(&corner[..1]), [(0.0, 10.0)]);
+        assert_eq!(thinned(&[]), []);
+    }
 
     #[test]
     fn markup_in_names_stays_text() {
