@@ -3,17 +3,16 @@
 use std::collections::BTreeMap;
 
 use super::chart::{
-    Dot, Entry, First, Found, Individuals, Path, Paths, Quantity, Rate, RateSeries, Rates, Rule, Strip,
-    Strips, first_legend,
+    Dot, Entry, First, Found, Individuals, Path, Paths, Quantity, Rate, RateSeries, Rates, Rows, Rule, Strip,
+    Strips, first_legend, with_room,
 };
 use super::recording::Recording;
 use super::variable::Variable;
+use super::wording::comparison_rule;
 use super::{SuiteReport, TrialReport};
 use crate::metrics::{self, MetricKind, Worst};
 use crate::run::{Outcome, Requests};
-use crate::scenario::{
-    Aggregate, Claim, Comparison, Expression, MetricReference, Relation, Value, significant,
-};
+use crate::scenario::{Aggregate, Claim, Expression, MetricReference, Value};
 
 /// Charts that belong together, one per panel.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,6 +30,10 @@ const FLAGS: [&str; 3] = ["collision", "gap_accepted", "sudden_speed_change"];
 const QUANTITIES: [&str; 1] = ["pet"];
 /// With more trials than this, distributions per trial become a scatter over the variation.
 const MOST_STRIPS: usize = 12;
+/// More scenarios than this stand below each other, where there is room for their names.
+const MOST_BESIDE: usize = 6;
+const STRIPS_NOTE: &str = "Boxes show median and quartiles; beyond 120 runs a violin stands for the middle 90 %. A \
+                           fraction above a column counts the runs in which the value exists.";
 /// More lines in one chart cannot be told apart.
 const MOST_SERIES: usize = super::chart::LOOKS;
 
@@ -123,11 +126,7 @@ impl Data<'_> {
             (Some(value), Some(MetricKind::Category(words))) => words.get(value as usize).copied(),
             _ => None,
         };
-        match word {
-            Some("pedestrian") => First::Pedestrian,
-            Some("vehicle") => First::Vehicle,
-            _ => First::Neither,
-        }
+        First::of(word)
     }
 
     fn strip(&self, name: String, trials: &[&TrialReport], index: usize) -> Strip {
@@ -152,14 +151,11 @@ impl Data<'_> {
                 } => comparison,
                 Claim::Aggregate { .. } => continue,
             };
-            let Comparison { metric, relation, bound, .. } = comparison;
-            if let Expression::Constant(Value::Number(bound)) = bound
-                && metric == self.reference(index)
+            if let Expression::Constant(Value::Number(bound)) = &comparison.bound
+                && comparison.metric == *self.reference(index)
                 && !rules.iter().any(|rule| rule.value == *bound)
             {
-                let unit = self.quantity(index).unit;
-                let label = format!("{} {} {unit}", sign(*relation), significant(*bound, 4));
-                rules.push(Rule { value: *bound, label: label.trim_end().to_string() });
+                rules.push(comparison_rule(comparison));
             }
         }
         // Bounds that change from trial to trial would only clutter the chart.
@@ -218,6 +214,10 @@ impl Data<'_> {
             if ran.is_empty() || ran.len() > MOST_STRIPS {
                 continue;
             }
+            // A single strip stands beside those of the other scenarios.
+            if ran.len() == 1 && self.scenarios.len() > 1 {
+                continue;
+            }
             let strip = |trial: &&TrialReport| {
                 let name = short_name(trial);
                 self.strip(if name.is_empty() { "all runs".into() } else { name }, &[*trial], index)
@@ -244,15 +244,31 @@ impl Data<'_> {
         let strips: Vec<Strip> =
             self.scenarios.iter().map(|(name, trials)| self.strip(name.to_string(), trials, index)).collect();
         let all: Vec<_> = self.report.trials.iter().collect();
-        let parts = strips.chunks(MOST_STRIPS / 2).map(|part| Strips {
-            title: "all runs of each scenario".into(),
-            x: String::new(),
-            y: self.quantity(index),
+        let (title, rules) = ("all runs of each scenario".to_string(), self.rules(&all, index));
+        let quantity = self.quantity(index);
+        let name = format!("{} per scenario", quantity.name);
+        if strips.len() <= MOST_BESIDE {
+            let y = quantity;
+            return strips_figure(
+                name,
+                vec![Strips { title, x: String::new(), y, strips, rules, range: None }],
+            );
+        }
+        let firsts: Vec<First> = strips.iter().flat_map(|strip| &strip.dots).map(|dot| dot.first).collect();
+        if firsts.is_empty() {
+            return None;
+        }
+        let range = Strips::range(&strips, &rules);
+        let each = strips.len().div_ceil(strips.len().div_ceil(MOST_STRIPS));
+        let chart = |part: &[Strip]| Rows {
+            title: title.clone(),
+            x: quantity.clone(),
             strips: part.to_vec(),
-            rules: self.rules(&all, index),
-            range: None,
-        });
-        strips_figure(format!("{} per scenario", self.quantity(index).name), parts.collect())
+            rules: rules.clone(),
+            range,
+        };
+        let panels = strips.chunks(each).map(|part| chart(part).to_svg()).collect();
+        Some(Figure { title: name, note: STRIPS_NOTE.into(), legend: legend(firsts), panels })
     }
 
     /// Figure (d): each individual's worst value against the variation's value that it was found at; where a variation
@@ -261,31 +277,29 @@ impl Data<'_> {
         let variable = self.variable.as_ref()?;
         let metric = metrics::metric(&self.reference(index).name)?;
         let mut charts = Vec::new();
+        let mut tied = 0;
         for (name, trials) in &self.scenarios {
             let mut found: Vec<Found> = Vec::new();
-            let mut worst: BTreeMap<String, Found> = BTreeMap::new();
+            let mut people: BTreeMap<String, Vec<Found>> = BTreeMap::new();
             for (case, outcome) in
                 trials.iter().flat_map(|trial| trial.trial.cases.iter().zip(&trial.outcomes))
             {
                 let (Some(x), Some(y)) = (variable.value(case), outcome.metrics[index]) else { continue };
                 let point = Found { x, y, first: self.first(outcome), name: outcome.key.clone() };
-                let person = person(outcome);
-                if person.is_empty() {
-                    found.push(point);
-                    continue;
-                }
-                let worse = |known: &Found| match metric.worst {
-                    Worst::Smallest => y < known.y,
-                    Worst::Largest => y > known.y,
-                };
-                if worst.get(&person).is_none_or(worse) {
-                    worst.insert(person, point);
+                match person(outcome) {
+                    nobody if nobody.is_empty() => found.push(point),
+                    person => people.entry(person).or_default().push(point),
                 }
             }
-            if worst.is_empty() && trials.len() <= MOST_STRIPS {
+            if people.is_empty() && trials.len() <= MOST_STRIPS {
                 continue;
             }
-            found.extend(worst.into_values());
+            for runs in people.into_values() {
+                match worst(runs, metric.worst) {
+                    Some(point) => found.push(point),
+                    None => tied += 1,
+                }
+            }
             if found.is_empty() {
                 continue;
             }
@@ -297,18 +311,26 @@ impl Data<'_> {
                 courses: Vec::new(),
                 rules: self.rules(trials, index),
                 ranges: None,
+                logarithmic: false,
             });
         }
-        let ranges = Individuals::ranges(&charts);
+        // Seen against all values of the variation, not only those that are worst for somebody.
+        let cases = self.report.trials.iter().flat_map(|trial| &trial.trial.cases);
+        let taken: Vec<f64> = cases.filter_map(|case| variable.value(case)).collect();
+        let ranges = (with_room(&taken), Individuals::ranges(&charts).1);
         charts.iter_mut().for_each(|chart| chart.ranges = Some(ranges));
         let firsts = charts.iter().flat_map(|chart| &chart.points).map(|point| point.first).collect();
+        let x = &variable.quantity.name;
+        let mut note = format!(
+            "One mark per individual: its worst run and the {x} that it was found at. Without individuals, one per run."
+        );
+        if tied > 0 {
+            note +=
+                &format!(" {tied} individuals have none: theirs is equally bad at several values of {x}.");
+        }
         (!charts.is_empty()).then(|| Figure {
-            title: format!("{} against {}", self.quantity(index).name, variable.quantity.name),
-            note: format!(
-                "One mark per individual: its worst run and the {} that it was found at. Without individuals, one per \
-                 run.",
-                variable.quantity.name
-            ),
+            title: format!("{} against {x}", self.quantity(index).name),
+            note,
             legend: legend(firsts),
             panels: charts.iter().map(Individuals::to_svg).collect(),
         })
@@ -366,9 +388,7 @@ fn strips_figure(title: String, mut charts: Vec<Strips>) -> Option<Figure> {
     charts.iter_mut().for_each(|chart| chart.range = Some(range));
     (!charts.is_empty()).then(|| Figure {
         title,
-        note: "Boxes show median and quartiles; beyond 120 runs a violin stands for the middle 90 %. A fraction above a \
-               column counts the runs in which the value exists."
-            .into(),
+        note: STRIPS_NOTE.into(),
         legend: legend(firsts),
         panels: charts.iter().map(Strips::to_svg).collect(),
     })
@@ -388,11 +408,11 @@ fn person(outcome: &Outcome) -> String {
     people.collect::<Vec<_>>().join("+")
 }
 
-fn sign(relation: Relation) -> &'static str {
-    match relation {
-        Relation::GreaterOrEqual => "≥",
-        Relation::LessOrEqual => "≤",
-        Relation::NotEqual => "≠",
-        other => other.symbol(),
-    }
+/// The worst of somebody's runs; `None` where runs at different places are equally bad.
+fn worst(runs: Vec<Found>, worst: Worst) -> Option<Found> {
+    let badness = |run: &Found| if worst == Worst::Smallest { -run.y } else { run.y };
+    let most = runs.iter().map(badness).max_by(f64::total_cmp)?;
+    let mut worst = runs.into_iter().filter(|run| badness(run) == most);
+    let first = worst.next()?;
+    worst.all(|other| other.x == first.x).then_some(first)
 }

@@ -64,7 +64,8 @@ pub fn conclusion_words(conclusion: &Conclusion) -> &'static str {
     }
 }
 
-fn claim_mark(claim: &ClaimResult) -> &'static str {
+/// One letter that needs no colour.
+pub fn claim_mark(claim: &ClaimResult) -> &'static str {
     match claim.holds {
         Some(true) => "✓",
         Some(false) => "✗",

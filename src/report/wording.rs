@@ -1,9 +1,10 @@
-//! What a finding says, in parts for tables: observed, bound, interval and margin, each with its unit.
+//! What findings and comparisons say, in parts for tables and charts, each number with its unit.
 
+use super::chart::Rule;
 use super::format::{quantity, share};
 use crate::judge::{Finding, Measure, Verdict};
-use crate::metrics;
-use crate::scenario::significant;
+use crate::metrics::{self, MetricKind};
+use crate::scenario::{Comparison, Relation, significant};
 
 /// What was found: `holds in 18 of 20 runs`, `85 %`, `1.62 s`; `–` if no run has a value.
 pub fn observed(finding: &Finding) -> String {
@@ -48,6 +49,39 @@ pub fn margin(finding: &Finding) -> Option<String> {
     Some(format!("{}{size}", if margin < 0.0 { "-" } else { "+" }))
 }
 
+/// A comparison with a constant bound: `pet < 1.5 s`, `no collision`, `passed_first = vehicle`.
+pub fn comparison_text(comparison: &Comparison) -> String {
+    let (label, bound) = (comparison.metric.label(), comparison.constant_bound());
+    let metric = metrics::metric(&comparison.metric.name);
+    let flag = metric.is_some_and(|metric| metric.kind == MetricKind::Flag);
+    match comparison.relation {
+        Relation::Equal | Relation::NotEqual if flag => {
+            let set = (bound != 0.0) == (comparison.relation == Relation::Equal);
+            if set { label } else { format!("no {label}") }
+        }
+        relation => {
+            let bound = metric.map_or_else(|| significant(bound, 4), |metric| quantity(metric, Some(bound)));
+            format!("{label} {} {bound}", relation.symbol())
+        }
+    }
+}
+
+/// The bound of a comparison as a line in a chart of its metric.
+pub fn comparison_rule(comparison: &Comparison) -> Rule {
+    let sign = match comparison.relation {
+        Relation::GreaterOrEqual => "≥",
+        Relation::LessOrEqual => "≤",
+        Relation::NotEqual => "≠",
+        other => other.symbol(),
+    };
+    let bound = comparison.constant_bound();
+    let shown = match metrics::metric(&comparison.metric.name) {
+        Some(metric) if matches!(metric.kind, MetricKind::Quantity(_)) => quantity(metric, Some(bound)),
+        _ => significant(bound, 4),
+    };
+    Rule { value: bound, label: format!("{sign} {shown}") }
+}
+
 /// One word.
 pub fn verdict_word(verdict: Verdict) -> &'static str {
     match verdict {
@@ -73,5 +107,24 @@ fn in_unit(finding: &Finding, value: f64) -> String {
             quantity(metric, Some(value))
         }
         _ => significant(value, 4),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenario::{MetricReference, Settings, WhenUndefined};
+
+    #[test]
+    fn comparisons_read_as_they_are_written() {
+        let text = |name: &str, relation, bound: f64| {
+            let metric = MetricReference { name: name.into(), settings: Settings::default(), pair: None };
+            let when_undefined = WhenUndefined::Fails;
+            comparison_text(&Comparison { metric, relation, bound: bound.into(), when_undefined })
+        };
+        assert_eq!(text("pet", Relation::Less, 1.5), "pet < 1.5 s");
+        assert_eq!(text("collision", Relation::Equal, 0.0), "no collision");
+        assert_eq!(text("collision", Relation::NotEqual, 0.0), "collision");
+        assert_eq!(text("passed_first", Relation::Equal, 1.0), "passed_first = vehicle");
     }
 }

@@ -32,10 +32,11 @@ pub struct Convergences {
 }
 
 impl Convergence {
-    pub fn legend(&self) -> Vec<Entry> {
+    /// `best` says what the best point is.
+    pub fn legend(&self, best: &str) -> Vec<Entry> {
         let swatch = Look::series(0).swatch(true, false);
         let mut entries = vec![Entry { swatch, label: "best so far".into() }];
-        entries.extend(Mark::legend(self.tried.iter().map(|tried| tried.mark)));
+        entries.extend(Mark::legend(self.tried.iter().map(|tried| tried.mark), best));
         entries
     }
 
@@ -105,7 +106,7 @@ fn plot(title: &str, y: &Quantity, evaluations: usize, initial: usize, range: (f
     let description = format!("best {label} against the number of evaluations");
     let mut panel = Panel::new(title, &description, ("evaluations", &label), axis, range);
     if 0 < initial && initial < evaluations {
-        panel.upright(initial as f64 + 0.5, &format!("after {initial} initial points"), "hair");
+        panel.upright(initial as f64 + 0.5, "", "hair");
     }
     panel
 }
@@ -174,7 +175,7 @@ mod tests {
             initial: 3,
         };
         insta::assert_snapshot!(chart.to_svg());
-        assert_eq!(chart.legend().len(), 5);
+        assert_eq!(chart.legend("best").len(), 5);
     }
 
     #[test]

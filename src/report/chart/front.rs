@@ -24,7 +24,7 @@ impl Front {
             swatch: Look::series(0).swatch(true, false),
             label: "front: nothing found is better in both".into(),
         }];
-        entries.extend(Mark::legend(self.tried.iter().map(|(_, _, mark)| *mark)));
+        entries.extend(Mark::legend(self.tried.iter().map(|(_, _, mark)| *mark), "on the front"));
         entries
     }
 

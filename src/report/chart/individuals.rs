@@ -17,6 +17,8 @@ pub struct Individuals {
     pub rules: Vec<Rule>,
     /// Intervals of the axes, so that charts side by side compare; otherwise those of the data.
     pub ranges: Option<Ranges>,
+    /// Equal factors of x at equal distances.
+    pub logarithmic: bool,
 }
 
 /// Intervals of the horizontal and the vertical axis.
@@ -58,9 +60,9 @@ impl Individuals {
         let (x, y) = self.ranges.unwrap_or_else(|| Self::ranges([self]));
         let labels = (self.x.label(), self.y.label());
         let description = format!("{} against {}", labels.1, labels.0);
-        let axis = Axis::Numbers { range: x };
+        let axis = if self.logarithmic { Axis::Logarithmic { range: x } } else { Axis::Numbers { range: x } };
         let mut panel = Panel::new(&self.title, &description, (&labels.0, &labels.1), axis, y);
-        let look = |index: usize| Look::series(TAKEN + index % (LOOKS - TAKEN));
+        let look = |index: usize| Look::series(COURSES_FROM + index % (LOOKS - COURSES_FROM));
         for (index, course) in self.courses.iter().enumerate() {
             let band: Vec<_> = course.points.iter().map(|(x, low, _, high)| (*x, *low, *high)).collect();
             panel.band(&band, look(index));
@@ -89,16 +91,21 @@ impl Individuals {
         order.sort_by(|left, right| places[*left].1.total_cmp(&places[*right].1));
         let apart = (high - low) * NAME_HEIGHT;
         let mut free = low;
-        for index in order {
-            places[index].1 = places[index].1.max(free);
-            free = places[index].1 + apart;
+        for index in &order {
+            places[*index].1 = places[*index].1.max(free);
+            free = places[*index].1 + apart;
+        }
+        let mut free = high - apart / 2.0;
+        for index in order.iter().rev() {
+            places[*index].1 = places[*index].1.min(free);
+            free = places[*index].1 - apart;
         }
         places
     }
 }
 
-/// Looks that say who passed first.
-const TAKEN: usize = 2;
+/// The look of the first course: those before it say who passed first.
+pub const COURSES_FROM: usize = 2;
 /// Height of a name as a share of the plot's.
 const NAME_HEIGHT: f64 = 0.065;
 
@@ -122,6 +129,7 @@ mod tests {
             }],
             rules: vec![Rule { value: 1.5, label: "1.5 s".into() }],
             ranges: None,
+            logarithmic: false,
         };
         insta::assert_snapshot!(chart.to_svg());
     }

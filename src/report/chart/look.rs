@@ -21,6 +21,15 @@ pub enum First {
 impl First {
     pub const ALL: [Self; 3] = [Self::Pedestrian, Self::Vehicle, Self::Neither];
 
+    /// From the word of the metric `passed_first`.
+    pub fn of(word: Option<&str>) -> Self {
+        match word {
+            Some("pedestrian") => Self::Pedestrian,
+            Some("vehicle") => Self::Vehicle,
+            _ => Self::Neither,
+        }
+    }
+
     pub fn look(self) -> Look {
         match self {
             Self::Pedestrian => Look(0),

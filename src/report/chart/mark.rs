@@ -42,23 +42,19 @@ impl Mark {
         places.into_iter().map(|(x, y)| format!("M{} {}{shape}", At(x), At(y))).collect()
     }
 
-    /// Lines of a legend for those of `present` that say so, in words that fit a search and a tune.
-    pub fn legend(present: impl IntoIterator<Item = Self>) -> Vec<Entry> {
-        let present: BTreeSet<Self> = present.into_iter().collect();
-        present.into_iter().map(|mark| mark.entry(mark.label())).collect()
-    }
-
-    fn label(self) -> &'static str {
-        match self {
+    /// Lines of a legend for those that are `present`; `best` says what the best one is.
+    pub fn legend(present: impl IntoIterator<Item = Self>, best: &str) -> Vec<Entry> {
+        let label = |mark| match mark {
             Self::Initial => "initial point",
             Self::Proposed => "proposed point",
             Self::Refused => "violates a constraint, or has no value (at the upper edge)",
-            Self::Best => "best",
-        }
+            Self::Best => best,
+        };
+        let present: BTreeSet<Self> = present.into_iter().collect();
+        present.into_iter().map(|mark| mark.entry(label(mark))).collect()
     }
 
-    /// A line of a legend.
-    pub fn entry(self, label: &str) -> Entry {
+    fn entry(self, label: &str) -> Entry {
         let mut svg = framed();
         svg.empty("path", &[("class", &self.class()), ("d", &self.path([(14.0, 6.0)]))]);
         Entry { swatch: svg.finish(), label: label.into() }

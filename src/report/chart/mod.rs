@@ -29,14 +29,14 @@ mod svg;
 
 pub use convergence::{Convergence, Convergences};
 pub use front::Front;
-pub use individuals::{Course, Found, Individuals, Ranges};
+pub use individuals::{COURSES_FROM, Course, Found, Individuals, Ranges};
 pub use look::{Entry, First, LOOKS, Look};
 pub use mark::Mark;
 pub use panel::{Quantity, Rule, shortened};
 pub use paths::{Path, Paths};
 pub use rates::{Rate, RateSeries, Rates};
 pub use rows::Rows;
-pub use scale::nice_range;
+pub use scale::{nice_range, with_room};
 pub use slice::{Along, Belief, Slice, Tried};
 pub use strips::{Dot, Strip, Strips};
 

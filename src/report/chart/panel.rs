@@ -104,7 +104,7 @@ impl Panel {
             Axis::Names(names) => panel.draw_names(names),
             Axis::Values { values, .. } if values.len() <= 8 => panel.draw_ticks(values),
             Axis::Numbers { .. } | Axis::Values { .. } => {
-                panel.draw_ticks(&ticks(horizontal.0, horizontal.1, 6))
+                panel.draw_ticks(&ticks(horizontal.0, horizontal.1, 7))
             }
             Axis::Logarithmic { .. } => panel.draw_ticks(&logarithmic_ticks(horizontal.0, horizontal.1)),
         }
@@ -114,7 +114,14 @@ impl Panel {
 
     /// An empty plot of rows, one below the other and `row` pixels high, each under its name: the `index`th one from
     /// `index` to `index + 1` downwards.
-    pub fn rows(title: &str, description: &str, label: &str, x: (f64, f64), names: &[String], row: f64) -> Self {
+    pub fn rows(
+        title: &str,
+        description: &str,
+        label: &str,
+        x: (f64, f64),
+        names: &[String],
+        row: f64,
+    ) -> Self {
         // Without the line for the vertical axis's label.
         let (left, top) = (8.0, TOP - LINE);
         let height = top + names.len().max(1) as f64 * row + BOTTOM;
@@ -132,16 +139,17 @@ impl Panel {
         for tick in &places {
             let x = At(panel.x.at(*tick));
             let (top, bottom) = (At(top), At(height - BOTTOM));
-            panel.svg.empty(
-                "line",
-                &[("class", &"grid"), ("x1", &x), ("x2", &x), ("y1", &top), ("y2", &bottom)],
-            );
+            panel
+                .svg
+                .empty("line", &[("class", &"grid"), ("x1", &x), ("x2", &x), ("y1", &top), ("y2", &bottom)]);
         }
         panel.draw_ticks(&places);
         let letters = ((WIDTH - left - RIGHT) / LETTER) as usize;
         for (index, name) in names.iter().enumerate() {
             let y = At(panel.y.at(index as f64) + LINE);
-            panel.svg.label(&shortened(name, letters), &[("class", &"row"), ("x", &At(left + 2.0)), ("y", &y)]);
+            panel
+                .svg
+                .label(&shortened(name, letters), &[("class", &"row"), ("x", &At(left + 2.0)), ("y", &y)]);
         }
         panel.draw_frame();
         panel
@@ -209,10 +217,7 @@ impl Panel {
                 "line",
                 &[("class", &"tick"), ("x1", &x), ("x2", &x), ("y1", &bottom), ("y2", &At(under - 10.0))],
             );
-            self.svg.label(
-                &tick_label(*tick),
-                &[("x", &x), ("y", &At(under)), ("text-anchor", &"middle")],
-            );
+            self.svg.label(&tick_label(*tick), &[("x", &x), ("y", &At(under)), ("text-anchor", &"middle")]);
         }
     }
 
@@ -241,7 +246,7 @@ impl Panel {
         title: &str,
     ) {
         let moved = points.into_iter().map(|(x, y)| self.place(x, y)).map(|(x, y)| (x + aside, y));
-        let path = through(moved);
+        let path = through(thinned(&moved.collect::<Vec<_>>()));
         let class = look.class("line");
         self.svg.titled(
             "path",
@@ -303,27 +308,36 @@ impl Panel {
         }
         let path = format!("M{} {}H{}", At(self.left), At(y), At(WIDTH - RIGHT));
         self.svg.empty("path", &[("class", &"rule"), ("d", &path)]);
+        // Above the line, unless that is outside of the plot.
+        let beside = if y < self.top + LINE { LINE - 2.0 } else { -3.0 };
         self.svg.label(
             &rule.label,
             &[
                 ("class", &"rule-label"),
                 ("x", &At(WIDTH - RIGHT)),
-                ("y", &At(y - 3.0)),
+                ("y", &At(y + beside)),
                 ("text-anchor", &"end"),
             ],
         );
     }
 
-    /// A vertical line across the plot with its label at the upper end.
+    /// A vertical line across the plot with its label above it.
     pub fn upright(&mut self, x: f64, label: &str, class: &str) {
         let (x, _) = self.place(x, 0.0);
         let path = format!("M{} {}V{}", At(x), At(self.top), At(self.height - BOTTOM));
         self.svg.empty("path", &[("class", &class), ("d", &path)]);
-        // Beside the line, on the side with more room.
-        let (aside, anchor) = if x > WIDTH * 0.6 { (-4.0, "end") } else { (4.0, "start") };
         if !label.is_empty() {
-            let (x, y, class) = (At(x + aside), At(self.top + 9.0), format!("{class}-label"));
-            self.svg.label(label, &[("class", &class), ("x", &x), ("y", &y), ("text-anchor", &anchor)]);
+            let class = format!("{class}-label");
+            // Labels near an edge grow away from it.
+            let anchor = match x {
+                _ if x < 50.0 => "start",
+                _ if x > WIDTH - 50.0 => "end",
+                _ => "middle",
+            };
+            self.svg.label(
+                label,
+                &[("class", &class), ("x", &At(x)), ("y", &At(self.top - 3.0)), ("text-anchor", &anchor)],
+            );
         }
     }
 
@@ -337,20 +351,11 @@ impl Panel {
     /// Many marks of one kind in one element; what has no value stands at the upper edge.
     pub fn marks(&mut self, points: impl IntoIterator<Item = (f64, Option<f64>)>, mark: Mark) {
         let edge = self.top + 5.0;
-        let places: Vec<(f64, f64)> = points
-            .into_iter()
-            .map(|(x, y)| (self.x.at(x), y.map_or(edge, |y| self.y.at(y))))
-            .collect();
+        let places: Vec<(f64, f64)> =
+            points.into_iter().map(|(x, y)| (self.x.at(x), y.map_or(edge, |y| self.y.at(y)))).collect();
         if !places.is_empty() {
             self.svg.empty("path", &[("class", &mark.class()), ("d", &mark.path(places))]);
         }
-    }
-
-    /// A line through data points that are so many that some can be left out.
-    pub fn smooth_line(&mut self, points: impl IntoIterator<Item = (f64, f64)>, look: Look) {
-        let places: Vec<(f64, f64)> = points.into_iter().map(|(x, y)| self.place(x, y)).collect();
-        let path = through(thinned(&places));
-        self.svg.empty("path", &[("class", &look.class("line")), ("d", &path)]);
     }
 
     /// A [band](Self::band) whose edges have so many points that some can be left out.

@@ -23,7 +23,7 @@ pub struct Path {
 }
 
 /// What is farther from the conflict point than this is not looked at, m.
-const VEHICLE_NEIGHBOURHOOD: (f64, f64) = (-60.0, 20.0);
+const VEHICLE_NEIGHBOURHOOD: (f64, f64) = (-200.0, 20.0);
 const PEDESTRIAN_NEIGHBOURHOOD: (f64, f64) = (-10.0, 10.0);
 
 impl Paths {

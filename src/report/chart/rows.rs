@@ -86,7 +86,10 @@ mod tests {
         let chart = Rows {
             title: "all runs of each scenario".into(),
             x: Quantity::new("pet", "s"),
-            strips: vec![strip("a_rather_long_name_of_a_scenario", &[1.0, 2.0, 2.5, 4.0]), strip("none", &[])],
+            strips: vec![
+                strip("a_rather_long_name_of_a_scenario", &[1.0, 2.0, 2.5, 4.0]),
+                strip("none", &[]),
+            ],
             rules: vec![Rule { value: 1.5, label: "≥ 1.5 s".into() }],
             range: (0.0, 5.0),
         };

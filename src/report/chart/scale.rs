@@ -73,7 +73,8 @@ pub fn ticks(low: f64, high: f64, about: usize) -> Vec<f64> {
 pub fn logarithmic_ticks(low: f64, high: f64) -> Vec<f64> {
     let decades = libm::floor(libm::log10(low)) as i32..=libm::ceil(libm::log10(high)) as i32;
     let within = |factors: &[f64]| -> Vec<f64> {
-        let all = decades.clone().flat_map(|power| factors.iter().map(move |factor| factor * 10f64.powi(power)));
+        let all =
+            decades.clone().flat_map(|power| factors.iter().map(move |factor| factor * 10f64.powi(power)));
         all.filter(|tick| (low * 0.9999..=high * 1.0001).contains(tick)).collect()
     };
     match (within(&[1.0, 2.0, 5.0]), within(&[1.0])) {

@@ -72,8 +72,8 @@ impl Slice {
         nice_range(values)
     }
 
-    /// Which of them stand in any of `slices`, and what the rest of their picture means.
-    pub fn legend<'a>(slices: impl IntoIterator<Item = &'a Self> + Clone) -> Vec<Entry> {
+    /// What stands in any of `slices`; `best` says what the best point is.
+    pub fn legend<'a>(slices: impl IntoIterator<Item = &'a Self> + Clone, best: &str) -> Vec<Entry> {
         let slices = || slices.clone().into_iter();
         let beliefs = || slices().flat_map(|slice| &slice.beliefs);
         let mut entries = Vec::new();
@@ -85,7 +85,7 @@ impl Slice {
             let label = "surrogate: a constraint is more likely violated than not".into();
             entries.push(Entry { swatch: shade_swatch(), label });
         }
-        entries.extend(Mark::legend(slices().flat_map(|slice| &slice.tried).map(|tried| tried.mark)));
+        entries.extend(Mark::legend(slices().flat_map(|slice| &slice.tried).map(|tried| tried.mark), best));
         entries
     }
 
@@ -108,7 +108,7 @@ impl Slice {
             let band: Vec<_> = self.beliefs.iter().map(|one| (one.x, one.lower, one.upper)).collect();
             if band.len() > 1 {
                 panel.smooth_band(&band, look);
-                panel.smooth_line(self.beliefs.iter().map(|one| (one.x, one.mean)), look);
+                panel.line(self.beliefs.iter().map(|one| (one.x, one.mean)), look, "");
             }
         } else {
             for one in &self.beliefs {
@@ -116,6 +116,7 @@ impl Slice {
                 panel.marker(one.x + aside, one.mean, -9.0, look, "");
             }
         }
+        panel.unclip();
         for rule in &self.rules {
             panel.rule(rule);
         }
@@ -123,7 +124,6 @@ impl Slice {
             let tried = self.tried.iter().filter(|tried| tried.mark == mark);
             panel.marks(tried.map(|tried| (tried.x + aside, tried.y)), mark);
         }
-        panel.unclip();
         panel.finish()
     }
 
@@ -187,17 +187,19 @@ mod tests {
 
     #[test]
     fn shades_what_is_likely_infeasible() {
-        let beliefs: Vec<Belief> =
-            (0..=10).map(|step| belief(f64::from(step), if step < 3 || step > 8 { 0.2 } else { 0.9 })).collect();
+        let beliefs: Vec<Belief> = (0..=10)
+            .map(|step| belief(f64::from(step), if step < 3 || step > 8 { 0.2 } else { 0.9 }))
+            .collect();
         let chart = slice(Along::Numbers { low: 0.0, high: 10.0 }, beliefs);
         assert_eq!(chart.to_svg().matches("class=\"unlikely\"").count(), 2);
-        assert_eq!(Slice::legend([&chart]).len(), 6);
+        assert_eq!(Slice::legend([&chart], "best").len(), 6);
     }
 
     #[test]
     fn words_and_decades_have_axes_of_their_own() {
         let words: Vec<String> = ["calm", "hurried", "late"].map(String::from).to_vec();
-        let svg = slice(Along::Words(words), vec![belief(0.0, 1.0), belief(1.0, 0.1), belief(2.0, 1.0)]).to_svg();
+        let svg =
+            slice(Along::Words(words), vec![belief(0.0, 1.0), belief(1.0, 0.1), belief(2.0, 1.0)]).to_svg();
         assert!(svg.contains(">hurried<") && svg.contains("whisker"), "{svg}");
         let svg = slice(Along::Logarithmic { low: 0.1, high: 10.0 }, Vec::new());
         let svg = Slice { tried: svg.tried[2..].to_vec(), ..svg }.to_svg();

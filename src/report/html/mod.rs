@@ -1,7 +1,14 @@
 //! The report as one HTML file that needs nothing else: no network, no fonts, and no JavaScript but for the animation.
 
+mod block;
 mod choose;
 mod embed;
+mod evaluate;
+mod figure;
+mod search;
+mod space;
+mod statement;
+mod tune;
 mod view;
 
 use std::time::SystemTime;
@@ -17,6 +24,16 @@ use crate::run::Requests;
 
 pub use choose::{Chosen, choose_runs};
 
+/// The page and its parts.
+const TEMPLATES: [(&str, &str); 6] = [
+    ("page.html", include_str!("page.html")),
+    ("figure.html", include_str!("figure.html")),
+    ("statements.html", include_str!("statements.html")),
+    ("search.html", include_str!("search.html")),
+    ("tune.html", include_str!("tune.html")),
+    ("evaluate.html", include_str!("evaluate.html")),
+];
+
 /// The page. `recordings` are runs of [`choose_runs`], recorded again.
 pub fn to_html(reports: &[SuiteReport], requests: &Requests, recordings: &[(Chosen, Recording)]) -> String {
     let started = reports.first().map_or(SystemTime::UNIX_EPOCH, |report| report.started);
@@ -25,7 +42,9 @@ pub fn to_html(reports: &[SuiteReport], requests: &Requests, recordings: &[(Chos
     environment.set_undefined_behavior(UndefinedBehavior::Strict);
     let syntax = SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).build();
     environment.set_syntax(syntax.expect("only white space is set"));
-    environment.add_template("page.html", include_str!("page.html")).expect("the template is valid");
+    for (name, text) in TEMPLATES {
+        environment.add_template(name, text).expect("the template is valid");
+    }
     let template = environment.get_template("page.html").expect("it was added above");
     let style = concat!(include_str!("page.css"), "\n");
     template

@@ -1,5 +1,6 @@
 "use strict";
-// The animation of single runs, and buttons that copy commands. Everything else on the page works without.
+// The animation of single runs, buttons that copy commands, and tables that can be sorted. Everything else on the page
+// works without.
 (() => {
   const byId = (id) => document.getElementById(id);
 
@@ -11,6 +12,34 @@
       button.textContent = "copied";
       setTimeout(() => { button.textContent = "copy"; }, 1200);
     });
+  }
+
+  // A click on a heading sorts by that column, another one the other way round. What has no number comes last.
+  const key = (row, column) => {
+    const text = row.cells[column].textContent.trim(), number = parseFloat(text.replace("–", ""));
+    return Number.isNaN(number) ? { text } : { number };
+  };
+  const order = (one, other) => {
+    if ("number" in one && "number" in other) return one.number - other.number;
+    if ("number" in one !== "number" in other) return "number" in one ? -1 : 1;
+    return one.text < other.text ? -1 : one.text > other.text ? 1 : 0;
+  };
+  for (const table of document.querySelectorAll(".sortable")) {
+    const headings = [...table.tHead.rows[0].cells];
+    for (const [column, heading] of headings.entries()) {
+      const button = document.createElement("button");
+      button.type = "button";
+      button.append(...heading.childNodes);
+      heading.append(button);
+      button.addEventListener("click", () => {
+        const falling = heading.getAttribute("aria-sort") === "ascending";
+        for (const other of headings) other.removeAttribute("aria-sort");
+        heading.setAttribute("aria-sort", falling ? "descending" : "ascending");
+        const rows = [...table.tBodies[0].rows].map((row) => [key(row, column), row]);
+        rows.sort(([one], [other]) => (falling && "number" in one === "number" in other ? order(other, one) : order(one, other)));
+        table.tBodies[0].append(...rows.map(([, row]) => row));
+      });
+    }
   }
 
   const data = byId("data");

@@ -5,8 +5,10 @@ use std::time::SystemTime;
 use chrono::{DateTime, Utc};
 use serde::Serialize;
 
-use super::Chosen;
 use super::embed::embed;
+use super::figure::Figure;
+use super::statement::Statements;
+use super::{Chosen, block};
 use crate::judge::{Finding, Measure, Verdict};
 use crate::metrics;
 use crate::report::digest::Digest;
@@ -14,7 +16,7 @@ use crate::report::failure::render_failure;
 use crate::report::figures::{figures, scenarios, short_name};
 use crate::report::replay::replay_command;
 use crate::report::wording::{bound, interval, margin, observed, verdict_mark, verdict_word};
-use crate::report::{Recording, Skip, SuiteReport, TrialReport, TrialState};
+use crate::report::{BlockReport, BlockState, Recording, Skip, SuiteReport, TrialReport, TrialState};
 use crate::run::Requests;
 
 /// A table with more trials than this scrolls.
@@ -34,10 +36,13 @@ pub struct Page {
     runs_left_out: usize,
 }
 
-/// Trials by what became of them, and runs.
+/// Trials and blocks by what became of them, and the runs of trials.
 #[derive(Debug, Default, Clone, Copy, Serialize)]
 struct Counts {
+    /// Trials and blocks.
+    all: usize,
     trials: usize,
+    blocks: usize,
     passed: usize,
     failed: usize,
     inconclusive: usize,
@@ -54,17 +59,11 @@ struct Suite {
     seed: String,
     seconds: String,
     counts: Counts,
+    statements: Option<Statements>,
     scenarios: Vec<Scenario>,
     figures: Vec<Figure>,
+    blocks: Vec<block::Section>,
     metrics: Vec<Heading>,
-}
-
-#[derive(Debug, Serialize)]
-struct Figure {
-    title: String,
-    note: String,
-    legend: Vec<(String, String)>,
-    panels: Vec<String>,
 }
 
 #[derive(Debug, Serialize)]
@@ -94,6 +93,8 @@ struct Scenario {
 struct Trial {
     key: String,
     name: String,
+    /// Of its scenario, where it stands among those of others.
+    doc: String,
     runs: usize,
     state: &'static str,
     mark: &'static str,
@@ -140,6 +141,7 @@ impl Page {
         let drawn: Vec<Recording> = recordings.iter().map(|(_, recording)| recording.clone()).collect();
         let mut counts = Counts::default();
         reports.iter().flat_map(|report| &report.trials).for_each(|trial| counts.add(trial));
+        reports.iter().flat_map(|report| &report.blocks).for_each(|block| counts.add_block(block));
         let names: Vec<_> = reports.iter().map(|report| report.identity.suite).collect();
         Self {
             version: env!("CARGO_PKG_VERSION"),
@@ -156,7 +158,19 @@ impl Page {
 }
 
 impl Counts {
+    fn add_block(&mut self, block: &BlockReport) {
+        self.all += 1;
+        self.blocks += 1;
+        *match (&block.state, block.verdict()) {
+            (BlockState::Skipped(_), _) => &mut self.skipped,
+            (BlockState::Errored(_), _) => &mut self.errors,
+            (_, Some(Verdict::Failed)) => &mut self.failed,
+            _ => &mut self.passed,
+        } += 1;
+    }
+
     fn add(&mut self, trial: &TrialReport) {
+        self.all += 1;
         self.trials += 1;
         self.runs += trial.outcomes.len();
         *match (&trial.state, trial.verdict()) {
@@ -172,12 +186,6 @@ impl Counts {
 fn suite(report: &SuiteReport, requests: &Requests, drawn: &[Recording], animated: &[String]) -> Suite {
     let mut counts = Counts::default();
     report.trials.iter().for_each(|trial| counts.add(trial));
-    let figure = |figure: crate::report::Figure| Figure {
-        title: figure.title,
-        note: figure.note,
-        legend: figure.legend.into_iter().map(|entry| (entry.swatch, entry.label)).collect(),
-        panels: figure.panels,
-    };
     let heading = |reference: &crate::scenario::MetricReference| {
         let metric = metrics::metric(&reference.name)?;
         let (label, below) = Digest::heading(metric, &reference.label());
@@ -189,13 +197,39 @@ fn suite(report: &SuiteReport, requests: &Requests, drawn: &[Recording], animate
         seed: report.identity.seed.to_string(),
         seconds: format!("{:.2}", report.wall_time.as_secs_f64()),
         counts,
-        scenarios: scenarios(report)
-            .into_iter()
-            .map(|(name, trials)| scenario(report, name, &trials, requests, animated))
-            .collect(),
-        figures: figures(report, requests, drawn).into_iter().map(figure).collect(),
+        statements: Statements::new(report),
+        scenarios: all_scenarios(report, requests, animated),
+        figures: figures(report, requests, drawn).into_iter().map(Figure::from).collect(),
+        blocks: block::Section::all(report),
         metrics: requests.iter().filter_map(heading).collect(),
     }
+}
+
+/// Every scenario; several without variations stand in one table, which comes last.
+fn all_scenarios(report: &SuiteReport, requests: &Requests, animated: &[String]) -> Vec<Scenario> {
+    let is_single = |trials: &[&TrialReport]| trials.len() == 1 && short_name(trials[0]).is_empty();
+    let all = scenarios(report);
+    let singles: Vec<_> = all.iter().filter(|(_, trials)| is_single(trials)).collect();
+    let together = singles.len() > 1;
+    let apart = all.iter().filter(|(_, trials)| !together || !is_single(trials));
+    let mut shown: Vec<Scenario> =
+        apart.map(|(name, trials)| scenario(report, name, trials, requests, animated)).collect();
+    if together {
+        let trials: Vec<_> = singles.iter().flat_map(|(_, trials)| trials.iter().copied()).collect();
+        let mut table = scenario(report, "", &trials, requests, animated);
+        table.name = format!("{} scenarios without variations", singles.len());
+        table.variations = "scenario".to_string();
+        table.doc = String::new();
+        table.tags.retain(|tag| trials.iter().all(|trial| trial.trial.tags.contains(tag)));
+        for row in &mut table.trials {
+            if let Some(trial) = trials.iter().find(|trial| trial.trial.key == row.key) {
+                row.name = trial.trial.scenario.clone();
+                row.doc = trial.trial.doc.clone().unwrap_or_default();
+            }
+        }
+        shown.push(table);
+    }
+    shown
 }
 
 fn scenario(
@@ -269,6 +303,7 @@ fn trial(
     Trial {
         key: trial.trial.key.clone(),
         name: if name.is_empty() { "all runs".into() } else { name },
+        doc: String::new(),
         runs: trial.outcomes.len(),
         state,
         mark,
@@ -289,7 +324,10 @@ fn cell(finding: &Finding) -> Cell {
 }
 
 fn details(finding: &Finding) -> String {
-    let bound = (finding.measure != Measure::EveryRun).then(|| format!("bound {}", bound(finding)));
+    // Most bounds stand in the heading already.
+    let bound = bound(finding);
+    let told = finding.measure == Measure::EveryRun || finding.criterion.contains(&bound);
+    let bound = (!told).then(|| format!("bound {bound}"));
     let margin = margin(finding).map(|margin| format!("margin {margin}"));
     let undefined = (finding.undefined > 0).then(|| format!("undefined in {}", finding.undefined));
     [bound, margin, undefined].into_iter().flatten().collect::<Vec<_>>().join(", ")

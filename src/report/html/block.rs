@@ -1,0 +1,87 @@
+//! A suite's blocks on the page: what each came to in a line, and its section.
+
+use serde::Serialize;
+
+use super::{evaluate, search, tune};
+use crate::experiment::{Block, BlockResult};
+use crate::judge::Verdict;
+use crate::report::failure::render_block_failure;
+use crate::report::replay::block_command;
+use crate::report::{BlockReport, BlockState, SuiteReport};
+
+#[derive(Debug, Serialize)]
+pub struct Section {
+    kind: &'static str,
+    name: String,
+    doc: String,
+    state: &'static str,
+    mark: &'static str,
+    /// What it came to, in a line.
+    summary: String,
+    seconds: String,
+    /// Why it has no result, or one that is not what it was to show.
+    failure: Option<String>,
+    /// Runs it again.
+    command: String,
+    search: Option<search::Section>,
+    tune: Option<tune::Section>,
+    evaluate: Option<evaluate::Section>,
+}
+
+impl Section {
+    /// Every block of a suite but its statements, which stand in a table of their own.
+    pub fn all(report: &SuiteReport) -> Vec<Self> {
+        let others = report.blocks.iter().filter(|block| !matches!(block.block, Block::Statement(_)));
+        others.map(|block| Self::new(report, block)).collect()
+    }
+
+    fn new(report: &SuiteReport, block: &BlockReport) -> Self {
+        let (state, mark) = match (&block.state, block.verdict()) {
+            (BlockState::Skipped(_), _) => ("skipped", "–"),
+            (BlockState::Errored(_), _) => ("error", "!"),
+            (_, Some(Verdict::Failed)) => ("failed", "✗"),
+            _ => ("passed", "✓"),
+        };
+        let failure = render_block_failure(&report.identity, block, false);
+        let mut section = Self {
+            kind: block.block.kind(),
+            name: block.block.name().to_string(),
+            doc: block.block.doc().unwrap_or_default().to_string(),
+            state,
+            mark,
+            summary: String::new(),
+            seconds: format!("{:.2}", block.wall_time.as_secs_f64()),
+            failure: (!failure.is_empty()).then_some(failure),
+            command: block_command(&report.identity, &block.key),
+            search: None,
+            tune: None,
+            evaluate: None,
+        };
+        section.fill(report, block);
+        section
+    }
+
+    fn fill(&mut self, report: &SuiteReport, block: &BlockReport) {
+        let result = match &block.state {
+            BlockState::Finished(result) => result.as_ref(),
+            BlockState::Errored(message) => return self.summary = message.clone(),
+            BlockState::Skipped(reason) => return self.summary = reason.to_string(),
+        };
+        match (block.block, result) {
+            (Block::Search(search), BlockResult::Search(result)) => {
+                self.summary = search::Section::summary(search, result);
+                self.search = Some(search::Section::new(search, result));
+            }
+            (Block::Tune(tune), BlockResult::Tune(result)) => {
+                self.summary = tune::Section::summary(tune, result);
+                self.tune = Some(tune::Section::new(tune, result));
+            }
+            (Block::Evaluate(evaluate), BlockResult::Evaluate(result)) => {
+                self.summary = evaluate::Section::summary(result);
+                self.evaluate = Some(evaluate::Section::new(report, evaluate, result));
+            }
+            // A result of another kind than its block cannot be; nothing would be shown of it.
+            _ => {}
+        }
+    }
+}

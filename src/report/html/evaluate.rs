@@ -1,0 +1,332 @@
+//! An `evaluate` on the page: conditions side by side, ours beside what a source reports, and what changed case by case.
+
+use serde::Serialize;
+
+use super::figure::Figure;
+use super::space::{Measured, short_names};
+use crate::experiment::{CaseRun, ConditionResult, Difference, EvaluateResult, ParameterValue};
+use crate::judge::holds;
+use crate::judge::statistics::{Interval, mean, mean_interval, wilson};
+use crate::metrics::{MetricKind, metric, unit_of};
+use crate::report::SuiteReport;
+use crate::report::chart::{Dot, First, Rows, Rule, Strip, Strips, first_legend};
+use crate::report::format::in_unit;
+use crate::report::wording::comparison_rule;
+use crate::scenario::{Aggregate, CaseSet, Comparison, Evaluate, Measure, MetricReference, ParameterSet};
+
+/// More conditions than this stand below each other.
+const MOST_STRIPS: usize = 6;
+/// Of the intervals of ours.
+const CONFIDENCE: f64 = 0.95;
+/// What the resampling behind intervals begins with; any number would do.
+const SEED: u64 = 1;
+
+#[derive(Debug, Serialize)]
+pub struct Section {
+    sentences: Vec<String>,
+    parameters: Vec<String>,
+    measures: Vec<String>,
+    groups: Vec<Group>,
+    source: Option<String>,
+    /// The condition that the others are compared with, if there are others.
+    base: Option<String>,
+    figures: Vec<Figure>,
+}
+
+/// The rows of one condition.
+#[derive(Debug, Serialize)]
+struct Group {
+    name: String,
+    /// Why it was not run.
+    missing: Option<String>,
+    parameters: Vec<String>,
+    ours: Vec<Cell>,
+    reported: Vec<String>,
+    /// Ours less what is reported.
+    apart: Vec<Cell>,
+    /// From the first condition.
+    changes: Vec<Cell>,
+}
+
+#[derive(Debug, Default, Serialize)]
+struct Cell {
+    text: String,
+    interval: String,
+    /// Whether the interval says that there is a difference.
+    sure: bool,
+}
+
+impl Section {
+    pub fn new(report: &SuiteReport, evaluate: &Evaluate, result: &EvaluateResult) -> Self {
+        let measured: Vec<Measured> =
+            result.measures.iter().map(|one| Measured::new(&one.text, unit_of(&one.aggregate))).collect();
+        let table = Table { result, measured: &measured };
+        let parameters = result.conditions.iter().map(|one| &one.parameters).find(|all| !all.is_empty());
+        let targets: Vec<_> = parameters.into_iter().flatten().map(|one| one.target.clone()).collect();
+        let besides = result.reported_besides.iter().map(|(name, values)| table.reported_alone(name, values));
+        Self {
+            sentences: sentences(result),
+            parameters: short_names(&targets),
+            measures: measured.iter().map(|one| one.name.clone()).collect(),
+            groups: result.conditions.iter().map(|one| table.group(one)).chain(besides).collect(),
+            source: result.source.clone(),
+            base: result.conditions.get(1).map(|_| result.conditions[0].name.clone()),
+            figures: Charts { report, evaluate, result }.figures(),
+        }
+    }
+
+    /// What it came to, in a line.
+    pub fn summary(result: &EvaluateResult) -> String {
+        let conditions = result.conditions.len();
+        let missing = result.conditions.iter().filter(|one| one.missing.is_some()).count();
+        let missing = if missing == 0 { String::new() } else { format!(", {missing} of them not run") };
+        format!("{conditions} conditions on {} cases{missing}", result.cases)
+    }
+}
+
+fn sentences(result: &EvaluateResult) -> Vec<String> {
+    let cases = if result.cases == 1 { "One case".into() } else { format!("{} cases", result.cases) };
+    let runs = match result.fresh {
+        0 => "each run once under its own seed".to_string(),
+        1 => "each run once under a fresh seed".to_string(),
+        runs => format!("each run {runs} times under fresh seeds"),
+    };
+    vec![format!("{cases}, {runs}, the same under every condition.")]
+}
+
+/// What makes up the rows of the table.
+struct Table<'a> {
+    result: &'a EvaluateResult,
+    measured: &'a [Measured],
+}
+
+impl Table<'_> {
+    fn group(&self, condition: &ConditionResult) -> Group {
+        let ours = condition.measured.iter().enumerate().map(|(index, value)| {
+            let interval = self.interval(condition, &self.result.measures[index]);
+            Cell {
+                text: self.measured[index].text(*value),
+                interval: self.ends(index, interval),
+                sure: false,
+            }
+        });
+        let reported = condition.reported.iter().flatten().zip(self.measured);
+        let change = |(index, difference): (usize, &Option<Difference>)| {
+            let Some(Difference { value, interval, .. }) = difference else { return Cell::none() };
+            Cell {
+                text: self.measured[index].change(*value),
+                interval: self.ends(index, *interval),
+                sure: interval.is_some_and(|interval| !interval.contains(0.0)),
+            }
+        };
+        Group {
+            name: condition.name.clone(),
+            missing: condition.missing.clone(),
+            parameters: condition.parameters.iter().map(parameter).collect(),
+            ours: ours.collect(),
+            reported: reported.map(|(value, one)| one.text(Some(*value))).collect(),
+            apart: self.apart(condition),
+            changes: match condition.differences.iter().all(Option::is_none) {
+                true => Vec::new(),
+                false => condition.differences.iter().enumerate().map(change).collect(),
+            },
+        }
+    }
+
+    fn reported_alone(&self, name: &str, values: &[f64]) -> Group {
+        Group {
+            name: name.to_string(),
+            missing: Some("reported only".into()),
+            parameters: Vec::new(),
+            ours: Vec::new(),
+            reported: values.iter().zip(self.measured).map(|(value, one)| one.text(Some(*value))).collect(),
+            apart: Vec::new(),
+            changes: Vec::new(),
+        }
+    }
+
+    /// Ours less what is reported, sure where that lies outside our interval.
+    fn apart(&self, condition: &ConditionResult) -> Vec<Cell> {
+        let Some(reported) = condition.reported.as_ref().filter(|_| condition.missing.is_none()) else {
+            return Vec::new();
+        };
+        let cell = |(index, (ours, theirs)): (usize, (&Option<f64>, &f64))| {
+            let Some(ours) = ours else { return Cell::none() };
+            let interval = self.interval(condition, &self.result.measures[index]);
+            Cell {
+                text: self.measured[index].change(ours - theirs),
+                interval: String::new(),
+                sure: interval.is_some_and(|interval| !interval.contains(*theirs)),
+            }
+        };
+        condition.measured.iter().zip(reported).enumerate().map(cell).collect()
+    }
+
+    /// Where the mean or rate over all cases like these lies; of other aggregates nothing is said. The runs of one case
+    /// are alike, so that a case counts once.
+    fn interval(&self, condition: &ConditionResult, measure: &Measure) -> Option<Interval> {
+        let index = self.index(measure)?;
+        let each = self.result.fresh.max(1) as usize;
+        let per_case = |of: &dyn Fn(&CaseRun) -> Option<f64>| -> Vec<f64> {
+            let cases = condition.runs.chunks(each);
+            cases.filter_map(|runs| mean(&runs.iter().filter_map(of).collect::<Vec<_>>())).collect()
+        };
+        match &measure.aggregate {
+            Aggregate::Mean(_) => {
+                mean_interval(&per_case(&|run| run.outcome.metrics[index]), CONFIDENCE, SEED)
+            }
+            Aggregate::Rate(comparison) => {
+                let held = |run: &CaseRun| holds(comparison, run.outcome.metrics[index]);
+                if each > 1 {
+                    return mean_interval(&per_case(&|run| Some(f64::from(held(run)))), CONFIDENCE, SEED);
+                }
+                let holding = condition.runs.iter().filter(|run| held(run)).count() as u64;
+                let runs = condition.runs.len() as u64;
+                (runs > 0).then(|| wilson(holding, runs, CONFIDENCE))
+            }
+            _ => None,
+        }
+    }
+
+    fn index(&self, measure: &Measure) -> Option<usize> {
+        position(self.result, measure.aggregate.metric())
+    }
+
+    /// Such as `2.1 to 2.9`, without the unit.
+    fn ends(&self, index: usize, interval: Option<Interval>) -> String {
+        let number = |value| self.measured[index].rough(value, 3);
+        interval.map_or_else(String::new, |one| format!("{} to {}", number(one.low), number(one.high)))
+    }
+}
+
+impl Cell {
+    fn none() -> Self {
+        Self { text: "–".into(), ..Self::default() }
+    }
+}
+
+/// Where the runs of a result have a metric.
+fn position(result: &EvaluateResult, metric: &MetricReference) -> Option<usize> {
+    let label = metric.label();
+    result.metrics.iter().position(|known| *known == label)
+}
+
+fn parameter(parameter: &ParameterValue) -> String {
+    match &parameter.value {
+        None => "varies".to_string(),
+        Some(value) => match value.as_number() {
+            Some(number) => in_unit(number, &parameter.unit),
+            None => value.to_string(),
+        },
+    }
+}
+
+/// What the charts are drawn from.
+struct Charts<'a> {
+    report: &'a SuiteReport<'a>,
+    evaluate: &'a Evaluate,
+    result: &'a EvaluateResult,
+}
+
+impl Charts<'_> {
+    fn figures(&self) -> Vec<Figure> {
+        let mut quantities: Vec<&MetricReference> = Vec::new();
+        for reference in self.result.measures.iter().map(|measure| measure.aggregate.metric()) {
+            let kind = metric(&reference.name).map(|metric| metric.kind);
+            if matches!(kind, Some(MetricKind::Quantity(_))) && !quantities.contains(&reference) {
+                quantities.push(reference);
+            }
+        }
+        let mut figures: Vec<Figure> = Vec::new();
+        for reference in quantities {
+            if let Some(index) = position(self.result, reference) {
+                figures.extend(self.distributions(reference, index));
+                figures.extend(self.changes(reference, index));
+            }
+        }
+        figures
+    }
+
+    /// Figure (e) of the founding paper.
+    fn distributions(&self, reference: &MetricReference, index: usize) -> Option<Figure> {
+        let strip = |condition: &ConditionResult| {
+            let dot = |run: &CaseRun| {
+                let (first, name) = (First::of(run.passed_first), run.case.key.clone());
+                run.outcome.metrics[index].map(|value| Dot { value, first, name })
+            };
+            let dots: Vec<Dot> = condition.runs.iter().filter_map(dot).collect();
+            Strip { name: condition.name.clone(), undefined: condition.runs.len() - dots.len(), dots }
+        };
+        let rules = self.rules(reference);
+        let note = "Every run under each condition. Boxes show median and quartiles; beyond 120 runs a violin stands \
+                    for the middle 90 %.";
+        let title = format!("{} per condition", reference.label());
+        self.strips(title, note, reference, self.result.conditions.iter().map(strip).collect(), rules)
+    }
+
+    /// What every case has more than under the first condition.
+    fn changes(&self, reference: &MetricReference, index: usize) -> Option<Figure> {
+        let (first, others) = self.result.conditions.split_first()?;
+        let strip = |condition: &ConditionResult| {
+            let pairs = first.runs.iter().zip(&condition.runs);
+            let dot = |(before, after): (&CaseRun, &CaseRun)| {
+                let value = after.outcome.metrics[index]? - before.outcome.metrics[index]?;
+                Some(Dot { value, first: First::of(after.passed_first), name: after.case.key.clone() })
+            };
+            let dots: Vec<Dot> = pairs.filter_map(dot).collect();
+            Strip { name: condition.name.clone(), undefined: condition.runs.len() - dots.len(), dots }
+        };
+        let rule = Rule { value: 0.0, label: "no change".into() };
+        let note = format!("The same case under each condition, less under {}.", first.name);
+        let title = format!("Change in {} from {}", reference.label(), first.name);
+        self.strips(title, &note, reference, others.iter().map(strip).collect(), vec![rule])
+    }
+
+    fn strips(
+        &self,
+        title: String,
+        note: &str,
+        reference: &MetricReference,
+        strips: Vec<Strip>,
+        rules: Vec<Rule>,
+    ) -> Option<Figure> {
+        let firsts: Vec<First> = strips.iter().flat_map(|strip| &strip.dots).map(|dot| dot.first).collect();
+        if firsts.is_empty() {
+            return None;
+        }
+        let (quantity, name) = (Measured::metric(reference).quantity(), self.result.name.clone());
+        let svg = if strips.len() > MOST_STRIPS {
+            let range = Strips::range(&strips, &rules);
+            Rows { title: name, x: quantity, strips, rules, range }.to_svg()
+        } else {
+            Strips { title: name, x: String::new(), y: quantity, strips, rules, range: None }.to_svg()
+        };
+        Some(Figure::new(title, note, vec![svg]).with_legend(first_legend(firsts, false)))
+    }
+
+    /// The bounds that the tunes and the search behind it compare the metric to.
+    fn rules(&self, reference: &MetricReference) -> Vec<Rule> {
+        let suite =
+            |name: &str| self.report.blocks.iter().map(|report| report.block).find(|one| one.name() == name);
+        let mut comparisons: Vec<&Comparison> = Vec::new();
+        for condition in &self.evaluate.conditions {
+            if let ParameterSet::Tuned(name) = &condition.parameters
+                && let Some(crate::experiment::Block::Tune(tune)) = suite(name)
+            {
+                comparisons.extend(&tune.constraints);
+            }
+        }
+        if let CaseSet::Search(name) | CaseSet::Bests(name) = &self.evaluate.on
+            && let Some(crate::experiment::Block::Search(search)) = suite(name)
+        {
+            comparisons.extend(&search.keep);
+        }
+        let mut rules: Vec<(f64, Rule)> = Vec::new();
+        for comparison in comparisons.into_iter().filter(|one| one.metric == *reference) {
+            if !rules.iter().any(|(bound, _)| *bound == comparison.constant_bound()) {
+                rules.push((comparison.constant_bound(), comparison_rule(comparison)));
+            }
+        }
+        rules.into_iter().map(|(_, rule)| rule).collect()
+    }
+}

@@ -1,0 +1,387 @@
+//! A `tune` on the page: what was chosen, what it changes, and how the optimiser came to it.
+
+use serde::Serialize;
+
+use super::figure::Figure;
+use super::space::{Dimension, Measured, point_text};
+use crate::experiment::{Candidate, Comparison, MetricSummary, TuneResult};
+use crate::metrics::{MetricKind, metric};
+use crate::optimise::StopReason;
+use crate::report::chart::{Convergence, Front, Mark, Quantity, Rule, Slice, Tried};
+use crate::report::experiment::tuned_parameters;
+use crate::report::format::{in_unit, share};
+use crate::report::wording::comparison_text;
+use crate::scenario::{MetricReference, Tune, significant};
+
+/// Charts of margins that are seen at once.
+const OPEN_MARGINS: usize = 6;
+
+#[derive(Debug, Serialize)]
+pub struct Section {
+    sentences: Vec<String>,
+    /// The chosen parameters as a scenario can use them.
+    parameters: Option<String>,
+    comparison: Option<Table>,
+    candidates: Candidates,
+    figures: Vec<Figure>,
+}
+
+/// Before and after.
+#[derive(Debug, Serialize)]
+struct Table {
+    /// What the tune is about.
+    main: Vec<Line>,
+    /// Every other metric.
+    others: Vec<Line>,
+    feasible_fresh: bool,
+    constrained: bool,
+}
+
+/// A metric before and after, then on fresh seeds.
+#[derive(Debug, Serialize)]
+struct Line {
+    metric: String,
+    cells: Vec<SummaryCell>,
+}
+
+#[derive(Debug, Serialize)]
+struct SummaryCell {
+    mean: String,
+    /// From the smallest to the largest, where they differ.
+    range: String,
+}
+
+#[derive(Debug, Serialize)]
+struct Candidates {
+    headings: Vec<String>,
+    rows: Vec<CandidateRow>,
+}
+
+#[derive(Debug, Serialize)]
+struct CandidateRow {
+    number: usize,
+    cells: Vec<String>,
+    state: &'static str,
+}
+
+/// One tune with what its charts share.
+struct Bench<'a> {
+    tune: &'a Tune,
+    result: &'a TuneResult,
+    objectives: Vec<Measured>,
+    constraints: Vec<Measured>,
+    dimensions: Vec<Dimension>,
+}
+
+impl Section {
+    pub fn new(tune: &Tune, result: &TuneResult) -> Self {
+        let bench = Bench::new(tune, result);
+        Self {
+            sentences: bench.sentences(),
+            parameters: result.chosen.as_ref().map(|_| tuned_parameters(result, tune)),
+            comparison: result.comparison.as_ref().map(|comparison| bench.comparison(comparison)),
+            candidates: bench.candidates(),
+            figures: bench.figures(),
+        }
+    }
+
+    /// What it came to, in a line.
+    pub fn summary(tune: &Tune, result: &TuneResult) -> String {
+        let bench = Bench::new(tune, result);
+        match (&result.chosen, result.pareto.len()) {
+            (Some(chosen), _) => bench.told(chosen),
+            (None, 0) => "no candidate keeps every constraint".to_string(),
+            (None, _) => format!("{} on the front", bench.front_words()),
+        }
+    }
+}
+
+impl<'a> Bench<'a> {
+    fn new(tune: &'a Tune, result: &'a TuneResult) -> Self {
+        Self {
+            tune,
+            result,
+            objectives: tune.objectives.iter().map(Measured::objective).collect(),
+            constraints: tune.constraints.iter().map(|one| Measured::metric(&one.metric)).collect(),
+            dimensions: Dimension::all(&tune.over),
+        }
+    }
+
+    /// Such as `braking_distance 12 m gives mean(time_lost) 0.2 s`.
+    fn told(&self, candidate: &Candidate) -> String {
+        let values = self.objectives.iter().zip(&candidate.objectives);
+        let values: Vec<_> =
+            values.map(|(one, value)| format!("{} {}", one.name, one.text(*value))).collect();
+        format!("{} gives {}", point_text(&self.dimensions, &candidate.point), values.join(", "))
+    }
+
+    fn sentences(&self) -> Vec<String> {
+        let Self { tune, result, .. } = self;
+        let objectives: Vec<_> = tune.objectives.iter().map(|one| one.text.as_str()).collect();
+        let ranges: Vec<_> = self.dimensions.iter().map(Dimension::range).collect();
+        let cases = if result.cases == 1 { "one case".into() } else { format!("{} cases", result.cases) };
+        let mut first = format!("Over {cases}: {}, for {}", objectives.join(" and "), ranges.join(", "));
+        if !tune.constraints.is_empty() {
+            let constraints: Vec<_> = tune.constraints.iter().map(comparison_text).collect();
+            first += &format!(", subject to {} in every run", constraints.join(", "));
+        }
+        let evaluations = result.evaluations.len();
+        let ended = match result.stop {
+            Some(StopReason::NoExpectedImprovement { .. }) => ", after which nothing better was expected",
+            Some(StopReason::GridComplete { .. }) => ", the whole grid",
+            Some(StopReason::Budget { .. }) | None => "",
+        };
+        let mut sentences = vec![first + "."];
+        let feasible = result.evaluations.iter().filter(|candidate| candidate.feasible).count();
+        sentences.push(match tune.constraints.is_empty() {
+            true => format!("{evaluations} candidates were evaluated{ended}."),
+            false => format!("{feasible} of {evaluations} candidates are feasible{ended}."),
+        });
+        sentences.push(match &result.chosen {
+            Some(chosen) => {
+                let margins = self.constraints.iter().zip(&chosen.margins);
+                let margins: Vec<_> =
+                    margins.map(|(one, value)| format!("{} {}", one.name, one.text(*value))).collect();
+                let margins = match margins.as_slice() {
+                    [] => String::new(),
+                    all => format!("; the smallest margins are {}", all.join(", ")),
+                };
+                format!("Chosen: {}{margins}.", self.told(chosen))
+            }
+            None if result.pareto.is_empty() => {
+                "No candidate keeps every constraint: nothing is chosen.".to_string()
+            }
+            None => format!("The front: {}.", self.front_words()),
+        });
+        sentences
+    }
+
+    /// Candidates that give the same are one point of the front.
+    fn front_words(&self) -> String {
+        let mut points: Vec<&[Option<f64>]> = Vec::new();
+        for candidate in &self.result.pareto {
+            if !points.contains(&candidate.objectives.as_slice()) {
+                points.push(&candidate.objectives);
+            }
+        }
+        match (self.result.pareto.len(), points.len()) {
+            (1, _) => "one candidate".to_string(),
+            (candidates, points) if points < candidates => {
+                format!("{candidates} candidates at {points} points")
+            }
+            (candidates, _) => format!("{candidates} candidates"),
+        }
+    }
+
+    fn comparison(&self, comparison: &Comparison) -> Table {
+        let about = self.tune.objectives.iter().map(|one| one.aggregate.metric());
+        let about = about.chain(self.tune.constraints.iter().map(|one| &one.metric));
+        let about: Vec<String> = about.map(MetricReference::label).collect();
+        let tables =
+            [&comparison.before, &comparison.after, &comparison.before_fresh, &comparison.after_fresh];
+        let line = |(index, summary): (usize, &MetricSummary)| Line {
+            metric: summary.metric.clone(),
+            cells: tables.map(|table| SummaryCell::new(&table[index])).into_iter().collect(),
+        };
+        let lines = comparison.before.iter().enumerate().map(line);
+        let (main, others) = lines.partition(|line: &Line| about.contains(&line.metric));
+        Table {
+            main,
+            others,
+            feasible_fresh: comparison.feasible_fresh,
+            constrained: !self.tune.constraints.is_empty(),
+        }
+    }
+
+    fn candidates(&self) -> Candidates {
+        let headings = self.dimensions.iter().map(|one| one.quantity().label());
+        let headings = headings.chain(self.objectives.iter().map(Measured::heading));
+        let margins = self.tune.constraints.iter().map(|one| format!("margin of {}", comparison_text(one)));
+        let row = |(index, candidate): (usize, &Candidate)| {
+            let point = self.dimensions.iter().zip(&candidate.point).map(|(one, value)| one.number(value));
+            let values = self.objectives.iter().zip(&candidate.objectives);
+            let margins = self.constraints.iter().zip(&candidate.margins);
+            let numbers = values.chain(margins).map(|(one, value)| one.number(*value));
+            CandidateRow {
+                number: index + 1,
+                cells: point.chain(numbers).collect(),
+                state: match self.mark(index, candidate) {
+                    Mark::Best if self.result.chosen.is_some() => "chosen",
+                    Mark::Best => "on the front",
+                    Mark::Refused => "infeasible",
+                    Mark::Initial | Mark::Proposed => "feasible",
+                },
+            }
+        };
+        Candidates {
+            headings: headings.chain(margins).collect(),
+            rows: self.result.evaluations.iter().enumerate().map(row).collect(),
+        }
+    }
+
+    fn mark(&self, index: usize, candidate: &Candidate) -> Mark {
+        let best = self.result.chosen.iter().chain(&self.result.pareto);
+        match candidate {
+            _ if !candidate.feasible => Mark::Refused,
+            _ if best.into_iter().any(|best| best == candidate) => Mark::Best,
+            _ if index < self.tune.budget.initial as usize => Mark::Initial,
+            _ => Mark::Proposed,
+        }
+    }
+
+    fn best_label(&self) -> &'static str {
+        if self.result.chosen.is_some() { "chosen" } else { "on the front" }
+    }
+
+    fn figures(&self) -> Vec<Figure> {
+        let mut figures = Vec::new();
+        figures.extend(self.front());
+        figures.extend(self.convergence());
+        figures.extend(self.slices());
+        figures.extend(self.margins());
+        figures
+    }
+
+    /// Every candidate along a dimension, or by its number, with one of its values.
+    fn tried(&self, along: Option<usize>, value: impl Fn(&Candidate) -> Option<f64>) -> Vec<Tried> {
+        let tried = |(index, candidate): (usize, &Candidate)| {
+            let x = match along {
+                Some(dimension) => self.dimensions[dimension].place(&candidate.point[dimension])?,
+                None => (index + 1) as f64,
+            };
+            Some(Tried { x, y: value(candidate), mark: self.mark(index, candidate) })
+        };
+        self.result.evaluations.iter().enumerate().filter_map(tried).collect()
+    }
+
+    fn charted(&self, objective: usize) -> impl Fn(&Candidate) -> Option<f64> {
+        let of = self.objectives[objective].clone();
+        move |candidate| candidate.objectives[objective].map(|value| of.charted(value))
+    }
+
+    fn front(&self) -> Option<Figure> {
+        let [x, y, ..] = self.objectives.as_slice() else { return None };
+        let (along, up) = (self.charted(0), self.charted(1));
+        let candidates = self.result.evaluations.iter().enumerate();
+        let tried = |(index, one): (usize, &Candidate)| Some((along(one)?, up(one)?, self.mark(index, one)));
+        let chart = Front {
+            title: self.tune.name.clone(),
+            x: x.quantity(),
+            y: y.quantity(),
+            goals: (self.tune.objectives[0].direction, self.tune.objectives[1].direction),
+            tried: candidates.filter_map(tried).collect(),
+        };
+        let goals: Vec<_> = self.tune.objectives.iter().map(|one| one.text.as_str()).collect();
+        let note = format!("Both objectives of every candidate: {}.", goals.join(" and "));
+        Some(Figure::new("Front", note, vec![chart.to_svg()]).with_legend(chart.legend()))
+    }
+
+    fn convergence(&self) -> Option<Figure> {
+        if self.result.evaluations.is_empty() || self.objectives.len() > 1 {
+            return None;
+        }
+        let initial = self.tune.budget.initial as usize;
+        let chart = Convergence {
+            title: self.tune.name.clone(),
+            y: self.objectives[0].quantity(),
+            goal: self.tune.objectives[0].direction,
+            tried: self.tried(None, self.charted(0)),
+            initial,
+        };
+        let note = format!("The dotted line stands after the {initial} initial points.");
+        let legend = chart.legend(self.best_label());
+        Some(Figure::new("Convergence", note, vec![chart.to_svg()]).with_legend(legend))
+    }
+
+    fn slices(&self) -> Option<Figure> {
+        let mut slices = Vec::new();
+        for (objective, measured) in self.objectives.iter().enumerate() {
+            for (index, dimension) in self.dimensions.iter().enumerate() {
+                // There are surrogate slices of a single objective only.
+                let slice = self.result.slices.get(index).filter(|_| self.objectives.len() == 1);
+                slices.push(Slice {
+                    title: measured.name.clone(),
+                    x: dimension.quantity(),
+                    along: dimension.along.clone(),
+                    y: measured.quantity(),
+                    beliefs: slice.map(|slice| dimension.beliefs(slice, measured)).unwrap_or_default(),
+                    tried: self.tried(Some(index), self.charted(objective)),
+                    rules: Vec::new(),
+                    range: None,
+                });
+            }
+        }
+        if self.result.evaluations.is_empty() {
+            return None;
+        }
+        let mut note = if slices.iter().any(|slice| !slice.beliefs.is_empty()) {
+            "What the surrogate believes after the last evaluation, with every candidate.".to_string()
+        } else {
+            "Every candidate.".to_string()
+        };
+        if self.dimensions.len() > 1 {
+            note += " Each chart is a slice through the chosen point: points whose other values differ lie off it.";
+        }
+        let legend = Slice::legend(&slices, self.best_label());
+        let panels = slices.iter().map(Slice::to_svg).collect();
+        Some(Figure::new("Surrogate", note, panels).with_legend(legend))
+    }
+
+    fn margins(&self) -> Option<Figure> {
+        let mut slices = Vec::new();
+        for (which, constraint) in self.tune.constraints.iter().enumerate() {
+            let measured = &self.constraints[which];
+            let margin =
+                |candidate: &Candidate| candidate.margins[which].map(|value| measured.charted(value));
+            let y = Quantity::new("margin", measured.quantity().unit);
+            for (index, dimension) in self.dimensions.iter().enumerate() {
+                slices.push(Slice {
+                    title: comparison_text(constraint),
+                    x: dimension.quantity(),
+                    along: dimension.along.clone(),
+                    y: y.clone(),
+                    beliefs: Vec::new(),
+                    tried: self.tried(Some(index), margin),
+                    rules: vec![Rule { value: 0.0, label: "violated below".into() }],
+                    range: None,
+                });
+            }
+        }
+        if slices.is_empty() || self.result.evaluations.is_empty() {
+            return None;
+        }
+        let mut note = "How far the worst run of every candidate is from violating a constraint.".to_string();
+        if self.tune.early_stop {
+            note += " A candidate ends at its first violation, so that its margin is that of the runs until then.";
+        }
+        let legend = Slice::legend(&slices, self.best_label());
+        let panels = slices.iter().map(Slice::to_svg).collect();
+        let figure = Figure::new("Margins of the constraints", note, panels).with_legend(legend);
+        Some(figure.folded(OPEN_MARGINS, |count| format!("{count} more")))
+    }
+}
+
+impl SummaryCell {
+    fn new(summary: &MetricSummary) -> Self {
+        let name = summary.metric.split('(').next().unwrap_or_default();
+        let unit = match metric(name).map(|metric| metric.kind) {
+            Some(MetricKind::Quantity(dimension)) => dimension.si_unit(),
+            Some(MetricKind::Flag) => {
+                let mean = summary.mean.map_or("–".to_string(), share);
+                return Self { mean, range: String::new() };
+            }
+            _ => String::new(),
+        };
+        let Some(mean) = summary.mean else { return Self { mean: "–".into(), range: String::new() } };
+        let mut range = match (summary.min, summary.max) {
+            (Some(min), Some(max)) if min < max => {
+                format!("{} to {}", significant(min, 3), significant(max, 3))
+            }
+            _ => String::new(),
+        };
+        if summary.defined < summary.runs {
+            range += &format!(" in {} of {} runs", summary.defined, summary.runs);
+        }
+        Self { mean: in_unit(mean, &unit), range: range.trim_start().to_string() }
+    }
+}
