@@ -99,14 +99,14 @@ pub fn run_evaluate(
     let series = Series { laboratory, evaluate, cases, measures };
     let all = evaluate.conditions.len();
     let mut conditions: Vec<ConditionResult> = Vec::with_capacity(all);
-    let settings: Vec<Known> = evaluate
+    let setups: Vec<Known> = evaluate
         .conditions
         .iter()
         .map(|condition| laboratory.settings_of(condition, results))
         .collect::<Result<_, _>>()?;
-    let targets = targets(&settings);
-    for (condition, settings) in evaluate.conditions.iter().zip(settings) {
-        let result = series.condition(condition, settings, &targets, conditions.first())?;
+    let targets = targets(&setups);
+    for (condition, setup) in evaluate.conditions.iter().zip(setups) {
+        let result = series.condition(condition, setup, &targets, conditions.first())?;
         conditions.push(result);
         progress.evaluated(conditions.len(), all, None);
     }
@@ -124,13 +124,27 @@ pub fn run_evaluate(
     })
 }
 
-/// What a condition sets, or why nobody knows.
-type Known = Result<Vec<(Target, Value)>, String>;
+/// What a condition is, or why nobody knows.
+type Known = Result<Setup, String>;
+
+/// What a condition runs the cases with.
+#[derive(Default)]
+struct Setup {
+    /// `None`: each case's own.
+    scenario: Option<String>,
+    settings: Vec<(Target, Value)>,
+}
+
+impl Setup {
+    fn of(settings: Vec<(Target, Value)>) -> Self {
+        Self { scenario: None, settings }
+    }
+}
 
 /// Everything that any condition sets, each once.
-fn targets(settings: &[Known]) -> Vec<Target> {
+fn targets(setups: &[Known]) -> Vec<Target> {
     let mut targets = Vec::new();
-    for (target, _) in settings.iter().flatten().flatten() {
+    for (target, _) in setups.iter().flatten().flat_map(|known| &known.settings) {
         if !targets.contains(target) {
             targets.push(target.clone());
         }
@@ -150,7 +164,7 @@ impl Series<'_> {
     fn condition(
         &self,
         condition: &Condition,
-        settings: Known,
+        setup: Known,
         targets: &[Target],
         first: Option<&ConditionResult>,
     ) -> Result<ConditionResult, ExperimentError> {
@@ -164,15 +178,15 @@ impl Series<'_> {
             differences: Vec::new(),
             runs: Vec::new(),
         };
-        let settings = match settings {
-            Ok(settings) => settings,
+        let setup = match setup {
+            Ok(setup) => setup,
             Err(reason) => {
                 result.differences = vec![None; if first.is_some() { self.measures.len() } else { 0 }];
                 result.missing = Some(reason);
                 return Ok(result);
             }
         };
-        let (saved, cases) = self.cases(condition, &settings)?;
+        let (saved, cases) = self.cases(condition, &setup)?;
         result.parameters = targets.iter().map(|target| parameter(target, &cases)).collect();
         let outcomes = self.laboratory.run_all(&cases)?;
         let requests = &self.laboratory.requests;
@@ -195,12 +209,14 @@ impl Series<'_> {
     fn cases(
         &self,
         condition: &Condition,
-        settings: &[(Target, Value)],
+        setup: &Setup,
     ) -> Result<(Vec<SavedCase>, Vec<Case>), ExperimentError> {
         let (suite, name) = (self.laboratory.suite, &self.evaluate.name);
         let mut saved = Vec::new();
         let mut cases = Vec::new();
         for (index, case) in self.cases.iter().enumerate() {
+            let scenario = setup.scenario.as_ref().unwrap_or(&case.scenario).clone();
+            let case = SavedCase { scenario, value: None, ..case.clone() };
             for fresh in 0..self.evaluate.fresh.max(1) {
                 let within = match self.evaluate.fresh {
                     0 => format!("case={}", index + 1),
@@ -209,10 +225,10 @@ impl Series<'_> {
                 let key = format!("{}/{name}/{}/{within}", suite.name, condition.name);
                 let seed = (self.evaluate.fresh > 0)
                     .then(|| derive_seed(suite.seed, &format!("{}/{name}/{within}", suite.name)));
-                cases.push(self.laboratory.revive(case, settings, key.clone(), seed)?);
-                let settings = case.settings.iter().chain(settings).cloned().collect();
+                cases.push(self.laboratory.revive(&case, &setup.settings, key.clone(), seed)?);
+                let settings = case.settings.iter().chain(&setup.settings).cloned().collect();
                 let seed = seed.unwrap_or(case.seed);
-                saved.push(SavedCase { key, settings, seed, value: None, ..case.clone() });
+                saved.push(SavedCase { key, settings, seed, ..case.clone() });
             }
         }
         Ok((saved, cases))
@@ -279,18 +295,21 @@ impl Series<'_> {
 impl Laboratory<'_> {
     fn settings_of(&self, condition: &Condition, results: &Results) -> Result<Known, ExperimentError> {
         match &condition.parameters {
-            ParameterSet::Declared => Ok(Ok(Vec::new())),
-            ParameterSet::Given(settings) => Ok(Ok(settings.clone())),
+            ParameterSet::Declared => Ok(Ok(Setup::default())),
+            ParameterSet::Given(settings) => Ok(Ok(Setup::of(settings.clone()))),
+            ParameterSet::Scenario(name) => {
+                Ok(Ok(Setup { scenario: Some(name.clone()), settings: Vec::new() }))
+            }
             ParameterSet::Tuned(name) => {
                 let tune = self.suite.tunes.iter().find(|tune| tune.name == *name);
                 let tune = tune.ok_or_else(|| ExperimentError::NotRun(name.clone()))?;
                 Ok(match &results.tune(name)?.chosen {
-                    Some(chosen) => Ok(overrides::settings(&tune.over, &chosen.point)),
+                    Some(chosen) => Ok(Setup::of(overrides::settings(&tune.over, &chosen.point))),
                     None => Err(format!("tune `{name}` chose nothing")),
                 })
             }
             ParameterSet::Saved(path) => {
-                ParameterFile::read(Path::new(path)).map(|saved| Ok(saved.parameters))
+                ParameterFile::read(Path::new(path)).map(|saved| Ok(Setup::of(saved.parameters)))
             }
         }
     }

@@ -435,6 +435,28 @@ fn fresh_seeds_are_the_same_under_every_condition() {
 }
 
 #[test]
+fn a_condition_may_be_another_scenario_with_the_same_cases() {
+    let mut suite = evaluated_suite();
+    let mut other = suite.scenarios[0].clone();
+    other.name = "far".into();
+    let reach = ("braking_distance".to_string(), Expression::Constant(Value::Number(25.0)));
+    other.vehicles[0].controller.settings.push(reach);
+    suite.scenarios.push(other);
+    suite.evaluates[0].conditions[1].parameters = ParameterSet::Scenario("far".into());
+    let results = run_all(&suite);
+    let [default, other, given] = results.evaluate("final").unwrap().conditions.as_slice() else {
+        panic!("three conditions")
+    };
+    let fingerprints = |condition: &ConditionResult| {
+        condition.runs.iter().map(|run| run.outcome.fingerprint).collect::<Vec<_>>()
+    };
+    assert_eq!(fingerprints(other), fingerprints(given));
+    assert_ne!(fingerprints(other), fingerprints(default));
+    assert!(other.runs.iter().all(|run| run.case.scenario == "far"));
+    assert_eq!(other.parameters[0].value, Some(Value::Number(25.0)));
+}
+
+#[test]
 fn a_tune_that_chose_nothing_leaves_its_condition_empty() {
     let mut suite = evaluated_suite();
     suite.tunes[0].constraints = vec![condition("min_distance", Relation::Greater, 1e6)];

@@ -38,6 +38,8 @@ pub enum ParameterSet {
     Declared,
     /// What a tune of this name chose.
     Tuned(String),
+    /// What another scenario declares: its world with the cases' own variations, individuals and seeds.
+    Scenario(String),
     /// Given in place, such as `av.controller.braking_distance: 10 m`.
     Given(Vec<(Target, Value)>),
     /// What a tune saved; a path resolved against the file that names it.
