@@ -213,6 +213,29 @@ fn the_same_file_over_two_ways_is_one() {
     assert!(suite.supporting.is_empty());
 }
 
+#[test]
+fn variations_choose_what_drives_and_walks() {
+    let suite = lang::load(&folder("ok/choices.scn")).unwrap().suite;
+    let plan = scenario_runner::plan::plan(&suite).unwrap();
+    let chosen = |key: &str| {
+        let trial = plan.trials.iter().find(|trial| trial.key == key).unwrap_or_else(|| panic!("no {key}"));
+        let world = &trial.cases[0].world;
+        let car = &world.vehicles[0];
+        [car.controller.name.as_str(), car.dynamics.name.as_str(), world.pedestrians[0].model.name.as_str()]
+    };
+    let open = "choices/open_settings/vehicle_dynamics";
+    assert_eq!(chosen(&format!("{open}=model3/mode=stock/gap=9m")), ["carla_behavior", "model3", "scripted"]);
+    assert_eq!(chosen(&format!("{open}=prius/mode=stock/gap=9m")), ["carla_behavior", "prius", "scripted"]);
+    let pair = "choices/pairings/driver=autoware/wheels=delay_lag/who=carla_walker";
+    assert_eq!(chosen(pair), ["autoware", "delay_lag", "carla_walker"]);
+    assert_eq!(chosen("choices/given"), ["carla_behavior", "generic", "carla_walker"]);
+    let drawn = plan.trials.iter().filter(|trial| trial.scenario == "drawn");
+    for trial in drawn {
+        let car = &trial.cases[0].world.vehicles[0];
+        assert!(trial.key.contains(&format!("wheels={}", car.dynamics.name)), "{}", trial.key);
+    }
+}
+
 /// Codes that need a file no repository should hold.
 const TESTED_ELSEWHERE: [Code; 3] = [Code::NotUtf8, Code::FileTooLarge, Code::TooManyFiles];
 

@@ -22,7 +22,7 @@ fn condition(name: &str, relation: Relation, bound: f64) -> Bound {
 fn model(name: &str, settings: &[(&str, Value)]) -> Model {
     let settings =
         settings.iter().map(|(name, value)| (name.to_string(), Expression::Constant(value.clone())));
-    Model { name: name.into(), settings: settings.collect(), origin: Origin::default() }
+    Model { name: name.into(), varied_by: None, settings: settings.collect(), origin: Origin::default() }
 }
 
 fn scenario() -> Scenario {

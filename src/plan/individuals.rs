@@ -140,6 +140,7 @@ mod tests {
         Pedestrian {
             name: name.to_string(),
             model: Model {
+                varied_by: None,
                 name: model.to_string(),
                 settings: settings.into_iter().collect(),
                 origin: Origin::default(),

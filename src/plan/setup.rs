@@ -43,14 +43,16 @@ fn vehicle_setup(
     pedestrians: &[PedestrianSetup],
 ) -> Result<VehicleSetup, PlanError> {
     let number = |expression: &Expression| number(expression, variables, &declared.origin);
-    let unknown = |kind: &str, model: &Model| {
-        PlanError::new(&model.origin, format!("there is no {kind} called `{}`", model.name))
+    let unknown = |kind: &str, model: &Model, name: &str| {
+        PlanError::new(&model.origin, format!("there is no {kind} called `{name}`"))
     };
-    let controller = vehicle::controller(&declared.controller.name)
-        .ok_or_else(|| unknown("controller", &declared.controller))?;
+    let controller_name = name(&declared.controller, variables)?;
+    let controller = vehicle::controller(controller_name)
+        .ok_or_else(|| unknown("controller", &declared.controller, controller_name))?;
     let (dynamics, dynamics_settings) = match &declared.dynamics {
         Some(model) => {
-            let found = vehicle::dynamics(&model.name).ok_or_else(|| unknown("vehicle dynamics", model))?;
+            let name = name(model, variables)?;
+            let found = vehicle::dynamics(name).ok_or_else(|| unknown("vehicle dynamics", model, name))?;
             (found, resolve(&found.declaration, model, variables)?)
         }
         None => {
@@ -109,7 +111,7 @@ fn vehicle_setup(
     Ok(VehicleSetup {
         name: declared.name.clone(),
         controller: ModelSetup {
-            name: declared.controller.name.clone(),
+            name: controller_name.to_string(),
             settings: resolve(&controller.declaration, &declared.controller, variables)?,
         },
         dynamics: ModelSetup { name: dynamics.declaration.name.to_string(), settings: dynamics_settings },
@@ -155,8 +157,9 @@ fn pedestrian_setup(
     people: &[Individual],
 ) -> Result<PedestrianSetup, PlanError> {
     let number = |expression: &Expression| number(expression, variables, &declared.origin);
-    let model = pedestrian::model(&declared.model.name).ok_or_else(|| {
-        let message = format!("there is no pedestrian model called `{}`", declared.model.name);
+    let model_name = name(&declared.model, variables)?;
+    let model = pedestrian::model(model_name).ok_or_else(|| {
+        let message = format!("there is no pedestrian model called `{model_name}`");
         PlanError::new(&declared.model.origin, message)
     })?;
     let road = &scenario.road;
@@ -209,7 +212,7 @@ fn pedestrian_setup(
         .map_err(|error| PlanError::new(&declared.model.origin, error.to_string()))?;
     Ok(PedestrianSetup {
         name: declared.name.clone(),
-        model: ModelSetup { name: declared.model.name.clone(), settings },
+        model: ModelSetup { name: model_name.to_string(), settings },
         shape,
         side: declared.side,
         start,
@@ -233,6 +236,10 @@ fn evaluate(model: &Model, variables: &Variables) -> Result<Settings, PlanError>
         settings.set(name.clone(), value);
     }
     Ok(settings)
+}
+
+fn name<'a>(model: &'a Model, variables: &'a Variables) -> Result<&'a str, PlanError> {
+    model.name_where(variables).map_err(|error| PlanError::new(&model.origin, error.to_string()))
 }
 
 fn number(expression: &Expression, variables: &Variables, origin: &Origin) -> Result<f64, PlanError> {

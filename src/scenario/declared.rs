@@ -1,10 +1,12 @@
 //! What a user declared: suites and scenarios whose values may still depend on variations.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Criterion, Evaluate, Expression, Gate, Origin, Road, Search, Side, Statement, Tune, Value,
-    VehicleReference,
+    Criterion, Evaluate, EvaluationError, Expression, Gate, Origin, Road, Search, Side, Statement, Tune,
+    Value, VehicleReference,
 };
 
 /// A suite: scenarios and what holds for all of them. A bare `.scn` file becomes a suite named after the file.
@@ -60,7 +62,11 @@ pub struct Scenario {
 /// A model, controller or dynamics by name with the settings that were given.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Model {
+    /// With [`Self::varied_by`], the first of those that it takes.
     pub name: String,
+    /// The variation whose words replace the name.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub varied_by: Option<String>,
     pub settings: Vec<(String, Expression)>,
     pub origin: Origin,
 }
@@ -193,7 +199,44 @@ pub enum Distribution {
     Choice(Vec<VariedValue>),
 }
 
+impl Model {
+    /// The name where variations have the values `variables`.
+    ///
+    /// # Errors
+    /// If the variation that decides has no value there, or none that is a word.
+    pub fn name_where<'a>(
+        &'a self,
+        variables: &'a BTreeMap<String, Value>,
+    ) -> Result<&'a str, EvaluationError> {
+        let Some(variation) = &self.varied_by else { return Ok(&self.name) };
+        match variables.get(variation) {
+            Some(Value::Word(word)) => Ok(word),
+            Some(other) => Err(EvaluationError::NotAWord(other.to_string())),
+            None => Err(EvaluationError::Unbound(variation.clone())),
+        }
+    }
+
+    /// Every name that it has in some run of a scenario with these variations.
+    pub fn names<'a>(&'a self, variations: &'a [Variation]) -> Vec<&'a str> {
+        let Some(varied_by) = &self.varied_by else { return vec![&self.name] };
+        let words = variations.iter().find_map(|variation| variation.values_of(varied_by));
+        words.into_iter().flatten().filter_map(Value::as_word).collect()
+    }
+}
+
 impl Variation {
+    /// The values that one of its names takes; `None` if it does not vary the name, or draws it from a range.
+    pub fn values_of(&self, name: &str) -> Option<Vec<&Value>> {
+        let index = self.names().iter().position(|varied| varied == name)?;
+        match self {
+            Self::Grid { rows, .. } => Some(rows.iter().map(|row| &row[index].value).collect()),
+            Self::Sampled { samples, .. } => match &samples.distributions[index] {
+                Distribution::Choice(options) => Some(options.iter().map(|option| &option.value).collect()),
+                _ => None,
+            },
+        }
+    }
+
     /// What it varies.
     pub fn names(&self) -> &[String] {
         match self {

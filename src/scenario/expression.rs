@@ -32,6 +32,8 @@ pub enum EvaluationError {
     Unbound(String),
     #[error("arithmetic needs numbers, but found `{0}`")]
     NotANumber(String),
+    #[error("a name is needed here, but found `{0}`")]
+    NotAWord(String),
     #[error("the result of the arithmetic is not a finite number")]
     NotFinite,
 }

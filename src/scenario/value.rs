@@ -21,6 +21,13 @@ impl Value {
             _ => None,
         }
     }
+
+    pub fn as_word(&self) -> Option<&str> {
+        match self {
+            Self::Word(word) => Some(word),
+            _ => None,
+        }
+    }
 }
 
 impl fmt::Display for Value {

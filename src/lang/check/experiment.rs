@@ -6,7 +6,7 @@ use super::Places;
 use super::block::{Layer, Said, missing, reject_repeats};
 use super::criterion::{self, Cast};
 use super::pedestrian::individuals;
-use super::subject::{Subject, Subjects, case_set, declaration};
+use super::subject::{Subject, Subjects, case_set, declarations};
 use crate::lang::codes::Code;
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::print;
@@ -45,7 +45,7 @@ pub fn search(
     let people = block
         .children()
         .find(|child| matches!(child.rule(), Rule::individuals | Rule::individual))
-        .map(|node| individuals(Said { node, scope }, able_model(&subject), places, report));
+        .map(|node| individuals(Said { node, scope }, &able_models(&subject), places, report));
     let objective = match block.child(Rule::objective) {
         Some(node) => objective(node, &cast, scope, report),
         None => {
@@ -152,10 +152,16 @@ fn only_parameters(block: Node, report: &mut Vec<Diagnostic>) -> bool {
     varied.is_empty()
 }
 
-fn able_model(subject: &Subject) -> Option<&'static pedestrian::PedestrianModel> {
-    let models =
-        subject.scenario.pedestrians.iter().filter_map(|person| pedestrian::model(&person.model.name));
-    models.max_by_key(|model| model.takes_individuals)
+/// The models of the pedestrian that could be an individual, of the first if none could.
+fn able_models(subject: &Subject) -> Vec<&'static pedestrian::PedestrianModel> {
+    let scenario = subject.scenario;
+    let models = scenario.pedestrians.iter().map(|person| {
+        let names = person.model.names(&scenario.variations).into_iter();
+        names.filter_map(pedestrian::model).collect::<Vec<_>>()
+    });
+    let able =
+        |models: &Vec<&pedestrian::PedestrianModel>| models.iter().all(|model| model.takes_individuals);
+    models.max_by_key(able).unwrap_or_default()
 }
 
 /// A comparison whose bound is the same for all runs.
@@ -337,7 +343,12 @@ fn range(
     let (target, takes) = target(target_node, subject, report)?;
     let what = format!("`{target}`");
     let (kind, whole, limits, options) = match takes {
-        Takes::Kind(kind) => (kind, false, (f64::NEG_INFINITY, f64::INFINITY), None),
+        Takes::Kind(kind) => {
+            let varied = target_node.child(Rule::name).and_then(|name| subject.varied.get(name.text()));
+            let values = varied.filter(|_| kind == Kind::Word).and_then(|binding| binding.varied.as_ref());
+            let words = values.map(|values| values.iter().filter_map(|one| one.value.as_word()).collect());
+            (kind, false, (f64::NEG_INFINITY, f64::INFINITY), words)
+        }
         Takes::Parameter(declaration, name) => match declaration.parameter(name).map(|found| found.kind) {
             Some(ParameterKind::Number { dimension, range, .. }) => {
                 (Kind::Number(dimension), false, range, None)
@@ -473,7 +484,8 @@ pub fn target(node: Node, subject: &Subject, report: &mut Vec<Diagnostic>) -> Op
         (.., true) => Part::Sees,
         _ => Part::Model,
     };
-    let Some(declaration) = declaration(scenario, name.text(), part) else {
+    let declared = declarations(scenario, name.text(), part);
+    if declared.is_empty() {
         let users = scenario.vehicles.iter().map(|vehicle| vehicle.name.as_str());
         let everybody: Vec<_> =
             users.chain(scenario.pedestrians.iter().map(|person| person.name.as_str())).collect();
@@ -490,22 +502,27 @@ pub fn target(node: Node, subject: &Subject, report: &mut Vec<Diagnostic>) -> Op
             diagnostic.suggest(name.text(), everybody)
         });
         return None;
-    };
-    let presets = declaration.presets.map(|family| family.word);
-    let names = declaration.parameters.iter().map(|found| found.name).chain(presets);
-    let Some(found) = names.clone().find(|known| *known == parameter.text()) else {
-        report.push(
-            Diagnostic::new(
-                Code::UnknownParameter,
-                parameter.span(),
-                format!("`{}` has no parameter `{}`", declaration.name, parameter.text()),
-            )
-            .label("unknown parameter")
-            .suggest(parameter.text(), names),
-        );
-        return None;
-    };
+    }
+    // Where a variation chooses between several, each of them must have it.
+    let mut takes = None;
+    for declaration in declared {
+        let presets = declaration.presets.map(|family| family.word);
+        let names = declaration.parameters.iter().map(|found| found.name).chain(presets);
+        let Some(found) = names.clone().find(|known| *known == parameter.text()) else {
+            report.push(
+                Diagnostic::new(
+                    Code::UnknownParameter,
+                    parameter.span(),
+                    format!("`{}` has no parameter `{}`", declaration.name, parameter.text()),
+                )
+                .label("unknown parameter")
+                .suggest(parameter.text(), names),
+            );
+            return None;
+        };
+        takes.get_or_insert(Takes::Parameter(declaration, found));
+    }
     let target =
         Target::Setting { road_user: name.text().to_string(), part, parameter: parameter.text().to_string() };
-    Some((target, Takes::Parameter(declaration, found)))
+    Some((target, takes?))
 }

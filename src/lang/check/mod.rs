@@ -6,6 +6,7 @@ mod criterion;
 mod evaluate;
 mod experiment;
 mod gate;
+mod model;
 mod pedestrian;
 mod road;
 mod scenario;

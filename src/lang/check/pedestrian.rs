@@ -2,7 +2,8 @@
 
 use super::Places;
 use super::block::{Layer, Said, last, last_of, missing, reject_repeats};
-use super::vehicle::{model, size};
+use super::model::{Registry, named};
+use super::vehicle::size;
 use crate::lang::codes::Code;
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::settings::repeated;
@@ -33,18 +34,16 @@ pub fn pedestrian(
         exclude(layer.block, Rule::individuals, Rule::individual, report);
     }
     let what = format!("pedestrian `{}`", name.text());
-    let found = match last(layers, Rule::model) {
-        Some(said) => registered(said, report).map(|found| (said, found)),
+    let model = match last(layers, Rule::model) {
+        Some(said) => named(said, &MODELS, places, report),
         None => {
             missing(layers, name.span(), &what, "model", "model carla_walker", report);
             None
         }
     };
-    let model = found.and_then(|(said, found)| {
-        model(said, said.node.child(Rule::name)?, &found.declaration, places, report)
-    });
+    let models = model.as_ref().map_or(&[] as &[_], |model| &model.found);
     let individuals = last_of(layers, [Rule::individuals, Rule::individual])
-        .map(|said| individuals(said, found.map(|(_, found)| found), places, report));
+        .map(|said| individuals(said, models, places, report));
     let shape = last_of(layers, [Rule::size, Rule::radius]).map(|said| shape(said, report));
     let side = match last(layers, Rule::side) {
         Some(said) if said.node.has(Rule::kw_far) => Side::Far,
@@ -76,7 +75,7 @@ pub fn pedestrian(
     }
     Some(Pedestrian {
         name: name.text().to_string(),
-        model: model?,
+        model: model?.model,
         shape: match shape {
             Some(shape) => Some(shape?),
             None => None,
@@ -129,33 +128,23 @@ fn exclude(block: Node, first: Rule, second: Rule, report: &mut Vec<Diagnostic>)
     }
 }
 
-fn registered(said: Said, report: &mut Vec<Diagnostic>) -> Option<&'static registry::PedestrianModel> {
-    let name = said.node.child(Rule::name)?;
-    let found = registry::model(name.text());
-    if found.is_none() {
-        report.push(
-            Diagnostic::new(
-                Code::UnknownModel,
-                name.span(),
-                format!("there is no pedestrian model `{}`", name.text()),
-            )
-            .label("unknown model")
-            .suggest(name.text(), registry::MODELS.iter().map(|known| known.declaration.name)),
-        );
-    }
-    found
-}
+const MODELS: Registry<registry::PedestrianModel> = Registry {
+    code: Code::UnknownModel,
+    what: "model",
+    there_is_no: "there is no pedestrian model",
+    all: registry::MODELS,
+    declaration: |model| &model.declaration,
+};
 
+/// The people that a statement takes, who must be of every one of these models.
 pub fn individuals(
     said: Said,
-    model: Option<&registry::PedestrianModel>,
+    models: &[&registry::PedestrianModel],
     places: &Places,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Individuals> {
     let node = said.node;
-    if let Some(model) = model
-        && !model.takes_individuals
-    {
+    if let Some(model) = models.iter().find(|model| !model.takes_individuals) {
         let able = registry::MODELS
             .iter()
             .filter(|known| known.takes_individuals)

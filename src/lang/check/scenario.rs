@@ -504,5 +504,8 @@ fn used_variables<'a>(vehicles: &'a [Vehicle], pedestrians: &'a [Pedestrian]) ->
             None => {}
         }
     }
-    expressions.into_iter().flat_map(Expression::variables).collect()
+    let cars = vehicles.iter().flat_map(|vehicle| [Some(&vehicle.controller), vehicle.dynamics.as_ref()]);
+    let models = cars.flatten().chain(pedestrians.iter().map(|pedestrian| &pedestrian.model));
+    let chosen = models.filter_map(|model| model.varied_by.as_deref());
+    expressions.into_iter().flat_map(Expression::variables).chain(chosen).collect()
 }

@@ -11,9 +11,10 @@ use crate::lang::files::Definition;
 use crate::lang::tree::{Node, Rule};
 use crate::lang::value::{Binding, unquote};
 use crate::scenario::{
-    CaseSet, Declaration, Evaluate, Model, Part, Range, RangeValues, SampleSize, Scenario, Search, Target,
-    Tune, Value, VariedValue,
+    CaseSet, Declaration, Evaluate, Part, Range, RangeValues, SampleSize, Scenario, Search, Target, Tune,
+    Value, VariedValue, Vehicle,
 };
+use crate::vehicle::ControllerModel;
 use crate::{pedestrian, vehicle};
 
 /// What the blocks of a suite can be about: its scenarios, and the blocks that are checked so far.
@@ -165,11 +166,14 @@ impl Subject<'_> {
     pub fn takes(&self, target: &Target) -> bool {
         match target {
             Target::Variation(name) => self.varied.contains_key(name),
-            Target::Setting { road_user, part, parameter } => declaration(self.scenario, road_user, *part)
-                .is_some_and(|found| {
-                    let preset = found.presets.is_some_and(|family| family.word == parameter);
-                    preset || found.parameter(parameter).is_some()
-                }),
+            Target::Setting { road_user, part, parameter } => {
+                let declared = declarations(self.scenario, road_user, *part);
+                let has = |one: &Declaration| {
+                    let preset = one.presets.is_some_and(|family| family.word == parameter);
+                    preset || one.parameter(parameter).is_some()
+                };
+                !declared.is_empty() && declared.iter().all(has)
+            }
         }
     }
 }
@@ -271,22 +275,30 @@ fn saved_scenario(path: &str) -> Option<String> {
     Some(set["cases"][0]["scenario"].as_str()?.to_string())
 }
 
-/// What the part of a road user declares.
-pub fn declaration(scenario: &Scenario, user: &str, part: Part) -> Option<Declaration> {
+/// What the part of a road user declares, in every run of the scenario; empty if there is no such part.
+pub fn declarations(scenario: &Scenario, user: &str, part: Part) -> Vec<Declaration> {
     let car = scenario.vehicles.iter().find(|vehicle| vehicle.name == user);
-    let controller = |car: &crate::scenario::Vehicle| vehicle::controller(&car.controller.name);
-    match part {
-        Part::Controller => controller(car?).map(|found| found.declaration),
-        Part::Dynamics => {
-            let car = car?;
-            let declared: Option<&Model> = car.dynamics.as_ref();
-            let name = declared.map_or(controller(car)?.default_dynamics, |model| model.name.as_str());
-            vehicle::dynamics(name).map(|found| found.declaration)
+    let variations = &scenario.variations;
+    let controllers = |car: &Vehicle| -> Vec<&'static ControllerModel> {
+        car.controller.names(variations).into_iter().filter_map(vehicle::controller).collect()
+    };
+    match (part, car) {
+        (Part::Controller, Some(car)) => {
+            controllers(car).into_iter().map(|found| found.declaration).collect()
         }
-        Part::Sees => car.map(|_| vehicle::PERCEPTION),
-        Part::Model => {
-            let person = scenario.pedestrians.iter().find(|person| person.name == user)?;
-            pedestrian::model(&person.model.name).map(|found| found.declaration)
+        (Part::Dynamics, Some(car)) => {
+            let names = match &car.dynamics {
+                Some(dynamics) => dynamics.names(variations),
+                None => controllers(car).into_iter().map(|found| found.default_dynamics).collect(),
+            };
+            names.into_iter().filter_map(vehicle::dynamics).map(|found| found.declaration).collect()
         }
+        (Part::Sees, Some(_)) => vec![vehicle::PERCEPTION],
+        (Part::Model, _) => {
+            let person = scenario.pedestrians.iter().find(|person| person.name == user);
+            let names = person.map_or(Vec::new(), |person| person.model.names(variations));
+            names.into_iter().filter_map(pedestrian::model).map(|found| found.declaration).collect()
+        }
+        (_, None) => Vec::new(),
     }
 }

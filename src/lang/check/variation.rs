@@ -59,7 +59,7 @@ pub fn variations(
             for varied in varied {
                 let mut binding =
                     Binding::new(Some(Typed::variable(varied.name, varied.kind, varied.span)), varied.span);
-                if let Over::Values(values) = varied.over {
+                if let Over::Values(values) | Over::Distribution(Distribution::Choice(values)) = varied.over {
                     binding.varied = Some(values);
                 }
                 bindings.insert(varied.name.to_string(), binding);

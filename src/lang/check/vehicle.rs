@@ -2,13 +2,14 @@
 
 use super::Places;
 use super::block::{Layer, Said, last, missing, reject_repeats};
+use super::model::{Named, Registry, named};
 use crate::lang::codes::Code;
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::settings::{self, not_whole};
 use crate::lang::source::Span;
 use crate::lang::tree::{Node, Rule};
 use crate::lang::value::{self, Kind};
-use crate::scenario::{Declaration, DeclaredVehicleStart, Dimension, Expression, Model, Road, Vehicle};
+use crate::scenario::{DeclaredVehicleStart, Dimension, Expression, Model, Road, Vehicle};
 use crate::vehicle::{self as registry, CommandKind};
 
 /// m
@@ -27,15 +28,15 @@ pub fn vehicle(
     }
     let what = format!("vehicle `{}`", name.text());
     let controller = match last(layers, Rule::controller) {
-        Some(said) => controller(said, places, report),
+        Some(said) => named(said, &CONTROLLERS, places, report),
         None => {
             missing(layers, name.span(), &what, "controller", "controller carla_behavior", report);
             None
         }
     };
-    let dynamics = last(layers, Rule::dynamics).map(|said| dynamics(said, places, report));
-    if let (Some((_, controller, _)), Some(Some((dynamics, dynamics_name)))) = (&controller, &dynamics) {
-        check_fit(controller, &dynamics.name, *dynamics_name, report);
+    let dynamics = last(layers, Rule::dynamics).map(|said| named(said, &DYNAMICS, places, report));
+    if let (Some(controller), Some(Some(dynamics))) = (&controller, &dynamics) {
+        check_fit(controller, dynamics, report);
     }
     let size = last(layers, Rule::size).map(|said| size(said, "a vehicle", report));
     let speed = match last(layers, Rule::speed) {
@@ -57,15 +58,15 @@ pub fn vehicle(
     };
     let sees = last(layers, Rule::sees).map(|Said { node, scope }| Model {
         name: "sees".to_string(),
+        varied_by: None,
         settings: settings::check(node.child(Rule::settings), &registry::PERCEPTION, scope, report),
         origin: places.origin(node.span()),
     });
-    let (controller, ..) = controller?;
     Some(Vehicle {
         name: name.text().to_string(),
-        controller,
+        controller: controller?.model,
         dynamics: match dynamics {
-            Some(dynamics) => Some(dynamics?.0),
+            Some(dynamics) => Some(dynamics?.model),
             None => None,
         },
         size: match size {
@@ -80,69 +81,36 @@ pub fn vehicle(
     })
 }
 
-type Controller = (Model, &'static registry::ControllerModel, Span);
+const CONTROLLERS: Registry<registry::ControllerModel> = Registry {
+    code: Code::UnknownController,
+    what: "controller",
+    there_is_no: "there is no controller",
+    all: registry::CONTROLLERS,
+    declaration: |controller| &controller.declaration,
+};
 
-fn controller(said: Said, places: &Places, report: &mut Vec<Diagnostic>) -> Option<Controller> {
-    let name = said.node.child(Rule::name)?;
-    let Some(found) = registry::controller(name.text()) else {
-        report.push(
-            Diagnostic::new(
-                Code::UnknownController,
-                name.span(),
-                format!("there is no controller `{}`", name.text()),
-            )
-            .label("unknown controller")
-            .suggest(name.text(), registry::CONTROLLERS.iter().map(|known| known.declaration.name)),
-        );
-        return None;
-    };
-    Some((model(said, name, &found.declaration, places, report)?, found, name.span()))
-}
+const DYNAMICS: Registry<registry::DynamicsModel> = Registry {
+    code: Code::UnknownDynamics,
+    what: "dynamics",
+    there_is_no: "there are no vehicle dynamics",
+    all: registry::DYNAMICS,
+    declaration: |dynamics| &dynamics.declaration,
+};
 
-fn dynamics(said: Said, places: &Places, report: &mut Vec<Diagnostic>) -> Option<(Model, Span)> {
-    let name = said.node.child(Rule::name)?;
-    let Some(found) = registry::dynamics(name.text()) else {
-        report.push(
-            Diagnostic::new(
-                Code::UnknownDynamics,
-                name.span(),
-                format!("there are no vehicle dynamics `{}`", name.text()),
-            )
-            .label("unknown dynamics")
-            .suggest(name.text(), registry::DYNAMICS.iter().map(|known| known.declaration.name)),
-        );
-        return None;
-    };
-    Some((model(said, name, &found.declaration, places, report)?, name.span()))
-}
-
-/// A registered thing with its settings; `None` if any of them was wrong.
-pub fn model(
-    said: Said,
-    name: Node,
-    declaration: &Declaration,
-    places: &Places,
-    report: &mut Vec<Diagnostic>,
-) -> Option<Model> {
-    let before = report.len();
-    let settings = settings::check(said.node.child(Rule::settings), declaration, said.scope, report);
-    (report.len() == before).then(|| Model {
-        name: name.text().to_string(),
-        settings,
-        origin: places.origin(name.span()),
-    })
-}
-
+/// Of what varies, every combination must fit; where both vary they may go together, which the plan sees.
 fn check_fit(
-    controller: &registry::ControllerModel,
-    dynamics_name: &str,
-    span: Span,
+    controllers: &Named<registry::ControllerModel>,
+    dynamics: &Named<registry::DynamicsModel>,
     report: &mut Vec<Diagnostic>,
 ) {
-    let Some(dynamics) = registry::dynamics(dynamics_name) else { return };
-    if dynamics.takes.contains(&controller.gives) {
+    if controllers.model.varied_by.is_some() && dynamics.model.varied_by.is_some() {
         return;
     }
+    let pairs = controllers.found.iter().flat_map(|one| dynamics.found.iter().map(move |other| (one, other)));
+    let Some((controller, unfit)) = pairs.into_iter().find(|(one, other)| !other.takes.contains(&one.gives))
+    else {
+        return;
+    };
     let words = |kind: CommandKind| match kind {
         CommandKind::Pedals => "pedals",
         CommandKind::Acceleration => "an acceleration",
@@ -155,9 +123,10 @@ fn check_fit(
     report.push(
         Diagnostic::new(
             Code::DoesNotFit,
-            span,
+            dynamics.span,
             format!(
-                "dynamics `{dynamics_name}` do not take {}, which is what controller `{}` gives",
+                "dynamics `{}` do not take {}, which is what controller `{}` gives",
+                unfit.declaration.name,
                 words(controller.gives),
                 controller.declaration.name
             ),

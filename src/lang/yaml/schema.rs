@@ -145,13 +145,21 @@ fn model(keyword: &str) -> Value {
         .collect();
     let properties: Map<String, Value> =
         declarations.iter().map(|(name, declaration)| (name.to_string(), settings(declaration))).collect();
+    // What is no name of a registered thing is the name of a variation that chooses between them.
+    let may_vary = keyword != "crossing";
+    let others = if may_vary { json!({ "type": "object" }) } else { json!(false) };
+    let name = if may_vary {
+        json!({ "anyOf": [{ "oneOf": names }, { "type": "string", "description": "A variation over names." }] })
+    } else {
+        json!({ "oneOf": names })
+    };
     json!({
         "anyOf": [
-            { "oneOf": names },
+            name,
             {
                 "type": "object",
                 "properties": properties,
-                "additionalProperties": false,
+                "additionalProperties": others,
                 "minProperties": 1,
                 "maxProperties": 1,
             },
