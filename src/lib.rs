@@ -2,6 +2,7 @@
 
 pub mod calibrate;
 pub mod cli;
+pub mod corpus;
 pub mod dispatch;
 pub mod experiment;
 pub mod judge;
@@ -14,4 +15,5 @@ pub mod report;
 pub mod run;
 pub mod scenario;
 pub mod sim;
+pub mod testing;
 pub mod vehicle;

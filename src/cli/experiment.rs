@@ -8,7 +8,7 @@ use std::thread;
 use clap::Args;
 
 use super::interrupt::stop_on_interrupt;
-use super::{Exit, load, shows_progress};
+use super::{Exit, load, shows_progress, store};
 use crate::dispatch::{self, Orders, Unit, Work, Workshop, dispatch};
 use crate::experiment::{Block, BlockResult, CaseFile};
 use crate::report::{BlockReport, BlockState, Live, Terminal, render_block, tuned_parameters};
@@ -65,6 +65,7 @@ fn run(arguments: &ExperimentArguments, kind: &'static str) -> Exit {
     let asked = (0..units.len()).map(|unit| unit == wanted).collect();
     let chosen = dispatch::with_needs(&units, asked);
     let stop = stop_on_interrupt();
+    store::prepare(&arguments.journal);
     let workshop = Workshop::new(&suites, Some(arguments.journal.clone()), &stop);
     let threads = thread::available_parallelism().map_or(1, usize::from);
     let orders = Orders { chosen: &chosen, first: &[], threads, max_failures: None };

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::Exit;
+use crate::corpus::{corpus_path, read_corpus};
 use crate::dispatch::Prepared;
 use crate::judge::examine_criteria;
 use crate::lang::{self, Diagnostic, Severity, Sources};
@@ -58,7 +59,11 @@ fn load(file: &str, seed: Option<u64>, colour: bool) -> Result<Prepared, ()> {
         }
     })?;
     build_everybody(&plan, colour)?;
-    Ok(Prepared { file: file.to_string(), suite, plan })
+    let recorded = read_corpus(&corpus_path(Path::new(file))).map_err(|error| {
+        eprintln!("error: {error}");
+        eprintln!("help: restore the file from version control, or delete it to forget these failures");
+    })?;
+    Ok(Prepared { file: file.to_string(), suite, plan, recorded })
 }
 
 /// Criteria that no run could make pass are not worth a run.

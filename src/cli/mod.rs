@@ -9,12 +9,13 @@ mod explain;
 mod format;
 mod interrupt;
 mod list;
-mod load;
+pub(crate) mod load;
 mod lsp;
 mod models;
 mod record;
 mod replay;
 mod run;
+mod store;
 mod validate;
 
 use std::env;

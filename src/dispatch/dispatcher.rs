@@ -6,16 +6,15 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant, SystemTime};
 
+use super::kept::Kept;
 use super::schedule::Schedule;
 use super::unit::{Unit, Work};
 use super::workshop::Workshop;
-use crate::experiment::{Block, BlockResult, Progress, Results};
+use crate::experiment::{Block, Progress, Results};
 use crate::report::{
-    BlockReport, BlockState, Evaluations, Event, Outline, Reporter, Skip, Standing, Stopping, SuiteReport,
-    TrialReport, TrialState, UnitReport,
+    Evaluations, Event, Outline, Reporter, Skip, Standing, Stopping, SuiteReport, UnitReport,
 };
-use crate::run::Outcome;
-use crate::scenario::{Case, Goal};
+use crate::scenario::Goal;
 
 /// What is to be run, and how.
 #[derive(Debug, Clone, Copy)]
@@ -90,10 +89,13 @@ fn outline(units: &[Unit], chosen: &[bool]) -> Outline {
     let mut last = None;
     for (unit, _) in units.iter().zip(chosen).filter(|(_, chosen)| **chosen) {
         match unit.work {
-            Work::Trial(_) => outline.trials += 1,
+            Work::Recorded(_) => outline.recorded += 1,
+            Work::Trial(_) => {
+                outline.trials += 1;
+                outline.runs += unit.runs();
+            }
             Work::Block(_) => outline.blocks += 1,
         }
-        outline.runs += unit.runs();
         outline.suites += usize::from(last != Some(unit.suite));
         last = Some(unit.suite);
     }
@@ -133,11 +135,6 @@ struct State {
     failures: usize,
     /// Results that blocks need.
     kept: Vec<Option<Arc<Kept>>>,
-}
-
-enum Kept {
-    Runs { scenario: String, runs: Vec<(Case, Outcome)> },
-    Block { name: String, result: Box<BlockResult> },
 }
 
 impl<'w, 'a> Floor<'w, 'a> {
@@ -198,6 +195,9 @@ impl<'w, 'a> Floor<'w, 'a> {
     fn run(&self, index: usize, sender: &Sender<Message<'a>>) -> UnitReport<'a> {
         let unit = &self.units[index];
         match unit.work {
+            Work::Recorded(recorded) => {
+                UnitReport::Recorded(self.workshop.recorded(unit.suite, &unit.key, recorded))
+            }
             Work::Trial(trial) => {
                 let done = || drop(sender.send(Message::RunDone(index)));
                 UnitReport::Trial(self.workshop.trial(unit.suite, trial, &done))
@@ -215,23 +215,12 @@ impl<'w, 'a> Floor<'w, 'a> {
             let state = self.lock();
             unit.needs.iter().filter_map(|need| state.kept[*need].clone()).collect()
         };
-        let mut results = Results::default();
-        for one in kept {
-            match &*one {
-                Kept::Runs { scenario, runs } => {
-                    results.scenarios.entry(scenario.clone()).or_default().extend(runs.iter().cloned());
-                }
-                Kept::Block { name, result } => {
-                    results.blocks.insert(name.clone(), (**result).clone());
-                }
-            }
-        }
-        results
+        Kept::gather(kept)
     }
 
     /// Books a unit that is done: which units are called off with it, and whether that was one failure too many.
     fn end(&self, unit: usize, report: &UnitReport) -> (Vec<(usize, Off)>, Option<Stopping>) {
-        let kept = if self.needed[unit] { kept(report) } else { None };
+        let kept = if self.needed[unit] { Kept::of(report) } else { None };
         let mut state = self.lock();
         let off = state.schedule.end(unit, kept.is_some());
         state.kept[unit] = kept.map(Arc::new);
@@ -254,20 +243,6 @@ impl<'w, 'a> Floor<'w, 'a> {
         let rest = self.lock().schedule.call_off();
         self.changed.notify_all();
         rest
-    }
-}
-
-/// What others may need of a result; `None` if there is nothing to build on.
-fn kept(report: &UnitReport) -> Option<Kept> {
-    match report {
-        UnitReport::Trial(report) => matches!(report.state, TrialState::Judged(_)).then(|| Kept::Runs {
-            scenario: report.trial.scenario.clone(),
-            runs: report.trial.cases.iter().cloned().zip(report.outcomes.iter().cloned()).collect(),
-        }),
-        UnitReport::Block(report) => {
-            let result = report.result().filter(|result| result.failure().is_none())?;
-            Some(Kept::Block { name: report.block.name().to_string(), result: Box::new(result.clone()) })
-        }
     }
 }
 
@@ -349,19 +324,15 @@ impl<'t, 'a> Teller<'t, 'a> {
     }
 
     fn skipped(&mut self, unit: usize, reason: Skip) {
-        self.finished(unit, skipped(self.workshop, &self.units[unit], reason));
+        self.finished(unit, self.workshop.skipped(&self.units[unit], reason));
     }
 
     fn reason(&self, off: &Off) -> Skip {
         match off {
             Off::Stopping(stopping) => Skip::Stopped(*stopping),
             Off::Need(need) => {
-                let happened = match self.slots[*need].as_ref().map(UnitReport::standing) {
-                    Some(Standing::Judged(_)) => "failed",
-                    Some(Standing::Errored) => "could not be run",
-                    Some(Standing::Skipped) | None => "was not run",
-                };
-                Skip::Needs { key: self.units[*need].key.to_string(), happened }
+                let standing = self.slots[*need].as_ref().map_or(Standing::Skipped, UnitReport::standing);
+                Skip::needs(&self.units[*need].key, standing)
             }
         }
     }
@@ -378,23 +349,6 @@ impl<'t, 'a> Teller<'t, 'a> {
     }
 }
 
-fn skipped<'a>(workshop: &Workshop<'a>, unit: &Unit<'a>, reason: Skip) -> UnitReport<'a> {
-    match unit.work {
-        Work::Trial(trial) => UnitReport::Trial(TrialReport {
-            trial,
-            outcomes: Vec::new(),
-            state: TrialState::Skipped(reason),
-            wall_time: Duration::ZERO,
-        }),
-        Work::Block(block) => UnitReport::Block(BlockReport {
-            block,
-            key: block.key(&workshop.suites()[unit.suite].suite.name),
-            state: BlockState::Skipped(reason),
-            wall_time: Duration::ZERO,
-        }),
-    }
-}
-
 /// All units of a suite; those without a report were not chosen.
 fn suite_report<'a>(
     workshop: &Workshop<'a>,
@@ -405,9 +359,17 @@ fn suite_report<'a>(
     wall_time: Duration,
 ) -> SuiteReport<'a> {
     let identity = workshop.identity(suite);
-    let mut report = SuiteReport { identity, started, wall_time, trials: Vec::new(), blocks: Vec::new() };
+    let mut report = SuiteReport {
+        identity,
+        started,
+        wall_time,
+        recorded: Vec::new(),
+        trials: Vec::new(),
+        blocks: Vec::new(),
+    };
     for (unit, slot) in units.iter().zip(slots).filter(|(unit, _)| unit.suite == suite) {
-        match slot.take().unwrap_or_else(|| skipped(workshop, unit, Skip::NotSelected)) {
+        match slot.take().unwrap_or_else(|| workshop.skipped(unit, Skip::NotSelected)) {
+            UnitReport::Recorded(recorded) => report.recorded.push(recorded),
             UnitReport::Trial(trial) => report.trials.push(trial),
             UnitReport::Block(block) => report.blocks.push(block),
         }

@@ -4,10 +4,12 @@
 //! locks. Results do not depend on the number of workers.
 
 mod dispatcher;
+mod kept;
 mod schedule;
 mod unit;
 mod workshop;
 
 pub use dispatcher::{Orders, dispatch};
+pub use kept::Kept;
 pub use unit::{Prepared, Unit, Work, units, with_needs};
 pub use workshop::{Watch, Workshop};

@@ -1,8 +1,9 @@
 //! The units of suites: what is selected, run and reported, and what each needs.
 
 use std::borrow::Cow;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
+use crate::corpus::Recorded;
 use crate::experiment::{Block, Need};
 use crate::plan::{Plan, Trial};
 use crate::scenario::Suite;
@@ -14,9 +15,11 @@ pub struct Prepared {
     pub file: String,
     pub suite: Suite,
     pub plan: Plan,
+    /// Runs that failed in earlier sessions.
+    pub recorded: Vec<Recorded>,
 }
 
-/// One trial or block.
+/// One trial or block, or a run that failed before.
 #[derive(Debug)]
 pub struct Unit<'a> {
     /// Index of its suite.
@@ -30,24 +33,36 @@ pub struct Unit<'a> {
 
 #[derive(Debug, Clone, Copy)]
 pub enum Work<'a> {
+    /// A run that failed in an earlier session.
+    Recorded(&'a Recorded),
     Trial(&'a Trial),
     Block(Block<'a>),
 }
 
 impl Unit<'_> {
-    /// Runs of a trial; a block has none that could be counted beforehand.
+    /// How many runs it is; those of a block cannot be counted beforehand.
     pub fn runs(&self) -> usize {
         match self.work {
             Work::Trial(trial) => trial.cases.len(),
+            Work::Recorded(_) => 1,
             Work::Block(_) => 0,
         }
     }
 }
 
-/// Every unit of the suites: the trials of a suite and then its blocks, suite after suite.
+/// Every unit of the suites, suite after suite: what failed before, the trials, the blocks.
 pub fn units(suites: &[Prepared]) -> Vec<Unit<'_>> {
     let mut units = Vec::new();
     for (suite, prepared) in suites.iter().enumerate() {
+        let mut known = HashSet::new();
+        for recorded in &prepared.recorded {
+            let mut key = recorded.unit_key();
+            if !known.insert(key.clone()) {
+                // The same run of the suite failed under another seed, too.
+                key += &format!("/seed={}", recorded.seed);
+            }
+            units.push(Unit { suite, key: key.into(), work: Work::Recorded(recorded), needs: Vec::new() });
+        }
         let mut scenarios: HashMap<&str, Vec<usize>> = HashMap::new();
         for trial in &prepared.plan.trials {
             scenarios.entry(&trial.scenario).or_default().push(units.len());

@@ -5,11 +5,15 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use super::unit::Prepared;
+use super::unit::{Prepared, Unit, Work};
+use crate::corpus::{Recorded, case_hash};
 use crate::experiment::{Block, ExperimentError, Laboratory, Progress, Results};
-use crate::judge::judge;
+use crate::judge::{PerRun, Verdict, judge, per_run};
 use crate::plan::Trial;
-use crate::report::{BlockReport, BlockState, Skip, SuiteIdentity, TrialReport, TrialState};
+use crate::report::{
+    BlockReport, BlockState, RecordedReport, RecordedState, Rerun, Skip, SuiteIdentity, TrialReport,
+    TrialState, UnitReport,
+};
 use crate::run::{FreeFlows, Outcome, Requests, RunError, Stop, TrialError, Unwatched, run_case, run_trial};
 use crate::scenario::Case;
 use crate::sim::Trace;
@@ -108,6 +112,43 @@ impl<'a> Workshop<'a> {
         Ok(outcome)
     }
 
+    /// Runs a recorded run again, under the key of its unit.
+    pub fn recorded(&self, suite: usize, key: &str, recorded: &'a Recorded) -> RecordedReport<'a> {
+        let begun = Instant::now();
+        let state = match catching(|| self.rerun(suite, key, recorded)) {
+            Ok(state) => state,
+            Err(panic) => RecordedState::Errored(panic),
+        };
+        RecordedReport { recorded, key: key.to_string(), state, wall_time: begun.elapsed() }
+    }
+
+    fn rerun(&self, suite: usize, key: &str, recorded: &Recorded) -> RecordedState {
+        let declared = &self.suites[suite].suite;
+        let revived = recorded.revive(declared).and_then(|case| Ok((case, recorded.criteria(declared)?)));
+        let (mut case, criteria) = match revived {
+            Ok(revived) => revived,
+            Err(stale) => return RecordedState::Skipped(Skip::Stale(stale.to_string())),
+        };
+        case.key = key.to_string();
+        let outcome = match self.case(suite, &case) {
+            Ok(outcome) => outcome,
+            Err(error) => return RecordedState::Errored(error.to_string()),
+        };
+        let (decisive, others): (Vec<_>, Vec<_>) =
+            criteria.iter().filter_map(per_run).partition(|one| one.decisive);
+        let judged = |criteria: Vec<PerRun>| {
+            let criteria: Vec<_> = criteria.into_iter().map(|one| one.criterion).collect();
+            judge(&criteria, std::slice::from_ref(&outcome), &self.requests)
+        };
+        let (decided, others) = (judged(decisive), judged(others));
+        RecordedState::Ran(Box::new(Rerun {
+            same_case: case_hash(&case) == recorded.case,
+            judged: decided,
+            against: others.findings.into_iter().filter(|one| one.verdict != Verdict::Passed).collect(),
+            outcome,
+        }))
+    }
+
     /// Runs one block, which finds what it needs in `results`.
     pub fn block(
         &self,
@@ -136,6 +177,32 @@ impl<'a> Workshop<'a> {
         };
         let key = block.key(&self.suites[suite].suite.name);
         BlockReport { block, key, state, wall_time: begun.elapsed() }
+    }
+}
+
+impl<'a> Workshop<'a> {
+    /// The report of a unit that is not run.
+    pub fn skipped(&self, unit: &Unit<'a>, reason: Skip) -> UnitReport<'a> {
+        match unit.work {
+            Work::Recorded(recorded) => UnitReport::Recorded(RecordedReport {
+                recorded,
+                key: unit.key.to_string(),
+                state: RecordedState::Skipped(reason),
+                wall_time: Duration::ZERO,
+            }),
+            Work::Trial(trial) => UnitReport::Trial(TrialReport {
+                trial,
+                outcomes: Vec::new(),
+                state: TrialState::Skipped(reason),
+                wall_time: Duration::ZERO,
+            }),
+            Work::Block(block) => UnitReport::Block(BlockReport {
+                block,
+                key: unit.key.to_string(),
+                state: BlockState::Skipped(reason),
+                wall_time: Duration::ZERO,
+            }),
+        }
     }
 }
 

@@ -3,9 +3,11 @@
 mod budget;
 mod confidence;
 mod criteria;
+mod per_run;
 pub mod statistics;
 mod verdict;
 
 pub use budget::{Needed, examine_criteria, runs_needed};
 pub use criteria::{Finding, Measure, TrialVerdict, WorstRun, aggregate, holds, judge};
+pub use per_run::{PerRun, per_run};
 pub use verdict::Verdict;

@@ -172,7 +172,10 @@ pub fn variables(variation: &[Assignment]) -> Variables {
 }
 
 /// The criteria that apply where `variables` hold, with their bounds evaluated.
-fn criteria(scenario: &Scenario, variables: &Variables) -> Result<Vec<Criterion>, PlanError> {
+///
+/// # Errors
+/// If a bound cannot be evaluated.
+pub fn criteria(scenario: &Scenario, variables: &Variables) -> Result<Vec<Criterion>, PlanError> {
     let mut applying = Vec::new();
     for criterion in &scenario.criteria {
         let failed = |error: crate::scenario::EvaluationError| {

@@ -5,7 +5,7 @@ use std::time::Duration;
 use thiserror::Error;
 
 use super::format::count;
-use super::{BlockReport, Skip, SuiteIdentity, SuiteReport, TrialReport};
+use super::{BlockReport, RecordedReport, Skip, SuiteIdentity, SuiteReport, TrialReport};
 use crate::judge::Verdict;
 use crate::run::Requests;
 
@@ -52,7 +52,9 @@ pub struct Outline {
     /// Of those trials.
     pub runs: usize,
     pub blocks: usize,
-    /// Trials and blocks that were not selected.
+    /// Runs that failed before and are run again.
+    pub recorded: usize,
+    /// Units that were not selected.
     pub left_out: usize,
 }
 
@@ -87,6 +89,7 @@ pub trait Reporter {
 /// What became of one unit.
 #[derive(Debug)]
 pub enum UnitReport<'a> {
+    Recorded(RecordedReport<'a>),
     Trial(TrialReport<'a>),
     Block(BlockReport<'a>),
 }
@@ -94,6 +97,7 @@ pub enum UnitReport<'a> {
 impl UnitReport<'_> {
     pub fn key(&self) -> &str {
         match self {
+            Self::Recorded(recorded) => &recorded.key,
             Self::Trial(trial) => &trial.trial.key,
             Self::Block(block) => &block.key,
         }
@@ -101,14 +105,26 @@ impl UnitReport<'_> {
 
     pub fn wall_time(&self) -> Duration {
         match self {
+            Self::Recorded(recorded) => recorded.wall_time,
             Self::Trial(trial) => trial.wall_time,
             Self::Block(block) => block.wall_time,
+        }
+    }
+
+    /// What is to be said behind its key in a line of its own.
+    pub fn remark(&self) -> String {
+        match self {
+            Self::Recorded(recorded) => recorded.remark(),
+            Self::Trial(_) | Self::Block(_) => {
+                self.skip().map(|skip| format!(": {skip}")).unwrap_or_default()
+            }
         }
     }
 
     /// Why it was not run, if it was not.
     pub fn skip(&self) -> Option<&Skip> {
         match self {
+            Self::Recorded(recorded) => recorded.skip(),
             Self::Trial(trial) => trial.skip(),
             Self::Block(block) => block.skip(),
         }
@@ -116,6 +132,7 @@ impl UnitReport<'_> {
 
     pub fn standing(&self) -> Standing {
         match self {
+            Self::Recorded(recorded) => recorded.standing(),
             Self::Trial(trial) => trial.standing(),
             Self::Block(block) => block.standing(),
         }

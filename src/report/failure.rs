@@ -1,12 +1,30 @@
 //! Why a trial failed, for the terminal and, in the same words, for JUnit.
 
+use anstyle::AnsiColor;
+
 use super::excerpt::Excerpt;
 use super::format::{quantity, share};
 use super::replay::{block_command, replay_command};
-use super::{BlockReport, BlockState, SuiteIdentity, TrialState};
+use super::table::paint;
+use super::{BlockReport, BlockState, SuiteIdentity, TrialState, UnitReport};
 use crate::judge::{Finding, Measure, Verdict, WorstRun};
 use crate::metrics;
 use crate::scenario::significant;
+
+/// Why a unit did not pass.
+pub fn explain(suite: &SuiteIdentity, report: &UnitReport, colour: bool) -> String {
+    let render = |state: &TrialState| match state {
+        TrialState::Errored(message) => {
+            paint("error: ", AnsiColor::Red.on_default().bold(), colour) + message
+        }
+        state => render_failure(suite, state, colour),
+    };
+    match report {
+        UnitReport::Recorded(recorded) => render(&recorded.trial_state()),
+        UnitReport::Trial(trial) => render(&trial.state),
+        UnitReport::Block(block) => render_block_failure(suite, block, colour),
+    }
+}
 
 /// Every finding that is not passed, drawn at its place, with the worst runs and how to replay them.
 pub fn render_failure(suite: &SuiteIdentity, state: &TrialState, colour: bool) -> String {
@@ -90,6 +108,12 @@ fn title(finding: &Finding) -> String {
             format!("`{criterion}` {verb}: {text} over {} runs", finding.runs)
         }
     }
+}
+
+/// The criterion with what its worst run has: `pet >= 1.5 s: pet 0.83 s`.
+pub fn with_worst(finding: &Finding) -> String {
+    let worst = finding.worst.first().map(|run| value(finding, run)).unwrap_or_default();
+    format!("{}: {worst}", finding.criterion)
 }
 
 fn value(finding: &Finding, run: &WorstRun) -> String {

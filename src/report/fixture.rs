@@ -5,16 +5,17 @@ use std::time::{Duration, SystemTime};
 use nalgebra::Vector2;
 
 use super::{
-    BlockReport, BlockState, Chosen, Recording, Skip, Stopping, SuiteIdentity, SuiteReport, TrialReport,
-    TrialState,
+    BlockReport, BlockState, Chosen, RecordedReport, RecordedState, Recording, Rerun, Skip, Stopping,
+    SuiteIdentity, SuiteReport, TrialReport, TrialState,
 };
+use crate::corpus::Recorded;
 use crate::experiment::{
     Block, BlockResult, Candidate, CaseRun, ClaimResult, ClaimValues, Conclusion, ConditionResult, Course,
     CoursePoint, Difference, EvaluateResult, Found, ParameterValue, SavedCase, SavedSet, SearchResult,
     StatementResult, TrendPoint, TuneResult,
 };
-use crate::judge::judge;
 use crate::judge::statistics::Interval;
+use crate::judge::{judge, per_run};
 use crate::metrics::{MetricKind, metric};
 use crate::optimise::{self, SlicePoint};
 use crate::plan::Trial;
@@ -33,6 +34,7 @@ pub struct Session {
     trials: Vec<Trial>,
     search: Search,
     tune: Tune,
+    recorded: Recorded,
     pub requests: Requests,
 }
 
@@ -49,7 +51,7 @@ impl Session {
         let mut requests = Requests::default();
         trials.iter().for_each(|trial: &Trial| requests.include(&trial.criteria));
         let (search, tune) = blocks();
-        Self { trials, search, tune, requests }
+        Self { recorded: recorded(&trials[0].cases[1]), trials, search, tune, requests }
     }
 
     /// One trial of every state: the last two are an error and a skipped one.
@@ -72,9 +74,46 @@ impl Session {
             identity: SuiteIdentity { suite: "zebra", file: "suites/zebra.suite", seed: u64::MAX },
             started: SystemTime::UNIX_EPOCH + Duration::from_secs(1_795_250_000),
             wall_time: Duration::from_millis(1500),
+            recorded: self.reruns(),
             trials: trials.collect(),
             blocks: self.blocks(),
         }
+    }
+
+    /// A run that still fails, one that does not, and one that cannot be run any more.
+    fn reruns(&self) -> Vec<RecordedReport<'_>> {
+        let trial = &self.trials[0];
+        let outcome = self.outcomes(trial).remove(1);
+        let judged = |least: f64| {
+            let criteria: Vec<_> =
+                trial.criteria.iter().filter_map(per_run).filter(|one| one.decisive).collect();
+            let mut criteria: Vec<_> = criteria.into_iter().map(|one| one.criterion).collect();
+            for criterion in &mut criteria {
+                if criterion.claim.metric().name == "pet" {
+                    criterion.claim.bounds_mut().into_iter().for_each(|bound| *bound = least.into());
+                }
+            }
+            judge(&criteria, std::slice::from_ref(&outcome), &self.requests)
+        };
+        let ran = |least: f64, same_case| {
+            let outcome = outcome.clone();
+            RecordedState::Ran(Box::new(Rerun {
+                judged: judged(least),
+                outcome,
+                same_case,
+                against: Vec::new(),
+            }))
+        };
+        let gone = Skip::Stale("there is no scenario `commotions_carla` any more".into());
+        let states = [ran(1.5, true), ran(0.5, false), RecordedState::Skipped(gone)];
+        let report = |(index, state): (usize, RecordedState)| RecordedReport {
+            recorded: &self.recorded,
+            // A run is recorded once in a real file.
+            key: format!("{}{}", self.recorded.unit_key(), ["", "_2", "_3"][index]),
+            state,
+            wall_time: Duration::from_millis(3),
+        };
+        states.into_iter().enumerate().map(report).collect()
     }
 
     /// One block of every state: with a result, with one that fails, with an error and a skipped one.
@@ -137,6 +176,19 @@ fn word(word: &str) -> f64 {
         panic!("`passed_first` is a category");
     };
     words.iter().position(|known| *known == word).map_or(f64::NAN, |index| index as f64)
+}
+
+fn recorded(case: &Case) -> Recorded {
+    Recorded {
+        key: case.key.clone(),
+        scenario: case.scenario.clone(),
+        seed: case.seed,
+        variation: case.variation.clone(),
+        people: vec![("walker".into(), 2, "standard".into())],
+        case: 0xfedc_ba98_7654_3210,
+        fingerprint: 0x0123_4567_89ab_cdef,
+        against: vec!["pet >= 1.5 s: pet 0.83 s".into()],
+    }
 }
 
 /// A search over the arrival time and a tune on what it found.

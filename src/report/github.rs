@@ -9,15 +9,15 @@ use super::figures::{scenarios, short_name};
 use super::findings::{data, property};
 use super::replay::block_command;
 use super::wording::{verdict_mark, verdict_word};
-use super::{BlockReport, BlockState, SuiteReport, TrialReport, TrialState};
+use super::{BlockReport, BlockState, RecordedReport, Standing, SuiteReport, TrialReport, TrialState};
 use crate::judge::Verdict;
 use crate::run::Requests;
 use crate::scenario::Origin;
 
 /// GitHub shows ten annotations of a kind per step, so a criterion has one for all the trials it failed in.
-struct Annotation<'a> {
+struct Annotation {
     level: &'static str,
-    origin: &'a Origin,
+    origin: Origin,
     title: String,
     trials: Vec<String>,
 }
@@ -39,18 +39,32 @@ pub fn annotations(reports: &[SuiteReport]) -> String {
         Some(known) => known.trials.push(said),
         None => annotations.push(Annotation { level, origin, title, trials: vec![said] }),
     };
-    for trial in reports.iter().flat_map(|report| &report.trials) {
-        match &trial.state {
-            TrialState::Skipped(_) => {}
-            TrialState::Errored(message) => {
-                add("error", &trial.trial.origin, "could not run".to_string(), message.clone());
-            }
-            TrialState::Judged(judged) => {
-                for finding in judged.findings.iter().filter(|one| one.verdict != Verdict::Passed) {
-                    let level = if finding.verdict == Verdict::Failed { "error" } else { "warning" };
-                    let said = format!("{}: {}", trial.trial.key, super::wording::observed(finding));
-                    let title = format!("{} {}", finding.criterion, verdict_word(finding.verdict));
-                    add(level, &finding.origin, title, said);
+    for report in reports {
+        let recorded = report.recorded.iter().map(|one| (one.key.as_str(), None, one.trial_state()));
+        let trials = &report.trials;
+        let trials =
+            trials.iter().map(|one| (one.trial.key.as_str(), Some(&one.trial.origin), one.state.clone()));
+        for (key, origin, state) in recorded.chain(trials) {
+            match state {
+                TrialState::Skipped(_) => {}
+                TrialState::Errored(message) => {
+                    let file = || report.identity.file.to_string();
+                    let origin = origin.cloned();
+                    let origin = origin.unwrap_or_else(|| Origin {
+                        file: file(),
+                        line: 1,
+                        column: 1,
+                        ..Origin::default()
+                    });
+                    add("error", origin, "could not run".to_string(), message);
+                }
+                TrialState::Judged(judged) => {
+                    for finding in judged.findings.into_iter().filter(|one| one.verdict != Verdict::Passed) {
+                        let level = if finding.verdict == Verdict::Failed { "error" } else { "warning" };
+                        let said = format!("{key}: {}", super::wording::observed(&finding));
+                        let title = format!("{} {}", finding.criterion, verdict_word(finding.verdict));
+                        add(level, finding.origin, title, said);
+                    }
                 }
             }
         }
@@ -66,7 +80,7 @@ pub fn annotations(reports: &[SuiteReport]) -> String {
             },
         };
         let again = block_command(&report.identity, &block.key);
-        add("error", block.block.origin(), format!("{title} {said}"), format!("{what}\n{again}"));
+        add("error", block.block.origin().clone(), format!("{title} {said}"), format!("{what}\n{again}"));
     }
     let mut text = String::new();
     for Annotation { level, origin, title, trials } in annotations {
@@ -110,16 +124,17 @@ fn suite_summary(text: &mut String, report: &SuiteReport, requests: &Requests) {
         text.push_str(&content);
         text.push('\n');
     };
-    let trials = report.trials.iter().filter(|trial| !trial.skipped()).map(TrialReport::verdict);
-    let blocks = report.blocks.iter().filter(|block| !block.skipped()).map(BlockReport::verdict);
-    let verdicts: Vec<_> = trials.chain(blocks).collect();
-    let count = |wanted: Option<Verdict>| verdicts.iter().filter(|verdict| **verdict == wanted).count();
+    let recorded = report.recorded.iter().map(RecordedReport::standing);
+    let trials = report.trials.iter().map(TrialReport::standing);
+    let blocks = report.blocks.iter().map(BlockReport::standing);
+    let standings: Vec<_> = recorded.chain(trials).chain(blocks).collect();
+    let count = |wanted| standings.iter().filter(|standing| **standing == wanted).count();
     let runs: usize = report.trials.iter().map(|trial| trial.outcomes.len()).sum();
     let counts = [
-        (count(Some(Verdict::Passed)), "✅ passed"),
-        (count(Some(Verdict::Failed)), "❌ failed"),
-        (count(Some(Verdict::Inconclusive)), "❔ inconclusive"),
-        (count(None), "💥 could not run"),
+        (count(Standing::Judged(Verdict::Passed)), "✅ passed"),
+        (count(Standing::Judged(Verdict::Failed)), "❌ failed"),
+        (count(Standing::Judged(Verdict::Inconclusive)), "❔ inconclusive"),
+        (count(Standing::Errored), "💥 could not run"),
     ];
     let said: Vec<_> = counts
         .iter()
@@ -179,6 +194,25 @@ fn suite_summary(text: &mut String, report: &SuiteReport, requests: &Requests) {
         line(format!("and {more} more that did not pass\n"));
     }
     blocks_summary(text, report);
+    recorded_summary(text, report);
+}
+
+/// Every run that failed before, with what is to be said of it now.
+fn recorded_summary(text: &mut String, report: &SuiteReport) {
+    if report.recorded.is_empty() {
+        return;
+    }
+    text.push_str("Recorded failures, run again:\n\n");
+    for one in &report.recorded {
+        let mark = match one.standing() {
+            Standing::Judged(verdict) => verdict_mark(verdict),
+            Standing::Errored => "💥",
+            Standing::Skipped => "–",
+        };
+        writeln!(text, "- {mark} {}", markdown(&format!("{}{}", one.key, one.remark())))
+            .expect("writing to a string cannot fail");
+    }
+    text.push('\n');
 }
 
 /// What every block came to, folded up.

@@ -3,7 +3,7 @@
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
-use super::{BlockReport, BlockState, SuiteReport, TrialReport, TrialState};
+use super::{BlockReport, BlockState, RecordedReport, RecordedState, SuiteReport, TrialReport, TrialState};
 use crate::run::{Outcome, Requests};
 
 /// Version of the layout; raised when a reader would have to change.
@@ -27,6 +27,7 @@ fn suite_value(report: &SuiteReport, requests: &Requests) -> Value {
         "file": report.identity.file,
         "seed": report.identity.seed,
         "wall_time_s": report.wall_time.as_secs_f64(),
+        "recorded": report.recorded.iter().map(|one| recorded_value(one, requests)).collect::<Vec<_>>(),
         "trials": report.trials.iter().map(|trial| trial_value(trial, requests)).collect::<Vec<_>>(),
         "blocks": report.blocks.iter().map(block_value).collect::<Vec<_>>(),
     })
@@ -63,6 +64,33 @@ fn trial_value(report: &TrialReport, requests: &Requests) -> Value {
             fields.insert("verdict".into(), "skipped".into());
             fields.insert("message".into(), reason.to_string().into());
         }
+    }
+    value
+}
+
+fn recorded_value(report: &RecordedReport, requests: &Requests) -> Value {
+    let mut value = json!({
+        "key": report.key,
+        "recorded": report.recorded.key,
+        "scenario": report.recorded.scenario,
+        "against": report.recorded.against,
+        "wall_time_s": report.wall_time.as_secs_f64(),
+    });
+    let fields = value.as_object_mut().expect("it was made as an object");
+    let (verdict, message) = match &report.state {
+        RecordedState::Ran(rerun) => {
+            let findings: Vec<_> = rerun.judged.findings.iter().chain(&rerun.against).collect();
+            fields.insert("same_case".into(), rerun.same_case.into());
+            fields.insert("findings".into(), plain(&findings));
+            fields.insert("run".into(), outcome_value(&rerun.outcome, requests));
+            (plain(&rerun.judged.verdict), None)
+        }
+        RecordedState::Errored(message) => ("error".into(), Some(message.clone())),
+        RecordedState::Skipped(reason) => ("skipped".into(), Some(reason.to_string())),
+    };
+    fields.insert("verdict".into(), verdict);
+    if let Some(message) = message {
+        fields.insert("message".into(), message.into());
     }
     value
 }

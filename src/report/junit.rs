@@ -9,7 +9,7 @@ use super::experiment::render_block;
 use super::failure::{render_block_failure, render_failure};
 use super::replay::{block_command, replay_command};
 use super::wording::{interval, margin, observed, verdict_word};
-use super::{BlockReport, BlockState, SuiteReport, TrialReport, TrialState};
+use super::{BlockReport, BlockState, RecordedReport, SuiteReport, TrialReport, TrialState};
 use crate::experiment::BlockResult;
 use crate::judge::{Finding, Verdict};
 use crate::metrics;
@@ -30,6 +30,12 @@ pub fn to_junit(reports: &[SuiteReport], requests: &Requests) -> Result<String, 
 
 fn test_suites(report: &SuiteReport, requests: &Requests) -> Vec<TestSuite> {
     let mut suites: Vec<TestSuite> = Vec::new();
+    for recorded in &report.recorded {
+        let name = format!("{}.recorded", report.identity.suite);
+        let suite = suite_named(&mut suites, report, &name);
+        suite.time = Some(suite.time.unwrap_or_default() + recorded.wall_time);
+        suite.add_test_case(recorded_case(report, recorded, &name));
+    }
     for trial in &report.trials {
         let name = format!("{}.{}", report.identity.suite, trial.trial.scenario);
         let suite = suite_named(&mut suites, report, &name);
@@ -75,21 +81,7 @@ fn problem(kind: NonSuccessKind, name: &str, message: &str, text: String) -> Tes
 }
 
 fn test_case(report: &SuiteReport, trial: &TrialReport, class: &str, requests: &Requests) -> TestCase {
-    let status = match &trial.state {
-        TrialState::Skipped(reason) => skipped(&reason.to_string()),
-        TrialState::Errored(message) => {
-            problem(NonSuccessKind::Error, "error", first_line(message), message.clone())
-        }
-        TrialState::Judged(judged) if judged.verdict == Verdict::Passed => TestCaseStatus::success(),
-        TrialState::Judged(judged) => {
-            let text = render_failure(&report.identity, &trial.state, false);
-            let failing = judged.findings.iter().filter(|finding| finding.verdict != Verdict::Passed);
-            let criteria: Vec<_> = failing.map(|finding| finding.criterion.as_str()).collect();
-            let kind = if judged.verdict == Verdict::Failed { "criterion" } else { "inconclusive" };
-            problem(NonSuccessKind::Failure, kind, &criteria.join("; "), text)
-        }
-    };
-    let mut case = TestCase::new(trial.trial.key.as_str(), status);
+    let mut case = TestCase::new(trial.trial.key.as_str(), status(report, &trial.state));
     case.set_classname(class).set_time(trial.wall_time);
     let mut property = |name: &str, value: &str| {
         case.add_property((name, value));
@@ -112,6 +104,34 @@ fn test_case(report: &SuiteReport, trial: &TrialReport, class: &str, requests: &
     if let Some(key) = worst.map(|run| &run.key).or(trial.trial.cases.first().map(|case| &case.key)) {
         property("replay", &replay_command(&report.identity, key));
     }
+    case
+}
+
+fn status(report: &SuiteReport, state: &TrialState) -> TestCaseStatus {
+    match state {
+        TrialState::Skipped(reason) => skipped(&reason.to_string()),
+        TrialState::Errored(message) => {
+            problem(NonSuccessKind::Error, "error", first_line(message), message.clone())
+        }
+        TrialState::Judged(judged) if judged.verdict == Verdict::Passed => TestCaseStatus::success(),
+        TrialState::Judged(judged) => {
+            let text = render_failure(&report.identity, state, false);
+            let failing = judged.findings.iter().filter(|finding| finding.verdict != Verdict::Passed);
+            let criteria: Vec<_> = failing.map(|finding| finding.criterion.as_str()).collect();
+            let kind = if judged.verdict == Verdict::Failed { "criterion" } else { "inconclusive" };
+            problem(NonSuccessKind::Failure, kind, &criteria.join("; "), text)
+        }
+    }
+}
+
+/// A run that failed before: what was recorded of it and what is to be said now stand in properties.
+fn recorded_case(report: &SuiteReport, recorded: &RecordedReport, class: &str) -> TestCase {
+    let mut case = TestCase::new(recorded.key.as_str(), status(report, &recorded.trial_state()));
+    case.set_classname(class).set_time(recorded.wall_time);
+    case.add_property(("seed", recorded.recorded.seed.to_string().as_str()));
+    case.add_property(("recorded", recorded.recorded.against.join("; ").as_str()));
+    case.add_property(("now", recorded.remark().trim_start_matches([':', ' '])));
+    case.add_property(("replay", replay_command(&report.identity, &recorded.key).as_str()));
     case
 }
 

@@ -19,6 +19,7 @@ mod json;
 mod junit;
 mod models;
 mod pages;
+mod recorded;
 mod recording;
 mod replay;
 #[cfg(test)]
@@ -43,7 +44,7 @@ pub use evaluation::render_evaluate;
 pub use event::{Evaluations, Event, Outline, Reporter, Standing, Stopping, UnitReport};
 pub use excerpt::Excerpt;
 pub use experiment::{render_block, render_search, render_tune, tuned_parameters};
-pub use failure::{render_block_failure, render_failure};
+pub use failure::{explain, render_block_failure, render_failure, with_worst};
 pub use figures::{Figure, figures};
 pub use format::{in_unit, quantity, share};
 pub use github::{annotations, step_summary};
@@ -52,6 +53,7 @@ pub use json::to_json;
 pub use junit::to_junit;
 pub use models::{registered_names, render_model, render_models};
 pub use pages::{ModelPage, model_pages};
+pub use recorded::{RecordedReport, RecordedState, Rerun};
 pub use recording::{PairCourse, Place, Recording};
 pub use replay::{block_command, render_replay, replay_command};
 pub use skip::Skip;
@@ -77,6 +79,8 @@ pub struct SuiteReport<'a> {
     /// Wall-clock time when the suite began.
     pub started: std::time::SystemTime,
     pub wall_time: Duration,
+    /// Runs that failed in an earlier session, run again before everything else.
+    pub recorded: Vec<RecordedReport<'a>>,
     pub trials: Vec<TrialReport<'a>>,
     /// The suite's blocks, each after what it builds on.
     pub blocks: Vec<BlockReport<'a>>,

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use super::event::Stopping;
+use super::event::{Standing, Stopping};
 
 /// The reason in every report.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
@@ -15,7 +15,22 @@ pub enum Skip {
     /// Interrupted while it was under way; in words, with what is left of it.
     #[error("{0}")]
     CutOff(String),
+    /// A recorded run that the files have nothing for any more; in words.
+    #[error("{0}")]
+    Stale(String),
     /// It builds on another unit that came to nothing.
     #[error("needs {key}, which {happened}")]
     Needs { key: String, happened: &'static str },
+}
+
+impl Skip {
+    /// Of a unit that needs the one called `key`, which stands so.
+    pub fn needs(key: &str, standing: Standing) -> Self {
+        let happened = match standing {
+            Standing::Judged(_) => "failed",
+            Standing::Errored => "could not be run",
+            Standing::Skipped => "was not run",
+        };
+        Self::Needs { key: key.to_string(), happened }
+    }
 }

@@ -1,17 +1,19 @@
-//! Results as TAP 14 (Test Anything Protocol): one test point per trial and block, with a YAML block where there is something to say.
+//! Results as TAP 14 (Test Anything Protocol): one test point per recorded failure, trial and block, with a YAML block where there is something to say.
 
 use std::fmt::Write;
+use std::time::Duration;
 
 use super::experiment::render_block;
 use super::failure::{render_block_failure, render_failure};
 use super::replay::{block_command, replay_command};
 use super::wording::verdict_word;
-use super::{BlockReport, BlockState, SuiteReport, TrialReport, TrialState};
+use super::{BlockReport, BlockState, SuiteReport, TrialState};
 use crate::judge::Verdict;
 
 /// The report as TAP. An inconclusive trial is `not ok`, and its block says so.
 pub fn to_tap(reports: &[SuiteReport]) -> String {
-    let points: usize = reports.iter().map(|report| report.trials.len() + report.blocks.len()).sum();
+    let points = |report: &SuiteReport| report.recorded.len() + report.trials.len() + report.blocks.len();
+    let points: usize = reports.iter().map(points).sum();
     let mut text = format!("TAP version 14\n1..{points}\n");
     let mut number = 0;
     for report in reports {
@@ -20,9 +22,21 @@ pub fn to_tap(reports: &[SuiteReport]) -> String {
             &mut text,
             &format!("# suite {}, file {}, seed {}", identity.suite, identity.file, identity.seed),
         );
+        for recorded in &report.recorded {
+            number += 1;
+            let point = Point {
+                key: &recorded.key,
+                state: &recorded.trial_state(),
+                runs: 1,
+                time: recorded.wall_time,
+            };
+            point.write(&mut text, number, report);
+        }
         for trial in &report.trials {
             number += 1;
-            point(&mut text, number, report, trial);
+            let (runs, time) = (trial.outcomes.len(), trial.wall_time);
+            let point = Point { key: &trial.trial.key, state: &trial.state, runs, time };
+            point.write(&mut text, number, report);
         }
         for block in &report.blocks {
             number += 1;
@@ -32,34 +46,45 @@ pub fn to_tap(reports: &[SuiteReport]) -> String {
     text
 }
 
-fn point(text: &mut String, number: usize, report: &SuiteReport, trial: &TrialReport) {
-    let name = escaped(&trial.trial.key);
-    match (&trial.state, trial.verdict()) {
-        (TrialState::Skipped(reason), _) => {
-            line(text, &format!("ok {number} - {name} # SKIP {}", escaped(&one_line(&reason.to_string()))));
-        }
-        (_, Some(Verdict::Passed)) => {
-            line(text, &format!("ok {number} - {name}"));
-            line(text, "  ---");
-            field(text, "runs", trial.outcomes.len());
-            field(text, "duration_ms", trial.wall_time.as_millis());
-            line(text, "  ...");
-        }
-        (state, verdict) => {
-            line(text, &format!("not ok {number} - {name}"));
-            line(text, "  ---");
+/// The test point of a trial or of a run that failed before.
+struct Point<'p> {
+    key: &'p str,
+    state: &'p TrialState,
+    runs: usize,
+    time: Duration,
+}
+
+impl Point<'_> {
+    fn write(&self, text: &mut String, number: usize, report: &SuiteReport) {
+        let name = escaped(self.key);
+        let verdict = match self.state {
+            TrialState::Skipped(reason) => {
+                return line(
+                    text,
+                    &format!("ok {number} - {name} # SKIP {}", escaped(&one_line(&reason.to_string()))),
+                );
+            }
+            TrialState::Judged(judged) => Some(judged.verdict),
+            TrialState::Errored(_) => None,
+        };
+        let passed = verdict == Some(Verdict::Passed);
+        line(text, &format!("{} {number} - {name}", if passed { "ok" } else { "not ok" }));
+        line(text, "  ---");
+        if !passed {
             field(text, "severity", verdict.map_or("error", verdict_word));
-            field(text, "runs", trial.outcomes.len());
-            field(text, "duration_ms", trial.wall_time.as_millis());
-            if let TrialState::Judged(judged) = state {
+        }
+        field(text, "runs", self.runs);
+        field(text, "duration_ms", self.time.as_millis());
+        if !passed {
+            if let TrialState::Judged(judged) = self.state {
                 let bad = judged.findings.iter().filter(|finding| finding.verdict != Verdict::Passed);
                 if let Some(run) = bad.flat_map(|finding| &finding.worst).next() {
                     field(text, "replay", quoted(&replay_command(&report.identity, &run.key)));
                 }
             }
-            block(text, "message", &render_failure(&report.identity, state, false));
-            line(text, "  ...");
+            block(text, "message", &render_failure(&report.identity, self.state, false));
         }
+        line(text, "  ...");
     }
 }
 

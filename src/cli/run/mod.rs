@@ -2,6 +2,7 @@
 
 mod output;
 mod partition;
+mod remember;
 mod select;
 mod watch;
 
@@ -16,11 +17,14 @@ use std::thread;
 use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
 
+pub use self::remember::LastRun;
 use super::interrupt::stop_on_interrupt;
-use super::{Exit, load};
+use super::{Exit, load, store};
 use crate::dispatch::{self, Orders, Unit, Workshop, dispatch};
 use crate::judge::Verdict;
-use crate::report::{BlockReport, Live, Standing, StatusLevel, SuiteReport, Terminal, TrialReport};
+use crate::report::{
+    BlockReport, Live, RecordedReport, Standing, StatusLevel, SuiteReport, Terminal, TrialReport,
+};
 
 #[derive(Debug, Args)]
 pub struct RunArguments {
@@ -58,6 +62,9 @@ pub struct RunArguments {
     /// Where a search or tune that is cut off leaves its journal, from which the same command goes on.
     #[arg(long, value_name = "DIR", default_value = super::JOURNAL)]
     journal: PathBuf,
+
+    #[command(flatten)]
+    remember: remember::RememberArguments,
 
     #[command(flatten)]
     output: output::OutputArguments,
@@ -165,8 +172,14 @@ pub fn run(arguments: RunArguments) -> Exit {
         Err(exit) => return exit,
     };
     let units = dispatch::units(&suites);
-    let asked = select::select(&units, filters.first().map(|filter| filter.as_str()), &arguments.select);
+    let mut last = LastRun::read();
+    let filter = filters.first().map(|filter| filter.as_str());
+    let asked = select::select(&units, filter, &arguments.select, &last.failed);
     let chosen = dispatch::with_needs(&units, asked);
+    if !chosen.contains(&true) && arguments.select.last_failed {
+        println!("nothing of this failed when it was last run");
+        return Exit::Success;
+    }
     if !chosen.contains(&true) {
         return nothing_selected(arguments.no_tests);
     }
@@ -181,6 +194,7 @@ pub fn run(arguments: RunArguments) -> Exit {
     }
     let threads = threads(arguments.test_threads);
     let stop = stop_on_interrupt();
+    store::prepare(&arguments.journal);
     let watcher = arguments.trace.as_deref().map(watch::Traces::new);
     let watch = watcher.as_ref().map(|traces| |case: &_, trace: &_| traces.save(case, trace));
     let mut workshop = Workshop::new(&suites, Some(arguments.journal.clone()), &stop);
@@ -196,6 +210,11 @@ pub fn run(arguments: RunArguments) -> Exit {
     // Everything is judged. What looks at a whole session, such as a gate, has its place here.
     let mut complaints = watcher.as_ref().map(watch::Traces::complaints).unwrap_or_default();
     complaints.extend(output::write(&arguments.output, &workshop, &reports));
+    complaints.extend(remember::failures(&arguments.remember, &suites, &reports, workshop.requests()));
+    last.learn(&reports);
+    if let Err(error) = last.write() {
+        eprintln!("warning: cannot remember what failed: {error}");
+    }
     for complaint in &complaints {
         eprintln!("error: {complaint}");
     }
@@ -210,9 +229,10 @@ pub fn run(arguments: RunArguments) -> Exit {
 
 /// The worst that became of anything.
 fn verdict(reports: &[SuiteReport]) -> Exit {
+    let recorded = reports.iter().flat_map(|report| &report.recorded).map(RecordedReport::standing);
     let trials = reports.iter().flat_map(|report| &report.trials).map(TrialReport::standing);
     let blocks = reports.iter().flat_map(|report| &report.blocks).map(BlockReport::standing);
-    match trials.chain(blocks).max() {
+    match recorded.chain(trials).chain(blocks).max() {
         Some(standing) if standing.is_failure() => Exit::Failed,
         Some(Standing::Judged(Verdict::Inconclusive)) => Exit::Inconclusive,
         _ => Exit::Success,

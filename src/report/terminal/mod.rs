@@ -8,11 +8,11 @@ use std::collections::BTreeMap;
 use std::io::{self, Write};
 use std::time::{Duration, Instant};
 
-use anstyle::{AnsiColor, Style};
+use anstyle::Style;
 
+use super::SuiteIdentity;
 use super::event::{Evaluations, Event, Outline, Reporter, Standing, Stopping, UnitReport};
-use super::failure::{render_block_failure, render_failure};
-use super::{SuiteIdentity, TrialState};
+use super::failure::explain;
 use crate::judge::Verdict;
 
 pub use live::Live;
@@ -127,16 +127,11 @@ impl Terminal {
     }
 
     fn finish(&mut self, unit: usize, suite: &SuiteIdentity, report: &UnitReport) {
-        if let Some(running) = self.running.remove(&unit) {
-            self.tally.runs_done += running.runs.saturating_sub(running.runs_done);
-        }
+        self.running.remove(&unit);
         self.tally.units_done += 1;
         let standing = report.standing();
         self.tally.failures += usize::from(standing.is_failure());
-        let said = match report.skip() {
-            Some(reason) => format!("{}: {reason}", report.key()),
-            None => report.key().to_string(),
-        };
+        let said = format!("{}{}", report.key(), report.remark());
         let line = status::unit_line(standing, report.wall_time(), &said, self.colour);
         let shown = self.level >= status::level(standing, report.skip());
         if shown {
@@ -261,17 +256,5 @@ impl Running {
             None if self.runs > 1 => format!(": {} of {} runs", self.runs_done, self.runs),
             None => String::new(),
         }
-    }
-}
-
-fn explain(suite: &SuiteIdentity, report: &UnitReport, colour: bool) -> String {
-    match report {
-        UnitReport::Trial(trial) => match &trial.state {
-            TrialState::Errored(message) => {
-                super::table::paint("error: ", AnsiColor::Red.on_default().bold(), colour) + message
-            }
-            state => render_failure(suite, state, colour),
-        },
-        UnitReport::Block(block) => render_block_failure(suite, block, colour),
     }
 }

@@ -33,6 +33,7 @@ pub const BAD: Style = AnsiColor::Red.on_default().bold();
 pub fn level(standing: Standing, skip: Option<&Skip>) -> StatusLevel {
     match standing {
         Standing::Skipped if matches!(skip, Some(Skip::Needs { .. } | Skip::CutOff(_))) => StatusLevel::Fail,
+        Standing::Skipped if matches!(skip, Some(Skip::Stale(_))) => StatusLevel::Pass,
         Standing::Skipped => StatusLevel::Skip,
         Standing::Judged(Verdict::Passed) => StatusLevel::Pass,
         Standing::Judged(_) | Standing::Errored => StatusLevel::Fail,

@@ -110,9 +110,13 @@ pub(super) fn starting(outline: &Outline) -> String {
     if outline.blocks > 0 {
         parts.push(count(outline.blocks, "block"));
     }
-    let mut text = if parts.is_empty() { "nothing".to_string() } else { parts.join(" and ") };
+    let recorded = count(outline.recorded, "recorded failure");
+    let mut text = if parts.is_empty() { recorded.clone() } else { parts.join(" and ") };
     if outline.suites > 1 {
         text += &format!(" of {}", count(outline.suites, "suite"));
+    }
+    if outline.recorded > 0 && !parts.is_empty() {
+        text += &format!(", after {recorded}");
     }
     if outline.left_out > 0 {
         text += &format!("; {} not selected", outline.left_out);
@@ -129,6 +133,7 @@ struct Standings {
     errored: usize,
     not_run: usize,
     not_selected: usize,
+    recorded: usize,
     trials: usize,
     runs: usize,
     blocks: usize,
@@ -138,6 +143,10 @@ impl Standings {
     fn of(reports: &[SuiteReport]) -> Self {
         let mut tally = Self::default();
         for report in reports {
+            for recorded in &report.recorded {
+                tally.recorded += usize::from(recorded.rerun().is_some());
+                tally.add(recorded.standing(), recorded.skip());
+            }
             for trial in &report.trials {
                 tally.trials += usize::from(!trial.skipped());
                 tally.runs += trial.outcomes.len();
@@ -164,11 +173,14 @@ impl Standings {
 
     fn in_words(&self) -> String {
         let mut what = Vec::new();
-        if self.trials > 0 || self.blocks == 0 {
+        if self.trials > 0 || self.blocks + self.recorded == 0 {
             what.extend([count(self.trials, "trial"), count(self.runs, "run")]);
         }
         if self.blocks > 0 {
             what.push(count(self.blocks, "block"));
+        }
+        if self.recorded > 0 {
+            what.push(count(self.recorded, "recorded failure"));
         }
         let numbers = [
             (self.passed, "passed"),

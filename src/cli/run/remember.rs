@@ -1,0 +1,191 @@
+//! What failed, for next time: in files beside the suites if that is wished, and in the folder that nobody commits.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use serde::{Deserialize, Serialize};
+
+use crate::cli::store;
+use crate::corpus::{Recorded, case_hash, corpus_path, write_corpus};
+use crate::dispatch::Prepared;
+use crate::judge::{Verdict, judge, per_run};
+use crate::report::{Standing, SuiteReport, TrialReport, TrialState, count, with_worst};
+use crate::run::Requests;
+
+#[derive(Debug, Args)]
+pub struct RememberArguments {
+    /// Keep the runs that speak most against failed criteria in a file beside each suite (`zebra.failures` beside
+    /// `zebra.suite`), to be committed; they are run first from then on.
+    #[arg(long)]
+    pub record_failures: bool,
+
+    /// Take those out of these files that do not fail any more, or cannot be run any more.
+    #[arg(long)]
+    pub prune_failures: bool,
+}
+
+/// Brings the files of failures up to date as far as that is wished, and says what could be done. Returns what could not
+/// be written.
+pub fn failures(
+    arguments: &RememberArguments,
+    suites: &[Prepared],
+    reports: &[SuiteReport],
+    requests: &Requests,
+) -> Vec<String> {
+    let mut complaints = Vec::new();
+    for (suite, report) in suites.iter().zip(reports) {
+        let path = corpus_path(Path::new(&suite.file));
+        let obsolete: Vec<_> = report.recorded.iter().filter(|one| one.is_obsolete()).collect();
+        let known =
+            |new: &Recorded| suite.recorded.iter().any(|old| old.key == new.key && old.seed == new.seed);
+        let new: Vec<_> = speaking_against(report, requests).into_iter().filter(|one| !known(one)).collect();
+        let mut kept: Vec<Recorded> = suite.recorded.clone();
+        if arguments.prune_failures {
+            let is_obsolete = |one: &Recorded| obsolete.iter().any(|gone| gone.recorded == one);
+            kept.retain(|one| !is_obsolete(one));
+        }
+        if arguments.record_failures {
+            kept.extend(new.iter().cloned());
+        }
+        if kept != suite.recorded {
+            match write_corpus(&path, &kept) {
+                Ok(()) => eprintln!("note: {} now holds {}", path.display(), count(kept.len(), "failure")),
+                Err(error) => complaints.push(error.to_string()),
+            }
+        }
+        if !arguments.prune_failures && !obsolete.is_empty() {
+            let number = obsolete.len();
+            eprintln!(
+                "note: {number} of the failures in {} can go; `--prune-failures` takes them out",
+                path.display()
+            );
+        }
+        if !arguments.record_failures && !new.is_empty() {
+            let runs = count(new.len(), "failing run");
+            eprintln!("note: `--record-failures` keeps {runs} in {}, to be run first", path.display());
+        }
+    }
+    complaints
+}
+
+/// The runs that failed criteria name as their worst, each with all that it speaks against.
+fn speaking_against(report: &SuiteReport, requests: &Requests) -> Vec<Recorded> {
+    report.trials.iter().flat_map(|trial| runs_against(trial, requests)).collect()
+}
+
+fn runs_against(trial: &TrialReport, requests: &Requests) -> Vec<Recorded> {
+    let TrialState::Judged(judged) = &trial.state else { return Vec::new() };
+    let failed = judged.findings.iter().filter(|finding| finding.verdict == Verdict::Failed);
+    let worst: BTreeSet<&str> =
+        failed.flat_map(|finding| &finding.worst).map(|run| run.key.as_str()).collect();
+    let criteria: Vec<_> = trial.trial.criteria.iter().filter_map(per_run).map(|one| one.criterion).collect();
+    let mut records: Vec<Recorded> = Vec::new();
+    for (case, outcome) in trial.trial.cases.iter().zip(&trial.outcomes) {
+        // Seeds need not make a difference: one of several runs that are the same says it all.
+        let is_known = records.iter().any(|known| known.fingerprint == outcome.fingerprint);
+        if !worst.contains(case.key.as_str()) || is_known {
+            continue;
+        }
+        let findings = judge(&criteria, std::slice::from_ref(outcome), requests).findings;
+        let against = findings.iter().filter(|finding| finding.verdict != Verdict::Passed);
+        let against: Vec<_> = against.map(with_worst).collect();
+        // The worst run for an aggregate may be on the right side of its bound.
+        if !against.is_empty() {
+            records.push(Recorded::new(case, outcome, against));
+        }
+    }
+    records
+}
+
+/// What the last sessions left to be run again, with the fingerprints of failing runs.
+#[derive(Debug, Default, Serialize, Deserialize)]
+pub struct LastRun {
+    /// Keys of units.
+    pub failed: BTreeSet<String>,
+    /// Failing runs by key and seed.
+    #[serde(default)]
+    pub runs: BTreeMap<String, SeenRun>,
+}
+
+/// A run as the last session saw it, in hexadecimal digits.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct SeenRun {
+    pub case: String,
+    pub fingerprint: String,
+}
+
+impl LastRun {
+    /// What is remembered; nothing if there is no such file or it cannot be understood.
+    pub fn read() -> Self {
+        let text = fs::read_to_string(Self::path()).unwrap_or_default();
+        serde_json::from_str(&text).unwrap_or_default()
+    }
+
+    fn path() -> PathBuf {
+        Path::new(store::FOLDER).join("last-run.json")
+    }
+
+    /// The name of a run: a key alone says nothing about the seed.
+    pub fn run_name(key: &str, seed: u64) -> String {
+        format!("{key} {seed}")
+    }
+
+    /// Takes over what became of units: those that passed are forgotten, those that were not run stay as they were.
+    pub fn learn(&mut self, reports: &[SuiteReport]) {
+        for report in reports {
+            let trials = report.trials.iter().map(|one| (one.trial.key.as_str(), one.standing()));
+            let blocks = report.blocks.iter().map(|one| (one.key.as_str(), one.standing()));
+            let recorded = report.recorded.iter().map(|one| (one.key.as_str(), one.standing()));
+            for (key, standing) in recorded.chain(trials).chain(blocks) {
+                match standing {
+                    Standing::Skipped => {}
+                    Standing::Judged(Verdict::Passed) => {
+                        self.failed.remove(key);
+                    }
+                    Standing::Judged(_) | Standing::Errored => {
+                        self.failed.insert(key.to_string());
+                    }
+                }
+            }
+            for trial in report.trials.iter().filter(|trial| !trial.skipped()) {
+                self.learn_runs(trial);
+            }
+        }
+    }
+
+    fn learn_runs(&mut self, trial: &TrialReport) {
+        let worst: BTreeSet<&str> = match &trial.state {
+            TrialState::Judged(judged) => {
+                let bad = judged.findings.iter().filter(|finding| finding.verdict != Verdict::Passed);
+                bad.flat_map(|finding| &finding.worst).map(|run| run.key.as_str()).collect()
+            }
+            _ => BTreeSet::new(),
+        };
+        for (case, outcome) in trial.trial.cases.iter().zip(&trial.outcomes) {
+            let name = Self::run_name(&outcome.key, outcome.seed);
+            if worst.contains(outcome.key.as_str()) {
+                let hexadecimal = |number: u64| format!("{number:016x}");
+                let (case, fingerprint) = (hexadecimal(case_hash(case)), hexadecimal(outcome.fingerprint));
+                self.runs.insert(name, SeenRun { case, fingerprint });
+            } else {
+                self.runs.remove(&name);
+            }
+        }
+    }
+
+    /// Writes it, if there is or was anything to remember.
+    pub fn write(&self) -> io::Result<()> {
+        let path = Self::path();
+        if self.failed.is_empty() && self.runs.is_empty() {
+            return match fs::remove_file(path) {
+                Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+                other => other,
+            };
+        }
+        store::make()?;
+        fs::write(path, serde_json::to_string_pretty(self).expect("plain data serialises") + "\n")
+    }
+}

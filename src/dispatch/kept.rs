@@ -1,0 +1,48 @@
+//! Results that later units build on.
+
+use std::sync::Arc;
+
+use crate::experiment::{BlockResult, Results};
+use crate::report::{TrialState, UnitReport};
+use crate::run::Outcome;
+use crate::scenario::Case;
+
+/// What others may need of a unit.
+#[derive(Debug)]
+pub enum Kept {
+    Runs { scenario: String, runs: Vec<(Case, Outcome)> },
+    Block { name: String, result: Box<BlockResult> },
+}
+
+impl Kept {
+    /// Of what became of a unit; `None` if there is nothing to build on.
+    pub fn of(report: &UnitReport) -> Option<Self> {
+        match report {
+            UnitReport::Recorded(_) => None,
+            UnitReport::Trial(report) => matches!(report.state, TrialState::Judged(_)).then(|| Self::Runs {
+                scenario: report.trial.scenario.clone(),
+                runs: report.trial.cases.iter().cloned().zip(report.outcomes.iter().cloned()).collect(),
+            }),
+            UnitReport::Block(report) => {
+                let result = report.result().filter(|result| result.failure().is_none())?;
+                Some(Self::Block { name: report.block.name().to_string(), result: Box::new(result.clone()) })
+            }
+        }
+    }
+
+    /// Several as a block reads them; runs of a scenario come in the order of its trials.
+    pub fn gather(kept: impl IntoIterator<Item = Arc<Self>>) -> Results {
+        let mut results = Results::default();
+        for one in kept {
+            match &*one {
+                Self::Runs { scenario, runs } => {
+                    results.scenarios.entry(scenario.clone()).or_default().extend(runs.iter().cloned());
+                }
+                Self::Block { name, result } => {
+                    results.blocks.insert(name.clone(), (**result).clone());
+                }
+            }
+        }
+        results
+    }
+}

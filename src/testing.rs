@@ -1,0 +1,206 @@
+//! Suites as tests of a Rust project: every trial and block is a test of `cargo test`.
+//!
+//! In the project's `Cargo.toml`:
+//!
+//! ```toml
+//! [dev-dependencies]
+//! scenario-runner = "0.1"
+//!
+//! [[test]]
+//! name = "suites"
+//! harness = false
+//! ```
+//!
+//! and in its `tests/suites.rs`:
+//!
+//! ```no_run
+//! fn main() -> std::process::ExitCode {
+//!     scenario_runner::testing::run(&["suites/*.suite"])
+//! }
+//! ```
+//!
+//! Then `cargo test --test suites tta=6s` runs what has `tta=6s` in its name, and so on, as with any other test.
+
+use std::path::Path;
+use std::process::ExitCode;
+use std::sync::{Arc, OnceLock};
+
+use libtest_mimic::{Arguments, Failed, Trial};
+use thiserror::Error;
+
+use crate::cli::load;
+use crate::dispatch::{self, Kept, Prepared, Unit, Work, Workshop};
+use crate::experiment::Silent;
+use crate::judge::Verdict;
+use crate::report::{Skip, Standing, UnitReport, explain};
+use crate::run::Stop;
+
+/// Why there are no tests.
+#[derive(Debug, Error)]
+pub enum TestingError {
+    #[error("`{pattern}` is no pattern of files: {reason}")]
+    Pattern { pattern: String, reason: String },
+    #[error("no file is called `{0}`; paths are relative to the folder of the package")]
+    NoFile(String),
+    /// The errors are on standard error.
+    #[error("a suite or scenario has errors")]
+    Invalid,
+}
+
+/// Runs every unit of the suites and scenarios that the glob patterns name, as the program's arguments say: they are those
+/// of `cargo test`. The exit code is 101 if something did not pass or could not be loaded.
+pub fn run(patterns: &[&str]) -> ExitCode {
+    let arguments = Arguments::from_args();
+    match trials(patterns) {
+        Ok(trials) => libtest_mimic::run(&arguments, trials).exit_code(),
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(101)
+        }
+    }
+}
+
+/// The units as tests, to be run together with others.
+///
+/// A block runs what it needs, whether that is selected or not, and at most once. What could not be decided fails.
+///
+/// # Errors
+/// If a pattern names no file or a file has errors.
+pub fn trials(patterns: &[&str]) -> Result<Vec<Trial>, TestingError> {
+    let files = files(patterns)?;
+    let suites =
+        load::load_all(&files.iter().collect::<Vec<_>>(), None, false).map_err(|_| TestingError::Invalid)?;
+    // Tests own what they need and live as long as the process.
+    let suites: &'static [Prepared] = Box::leak(suites.into_boxed_slice());
+    let session = Arc::new(Session::new(suites));
+    let trial = |index: usize| {
+        let session = Arc::clone(&session);
+        Trial::test(session.units[index].key.to_string(), move || session.judge(index))
+    };
+    Ok((0..session.units.len()).map(trial).collect())
+}
+
+fn files(patterns: &[&str]) -> Result<Vec<String>, TestingError> {
+    let mut files = Vec::new();
+    for pattern in patterns {
+        let failed = |reason: String| TestingError::Pattern { pattern: pattern.to_string(), reason };
+        let found = glob::glob(pattern).map_err(|error| failed(error.to_string()))?;
+        let before = files.len();
+        for path in found {
+            let path = path.map_err(|error| failed(error.to_string()))?;
+            files.push(Path::new(&path).to_string_lossy().into_owned());
+        }
+        if files.len() == before {
+            return Err(TestingError::NoFile(pattern.to_string()));
+        }
+    }
+    Ok(files)
+}
+
+/// All units, each run when somebody first asks for it.
+struct Session {
+    workshop: Workshop<'static>,
+    units: Vec<Unit<'static>>,
+    done: Vec<OnceLock<Done>>,
+}
+
+struct Done {
+    report: UnitReport<'static>,
+    kept: Option<Arc<Kept>>,
+}
+
+impl Session {
+    fn new(suites: &'static [Prepared]) -> Self {
+        let units = dispatch::units(suites);
+        let done = units.iter().map(|_| OnceLock::new()).collect();
+        Self { workshop: Workshop::new(suites, None, &Stop::default()), units, done }
+    }
+
+    fn judge(&self, index: usize) -> Result<(), Failed> {
+        let report = &self.done(index).report;
+        match report.standing() {
+            Standing::Judged(Verdict::Passed) => Ok(()),
+            Standing::Skipped => Err(report.skip().map(Skip::to_string).unwrap_or_default().into()),
+            Standing::Judged(_) | Standing::Errored => {
+                let suite = self.workshop.identity(self.units[index].suite);
+                Err(explain(&suite, report, false).into())
+            }
+        }
+    }
+
+    /// What became of a unit, which is run now if it was not before. Units need only those before them, so nobody waits
+    /// for himself.
+    fn done(&self, index: usize) -> &Done {
+        self.done[index].get_or_init(|| {
+            let report = self.run(index);
+            let kept = Kept::of(&report).map(Arc::new);
+            Done { report, kept }
+        })
+    }
+
+    fn run(&self, index: usize) -> UnitReport<'static> {
+        let unit = &self.units[index];
+        let block = match unit.work {
+            Work::Recorded(recorded) => {
+                return UnitReport::Recorded(self.workshop.recorded(unit.suite, &unit.key, recorded));
+            }
+            Work::Trial(trial) => return UnitReport::Trial(self.workshop.trial(unit.suite, trial, &|| ())),
+            Work::Block(block) => block,
+        };
+        let mut kept = Vec::new();
+        for need in &unit.needs {
+            match &self.done(*need).kept {
+                Some(one) => kept.push(Arc::clone(one)),
+                None => {
+                    let skip = Skip::needs(&self.units[*need].key, self.done(*need).report.standing());
+                    return self.workshop.skipped(unit, skip);
+                }
+            }
+        }
+        UnitReport::Block(self.workshop.block(unit.suite, block, &Kept::gather(kept), &Silent))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn failed(patterns: &[&str], filter: &str) -> (u64, u64) {
+        let arguments = Arguments { filter: Some(filter.into()), quiet: true, ..Arguments::default() };
+        let conclusion = libtest_mimic::run(&arguments, trials(patterns).unwrap());
+        (conclusion.num_passed, conclusion.num_failed)
+    }
+
+    #[test]
+    fn every_unit_is_a_test() {
+        assert_eq!(failed(&["suites/zebra.suite"], "scripted"), (4, 0));
+        assert_eq!(failed(&["suites/zebra_unsafe.suite"], "stands_in_lane"), (0, 3));
+    }
+
+    #[test]
+    fn a_block_runs_what_it_needs() {
+        let folder = tempfile::tempdir().unwrap();
+        let scenario = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/zebra/commotions_carla.scn");
+        let over = "over av.controller.braking_distance in 4 m .. 25 m; minimise mean(time_lost)";
+        let budget = "budget 2 evaluations, by random";
+        let search = format!(
+            "in commotions_carla; individuals 1 of standard; minimise pet; over tta in 6 s .. 18 s; {budget}"
+        );
+        let text = format!(
+            "suite small {{ scenarios \"{}\" }}\n\
+             search found {{ {search} }}\nsearch nobody {{ {search}; keep pet < 0 s }}\n\
+             tune good {{ on found; {over}; {budget} }}\ntune bad {{ on nobody; {over}; {budget} }}\n",
+            scenario.display()
+        );
+        let path = folder.path().join("small.suite");
+        std::fs::write(&path, text).unwrap();
+        assert_eq!(failed(&[&path.to_string_lossy()], "tune="), (1, 1));
+    }
+
+    #[test]
+    fn what_cannot_be_loaded_is_said() {
+        let error = |pattern: &str| trials(&[pattern]).map(|_| ()).unwrap_err().to_string();
+        assert!(error("suites/none_*.suite").contains("no file is called `suites/none_*.suite`"));
+        assert!(error("suites/[").contains("is no pattern"));
+    }
+}
