@@ -126,7 +126,11 @@ fn status(output: &Output) -> Vec<(String, String)> {
 }
 
 fn names(arguments: &[&str]) -> Vec<String> {
-    let output = Place::new(BLOCKS).run(arguments);
+    names_in(&Place::new(BLOCKS), arguments)
+}
+
+fn names_in(place: &Place, arguments: &[&str]) -> Vec<String> {
+    let output = place.run(arguments);
     String::from_utf8(output.stdout).unwrap().lines().map(str::to_string).collect()
 }
 
@@ -246,6 +250,83 @@ fn nothing_selected_is_an_error_unless_told_otherwise() {
     assert!(stderr(&warned).contains("warning: no trial is selected"));
     let silent = with(&["--no-tests", "pass"]);
     assert_eq!((code(&silent), stderr(&silent)), (0, String::new()));
+}
+
+#[test]
+fn what_failed_is_kept_in_a_file_and_run_first_from_then_on() {
+    let place = Place::new("");
+    let scenario = |stop_for: &str| {
+        let text = fs::read_to_string(shipped("unsafe/stands_in_lane")).unwrap();
+        let text = text.replace("../roads", &shipped("roads").replace(".scn", ""));
+        place.write("stands.scn", &text.replace("stop_for: 10 s", stop_for));
+    };
+    scenario("stop_for: 10 s");
+    place.write("bad.suite", "suite bad { scenarios \"stands.scn\" }");
+    let run = |arguments: &[&str]| place.run(&[&["bad.suite", "-j", "1"], arguments].concat());
+
+    let first = run(&[]);
+    assert!(
+        stderr(&first).contains("`--record-failures` keeps 3 failing runs in bad.failures"),
+        "{}",
+        stderr(&first)
+    );
+    assert!(!place.path("bad.failures").exists(), "nothing is written beside a suite unless wished");
+    run(&["--record-failures"]);
+    insta::assert_snapshot!(fs::read_to_string(place.path("bad.failures")).unwrap());
+
+    // Another seed makes other runs of the suite, but not of what was recorded.
+    let again = run(&["--seed", "5"]);
+    assert_eq!(status(&again)[0], ("FAIL".into(), "bad/recorded=stands_in_lane/tta=10s/rep=1".into()));
+    assert_eq!(status(&again).len(), 3 + 3);
+    let key = "bad/recorded=stands_in_lane/tta=4s/rep=1";
+    let replayed = place.run(&["replay", key, "bad.suite", "--seed", "5"]);
+    assert_eq!(code(&replayed), 0);
+    let said = "the same run, bit for bit, as the one recorded in bad.failures";
+    assert!(stdout(&replayed).contains(said), "{}", stdout(&replayed));
+
+    // Once the cause is gone they are named, and taken out when that is wished.
+    scenario("stop_for: 0 s");
+    let fixed = run(&["recorded="]);
+    assert_eq!(code(&fixed), 0, "{}", stdout(&fixed));
+    let line =
+        "bad/recorded=stands_in_lane/tta=6s/rep=1: does not fail any more (the case has changed since)";
+    assert!(status(&fixed).contains(&("PASS".to_string(), line.to_string())), "{}", stdout(&fixed));
+    assert!(stderr(&fixed).contains("3 of the failures in bad.failures can go"), "{}", stderr(&fixed));
+    let replayed = stdout(&place.run(&["replay", key, "bad.suite"]));
+    let said = "not as the one recorded in bad.failures: the case has changed since";
+    assert!(replayed.contains(said), "{replayed}");
+    run(&["recorded=", "--skip", "tta=4s", "--prune-failures"]);
+    assert_eq!(names_in(&place, &["bad.suite", "recorded=", "--list"]), [key], "only what was run can go");
+
+    // A file that cannot be understood is an error with its line.
+    place.write("bad.failures", "bad/x/rep=1\n  sead 7\n");
+    let broken = run(&[]);
+    assert_eq!(code(&broken), 3);
+    assert!(stderr(&broken).contains("bad.failures:2: nothing is called `sead` here"), "{}", stderr(&broken));
+}
+
+#[test]
+fn what_failed_last_time_can_be_run_alone() {
+    let place = Place::new("");
+    let scenarios = format!("\"{}\", \"{}\"", shipped("unsafe/stands_in_lane"), shipped("zebra/scripted"));
+    place.write("mixed.suite", &format!("suite mixed {{ scenarios {scenarios} }}"));
+    let last =
+        |arguments: &[&str]| place.run(&[&["mixed.suite", "-j", "1", "--last-failed"], arguments].concat());
+    let nothing = last(&[]);
+    assert_eq!(code(&nothing), 0);
+    assert!(stdout(&nothing).contains("nothing of this failed"), "{}", stdout(&nothing));
+    place.run(&["mixed.suite"]);
+    let keys = |output: &Output| status(output).into_iter().map(|(_, key)| key).collect::<Vec<_>>();
+    let all = ["mixed/stands_in_lane/tta=4s", "mixed/stands_in_lane/tta=6s", "mixed/stands_in_lane/tta=10s"];
+    assert_eq!(keys(&last(&[])), all);
+    assert_eq!(keys(&last(&["tta=6s"])), all[1..2]);
+    assert_eq!(keys(&last(&[])), all, "those that were not run are still to be run");
+    assert_eq!(fs::read_to_string(place.path(".scenario-runner/.gitignore")).unwrap(), "*\n");
+    let replayed = place.run(&["replay", "mixed/stands_in_lane/tta=6s/rep=1", "mixed.suite"]);
+    let said = "the same run, bit for bit, as when its suite was last run";
+    assert!(stdout(&replayed).contains(said), "{}", stdout(&replayed));
+    let other = place.run(&["replay", "mixed/scripted/tta=6s/rep=1", "mixed.suite"]);
+    assert!(stdout(&other).contains("run twice: the same, bit for bit\n"), "{}", stdout(&other));
 }
 
 #[cfg(unix)]

@@ -43,6 +43,7 @@ Examples:
   scenario-runner suites/zebra.suite                     run a suite
   scenario-runner suites/zebra.suite tta=6s              only the trials whose name contains `tta=6s`
   scenario-runner suites/zebra.suite --fail-fast         until the first failure
+  scenario-runner suites/zebra.suite --last-failed       only what did not pass last time
   scenario-runner suites/zebra.suite --junit junit.xml   and write a report for CI
   scenario-runner models carla_behavior                  all about one controller
   scenario-runner check scenarios/zebra/*.scn            look for errors without running";

@@ -46,7 +46,7 @@ pub use excerpt::Excerpt;
 pub use experiment::{render_block, render_search, render_tune, tuned_parameters};
 pub use failure::{explain, render_block_failure, render_failure, with_worst};
 pub use figures::{Figure, figures};
-pub use format::{in_unit, quantity, share};
+pub use format::{count, in_unit, quantity, share};
 pub use github::{annotations, step_summary};
 pub use html::{Chosen, choose_runs, to_html};
 pub use json::to_json;
