@@ -40,8 +40,6 @@ pub struct EvaluateResult {
     pub fresh: u32,
     /// In the order of declaration; the others are compared with the first.
     pub conditions: Vec<ConditionResult>,
-    /// Rows of the source whose names no condition has, with a value per measure.
-    pub reported_besides: Vec<(String, Vec<f64>)>,
 }
 
 /// One condition over all the cases.
@@ -110,7 +108,6 @@ pub fn run_evaluate(
         conditions.push(result);
         progress.evaluated(conditions.len(), all, None);
     }
-    let known = |name: &String| evaluate.conditions.iter().any(|condition| condition.name == *name);
     Ok(EvaluateResult {
         name: evaluate.name.clone(),
         doc: evaluate.doc.clone(),
@@ -120,7 +117,6 @@ pub fn run_evaluate(
         measures: series.measures,
         fresh: evaluate.fresh,
         conditions,
-        reported_besides: evaluate.reported.iter().filter(|(name, _)| !known(name)).cloned().collect(),
     })
 }
 

@@ -355,7 +355,7 @@ fn evaluated_suite() -> Suite {
             ),
         ],
         source: Some("a paper".into()),
-        reported: vec![("default".into(), vec![2.48, 1.05, 0.83]), ("ideal".into(), vec![5.0, 2.0, 0.0])],
+        reported: vec![("default".into(), vec![2.48, 1.05, 0.83])],
         origin: Origin::default(),
     }];
     suite
@@ -412,7 +412,6 @@ fn an_evaluation_runs_the_same_cases_under_every_condition() {
     let chosen = results.tune("braking").unwrap().chosen.clone().unwrap().point[0].number();
     assert_eq!(value(tuned), chosen.map(Value::Number));
     assert_eq!(default.reported.as_deref(), Some([2.48, 1.05, 0.83].as_slice()));
-    assert_eq!(result.reported_besides.len(), 1);
     let table = crate::report::render_evaluate(result);
     assert!(table.contains("braking_distance") && table.contains("reported: a paper"), "{table}");
 }

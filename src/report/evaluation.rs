@@ -41,10 +41,6 @@ pub fn render_evaluate(result: &EvaluateResult) -> String {
             lines.push(["  change".to_string()].into_iter().chain(unset()).chain(changes).collect());
         }
     }
-    for (name, values) in &result.reported_besides {
-        lines.push(vec![name.clone()]);
-        lines.push(reported(values));
-    }
     text += &columns(&lines);
     for condition in &result.conditions {
         if let Some(reason) = &condition.missing {

@@ -534,7 +534,6 @@ pub fn evaluation() -> EvaluateResult {
             tuned,
             missing,
         ],
-        reported_besides: vec![("tuned on another population".into(), vec![5.52, 1.62])],
     }
 }
 

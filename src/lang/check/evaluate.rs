@@ -105,7 +105,7 @@ fn condition(
 ) -> Option<Condition> {
     let alias = node.child(Rule::alias).and_then(|alias| alias.child(Rule::name));
     let (parameters, own_name) = if let Some(name) = node.child(Rule::name) {
-        (by_name(name, subjects, subject, report)?, Some(name))
+        (by_name(name, subjects, subject, places, report)?, Some(name))
     } else if let Some(path) = node.child(Rule::string) {
         let saved = places.beside(path.span(), &unquote(path.text()));
         if !Path::new(&saved).is_file() {
@@ -135,30 +135,36 @@ fn condition(
     Some(Condition { name: name.text().to_string(), parameters, origin: places.origin(node.span()) })
 }
 
-/// `default`, or what a tune chose.
+/// `default`, what a tune chose, or another scenario.
 fn by_name(
     name: Node,
     subjects: &Subjects,
     subject: &Subject,
+    places: &Places,
     report: &mut Vec<Diagnostic>,
 ) -> Option<ParameterSet> {
     if name.text() == DEFAULT {
         return Some(ParameterSet::Declared);
     }
+    if subjects.scenario_names(places).any(|known| known == name.text()) {
+        let other = subjects.scenario(name, name.text(), &[], places, report)?;
+        return fits(name, &other, subject, report).then(|| ParameterSet::Scenario(name.text().to_string()));
+    }
     if !subjects.tunes.has(name.text()) {
         let diagnostic = Diagnostic::new(
             Code::UnknownBlock,
             name.span(),
-            format!("there is no tune `{}` here", name.text()),
+            format!("there is no tune or scenario `{}` here", name.text()),
         );
         report.push(if subjects.searches.has(name.text()) {
             diagnostic
                 .label("a search, which finds cases and no parameters")
                 .hint(format!("take its cases: `on {}`", name.text()))
         } else {
-            diagnostic
-                .label("not in this suite")
-                .suggest(name.text(), subjects.tunes.names().chain([DEFAULT]))
+            diagnostic.label("not in this suite").suggest(
+                name.text(),
+                subjects.tunes.names().chain(subjects.scenario_names(places)).chain([DEFAULT]),
+            )
         });
         return None;
     }
@@ -181,6 +187,35 @@ fn by_name(
         return None;
     }
     Some(ParameterSet::Tuned(name.text().to_string()))
+}
+
+/// Whether the cases of `subject` can be run in the scenario `other`: they must say everything that it leaves open, and
+/// the people in them must be people there.
+fn fits(name: Node, other: &Subject, subject: &Subject, report: &mut Vec<Diagnostic>) -> bool {
+    let unsaid = other.varied.keys().filter(|varied| !subject.varied.contains_key(*varied)).min();
+    let lost = subject.scenario.pedestrians.iter().filter(|one| one.individuals.is_some()).find(|one| {
+        let same = |there: &&crate::scenario::Pedestrian| {
+            there.name == one.name && there.model.name == one.model.name
+        };
+        !other.scenario.pedestrians.iter().any(|there| same(&there))
+    });
+    let (own, theirs) = (&subject.scenario.name, name.text());
+    let diagnostic = |message: String| {
+        Diagnostic::new(Code::BadCondition, name.span(), message)
+            .label("does not fit these cases")
+            .hint("a scenario as a condition runs the same variations, people and seeds in its own world")
+    };
+    match (unsaid, lost) {
+        (Some(varied), _) => report.push(diagnostic(format!(
+            "scenario `{theirs}` varies `{varied}`, for which the cases of `{own}` have no value"
+        ))),
+        (None, Some(person)) => report.push(diagnostic(format!(
+            "pedestrian `{}` of `{own}` is an individual of `{}`, but not in scenario `{theirs}`",
+            person.name, person.model.name
+        ))),
+        (None, None) => return true,
+    }
+    false
 }
 
 /// `{ av.controller.braking_distance: 10 m }`
