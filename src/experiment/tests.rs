@@ -133,6 +133,7 @@ fn suite() -> Suite {
         }],
         constraints: vec![condition("min_distance", Relation::Greater, 0.0)],
         budget: budget(8),
+        fresh: 0,
         early_stop: true,
         compare_with_default: true,
         origin: Origin::default(),

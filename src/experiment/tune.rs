@@ -31,6 +31,8 @@ pub struct TuneResult {
     pub constraints: Vec<String>,
     /// Number of cases in the set.
     pub cases: usize,
+    /// Runs of every case under fresh seeds; 0: once, with the case's own seed.
+    pub fresh: u32,
     /// The parameters that are tuned, as a scenario would name them.
     pub parameters: Vec<String>,
     /// The chosen candidate; `None` if no candidate was ever feasible.
@@ -162,14 +164,23 @@ impl Bench<'_> {
         }
     }
 
-    /// The set's cases with these settings: the same seeds for every candidate, or fresh ones.
-    fn cases(&self, settings: &[(Target, Value)], fresh: bool) -> Result<Vec<Case>, ExperimentError> {
-        let revive = |(index, saved): (usize, &SavedCase)| {
-            let key = format!("{}/{}/case={}", self.laboratory.suite.name, self.tune.name, index + 1);
-            let seed = fresh.then(|| derive_seed(self.laboratory.suite.seed, &format!("{key}/fresh")));
-            self.laboratory.revive(saved, settings, key, seed)
-        };
-        self.cases.iter().enumerate().map(revive).collect()
+    /// The set's cases with these settings: under the same seeds for every candidate, or `again` under others.
+    fn cases(&self, settings: &[(Target, Value)], again: bool) -> Result<Vec<Case>, ExperimentError> {
+        let suite = self.laboratory.suite;
+        let mut cases = Vec::with_capacity(self.cases.len() * self.tune.fresh.max(1) as usize);
+        for (index, saved) in self.cases.iter().enumerate() {
+            let key = format!("{}/{}/case={}", suite.name, self.tune.name, index + 1);
+            for run in 1..=self.tune.fresh.max(1) {
+                let (key, named) = match self.tune.fresh {
+                    0 => (key.clone(), again.then(|| format!("{key}/fresh"))),
+                    _ if again => (format!("{key}/fresh={run}"), Some(format!("{key}/again={run}"))),
+                    _ => (format!("{key}/fresh={run}"), Some(format!("{key}/fresh={run}"))),
+                };
+                let seed = named.map(|name| derive_seed(suite.seed, &name));
+                cases.push(self.laboratory.revive(saved, settings, key, seed)?);
+            }
+        }
+        Ok(cases)
     }
 
     fn conclude(&self, optimiser: &Optimiser) -> Result<TuneResult, ExperimentError> {
@@ -201,6 +212,7 @@ impl Bench<'_> {
             objectives: tune.objectives.iter().map(|objective| objective.text.clone()).collect(),
             constraints: tune.constraints.iter().map(|one| one.text()).collect(),
             cases: self.cases.len(),
+            fresh: tune.fresh,
             parameters: tune.over.iter().map(|range| range.target.to_string()).collect(),
             chosen: chosen.map(candidate),
             pareto: if tune.objectives.len() > 1 {

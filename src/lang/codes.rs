@@ -290,7 +290,8 @@ codes! {
         "A `let` inside a scenario or a variation that no value refers to has no effect, except that a variation \
          repeats the runs. Perhaps another name was meant.";
     NoCriteria = "W0902", "a scenario expects nothing",
-        "Without `expect` a scenario passes whatever happens. Add criteria to it or to the suite.";
+        "Without `expect` a scenario passes whatever happens. Add criteria to it or to the suite; where a search, tune, \
+         evaluate or statement is about its runs, it needs none.";
     NeverSampled = "W0903", "a criterion applies to none of the values drawn",
         "The condition after `when` holds for none of the values that a sampled variation has with this seed, so the \
          criterion is never checked.";

@@ -63,6 +63,12 @@ const ON: Statement = statement(
     "on low_pet`, `on all of low_pet`, `on 50 of zebra_walk`, `on as many of zebra_walk as low_pet` or `on \"cases.json\"",
     "The cases: what a search kept, the best case of everybody, a scenario, some of its cases, or a saved set.",
 );
+const FRESH_SEEDS: Statement = statement(
+    "repeat",
+    Rule::fresh_seeds,
+    "repeat 20 with fresh seeds",
+    "Runs every case this often, none with the seed it was found with.",
+);
 const SOURCE: Statement =
     statement("source", Rule::source, "source \"Wang et al., Table 1\"", "Where reported numbers come from.");
 const OVER: Statement = statement(
@@ -380,6 +386,7 @@ pub static BLOCKS: &[Block] = &[
                 "What must hold in every run.",
             ),
             BUDGET,
+            FRESH_SEEDS,
             statement("stop", Rule::stop_early, "stop early", "Gives a candidate up at its first violation."),
             statement("compare", Rule::compare, "compare with default", "Adds a table of before and after."),
         ],
@@ -393,15 +400,10 @@ pub static BLOCKS: &[Block] = &[
                 "with",
                 Rule::conditions,
                 "with default, braking, \"tuned.json\" as saved, { av.controller.braking_distance: 10 m } as ten",
-                "The conditions: what is declared, what a tune chose, a saved set or parameters in place; the first is what \
-                 the others are compared with.",
+                "The conditions: what is declared, what a tune chose, another scenario, a saved set or parameters in place; \
+                 the first is what the others are compared with.",
             ),
-            statement(
-                "repeat",
-                Rule::fresh_seeds,
-                "repeat 20 with fresh seeds",
-                "Runs every case this often, none with the seed it was found with.",
-            ),
+            FRESH_SEEDS,
             statement(
                 "measure",
                 Rule::measures,

@@ -39,6 +39,9 @@ pub struct Tune {
     /// Must hold in every run of the set.
     pub constraints: Vec<Comparison>,
     pub budget: Budget,
+    /// Runs of every case under fresh seeds, the same for every candidate; 0: once, with the case's own seed.
+    #[serde(default)]
+    pub fresh: u32,
     /// Abandon a candidate at its first violation instead of running every case.
     pub early_stop: bool,
     /// Report a before/after table against the parameters that the scenario declares.

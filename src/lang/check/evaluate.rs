@@ -62,10 +62,7 @@ pub fn evaluate(
             Some(condition)
         })
         .collect();
-    let fresh = match block.child(Rule::fresh_seeds).and_then(|node| node.child(Rule::integer)) {
-        Some(count) => super::count(count, 1, 100_000, "the number of fresh seeds", report),
-        None => Some(0),
-    };
+    let fresh = fresh_seeds(block, report);
     let cast = subject.cast();
     let measures: Vec<_> = block
         .all(Rule::measures)
@@ -93,6 +90,14 @@ pub fn evaluate(
             .collect(),
         origin: places.origin(name.span()),
     })
+}
+
+/// How often every case runs under fresh seeds; 0 if the block does not say so.
+pub fn fresh_seeds(block: Node, report: &mut Vec<Diagnostic>) -> Option<u32> {
+    match block.child(Rule::fresh_seeds).and_then(|node| node.child(Rule::integer)) {
+        Some(count) => super::count(count, 1, 100_000, "the number of fresh seeds", report),
+        None => Some(0),
+    }
 }
 
 fn condition(

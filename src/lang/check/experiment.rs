@@ -119,6 +119,7 @@ pub fn tune(
     let over = ranges(block, name, &what, &subject, scope, places, report);
     let over = over.filter(|_| only_parameters(block, report));
     let budget = budget(block, name, &what, scope, report);
+    let fresh = super::evaluate::fresh_seeds(block, report);
     Some(Tune {
         name: name.text().to_string(),
         doc: super::doc(block),
@@ -127,6 +128,7 @@ pub fn tune(
         objectives: objectives.into_iter().map(|(_, objective)| objective).collect::<Option<_>>()?,
         constraints: constraints.into_iter().collect::<Option<_>>()?,
         budget: budget?,
+        fresh: fresh?,
         early_stop: block.has(Rule::stop_early),
         compare_with_default: block.has(Rule::compare),
         origin: places.origin(name.span()),

@@ -215,6 +215,7 @@ pub fn keys(block: Rule) -> &'static [Key] {
                     MAXIMISE,
                     key("subject_to", Shape::Commas("subject to"), Rule::constraints),
                     BUDGET,
+                    key("repeat", Shape::Words("repeat"), Rule::fresh_seeds),
                     key("stop_early", Shape::Flag("stop early"), Rule::stop_early),
                     key("compare_with_default", Shape::Flag("compare with default"), Rule::compare),
                 ]
