@@ -5,9 +5,12 @@
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use scenario_runner::judge;
+use scenario_runner::lang::filter::{Filters, SCENARIO, Subject};
 use scenario_runner::lang::{self, Code, Diagnostic, Severity, Sources, Style};
+use scenario_runner::scenario::{Assignment, Value};
 
 fn folder(name: &str) -> PathBuf {
     Path::new("tests/language").join(name)
@@ -18,8 +21,8 @@ fn files(name: &str) -> Vec<PathBuf> {
         .unwrap()
         .map(|entry| entry.unwrap().path())
         .filter(|path| {
-            path.extension()
-                .is_some_and(|extension| extension == "scn" || extension == "suite" || extension == "yaml")
+            let extension = path.extension().and_then(|extension| extension.to_str());
+            matches!(extension, Some("scn" | "suite" | "yaml" | "filter"))
         })
         .collect();
     files.sort();
@@ -48,39 +51,116 @@ fn announced(name: &str, text: &str) -> Vec<(String, usize, String, String)> {
         .collect()
 }
 
+/// What was found but not expected, and the other way round. Both name file, line, code and words.
+fn differences(
+    found: impl IntoIterator<Item = (String, usize, String, String)>,
+    mut expected: Vec<(String, usize, String, String)>,
+) -> Vec<String> {
+    let mut complaints = Vec::new();
+    for (file, line, code, message) in found {
+        let matching = expected.iter().position(|(name, at, wanted, words)| {
+            *name == file && *at == line && *wanted == code && message.contains(words.as_str())
+        });
+        match matching {
+            Some(index) => {
+                expected.remove(index);
+            }
+            None => complaints.push(format!("{file}:{line}: unexpected {code}: {message}")),
+        }
+    }
+    let missing = |(name, line, code, words)| format!("{name}:{line}: missing {code} {words}");
+    complaints.into_iter().chain(expected.into_iter().map(missing)).collect()
+}
+
 #[test]
 fn wrong_files_give_exactly_the_findings_they_announce() {
     let mut complaints = Vec::new();
     for path in files("fails") {
         let (found, sources) = findings(&path);
-        let mut expected: Vec<_> =
-            sources.iter().flat_map(|(_, source)| announced(&source.name, &source.text)).collect();
-        for finding in &found {
-            let place = sources.location(finding.span());
-            let file = &sources.get(finding.span().source).name;
-            let matching = expected.iter().position(|(name, line, code, words)| {
-                name == file
-                    && *line == place.line
-                    && code == finding.code.name()
-                    && finding.message.contains(words.as_str())
-            });
-            match matching {
-                Some(index) => {
-                    expected.remove(index);
-                }
-                None => complaints.push(format!(
-                    "{file}:{}: unexpected {}: {}",
-                    place.line,
-                    finding.code.name(),
-                    finding.message
-                )),
-            }
-        }
-        for (name, line, code, words) in expected {
-            complaints.push(format!("{name}:{line}: missing {code} {words}"));
-        }
+        let expected = sources.iter().flat_map(|(_, source)| announced(&source.name, &source.text)).collect();
+        let found = found.iter().map(|finding| {
+            let file = sources.get(finding.span().source).name.clone();
+            let line = sources.location(finding.span()).line;
+            (file, line, finding.code.name().to_string(), finding.message.clone())
+        });
+        complaints.extend(differences(found, expected));
     }
     assert!(complaints.is_empty(), "{}", complaints.join("\n"));
+}
+
+/// One filter expression a file; it is asked about one trial.
+#[test]
+fn wrong_filters_give_exactly_the_findings_they_announce() {
+    let tags = [String::from("paper")];
+    let tta = Assignment { name: "tta".into(), label: "6s".into(), value: Value::Number(6.0) };
+    let trial = Subject {
+        suite: "zebra",
+        kind: SCENARIO,
+        name: "walk",
+        tags: &tags,
+        models: vec!["scripted"],
+        controllers: vec!["idm_aeb"],
+        files: vec!["scenarios/zebra/walk.scn"],
+        variation: &[tta],
+    };
+    for path in files("filters") {
+        let text = std::fs::read_to_string(&path).unwrap();
+        let code: Vec<&str> = text.lines().map(|line| line.split("#~").next().unwrap()).collect();
+        let (found, sources) = match Filters::parse(&[code.join("\n")]) {
+            Ok(filters) => (filters.warnings(std::slice::from_ref(&trial)), filters.sources),
+            Err(failure) => (failure.diagnostics, failure.sources),
+        };
+        for finding in &found {
+            assert!(!finding.hints.is_empty() && !finding.labels[0].text.is_empty(), "{finding:?}");
+        }
+        let found = found.iter().map(|finding| {
+            let line = sources.location(finding.span()).line;
+            ("-E".to_string(), line, finding.code.name().to_string(), finding.message.clone())
+        });
+        let complaints = differences(found, announced("-E", &text));
+        assert!(complaints.is_empty(), "{}:\n{}", path.display(), complaints.join("\n"));
+    }
+}
+
+/// Files that the language takes but that cannot be run: `check` says so at the line, and `run` stops before it begins.
+#[test]
+fn files_that_cannot_be_run_are_refused_by_check_and_by_run() {
+    let program = |arguments: &[&str]| {
+        let output = Command::new(env!("CARGO_BIN_EXE_scenario-runner")).args(arguments).output().unwrap();
+        assert_eq!(output.status.code(), Some(3), "{arguments:?}");
+        output
+    };
+    for path in files("run_fails") {
+        let name = path.display().to_string();
+        if let Err(failure) = lang::load(&path) {
+            panic!("the language takes {name}:\n{}", failure.render(Style::default()));
+        }
+        let text = std::fs::read_to_string(&path).unwrap();
+        let expected = announced(&name, &text);
+        let output = program(&["check", "--format", "json", &name]);
+        let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        let found = found["diagnostics"].as_array().unwrap();
+        let errors = found.iter().filter(|finding| finding["severity"] == "error").map(|finding| {
+            assert!(!finding["hints"].as_array().unwrap().is_empty(), "{finding}");
+            let text = |value: &serde_json::Value| value.as_str().unwrap().to_string();
+            let place = &finding["labels"][0];
+            let line = place["line"].as_u64().unwrap();
+            (text(&place["file"]), line as usize, text(&finding["code"]), text(&finding["message"]))
+        });
+        let complaints = differences(errors, expected.clone());
+        assert!(complaints.is_empty(), "{}", complaints.join("\n"));
+        let said = String::from_utf8(program(&["run", &name]).stderr).unwrap();
+        let stage = |code: &str| expected.iter().any(|(.., found, _)| found == code);
+        for (_, line, code, words) in &expected {
+            // Models are asked once everything is planned.
+            if code == "E0518" || !stage("E0518") {
+                assert!(
+                    said.contains(words) && said.contains(&format!("{name}:{line}:")),
+                    "{code} {words}: {said}"
+                );
+            }
+        }
+    }
 }
 
 #[test]
@@ -241,11 +321,16 @@ const TESTED_ELSEWHERE: [Code; 3] = [Code::NotUtf8, Code::FileTooLarge, Code::To
 
 #[test]
 fn every_code_is_tested() {
-    let mut tested: BTreeSet<&str> = TESTED_ELSEWHERE.iter().map(|code| code.name()).collect();
+    let mut tested: BTreeSet<String> = TESTED_ELSEWHERE.iter().map(|code| code.name().to_string()).collect();
     for path in files("fails") {
-        tested.extend(findings(&path).0.iter().map(|finding| finding.code.name()));
+        tested.extend(findings(&path).0.iter().map(|finding| finding.code.name().to_string()));
+    }
+    for path in files("run_fails").iter().chain(&files("filters")) {
+        let text = std::fs::read_to_string(path).unwrap();
+        tested.extend(announced("", &text).into_iter().map(|(_, _, code, _)| code));
     }
     let missing: Vec<_> = Code::ALL.iter().filter(|code| !tested.contains(code.name())).collect();
+    assert!(Code::ALL.len() >= 60, "there are {} codes", Code::ALL.len());
     assert!(missing.is_empty(), "no file under tests/language/fails leads to {missing:?}");
 }
 
@@ -266,6 +351,17 @@ fn files_beyond_the_limit_are_refused() {
     let path = folder.path().join("large.scn");
     std::fs::File::create(&path).unwrap().set_len(lang::LARGEST_FILE as u64 + 1).unwrap();
     assert_eq!(findings(&path).0[0].code, Code::FileTooLarge);
+}
+
+#[test]
+fn what_might_never_end_is_not_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.scn");
+    std::fs::create_dir(folder.path().join("folder.scn")).unwrap();
+    std::fs::write(&path, "use \"/dev/zero\"\nuse \"folder.scn\"\n").unwrap();
+    let (found, _) = findings(&path);
+    let unreadable = found.iter().filter(|finding| finding.code == Code::UnreadableFile).count();
+    assert_eq!(unreadable, 2, "{found:?}");
 }
 
 #[test]

@@ -81,6 +81,6 @@ fn default_and_range(parameter: &Parameter) -> (String, String) {
                 options.iter().map(|option| format!("{} ({})", option.name, option.doc)).collect();
             (default.to_string(), options.join(", "))
         }
-        ParameterKind::Text { default } => (default.to_string(), "text".to_string()),
+        ParameterKind::Text { default, .. } => (default.to_string(), "text".to_string()),
     }
 }

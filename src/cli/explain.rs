@@ -2,12 +2,12 @@
 
 use clap::Args;
 
-use super::Exit;
-use crate::lang::Code;
+use super::{Exit, help};
+use crate::lang::{self, Code, filter};
 
 #[derive(Debug, Args)]
 pub struct ExplainArguments {
-    /// Such as E0401; without it, all codes are listed.
+    /// Such as E0401, or `filter` for the language of filter expressions; without it, all codes are listed.
     code: Option<String>,
 }
 
@@ -18,6 +18,10 @@ pub fn explain(arguments: &ExplainArguments) -> Exit {
         }
         return Exit::Success;
     };
+    if name == help::FILTER {
+        print!("{}", filter::reference());
+        return Exit::Success;
+    }
     match Code::find(name) {
         Some(code) => {
             println!("{}: {}\n", code.name(), code.title());
@@ -28,7 +32,12 @@ pub fn explain(arguments: &ExplainArguments) -> Exit {
         }
         None => {
             eprintln!("error: there is no code `{name}`");
-            eprintln!("help: `scenario-runner explain` lists them all");
+            match lang::nearest(name, Code::ALL.iter().map(|code| code.name())) {
+                Some(near) => {
+                    eprintln!("help: did you mean `{near}`? `scenario-runner explain` lists them all")
+                }
+                None => eprintln!("help: `scenario-runner explain` lists them all"),
+            }
             Exit::Usage
         }
     }

@@ -1,84 +1,156 @@
-//! `scenario-runner list`: the scenarios and blocks of suites.
+//! `scenario-runner list`: the scenarios and blocks of suites, with tags and counts.
 
 use std::collections::BTreeMap;
 use std::io::IsTerminal;
-use std::path::PathBuf;
+use std::path::Path;
 
 use clap::Args;
 
 use super::Exit;
+use super::filter::{self, FilterArguments};
+use super::load;
 use crate::experiment::Block;
+use crate::lang::filter::Subject;
 use crate::lang::{self, Style};
-use crate::plan;
+use crate::plan::{self, Plan, Trial};
+use crate::scenario::Suite;
 
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  scenario-runner list suites/*.suite                        everything with tags and counts
+  scenario-runner list suites/*.suite --tags                 the tags, to choose one
+  scenario-runner list suites/*.suite -E 'model(commotions)' where that model walks
+
+`scenario-runner run --list` prints the names of trials instead, one a line.")]
 pub struct ListArguments {
-    /// Suites and scenarios.
-    #[arg(required = true)]
-    files: Vec<PathBuf>,
+    /// Suites (.suite) and scenarios (.scn, .yaml).
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<String>,
     /// List the tags instead, with how many scenarios have each.
     #[arg(long)]
     tags: bool,
+    #[command(flatten)]
+    filter: FilterArguments,
+}
+
+/// A line about a scenario or block.
+struct Line {
+    name: String,
+    counts: String,
+    tags: Vec<String>,
+    doc: Option<String>,
 }
 
 pub fn list(arguments: &ListArguments) -> Exit {
+    let colour = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
+    let filters = match arguments.filter.read(colour) {
+        Ok(filters) => filters,
+        Err(exit) => return exit,
+    };
     let mut exit = Exit::Success;
-    let mut tags: BTreeMap<String, usize> = BTreeMap::new();
+    let mut suites: Vec<(&str, Suite, Plan)> = Vec::new();
     for file in &arguments.files {
-        let suite = match lang::load(file) {
-            Ok(loaded) => loaded.suite,
-            Err(failure) => {
-                let colour = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
-                eprint!("{}", failure.render(Style { colour }));
-                exit = Exit::Scenario;
-                continue;
-            }
-        };
-        let plan = match plan::plan(&suite) {
-            Ok(plan) => plan,
-            Err(errors) => {
-                for error in errors {
-                    eprintln!("error: {}:{}: {error}", error.origin.file, error.origin.line);
-                }
-                exit = Exit::Scenario;
-                continue;
-            }
-        };
+        match planned(file, colour) {
+            Some((suite, plan)) => suites.push((file, suite, plan)),
+            None => exit = Exit::Scenario,
+        }
+    }
+    let subjects: Vec<Subject> =
+        suites.iter().flat_map(|(file, suite, plan)| filter::subjects(suite, plan, file)).collect();
+    filter::warn(&filters, &subjects, colour);
+    let mut lines = Vec::new();
+    for (file, suite, plan) in &suites {
         for scenario in &suite.scenarios {
-            for tag in &scenario.tags {
-                *tags.entry(tag.clone()).or_default() += 1;
-            }
-            if arguments.tags {
-                continue;
-            }
-            let trials: Vec<_> = plan.trials.iter().filter(|trial| trial.scenario == scenario.name).collect();
-            let runs: usize = trials.iter().map(|trial| trial.cases.len()).sum();
-            let shown: String = scenario.tags.iter().map(|tag| format!(" #{tag}")).collect();
-            println!("{}/{}  {} trials, {runs} runs{shown}", suite.name, scenario.name, trials.len());
-            if let Some(doc) = &scenario.doc {
-                println!("    {doc}");
+            let selected = |trial: &&Trial| {
+                trial.scenario == scenario.name && filters.matches(&filter::trial(&suite.name, file, trial))
+            };
+            let runs: Vec<usize> =
+                plan.trials.iter().filter(selected).map(|trial| trial.cases.len()).collect();
+            if !runs.is_empty() {
+                lines.push(Line {
+                    name: format!("{}/{}", suite.name, scenario.name),
+                    counts: format!("{}, {}", count(runs.len(), "trial"), count(runs.iter().sum(), "run")),
+                    tags: scenario.tags.clone(),
+                    doc: scenario.doc.clone(),
+                });
             }
         }
-        for block in Block::all(&suite).iter().filter(|_| !arguments.tags) {
-            println!("{}{}", block.key(&suite.name), evaluations(block));
-            if let Some(doc) = block.doc() {
-                println!("    {doc}");
+        for block in Block::all(suite) {
+            let subject = filter::block(suite, file, &block);
+            if filters.matches(&subject) {
+                lines.push(Line {
+                    name: block.key(&suite.name),
+                    counts: evaluations(&block),
+                    tags: Vec::new(),
+                    doc: block.doc().map(str::to_string),
+                });
             }
         }
     }
+    if lines.is_empty() && exit == Exit::Success {
+        eprintln!("error: nothing is selected");
+        eprintln!("help: without -E, everything is listed");
+        return Exit::NothingSelected;
+    }
     if arguments.tags {
-        for (tag, count) in tags {
-            println!("{tag}  {count}");
-        }
+        show_tags(&lines)
+    } else {
+        show(&lines)
     }
     exit
 }
 
-/// How much a block evaluates, where that is said; to be appended.
+/// How much a block evaluates, where that is said.
 fn evaluations(block: &Block) -> String {
     match block {
-        Block::Search(search) => format!("  {} evaluations", search.budget.evaluations),
-        Block::Tune(tune) => format!("  {} evaluations", tune.budget.evaluations),
+        Block::Search(search) => count(search.budget.evaluations as usize, "evaluation"),
+        Block::Tune(tune) => count(tune.budget.evaluations as usize, "evaluation"),
         _ => String::new(),
     }
+}
+
+fn planned(file: &str, colour: bool) -> Option<(Suite, Plan)> {
+    let suite = match lang::load(Path::new(file)) {
+        Ok(loaded) => loaded.suite,
+        Err(failure) => {
+            eprint!("{}", failure.render(Style { colour }));
+            return None;
+        }
+    };
+    match plan::plan(&suite) {
+        Ok(plan) => Some((suite, plan)),
+        Err(errors) => {
+            load::show_plan_errors(&errors, colour);
+            None
+        }
+    }
+}
+
+fn show(lines: &[Line]) {
+    let width = |of: fn(&Line) -> &str| lines.iter().map(|line| of(line).chars().count()).max().unwrap_or(0);
+    let (names, counts) = (width(|line| &line.name), width(|line| &line.counts));
+    for line in lines {
+        let tags: String = line.tags.iter().map(|tag| format!(" #{tag}")).collect();
+        let shown = format!("{:names$}  {:counts$} {tags}", line.name, line.counts);
+        println!("{}", shown.trim_end());
+        if let Some(doc) = &line.doc {
+            println!("    {doc}");
+        }
+    }
+}
+
+fn show_tags(lines: &[Line]) {
+    let mut tags: BTreeMap<&str, usize> = BTreeMap::new();
+    for tag in lines.iter().flat_map(|line| &line.tags) {
+        *tags.entry(tag).or_default() += 1;
+    }
+    let width = tags.keys().map(|tag| tag.chars().count()).max().unwrap_or(0);
+    for (tag, scenarios) in tags {
+        println!("{tag:width$}  {}", count(scenarios, "scenario"));
+    }
+}
+
+fn count(count: usize, what: &str) -> String {
+    if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
 }

@@ -6,10 +6,10 @@ use super::Exit;
 use crate::corpus::{corpus_path, read_corpus};
 use crate::dispatch::Prepared;
 use crate::judge::examine_criteria;
-use crate::lang::{self, Diagnostic, Severity, Sources};
-use crate::plan::{Plan, plan};
+use crate::lang::{self, Code, Diagnostic, Severity, Sources};
+use crate::plan::{Plan, PlanError, plan};
 use crate::report::Excerpt;
-use crate::run::road_users;
+use crate::run::{Obstacle, Stage, rehearse, rehearse_trials};
 use crate::scenario::Suite;
 
 /// Whether a word of the command line is meant as a file.
@@ -36,6 +36,7 @@ pub fn examine(path: &Path, text: Option<&str>) -> (Vec<Diagnostic>, Sources) {
     let lang::Examined { suite, mut found, sources } = lang::examine(path, text);
     if let Some(suite) = &suite {
         found.extend(examine_criteria(suite, &sources));
+        found.extend(rehearse(suite).into_iter().filter_map(|obstacle| finding(obstacle, &sources)));
         found.sort_by_key(|diagnostic| (diagnostic.span().source, diagnostic.span().start));
     }
     (found, sources)
@@ -46,24 +47,39 @@ fn load(file: &str, seed: Option<u64>, colour: bool) -> Result<Prepared, ()> {
     suite.seed = seed.unwrap_or(suite.seed);
     refuse_gates(&suite, colour)?;
     refuse_hopeless(&suite, &sources, colour)?;
-    let plan = plan(&suite).map_err(|errors| {
-        for error in errors {
-            let excerpt = Excerpt {
-                title: &error.message,
-                origin: &error.origin,
-                label: "",
-                notes: &[],
-                help: error.hint.as_deref(),
-            };
-            eprintln!("{}\n", excerpt.render(colour));
-        }
-    })?;
-    build_everybody(&plan, colour)?;
+    let plan = plan(&suite).map_err(|errors| show_plan_errors(&errors, colour))?;
+    build_everybody(&suite, &plan, colour)?;
     let recorded = read_corpus(&corpus_path(Path::new(file))).map_err(|error| {
         eprintln!("error: {error}");
         eprintln!("help: restore the file from version control, or delete it to forget these failures");
     })?;
     Ok(Prepared { file: file.to_string(), suite, plan, recorded })
+}
+
+/// Shows on stderr why a suite cannot be planned.
+pub fn show_plan_errors(errors: &[PlanError], colour: bool) {
+    for error in errors {
+        let excerpt = Excerpt {
+            title: &error.message,
+            origin: &error.origin,
+            label: "",
+            notes: &[],
+            help: error.hint.as_deref(),
+        };
+        eprintln!("{}\n", excerpt.render(colour));
+    }
+}
+
+/// An obstacle as `check` shows it.
+fn finding(obstacle: Obstacle, sources: &Sources) -> Option<Diagnostic> {
+    let (code, label) = match obstacle.stage {
+        Stage::Planning => (Code::CannotBePlanned, "cannot be planned"),
+        Stage::Building => (Code::CannotBeBuilt, "cannot be run like this"),
+    };
+    let mut finding = Diagnostic::new(code, sources.span(&obstacle.origin)?, &obstacle.message).label(label);
+    finding.notes.extend(obstacle.note());
+    let hint = obstacle.hint.unwrap_or_else(|| format!("`scenario-runner explain {code}` says more"));
+    Some(finding.hint(hint))
 }
 
 /// Criteria that no run could make pass are not worth a run.
@@ -87,26 +103,21 @@ fn refuse_gates(suite: &Suite, colour: bool) -> Result<(), ()> {
     if suite.gates.is_empty() { Ok(()) } else { Err(()) }
 }
 
-/// Builds the road users of each trial's first case once, so that what a model cannot do is said before anything runs.
-fn build_everybody(plan: &Plan, colour: bool) -> Result<(), ()> {
-    let mut failed = false;
-    for trial in &plan.trials {
-        let Some(case) = trial.cases.first() else { continue };
-        if let Err(error) = road_users(&case.world, case.seed) {
-            failed = true;
-            let title = error.to_string();
-            let notes = [format!("in {}", trial.key)];
-            let excerpt = Excerpt {
-                title: &title,
-                origin: &trial.origin,
-                label: "",
-                notes: &notes,
-                help: error.hint(),
-            };
-            eprintln!("{}\n", excerpt.render(colour));
-        }
+/// Builds road users once, so that what a model cannot do is said before anything runs.
+fn build_everybody(suite: &Suite, plan: &Plan, colour: bool) -> Result<(), ()> {
+    let obstacles = rehearse_trials(suite, &plan.trials);
+    for obstacle in &obstacles {
+        let notes: Vec<String> = obstacle.note().into_iter().collect();
+        let excerpt = Excerpt {
+            title: &obstacle.message,
+            origin: &obstacle.origin,
+            label: "",
+            notes: &notes,
+            help: obstacle.hint.as_deref(),
+        };
+        eprintln!("{}\n", excerpt.render(colour));
     }
-    if failed { Err(()) } else { Ok(()) }
+    if obstacles.is_empty() { Ok(()) } else { Err(()) }
 }
 
 /// Loads and checks one file; warnings and errors go to stderr.

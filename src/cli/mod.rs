@@ -6,7 +6,10 @@ mod convert;
 mod exit;
 mod experiment;
 mod explain;
+mod filter;
 mod format;
+mod help;
+mod init;
 mod interrupt;
 mod list;
 pub(crate) mod load;
@@ -35,6 +38,7 @@ pub use exit::Exit;
     name = "scenario-runner",
     version,
     args_conflicts_with_subcommands = true,
+    disable_help_subcommand = true,
     subcommand_negates_reqs = true,
     after_long_help = exit::HELP
 )]
@@ -47,6 +51,8 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// Write a commented starter project that runs: scenarios, suites, CI.
+    Init(init::InitArguments),
     /// Run suites and scenarios; the default when no command is named.
     Run(run::RunArguments),
     /// Look for errors in suites and scenarios without running anything.
@@ -57,7 +63,7 @@ enum Command {
     Convert(convert::ConvertArguments),
     /// Serve editors: findings, hover, completion, definitions, formatting.
     Lsp(lsp::LspArguments),
-    /// Explain the code of an error or warning.
+    /// Explain the code of an error or warning, or the language of filter expressions.
     Explain(explain::ExplainArguments),
     /// Show the scenarios and blocks of suites with their tags and how much they run.
     List(list::ListArguments),
@@ -73,6 +79,8 @@ enum Command {
     Validate(validate::ValidateArguments),
     /// Run exactly one case again and print what happened when.
     Replay(replay::ReplayArguments),
+    /// Show the help of a command, or `help filter` for the language of filter expressions.
+    Help(help::HelpArguments),
 }
 
 /// Where searches and tunes keep what they have evaluated, unless told otherwise.
@@ -88,6 +96,7 @@ pub fn main() -> ExitCode {
     let cli = Cli::parse();
     let result = match cli.command {
         None => run::run(cli.run),
+        Some(Command::Init(arguments)) => init::init(&arguments),
         Some(Command::Run(arguments)) => run::run(arguments),
         Some(Command::Check(arguments)) => check::check(&arguments),
         Some(Command::Fmt(arguments)) => format::format(&arguments),
@@ -101,6 +110,7 @@ pub fn main() -> ExitCode {
         Some(Command::Calibrate(arguments)) => calibrate::run(&arguments),
         Some(Command::Validate(arguments)) => validate::run(&arguments),
         Some(Command::Replay(arguments)) => replay::replay(&arguments),
+        Some(Command::Help(arguments)) => help::help(&arguments),
     };
     result.into()
 }

@@ -205,6 +205,16 @@ codes! {
         "Every parameter without default needs an argument, by name: `scenario a : base(delay: 2 s)`.";
     CircularTemplate = "E0516", "scenarios build on each other in a circle",
         "A scenario cannot build on itself, directly or over others.";
+    BadText = "E0517", "a model does not understand a text",
+        "Some parameters are texts in a small language of the model: the steps of `timeline`, the variant of \
+         `commotions`. `scenario-runner models NAME` says what the text is made of.";
+    CannotBePlanned = "E0518", "a scenario cannot be planned",
+        "What single statements say is fine, but the runs that they ask for together cannot be made: a population does not \
+         have the individuals, a value that is calculated from several variations leaves its range, there are more runs than \
+         anybody would wait for.";
+    CannotBeBuilt = "E0519", "a model cannot be what a scenario asks of it",
+        "Every setting by itself is fine, but the model refuses them together or does not fit the scenario: a time step that \
+         is no multiple of the simulation's, a lower limit above the upper one, a controller for one lane on a road with two.";
     // Criteria
     NoNumber = "E0601", "an aggregate needs a quantity",
         "Means and quantiles exist of quantities. Of truth values and words, take the `rate(…)` or `count(…)`.";
@@ -285,7 +295,20 @@ codes! {
     BadStatement = "E0812", "it is not clear what is known about a statement",
         "A statement is expected to be reproduced, `differs \"why\"` if it is known not to be, or is `not comparable \"why\"`; \
          not two of them. Only the last may go without a `claim`.";
+    // Filter expressions
+    UnknownPredicate = "E1001", "a filter has no such predicate",
+        "`scenario-runner help filter` lists the predicates of filter expressions.";
+    BadFilter = "E1002", "a filter does not read as expected",
+        "A filter is made of predicates such as `scenario(zebra)`, joined by `&` (both), `|` (either) and `-` (the first \
+         without the second), each perhaps after `!` (not), with round brackets where needed. The shell wants the whole \
+         in single quotes: `-E 'tag(paper) & !model(jaywalker)'`.";
+    BadFilterPattern = "E1003", "what stands in the brackets of a predicate is malformed",
+        "A pattern is text, or text after a mark: `=` the whole name, `~` a part of it, `#` a glob with `*` and `?`; or a \
+         regular expression between two `/`. `variation` takes a name with a value: `variation(tta >= 10 s)`.";
     // Warnings
+    IdlePredicate = "W1001", "a part of a filter matches nothing",
+        "No trial of what is loaded is what this predicate asks for. Perhaps a name is misspelt, or a file is missing on \
+         the command line.";
     UnusedName = "W0901", "a name is never used",
         "A `let` inside a scenario or a variation that no value refers to has no effect, except that a variation \
          repeats the runs. Perhaps another name was meant.";

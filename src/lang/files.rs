@@ -144,10 +144,15 @@ impl Files {
             let message = format!("`{shown}` has {size} bytes, more than {LARGEST_FILE}");
             (Code::FileTooLarge, message, "split it into several files".to_string(), None)
         };
-        if let Ok(metadata) = std::fs::metadata(path)
-            && metadata.len() > LARGEST_FILE as u64
-        {
-            return Err(too_large(metadata.len()));
+        if let Ok(metadata) = std::fs::metadata(path) {
+            // A device or pipe might never end.
+            if !metadata.is_file() {
+                let message = format!("cannot read `{shown}`: it is no regular file");
+                return Err((Code::UnreadableFile, message, "name a file that holds text".to_string(), None));
+            }
+            if metadata.len() > LARGEST_FILE as u64 {
+                return Err(too_large(metadata.len()));
+            }
         }
         let bytes = std::fs::read(path).map_err(|error| {
             let hint = match error.kind() {

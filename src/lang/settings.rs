@@ -34,6 +34,59 @@ pub fn check(
     settings
 }
 
+/// Checks the texts that a model reads by itself, those that it takes if nothing is said included; `owner` is the
+/// model's name where it is said.
+pub fn check_texts(
+    owner: Node,
+    node: Option<Node>,
+    settings: &[(String, Expression)],
+    declaration: &Declaration,
+    scope: &Scope,
+    report: &mut Vec<Diagnostic>,
+) {
+    let given = |name: &str| {
+        settings.iter().any(|(said, _)| said == name)
+            || declaration.parameter(name).is_some_and(|parameter| parameter.default_value().is_some())
+    };
+    for parameter in declaration.parameters {
+        let ParameterKind::Text { default, check } = parameter.kind else { continue };
+        let said = settings.iter().find(|(name, _)| name == parameter.name);
+        let place = node.iter().flat_map(|node| node.all(Rule::setting)).find_map(|setting| {
+            let name = setting.child(Rule::setting_name)?;
+            (name.text() == parameter.name).then(|| setting.child(Rule::expression)).flatten()
+        });
+        let texts = match said {
+            Some((_, expression)) => value::possible(expression, scope),
+            None => vec![(Value::Word(default.to_string()), None)],
+        };
+        for (text, varied) in texts {
+            let Value::Word(text) = text else { continue };
+            for error in check(&text, &given) {
+                let whole = place.unwrap_or(owner).span();
+                let written = place.map_or("", Node::text);
+                let span = match written.find(&error.part).filter(|_| !error.part.is_empty()) {
+                    Some(at) => {
+                        Span::new(whole.source, whole.start + at, whole.start + at + error.part.len())
+                    }
+                    None => whole,
+                };
+                let varied = varied.as_ref().map(|varied| format!(" where {varied}")).unwrap_or_default();
+                let hint = error.hint.unwrap_or_else(|| {
+                    format!(
+                        "`scenario-runner models {}` says what `{}` takes",
+                        declaration.name, parameter.name
+                    )
+                });
+                report.push(
+                    Diagnostic::new(Code::BadText, span, format!("{}{varied}", error.message))
+                        .label("not understood")
+                        .hint(hint),
+                );
+            }
+        }
+    }
+}
+
 pub fn repeated(name: &str, span: Span, first: Span) -> Diagnostic {
     Diagnostic::new(Code::RepeatedStatement, span, format!("`{name}` is said twice"))
         .label("said again")

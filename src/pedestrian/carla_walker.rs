@@ -321,7 +321,10 @@ fn build(context: &PedestrianContext) -> Result<Box<dyn Pedestrian>, ModelError>
     let settings = context.settings;
     for (low, high) in [("kerb_wait_min", "kerb_wait_max"), ("snap_min", "snap_max")] {
         if settings.number(low) > settings.number(high) {
-            return Err(ModelError::new(format!("`{low}` of `carla_walker` is larger than `{high}`")));
+            return Err(ModelError::with_hint(
+                format!("`{low}` of `carla_walker` is larger than `{high}`"),
+                format!("let `{low}` be at most `{high}`; each has its own default"),
+            ));
         }
     }
     let Position { x, y } = context.setup.start;

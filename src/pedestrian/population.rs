@@ -446,7 +446,7 @@ impl PublishedFits {
 
 fn default_variant(model: &'static Declaration) -> Option<&'static str> {
     match model.parameter(VARIANT)?.kind {
-        crate::scenario::ParameterKind::Text { default } => Some(default),
+        crate::scenario::ParameterKind::Text { default, .. } => Some(default),
         _ => None,
     }
 }

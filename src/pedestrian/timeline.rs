@@ -3,7 +3,7 @@
 use nalgebra::Vector2;
 
 use super::{PedestrianContext, PedestrianModel};
-use crate::scenario::{Declaration, Dimension, Parameter, Side, VehicleReference};
+use crate::scenario::{Declaration, Dimension, Parameter, Side, TextError, VehicleReference};
 use crate::sim::script::{Action, Quantity, Script, parameters};
 use crate::sim::{ModelError, Motion, Pedestrian, Scene, geometry};
 
@@ -12,22 +12,25 @@ pub static TIMELINE: PedestrianModel = PedestrianModel {
         name: "timeline",
         summary: "Walks by scripted steps; `when` compares distance, time_to_arrival, vehicle_speed, walked, distance_to_kerb or speed.",
         source: "conditions and actions after ASAM OpenSCENARIO",
-        parameters: &parameters::<2, 19>([
-            Parameter::number(
-                "walking_speed",
-                Dimension::SPEED,
-                1.4,
-                (0.0, 12.0),
-                "Speed at first and after `resume`.",
-                "free choice",
-            ),
-            Parameter::flag(
-                "walks_at_once",
-                true,
-                "Whether it walks from the beginning; otherwise it stands until a step says more.",
-                "free choice",
-            ),
-        ]),
+        parameters: &parameters::<2, 19>(
+            check,
+            [
+                Parameter::number(
+                    "walking_speed",
+                    Dimension::SPEED,
+                    1.4,
+                    (0.0, 12.0),
+                    "Speed at first and after `resume`.",
+                    "free choice",
+                ),
+                Parameter::flag(
+                    "walks_at_once",
+                    true,
+                    "Whether it walks from the beginning; otherwise it stands until a step says more.",
+                    "free choice",
+                ),
+            ],
+        ),
         presets: None,
     },
     takes_individuals: false,
@@ -45,6 +48,10 @@ const QUANTITIES: &[Quantity] = &[
     ("distance_to_kerb", Dimension::LENGTH),
     ("speed", Dimension::SPEED),
 ];
+
+fn check(steps: &str, given: &dyn Fn(&str) -> bool) -> Vec<TextError> {
+    Script::check(steps, "timeline", QUANTITIES, given)
+}
 
 struct ByTimeline {
     script: Script,

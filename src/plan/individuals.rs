@@ -51,8 +51,12 @@ fn choose(
         let message = format!("the model `{name}` has no individuals");
         return Err(PlanError::new(origin, message).with_hint("leave out `individuals`"));
     }
-    let people = People::read(&individuals.population, &model.declaration, variant(pedestrian))
-        .map_err(|error| PlanError::new(origin, error.to_string()))?;
+    let people =
+        People::read(&individuals.population, &model.declaration, variant(pedestrian)).map_err(|error| {
+            PlanError::new(origin, error.to_string()).with_hint(
+                "take `standard`, the population that ships, or a file as docs/populations.md describes it",
+            )
+        })?;
     let numbers: Vec<usize> = match individuals.selection {
         Population::All => (1..=people.len()).collect(),
         Population::Number(number) => vec![number as usize],
@@ -83,6 +87,7 @@ fn choose(
             people.len()
         );
         PlanError::new(origin, message)
+            .with_hint(format!("take at most {}, or `individuals all of …`", people.len()))
     })
 }
 

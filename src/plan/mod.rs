@@ -14,6 +14,7 @@ use crate::scenario::{Assignment, Case, Criterion, Expression, Individual, Origi
 
 pub use individuals::{label as people_label, select as select_people};
 pub use seed::derive_seed;
+use variation::Combinations;
 pub use variation::expand as combinations;
 
 /// Everything that a suite asks to run.
@@ -100,9 +101,9 @@ pub fn outline(suite: &Suite, scenario: &Scenario) -> Result<Vec<Outline>, PlanE
 }
 
 fn outline_with(suite: &Suite, scenario: &Scenario, people: usize) -> Result<Vec<Outline>, PlanError> {
-    let variations = combinations(suite.seed, scenario);
+    let variations = Combinations::new(suite.seed, scenario);
     let runs = people.saturating_mul(scenario.repeat as usize);
-    let all = variations.len().saturating_mul(runs);
+    let all = variations.count().saturating_mul(runs);
     if all > MOST_RUNS {
         let message = format!("scenario `{}` asks for {all} runs, more than {MOST_RUNS}", scenario.name);
         return Err(
@@ -110,9 +111,9 @@ fn outline_with(suite: &Suite, scenario: &Scenario, people: usize) -> Result<Vec
         );
     }
     let mut keys = HashSet::new();
-    variations
-        .into_iter()
-        .map(|variation| {
+    (0..variations.count())
+        .map(|index| {
+            let variation = variations.get(index);
             let mut key = format!("{}/{}", suite.name, scenario.name);
             for assignment in &variation {
                 key.push_str(&format!("/{}={}", assignment.name, assignment.label));
@@ -129,11 +130,26 @@ fn outline_with(suite: &Suite, scenario: &Scenario, people: usize) -> Result<Vec
 
 /// The trials of one scenario in a suite.
 pub fn plan_scenario(suite: &Suite, scenario: &Scenario) -> Result<Vec<Trial>, PlanError> {
+    trials(suite, scenario, true)
+}
+
+/// A few runs of a scenario that show what can be wrong with all of them: the first person in every combination of
+/// variations (or the first 10,000), everybody in the first combination, nothing repeated.
+pub fn probe_scenario(suite: &Suite, scenario: &Scenario) -> Result<Vec<Trial>, PlanError> {
+    trials(suite, scenario, false)
+}
+
+/// More combinations than this are not tried out before a run.
+const MOST_PROBES: usize = 10_000;
+
+fn trials(suite: &Suite, scenario: &Scenario, whole: bool) -> Result<Vec<Trial>, PlanError> {
     let people = select_people(suite.seed, scenario)?;
-    let trial = |Outline { key, variation, runs, criteria }| {
-        let mut cases = Vec::with_capacity(runs);
-        for person in &people {
-            for repetition in 1..=scenario.repeat {
+    let (most, repeat) = if whole { (usize::MAX, scenario.repeat) } else { (MOST_PROBES, 1) };
+    let trial = |(index, Outline { key, variation, criteria, .. })| {
+        let people = if whole || index == 0 { &people[..] } else { &people[..1] };
+        let mut cases = Vec::with_capacity(people.len() * repeat as usize);
+        for person in people {
+            for repetition in 1..=repeat {
                 let key = format!("{key}{}/rep={repetition}", people_label(person));
                 let seed = derive_seed(suite.seed, &key);
                 let (variation, person) = (variation.clone(), person.clone());
@@ -150,7 +166,7 @@ pub fn plan_scenario(suite: &Suite, scenario: &Scenario) -> Result<Vec<Trial>, P
             origin: scenario.origin.clone(),
         })
     };
-    outline_with(suite, scenario, people.len())?.into_iter().map(trial).collect()
+    outline_with(suite, scenario, people.len())?.into_iter().take(most).enumerate().map(trial).collect()
 }
 
 /// One run of a scenario in which these variations have their values and these people walk.

@@ -4,8 +4,8 @@ use super::{PlanError, Variables};
 use crate::pedestrian;
 use crate::scenario::{
     Appearance, Declaration, DeclaredAppearance, DeclaredShape, DeclaredVehicleStart, Expression, Individual,
-    Model, ModelSetup, Origin, Pedestrian, PedestrianSetup, Position, Scenario, Settings, Shape, Side,
-    Vehicle, VehicleReference, VehicleSetup, VehicleStart, World,
+    Model, ModelSetup, Origin, Pedestrian, PedestrianSetup, Position, Scenario, SettingError, Settings,
+    Shape, Side, Vehicle, VehicleReference, VehicleSetup, VehicleStart, World,
 };
 use crate::vehicle::{self, PERCEPTION};
 
@@ -84,7 +84,7 @@ fn vehicle_setup(
     let speed = number(&declared.speed)?;
     if !(0.0..=100.0).contains(&speed) {
         let message = format!("speed of vehicle `{}` is {speed} m/s, outside 0 .. 100 m/s", declared.name);
-        return Err(PlanError::new(&declared.origin, message));
+        return Err(PlanError::new(&declared.origin, message).with_hint("keep it within 0 .. 100 m/s"));
     }
     let start = match &declared.start {
         DeclaredVehicleStart::Distance(distance) => VehicleStart::Distance(number(distance)?),
@@ -174,7 +174,8 @@ fn pedestrian_setup(
     let goal = Position { x, y: road.kerb(opposite) + sign * number(&declared.goal_beyond_kerb)? };
     if sign * (goal.y - start.y) <= 0.0 {
         let message = format!("pedestrian `{}` starts beyond its goal", declared.name);
-        return Err(PlanError::new(&declared.origin, message));
+        return Err(PlanError::new(&declared.origin, message)
+            .with_hint("a positive distance from the kerb is away from the road"));
     }
     let shape = match &declared.shape {
         None => DEFAULT_SHAPE,
@@ -206,10 +207,8 @@ fn pedestrian_setup(
             given.0.entry(name.clone()).or_insert_with(|| value.clone());
         }
     }
-    let settings = model
-        .declaration
-        .resolve(&given)
-        .map_err(|error| PlanError::new(&declared.model.origin, error.to_string()))?;
+    let settings =
+        model.declaration.resolve(&given).map_err(|error| refused(&declared.model.origin, &error))?;
     Ok(PedestrianSetup {
         name: declared.name.clone(),
         model: ModelSetup { name: model_name.to_string(), settings },
@@ -222,9 +221,21 @@ fn pedestrian_setup(
 }
 
 fn resolve(declaration: &Declaration, model: &Model, variables: &Variables) -> Result<Settings, PlanError> {
-    declaration
-        .resolve(&evaluate(model, variables)?)
-        .map_err(|error| PlanError::new(&model.origin, error.to_string()))
+    declaration.resolve(&evaluate(model, variables)?).map_err(|error| refused(&model.origin, &error))
+}
+
+/// What a declaration refuses although every single value was checked: what several variations come to together.
+fn refused(origin: &Origin, error: &SettingError) -> PlanError {
+    let refused = PlanError::new(origin, error.to_string());
+    match error {
+        SettingError::OutOfRange { name, low, high, unit, .. } => refused.with_hint(format!(
+            "let `{name}` stay within {low} .. {high}{unit} for all combinations of values"
+        )),
+        SettingError::WrongType { name, expected, .. } => {
+            refused.with_hint(format!("let `{name}` be {expected} for all combinations of values"))
+        }
+        SettingError::UnknownParameter { .. } | SettingError::UnknownOption { .. } => refused,
+    }
 }
 
 fn evaluate(model: &Model, variables: &Variables) -> Result<Settings, PlanError> {
@@ -250,6 +261,7 @@ fn positive(value: f64, what: &str, origin: &Origin) -> Result<(), PlanError> {
     if value > 0.0 {
         Ok(())
     } else {
-        Err(PlanError::new(origin, format!("the {what} must be positive, but is {value} m")))
+        Err(PlanError::new(origin, format!("the {what} must be positive, but is {value} m"))
+            .with_hint("let it be above 0 m for all combinations of values"))
     }
 }

@@ -3,18 +3,38 @@
 use super::{derive_seed, sampling};
 use crate::scenario::{Assignment, Scenario, Variation};
 
+/// The combinations of a scenario's variations, made one by one.
+pub struct Combinations {
+    /// Per variation the values of its names; the last varies fastest.
+    rows: Vec<Vec<Vec<Assignment>>>,
+}
+
+impl Combinations {
+    /// `seed` is the suite's.
+    pub fn new(seed: u64, scenario: &Scenario) -> Self {
+        Self { rows: scenario.variations.iter().map(|variation| rows(seed, scenario, variation)).collect() }
+    }
+
+    /// At most [`usize::MAX`]; one empty combination without any variation.
+    pub fn count(&self) -> usize {
+        self.rows.iter().fold(1, |count, rows| count.saturating_mul(rows.len()))
+    }
+
+    /// The combination of that index below [`Self::count`].
+    pub fn get(&self, mut index: usize) -> Vec<Assignment> {
+        let mut parts: Vec<&[Assignment]> = Vec::with_capacity(self.rows.len());
+        for rows in self.rows.iter().rev() {
+            parts.push(&rows[index % rows.len()]);
+            index /= rows.len();
+        }
+        parts.into_iter().rev().flatten().cloned().collect()
+    }
+}
+
 /// Every combination of the scenario's variations, the last varying fastest. One empty combination without any.
 pub fn expand(seed: u64, scenario: &Scenario) -> Vec<Vec<Assignment>> {
-    let mut combinations = vec![Vec::new()];
-    for variation in &scenario.variations {
-        let rows = rows(seed, scenario, variation);
-        let mut longer = Vec::with_capacity(combinations.len().saturating_mul(rows.len()));
-        for combination in &combinations {
-            longer.extend(rows.iter().map(|row| [combination.as_slice(), row].concat()));
-        }
-        combinations = longer;
-    }
-    combinations
+    let combinations = Combinations::new(seed, scenario);
+    (0..combinations.count()).map(|index| combinations.get(index)).collect()
 }
 
 fn rows(seed: u64, scenario: &Scenario, variation: &Variation) -> Vec<Vec<Assignment>> {

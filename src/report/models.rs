@@ -97,7 +97,7 @@ fn value(parameter: &Parameter) -> String {
         }
         ParameterKind::Flag { default } => format!("{default} (true or false)"),
         ParameterKind::Choice { default, .. } => format!("{default} (one of)"),
-        ParameterKind::Text { default: "" } => "not set (text)".to_string(),
-        ParameterKind::Text { default } => default.to_string(),
+        ParameterKind::Text { default: "", .. } => "not set (text)".to_string(),
+        ParameterKind::Text { default, .. } => default.to_string(),
     }
 }

@@ -133,8 +133,8 @@ fn default_and_range(parameter: &Parameter) -> (String, String) {
             let names: Vec<_> = options.iter().map(|option| format!("`{}`", option.name)).collect();
             (format!("`{default}`"), names.join(", "))
         }
-        ParameterKind::Text { default: "" } => ("not set".to_string(), "text".to_string()),
-        ParameterKind::Text { default } => (format!("`{default}`"), "text".to_string()),
+        ParameterKind::Text { default: "", .. } => ("not set".to_string(), "text".to_string()),
+        ParameterKind::Text { default, .. } => (format!("`{default}`"), "text".to_string()),
     }
 }
 

@@ -4,6 +4,7 @@ mod build;
 mod case;
 mod free_flow;
 mod outcome;
+mod rehearsal;
 mod stop;
 mod trial;
 
@@ -11,5 +12,6 @@ pub use build::{RunError, road_users};
 pub use case::{Unwatched, run_case};
 pub use free_flow::FreeFlows;
 pub use outcome::{Outcome, Requests};
+pub use rehearsal::{Obstacle, Stage, rehearse, rehearse_trials};
 pub use stop::Stop;
 pub use trial::{TrialError, run_trial};

@@ -83,10 +83,25 @@ pub enum ParameterKind {
         default: &'static str,
         options: &'static [ChoiceOption],
     },
-    /// Free text that the model itself checks, such as a variant's name.
+    /// Free text in a language of the model's own, such as a variant's name.
     Text {
         default: &'static str,
+        check: TextCheck,
     },
+}
+
+/// Everything that is wrong with a text; `given` says which other parameters of the model have a value.
+pub type TextCheck = fn(text: &str, given: &dyn Fn(&str) -> bool) -> Vec<TextError>;
+
+/// Why a model does not understand a text.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("{message}")]
+pub struct TextError {
+    pub message: String,
+    /// What to write instead.
+    pub hint: Option<String>,
+    /// The part of the text that is meant; empty for all of it.
+    pub part: String,
 }
 
 /// One word that a [`ParameterKind::Choice`] may take.
@@ -161,10 +176,11 @@ impl Parameter {
     pub const fn text(
         name: &'static str,
         default: &'static str,
+        check: TextCheck,
         doc: &'static str,
         source: &'static str,
     ) -> Self {
-        Self { name, doc, source, kind: ParameterKind::Text { default } }
+        Self { name, doc, source, kind: ParameterKind::Text { default, check } }
     }
 
     /// The value it has when nobody says otherwise.
@@ -173,7 +189,7 @@ impl Parameter {
             ParameterKind::Number { default, .. } => default.map(Value::Number),
             ParameterKind::Whole { default, .. } => Some(Value::Number(default as f64)),
             ParameterKind::Flag { default } => Some(Value::Flag(default)),
-            ParameterKind::Choice { default, .. } | ParameterKind::Text { default } => {
+            ParameterKind::Choice { default, .. } | ParameterKind::Text { default, .. } => {
                 Some(Value::Word(default.to_string()))
             }
         }

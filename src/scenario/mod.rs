@@ -27,6 +27,7 @@ pub use criterion::{
 };
 pub use declaration::{
     ChoiceOption, Declaration, Literal, Parameter, ParameterKind, Preset, PresetFamily, SettingError,
+    TextCheck, TextError,
 };
 pub use declared::{
     DeclaredAppearance, DeclaredShape, DeclaredVehicleStart, Distribution, Individuals, Model, Pedestrian,

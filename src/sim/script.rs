@@ -5,7 +5,7 @@
 //! holds; only then does the next one count. Source: actions and conditions after ASAM OpenSCENARIO storyboards.
 
 use super::agent::ModelError;
-use crate::scenario::{Dimension, Parameter, Settings};
+use crate::scenario::{Dimension, Parameter, Settings, TextCheck, TextError};
 
 /// What a step makes its road user do until the next one.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -64,8 +64,7 @@ const fn acceleration(name: &'static str) -> Parameter {
     Parameter::optional(name, Dimension::ACCELERATION, (-20.0, 20.0), ACCELERATION, FREE)
 }
 
-const SHARED: [Parameter; 17] = [
-    Parameter::text("steps", "", STEPS, FREE),
+const NUMBERS: [Parameter; 16] = [
     time("t1"),
     time("t2"),
     time("t3"),
@@ -84,12 +83,16 @@ const SHARED: [Parameter; 17] = [
     acceleration("a4"),
 ];
 
-/// The parameters of a timeline followed by those of the road user itself; `ALL` is `OWN` + 17.
-pub const fn parameters<const OWN: usize, const ALL: usize>(own: [Parameter; OWN]) -> [Parameter; ALL] {
-    let mut all = [SHARED[0]; ALL];
-    let mut index = 0;
+/// The parameters of a timeline followed by those of the road user itself; `ALL` is `OWN` + 17. `check` is
+/// [`Script::check`] with the road user's quantities.
+pub const fn parameters<const OWN: usize, const ALL: usize>(
+    check: TextCheck,
+    own: [Parameter; OWN],
+) -> [Parameter; ALL] {
+    let mut all = [Parameter::text("steps", "", check, STEPS, FREE); ALL];
+    let mut index = 1;
     while index < ALL {
-        all[index] = if index < SHARED.len() { SHARED[index] } else { own[index - SHARED.len()] };
+        all[index] = if index <= NUMBERS.len() { NUMBERS[index - 1] } else { own[index - 1 - NUMBERS.len()] };
         index += 1;
     }
     all
@@ -102,16 +105,27 @@ impl Script {
         owner: &str,
         quantities: &[Quantity],
     ) -> Result<Self, ModelError> {
-        let reader = Reader { settings, owner, quantities };
-        let texts = settings.word("steps").split(';').map(str::trim).filter(|text| !text.is_empty());
-        let steps: Vec<_> = texts.map(|text| reader.step(text)).collect::<Result<_, _>>()?;
-        if steps.is_empty() {
-            return Err(ModelError::with_hint(
-                format!("`{owner}` has no steps"),
-                "give it `steps: \"at t1 stop; after t2 resume\"` and the numbers `t1: 2 s`, `t2: 3 s`",
-            ));
+        let number = |name: &str| settings.optional_number(name);
+        let reader = Reader { number: &number, owner, quantities };
+        let (steps, mut errors) = reader.steps(settings.word("steps"));
+        match errors.is_empty() {
+            true => Ok(Self { steps, next: 0, last: 0.0 }),
+            false => {
+                let TextError { message, hint, .. } = errors.swap_remove(0);
+                Err(ModelError { message, hint })
+            }
         }
-        Ok(Self { steps, next: 0, last: 0.0 })
+    }
+
+    /// Everything that is wrong with the steps of `owner`; `given` says which numbers have a value.
+    pub fn check(
+        steps: &str,
+        owner: &str,
+        quantities: &[Quantity],
+        given: &dyn Fn(&str) -> bool,
+    ) -> Vec<TextError> {
+        let number = |name: &str| given(name).then_some(0.0);
+        Reader { number: &number, owner, quantities }.steps(steps).1
     }
 
     /// The action that begins at `time` (s), if one does: that of the last step whose trigger holds by now.
@@ -142,13 +156,37 @@ impl Script {
 
 /// Reads one step after the other.
 struct Reader<'a> {
-    settings: &'a Settings,
+    /// The value of the number of that name, if it has one.
+    number: &'a dyn Fn(&str) -> Option<f64>,
     owner: &'a str,
     quantities: &'a [Quantity],
 }
 
 impl Reader<'_> {
-    fn step(&self, text: &str) -> Result<(Trigger, Action), ModelError> {
+    /// The steps that can be read, and what is wrong with the others.
+    fn steps(&self, text: &str) -> (Vec<(Trigger, Action)>, Vec<TextError>) {
+        let mut steps = Vec::new();
+        let mut errors = Vec::new();
+        for step in text.split(';').map(str::trim).filter(|step| !step.is_empty()) {
+            match self.step(step) {
+                Ok(step) => steps.push(step),
+                Err(error) => errors.push(error),
+            }
+        }
+        if steps.is_empty() && errors.is_empty() {
+            errors.push(TextError {
+                message: format!("`{}` has no steps", self.owner),
+                hint: Some(
+                    "give it `steps: \"at t1 stop; after t2 resume\"` and the numbers `t1: 2 s`, `t2: 3 s`"
+                        .to_string(),
+                ),
+                part: String::new(),
+            });
+        }
+        (steps, errors)
+    }
+
+    fn step(&self, text: &str) -> Result<(Trigger, Action), TextError> {
         let words: Vec<&str> = text.split_whitespace().collect();
         let (trigger, rest) = match words.as_slice() {
             ["at", name, rest @ ..] => (Trigger::At(self.number(text, name, Dimension::TIME)?), rest),
@@ -190,27 +228,31 @@ impl Reader<'_> {
         Ok((trigger, action))
     }
 
-    fn number(&self, text: &str, name: &str, wanted: Dimension) -> Result<f64, ModelError> {
+    fn number(&self, text: &str, name: &str, wanted: Dimension) -> Result<f64, TextError> {
         let letter = match wanted {
             Dimension::TIME => 't',
             Dimension::LENGTH => 'd',
             Dimension::SPEED => 'v',
             _ => 'a',
         };
-        let declared = SHARED[1..].iter().any(|parameter| parameter.name == name);
+        let declared = NUMBERS.iter().any(|parameter| parameter.name == name);
         if !declared || !name.starts_with(letter) {
             let message = format!("`{name}` is not the name of a {}", wanted.name());
             let hint = format!("write `{letter}1` there and say `{letter}1: …` beside `steps`");
             return Err(self.error(text, &message, &hint));
         }
-        self.settings.optional_number(name).ok_or_else(|| {
+        (self.number)(name).ok_or_else(|| {
             let hint = format!("say `{name}: …` beside `steps`");
             self.error(text, &format!("`{name}` has no value"), &hint)
         })
     }
 
-    fn error(&self, step: &str, message: &str, hint: &str) -> ModelError {
-        ModelError::with_hint(format!("in step `{step}` of `{}`: {message}", self.owner), hint)
+    fn error(&self, step: &str, message: &str, hint: &str) -> TextError {
+        TextError {
+            message: format!("in step `{step}` of `{}`: {message}", self.owner),
+            hint: Some(hint.to_string()),
+            part: step.to_string(),
+        }
     }
 }
 
@@ -223,7 +265,10 @@ mod tests {
         name: "script",
         summary: "",
         source: "",
-        parameters: &parameters::<0, 17>([]),
+        parameters: &parameters::<0, 17>(
+            |steps, given| Script::check(steps, "script", QUANTITIES, given),
+            [],
+        ),
         presets: None,
     };
     const QUANTITIES: &[Quantity] = &[("distance", Dimension::LENGTH), ("speed", Dimension::SPEED)];

@@ -2,7 +2,7 @@
 
 use super::hazard::{half_size, keep_speed};
 use super::{CommandKind, ControllerContext, ControllerModel};
-use crate::scenario::{Declaration, Dimension, Parameter};
+use crate::scenario::{Declaration, Dimension, Parameter, TextError};
 use crate::sim::script::{Action, Quantity, Script, parameters};
 use crate::sim::{Command, Controller, ModelError, Observation};
 
@@ -11,24 +11,27 @@ pub static TIMELINE: ControllerModel = ControllerModel {
         name: "timeline",
         summary: "Drives by scripted steps; `when` compares distance, distance_to_crossing, time_to_arrival or speed.",
         source: "conditions and actions after ASAM OpenSCENARIO",
-        parameters: &parameters::<2, 19>([
-            Parameter::number(
-                "acceleration",
-                Dimension::ACCELERATION,
-                1.5,
-                (0.1, 20.0),
-                "Acceleration of `speed` and `resume`.",
-                "free choice",
-            ),
-            Parameter::number(
-                "deceleration",
-                Dimension::ACCELERATION,
-                3.0,
-                (0.1, 20.0),
-                "Deceleration of `speed` and `stop`.",
-                "free choice",
-            ),
-        ]),
+        parameters: &parameters::<2, 19>(
+            check,
+            [
+                Parameter::number(
+                    "acceleration",
+                    Dimension::ACCELERATION,
+                    1.5,
+                    (0.1, 20.0),
+                    "Acceleration of `speed` and `resume`.",
+                    "free choice",
+                ),
+                Parameter::number(
+                    "deceleration",
+                    Dimension::ACCELERATION,
+                    3.0,
+                    (0.1, 20.0),
+                    "Deceleration of `speed` and `stop`.",
+                    "free choice",
+                ),
+            ],
+        ),
         presets: None,
     },
     default_dynamics: "ideal",
@@ -44,6 +47,10 @@ const QUANTITIES: &[Quantity] = &[
     ("time_to_arrival", Dimension::TIME),
     ("speed", Dimension::SPEED),
 ];
+
+fn check(steps: &str, given: &dyn Fn(&str) -> bool) -> Vec<TextError> {
+    Script::check(steps, "timeline", QUANTITIES, given)
+}
 
 struct ByTimeline {
     script: Script,

@@ -140,7 +140,10 @@ fn build(context: &ControllerContext) -> Result<Box<dyn Controller>, ModelError>
     let settings = context.settings;
     let (comfortable, most) = (settings.number("deceleration"), settings.number("max_deceleration"));
     if comfortable > most {
-        return Err(ModelError::new("`deceleration` of `yielding` is larger than `max_deceleration`"));
+        return Err(ModelError::with_hint(
+            "`deceleration` of `yielding` is larger than `max_deceleration`",
+            "let `deceleration`, with which it plans, be at most `max_deceleration`, with which it can brake",
+        ));
     }
     Ok(Box::new(Yielding {
         requires_priority: settings.flag("requires_priority"),

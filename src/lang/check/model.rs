@@ -45,7 +45,11 @@ pub fn named<T>(
     let mut settings = Vec::new();
     for (index, one) in found.iter().enumerate() {
         let declaration = (registry.declaration)(one);
-        let own = settings::check(said.node.child(Rule::settings), declaration, said.scope, report);
+        let node = said.node.child(Rule::settings);
+        let own = settings::check(node, declaration, said.scope, report);
+        if report.len() == before {
+            settings::check_texts(name, node, &own, declaration, said.scope, report);
+        }
         if report.len() > before {
             // The others would only say the same of it again.
             return None;

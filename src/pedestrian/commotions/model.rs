@@ -3,7 +3,7 @@
 use super::agent::{Agent, Encounter, Rules};
 use super::parameters::{PARAMETERS, Parameters};
 use super::state::{Body, Control, State};
-use super::variant::{Accumulation, Variant};
+use super::variant::{Accumulation, Variant, VariantError};
 use crate::pedestrian::{PedestrianContext, PedestrianModel};
 use crate::scenario::{Declaration, Road, Settings, Shape, VehicleReference};
 use crate::sim::random::{self, Purpose, Stream};
@@ -71,8 +71,10 @@ impl Person {
     /// # Errors
     /// For a name that is no variant, and for times that do not fit each other.
     pub fn from_settings(settings: &Settings, road: &Road, step: f64) -> Result<Self, ModelError> {
-        let variant: Variant =
-            settings.word("variant").parse().map_err(|error| ModelError::new(format!("{error}")))?;
+        let variant: Variant = settings
+            .word("variant")
+            .parse()
+            .map_err(|error: VariantError| ModelError::with_hint(error.message(), error.hint()))?;
         let mut parameters = Parameters::from_settings(settings);
         if settings.optional_number("veh_free_speed").is_none() {
             parameters.vehicle_free_speed = parameters.vehicle_free_speed.min(road.speed_limit);
@@ -102,10 +104,13 @@ impl Person {
             }
         }
         if variant.looming && parameters.looming_full <= parameters.looming_onset {
-            return Err(ModelError::new(format!(
-                "`thetaDot_1` of `commotions` is {} rad/s, not above `thetaDot_0` of {} rad/s",
-                parameters.looming_full, parameters.looming_onset
-            )));
+            return Err(ModelError::with_hint(
+                format!(
+                    "`thetaDot_1` of `commotions` is {} rad/s, not above `thetaDot_0` of {} rad/s",
+                    parameters.looming_full, parameters.looming_onset
+                ),
+                "let `thetaDot_1` be larger than `thetaDot_0`",
+            ));
         }
         Ok(Self { variant, parameters, dt, steps_per_decision: steps as u64 })
     }

@@ -1,6 +1,6 @@
 //! The parameters of the model (§9): their published names, units, ranges and defaults, declared once.
 
-use super::variant::{Accumulation, Sensing, Variant};
+use super::variant::{self, Accumulation, Sensing, Variant};
 use crate::scenario::{Dimension, Parameter, Settings};
 
 /// One individual: everything about a road user that is a number, in SI units.
@@ -68,6 +68,7 @@ pub const PARAMETERS: &[Parameter] = &[
     Parameter::text(
         "variant",
         "oVAoBEvoAIoEAoSNvoPF",
+        variant::check,
         "Published name of the variant: its assumptions one after the other",
         "Markkula et al. 2023",
     ),

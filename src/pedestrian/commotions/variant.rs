@@ -3,6 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
+use crate::scenario::TextError;
+
 /// How the other's movement is perceived (§3).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Sensing {
@@ -65,10 +67,9 @@ const CONTRADICTIONS: [(&str, &str, &str); 4] = [
 ];
 
 /// Why a name is not that of a variant.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum VariantError {
     /// A part of the name is no assumption.
-    #[error("unknown assumption `{found}` in the variant `{name}`{}; the assumptions are {}", nearest(.found), ASSUMPTIONS.join(", "))]
     Unknown {
         /// The name given.
         name: String,
@@ -76,7 +77,6 @@ pub enum VariantError {
         found: String,
     },
     /// An assumption is made twice.
-    #[error("the variant `{name}` says `{assumption}` twice; say it once")]
     Repeated {
         /// The name given.
         name: String,
@@ -84,9 +84,6 @@ pub enum VariantError {
         assumption: &'static str,
     },
     /// Two assumptions contradict each other.
-    #[error(
-        "the variant `{name}` contradicts itself: `{first}` and `{second}` exclude each other ({reason})"
-    )]
     Contradiction {
         /// The name given.
         name: String,
@@ -98,7 +95,6 @@ pub enum VariantError {
         reason: &'static str,
     },
     /// An assumption needs another one.
-    #[error("the variant `{name}` says `{assumption}` without {needs}; add it")]
     Missing {
         /// The name given.
         name: String,
@@ -109,14 +105,61 @@ pub enum VariantError {
     },
 }
 
-fn nearest(found: &str) -> String {
+impl std::error::Error for VariantError {}
+
+impl fmt::Display for VariantError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}; {}", self.message(), self.hint())
+    }
+}
+
+impl VariantError {
+    /// What is wrong.
+    pub fn message(&self) -> String {
+        match self {
+            Self::Unknown { name, found } => format!("unknown assumption `{found}` in the variant `{name}`"),
+            Self::Repeated { name, assumption } => format!("the variant `{name}` says `{assumption}` twice"),
+            Self::Contradiction { name, first, second, reason } => format!(
+                "the variant `{name}` contradicts itself: `{first}` and `{second}` exclude each other ({reason})"
+            ),
+            Self::Missing { name, assumption, needs } => {
+                format!("the variant `{name}` says `{assumption}` without {needs}")
+            }
+        }
+    }
+
+    /// What to write instead.
+    pub fn hint(&self) -> String {
+        match self {
+            Self::Unknown { found, .. } => match nearest(found) {
+                Some(near) => format!("did you mean `{near}`?"),
+                None => format!("the assumptions are {}", ASSUMPTIONS.join(", ")),
+            },
+            Self::Repeated { .. } => "say it once".to_string(),
+            Self::Contradiction { first, second, .. } => format!("leave out `{first}` or `{second}`"),
+            Self::Missing { .. } => "add it".to_string(),
+        }
+    }
+}
+
+/// For [`Parameter::text`](crate::scenario::Parameter::text).
+pub fn check(name: &str, _: &dyn Fn(&str) -> bool) -> Vec<TextError> {
+    let error = name.parse::<Variant>().err();
+    let text_error = |error: VariantError| TextError {
+        message: error.message(),
+        hint: Some(error.hint()),
+        part: String::new(),
+    };
+    error.map(text_error).into_iter().collect()
+}
+
+fn nearest(found: &str) -> Option<&'static str> {
     ASSUMPTIONS
         .iter()
-        .map(|name| (strsim::damerau_levenshtein(found, name), name))
+        .map(|name| (strsim::damerau_levenshtein(found, name), *name))
         .min()
         .filter(|&(distance, _)| distance <= 2)
-        .map(|(_, name)| format!(" (did you mean `{name}`?)"))
-        .unwrap_or_default()
+        .map(|(_, name)| name)
 }
 
 /// Cuts a name before every `o` that a capital follows.

@@ -1,0 +1,112 @@
+//! `-E EXPRESSION`: filter expressions on the command line.
+
+use clap::Args;
+
+use super::Exit;
+use crate::experiment::{Block, Need};
+use crate::lang::filter::{Filters, SCENARIO, Subject};
+use crate::lang::{self, Style};
+use crate::plan::{Plan, Trial};
+use crate::scenario::{CaseSet, Scenario, Suite};
+
+/// For commands that may be about some of what is loaded.
+#[derive(Debug, Clone, Default, Args)]
+pub struct FilterArguments {
+    /// Take only what this expression selects, such as 'tag(paper) & !model(jaywalker)'; given several times, what any
+    /// of them selects. `scenario-runner help filter` explains the language.
+    #[arg(short = 'E', long = "filter", value_name = "EXPRESSION")]
+    expressions: Vec<String>,
+}
+
+impl FilterArguments {
+    /// The expressions, read; what is wrong with them goes to stderr.
+    pub fn read(&self, colour: bool) -> Result<Filters, Exit> {
+        Filters::parse(&self.expressions).map_err(|failure| {
+            eprint!("{}", failure.render(Style { colour }));
+            Exit::Usage
+        })
+    }
+}
+
+/// Warns of predicates that match none of the subjects.
+pub fn warn(filters: &Filters, subjects: &[Subject], colour: bool) {
+    for warning in filters.warnings(subjects) {
+        eprintln!("{}\n", lang::render(&warning, &filters.sources, Style { colour }));
+    }
+}
+
+/// What a filter may ask about a trial of the suite that was loaded from `file`.
+pub fn trial<'a>(suite: &'a str, file: &'a str, trial: &'a Trial) -> Subject<'a> {
+    let case = trial.cases.first();
+    let world = case.map(|case| &case.world);
+    Subject {
+        suite,
+        kind: SCENARIO,
+        name: &trial.scenario,
+        tags: &trial.tags,
+        models: world
+            .iter()
+            .flat_map(|world| &world.pedestrians)
+            .map(|walker| walker.model.name.as_str())
+            .collect(),
+        controllers: world
+            .iter()
+            .flat_map(|world| &world.vehicles)
+            .map(|car| car.controller.name.as_str())
+            .collect(),
+        files: vec![&trial.origin.file, file],
+        variation: case.map_or(&[], |case| &case.variation),
+    }
+}
+
+/// What a filter may ask about a block: it has the tags, models and controllers of the scenarios that it works on.
+pub fn block<'a>(suite: &'a Suite, file: &'a str, block: &Block<'a>) -> Subject<'a> {
+    let scenarios = scenarios_of(suite, block);
+    let cars = scenarios.iter().flat_map(|scenario| &scenario.vehicles);
+    let walkers = scenarios.iter().flat_map(|scenario| &scenario.pedestrians);
+    Subject {
+        suite: &suite.name,
+        kind: block.kind(),
+        name: block.name(),
+        tags: scenarios.first().map_or(&[], |scenario| &scenario.tags),
+        models: walkers.map(|walker| walker.model.name.as_str()).collect(),
+        controllers: cars.map(|car| car.controller.name.as_str()).collect(),
+        files: vec![&block.origin().file, file],
+        variation: &[],
+    }
+}
+
+/// The scenarios that a block works on, by itself or through the blocks that it needs.
+fn scenarios_of<'a>(suite: &'a Suite, block: &Block<'a>) -> Vec<&'a Scenario> {
+    let set = match block {
+        Block::Search(_) | Block::Statement(_) => None,
+        Block::Tune(tune) => Some(&tune.on),
+        Block::Evaluate(evaluate) => Some(&evaluate.on),
+    };
+    let name = match (block, set) {
+        (Block::Search(search), _) => Some(search.scenario.as_str()),
+        (_, Some(CaseSet::Scenario(scenario) | CaseSet::Sample { scenario, .. })) => Some(scenario.as_str()),
+        _ => None,
+    };
+    let mut scenarios: Vec<&Scenario> =
+        suite.scenarios.iter().filter(|scenario| name == Some(scenario.name.as_str())).collect();
+    for need in block.needs() {
+        match need {
+            Need::Scenario(name) => {
+                scenarios.extend(suite.scenarios.iter().find(|scenario| scenario.name == name))
+            }
+            Need::Block(name) => {
+                let needed = Block::all(suite).into_iter().find(|other| other.name() == name);
+                scenarios.extend(needed.iter().flat_map(|needed| scenarios_of(suite, needed)));
+            }
+        }
+    }
+    scenarios
+}
+
+/// Everything that a filter may select of a suite: its trials, then its blocks.
+pub fn subjects<'a>(suite: &'a Suite, plan: &'a Plan, file: &'a str) -> Vec<Subject<'a>> {
+    let blocks = Block::all(suite);
+    let trials = plan.trials.iter().map(|planned| trial(&suite.name, file, planned));
+    trials.chain(blocks.iter().map(|found| block(suite, file, found))).collect()
+}

@@ -1,0 +1,96 @@
+//! What keeps a checked suite from running, found before its first run: planning, and building the road users.
+
+use std::collections::HashMap;
+
+use super::build::{RunError, road_users};
+use crate::plan::{self, PlanError, Trial};
+use crate::scenario::{Case, Origin, Scenario, Suite};
+
+/// Something that no run gets past.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Obstacle {
+    pub stage: Stage,
+    pub message: String,
+    pub hint: Option<String>,
+    /// The first run that meets it, such as `zebra/x/tta=6s/rep=1`, and how many of those tried meet it too; not
+    /// known where no run could be planned.
+    pub met: Option<(String, usize)>,
+    pub origin: Origin,
+}
+
+/// Where in a suite's life an obstacle stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stage {
+    Planning,
+    Building,
+}
+
+/// Plans a few runs of every scenario (as [`plan::probe_scenario`] does) and builds the road users of each.
+pub fn rehearse(suite: &Suite) -> Vec<Obstacle> {
+    let mut obstacles = Vec::new();
+    for scenario in &suite.scenarios {
+        match plan::probe_scenario(suite, scenario) {
+            Ok(trials) => obstacles.extend(refusals(scenario, trials.iter().flat_map(|trial| &trial.cases))),
+            Err(PlanError { message, hint, origin }) => {
+                obstacles.push(Obstacle { stage: Stage::Planning, message, hint, met: None, origin });
+            }
+        }
+    }
+    obstacles
+}
+
+/// What models refuse of trials that are planned already: in the first run of each, and everybody's in the first.
+pub fn rehearse_trials(suite: &Suite, trials: &[Trial]) -> Vec<Obstacle> {
+    let scenarios: HashMap<&str, &Scenario> =
+        suite.scenarios.iter().map(|scenario| (scenario.name.as_str(), scenario)).collect();
+    let mut obstacles = Vec::new();
+    for own in trials.chunk_by(|one, next| one.scenario == next.scenario) {
+        let Some(scenario) = scenarios.get(own[0].scenario.as_str()) else { continue };
+        let first = own[0].cases.iter().filter(|case| case.repetition == 1);
+        let others = own[1..].iter().filter_map(|trial| trial.cases.first());
+        obstacles.extend(refusals(scenario, first.chain(others)));
+    }
+    obstacles
+}
+
+/// Every refusal once, at the model that refuses.
+fn refusals<'a>(scenario: &Scenario, cases: impl Iterator<Item = &'a Case>) -> Vec<Obstacle> {
+    let mut obstacles: Vec<Obstacle> = Vec::new();
+    let mut known: HashMap<String, usize> = HashMap::new();
+    for case in cases {
+        let Err(error) = road_users(&case.world, case.seed) else { continue };
+        let message = error.to_string();
+        if let Some((_, times)) = known.get(&message).and_then(|index| obstacles[*index].met.as_mut()) {
+            *times += 1;
+            continue;
+        }
+        known.insert(message.clone(), obstacles.len());
+        obstacles.push(Obstacle {
+            stage: Stage::Building,
+            message,
+            hint: error.hint().map(str::to_string),
+            met: Some((case.key.clone(), 1)),
+            origin: place(scenario, &error).clone(),
+        });
+    }
+    obstacles
+}
+
+/// Where the model is said that refuses.
+fn place<'a>(scenario: &'a Scenario, error: &RunError) -> &'a Origin {
+    let RunError::Model { who, .. } = error else { return &scenario.origin };
+    let cars = scenario.vehicles.iter().map(|car| (&car.name, &car.controller.origin));
+    let walkers = scenario.pedestrians.iter().map(|walker| (&walker.name, &walker.model.origin));
+    cars.chain(walkers).find(|(name, _)| *name == who).map_or(&scenario.origin, |(_, origin)| origin)
+}
+
+impl Obstacle {
+    /// Which runs meet it, in words.
+    pub fn note(&self) -> Option<String> {
+        self.met.as_ref().map(|(key, times)| match times {
+            1 => format!("in {key}"),
+            2 => format!("in {key} and one more"),
+            _ => format!("in {key} and {} more", times - 1),
+        })
+    }
+}
