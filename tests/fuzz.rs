@@ -91,10 +91,14 @@ fn place(stream: &mut Stream, text: &str) -> usize {
     at
 }
 
-/// A word, a line or a few characters of a text.
+/// A word, a line or a few characters somewhere in a text.
 fn part<'t>(stream: &mut Stream, text: &'t str) -> &'t str {
     let at = place(stream, text);
-    let rest = &text[at..];
+    beginning(stream, &text[at..])
+}
+
+/// What a text begins with.
+fn beginning<'t>(stream: &mut Stream, rest: &'t str) -> &'t str {
     let end = match stream.index(4) {
         0 => rest.find('\n').map_or(rest.len(), |end| end + 1),
         1 => rest.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(rest.len()),
@@ -111,7 +115,7 @@ fn changed(stream: &mut Stream, seeds: &[String]) -> String {
         let at = place(stream, &text);
         match stream.index(7) {
             0 => {
-                let length = part(stream, &text[at..]).len();
+                let length = beginning(stream, &text[at..]).len();
                 text.replace_range(at..at + length, "");
             }
             1 => text.insert_str(at, PIECES[stream.index(PIECES.len())]),
@@ -125,14 +129,14 @@ fn changed(stream: &mut Stream, seeds: &[String]) -> String {
                 text.insert_str(at, &piece);
             }
             4 => {
-                let length = part(stream, &text[at..]).len();
+                let length = beginning(stream, &text[at..]).len();
                 let other = &seeds[stream.index(seeds.len())];
                 let other = part(stream, other).to_string();
                 text.replace_range(at..at + length, &other);
             }
             5 => text.truncate(at),
             _ => {
-                let piece = part(stream, &text[at..]).to_string();
+                let piece = beginning(stream, &text[at..]).to_string();
                 text.insert_str(at, &piece.repeat(1 + stream.index(40)));
             }
         }
