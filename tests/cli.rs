@@ -117,6 +117,61 @@ fn filters_select_trials() {
 }
 
 #[test]
+fn filter_expressions_select_trials_and_blocks() {
+    let list = |arguments: &[&str]| {
+        stdout(&scenario_runner(&[&["suites/zebra.suite", "--list"], arguments].concat()))
+    };
+    assert_eq!(list(&["-E", "scenario(=scripted) & variation(tta <= 6 s)"]), "zebra/scripted/tta=6s\n");
+    assert_eq!(list(&["-E", "tag(paper) - variation(tta > 6 s)"]), "zebra/commotions_carla/tta=6s\n");
+    let either = list(&["-E", "model(scripted)", "-E", "model(commotions)"]);
+    assert_eq!(either.lines().count(), 8, "{either}");
+    // With a word of the name, both have to agree.
+    assert_eq!(list(&["scripted", "-E", "variation(tta = 6000 ms)"]), "zebra/scripted/tta=6s\n");
+    let worst = "suites/worst_arrival.suite";
+    let searches = scenario_runner(&[worst, "--list", "-E", "kind(search)"]);
+    assert_eq!(stdout(&searches), "worst_arrival/search=low_pet\n");
+    // What a block needs comes with it.
+    let tuned = stdout(&scenario_runner(&[worst, "--list", "-E", "block(braking)"]));
+    assert_eq!(tuned, "worst_arrival/search=low_pet\nworst_arrival/tune=braking_distance\n");
+
+    let listed = scenario_runner(&["list", "suites/zebra.suite", "-E", "variation(tta=6s) & tag(paper)"]);
+    assert!(stdout(&listed).starts_with("zebra/commotions_carla  1 trial, 20 runs"), "{}", stdout(&listed));
+    assert_eq!(stdout(&listed).lines().count(), 2);
+}
+
+#[test]
+fn filter_expressions_that_are_wrong_or_select_nothing_say_so() {
+    let wrong = scenario_runner(&["suites/zebra.suite", "-E", "scenaro(a) && tag(b)"]);
+    assert_eq!(code(&wrong), 2);
+    for words in ["error[E1001]", "did you mean `scenario`?", "error[E1002]", "2 errors"] {
+        assert!(stderr(&wrong).contains(words), "{}", stderr(&wrong));
+    }
+    for program in ["run", "list"] {
+        let idle = scenario_runner(&[program, "suites/zebra.suite", "-E", "tag(papr)"]);
+        assert_eq!(code(&idle), 4, "{}", stderr(&idle));
+        assert!(stderr(&idle).contains("did you mean `paper`?"), "{}", stderr(&idle));
+    }
+}
+
+#[test]
+fn help_tells_of_commands_and_of_the_filter_language() {
+    let filter = scenario_runner(&["help", "filter"]);
+    assert_eq!(stdout(&filter), stdout(&scenario_runner(&["explain", "filter"])));
+    let page = std::fs::read_to_string("docs/filter.md").unwrap_or_default();
+    if std::env::var_os("UPDATE_DOCS").is_some() {
+        std::fs::write("docs/filter.md", stdout(&filter)).unwrap();
+    } else {
+        assert!(page == stdout(&filter), "docs/filter.md is out of date; run the tests once with UPDATE_DOCS=1");
+    }
+    let list = scenario_runner(&["help", "list"]);
+    assert!(code(&list) == 0 && stdout(&list).contains("--tags"), "{}", stdout(&list));
+    let all = scenario_runner(&["help"]);
+    assert!(code(&all) == 0 && stdout(&all).contains("Exit codes:"), "{}", stdout(&all));
+    let unknown = scenario_runner(&["help", "lst"]);
+    assert!(code(&unknown) == 2 && stderr(&unknown).contains("help list"), "{}", stderr(&unknown));
+}
+
+#[test]
 fn what_cannot_be_done_has_its_own_exit_code() {
     let cases: &[(&[&str], i32, &str)] = &[
         (&["suites/zebra.suite", "no_such_trial"], 4, "no trial is selected"),

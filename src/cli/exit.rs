@@ -40,8 +40,10 @@ Exit codes:
   110  a report could not be written
 
 Examples:
+  scenario-runner init                                   write a project to begin with
   scenario-runner suites/zebra.suite                     run a suite
   scenario-runner suites/zebra.suite tta=6s              only the trials whose name contains `tta=6s`
+  scenario-runner suites/*.suite -E 'tag(paper)'         what an expression selects: `help filter`
   scenario-runner suites/zebra.suite --fail-fast         until the first failure
   scenario-runner suites/zebra.suite --last-failed       only what did not pass last time
   scenario-runner suites/zebra.suite --junit junit.xml   and write a report for CI

@@ -19,7 +19,7 @@ use clap::{Args, ValueEnum};
 
 pub use self::remember::LastRun;
 use super::interrupt::stop_on_interrupt;
-use super::{Exit, load, store};
+use super::{Exit, filter, load, store};
 use crate::dispatch::{self, Orders, Unit, Workshop, dispatch};
 use crate::judge::Verdict;
 use crate::report::{
@@ -167,14 +167,21 @@ pub fn run(arguments: RunArguments) -> Exit {
         );
         return Exit::Usage;
     }
-    let suites = match load::load_all(&files, arguments.seed, arguments.color.wanted(&io::stderr())) {
+    let colour = arguments.color.wanted(&io::stderr());
+    let expressions = match arguments.select.expressions.read(colour) {
+        Ok(expressions) => expressions,
+        Err(exit) => return exit,
+    };
+    let suites = match load::load_all(&files, arguments.seed, colour) {
         Ok(suites) => suites,
         Err(exit) => return exit,
     };
     let units = dispatch::units(&suites);
     let mut last = LastRun::read();
-    let filter = filters.first().map(|filter| filter.as_str());
-    let asked = select::select(&units, filter, &arguments.select, &last.failed);
+    let subjects = select::subjects(&suites, &units);
+    filter::warn(&expressions, &subjects, colour);
+    let word = filters.first().map(|filter| filter.as_str());
+    let asked = select::select(&units, &subjects, &expressions, word, &arguments.select, &last.failed);
     let chosen = dispatch::with_needs(&units, asked);
     if !chosen.contains(&true) && arguments.select.last_failed {
         println!("nothing of this failed when it was last run");

@@ -5,10 +5,15 @@ use std::collections::BTreeSet;
 use clap::Args;
 
 use super::partition::Partition;
-use crate::dispatch::Unit;
+use crate::cli::filter::{self, FilterArguments};
+use crate::dispatch::{Prepared, Unit, Work};
+use crate::lang::filter::{Filters, Subject};
 
 #[derive(Debug, Args)]
 pub struct SelectArguments {
+    #[command(flatten)]
+    pub expressions: FilterArguments,
+
     /// The filter is the whole name of a trial or block.
     #[arg(long)]
     pub exact: bool,
@@ -27,10 +32,24 @@ pub struct SelectArguments {
     pub partition: Option<Partition>,
 }
 
-/// Whether each unit is asked for; `failed` are those that did not pass when they were last run. What units need is not
-/// looked at: see [`crate::dispatch::with_needs`].
+/// What filter expressions may ask about each unit.
+pub fn subjects<'a>(suites: &'a [Prepared], units: &'a [Unit]) -> Vec<Subject<'a>> {
+    let subject = |unit: &'a Unit| {
+        let Prepared { file, suite, .. } = &suites[unit.suite];
+        match &unit.work {
+            Work::Trial(trial) => filter::trial(&suite.name, file, trial),
+            Work::Block(block) => filter::block(suite, file, block),
+        }
+    };
+    units.iter().map(subject).collect()
+}
+
+/// Whether each unit is asked for, by the filter expressions and by its name; `failed` are those that did not pass when
+/// they were last run. What units need is not looked at: see [`crate::dispatch::with_needs`].
 pub fn select(
     units: &[Unit],
+    subjects: &[Subject],
+    filters: &Filters,
     filter: Option<&str>,
     arguments: &SelectArguments,
     failed: &BTreeSet<String>,
@@ -38,16 +57,18 @@ pub fn select(
     let matches = |key: &str, filter: &str| {
         if arguments.exact { key == filter } else { key.contains(filter) }
     };
-    let wanted = |unit: &Unit| {
+    let wanted = |unit: &Unit, subject: &Subject| {
         filter.is_none_or(|filter| matches(&unit.key, filter))
             && (!arguments.last_failed || failed.contains(&*unit.key))
             && !arguments.skip.iter().any(|skip| matches(&unit.key, skip))
+            && filters.matches(subject)
     };
     let mut place = 0;
     units
         .iter()
-        .map(|unit| {
-            let wanted = wanted(unit);
+        .zip(subjects)
+        .map(|(unit, subject)| {
+            let wanted = wanted(unit, subject);
             let mine = arguments.partition.is_none_or(|partition| partition.holds(place, &unit.key));
             place += usize::from(wanted);
             wanted && mine

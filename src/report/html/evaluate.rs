@@ -63,12 +63,101 @@ impl Section {
         let table = Table { result, measured: &measured };
         let parameters = result.conditions.iter().map(|one| &one.parameters).find(|all| !all.is_empty());
         let targets: Vec<_> = parameters.into_iter().flatten().map(|one| one.target.clone()).collect();
-        let besides = result.reported_besides.iter().map(|(name, values)| table.reported_alone(name, values));
         Self {
             sentences: sentences(result),
             parameters: short_names(&targets),
             measures: measured.iter().map(|one| one.name.clone()).collect(),
-            groups: result.conditions.iter().map(|one| table.group(one)).chain(besides).collect(),
+            groups: result.conditions.iter().map(|one| table.group(one)).collect(),
+            source: result.source.clone(),
+            base: result.conditions.get(1).map(|_| result.conditions[0].name.clone()),
+            figures: Charts { report, evaluate, result }.figures(),
+        }
+    }
+
+    /// What it came to, in a line.
+    pub fn summary(result: &EvaluateResult) -> String {
+        let conditions = result.conditions.len();
+        let missing = result.conditions.iter().filter(|one| one.missing.is_some()).count();
+        let missing = if missing == 0 { String::new() } else { format!(", {missing} of them not run") };
+        format!("{conditions} conditions on {} cases{missing}", result.cases)
+    }
+}
+
+fn sentences(result: &EvaluateResult) -> Vec<String> {
+    let cases = if result.cases == 1 { "One case".into() } else { format!("{} cases", result.cases) };
+    let runs = match result.fresh {
+        0 => "each run once under its own seed".to_string(),
+        1 => "each run once under a fresh seed".to_string(),
+        runs => format!("each run {runs} times under fresh seeds"),
+    };
+    vec![format!("{cases}, {runs}, the same under every condition.")]
+}
+
+/// What makes up the rows of the table.
+struct Table<'a> {
+    result: &'a EvaluateResult,
+    measured: &'a [Measured],
+}
+
+impl Table<'_> {
+    fn group(&self, condition: &ConditionResult) -> Group {
+        let ours = condition.measured.iter().enumerate().map(|(index, value)| {
+            let interval = self.interval(condition, &self.result.measures[index]);
+            Cell {
+                text: self.measured[index].text(*value),
+                interval: self.ends(index, interval),
+                sure: false,
+            }
+        });
+        let reported = condition.reported.iter().flatten().zip(self.measured);
+        let change = |(index, difference): (usize, &Option<Difference>)| {
+            let Some(Difference { value, interval, .. }) = difference else { return Cell::none() };
+            Cell {
+                text: self.measured[index].change(*value),
+                interval: self.ends(index, *interval),
+                sure: interval.is_some_and(|interval| !interval.contains(0.0)),
+            }
+        };
+        Group {
+            name: condition.name.clone(),
+            missing: condition.missing.clone(),
+            parameters: condition.parameters.iter().map(parameter).collect(),
+            ours: ours.collect(),
+            reported: reported.map(|(value, one)| one.text(Some(*value))).collect(),
+            apart: self.apart(condition),
+            changes: match condition.differences.iter().all(Option::is_none) {
+                true => Vec::new(),
+                false => condition.differences.iter().enumerate().map(change).collect(),
+            },
+        }
+    }
+
+    /// Ours less what is reported.
+    apart: Vec<Cell>,
+    /// From the first condition.
+    changes: Vec<Cell>,
+}
+
+#[derive(Debug, Default, Serialize)]
+struct Cell {
+    text: String,
+    interval: String,
+    /// Whether the interval says that there is a difference.
+    sure: bool,
+}
+
+impl Section {
+    pub fn new(report: &SuiteReport, evaluate: &Evaluate, result: &EvaluateResult) -> Self {
+        let measured: Vec<Measured> =
+            result.measures.iter().map(|one| Measured::new(&one.text, unit_of(&one.aggregate))).collect();
+        let table = Table { result, measured: &measured };
+        let parameters = result.conditions.iter().map(|one| &one.parameters).find(|all| !all.is_empty());
+        let targets: Vec<_> = parameters.into_iter().flatten().map(|one| one.target.clone()).collect();
+        Self {
+            sentences: sentences(result),
+            parameters: short_names(&targets),
+            measures: measured.iter().map(|one| one.name.clone()).collect(),
+            groups: result.conditions.iter().map(|one| table.group(one)).collect(),
             source: result.source.clone(),
             base: result.conditions.get(1).map(|_| result.conditions[0].name.clone()),
             figures: Charts { report, evaluate, result }.figures(),
