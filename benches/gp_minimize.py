@@ -7,12 +7,15 @@
 One JSON line per run: problem, seed, the 60 points in evaluation order, the value each was told, and the CPU seconds of the
 whole run. Nothing is judged here: the Rust program reads the file and treats both methods alike. A run already in the file
 is skipped, so an interrupted session continues where it stopped.
+
+With `--encounters PROGRAM` the objective is simulated: PROGRAM is the built `benches/worst_arrival.rs`, which says how.
 """
 
 import argparse
 import json
 import math
 import os
+import subprocess
 import time
 import warnings
 
@@ -111,14 +114,63 @@ PROBLEMS = {
 }
 
 
+PEOPLE = 20
+UNDEFINED = 60.0  # s: what an undefined time counts as, the end of the scenario
+
+
+def encounters(program, repetitions, out):
+    """The worst arrival time of each person: minimises the simulated post-encroachment time over the time to arrival."""
+    done = set()
+    if os.path.exists(out):
+        with open(out) as lines:
+            done = {(run["individual"], run["repetition"]) for run in map(json.loads, lines)}
+    server = subprocess.Popen([program, "serve"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+    for repetition in range(repetitions):
+        for individual in range(PEOPLE):
+            if (individual, repetition) in done:
+                continue
+            values = []
+
+            def objective(x):
+                server.stdin.write(json.dumps([individual, float(x[0]), repetition, len(values)]) + "\n")
+                server.stdin.flush()
+                values.append(json.loads(server.stdout.readline()))
+                return UNDEFINED if values[-1] is None else values[-1]
+
+            start = time.process_time()
+            result = gp_minimize(
+                objective,
+                [(6.0, 18.0)],
+                n_calls=EVALUATIONS,
+                n_initial_points=INITIAL,
+                random_state=1000 * repetition + individual,
+            )
+            run = {
+                "individual": individual,
+                "repetition": repetition,
+                "points": [float(point[0]) for point in result.x_iters],
+                "values": values,
+                "cpu_s": time.process_time() - start,
+            }
+            with open(out, "a") as file:
+                file.write(json.dumps(run) + "\n")
+    server.stdin.close()
+    server.wait()
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--out", default="target/gp_minimize.jsonl")
     parser.add_argument("--seeds", type=int, default=40)
     parser.add_argument("--chunk", type=int, default=20, help="seeds of every problem before the next chunk")
     parser.add_argument("--problems", nargs="*", default=list(PROBLEMS))
+    parser.add_argument("--encounters", metavar="PROGRAM", help="search simulated encounters instead")
+    parser.add_argument("--repetitions", type=int, default=2, help="searches of each person, with --encounters")
     arguments = parser.parse_args()
     warnings.filterwarnings("ignore")
+    if arguments.encounters:
+        encounters(arguments.encounters, arguments.repetitions, arguments.out)
+        return
 
     done = set()
     if os.path.exists(arguments.out):
