@@ -80,7 +80,7 @@ fn main() {
         tune.budget.evaluations = evaluations;
         match Block::Tune(&tune).run(&laboratory, &results, &Silent).expect("the tune runs") {
             BlockResult::Tune(result) => result.evaluations,
-            BlockResult::Search(_) => unreachable!("a tune gives a tune's result"),
+            _ => unreachable!("a tune gives a tune's result"),
         }
     };
     let budget = suite.tunes[0].budget.evaluations;

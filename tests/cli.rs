@@ -161,7 +161,10 @@ fn help_tells_of_commands_and_of_the_filter_language() {
     if std::env::var_os("UPDATE_DOCS").is_some() {
         std::fs::write("docs/filter.md", stdout(&filter)).unwrap();
     } else {
-        assert!(page == stdout(&filter), "docs/filter.md is out of date; run the tests once with UPDATE_DOCS=1");
+        assert!(
+            page == stdout(&filter),
+            "docs/filter.md is out of date; run the tests once with UPDATE_DOCS=1"
+        );
     }
     let list = scenario_runner(&["help", "list"]);
     assert!(code(&list) == 0 && stdout(&list).contains("--tags"), "{}", stdout(&list));

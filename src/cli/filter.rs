@@ -3,6 +3,7 @@
 use clap::Args;
 
 use super::Exit;
+use crate::corpus::Recorded;
 use crate::experiment::{Block, Need};
 use crate::lang::filter::{Filters, SCENARIO, Subject};
 use crate::lang::{self, Style};
@@ -56,6 +57,23 @@ pub fn trial<'a>(suite: &'a str, file: &'a str, trial: &'a Trial) -> Subject<'a>
             .collect(),
         files: vec![&trial.origin.file, file],
         variation: case.map_or(&[], |case| &case.variation),
+    }
+}
+
+/// What a filter may ask about a run that failed before: what it may ask about its scenario.
+pub fn recorded<'a>(suite: &'a Suite, file: &'a str, recorded: &'a Recorded) -> Subject<'a> {
+    let scenario = suite.scenarios.iter().find(|scenario| scenario.name == recorded.scenario);
+    let walkers = scenario.iter().flat_map(|scenario| &scenario.pedestrians);
+    let cars = scenario.iter().flat_map(|scenario| &scenario.vehicles);
+    Subject {
+        suite: &suite.name,
+        kind: SCENARIO,
+        name: &recorded.scenario,
+        tags: scenario.map_or(&[], |scenario| &scenario.tags),
+        models: walkers.map(|walker| walker.model.name.as_str()).collect(),
+        controllers: cars.map(|car| car.controller.name.as_str()).collect(),
+        files: scenario.map(|scenario| scenario.origin.file.as_str()).into_iter().chain([file]).collect(),
+        variation: &recorded.variation,
     }
 }
 

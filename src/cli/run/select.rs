@@ -39,6 +39,7 @@ pub fn subjects<'a>(suites: &'a [Prepared], units: &'a [Unit]) -> Vec<Subject<'a
         match &unit.work {
             Work::Trial(trial) => filter::trial(&suite.name, file, trial),
             Work::Block(block) => filter::block(suite, file, block),
+            Work::Recorded(recorded) => filter::recorded(suite, file, recorded),
         }
     };
     units.iter().map(subject).collect()
