@@ -188,7 +188,7 @@ mod tests {
     #[test]
     fn shades_what_is_likely_infeasible() {
         let beliefs: Vec<Belief> = (0..=10)
-            .map(|step| belief(f64::from(step), if step < 3 || step > 8 { 0.2 } else { 0.9 }))
+            .map(|step| belief(f64::from(step), if (3..=8).contains(&step) { 0.9 } else { 0.2 }))
             .collect();
         let chart = slice(Along::Numbers { low: 0.0, high: 10.0 }, beliefs);
         assert_eq!(chart.to_svg().matches("class=\"unlikely\"").count(), 2);
