@@ -167,6 +167,6 @@ mod tests {
             assert!(value["duration_ms"].is_number());
             blocks += 1;
         }
-        assert_eq!(blocks, 8);
+        assert_eq!(blocks, 10);
     }
 }
