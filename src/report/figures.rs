@@ -215,7 +215,7 @@ impl Data<'_> {
                 continue;
             }
             // A single strip stands beside those of the other scenarios.
-            if ran.len() == 1 && self.scenarios.len() > 1 {
+            if trials.len() == 1 && self.scenarios.len() > 1 {
                 continue;
             }
             let strip = |trial: &&TrialReport| {

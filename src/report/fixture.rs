@@ -203,6 +203,12 @@ fn blocks() -> (Search, Tune) {
     };
     let objective =
         |aggregate, text: &str| Objective { direction: Goal::Minimise, aggregate, text: text.into() };
+    let constraint = |name: &str, relation, bound: f64| Comparison {
+        metric: metric(name),
+        relation,
+        bound: bound.into(),
+        when_undefined: WhenUndefined::Fails,
+    };
     let budget = Budget {
         evaluations: 3,
         initial: 2,
@@ -241,7 +247,10 @@ fn blocks() -> (Search, Tune) {
         on: CaseSet::Search("low_pet".into()),
         over: vec![range(parameter, 4.0, 25.0, "m")],
         objectives: vec![objective(Aggregate::Mean(metric("time_lost")), "minimise mean(time_lost)")],
-        constraints: Vec::new(),
+        constraints: vec![
+            constraint("pet", Relation::GreaterOrEqual, 1.0),
+            constraint("collision", Relation::Equal, 0.0),
+        ],
         budget,
         fresh: 0,
         early_stop: true,

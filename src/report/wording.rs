@@ -49,7 +49,7 @@ pub fn margin(finding: &Finding) -> Option<String> {
     Some(format!("{}{size}", if margin < 0.0 { "-" } else { "+" }))
 }
 
-/// A comparison with a constant bound: `pet < 1.5 s`, `no collision`, `passed_first = vehicle`.
+/// A comparison with a constant bound: `pet < 1.5 s`, `no collision`, `passed_first = pedestrian`.
 pub fn comparison_text(comparison: &Comparison) -> String {
     let (label, bound) = (comparison.metric.label(), comparison.constant_bound());
     let metric = metrics::metric(&comparison.metric.name);
@@ -125,6 +125,6 @@ mod tests {
         assert_eq!(text("pet", Relation::Less, 1.5), "pet < 1.5 s");
         assert_eq!(text("collision", Relation::Equal, 0.0), "no collision");
         assert_eq!(text("collision", Relation::NotEqual, 0.0), "collision");
-        assert_eq!(text("passed_first", Relation::Equal, 1.0), "passed_first = vehicle");
+        assert_eq!(text("passed_first", Relation::Equal, 1.0), "passed_first = pedestrian");
     }
 }

@@ -58,8 +58,13 @@ pub fn to_html(reports: &[SuiteReport], requests: &Requests, recordings: &[(Chos
 
 #[cfg(test)]
 mod tests {
+    use std::time::Duration;
+
     use super::*;
-    use crate::report::fixture::Session;
+    use crate::experiment::{Block, BlockResult, Conclusion};
+    use crate::report::fixture::{self, Session};
+    use crate::report::{BlockReport, BlockState};
+    use crate::scenario::{CaseSet, Condition, Evaluate, Origin, ParameterSet, Standing, Statement};
 
     fn page() -> String {
         let session = Session::new();
@@ -92,6 +97,139 @@ mod tests {
         insta::assert_snapshot!(skeleton(&page()));
     }
 
+    /// A page whose suite also has an evaluation and statements of every kind.
+    fn page_of_a_paper() -> String {
+        let session = Session::new();
+        let mut report = session.report();
+        let (evaluate, statement) = (an_evaluate(), a_statement());
+        let differs = Standing::Differs("the car is <heavier>".into());
+        let unknown = Conclusion::NotComparable("nobody was run".into());
+        let results = [
+            BlockResult::Evaluate(fixture::evaluation()),
+            BlockResult::Statement(fixture::statement(Standing::Reproduced, Conclusion::Reproduced)),
+            BlockResult::Statement(fixture::statement(differs.clone(), Conclusion::NotReproduced)),
+            BlockResult::Statement(fixture::statement(differs, Conclusion::Reproduced)),
+            BlockResult::Statement(fixture::statement(
+                Standing::NotComparable("no renderer".into()),
+                unknown,
+            )),
+        ];
+        for (index, result) in results.into_iter().enumerate() {
+            let block = match &result {
+                BlockResult::Evaluate(_) => Block::Evaluate(&evaluate),
+                _ => Block::Statement(&statement),
+            };
+            let (key, state) = (format!("zebra/{index}"), BlockState::Finished(Box::new(result)));
+            report.blocks.push(BlockReport { block, key, state, wall_time: Duration::ZERO });
+        }
+        to_html(&[report], &session.requests, &[])
+    }
+
+    fn an_evaluate() -> Evaluate {
+        let condition =
+            |name: &str, parameters| Condition { name: name.into(), parameters, origin: Origin::default() };
+        Evaluate {
+            name: "final".into(),
+            doc: Some("Parameters on the same cases.".into()),
+            on: CaseSet::Bests("low_pet".into()),
+            conditions: vec![
+                condition("default", ParameterSet::Declared),
+                condition("tuned", ParameterSet::Tuned("braking_distance".into())),
+            ],
+            fresh: 0,
+            measures: Vec::new(),
+            source: None,
+            reported: Vec::new(),
+            origin: Origin::default(),
+        }
+    }
+
+    fn a_statement() -> Statement {
+        Statement {
+            name: "gaps_rise".into(),
+            doc: None,
+            source: None,
+            reported: None,
+            claims: Vec::new(),
+            standing: Standing::Reproduced,
+            origin: Origin::default(),
+        }
+    }
+
+    /// The part of a page from one text to another.
+    fn part<'a>(page: &'a str, from: &str, to: &str) -> &'a str {
+        let start = page.find(from).unwrap_or_else(|| panic!("no {from}"));
+        let length = page[start..].find(to).unwrap_or_else(|| panic!("no {to} after {from}"));
+        &page[start..start + length]
+    }
+
+    #[test]
+    fn statements_stand_beside_their_source() {
+        let page = page_of_a_paper();
+        insta::assert_snapshot!(part(&page, "<h3>Statements</h3>", "</article>"));
+    }
+
+    #[test]
+    fn ours_stands_beside_what_is_reported() {
+        let page = skeleton(&page_of_a_paper());
+        insta::assert_snapshot!(part(&page, "<table class=\"conditions\">", "</article>"));
+    }
+
+    /// Every element that is opened is closed, in order.
+    #[test]
+    fn pages_are_well_formed() {
+        const VOID: [&str; 4] = ["meta", "input", "br", "!DOCTYPE"];
+        for page in [page(), page_of_a_paper()] {
+            let mut open: Vec<&str> = Vec::new();
+            let mut rest = page.as_str();
+            while let Some(start) = rest.find('<') {
+                let end = start + rest[start..].find('>').expect("every tag ends");
+                let tag = &rest[start + 1..end];
+                rest = &rest[end + 1..];
+                let name = tag.trim_start_matches('/').split([' ', '/', '\n']).next().unwrap_or_default();
+                if let Some(closed) = tag.strip_prefix('/') {
+                    assert_eq!(open.pop(), Some(closed), "before {}", &rest[..rest.len().min(80)]);
+                } else if !tag.ends_with('/') && !VOID.contains(&name) {
+                    open.push(name);
+                }
+                // Scripts and styles are not markup.
+                if ["script", "style"].contains(&name) && !tag.starts_with('/') {
+                    rest = &rest[rest.find(&format!("</{name}")).expect("it is closed")..];
+                }
+            }
+            assert!(open.is_empty(), "{open:?} are not closed");
+        }
+    }
+
+    #[test]
+    fn the_same_report_gives_the_same_bytes() {
+        assert!(page() == page());
+        assert!(page_of_a_paper() == page_of_a_paper());
+    }
+
+    #[test]
+    fn a_thousand_individuals_fit() {
+        let session = Session::new();
+        let mut report = session.report();
+        let BlockState::Finished(result) = &mut report.blocks[0].state else { panic!("it is finished") };
+        let BlockResult::Search(search) = result.as_mut() else { panic!("it is a search") };
+        let mut template = search.found[0].clone();
+        template.evaluations = (0..60)
+            .map(|step| {
+                let tta = 6.0 + 0.2 * f64::from(step);
+                (vec![crate::optimise::Value::Real(tta)], Some((tta * 7.0).sin() + tta / 4.0))
+            })
+            .collect();
+        search.found = vec![template; 1000];
+        for (index, found) in search.found.iter_mut().enumerate() {
+            found.individuals[0].number = index as u32 + 1;
+        }
+        let page = to_html(&[report], &session.requests, &[]);
+        assert!(page.len() < 2_000_000, "{} bytes", page.len());
+        assert!(page.contains("880 more individuals are not drawn"));
+        assert_eq!(part(&page, "<table class=\"sortable found\">", "</table>").matches("<tr").count(), 1001);
+    }
+
     #[test]
     fn needs_nothing_from_elsewhere_and_escapes_names() {
         let page = page();
@@ -105,6 +243,9 @@ mod tests {
     fn charts_are_drawn_for_every_kind_of_figure() {
         let page = page();
         for title in [
+            "Convergence",
+            "Surrogates",
+            "Margins of the constraints",
             "Rates against tta",
             "pet per scenario and variation",
             "pet against tta",
