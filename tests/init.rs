@@ -51,7 +51,7 @@ fn the_starter_project_passes_in_an_empty_folder() {
 
     let ran = run(folder.path(), &["suites/every_change.suite", "--no-progress"]);
     assert_eq!(code(&ran), 0, "{}", text(&ran));
-    assert!(text(&ran).contains("10 passed; 0 failed"), "{}", text(&ran));
+    assert!(text(&ran).contains("10 trials, 67 runs: 10 passed"), "{}", text(&ran));
 
     let all = [&SCENARIOS[..], &SUITES[..]].concat();
     let checked = run(folder.path(), &[&["check"], all.as_slice()].concat());

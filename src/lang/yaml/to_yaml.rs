@@ -9,6 +9,10 @@ use crate::lang::value::unquote;
 pub fn to_yaml(tree: &Tree) -> String {
     let mut out = String::new();
     block(tree.root(), Rule::file, 0, &mut out);
+    if out.is_empty() {
+        // A file that says nothing is still a file, and no text at all is no YAML mapping.
+        out.push_str("{}\n");
+    }
     out
 }
 
