@@ -1,13 +1,13 @@
 //! Sampled variations: points of a design, through the quantile functions of the declared distributions.
 
-use std::collections::HashSet;
+use std::collections::HashMap;
 
 use crate::scenario::{Assignment, Distribution, Samples, SamplingScheme, Value, significant};
 use crate::sim::random::{Stream, normal_quantile};
 
 /// One row per sample, one assignment per name.
 pub fn draw(seed: u64, names: &[String], samples: &Samples) -> Vec<Vec<Assignment>> {
-    let mut labels = HashSet::new();
+    let mut drawn: HashMap<Vec<String>, usize> = HashMap::new();
     design(samples.scheme, samples.count as usize, names.len(), seed)
         .into_iter()
         .map(|point| {
@@ -19,11 +19,10 @@ pub fn draw(seed: u64, names: &[String], samples: &Samples) -> Vec<Vec<Assignmen
                 })
                 .collect();
             // Two draws that round to the same words still need names of their own.
-            let plain = row[0].label.clone();
-            let mut copy = 2;
-            while !labels.insert(row.iter().map(|a| a.label.clone()).collect::<Vec<_>>()) {
-                row[0].label = format!("{plain}#{copy}");
-                copy += 1;
+            let copies = drawn.entry(row.iter().map(|one| one.label.clone()).collect()).or_default();
+            *copies += 1;
+            if *copies > 1 {
+                row[0].label += &format!("#{copies}");
             }
             row
         })

@@ -17,7 +17,7 @@
   // A click on a heading sorts by that column, another one the other way round. What has no number comes last.
   const key = (row, column) => {
     const text = row.cells[column].textContent.trim(), number = parseFloat(text.replace("–", ""));
-    return Number.isNaN(number) ? { text } : { number };
+    return Number.isFinite(number) ? { number } : { text };
   };
   const order = (one, other) => {
     if ("number" in one && "number" in other) return one.number - other.number;
