@@ -256,12 +256,12 @@ fn nothing_selected_is_an_error_unless_told_otherwise() {
 #[test]
 fn what_failed_is_kept_in_a_file_and_run_first_from_then_on() {
     let place = Place::new("");
-    let scenario = |stop_for: &str| {
+    let scenario = |stop_for: &str, pet: &str| {
         let text = fs::read_to_string(shipped("unsafe/stands_in_lane")).unwrap();
         let text = text.replace("../roads", &shipped("roads").replace(".scn", ""));
-        place.write("stands.scn", &text.replace("stop_for: 10 s", stop_for));
+        place.write("stands.scn", &text.replace("stop_for: 10 s", stop_for).replace("pet >= 1.5 s", pet));
     };
-    scenario("stop_for: 10 s");
+    scenario("stop_for: 10 s", "pet >= 1.5 s");
     place.write("bad.suite", "suite bad { scenarios \"stands.scn\" }");
     let run = |arguments: &[&str]| place.run(&[&["bad.suite", "-j", "1"], arguments].concat());
 
@@ -288,7 +288,7 @@ fn what_failed_is_kept_in_a_file_and_run_first_from_then_on() {
     assert!(stdout(&replayed).contains(said), "{}", stdout(&replayed));
 
     // Once the cause is gone they are named, and taken out when that is wished.
-    scenario("stop_for: 0 s");
+    scenario("stop_for: 0 s", "pet >= 1 s");
     let fixed = run(&["recorded="]);
     assert_eq!(code(&fixed), 0, "{}", stdout(&fixed));
     let line =

@@ -46,7 +46,7 @@ fn what_its_runs_can_never_show_is_refused_before_anything_runs() {
             "{}",
             stderr(&output)
         );
-        assert!(stderr(&output).contains("walk.scn:5:24"), "{}", stderr(&output));
+        assert!(stderr(&output).contains("walk.scn:5:23"), "{}", stderr(&output));
         assert!(output.stdout.is_empty());
     }
 }

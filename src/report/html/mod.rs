@@ -254,6 +254,6 @@ mod tests {
         ] {
             assert!(page.contains(&format!("<b>{title}</b>")), "no figure `{title}`");
         }
-        assert!(!page.contains("NaN") && !page.contains(">inf"));
+        assert!(!page.contains("NaN") && !page.contains(">inf<"));
     }
 }
