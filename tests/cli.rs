@@ -7,9 +7,13 @@ use serde_json::Value;
 
 /// Runs the program in the repository's root.
 fn scenario_runner(arguments: &[&str]) -> Output {
+    scenario_runner_in(Path::new(env!("CARGO_MANIFEST_DIR")), arguments)
+}
+
+fn scenario_runner_in(folder: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_scenario-runner"))
         .args(arguments)
-        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .current_dir(folder)
         .env("NO_COLOR", "1")
         .output()
         .expect("the binary runs")
@@ -100,9 +104,34 @@ fn every_failing_run_is_replayed_bit_for_bit() {
 
 #[test]
 fn a_replay_tells_what_happened() {
-    let output = scenario_runner(&["replay", "zebra_unsafe/stands_in_lane/tta=6s/rep=1"]);
+    // In a folder of its own: what it says depends on whether the suite was run there before.
+    let folder = tempfile::tempdir().unwrap();
+    for part in ["suites", "scenarios"] {
+        copy(&Path::new(env!("CARGO_MANIFEST_DIR")).join(part), &folder.path().join(part));
+    }
+    let replay =
+        || scenario_runner_in(folder.path(), &["replay", "zebra_unsafe/stands_in_lane/tta=6s/rep=1"]);
+    let output = replay();
     assert_eq!(code(&output), 0);
     insta::assert_snapshot!(stdout(&output));
+
+    scenario_runner_in(folder.path(), &["suites/zebra_unsafe.suite"]);
+    let output = stdout(&replay());
+    let last = output.lines().last();
+    assert_eq!(last, Some("  the same run, bit for bit, as when its suite was last run"));
+}
+
+/// Copies a folder with all that is in it.
+fn copy(from: &Path, to: &Path) {
+    std::fs::create_dir_all(to).unwrap();
+    for entry in std::fs::read_dir(from).unwrap().map(Result::unwrap) {
+        let to = to.join(entry.file_name());
+        if entry.path().is_dir() {
+            copy(&entry.path(), &to)
+        } else {
+            drop(std::fs::copy(entry.path(), to).unwrap())
+        }
+    }
 }
 
 #[test]
