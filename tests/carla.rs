@@ -68,7 +68,7 @@ fn encounter(tta: f64, car: &str, agent: &[(&str, Value)], walker: &[(&str, Valu
         individuals: Vec::new(),
         repetition: 1,
         seed: 1,
-        world,
+        world: world.into(),
     };
     run_case(&case, &Requests::defaults(), &FreeFlows::default(), &mut Unwatched).unwrap()
 }

@@ -3,6 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use proptest::prelude::*;
+use serde_json::{Value, json};
+
 /// Runs the program in a folder.
 fn scenario_runner(folder: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_scenario-runner"))
@@ -19,11 +22,16 @@ fn stderr(output: &Output) -> String {
 
 /// A street, a car and someone who crosses it, with what a test adds to the scenario.
 fn walk(folder: &Path, more: &str) -> PathBuf {
+    walk_at(folder, "6 s", more)
+}
+
+/// As [`walk`], with the arrival time of the car when the pedestrian appears.
+fn walk_at(folder: &Path, arrival: &str, more: &str) -> PathBuf {
     let text = format!(
         "scenario walk {{
   road {{ lane_width 4 m; speed_limit 30 km/h; crossing zebra }}
   vehicle av {{ controller carla_behavior; speed 30 km/h }}
-  pedestrian walker {{ model carla_walker; start 2 m from kerb; appears when time_to_arrival(av) = 6 s }}
+  pedestrian walker {{ model carla_walker; start 2 m from kerb; appears when time_to_arrival(av) = {arrival} }}
   {more}
 }}
 "
@@ -49,4 +57,119 @@ fn what_its_runs_can_never_show_is_refused_before_anything_runs() {
         assert!(stderr(&output).contains("walk.scn:5:23"), "{}", stderr(&output));
         assert!(output.stdout.is_empty());
     }
+}
+
+fn stdout(output: &Output) -> String {
+    String::from_utf8(output.stdout.clone()).expect("output is UTF-8")
+}
+
+/// The results of a run as JSON, without times.
+fn results(folder: &Path, arguments: &[&str]) -> Value {
+    fn forget_times(value: &mut Value) {
+        match value {
+            Value::Object(fields) => {
+                fields.remove("wall_time_s");
+                fields.values_mut().for_each(forget_times);
+            }
+            Value::Array(items) => items.iter_mut().for_each(forget_times),
+            _ => {}
+        }
+    }
+    let path = folder.join("results.json");
+    scenario_runner(folder, &[&["walk.scn", "--json", "results.json"], arguments].concat());
+    let mut value = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
+    forget_times(&mut value);
+    value
+}
+
+#[test]
+fn runs_are_added_until_the_criteria_are_decided() {
+    let folder = tempfile::tempdir().unwrap();
+    walk(
+        folder.path(),
+        "runs 20 .. 300; expect { pet >= 0.1 s in 90 % of runs with 95 % confidence; no collision }",
+    );
+    let output = scenario_runner(folder.path(), &["walk.scn"]);
+    assert_eq!(output.status.code(), Some(0), "{}{}", stdout(&output), stderr(&output));
+    // 43 runs that all hold show 90 %.
+    assert!(
+        stdout(&output).contains("walk/walk (decided after 43 of at most 300 runs)"),
+        "{}",
+        stdout(&output)
+    );
+    let one = results(folder.path(), &["--test-threads", "1"]);
+    assert_eq!(one, results(folder.path(), &["--test-threads", "7"]));
+    let trial = &one["suites"][0]["trials"][0];
+    assert_eq!(trial["runs"].as_array().unwrap().len(), 43);
+    assert_eq!(trial["stopping"], json!({ "least": 20, "most": 300, "runs": 43, "reason": "decided" }));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 10, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Several trials that end at different times, with as many threads as there may be.
+    #[test]
+    fn threads_do_not_matter(
+        seed in any::<u32>(),
+        least in 1_u32..60,
+        more in 0_u32..120,
+        share in 50_u32..90,
+        bound in 0.5_f64..4.0,
+    ) {
+        let folder = tempfile::tempdir().unwrap();
+        walk_at(
+            folder.path(),
+            "tta",
+            &format!(
+                "vary tta in [5 s, 6 s, 7 s]
+  runs {least} .. {}
+  expect {{
+    pet >= {bound} s in {share} % of runs with 90 % confidence
+    median(time_lost) <= {bound} s with 90 % confidence
+    rate(max_deceleration > 2.5 m/s^2) < {share} % with 90 % confidence
+  }}",
+                least + 40 + more
+            ),
+        );
+        let seed = seed.to_string();
+        let with = |threads| results(folder.path(), &["--seed", &seed, "--test-threads", threads]);
+        let one = with("1");
+        for trial in one["suites"][0]["trials"].as_array().unwrap() {
+            prop_assert!(trial["stopping"]["runs"].as_u64() >= Some(u64::from(least)), "{trial}");
+        }
+        prop_assert_eq!(&one, &with("2"));
+        prop_assert_eq!(&one, &with("5"));
+    }
+}
+
+#[test]
+fn what_a_budget_cannot_decide_is_inconclusive() {
+    let folder = tempfile::tempdir().unwrap();
+    // Some walkers run and make the car brake: as seldom as is allowed, more or less.
+    walk(
+        folder.path(),
+        "runs 50 .. 60; expect { rate(max_deceleration > 1 m/s^2) <= 10 % with 95 % confidence }",
+    );
+    let output = scenario_runner(folder.path(), &["walk.scn"]);
+    assert_eq!(output.status.code(), Some(102), "{}{}", stdout(&output), stderr(&output));
+    assert!(stdout(&output).contains("not decided by all 60 runs"), "{}", stdout(&output));
+}
+
+#[test]
+fn worst_runs_name_the_critical_instant_and_who() {
+    let folder = tempfile::tempdir().unwrap();
+    walk(folder.path(), "repeat 20; expect { max_deceleration <= 0 m/s^2; pet >= 100 s }");
+    let output = scenario_runner(folder.path(), &["walk.scn"]);
+    assert_eq!(output.status.code(), Some(100));
+    let worst = |criterion: usize| {
+        results(folder.path(), &[])["suites"][0]["trials"][0]["findings"][criterion]["worst"][0].clone()
+    };
+    let (braking, passing) = (worst(0), worst(1));
+    assert_eq!(
+        (&braking["critical"]["vehicle"], &braking["critical"]["pedestrian"]),
+        (&json!("av"), &Value::Null)
+    );
+    assert_eq!(passing["critical"]["pedestrian"], json!("walker"));
+    let at = format!("at {:.2} s, av and walker", passing["critical"]["time"].as_f64().unwrap());
+    assert!(stdout(&output).contains(&at), "{at}: {}", stdout(&output));
 }

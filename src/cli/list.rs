@@ -65,12 +65,13 @@ pub fn list(arguments: &ListArguments) -> Exit {
             let selected = |trial: &&Trial| {
                 trial.scenario == scenario.name && filters.matches(&filter::trial(&suite.name, file, trial))
             };
-            let runs: Vec<usize> =
-                plan.trials.iter().filter(selected).map(|trial| trial.cases.len()).collect();
-            if !runs.is_empty() {
+            let trials: Vec<&Trial> = plan.trials.iter().filter(selected).collect();
+            if !trials.is_empty() {
+                let runs = trials.iter().map(|trial| trial.cases.len()).sum();
+                let at_most = if scenario.runs.is_some() { "at most " } else { "" };
                 lines.push(Line {
                     name: format!("{}/{}", suite.name, scenario.name),
-                    counts: format!("{}, {}", count(runs.len(), "trial"), count(runs.iter().sum(), "run")),
+                    counts: format!("{}, {at_most}{}", count(trials.len(), "trial"), count(runs, "run")),
                     tags: scenario.tags.clone(),
                     doc: scenario.doc.clone(),
                 });

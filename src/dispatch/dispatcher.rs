@@ -90,9 +90,10 @@ fn outline(units: &[Unit], chosen: &[bool]) -> Outline {
     for (unit, _) in units.iter().zip(chosen).filter(|(_, chosen)| **chosen) {
         match unit.work {
             Work::Recorded(_) => outline.recorded += 1,
-            Work::Trial(_) => {
+            Work::Trial(trial) => {
                 outline.trials += 1;
                 outline.runs += unit.runs();
+                outline.certain_runs += trial.certain_cases().len();
             }
             Work::Block(_) => outline.blocks += 1,
         }

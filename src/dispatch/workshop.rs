@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use super::unit::{Prepared, Unit, Work};
 use crate::corpus::{Recorded, case_hash};
 use crate::experiment::{Block, ExperimentError, Laboratory, Progress, Results};
-use crate::judge::{PerRun, Verdict, judge, per_run};
+use crate::judge::{self, PerRun, Verdict, judge, per_run};
 use crate::plan::Trial;
 use crate::report::{
     BlockReport, BlockState, RecordedReport, RecordedState, Rerun, Skip, SuiteIdentity, TrialReport,
@@ -86,10 +86,12 @@ impl<'a> Workshop<'a> {
             done();
             Ok(outcome)
         };
-        let outcomes = catching(|| run_trial(trial, limit, &self.stop, run));
+        let mut watch = judge::Watch::new(trial, &self.requests);
+        let enough = |outcomes: &[Outcome]| watch.enough(outcomes).is_some();
+        let outcomes = catching(|| run_trial(trial, limit, &self.stop, enough, run));
         let (outcomes, state) = match outcomes {
             Ok(Ok(outcomes)) => {
-                let judged = judge(&trial.criteria, &outcomes, &self.requests);
+                let judged = watch.verdict(&outcomes);
                 (outcomes, TrialState::Judged(judged))
             }
             Ok(Err(error @ TrialError::Stopped { .. })) => {

@@ -73,7 +73,10 @@ impl Laboratory<'_> {
     /// Every case of a scenario as the suite plans it.
     pub(super) fn cases_of(&self, scenario: &str) -> Result<Vec<SavedCase>, ExperimentError> {
         let trials = plan::plan_scenario(self.suite, self.scenario(scenario)?)?;
-        let cases = trials.into_iter().flat_map(|trial| trial.cases);
+        let cases = trials.into_iter().flat_map(|mut trial| {
+            trial.cases.truncate(trial.certain_cases().len());
+            trial.cases
+        });
         let saved = cases.map(|case| SavedCase {
             key: case.key,
             scenario: case.scenario,

@@ -76,6 +76,7 @@ fn scenario() -> Scenario {
             rows: vec![vec![label(6.0)], vec![label(9.0)]],
         }],
         repeat: 2,
+        runs: None,
         criteria: Vec::new(),
         step: 0.025,
         horizon: 60.0,

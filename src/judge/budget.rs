@@ -2,8 +2,8 @@
 
 use std::collections::HashSet;
 
-use super::confidence::{self, share_interval};
-use super::statistics;
+use super::confidence::{self, Bounds};
+use super::statistics::{self, ConfidenceSequence};
 use super::verdict::Verdict;
 use crate::lang::{Code, Diagnostic, Sources, Span};
 use crate::plan::{self, Outline};
@@ -11,7 +11,7 @@ use crate::scenario::{Aggregate, Claim, Criterion, Origin, Relation, Scenario, S
 
 /// What it takes for a claim to pass.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Needed {
+enum Needed {
     /// At least so many runs.
     Runs(u64),
     /// No number of runs would do.
@@ -22,17 +22,17 @@ pub enum Needed {
 /// without confidence, and for spreads, whose intervals know no such number.
 ///
 /// It asks the same bounds as the verdict does, so that both always agree.
-pub fn runs_needed(claim: &Claim) -> Option<Needed> {
+fn runs_needed(claim: &Claim, bounds: Bounds) -> Option<Needed> {
     let needed = match claim {
         Claim::Runs { share, confidence, .. } => {
-            share_needs(Relation::GreaterOrEqual, (*share)?, (*confidence)?)
+            share_needs(Relation::GreaterOrEqual, (*share)?, (*confidence)?, bounds)
         }
         Claim::Aggregate { aggregate, relation, bound, confidence, .. } => {
             let confidence = (*confidence)?;
             match aggregate {
-                Aggregate::Rate(_) => share_needs(*relation, constant(bound), confidence),
-                Aggregate::Median(_) => quantile_needs(*relation, 0.5, confidence),
-                Aggregate::Quantile(level, _) => quantile_needs(*relation, *level, confidence),
+                Aggregate::Rate(_) => share_needs(*relation, constant(bound), confidence, bounds),
+                Aggregate::Median(_) => quantile_needs(*relation, 0.5, confidence, bounds),
+                Aggregate::Quantile(level, _) => quantile_needs(*relation, *level, confidence, bounds),
                 // One value has no spread, and with it no interval of its mean.
                 Aggregate::Mean(_) => Some(2),
                 Aggregate::Std(_) => return None,
@@ -44,7 +44,7 @@ pub fn runs_needed(claim: &Claim) -> Option<Needed> {
 }
 
 /// The fewest runs after which the best that can happen shows the share.
-fn share_needs(relation: Relation, bound: f64, confidence: f64) -> Option<u64> {
+fn share_needs(relation: Relation, bound: f64, confidence: f64, bounds: Bounds) -> Option<u64> {
     let all_hold = match relation {
         Relation::Greater | Relation::GreaterOrEqual => true,
         Relation::Less | Relation::LessOrEqual => false,
@@ -52,20 +52,28 @@ fn share_needs(relation: Relation, bound: f64, confidence: f64) -> Option<u64> {
     };
     let passes = |runs: u64| {
         let holding = if all_hold { runs as usize } else { 0 };
-        let interval = share_interval(holding, runs as usize, confidence);
+        let interval = bounds.of_share(holding, runs as usize, confidence);
         confidence::decide(relation, interval, bound) == Verdict::Passed
     };
-    let near = statistics::runs_needed(if all_hold { bound } else { 1.0 - bound }, confidence)?;
+    let near = all_alike_need(if all_hold { bound } else { 1.0 - bound }, confidence, bounds)?;
     // A strict relation, or rounding, may take one run more than the formula.
     (near.saturating_sub(1).max(1)..=near + 1).find(|runs| passes(*runs))
 }
 
 /// The fewest values of which the extreme one bounds the quantile.
-fn quantile_needs(relation: Relation, level: f64, confidence: f64) -> Option<u64> {
+fn quantile_needs(relation: Relation, level: f64, confidence: f64, bounds: Bounds) -> Option<u64> {
     match relation {
-        Relation::Less | Relation::LessOrEqual => statistics::runs_needed(level, confidence),
-        Relation::Greater | Relation::GreaterOrEqual => statistics::runs_needed(1.0 - level, confidence),
+        Relation::Less | Relation::LessOrEqual => all_alike_need(level, confidence, bounds),
+        Relation::Greater | Relation::GreaterOrEqual => all_alike_need(1.0 - level, confidence, bounds),
         Relation::Equal | Relation::NotEqual => None,
+    }
+}
+
+/// The fewest runs that show at least `share` if all of them hold.
+fn all_alike_need(share: f64, confidence: f64, bounds: Bounds) -> Option<u64> {
+    match bounds {
+        Bounds::Fixed => statistics::runs_needed(share, confidence),
+        Bounds::Sequential => ConfidenceSequence { confidence }.runs_needed(share),
     }
 }
 
@@ -77,7 +85,7 @@ pub fn examine_criteria(suite: &Suite, sources: &Sources) -> Vec<Diagnostic> {
     let outlines: Vec<(&Scenario, Vec<Outline>)> = suite
         .scenarios
         .iter()
-        .filter(|scenario| scenario.criteria.iter().any(depends_on_trials))
+        .filter(|scenario| scenario.runs.is_some() || scenario.criteria.iter().any(depends_on_trials))
         .filter_map(|scenario| Some((scenario, plan::outline(suite, scenario).ok()?)))
         .collect();
     for (scenario, trials) in &outlines {
@@ -85,7 +93,8 @@ pub fn examine_criteria(suite: &Suite, sources: &Sources) -> Vec<Diagnostic> {
         for trial in trials {
             for criterion in &trial.criteria {
                 applying.insert(&criterion.origin);
-                let Some(needed) = runs_needed(&criterion.claim) else { continue };
+                let bounds = if trial.rounds.is_some() { Bounds::Sequential } else { Bounds::Fixed };
+                let Some(needed) = runs_needed(&criterion.claim, bounds) else { continue };
                 if matches!(needed, Needed::Runs(needed) if needed <= trial.runs as u64) {
                     continue;
                 }
@@ -102,15 +111,37 @@ pub fn examine_criteria(suite: &Suite, sources: &Sources) -> Vec<Diagnostic> {
             found.push(never_passes(scenario, criterion, needed, &short, trials.len(), sources));
         }
     }
+    for (scenario, trials) in &outlines {
+        let decides = |criterion: &Criterion| confidence_of(&criterion.claim).is_some();
+        if let Some(budget) = &scenario.runs
+            && !trials.iter().flat_map(|trial| &trial.criteria).any(decides)
+        {
+            let message = format!(
+                "no criterion of scenario `{}` has a confidence, so there are always {} runs",
+                scenario.name,
+                trials.first().and_then(|trial| trial.rounds).map_or(0, |rounds| rounds.least),
+            );
+            found.push(
+                at(Code::NothingToDecide, &budget.origin, message, sources)
+                    .label("nothing to decide")
+                    .hint("say `repeat`, or give a criterion a confidence: `with 95 % confidence`"),
+            );
+        }
+    }
     let mut idle: HashSet<&Origin> = HashSet::new();
     for (scenario, _) in &outlines {
         for criterion in scenario.criteria.iter().filter(|criterion| !criterion.when.is_empty()) {
             if !applying.contains(&criterion.origin) && idle.insert(&criterion.origin) {
                 found.push(
-                    at(Code::NeverSampled, criterion, "this applies to none of the values drawn", sources)
-                        .label("never checked")
-                        .note(format!("with seed {}", suite.seed))
-                        .hint("draw more values, or let its `when` hold for more of them"),
+                    at(
+                        Code::NeverSampled,
+                        &criterion.origin,
+                        "this applies to none of the values drawn",
+                        sources,
+                    )
+                    .label("never checked")
+                    .note(format!("with seed {}", suite.seed))
+                    .hint("draw more values, or let its `when` hold for more of them"),
                 );
             }
         }
@@ -120,10 +151,13 @@ pub fn examine_criteria(suite: &Suite, sources: &Sources) -> Vec<Diagnostic> {
 
 /// Whether it takes the trials to know if a criterion can pass or applies.
 fn depends_on_trials(criterion: &Criterion) -> bool {
-    let confidence = match &criterion.claim {
-        Claim::Runs { confidence, .. } | Claim::Aggregate { confidence, .. } => confidence,
-    };
-    confidence.is_some() || !criterion.when.is_empty()
+    confidence_of(&criterion.claim).is_some() || !criterion.when.is_empty()
+}
+
+fn confidence_of(claim: &Claim) -> Option<f64> {
+    match claim {
+        Claim::Runs { confidence, .. } | Claim::Aggregate { confidence, .. } => *confidence,
+    }
 }
 
 fn never_passes(
@@ -139,20 +173,30 @@ fn never_passes(
     let counted = |count: u64| if count == 1 { "1 run".to_string() } else { format!("{count} runs") };
     let diagnostic = match needed {
         Needed::Runs(needed) => {
-            let people = (runs / scenario.repeat as usize).max(1) as u64;
-            let has = if runs == 1 { "1".to_string() } else { runs.to_string() };
+            let (has, enough) = match (&scenario.runs, short[0].rounds) {
+                (Some(budget), Some(rounds)) => {
+                    let most = needed.div_ceil(rounds.size as u64) * rounds.size as u64;
+                    (format!("at most {runs}"), format!("runs {} .. {most}", budget.least))
+                }
+                _ => {
+                    let people = (runs / scenario.repeat as usize).max(1) as u64;
+                    (runs.to_string(), format!("repeat {}", needed.div_ceil(people)))
+                }
+            };
             let message = format!("`{text}` needs at least {}; this trial has {has}", counted(needed));
-            at(Code::TooFewRuns, criterion, message, sources).label("can never pass").hint(format!(
-                "say `repeat {}` in scenario `{}`, or claim less, or at less confidence",
-                needed.div_ceil(people),
+            at(Code::TooFewRuns, &criterion.origin, message, sources).label("can never pass").hint(format!(
+                "say `{enough}` in scenario `{}`, or claim less, or at less confidence",
                 scenario.name
             ))
         }
-        Needed::More => {
-            at(Code::TooFewRuns, criterion, format!("`{text}` can pass with no number of runs"), sources)
-                .label("can never pass")
-                .hint("claim a little less, such as 99 % instead of 100 %, or leave out the confidence")
-        }
+        Needed::More => at(
+            Code::TooFewRuns,
+            &criterion.origin,
+            format!("`{text}` can pass with no number of runs"),
+            sources,
+        )
+        .label("can never pass")
+        .hint("claim a little less, such as 99 % instead of 100 %, or leave out the confidence"),
     };
     match short {
         [only] => diagnostic.note(format!("in {}", only.key)),
@@ -165,8 +209,8 @@ fn never_passes(
     }
 }
 
-fn at(code: Code, criterion: &Criterion, message: impl Into<String>, sources: &Sources) -> Diagnostic {
-    let span = sources.span(&criterion.origin).unwrap_or_else(|| {
+fn at(code: Code, origin: &Origin, message: impl Into<String>, sources: &Sources) -> Diagnostic {
+    let span = sources.span(origin).unwrap_or_else(|| {
         let (first, _) = sources.iter().next().expect("a suite was read from somewhere");
         Span::beginning(first)
     });
@@ -181,48 +225,64 @@ mod tests {
 
     const AT_LEAST: Relation = Relation::GreaterOrEqual;
 
+    fn share(relation: Relation, bound: f64, confidence: f64) -> Option<u64> {
+        share_needs(relation, bound, confidence, Bounds::Fixed)
+    }
+
+    fn quantile(relation: Relation, level: f64, confidence: f64) -> Option<u64> {
+        quantile_needs(relation, level, confidence, Bounds::Fixed)
+    }
+
+    #[test]
+    fn looking_again_and_again_takes_more_runs() {
+        let needs = |share| share_needs(AT_LEAST, share, 0.95, Bounds::Sequential);
+        assert_eq!((needs(0.95), needs(0.99), needs(0.999)), (Some(88), Some(449), Some(4512)));
+        assert_eq!(quantile_needs(Relation::LessOrEqual, 0.95, 0.95, Bounds::Sequential), Some(88));
+        assert_eq!(needs(1.0), None);
+    }
+
     #[test]
     fn the_known_numbers() {
-        assert_eq!(share_needs(AT_LEAST, 0.95, 0.95), Some(59));
-        assert_eq!(share_needs(AT_LEAST, 0.99, 0.95), Some(299));
-        assert_eq!(share_needs(AT_LEAST, 0.999, 0.95), Some(2995));
-        assert_eq!(share_needs(Relation::LessOrEqual, 0.01, 0.95), Some(299));
-        assert_eq!(share_needs(Relation::Less, 0.05, 0.99), Some(90));
-        assert_eq!(share_needs(AT_LEAST, 0.0, 0.95), Some(1));
-        assert_eq!(share_needs(Relation::LessOrEqual, 1.0, 0.95), Some(1));
+        assert_eq!(share(AT_LEAST, 0.95, 0.95), Some(59));
+        assert_eq!(share(AT_LEAST, 0.99, 0.95), Some(299));
+        assert_eq!(share(AT_LEAST, 0.999, 0.95), Some(2995));
+        assert_eq!(share(Relation::LessOrEqual, 0.01, 0.95), Some(299));
+        assert_eq!(share(Relation::Less, 0.05, 0.99), Some(90));
+        assert_eq!(share(AT_LEAST, 0.0, 0.95), Some(1));
+        assert_eq!(share(Relation::LessOrEqual, 1.0, 0.95), Some(1));
         // Two of two show half at exactly 75 %: not more than half.
-        assert_eq!(share_needs(Relation::Greater, 0.5, 0.75), Some(3));
+        assert_eq!(share(Relation::Greater, 0.5, 0.75), Some(3));
     }
 
     #[test]
     fn what_no_number_of_runs_shows() {
-        assert_eq!(share_needs(AT_LEAST, 1.0, 0.95), None);
-        assert_eq!(share_needs(Relation::LessOrEqual, 0.0, 0.95), None);
-        assert_eq!(share_needs(Relation::Less, 0.0, 0.95), None);
-        assert_eq!(share_needs(Relation::Greater, 1.0, 0.95), None);
-        assert_eq!(share_needs(Relation::Equal, 0.5, 0.95), None);
-        assert_eq!(quantile_needs(Relation::LessOrEqual, 1.0, 0.95), None);
-        assert_eq!(quantile_needs(AT_LEAST, 0.0, 0.95), None);
+        assert_eq!(share(AT_LEAST, 1.0, 0.95), None);
+        assert_eq!(share(Relation::LessOrEqual, 0.0, 0.95), None);
+        assert_eq!(share(Relation::Less, 0.0, 0.95), None);
+        assert_eq!(share(Relation::Greater, 1.0, 0.95), None);
+        assert_eq!(share(Relation::Equal, 0.5, 0.95), None);
+        assert_eq!(quantile(Relation::LessOrEqual, 1.0, 0.95), None);
+        assert_eq!(quantile(AT_LEAST, 0.0, 0.95), None);
     }
 
     #[test]
     fn fewer_runs_never_pass_and_so_many_can() {
         for confidence in [0.5, 0.8, 0.95, 0.99] {
-            for share in [0.05, 0.1, 0.5, 0.8, 0.9, 0.95, 0.99, 0.9975] {
-                let needed = share_needs(AT_LEAST, share, confidence).unwrap();
+            for least in [0.05, 0.1, 0.5, 0.8, 0.9, 0.95, 0.99, 0.9975] {
+                let needed = share(AT_LEAST, least, confidence).unwrap();
                 let verdict = |runs: u64, holding: u64| {
                     confidence::decide(
                         AT_LEAST,
-                        share_interval(holding as usize, runs as usize, confidence),
-                        share,
+                        Bounds::Fixed.of_share(holding as usize, runs as usize, confidence),
+                        least,
                     )
                 };
-                assert_eq!(verdict(needed, needed), Verdict::Passed, "{share} at {confidence}");
+                assert_eq!(verdict(needed, needed), Verdict::Passed, "{least} at {confidence}");
                 for runs in 1..needed {
-                    assert_ne!(verdict(runs, runs), Verdict::Passed, "{share} at {confidence}: {runs}");
+                    assert_ne!(verdict(runs, runs), Verdict::Passed, "{least} at {confidence}: {runs}");
                 }
                 // As another implementation has it: were the share just `share`, so many would hold this seldom.
-                let luck = |runs: u64| 1.0 - Binomial::new(share, runs).unwrap().cdf(runs - 1);
+                let luck = |runs: u64| 1.0 - Binomial::new(least, runs).unwrap().cdf(runs - 1);
                 assert!(luck(needed) <= (1.0 - confidence) * (1.0 + 1e-9));
                 assert!(needed == 1 || luck(needed - 1) > (1.0 - confidence) * (1.0 - 1e-9));
             }
@@ -239,7 +299,7 @@ mod tests {
                     if above { high.is_some() } else { low.is_some() }
                 };
                 for (relation, above) in [(Relation::LessOrEqual, true), (AT_LEAST, false)] {
-                    let needed = quantile_needs(relation, level, confidence).unwrap();
+                    let needed = quantile(relation, level, confidence).unwrap();
                     assert!(bounded(needed, above), "{level} at {confidence}: {needed}");
                     assert!(!bounded(needed - 1, above), "{level} at {confidence}: {needed}");
                 }

@@ -2,10 +2,12 @@
 
 use serde::Serialize;
 
+use super::confidence::{self, Bounds};
+use super::statistics;
+use super::stopping::Stopping;
 use super::verdict::Verdict;
-use super::{confidence, statistics};
 use crate::metrics;
-use crate::run::{Outcome, Requests};
+use crate::run::{Critical, Outcome, Requests};
 use crate::scenario::{
     Aggregate, Claim, Comparison, Criterion, MetricReference, Origin, Relation, WhenUndefined, constant,
 };
@@ -15,6 +17,9 @@ use crate::scenario::{
 pub struct TrialVerdict {
     pub verdict: Verdict,
     pub findings: Vec<Finding>,
+    /// Where runs were added until the criteria were decided: how many it took and why there were no more.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stopping: Option<Stopping>,
 }
 
 /// What a finding's `observed` and `bound` are.
@@ -40,6 +45,7 @@ pub struct Finding {
     /// The metric that the criterion is about.
     pub metric: String,
     pub measure: Measure,
+    /// Where runs are added, those after which the criterion was decided: the trial may have had more for others.
     pub runs: usize,
     /// Runs in which the comparison holds, or, for aggregates of values, in which the metric exists.
     pub holding: usize,
@@ -62,6 +68,9 @@ pub struct WorstRun {
     pub key: String,
     /// The metric's value; `None` where it does not exist.
     pub value: Option<f64>,
+    /// When and for whom it was that; `None` where nobody asked or there is nothing to say.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub critical: Option<Critical>,
 }
 
 /// How many runs a finding names.
@@ -69,15 +78,32 @@ const WORST_RUNS: usize = 3;
 
 /// Judges one trial. `requests` says which metric is where in the outcomes.
 pub fn judge(criteria: &[Criterion], outcomes: &[Outcome], requests: &Requests) -> TrialVerdict {
-    let findings: Vec<_> = criteria.iter().map(|criterion| find(criterion, outcomes, requests)).collect();
-    let verdict = findings.iter().map(|finding| finding.verdict).max().unwrap_or(Verdict::Passed);
-    TrialVerdict { verdict, findings }
+    let evidence = Evidence { outcomes, requests, bounds: Bounds::Fixed };
+    TrialVerdict::of(criteria.iter().map(|criterion| find(criterion, &evidence)).collect())
 }
 
-fn find(criterion: &Criterion, outcomes: &[Outcome], requests: &Requests) -> Finding {
+impl TrialVerdict {
+    /// Of a trial whose runs were fixed beforehand.
+    pub(super) fn of(findings: Vec<Finding>) -> Self {
+        let verdict = findings.iter().map(|finding| finding.verdict).max().unwrap_or(Verdict::Passed);
+        Self { verdict, findings, stopping: None }
+    }
+}
+
+/// What a criterion is judged by.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Evidence<'a> {
+    pub outcomes: &'a [Outcome],
+    pub requests: &'a Requests,
+    pub bounds: Bounds,
+}
+
+/// One criterion against the evidence.
+pub(super) fn find(criterion: &Criterion, evidence: &Evidence) -> Finding {
+    let Evidence { outcomes, requests, bounds } = *evidence;
     match &criterion.claim {
         Claim::Runs { comparison, share, confidence } => {
-            runs(criterion, comparison, *share, *confidence, outcomes, requests)
+            runs(criterion, comparison, *share, *confidence, evidence)
         }
         Claim::Aggregate { aggregate, relation, bound, when_undefined, confidence } => {
             let bound = constant(bound);
@@ -86,14 +112,14 @@ fn find(criterion: &Criterion, outcomes: &[Outcome], requests: &Requests) -> Fin
                     let held = holding(comparison, outcomes, requests);
                     let rate = held.count as f64 / outcomes.len() as f64;
                     let finding = against(criterion, Measure::Share, *relation, bound, Some(rate), &held);
-                    let finding = with_confidence_in_share(finding, *relation, *confidence);
-                    with_worst_of_rate(finding, comparison, *relation, &held, outcomes)
+                    let finding = with_confidence_in_share(finding, *relation, *confidence, bounds);
+                    with_worst_of_rate(finding, comparison, *relation, &held, evidence)
                 }
                 Aggregate::Count(comparison) => {
                     let held = holding(comparison, outcomes, requests);
                     let count = held.count as f64;
                     let finding = against(criterion, Measure::Count, *relation, bound, Some(count), &held);
-                    with_worst_of_rate(finding, comparison, *relation, &held, outcomes)
+                    with_worst_of_rate(finding, comparison, *relation, &held, evidence)
                 }
                 Aggregate::Mean(metric)
                 | Aggregate::Median(metric)
@@ -109,7 +135,7 @@ fn find(criterion: &Criterion, outcomes: &[Outcome], requests: &Requests) -> Fin
                     let mut finding = against(criterion, Measure::Value, *relation, bound, observed, &held);
                     if let (Some(confidence), Some(_)) = (confidence, observed) {
                         let seed = outcomes.first().map_or(0, |outcome| outcome.seed);
-                        let interval = confidence::value_interval(aggregate, &defined, *confidence, seed);
+                        let interval = bounds.of_values(aggregate, &defined, *confidence, seed);
                         finding.interval = interval.map(|interval| (interval.low, interval.high));
                         finding.verdict = interval.map_or(Verdict::Inconclusive, |interval| {
                             confidence::decide(*relation, interval, bound)
@@ -118,7 +144,7 @@ fn find(criterion: &Criterion, outcomes: &[Outcome], requests: &Requests) -> Fin
                     if observed.is_none() && *when_undefined == WhenUndefined::Passes {
                         finding.verdict = Verdict::Passed;
                     }
-                    finding.worst = worst(metric, *relation, &held.values, outcomes, |_| true);
+                    finding.worst = worst(metric, *relation, &held.values, evidence, |_| true);
                     finding
                 }
             }
@@ -127,9 +153,14 @@ fn find(criterion: &Criterion, outcomes: &[Outcome], requests: &Requests) -> Fin
 }
 
 /// Where a confidence is stated, the verdict rests on the bounds of the share and not on the share that was seen.
-fn with_confidence_in_share(finding: Finding, relation: Relation, confidence: Option<f64>) -> Finding {
+fn with_confidence_in_share(
+    finding: Finding,
+    relation: Relation,
+    confidence: Option<f64>,
+    bounds: Bounds,
+) -> Finding {
     let Some(confidence) = confidence else { return finding };
-    let interval = confidence::share_interval(finding.holding, finding.runs, confidence);
+    let interval = bounds.of_share(finding.holding, finding.runs, confidence);
     Finding {
         verdict: confidence::decide(relation, interval, finding.bound),
         interval: Some((interval.low, interval.high)),
@@ -165,9 +196,9 @@ fn runs(
     comparison: &Comparison,
     share: Option<f64>,
     confidence: Option<f64>,
-    outcomes: &[Outcome],
-    requests: &Requests,
+    evidence: &Evidence,
 ) -> Finding {
+    let Evidence { outcomes, requests, bounds } = *evidence;
     let held = holding(comparison, outcomes, requests);
     let bound = comparison.constant_bound();
     let rate = held.count as f64 / outcomes.len() as f64;
@@ -175,7 +206,7 @@ fn runs(
         Some(share) => {
             let finding =
                 against(criterion, Measure::Share, Relation::GreaterOrEqual, share, Some(rate), &held);
-            with_confidence_in_share(finding, Relation::GreaterOrEqual, confidence)
+            with_confidence_in_share(finding, Relation::GreaterOrEqual, confidence, bounds)
         }
         None => against(criterion, Measure::EveryRun, Relation::GreaterOrEqual, 1.0, Some(rate), &held),
     };
@@ -185,7 +216,7 @@ fn runs(
             held.values.iter().flatten().filter_map(|value| comparison.relation.margin(*value, bound));
         finding.margin = margins.reduce(f64::min);
     }
-    finding.worst = worst(&comparison.metric, comparison.relation, &held.values, outcomes, |value| {
+    finding.worst = worst(&comparison.metric, comparison.relation, &held.values, evidence, |value| {
         !comparison_holds(comparison, bound, value)
     });
     finding
@@ -197,13 +228,13 @@ fn with_worst_of_rate(
     comparison: &Comparison,
     relation: Relation,
     held: &Held,
-    outcomes: &[Outcome],
+    evidence: &Evidence,
 ) -> Finding {
     let bound = comparison.constant_bound();
     let too_many_hold = matches!(relation, Relation::Less | Relation::LessOrEqual);
     let against = |value: Option<f64>| comparison_holds(comparison, bound, value) == too_many_hold;
     let direction = if too_many_hold { comparison.relation.opposite() } else { comparison.relation };
-    Finding { worst: worst(&comparison.metric, direction, &held.values, outcomes, against), ..finding }
+    Finding { worst: worst(&comparison.metric, direction, &held.values, evidence, against), ..finding }
 }
 
 /// A finding that compares `observed` to `bound`.
@@ -265,7 +296,7 @@ fn worst(
     metric: &MetricReference,
     relation: Relation,
     values: &[Option<f64>],
-    outcomes: &[Outcome],
+    evidence: &Evidence,
     speaks_against: impl Fn(Option<f64>) -> bool,
 ) -> Vec<WorstRun> {
     let smaller_is_worse = match relation {
@@ -281,10 +312,16 @@ fn worst(
         Some(value) => value,
     };
     let mut against: Vec<_> =
-        values.iter().zip(outcomes).filter(|(value, _)| speaks_against(**value)).collect();
+        values.iter().zip(evidence.outcomes).filter(|(value, _)| speaks_against(**value)).collect();
     against.sort_by(|left, right| badness(*right.0).total_cmp(&badness(*left.0)));
     against.truncate(WORST_RUNS);
-    against.into_iter().map(|(value, outcome)| WorstRun { key: outcome.key.clone(), value: *value }).collect()
+    let index = evidence.requests.index(metric);
+    let run = |(value, outcome): (&Option<f64>, &Outcome)| {
+        let critical = index.and_then(|index| outcome.critical.get(index));
+        let critical = critical.filter(|one| **one != Critical::default()).cloned();
+        WorstRun { key: outcome.key.clone(), value: *value, critical }
+    };
+    against.into_iter().map(run).collect()
 }
 
 /// `None` where the aggregate does not exist: of no values, or the spread of one.

@@ -5,9 +5,11 @@ mod confidence;
 mod criteria;
 mod per_run;
 pub mod statistics;
+mod stopping;
 mod verdict;
 
-pub use budget::{Needed, examine_criteria, runs_needed};
+pub use budget::examine_criteria;
 pub use criteria::{Finding, Measure, TrialVerdict, WorstRun, aggregate, holds, judge};
 pub use per_run::{PerRun, per_run};
+pub use stopping::{Reason, Stopping, Watch};
 pub use verdict::Verdict;

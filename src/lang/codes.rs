@@ -245,8 +245,14 @@ codes! {
         "A criterion with stated confidence passes only if its runs leave no reasonable doubt. Even if every run goes \
          well, that takes a number of them: 95 % of runs at 95 % confidence need 59, 99 % need 299, 99.9 % need 2995, \
          and the 95 % quantile needs 59 for an upper bound. With fewer the criterion could only be inconclusive or fail. \
-         Say `repeat` for more runs, or claim less. That all runs hold, or that a share is exactly so large, no number of \
+         Say `repeat` (or a larger second number after `runs`) for more runs, or claim less. Where runs are added until \
+         the criteria are decided it takes more, because one looks often: 88, 449 and 4512 for those shares. That all runs hold, or that a share is exactly so large, no number of \
          runs shows.";
+    NotSequential = "E0612", "a mean cannot be decided while runs are added",
+        "With `runs 50 .. 2000` the runs are looked at again and again until the criteria are decided. An ordinary \
+         interval looked at often enough is wrong sooner or later, so bounds are used that hold however often one looks. \
+         For shares, rates, medians and quantiles there are such bounds; for means and spreads of metrics that are not \
+         bounded there are none. Fix the number of runs with `repeat`, or claim something of a median or quantile.";
     // Suites
     EmptySuite = "E0701", "a suite has no scenarios",
         "A suite without scenarios would pass without testing anything.";
@@ -318,4 +324,7 @@ codes! {
     NeverSampled = "W0903", "a criterion applies to none of the values drawn",
         "The condition after `when` holds for none of the values that a sampled variation has with this seed, so the \
          criterion is never checked.";
+    NothingToDecide = "W0904", "runs are added until nothing is decided",
+        "`runs 50 .. 2000` adds runs until every criterion with stated confidence is decided. Here no criterion states \
+         one, so there are always as many runs as the first number says: `repeat` says that more plainly.";
 }

@@ -203,6 +203,12 @@ pub static BLOCKS: &[Block] = &[
                 "Names whose values go together.",
             ),
             REPEAT,
+            statement(
+                "runs",
+                Rule::runs,
+                "runs 50 .. 2000",
+                "Runs are added until every criterion with confidence is decided; at least and at most so many.",
+            ),
             statement("step", Rule::step, "step 25 ms", "The simulation step."),
             statement("horizon", Rule::horizon, "horizon 60 s", "Simulated time after which a run ends."),
             statement(

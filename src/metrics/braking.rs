@@ -50,6 +50,10 @@ impl Meter for MaxDeceleration {
     fn value(&self, _: &Encounters) -> Option<f64> {
         self.0.largest()
     }
+
+    fn instant(&self, _: &Encounters) -> Option<f64> {
+        self.0.instant
+    }
 }
 
 pub static SUDDEN_SPEED_CHANGE: Metric = Metric {
@@ -93,6 +97,10 @@ impl Meter for SuddenSpeedChange {
     fn value(&self, _: &Encounters) -> Option<f64> {
         self.deceleration.largest().map(|largest| f64::from(largest > self.threshold))
     }
+
+    fn instant(&self, _: &Encounters) -> Option<f64> {
+        self.deceleration.instant
+    }
 }
 
 struct Deceleration {
@@ -102,6 +110,8 @@ struct Deceleration {
     speeds: Sliding<1>,
     /// m/s over one window; `None` before the first step.
     largest_drop: Option<f64>,
+    /// At the end of the window in which that was, s; `None` if the vehicle never slowed down.
+    instant: Option<f64>,
 }
 
 impl Deceleration {
@@ -113,6 +123,7 @@ impl Deceleration {
             standstill: context.settings.number("standstill"),
             speeds: Sliding::new([window], context.world.step),
             largest_drop: None,
+            instant: None,
         }
     }
 
@@ -134,7 +145,15 @@ impl Deceleration {
 
     fn go(&mut self, from: (f64, f64), to: (f64, f64)) {
         let mut largest = self.largest_drop.unwrap_or(0.0);
-        self.speeds.advance(from, to, |_, speed, [earlier]| largest = largest.max(earlier - speed));
+        let instant = &mut self.instant;
+        self.speeds.advance(from, to, |time, speed, [earlier]| {
+            let drop = earlier - speed;
+            // What is larger by rounding only is no later extreme.
+            if drop > largest + 1e-9 {
+                *instant = Some(time);
+            }
+            largest = largest.max(drop);
+        });
         self.largest_drop = Some(largest);
     }
 

@@ -33,18 +33,34 @@ struct Pet {
     zero_on_collision: bool,
 }
 
-impl Meter for Pet {
-    fn value(&self, encounters: &Encounters) -> Option<f64> {
+impl Pet {
+    /// The smallest time between the two, and when the second of them passed.
+    fn closest(&self, encounters: &Encounters) -> Option<(f64, f64)> {
         let encounter = encounters.pair(self.pair.0, self.pair.1);
-        if encounter.contact.is_some() {
-            return self.zero_on_collision.then_some(0.0);
+        if let Some(contact) = encounter.contact {
+            return self.zero_on_collision.then_some((0.0, contact.time));
         }
         let between = |passing: &Passing| {
             let vehicle = encounters.passage(self.pair.0).reached(passing.place).time()?;
-            Some((vehicle - passing.time).abs())
+            Some(((vehicle - passing.time).abs(), vehicle.max(passing.time)))
         };
-        encounter.passings.iter().filter_map(between).reduce(f64::min)
+        encounter.passings.iter().filter_map(between).reduce(smaller)
     }
+}
+
+impl Meter for Pet {
+    fn value(&self, encounters: &Encounters) -> Option<f64> {
+        self.closest(encounters).map(|(time, _)| time)
+    }
+
+    fn instant(&self, encounters: &Encounters) -> Option<f64> {
+        self.closest(encounters).map(|(_, instant)| instant)
+    }
+}
+
+/// The first of the smaller values.
+fn smaller(one: (f64, f64), other: (f64, f64)) -> (f64, f64) {
+    if other.0 < one.0 { other } else { one }
 }
 
 pub static PET_AREA: Metric = Metric {
@@ -74,20 +90,32 @@ struct PetArea {
     zero_on_collision: bool,
 }
 
-impl Meter for PetArea {
-    fn value(&self, encounters: &Encounters) -> Option<f64> {
+impl PetArea {
+    /// The smallest time between the two, and when the second of them entered.
+    fn closest(&self, encounters: &Encounters) -> Option<(f64, f64)> {
         let encounter = encounters.pair(self.pair.0, self.pair.1);
-        if encounter.contact.is_some() {
-            return self.zero_on_collision.then_some(0.0);
+        if let Some(contact) = encounter.contact {
+            return self.zero_on_collision.then_some((0.0, contact.time));
         }
         let passage = encounters.passage(self.pair.0);
         let between = |visit: &Visit| {
             let enters = passage.reached(visit.low - self.half_length).moment();
             let leaves = passage.reached(visit.high + self.half_length).moment();
             let was_there = enters < f64::INFINITY && leaves > f64::NEG_INFINITY;
-            was_there.then(|| (enters - visit.to).max(visit.from - leaves).max(0.0))
+            let time = (enters - visit.to).max(visit.from - leaves).max(0.0);
+            was_there.then(|| (time, enters.max(visit.from)))
         };
-        encounter.visits.iter().filter_map(between).reduce(f64::min)
+        encounter.visits.iter().filter_map(between).reduce(smaller)
+    }
+}
+
+impl Meter for PetArea {
+    fn value(&self, encounters: &Encounters) -> Option<f64> {
+        self.closest(encounters).map(|(time, _)| time)
+    }
+
+    fn instant(&self, encounters: &Encounters) -> Option<f64> {
+        self.closest(encounters).map(|(_, instant)| instant)
     }
 }
 
@@ -115,7 +143,11 @@ struct PassedFirst(Order);
 
 impl Meter for PassedFirst {
     fn value(&self, encounters: &Encounters) -> Option<f64> {
-        Some(self.0.first(encounters))
+        Some(self.0.first(encounters).0)
+    }
+
+    fn instant(&self, encounters: &Encounters) -> Option<f64> {
+        self.0.first(encounters).1
     }
 }
 
@@ -139,11 +171,16 @@ struct GapAccepted(Order);
 impl Meter for GapAccepted {
     fn value(&self, encounters: &Encounters) -> Option<f64> {
         let collided = encounters.pair(self.0.pair.0, self.0.pair.1).contact.is_some();
-        match self.0.first(encounters) {
+        match self.0.first(encounters).0 {
             PEDESTRIAN => Some(1.0),
             VEHICLE => Some(0.0),
             _ => collided.then_some(0.0),
         }
+    }
+
+    fn instant(&self, encounters: &Encounters) -> Option<f64> {
+        let contact = encounters.pair(self.0.pair.0, self.0.pair.1).contact;
+        self.0.first(encounters).1.or(contact.map(|contact| contact.time))
     }
 }
 
@@ -162,15 +199,17 @@ impl Order {
         Self { pair: pair(context), expected_place: sign * start }
     }
 
-    fn first(&self, encounters: &Encounters) -> f64 {
+    /// Who, and when, if that was during the run.
+    fn first(&self, encounters: &Encounters) -> (f64, Option<f64>) {
         let passage = encounters.passage(self.pair.0);
         let encounter = encounters.pair(self.pair.0, self.pair.1);
+        let reached = passage.reached(encounter.final_passing().map_or(self.expected_place, |it| it.place));
         match encounter.final_passing() {
-            _ if encounter.appeared.is_none() => NOBODY,
-            Some(passing) if passing.time < passage.reached(passing.place).moment() => PEDESTRIAN,
-            Some(_) => VEHICLE,
-            None if passage.reached(self.expected_place).moment() < f64::INFINITY => VEHICLE,
-            None => NOBODY,
+            _ if encounter.appeared.is_none() => (NOBODY, None),
+            Some(passing) if passing.time < reached.moment() => (PEDESTRIAN, Some(passing.time)),
+            Some(_) => (VEHICLE, reached.time()),
+            None if reached.moment() < f64::INFINITY => (VEHICLE, reached.time()),
+            None => (NOBODY, None),
         }
     }
 }
@@ -214,6 +253,10 @@ impl Meter for TtaAtEntry {
         let entry = encounters.pair(self.pair.0, self.pair.1).first_entry?;
         let distance = entry.distance - self.ahead;
         (distance >= 0.0 && entry.speed > 0.0).then(|| distance / entry.speed)
+    }
+
+    fn instant(&self, encounters: &Encounters) -> Option<f64> {
+        encounters.pair(self.pair.0, self.pair.1).first_entry.map(|entry| entry.time)
     }
 }
 

@@ -27,6 +27,10 @@ impl Meter for Collision {
     fn value(&self, encounters: &Encounters) -> Option<f64> {
         Some(f64::from(encounters.pair(self.pair.0, self.pair.1).contact.is_some()))
     }
+
+    fn instant(&self, encounters: &Encounters) -> Option<f64> {
+        encounters.pair(self.pair.0, self.pair.1).contact.map(|contact| contact.time)
+    }
 }
 
 pub static IMPACT_SPEED: Metric = Metric {
@@ -51,6 +55,10 @@ impl Meter for ImpactSpeed {
     fn value(&self, encounters: &Encounters) -> Option<f64> {
         encounters.pair(self.pair.0, self.pair.1).contact.map(|contact| contact.relative_speed)
     }
+
+    fn instant(&self, encounters: &Encounters) -> Option<f64> {
+        encounters.pair(self.pair.0, self.pair.1).contact.map(|contact| contact.time)
+    }
 }
 
 pub static MIN_DISTANCE: Metric = Metric {
@@ -70,7 +78,14 @@ pub static MIN_DISTANCE: Metric = Metric {
 struct MinDistance {
     pair: (usize, usize),
     last: Option<f64>,
-    smallest: Option<f64>,
+    smallest: Option<Smallest>,
+}
+
+/// A distance (m) and when it was (s).
+#[derive(Clone, Copy)]
+struct Smallest {
+    distance: f64,
+    time: f64,
 }
 
 impl MinDistance {
@@ -88,26 +103,46 @@ impl Meter for MinDistance {
         }
         let before = self.last.unwrap_or_else(|| distance(old_car, old));
         let after = distance(car, new);
-        let mut smallest = self.smallest.unwrap_or(f64::INFINITY).min(before).min(after);
+        let mut smallest = self.smallest.unwrap_or(Smallest { distance: f64::INFINITY, time: step.time });
+        let mut consider = |distance: f64, part: f64| {
+            if distance < smallest.distance {
+                smallest = Smallest { distance, time: step.time + part * step.duration };
+            }
+            smallest.distance
+        };
+        consider(before, 0.0);
+        let least = consider(after, 1.0);
         // Nothing comes nearer than it moves, so most steps need no look inside.
         let moved = ((new.position - old.position) - (car.position() - old_car.position())).norm();
-        if (before + after - moved) / 2.0 < smallest {
-            smallest = smallest.min(smallest_inside((old_car, car), (old, new)));
+        if (before + after - moved) / 2.0 < least {
+            let (distance, part) = smallest_inside((old_car, car), (old, new));
+            consider(distance, part);
         }
         self.last = Some(after);
         self.smallest = Some(smallest);
     }
 
     fn value(&self, encounters: &Encounters) -> Option<f64> {
-        if encounters.pair(self.pair.0, self.pair.1).contact.is_some() { Some(0.0) } else { self.smallest }
+        match encounters.pair(self.pair.0, self.pair.1).contact {
+            Some(_) => Some(0.0),
+            None => self.smallest.map(|smallest| smallest.distance),
+        }
+    }
+
+    fn instant(&self, encounters: &Encounters) -> Option<f64> {
+        match encounters.pair(self.pair.0, self.pair.1).contact {
+            Some(contact) => Some(contact.time),
+            None => self.smallest.map(|smallest| smallest.time),
+        }
     }
 }
 
-/// The smallest distance inside a step: a convex function of time, as the footprints are convex and do not turn.
+/// The smallest distance inside a step, and after which share of it: a convex function of time, as the footprints are
+/// convex and do not turn.
 fn smallest_inside(
     (old_car, car): (&VehicleState, &VehicleState),
     (old, new): (&PedestrianState, &PedestrianState),
-) -> f64 {
+) -> (f64, f64) {
     let at = |part: f64| {
         let mut vehicle = *car;
         vehicle.motion.travelled =
@@ -118,7 +153,7 @@ fn smallest_inside(
     // Still coming nearer at the end: then the end is nearest.
     let end = at(1.0);
     if at(1.0 - 1e-6) >= end {
-        return end;
+        return (end, 1.0);
     }
     // Golden section search: the step shrinks to 1e-6 of itself, and the minimum is flat there.
     const GOLDEN: f64 = 0.618_033_988_749_894_8;
@@ -136,5 +171,5 @@ fn smallest_inside(
             at_right = at(right);
         }
     }
-    at_left.min(at_right)
+    if at_left <= at_right { (at_left, left) } else { (at_right, right) }
 }

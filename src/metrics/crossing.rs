@@ -56,6 +56,10 @@ impl Meter for InitiationTime {
     fn value(&self, _: &Encounters) -> Option<f64> {
         self.moved
     }
+
+    fn instant(&self, _: &Encounters) -> Option<f64> {
+        Some(self.appeared? + self.moved?)
+    }
 }
 
 pub static CROSSING_DURATION: Metric = Metric {
@@ -81,6 +85,10 @@ impl Meter for CrossingDuration {
     fn value(&self, encounters: &Encounters) -> Option<f64> {
         let crossing = encounters.pair(self.pair.0, self.pair.1).crossing?;
         Some(crossing.left - crossing.entered)
+    }
+
+    fn instant(&self, encounters: &Encounters) -> Option<f64> {
+        encounters.pair(self.pair.0, self.pair.1).crossing.map(|crossing| crossing.left)
     }
 }
 
@@ -128,5 +136,9 @@ impl Meter for PedestrianDelay {
     fn value(&self, encounters: &Encounters) -> Option<f64> {
         let encounter = encounters.pair(self.pair.0, self.pair.1);
         Some(encounter.crossing?.left - encounter.appeared? - self.free_time?)
+    }
+
+    fn instant(&self, encounters: &Encounters) -> Option<f64> {
+        encounters.pair(self.pair.0, self.pair.1).crossing.map(|crossing| crossing.left)
     }
 }

@@ -1,6 +1,7 @@
 //! What every metric of a pair needs to know, worked out once: contact, passings, time in the lane, time to collision.
 
 use nalgebra::Vector2;
+use serde::{Deserialize, Serialize};
 
 use super::passage::Passage;
 use crate::scenario::{Shape, World};
@@ -13,6 +14,15 @@ pub struct Encounters {
     /// Vehicle by vehicle.
     pairs: Vec<Encounter>,
     pedestrians: usize,
+}
+
+/// What pedestrians did at all in a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct Presence {
+    /// One of them appeared.
+    pub appeared: bool,
+    /// One of them came into a vehicle's lane, or appeared in it.
+    pub entered: bool,
 }
 
 /// One vehicle and one pedestrian.
@@ -118,6 +128,13 @@ impl Encounters {
 
     pub fn pair(&self, vehicle: usize, pedestrian: usize) -> &Encounter {
         &self.pairs[vehicle * self.pedestrians + pedestrian]
+    }
+
+    pub fn presence(&self) -> Presence {
+        Presence {
+            appeared: self.pairs.iter().any(|pair| pair.appeared.is_some()),
+            entered: self.pairs.iter().any(|pair| pair.first_entry.is_some()),
+        }
     }
 
     pub fn passage(&self, vehicle: usize) -> &Passage {

@@ -41,6 +41,10 @@ impl Meter for MaxJerk {
     fn value(&self, _: &Encounters) -> Option<f64> {
         (self.0.duration > 0.0).then_some(self.0.largest)
     }
+
+    fn instant(&self, _: &Encounters) -> Option<f64> {
+        (self.0.largest > 0.0).then_some(self.0.instant)
+    }
 }
 
 pub static RMS_JERK: Metric = Metric {
@@ -76,6 +80,8 @@ struct Jerk {
     /// m/s³
     last: f64,
     largest: f64,
+    /// When that was, s.
+    instant: f64,
     /// Of the jerk's square over time, m²/s⁵.
     square_integral: f64,
     /// s
@@ -91,6 +97,7 @@ impl Jerk {
             speeds: Sliding::new([window, 2.0 * window], context.world.step),
             last: 0.0,
             largest: 0.0,
+            instant: 0.0,
             square_integral: 0.0,
             duration: 0.0,
         }
@@ -99,11 +106,13 @@ impl Jerk {
     fn observe(&mut self, step: &Step) {
         let from = (step.time, step.before.vehicles[self.vehicle].motion.speed);
         let to = (step.time + step.duration, step.after.vehicles[self.vehicle].motion.speed);
-        let Self { window, speeds, last, largest, square_integral, .. } = self;
+        let Self { window, speeds, last, largest, instant, square_integral, .. } = self;
         let mut since = from.0;
         speeds.advance(from, to, |time, speed, [earlier, earliest]| {
             let jerk = (speed - 2.0 * earlier + earliest) / (*window * *window);
-            *largest = largest.max(jerk.abs());
+            if jerk.abs() > *largest {
+                (*largest, *instant) = (jerk.abs(), time);
+            }
             // The square of a straight line, integrated.
             *square_integral += (time - since) * (*last * *last + *last * jerk + jerk * jerk) / 3.0;
             (since, *last) = (time, jerk);

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 
-use super::encounter::{Encounters, lerp, velocity_inside};
+use super::encounter::{Encounters, Presence, lerp, velocity_inside};
 use super::{FreeFlow, Meter, MetricContext, Scope, Worst, metric};
 use crate::scenario::{MetricReference, World};
 use crate::sim::{Observer, Snapshot, Step};
@@ -30,6 +30,8 @@ pub struct SubjectValue {
     pub pedestrian: Option<usize>,
     /// `None` when it does not exist in this run.
     pub value: Option<f64>,
+    /// When it took that value, s.
+    pub instant: Option<f64>,
 }
 
 /// Indices of the vehicle and the pedestrian that a metric is measured for.
@@ -84,6 +86,11 @@ impl Measurement {
         self.requests.iter().map(|request| request.reading(&self.encounters)).collect()
     }
 
+    /// Whether any pedestrian appeared, and whether any came into a vehicle's lane.
+    pub fn presence(&self) -> Presence {
+        self.encounters.presence()
+    }
+
     fn take(&mut self, step: &Step) {
         self.encounters.observe(step);
         for (_, meter) in self.requests.iter_mut().flat_map(|request| &mut request.meters) {
@@ -101,6 +108,7 @@ impl Request {
                 vehicle: *vehicle,
                 pedestrian: *pedestrian,
                 value: meter.value(encounters),
+                instant: meter.instant(encounters),
             })
             .collect();
         let badness = |subject: &SubjectValue| {

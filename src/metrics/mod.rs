@@ -22,7 +22,7 @@ mod travel;
 use crate::scenario::{Aggregate, Declaration, Dimension, Settings, World};
 use crate::sim::Step;
 
-pub use encounter::{Contact, Encounter, Encounters, Entry, LaneCrossing, Passing, Visit};
+pub use encounter::{Contact, Encounter, Encounters, Entry, LaneCrossing, Passing, Presence, Visit};
 pub use measurement::{Measurement, Reading, SubjectValue};
 pub use passage::{Passage, Reached};
 
@@ -67,6 +67,11 @@ pub trait Meter: Send {
 
     /// The value at the end; `None` when it does not exist in this run.
     fn value(&self, encounters: &Encounters) -> Option<f64>;
+
+    /// When it took that value, s: the critical instant. `None` for what has no single one, such as a time lost.
+    fn instant(&self, _encounters: &Encounters) -> Option<f64> {
+        None
+    }
 }
 
 /// What a meter is built from.

@@ -17,23 +17,37 @@ pub static MIN_TTC: Metric = Metric {
     kind: MetricKind::Quantity(Dimension::TIME),
     scope: Scope::Pair,
     worst: Worst::Smallest,
-    build: |context| Box::new(MinTtc { pair: (context.vehicle, context.pedestrian), smallest: None }),
+    build: |context| {
+        Box::new(MinTtc { pair: (context.vehicle, context.pedestrian), smallest: None, instant: 0.0 })
+    },
 };
 
 struct MinTtc {
     pair: (usize, usize),
     smallest: Option<f64>,
+    /// When that was, s.
+    instant: f64,
 }
 
 impl Meter for MinTtc {
-    fn observe(&mut self, _: &Step, encounters: &Encounters) {
-        if let Some(time) = encounters.pair(self.pair.0, self.pair.1).time_to_collision {
-            self.smallest = Some(self.smallest.map_or(time, |smallest| smallest.min(time)));
+    fn observe(&mut self, step: &Step, encounters: &Encounters) {
+        if let Some(time) = encounters.pair(self.pair.0, self.pair.1).time_to_collision
+            && self.smallest.is_none_or(|smallest| time < smallest)
+        {
+            self.smallest = Some(time);
+            self.instant = step.time + step.duration;
         }
     }
 
     fn value(&self, encounters: &Encounters) -> Option<f64> {
         if encounters.pair(self.pair.0, self.pair.1).contact.is_some() { Some(0.0) } else { self.smallest }
+    }
+
+    fn instant(&self, encounters: &Encounters) -> Option<f64> {
+        match encounters.pair(self.pair.0, self.pair.1).contact {
+            Some(contact) => Some(contact.time),
+            None => self.smallest.map(|_| self.instant),
+        }
     }
 }
 
@@ -64,6 +78,8 @@ struct Drac {
     pair: (usize, usize),
     ceiling: f64,
     largest: Option<f64>,
+    /// When that was, s.
+    instant: f64,
     /// Whether they were on a collision course with the pedestrian ahead of the front.
     was_ahead: bool,
 }
@@ -74,6 +90,7 @@ impl Drac {
             pair: (context.vehicle, context.pedestrian),
             ceiling: context.settings.number("ceiling"),
             largest: None,
+            instant: 0.0,
             was_ahead: false,
         }
     }
@@ -92,14 +109,21 @@ impl Meter for Drac {
             (true, false) if self.was_ahead => Some(f64::INFINITY),
             _ => None,
         };
-        if let Some(rate) = rate {
-            self.largest = Some(self.largest.unwrap_or(0.0).max(rate.min(self.ceiling)));
+        if let Some(rate) = rate.map(|rate| rate.min(self.ceiling))
+            && self.largest.is_none_or(|largest| rate > largest)
+        {
+            self.largest = Some(rate);
+            self.instant = step.time + step.duration;
         }
         self.was_ahead = on_course && ahead;
     }
 
     fn value(&self, _: &Encounters) -> Option<f64> {
         self.largest
+    }
+
+    fn instant(&self, _: &Encounters) -> Option<f64> {
+        self.largest.map(|_| self.instant)
     }
 }
 

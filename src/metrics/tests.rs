@@ -402,3 +402,70 @@ proptest! {
         }
     }
 }
+
+/// Critical instants of the run-level values, by name.
+fn instants(
+    world: &crate::scenario::World,
+    car: &Profile,
+    walk: &Walk,
+) -> impl Fn(&str) -> Option<f64> + use<> {
+    let requests: Vec<_> = METRICS.iter().map(|metric| request(metric.declaration.name, [])).collect();
+    let readings = measure(world, &requests, car, walk);
+    move |name| {
+        let index = METRICS.iter().position(|metric| metric.declaration.name == name).unwrap();
+        readings[index].worst.and_then(|worst| worst.instant)
+    }
+}
+
+#[test]
+fn critical_instants_of_extremes() {
+    for step in STEPS {
+        // Brakes by 4 m/s^2 from 5 s to 6 s; the window of 0.2 s is full of it at 5.2 s. Then it goes on at 6 m/s.
+        let braking = Profile::new(-100.0, 10.0, &[(5.0, 0.0), (1.0, -4.0)]);
+        let standing = Walk(vec![(0.0, 0.0, -4.0), (1.0, 0.0, -4.0)]);
+        let found = instants(&world(step, 20.0), &braking, &standing);
+        assert_near("max_deceleration", found("max_deceleration"), Some(5.2), 1e-9);
+        assert_near("sudden_speed_change", found("sudden_speed_change"), Some(5.2), 1e-9);
+        // 58 m are done by 6 s; the front is beside the pedestrian 40 m later.
+        assert_near("min_distance", found("min_distance"), Some(6.0 + 40.0 / 6.0), step);
+
+        // Steps into the way of a car that does not brake: they touch when the disc reaches its side or front.
+        let into = Walk(vec![(0.0, 0.0, -4.0), (8.0, 0.0, -4.0), (12.0, 0.0, 4.0)]);
+        let found = instants(&world(step, 15.0), &straight(-100.0), &into);
+        for name in ["collision", "impact_speed", "pet", "pet_area", "min_ttc", "min_distance"] {
+            let touch = found(name).unwrap_or(f64::NAN);
+            assert!((9.0..9.8).contains(&touch), "{name}: {touch}");
+            assert_eq!(found(name), found("collision"), "{name}");
+        }
+    }
+}
+
+#[test]
+fn critical_instants_of_a_pedestrian_who_passes_first() {
+    for step in STEPS {
+        let found = instants(&world(step, 15.0), &straight(-100.0), &crossing_from(0.0));
+        for (name, expected) in [
+            ("collision", None),
+            // The second of the two, which is the vehicle, passes after 10 s and enters after 9.775 s.
+            ("pet", Some(10.0)),
+            ("pet_area", Some(9.775)),
+            // The pedestrian is on the line after 4 s, in the lane from 2 s to 6 s.
+            ("passed_first", Some(4.0)),
+            ("gap_accepted", Some(4.0)),
+            ("tta_at_entry", Some(2.0)),
+            ("crossing_initiation_time", Some(0.0)),
+            ("crossing_duration", Some(6.0)),
+            ("pedestrian_delay", Some(6.0)),
+            ("min_ttc", None),
+            ("drac", None),
+            ("max_deceleration", None),
+            ("max_jerk", None),
+            // Nothing that happens at one instant.
+            ("rms_jerk", None),
+            ("time_lost", None),
+            ("stopped_time", None),
+        ] {
+            assert_near(name, found(name), expected, 1e-9);
+        }
+    }
+}

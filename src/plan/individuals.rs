@@ -183,6 +183,7 @@ mod tests {
             pedestrians,
             variations: Vec::new(),
             repeat: 1,
+            runs: None,
             criteria: Vec::new(),
             step: 0.025,
             horizon: 60.0,

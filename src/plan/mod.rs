@@ -7,10 +7,13 @@ mod setup;
 mod variation;
 
 use std::collections::{BTreeMap, HashSet};
+use std::sync::Arc;
 
 use thiserror::Error;
 
-use crate::scenario::{Assignment, Case, Criterion, Expression, Individual, Origin, Scenario, Suite, Value};
+use crate::scenario::{
+    Assignment, Case, Criterion, Expression, Individual, Origin, RunBudget, Scenario, Suite, Value,
+};
 
 pub use individuals::{label as people_label, select as select_people};
 pub use seed::derive_seed;
@@ -37,9 +40,28 @@ pub struct Trial {
     pub tags: Vec<String>,
     /// One per individual and repetition; never empty.
     pub cases: Vec<Case>,
+    /// Where runs are added until the criteria are decided: how. `cases` has all that there may be, in that order.
+    pub rounds: Option<Rounds>,
     /// Those whose `when` holds, with every bound a constant.
     pub criteria: Vec<Criterion>,
     pub origin: Origin,
+}
+
+/// Runs that are added until the criteria of a trial are decided, a round at a time: everybody once.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Rounds {
+    /// Runs of a round: one per individual, or one.
+    pub size: usize,
+    /// Runs before which nobody looks; whole rounds, as is `most`.
+    pub least: usize,
+    pub most: usize,
+}
+
+impl Trial {
+    /// The runs that there will be for certain.
+    pub fn certain_cases(&self) -> &[Case] {
+        &self.cases[..self.rounds.map_or(self.cases.len(), |rounds| rounds.least)]
+    }
 }
 
 /// Why a suite cannot be planned; found only once variations have their values.
@@ -90,7 +112,10 @@ pub fn plan(suite: &Suite) -> Result<Plan, Vec<PlanError>> {
 pub struct Outline {
     pub key: String,
     pub variation: Vec<Assignment>,
+    /// All that there may be.
     pub runs: usize,
+    /// As [`Trial::rounds`].
+    pub rounds: Option<Rounds>,
     /// As [`Trial::criteria`].
     pub criteria: Vec<Criterion>,
 }
@@ -102,7 +127,8 @@ pub fn outline(suite: &Suite, scenario: &Scenario) -> Result<Vec<Outline>, PlanE
 
 fn outline_with(suite: &Suite, scenario: &Scenario, people: usize) -> Result<Vec<Outline>, PlanError> {
     let variations = Combinations::new(suite.seed, scenario);
-    let runs = people.saturating_mul(scenario.repeat as usize);
+    let rounds = scenario.runs.as_ref().map(|budget| rounds(scenario, budget, people)).transpose()?;
+    let runs = rounds.map_or(people.saturating_mul(scenario.repeat as usize), |rounds| rounds.most);
     let all = variations.count().saturating_mul(runs);
     if all > MOST_RUNS {
         let message = format!("scenario `{}` asks for {all} runs, more than {MOST_RUNS}", scenario.name);
@@ -123,9 +149,28 @@ fn outline_with(suite: &Suite, scenario: &Scenario, people: usize) -> Result<Vec
                 return Err(PlanError::new(&scenario.origin, message).with_hint("list every value once"));
             }
             let criteria = criteria(scenario, &variables(&variation))?;
-            Ok(Outline { key, variation, runs, criteria })
+            Ok(Outline { key, variation, runs, rounds, criteria })
         })
         .collect()
+}
+
+/// Whole rounds: at least as many runs as asked for, and not more than may be.
+fn rounds(scenario: &Scenario, budget: &RunBudget, people: usize) -> Result<Rounds, PlanError> {
+    let (least, most) = (budget.least as usize, budget.most as usize);
+    let most = most / people * people;
+    let least = least.div_ceil(people) * people;
+    if most < least {
+        let message = format!(
+            "`runs {} .. {}` hold no whole round of the {people} individuals of scenario `{}`",
+            budget.least, budget.most, scenario.name
+        );
+        let enough = (budget.least as usize).div_ceil(people) * people;
+        return Err(PlanError::new(&budget.origin, message).with_hint(format!(
+            "everybody walks once a round: say at least `runs {} .. {enough}`",
+            budget.least
+        )));
+    }
+    Ok(Rounds { size: people, least, most })
 }
 
 /// The trials of one scenario in a suite.
@@ -144,25 +189,45 @@ const MOST_PROBES: usize = 10_000;
 
 fn trials(suite: &Suite, scenario: &Scenario, whole: bool) -> Result<Vec<Trial>, PlanError> {
     let people = select_people(suite.seed, scenario)?;
-    let (most, repeat) = if whole { (usize::MAX, scenario.repeat) } else { (MOST_PROBES, 1) };
-    let trial = |(index, Outline { key, variation, criteria, .. })| {
+    let most = if whole { usize::MAX } else { MOST_PROBES };
+    let trial = |(index, Outline { key, variation, runs, rounds, criteria })| {
+        let repetitions = if whole { (runs / people.len()) as u32 } else { 1 };
         let people = if whole || index == 0 { &people[..] } else { &people[..1] };
-        let mut cases = Vec::with_capacity(people.len() * repeat as usize);
-        for person in people {
-            for repetition in 1..=repeat {
-                let key = format!("{key}{}/rep={repetition}", people_label(person));
-                let seed = derive_seed(suite.seed, &key);
-                let (variation, person) = (variation.clone(), person.clone());
-                cases.push(concrete_case(scenario, key, variation, person, repetition, seed)?);
+        let variables = variables(&variation);
+        let worlds = people
+            .iter()
+            .map(|person| Ok(Arc::new(setup::world(scenario, &variables, person)?)))
+            .collect::<Result<Vec<_>, PlanError>>()?;
+        let case = |who: usize, repetition: u32| {
+            let key = format!("{key}{}/rep={repetition}", people_label(&people[who]));
+            Case {
+                seed: derive_seed(suite.seed, &key),
+                key,
+                scenario: scenario.name.clone(),
+                variation: variation.clone(),
+                individuals: people[who].clone(),
+                repetition,
+                world: worlds[who].clone(),
             }
-        }
+        };
+        let everybody = 0..people.len();
+        let order: Vec<(usize, u32)> = match rounds {
+            Some(_) => (1..=repetitions)
+                .flat_map(|repetition| everybody.clone().map(move |who| (who, repetition)))
+                .collect(),
+            None => {
+                everybody.flat_map(|who| (1..=repetitions).map(move |repetition| (who, repetition))).collect()
+            }
+        };
+        let cases = order.into_iter().map(|(who, repetition)| case(who, repetition)).collect();
         Ok(Trial {
-            key,
             scenario: scenario.name.clone(),
             doc: scenario.doc.clone(),
             tags: scenario.tags.clone(),
             cases,
+            rounds: rounds.filter(|_| whole),
             criteria,
+            key,
             origin: scenario.origin.clone(),
         })
     };
@@ -178,7 +243,7 @@ pub fn concrete_case(
     repetition: u32,
     seed: u64,
 ) -> Result<Case, PlanError> {
-    let world = setup::world(scenario, &variables(&variation), &individuals)?;
+    let world = Arc::new(setup::world(scenario, &variables(&variation), &individuals)?);
     Ok(Case { key, scenario: scenario.name.clone(), variation, individuals, repetition, seed, world })
 }
 

@@ -5,7 +5,8 @@ use std::time::Duration;
 use thiserror::Error;
 
 use super::format::count;
-use super::{BlockReport, RecordedReport, Skip, SuiteIdentity, SuiteReport, TrialReport};
+use super::wording::stopping;
+use super::{BlockReport, RecordedReport, Skip, SuiteIdentity, SuiteReport, TrialReport, TrialState};
 use crate::judge::Verdict;
 use crate::run::Requests;
 
@@ -49,8 +50,10 @@ pub enum Event<'e, 'a> {
 pub struct Outline {
     pub suites: usize,
     pub trials: usize,
-    /// Of those trials.
+    /// Of those trials: all that there may be.
     pub runs: usize,
+    /// Of them, those that there will be for certain.
+    pub certain_runs: usize,
     pub blocks: usize,
     /// Runs that failed before and are run again.
     pub recorded: usize,
@@ -115,9 +118,12 @@ impl UnitReport<'_> {
     pub fn remark(&self) -> String {
         match self {
             Self::Recorded(recorded) => recorded.remark(),
-            Self::Trial(_) | Self::Block(_) => {
-                self.skip().map(|skip| format!(": {skip}")).unwrap_or_default()
-            }
+            Self::Trial(trial) => match (&trial.state, trial.stopping()) {
+                (TrialState::Skipped(skip), _) => format!(": {skip}"),
+                (_, Some(stopped)) => format!(" ({})", stopping(stopped)),
+                _ => String::new(),
+            },
+            Self::Block(block) => block.skip().map(|skip| format!(": {skip}")).unwrap_or_default(),
         }
     }
 

@@ -6,6 +6,7 @@ use super::excerpt::Excerpt;
 use super::format::{quantity, share};
 use super::replay::{block_command, replay_command};
 use super::table::paint;
+use super::wording::{critical, stopping};
 use super::{BlockReport, BlockState, SuiteIdentity, TrialState, UnitReport};
 use crate::judge::{Finding, Measure, Verdict, WorstRun};
 use crate::metrics;
@@ -33,8 +34,10 @@ pub fn render_failure(suite: &SuiteIdentity, state: &TrialState, colour: bool) -
         TrialState::Errored(message) => message.clone(),
         TrialState::Judged(judged) => {
             let bad = judged.findings.iter().filter(|finding| finding.verdict != Verdict::Passed);
-            let drawings: Vec<_> = bad.map(|finding| render_finding(suite, finding, colour)).collect();
-            drawings.join("\n\n")
+            let drawings = bad.map(|finding| render_finding(suite, finding, colour));
+            let stopped =
+                judged.stopping.as_ref().map(|stopped| format!("this trial was {}", stopping(stopped)));
+            drawings.chain(stopped).collect::<Vec<_>>().join("\n\n")
         }
     }
 }
@@ -73,7 +76,10 @@ fn render_finding(suite: &SuiteIdentity, finding: &Finding, colour: bool) -> Str
         };
         notes.push(format!("at the stated confidence it lies between {} and {}", show(low), show(high)));
     }
-    notes.extend(finding.worst.iter().map(|run| format!("{}  {}", value(finding, run), run.key)));
+    notes.extend(finding.worst.iter().map(|run| {
+        let critical = critical(run).map(|critical| format!(" {critical}"));
+        format!("{}{}  {}", value(finding, run), critical.unwrap_or_default(), run.key)
+    }));
     let replay = finding.worst.first().map(|run| format!("replay: {}", replay_command(suite, &run.key)));
     let label =
         finding.worst.first().map_or_else(String::new, |run| format!("worst: {}", value(finding, run)));

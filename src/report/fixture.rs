@@ -15,11 +15,11 @@ use crate::experiment::{
     StatementResult, TrendPoint, TuneResult,
 };
 use crate::judge::statistics::Interval;
-use crate::judge::{judge, per_run};
-use crate::metrics::{MetricKind, metric};
+use crate::judge::{Reason, Stopping as Stopped, TrialVerdict, judge, per_run};
+use crate::metrics::{MetricKind, Presence, metric};
 use crate::optimise::{self, SlicePoint};
 use crate::plan::Trial;
-use crate::run::{Outcome, Requests};
+use crate::run::{Critical, Outcome, Requests};
 use crate::scenario::{
     Aggregate, Appearance, Assignment, Body, Budget, Case, CaseSet, Claim, Comparison, Criterion, Crossing,
     CrossingKind, Direction, Goal, Individual, InitialDesign, Lane, Measure, Method, MetricReference,
@@ -54,7 +54,7 @@ impl Session {
         Self { recorded: recorded(&trials[0].cases[1]), trials, search, tune, requests }
     }
 
-    /// One trial of every state: the last two are an error and a skipped one.
+    /// One trial of every state: the last two are an error and a skipped one. The second was run until it was decided.
     pub fn report(&self) -> SuiteReport<'_> {
         let count = self.trials.len();
         let state = |(index, trial): (usize, &Trial)| match count - index {
@@ -63,7 +63,10 @@ impl Session {
             _ => {
                 let outcomes = self.outcomes(trial);
                 let judged = judge(&trial.criteria, &outcomes, &self.requests);
-                (outcomes, TrialState::Judged(judged))
+                let runs = outcomes.len();
+                let stopping = Stopped { least: 4, most: 20, runs, reason: Reason::Decided };
+                let stopping = (index == 1).then_some(stopping);
+                (outcomes, TrialState::Judged(TrialVerdict { stopping, ..judged }))
             }
         };
         let trials = self.trials.iter().enumerate().map(|(index, trial)| {
@@ -162,12 +165,19 @@ impl Session {
                 individuals: case.individuals.clone(),
                 ending: Ending { reason: StopReason::Completed, time: 20.0 },
                 metrics: self.requests.iter().map(value).collect(),
+                critical: self.requests.iter().map(|_| critical(run)).collect(),
+                presence: Presence { appeared: true, entered: true },
                 fingerprint: 0x0123_4567_89ab_cdef,
                 wall_time: Duration::from_millis(3),
             }
         };
         trial.cases.iter().map(outcome).collect()
     }
+}
+
+/// Half a second later in every run.
+fn critical(run: f64) -> Critical {
+    Critical { time: Some(7.25 + run / 2.0), vehicle: Some("av".into()), pedestrian: Some("walker".into()) }
 }
 
 /// The number that `passed_first` has for a word.
@@ -349,7 +359,7 @@ fn trial(scenario: &str, tta: f64) -> Trial {
             individuals: vec![person(number)],
             repetition,
             seed: u64::from(repetition),
-            world: world(),
+            world: world().into(),
         }
     };
     let origin = Origin { file: "zebra.scn".into(), line: 3, column: 1, ..Origin::default() };
@@ -358,6 +368,7 @@ fn trial(scenario: &str, tta: f64) -> Trial {
         doc: Some("A pedestrian meets a vehicle & looks.".into()),
         tags: vec!["zebra".into()],
         cases: (1..=RUNS).map(case).collect(),
+        rounds: None,
         criteria: criteria(),
         origin,
         key,
@@ -487,6 +498,8 @@ fn case_run(tta: f64) -> CaseRun {
         individuals: case.individuals.clone(),
         ending: Ending { reason: StopReason::Completed, time: 20.0 },
         metrics: vec![Some(tta / 5.0)],
+        critical: Vec::new(),
+        presence: Presence::default(),
         fingerprint: 0x0123_4567_89ab_cdef,
         wall_time: Duration::from_millis(3),
     };

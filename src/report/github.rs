@@ -8,7 +8,7 @@ use super::failure::{render_block_failure, render_failure};
 use super::figures::{scenarios, short_name};
 use super::findings::{data, property};
 use super::replay::block_command;
-use super::wording::{verdict_mark, verdict_word};
+use super::wording::{stopping, verdict_mark, verdict_word};
 use super::{BlockReport, BlockState, RecordedReport, Standing, SuiteReport, TrialReport, TrialState};
 use crate::judge::Verdict;
 use crate::run::Requests;
@@ -168,10 +168,13 @@ fn suite_summary(text: &mut String, report: &SuiteReport, requests: &Requests) {
         line(heading);
         line(rule);
         for trial in trials {
-            let mark = match trial.verdict() {
+            let mut mark = match trial.verdict() {
                 None => "💥 error".to_string(),
                 Some(verdict) => format!("{} {}", verdict_mark(verdict), verdict_word(verdict)),
             };
+            if let Some(stopped) = trial.stopping() {
+                mark += &format!("<br><sub>{}</sub>", stopping(stopped));
+            }
             let mut row = format!("| {} | {mark} |", markdown(&short_name(trial)));
             for (index, metric, _) in &columns {
                 let digest = Digest::new(metric, &trial.outcomes, *index).short();

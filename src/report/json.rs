@@ -55,6 +55,9 @@ fn trial_value(report: &TrialReport, requests: &Requests) -> Value {
         TrialState::Judged(judged) => {
             fields.insert("verdict".into(), plain(&judged.verdict));
             fields.insert("findings".into(), plain(&judged.findings));
+            if let Some(stopping) = &judged.stopping {
+                fields.insert("stopping".into(), plain(stopping));
+            }
         }
         TrialState::Errored(message) => {
             fields.insert("verdict".into(), "error".into());
@@ -160,6 +163,22 @@ mod tests {
     #[test]
     fn results_are_what_the_published_schema_says() {
         assert_eq!(violations(&schema(), &results()), Vec::<String>::new());
+    }
+
+    #[test]
+    fn an_interval_without_an_end_has_null_there_and_the_schema_says_so() {
+        let session = Session::new();
+        let mut report = session.report();
+        let TrialState::Judged(judged) = &mut report.trials[0].state else { panic!("it was judged") };
+        judged.findings[0].interval = Some((f64::NEG_INFINITY, 1.5));
+        judged.findings[1].interval = Some((0.5, f64::INFINITY));
+        let results: Value = serde_json::from_str(&to_json(&[report], &session.requests)).unwrap();
+        let findings = results.pointer("/suites/0/trials/0/findings").unwrap();
+        assert_eq!(
+            (&findings[0]["interval"], &findings[1]["interval"]),
+            (&json!([null, 1.5]), &json!([0.5, null]))
+        );
+        assert_eq!(violations(&schema(), &results), Vec::<String>::new());
     }
 
     #[test]

@@ -8,7 +8,7 @@ use super::digest::Digest;
 use super::experiment::render_block;
 use super::failure::{render_block_failure, render_failure};
 use super::replay::{block_command, replay_command};
-use super::wording::{interval, margin, observed, verdict_word};
+use super::wording::{interval, margin, observed, stopping, verdict_word};
 use super::{BlockReport, BlockState, RecordedReport, SuiteReport, TrialReport, TrialState};
 use crate::experiment::BlockResult;
 use crate::judge::{Finding, Verdict};
@@ -88,6 +88,9 @@ fn test_case(report: &SuiteReport, trial: &TrialReport, class: &str, requests: &
     };
     property("seed", &report.identity.seed.to_string());
     property("runs", &trial.outcomes.len().to_string());
+    if let Some(stopped) = trial.stopping() {
+        property("stopping", &stopping(stopped));
+    }
     for (index, reference) in requests.iter().enumerate() {
         let Some(metric) = metrics::metric(&reference.name) else { continue };
         property(&reference.label(), &Digest::new(metric, &trial.outcomes, index).long());

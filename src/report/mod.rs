@@ -36,7 +36,7 @@ mod wording;
 use std::time::Duration;
 
 use crate::experiment::{Block, BlockResult};
-use crate::judge::{TrialVerdict, Verdict};
+use crate::judge::{self, TrialVerdict, Verdict};
 use crate::plan::Trial;
 use crate::run::Outcome;
 
@@ -154,6 +154,14 @@ impl BlockReport<'_> {
 }
 
 impl TrialReport<'_> {
+    /// How many runs it took, where they were added until it was decided.
+    pub fn stopping(&self) -> Option<&judge::Stopping> {
+        match &self.state {
+            TrialState::Judged(judged) => judged.stopping.as_ref(),
+            TrialState::Errored(_) | TrialState::Skipped(_) => None,
+        }
+    }
+
     /// Whether nobody tried to run it, or it was cut off.
     pub fn skipped(&self) -> bool {
         self.skip().is_some()

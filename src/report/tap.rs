@@ -6,9 +6,9 @@ use std::time::Duration;
 use super::experiment::render_block;
 use super::failure::{render_block_failure, render_failure};
 use super::replay::{block_command, replay_command};
-use super::wording::verdict_word;
+use super::wording::{stopping, verdict_word};
 use super::{BlockReport, BlockState, SuiteReport, TrialState};
-use crate::judge::Verdict;
+use crate::judge::{TrialVerdict, Verdict};
 
 /// The report as TAP. An inconclusive trial is `not ok`, and its block says so.
 pub fn to_tap(reports: &[SuiteReport]) -> String {
@@ -24,12 +24,8 @@ pub fn to_tap(reports: &[SuiteReport]) -> String {
         );
         for recorded in &report.recorded {
             number += 1;
-            let point = Point {
-                key: &recorded.key,
-                state: &recorded.trial_state(),
-                runs: 1,
-                time: recorded.wall_time,
-            };
+            let (state, time) = (&recorded.trial_state(), recorded.wall_time);
+            let point = Point { key: &recorded.key, state, runs: 1, time };
             point.write(&mut text, number, report);
         }
         for trial in &report.trials {
@@ -74,6 +70,9 @@ impl Point<'_> {
             field(text, "severity", verdict.map_or("error", verdict_word));
         }
         field(text, "runs", self.runs);
+        if let TrialState::Judged(TrialVerdict { stopping: Some(stopped), .. }) = self.state {
+            field(text, "stopping", stopping(stopped));
+        }
         field(text, "duration_ms", self.time.as_millis());
         if !passed {
             if let TrialState::Judged(judged) = self.state {

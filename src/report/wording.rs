@@ -2,7 +2,7 @@
 
 use super::chart::Rule;
 use super::format::{quantity, share};
-use crate::judge::{Finding, Measure, Verdict};
+use crate::judge::{Finding, Measure, Reason, Stopping, Verdict, WorstRun};
 use crate::metrics::{self, MetricKind};
 use crate::scenario::{Comparison, Relation, significant};
 
@@ -80,6 +80,28 @@ pub fn comparison_rule(comparison: &Comparison) -> Rule {
         _ => significant(bound, 4),
     };
     Rule { value: bound, label: format!("{sign} {shown}") }
+}
+
+/// When and for whom a worst run's metric was what it was: `at 7.33 s, av and walker`.
+pub fn critical(run: &WorstRun) -> Option<String> {
+    let critical = run.critical.as_ref()?;
+    let time = critical.time.map(|time| format!("at {time:.2} s"));
+    let who = match (&critical.vehicle, &critical.pedestrian) {
+        (Some(vehicle), Some(pedestrian)) => Some(format!("{vehicle} and {pedestrian}")),
+        (vehicle, pedestrian) => vehicle.as_ref().or(pedestrian.as_ref()).map(|name| name.to_string()),
+    };
+    let said: Vec<_> = time.into_iter().chain(who).collect();
+    (!said.is_empty()).then(|| said.join(", "))
+}
+
+/// Why a trial whose runs are added until it is decided had so many of them.
+pub fn stopping(stopping: &Stopping) -> String {
+    let Stopping { runs, most, .. } = stopping;
+    match stopping.reason {
+        Reason::Decided => format!("decided after {runs} of at most {most} runs"),
+        Reason::Budget => format!("not decided by all {runs} runs"),
+        Reason::NothingToDecide => format!("ended after {runs} runs, as no criterion has a confidence"),
+    }
 }
 
 /// One word.

@@ -1,12 +1,13 @@
 //! One case from start to outcome.
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use super::build::{RunError, road_users};
 use super::free_flow::FreeFlows;
-use super::outcome::{Outcome, Requests};
-use crate::metrics::Measurement;
-use crate::scenario::Case;
+use super::outcome::{Critical, Outcome, Requests};
+use crate::metrics::{Measurement, Reading};
+use crate::scenario::{Case, World};
 use crate::sim::{Fingerprint, Observer, Snapshot, Step, simulate};
 
 /// Runs one case and reads the requested metrics off it. `watcher` sees every step and changes nothing.
@@ -28,15 +29,33 @@ pub fn run_case(
         watcher,
     };
     let ending = simulate(&case.world, &mut users, &mut observers);
+    let readings = observers.measurement.readings();
     Ok(Outcome {
         key: case.key.clone(),
         seed: case.seed,
         individuals: case.individuals.clone(),
         ending,
-        metrics: observers.measurement.values(),
+        metrics: readings.iter().map(|reading| reading.worst?.value).collect(),
+        critical: critical(&case.world, &readings),
+        presence: observers.measurement.presence(),
         fingerprint: observers.fingerprint.value(),
         wall_time: begun.elapsed(),
     })
+}
+
+/// When and for whom the readings are what they are.
+fn critical(world: &World, readings: &[Reading]) -> Vec<Critical> {
+    let vehicles: Vec<Arc<str>> = world.vehicles.iter().map(|car| car.name.as_str().into()).collect();
+    let pedestrians: Vec<Arc<str>> = world.pedestrians.iter().map(|one| one.name.as_str().into()).collect();
+    let of = |reading: &Reading| match reading.worst {
+        Some(worst) => Critical {
+            time: worst.instant,
+            vehicle: worst.vehicle.map(|index| vehicles[index].clone()),
+            pedestrian: worst.pedestrian.map(|index| pedestrians[index].clone()),
+        },
+        None => Critical::default(),
+    };
+    readings.iter().map(of).collect()
 }
 
 /// Sees nothing: for runs of which only the outcome matters.

@@ -11,7 +11,7 @@ mod trial;
 pub use build::{RunError, road_users};
 pub use case::{Unwatched, run_case};
 pub use free_flow::FreeFlows;
-pub use outcome::{Outcome, Requests};
+pub use outcome::{Critical, Outcome, Requests};
 pub use rehearsal::{Obstacle, Stage, rehearse, rehearse_trials};
 pub use stop::Stop;
 pub use trial::{TrialError, run_trial};

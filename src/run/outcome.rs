@@ -1,10 +1,11 @@
 //! What one run came to.
 
+use std::sync::Arc;
 use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
-use crate::metrics::METRICS;
+use crate::metrics::{METRICS, Presence};
 use crate::scenario::{Criterion, Individual, MetricReference, Settings};
 use crate::sim::Ending;
 
@@ -17,11 +18,27 @@ pub struct Outcome {
     pub ending: Ending,
     /// One per request, in their order; `None` where the metric does not exist in this run.
     pub metrics: Vec<Option<f64>>,
+    /// As many, or none if nobody asked: when and for whom the metric had that value. Left out of stored results.
+    #[serde(skip)]
+    pub critical: Vec<Critical>,
+    /// What pedestrians did at all.
+    #[serde(skip)]
+    pub presence: Presence,
     /// See [`crate::sim::Fingerprint`].
     pub fingerprint: u64,
     /// Left out of stored results, which are the same on every machine.
     #[serde(skip)]
     pub wall_time: Duration,
+}
+
+/// The critical instant of a metric in a run.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct Critical {
+    /// When it took its value, s; `None` for what has no single instant, such as a time lost.
+    pub time: Option<f64>,
+    /// Whose value it is: a vehicle's, a pedestrian's or a pair's.
+    pub vehicle: Option<Arc<str>>,
+    pub pedestrian: Option<Arc<str>>,
 }
 
 /// The metrics that are read off every run of a suite: each with its defaults, and what criteria ask for besides.

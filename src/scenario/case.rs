@@ -1,5 +1,7 @@
 //! One concrete run: every expression evaluated, every parameter filled in.
 
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
 
 use super::{Road, Settings, Side, Value};
@@ -16,7 +18,8 @@ pub struct Case {
     pub individuals: Vec<Individual>,
     pub repetition: u32,
     pub seed: u64,
-    pub world: World,
+    /// Shared by all repetitions.
+    pub world: Arc<World>,
 }
 
 /// A variation's name with the value it has in a case.

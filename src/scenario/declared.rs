@@ -45,8 +45,11 @@ pub struct Scenario {
     pub pedestrians: Vec<Pedestrian>,
     /// Crossed with each other in order; the last varies fastest.
     pub variations: Vec<Variation>,
-    /// Runs per variation and individual, at least 1.
+    /// Runs per variation and individual, at least 1; not said where `runs` is.
     pub repeat: u32,
+    /// `None`: as many runs as `repeat` makes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub runs: Option<RunBudget>,
     /// Including those that the suite adds.
     pub criteria: Vec<Criterion>,
     /// Simulation step in s.
@@ -56,6 +59,16 @@ pub struct Scenario {
     /// Distance of the finish line behind the crossing's middle in m.
     pub finish: f64,
     pub end_on_collision: bool,
+    pub origin: Origin,
+}
+
+/// `runs 50 .. 2000`: the runs of a trial are added until its criteria are decided.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RunBudget {
+    /// At least 1.
+    pub least: u32,
+    /// At least `least`.
+    pub most: u32,
     pub origin: Origin,
 }
 

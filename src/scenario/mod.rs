@@ -31,7 +31,7 @@ pub use declaration::{
 };
 pub use declared::{
     DeclaredAppearance, DeclaredShape, DeclaredVehicleStart, Distribution, Individuals, Model, Pedestrian,
-    Population, Samples, SamplingScheme, Scenario, Suite, Variation, VariedValue, Vehicle,
+    Population, RunBudget, Samples, SamplingScheme, Scenario, Suite, Variation, VariedValue, Vehicle,
 };
 pub use dimension::Dimension;
 pub use evaluate::{Condition, Evaluate, Measure, ParameterSet};

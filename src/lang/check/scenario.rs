@@ -2,7 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::block::{Layer, last, missing, reject_repeats};
+use super::block::{Layer, last, last_of, missing, reject_repeats};
 use super::criterion::{Cast, From, criterion};
 use super::pedestrian::pedestrian;
 use super::road::road;
@@ -15,8 +15,8 @@ use crate::lang::source::Span;
 use crate::lang::tree::{Node, Rule};
 use crate::lang::value::{self, Binding, Scope};
 use crate::scenario::{
-    DeclaredAppearance, DeclaredVehicleStart, Dimension, Expression, Pedestrian, Road, Scenario, Variation,
-    Vehicle,
+    Aggregate, Claim, Criterion, DeclaredAppearance, DeclaredVehicleStart, Dimension, Expression, Pedestrian,
+    Road, RunBudget, Scenario, Variation, Vehicle,
 };
 
 /// What a scenario is that does not say otherwise.
@@ -70,6 +70,18 @@ pub fn scenario(
     ];
     if let Some(own) = blocks.last() {
         reject_repeats(own.block, REPEATABLE, report);
+        if let (Some(repeat), Some(runs)) = (own.block.child(Rule::repeat), own.block.child(Rule::runs)) {
+            report.push(
+                Diagnostic::new(
+                    Code::RepeatedStatement,
+                    runs.span(),
+                    "`repeat` and `runs` both say how many runs there are",
+                )
+                .label("says it again")
+                .context(repeat.span(), "said here")
+                .hint("leave out one of them"),
+            );
+        }
     }
     let (variations, varied) = variation::variations(&blocks, report);
     let scopes: Vec<Scope> = blocks.iter().map(|layer| layer_scope(*layer, &varied, report)).collect();
@@ -106,18 +118,20 @@ pub fn scenario(
     }
     let vehicles: Vec<Vehicle> = vehicles.into_iter().map(|(_, vehicle)| vehicle).collect();
 
-    let mut criteria = Vec::new();
+    let mut criteria: Vec<(Span, Criterion)> = Vec::new();
     for layer in &layers {
         for node in layer.block.all(Rule::expect).filter_map(|node| node.child(Rule::expect_block)) {
             for node in node.all(Rule::criterion) {
-                criteria.extend(criterion(node, From::Scenario, &cast, layer.scope, places, report));
+                let found = criterion(node, From::Scenario, &cast, layer.scope, places, report);
+                criteria.extend(found.map(|criterion| (node.span(), criterion)));
             }
         }
     }
     if let Some(added) = added {
         let scope = Scope { outer: Some(added.scope), names: varied.clone() };
         for node in added.nodes {
-            criteria.extend(criterion(*node, From::Suite, &cast, &scope, places, report));
+            let found = criterion(*node, From::Suite, &cast, &scope, places, report);
+            criteria.extend(found.map(|criterion| (node.span(), criterion)));
         }
     }
 
@@ -136,13 +150,20 @@ pub fn scenario(
         number(Rule::horizon, Dimension::TIME, (0.1, 3600.0), "the horizon", Defaults::HORIZON, report);
     let finish =
         number(Rule::finish, Dimension::LENGTH, (0.0, 10_000.0), "the finish line", Defaults::FINISH, report);
-    let repeat = match last(&layers, Rule::repeat) {
-        Some(said) => said
-            .node
-            .child(Rule::integer)
-            .and_then(|node| super::count(node, 1, 1_000_000, "the number of repetitions", report)),
-        None => Some(Defaults::REPEAT),
+    let (repeat, runs) = match last_of(&layers, [Rule::repeat, Rule::runs]).map(|said| said.node) {
+        Some(node) if node.rule() == Rule::runs => (Some(Defaults::REPEAT), Some(runs(node, places, report))),
+        Some(node) => {
+            let count = node
+                .child(Rule::integer)
+                .and_then(|node| super::count(node, 1, MOST_RUNS, "the number of repetitions", report));
+            (count, None)
+        }
+        None => (Some(Defaults::REPEAT), None),
     };
+    if runs.is_some() {
+        refuse_means(&criteria, report);
+    }
+    let criteria: Vec<Criterion> = criteria.into_iter().map(|(_, criterion)| criterion).collect();
     let doc = layers.iter().rev().find_map(|layer| super::doc(layer.block));
     let mut tags = Vec::new();
     for tag in layers.iter().flat_map(|layer| super::tags(layer.block)) {
@@ -162,6 +183,10 @@ pub fn scenario(
         pedestrians,
         variations,
         repeat: repeat?,
+        runs: match runs {
+            Some(runs) => Some(runs?),
+            None => None,
+        },
         criteria,
         step: step?,
         horizon: horizon?,
@@ -172,6 +197,39 @@ pub fn scenario(
     .filter(|_| {
         !report[before..].iter().any(|diagnostic| diagnostic.code.severity() == crate::lang::Severity::Error)
     })
+}
+
+/// More runs of one thing are taken for a mistake.
+const MOST_RUNS: u32 = 1_000_000;
+
+/// `runs 50 .. 2000`
+fn runs(node: Node, places: &Places, report: &mut Vec<Diagnostic>) -> Option<RunBudget> {
+    let mut ends = node.all(Rule::integer);
+    let mut end = |what: &str, least: u32| super::count(ends.next()?, least, MOST_RUNS, what, report);
+    let least = end("the smallest number of runs", 1)?;
+    let most = end("the largest number of runs", least)?;
+    Some(RunBudget { least, most, origin: places.origin(node.span()) })
+}
+
+/// Of means no bound is known that stays true however often one looks.
+fn refuse_means(criteria: &[(Span, Criterion)], report: &mut Vec<Diagnostic>) {
+    for (span, criterion) in criteria {
+        let Claim::Aggregate { aggregate, confidence: Some(_), .. } = &criterion.claim else { continue };
+        let what = match aggregate {
+            Aggregate::Mean(_) => "a mean",
+            Aggregate::Std(_) => "a spread",
+            _ => continue,
+        };
+        report.push(
+            Diagnostic::new(
+                Code::NotSequential,
+                *span,
+                format!("the confidence in {what} needs a number of runs that is fixed beforehand"),
+            )
+            .label("cannot be decided while runs are added")
+            .hint("say `repeat` instead of `runs`, or bound a `median(…)`, `quantile(…)` or share"),
+        );
+    }
 }
 
 /// The variations of a scenario that was checked before, by name.

@@ -124,6 +124,7 @@ pub fn keys(block: Rule) -> &'static [Key] {
                     key("vary", Shape::Values("vary"), Rule::vary),
                     key("vary_together", Shape::Together, Rule::vary_together),
                     REPEAT,
+                    key("runs", Shape::Words("runs"), Rule::runs),
                     key("step", Shape::Words("step"), Rule::step),
                     key("horizon", Shape::Words("horizon"), Rule::horizon),
                     key("finish", Shape::Words("finish"), Rule::finish),

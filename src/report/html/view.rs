@@ -15,7 +15,7 @@ use crate::report::digest::Digest;
 use crate::report::failure::render_failure;
 use crate::report::figures::{figures, scenarios, short_name};
 use crate::report::replay::replay_command;
-use crate::report::wording::{bound, interval, margin, observed, verdict_mark, verdict_word};
+use crate::report::wording::{bound, interval, margin, observed, stopping, verdict_mark, verdict_word};
 use crate::report::{BlockReport, BlockState, Recording, Skip, SuiteReport, TrialReport, TrialState};
 use crate::run::Requests;
 
@@ -96,6 +96,8 @@ struct Trial {
     /// Of its scenario, where it stands among those of others.
     doc: String,
     runs: usize,
+    /// Why there were so many, if they were added until it was decided.
+    stopping: Option<String>,
     state: &'static str,
     mark: &'static str,
     /// One per criterion of the scenario; `None` where it does not apply.
@@ -305,6 +307,7 @@ fn trial(
         name: if name.is_empty() { "all runs".into() } else { name },
         doc: String::new(),
         runs: trial.outcomes.len(),
+        stopping: trial.stopping().map(stopping),
         state,
         mark,
         cells: criteria.iter().map(cell).collect(),

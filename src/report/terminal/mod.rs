@@ -129,6 +129,12 @@ impl Terminal {
     fn finish(&mut self, unit: usize, suite: &SuiteIdentity, report: &UnitReport) {
         self.running.remove(&unit);
         self.tally.units_done += 1;
+        if let UnitReport::Trial(trial) = report
+            && trial.stopping().is_some()
+        {
+            // Those that it did not take will not come any more.
+            self.tally.outline.runs -= trial.trial.cases.len() - trial.outcomes.len();
+        }
         let standing = report.standing();
         self.tally.failures += usize::from(standing.is_failure());
         let said = format!("{}{}", report.key(), report.remark());

@@ -105,7 +105,11 @@ fn statement(result: &BlockResult) -> Option<&StatementResult> {
 pub(super) fn starting(outline: &Outline) -> String {
     let mut parts = Vec::new();
     if outline.trials > 0 {
-        parts.push(format!("{} with {}", count(outline.trials, "trial"), count(outline.runs, "run")));
+        let runs = match outline.certain_runs {
+            certain if certain == outline.runs => count(outline.runs, "run"),
+            certain => format!("{certain} to {}", count(outline.runs, "run")),
+        };
+        parts.push(format!("{} with {runs}", count(outline.trials, "trial")));
     }
     if outline.blocks > 0 {
         parts.push(count(outline.blocks, "block"));
