@@ -1,55 +1,62 @@
-//! How often intervals with stated confidence cover the truth: a study over 10,000 synthetic experiments a row, too long
-//! for the test suite. `cargo bench --bench coverage` prints the table.
+//! How often intervals with stated confidence cover the truth, and how often comparisons raise false alarms: a study over
+//! 10,000 synthetic experiments a row, too long for the test suite. `cargo bench --bench coverage` prints the tables.
 
+use rayon::prelude::*;
 use scenario_runner::judge::statistics::{
-    Interval, clopper_pearson, mean_interval, paired_difference, quantile_interval, rate_change,
-    std_interval, wilson,
+    Interval, MeanChange, clopper_pearson, holm, mean_interval, quantile_interval, rate_change, rate_rise,
+    wilson,
 };
 use scenario_runner::sim::random::Stream;
 
 const EXPERIMENTS: u64 = 10_000;
 const CONFIDENCE: f64 = 0.95;
+const RUNS: [usize; 3] = [20, 50, 200];
 
 fn main() {
     println!("coverage of stated {CONFIDENCE} in {EXPERIMENTS} experiments; one standard error is 0.2 %");
-    println!("{:<22} {:<14} {:>5} {:>10} {:>8}", "interval", "values", "runs", "covered %", "none %");
-    for runs in [20, 50, 200] {
-        for (name, truth, draw) in DISTRIBUTIONS {
-            row("mean (bootstrap-t)", name, runs, *truth, *draw, |values, seed| {
-                mean_interval(values, CONFIDENCE, seed)
-            });
-        }
-        for (name, truth, draw) in SPREADS {
-            row("std (bootstrap-t)", name, runs, *truth, *draw, |values, seed| {
-                std_interval(values, CONFIDENCE, seed)
-            });
-        }
-        row("paired difference", "exponential", runs, 0.0, exponential, |values, seed| {
-            let base: Vec<f64> = values.iter().map(|value| value + 3.0).collect();
-            let mut stream = Stream::seeded(seed.wrapping_mul(77).wrapping_add(1));
-            let candidate: Vec<f64> =
-                base.iter().map(|value| value + exponential(&mut stream) - 1.0).collect();
-            paired_difference(&base, &candidate, CONFIDENCE, seed)
+    println!("{:<24} {:<14} {:>5} {:>10} {:>8}", "interval", "values", "runs", "covered %", "none %");
+    RUNS.into_iter().for_each(intervals);
+    println!();
+    println!("family-wise false alarms of 20 comparisons in {EXPERIMENTS} experiments");
+    println!("at 95 % confidence, one side: 2.5 % are stated, one standard error is 0.16 %");
+    println!("{:<38} {:<14} {:>5} {:>10}", "what is true", "differences", "runs", "alarms %");
+    RUNS.into_iter().for_each(families);
+}
+
+fn intervals(runs: usize) {
+    for (name, truth, draw) in DISTRIBUTIONS {
+        row("mean", name, runs, *truth, *draw, |values, seed| mean_interval(values, CONFIDENCE, seed));
+    }
+    for (name, truth, draw) in DISTRIBUTIONS {
+        // The other direction mirrors it.
+        row("paired difference", name, runs, *truth, *draw, |values, seed| {
+            Some(MeanChange::new(values.to_vec(), seed)?.interval(CONFIDENCE))
+                .filter(|interval| interval.low.is_finite() || interval.high.is_finite())
         });
-        let median = std::f64::consts::LN_2;
-        row("median (order stat.)", "exponential", runs, median, exponential, |values, _| {
-            let mut sorted = values.to_vec();
-            sorted.sort_by(f64::total_cmp);
-            let (low, high) = quantile_interval(&sorted, 0.5, CONFIDENCE);
-            Some(Interval { low: low?, high: high? })
-        });
-        let share = |values: &[f64]| values.iter().filter(|value| **value < 0.5).count() as u64;
-        // P(X < 1/2) of an exponential.
-        let truth = 1.0 - libm::exp(-0.5);
-        row("share (Clopper-Pearson)", "39.3 %", runs, truth, exponential, |values, _| {
-            Some(clopper_pearson(share(values), values.len() as u64, CONFIDENCE))
-        });
-        row("share (Wilson)", "39.3 %", runs, truth, exponential, |values, _| {
-            Some(wilson(share(values), values.len() as u64, CONFIDENCE))
-        });
-        row("rate change (paired)", "5 % to 12 %", runs, 0.07, Stream::uniform, |values, _| {
-            let only_base = values.iter().filter(|value| **value < 0.05).count() as u64;
-            let only_candidate = values.iter().filter(|value| **value > 0.88).count() as u64;
+    }
+    row("paired difference", "of exponentials", runs, 0.0, of_exponentials, |values, seed| {
+        Some(MeanChange::new(values.to_vec(), seed)?.interval(CONFIDENCE))
+    });
+    let median = std::f64::consts::LN_2;
+    row("median (order stat.)", "exponential", runs, median, exponential, |values, _| {
+        let mut sorted = values.to_vec();
+        sorted.sort_by(f64::total_cmp);
+        let (low, high) = quantile_interval(&sorted, 0.5, CONFIDENCE);
+        Some(Interval { low: low?, high: high? })
+    });
+    let share = |values: &[f64]| values.iter().filter(|value| **value < 0.5).count() as u64;
+    // P(X < 1/2) of an exponential.
+    let truth = 1.0 - libm::exp(-0.5);
+    row("share (Clopper-Pearson)", "39.3 %", runs, truth, exponential, |values, _| {
+        Some(clopper_pearson(share(values), values.len() as u64, CONFIDENCE))
+    });
+    row("share (Wilson)", "39.3 %", runs, truth, exponential, |values, _| {
+        Some(wilson(share(values), values.len() as u64, CONFIDENCE))
+    });
+    for (name, base, candidate) in [("5 % to 12 %", 0.05, 0.12), ("0 % to 2 %", 0.0, 0.02)] {
+        row("rate change (paired)", name, runs, candidate - base, Stream::uniform, |values, _| {
+            let only_base = values.iter().filter(|value| **value < base).count() as u64;
+            let only_candidate = values.iter().filter(|value| **value > 1.0 - candidate).count() as u64;
             Some(rate_change(only_base, only_candidate, values.len() as u64, CONFIDENCE))
         });
     }
@@ -63,22 +70,27 @@ const DISTRIBUTIONS: &[(&str, f64, Draw)] = &[
     ("uniform", 0.5, Stream::uniform),
     ("exponential", 1.0, exponential),
     ("half zeros", 0.5, half_zeros),
-];
-
-/// Name, standard deviation, draws.
-const SPREADS: &[(&str, f64, Draw)] = &[
-    ("normal", 1.0, Stream::normal),
-    ("uniform", 0.288_675_134_594_812_9, Stream::uniform),
-    ("exponential", 1.0, exponential),
+    ("squared normal", 1.0, squared_normal),
 ];
 
 fn exponential(stream: &mut Stream) -> f64 {
     -libm::log(stream.uniform())
 }
 
+/// Symmetric with heavier tails than a normal one.
+fn of_exponentials(stream: &mut Stream) -> f64 {
+    exponential(stream) - exponential(stream)
+}
+
 /// As time lost: nothing in half of the runs.
 fn half_zeros(stream: &mut Stream) -> f64 {
     if stream.uniform() < 0.5 { 0.0 } else { exponential(stream) }
+}
+
+/// More skewed than an exponential.
+fn squared_normal(stream: &mut Stream) -> f64 {
+    let normal = stream.normal();
+    normal * normal
 }
 
 fn row(
@@ -87,21 +99,66 @@ fn row(
     runs: usize,
     truth: f64,
     draw: Draw,
-    find: impl Fn(&[f64], u64) -> Option<Interval>,
+    find: impl Fn(&[f64], u64) -> Option<Interval> + Sync,
 ) {
-    let mut stream = Stream::seeded(20_261_121);
-    let (mut covered, mut none) = (0, 0);
-    for seed in 0..EXPERIMENTS {
+    let found = |seed: u64| {
+        let mut stream = Stream::seeded(20_261_121 + seed);
         let sample: Vec<f64> = (0..runs).map(|_| draw(&mut stream)).collect();
-        match find(&sample, seed) {
-            Some(interval) => covered += u64::from(interval.contains(truth)),
-            None => none += 1,
-        }
-    }
-    let percent = |count: u64, of: u64| 100.0 * count as f64 / of.max(1) as f64;
+        find(&sample, seed)
+    };
+    let found: Vec<Option<Interval>> = (0..EXPERIMENTS).into_par_iter().map(found).collect();
+    let none = found.iter().filter(|found| found.is_none()).count();
+    let covered = found.iter().flatten().filter(|found| found.contains(truth)).count();
+    let percent = |count: usize, of: usize| 100.0 * count as f64 / of.max(1) as f64;
     println!(
-        "{interval:<22} {values:<14} {runs:>5} {:>10.2} {:>8.2}",
-        percent(covered, EXPERIMENTS - none),
-        percent(none, EXPERIMENTS)
+        "{interval:<24} {values:<14} {runs:>5} {:>10.2} {:>8.2}",
+        percent(covered, found.len() - none),
+        percent(none, found.len())
     );
+}
+
+/// How many comparisons share the error.
+const FAMILY: usize = 20;
+/// What may go wrong at the side that a gate looks at.
+const ALPHA: f64 = (1.0 - CONFIDENCE) / 2.0;
+
+fn families(runs: usize) {
+    let mean_change = |margin: f64, draw: Draw, sign: f64| {
+        move |stream: &mut Stream| {
+            let truth = DISTRIBUTIONS
+                .iter()
+                .find(|(_, _, known)| std::ptr::fn_addr_eq(*known, draw))
+                .map_or(0.0, |row| row.1);
+            // Worse by exactly the margin.
+            let differences = (0..runs).map(|_| margin + sign * (draw(stream) - truth));
+            let change = MeanChange::new(differences.collect(), stream.bits()).expect("there are pairs");
+            let level = ALPHA / FAMILY as f64;
+            let beyond = change.above(margin, level);
+            if beyond < 1.0 { beyond.max(change.exchange(level)) } else { 1.0 }
+        }
+    };
+    family("no change", "of exponentials", runs, mean_change(0.0, of_exponentials, 1.0));
+    family("worse by exactly what is tolerated", "normal", runs, mean_change(0.2, Stream::normal, 1.0));
+    family("worse by exactly what is tolerated", "exponential", runs, mean_change(0.2, exponential, 1.0));
+    family("worse by exactly what is tolerated", "-exponential", runs, mean_change(0.2, exponential, -1.0));
+    for (base, margin) in [(0.1, 0.0), (0.05, 0.05)] {
+        let rates = move |stream: &mut Stream| {
+            let draws: Vec<f64> = (0..runs).map(|_| stream.uniform()).collect();
+            let only_base = draws.iter().filter(|draw| **draw < base).count() as u64;
+            let only_candidate = draws.iter().filter(|draw| **draw > 1.0 - base - margin).count() as u64;
+            rate_rise(only_base, only_candidate, runs as u64, margin)
+        };
+        let what = if margin == 0.0 { "no change" } else { "worse by exactly what is tolerated" };
+        family(what, "flags", runs, rates);
+    }
+}
+
+fn family(truth: &str, differences: &str, runs: usize, p_value: impl Fn(&mut Stream) -> f64 + Sync) {
+    let alarm = |seed: u64| {
+        let mut stream = Stream::seeded(77_000_000 + seed);
+        let p_values: Vec<f64> = (0..FAMILY).map(|_| p_value(&mut stream)).collect();
+        holm(&p_values).into_iter().any(|adjusted| adjusted <= ALPHA)
+    };
+    let alarms = (0..EXPERIMENTS).into_par_iter().filter(|seed| alarm(*seed)).count();
+    println!("{truth:<38} {differences:<14} {runs:>5} {:>10.2}", 100.0 * alarms as f64 / EXPERIMENTS as f64);
 }

@@ -2,9 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Interval;
 use super::distributions::binomial_at_least;
-use super::proportion::{lower_bound, upper_bound};
 
 /// The exact test on pairs of runs of which only one had the event.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -27,18 +25,6 @@ pub fn mcnemar(only_base: u64, only_candidate: u64) -> McNemar {
     }
 }
 
-/// Change of an event's rate from base to candidate over `pairs` of runs: exact in that it covers at least as often as
-/// stated, however rare the event. One-sided bounds at confidence c ask for 2 c - 1.
-///
-/// The rates of both kinds of disagreeing pairs get exact bounds that share the error between them (Bonferroni).
-pub fn rate_change(only_base: u64, only_candidate: u64, pairs: u64, confidence: f64) -> Interval {
-    let each = 1.0 - (1.0 - confidence) / 4.0;
-    Interval {
-        low: lower_bound(only_candidate, pairs, each) - upper_bound(only_base, pairs, each),
-        high: upper_bound(only_candidate, pairs, each) - lower_bound(only_base, pairs, each),
-    }
-}
-
 /// P-values adjusted for how many there are, in the given order: those at most α may all be rejected with probability
 /// at most α of any false rejection.
 ///
@@ -58,7 +44,6 @@ pub fn holm(p_values: &[f64]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sim::random::Stream;
 
     #[test]
     fn mcnemar_by_hand() {
@@ -78,25 +63,5 @@ mod tests {
         }
         assert_eq!(holm(&[]), Vec::<f64>::new());
         assert_eq!(holm(&[0.7, 0.9]), [1.0, 1.0]);
-    }
-
-    #[test]
-    fn rate_changes_cover_as_stated() {
-        // Of 60 pairs, 5 % have the event in the base only and 12 % in the candidate only.
-        let mut stream = Stream::seeded(3);
-        let experiments = 2000;
-        let mut covering = 0;
-        for _ in 0..experiments {
-            let (mut base, mut candidate) = (0, 0);
-            for _ in 0..60 {
-                let draw = stream.uniform();
-                base += u64::from(draw < 0.05);
-                candidate += u64::from(draw > 0.88);
-            }
-            covering += u32::from(rate_change(base, candidate, 60, 0.95).contains(0.07));
-        }
-        assert!(f64::from(covering) / f64::from(experiments) >= 0.95, "{covering}");
-        let none = rate_change(0, 0, 100, 0.95);
-        assert!(none.low < 0.0 && none.high > 0.0 && none.high < 0.05, "{none:?}");
     }
 }

@@ -1,4 +1,4 @@
-//! Tails of the binomial distribution and the beta distribution behind them.
+//! Tails of the binomial and of Student's distribution, and the beta distribution behind them.
 
 /// The regularised incomplete beta function I_x(a, b) for a, b > 0.
 ///
@@ -90,10 +90,23 @@ pub fn binomial_at_most(k: u64, n: u64, p: f64) -> f64 {
     if k >= n { 1.0 } else { regularised_beta(1.0 - p, (n - k) as f64, k as f64 + 1.0) }
 }
 
+/// P(T >= t) for Student's t with `freedom` degrees of freedom.
+pub fn student_above(t: f64, freedom: f64) -> f64 {
+    let outside = 0.5 * regularised_beta(freedom / (freedom + t * t), freedom / 2.0, 0.5);
+    if t >= 0.0 { outside } else { 1.0 - outside }
+}
+
+/// The quantile at probability `p` of Student's t with `freedom` degrees of freedom.
+pub fn student_quantile(p: f64, freedom: f64) -> f64 {
+    let x = beta_quantile(2.0 * p.min(1.0 - p), freedom / 2.0, 0.5);
+    let size = (freedom * (1.0 - x) / x).sqrt();
+    if p < 0.5 { -size } else { size }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use statrs::distribution::{Beta, ContinuousCDF};
+    use statrs::distribution::{Beta, ContinuousCDF, StudentsT};
 
     #[test]
     fn the_beta_distribution_agrees_with_another_implementation() {
@@ -122,6 +135,22 @@ mod tests {
             let above: f64 = (k..=n).map(term).sum();
             assert!((binomial_at_least(k, n, p) - above).abs() < 1e-13);
         }
+    }
+
+    #[test]
+    fn students_distribution_agrees_with_another_implementation() {
+        for freedom in [1.0, 4.0, 19.0, 79.0, 1999.0] {
+            let reference = StudentsT::new(0.0, 1.0, freedom).unwrap();
+            for t in [-6.0, -1.0, 0.0, 0.3, 2.0, 4.5] {
+                let (found, expected) = (student_above(t, freedom), reference.sf(t));
+                assert!((found - expected).abs() < 1e-10, "{t} {freedom}: {found} {expected}");
+            }
+            for p in [1e-4, 0.025, 0.4, 0.8, 0.975] {
+                let found = student_quantile(p, freedom);
+                assert!((student_above(found, freedom) - (1.0 - p)).abs() < 1e-10, "{p} {freedom}");
+            }
+        }
+        assert!((student_quantile(0.975, 29.0) - 2.045_229_642).abs() < 1e-8);
     }
 
     #[test]

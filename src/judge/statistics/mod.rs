@@ -5,13 +5,19 @@
 mod bootstrap;
 mod comparison;
 mod distributions;
+mod paired_means;
+mod paired_rates;
 mod proportion;
 mod sequential;
 mod summary;
 
-pub use bootstrap::{mean_interval, paired_difference, relative_change, std_interval};
-pub use comparison::{McNemar, holm, mcnemar, rate_change};
-pub use distributions::{beta_quantile, binomial_at_least, binomial_at_most, regularised_beta};
+pub use bootstrap::{mean_interval, paired_difference};
+pub use comparison::{McNemar, holm, mcnemar};
+pub use distributions::{
+    beta_quantile, binomial_at_least, binomial_at_most, regularised_beta, student_above, student_quantile,
+};
+pub use paired_means::MeanChange;
+pub use paired_rates::{rate_change, rate_rise};
 pub use proportion::{
     clopper_pearson, confidence_of_worst, failures_allowed, lower_bound, runs_needed, upper_bound, wilson,
 };

@@ -1,0 +1,219 @@
+//! How much a metric's mean changes over pairs of runs, and whether by more than a margin.
+//!
+//! Two questions with two answers. *Did anything change?* is answered exactly, whatever the metric's distribution, by
+//! exchanging base and candidate within pairs. *By how much?* is answered by resampling, studentised, with Student's
+//! interval as the least width.
+
+use super::Interval;
+use super::bootstrap::Estimate;
+use super::distributions::student_above;
+use crate::sim::random::Stream;
+
+/// A probability below this, from the first resamples, is looked at again with more of them.
+const WORTH_A_CLOSER_LOOK: f64 = 0.02;
+const MOST_DRAWS: usize = 2_000_000;
+
+/// The mean difference over independent pairs.
+#[derive(Debug, Clone)]
+pub struct MeanChange {
+    differences: Vec<f64>,
+    estimate: Estimate,
+    /// Studentised deviations of the first resamples, sorted; empty where all differences are equal.
+    deviations: Vec<f64>,
+    seed: u64,
+}
+
+impl MeanChange {
+    /// Of `differences`, one per pair; `None` of none. What is random is drawn from `seed`.
+    pub fn new(differences: Vec<f64>, seed: u64) -> Option<Self> {
+        let estimate = match &differences[..] {
+            [] => return None,
+            [only] => Estimate { value: *only, error: f64::INFINITY },
+            several => Estimate::of(several),
+        };
+        let varies = estimate.error > 0.0 && estimate.error.is_finite();
+        let deviations = if varies { estimate.resampled(&differences, seed) } else { Vec::new() };
+        Some(Self { differences, estimate, deviations, seed })
+    }
+
+    pub fn pairs(&self) -> usize {
+        self.differences.len()
+    }
+
+    /// The mean difference.
+    pub fn change(&self) -> f64 {
+        self.estimate.value
+    }
+
+    /// Its standard error; infinite of one pair.
+    pub fn error(&self) -> f64 {
+        self.estimate.error
+    }
+
+    /// Where the mean difference of all pairs there could be lies, at two-sided `confidence`: at each end the farther
+    /// of bootstrap-t's and Student's. Of differences that are all equal an interval of no width: resampling knows of
+    /// no others. Ends are infinite where nothing bounds them.
+    pub fn interval(&self, confidence: f64) -> Interval {
+        let Estimate { value, error } = self.estimate;
+        if error == 0.0 {
+            return Interval { low: value, high: value };
+        }
+        if self.deviations.is_empty() {
+            return Interval { low: f64::NEG_INFINITY, high: f64::INFINITY };
+        }
+        self.estimate.interval(&self.deviations, self.pairs(), confidence)
+    }
+
+    /// The p-value of "the mean difference is at most `bound`". `smallest` is the smallest one that matters.
+    ///
+    /// From resampling, so approximate; where all differences are equal and above the bound it is 0, which says no more
+    /// than [`Self::exchange`].
+    pub fn above(&self, bound: f64, smallest: f64) -> f64 {
+        let Estimate { value, error } = self.estimate;
+        if value <= bound {
+            return 1.0;
+        }
+        if error == 0.0 {
+            return 0.0;
+        }
+        if self.deviations.is_empty() {
+            return 1.0;
+        }
+        let seen = (value - bound) / error;
+        let as_far = self.deviations.iter().filter(|deviation| **deviation >= seen).count();
+        let mut p = (as_far + 1) as f64 / (self.deviations.len() + 1) as f64;
+        if p < WORTH_A_CLOSER_LOOK {
+            let seed = self.seed.wrapping_add(1);
+            let mut again = self.estimate.deviations(&self.differences, seed);
+            p = probability(smallest, || again.next().is_some_and(|deviation| deviation >= seen));
+        }
+        p.max(student_above(seen, self.freedom()))
+    }
+
+    /// The p-value of "base and candidate differ by chance only", against a larger mean in the candidate: the share of
+    /// all ways to exchange base and candidate within pairs that give so large a difference. Exact for any
+    /// distribution; `smallest` is the smallest p-value that matters.
+    pub fn exchange(&self, smallest: f64) -> f64 {
+        let differing: Vec<f64> = self.differences.iter().copied().filter(|one| *one != 0.0).collect();
+        let sum: f64 = differing.iter().sum();
+        if sum <= 0.0 {
+            return 1.0;
+        }
+        // Sums of the same numbers in other orders differ in their last digits.
+        let sum = sum - 1e-9 * differing.iter().map(|one| one.abs()).sum::<f64>();
+        if differing.len() <= 12 {
+            let ways = 1_u64 << differing.len();
+            let as_large = (0..ways).filter(|way| signed_sum(&differing, *way) >= sum).count();
+            return as_large as f64 / ways as f64;
+        }
+        let mut stream = Stream::seeded(self.seed.wrapping_add(2));
+        probability(smallest, || {
+            let exchanged: f64 = differing.chunks(64).map(|chunk| signed_sum(chunk, stream.bits())).sum();
+            exchanged >= sum
+        })
+    }
+
+    fn freedom(&self) -> f64 {
+        (self.pairs() - 1) as f64
+    }
+}
+
+/// The sum with the sign of every number turned whose bit is set.
+fn signed_sum(numbers: &[f64], bits: u64) -> f64 {
+    let signed = |(place, number): (usize, &f64)| if bits >> place & 1 == 1 { -number } else { *number };
+    numbers.iter().enumerate().map(signed).sum()
+}
+
+/// How often something random happens, told well enough where that is about `smallest`, and else as well as need be.
+fn probability(smallest: f64, mut happens: impl FnMut() -> bool) -> f64 {
+    let most = ((20.0 / smallest).ceil() as usize).clamp(2000, MOST_DRAWS);
+    let (mut happened, mut drawn) = (0_usize, 0_usize);
+    while drawn < most && happened < 200 {
+        // Something as likely as the smallest would have happened by now, but for 3 times in 10,000.
+        if happened == 0 && drawn as f64 >= 8.0 / smallest {
+            break;
+        }
+        happened += usize::from(happens());
+        drawn += 1;
+    }
+    (happened + 1) as f64 / (drawn + 1) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn change(differences: &[f64]) -> MeanChange {
+        MeanChange::new(differences.to_vec(), 7).unwrap()
+    }
+
+    fn normal(count: usize, mean: f64, seed: u64) -> Vec<f64> {
+        let mut stream = Stream::seeded(seed);
+        (0..count).map(|_| mean + stream.normal()).collect()
+    }
+
+    #[test]
+    fn the_interval_is_no_narrower_than_students() {
+        let differences = normal(30, 0.0, 5);
+        let found = change(&differences);
+        let interval = found.interval(0.95);
+        // The 97.5 % point of Student's t with 29 degrees of freedom.
+        let half = 2.045 * found.error();
+        assert!(
+            interval.low <= found.change() - 0.999 * half && interval.high >= found.change() + 0.999 * half
+        );
+        assert!(interval.high - interval.low < 1.4 * 2.0 * half, "{interval:?}");
+    }
+
+    #[test]
+    fn p_values_and_intervals_agree() {
+        for seed in 0..20 {
+            let found = change(&normal(25, 0.5, seed));
+            let low = found.interval(0.95).low;
+            assert!(found.above(low - 0.02, 0.025) < 0.027, "{seed}");
+            assert!(found.above(low + 0.02, 0.025) > 0.023, "{seed}");
+        }
+    }
+
+    #[test]
+    fn exchanging_is_exact() {
+        // All eight the same way: 1 of 256.
+        assert_eq!(change(&[0.5; 8]).exchange(0.001), 1.0 / 256.0);
+        // Pairs that do not differ say nothing.
+        let mut with_zeros = vec![0.0; 50];
+        with_zeros.extend([1.0, 2.0, 3.0]);
+        assert_eq!(change(&with_zeros).exchange(0.001), 1.0 / 8.0);
+        assert_eq!(change(&[-1.0, -2.0]).exchange(0.001), 1.0);
+        assert_eq!(change(&[0.0, 0.0]).exchange(0.001), 1.0);
+        // Sum 4 of {1, 2, 3}: only 6 and 4 are as large.
+        assert_eq!(change(&[-1.0, 2.0, 3.0]).exchange(0.001), 2.0 / 8.0);
+        // Many pairs, drawn ways: near what the normal distribution says.
+        let found = change(&normal(200, 0.2, 3));
+        let p = found.exchange(0.001);
+        let student = student_above(found.change() / found.error(), 199.0);
+        assert!((p - student).abs() < 0.2 * student + 0.001, "{p} {student}");
+    }
+
+    #[test]
+    fn small_probabilities_are_told_apart() {
+        let found = change(&normal(100, 1.0, 9));
+        assert!(found.above(0.0, 1e-4) < 2e-5 && found.exchange(1e-4) < 2e-5);
+    }
+
+    #[test]
+    fn what_resampling_cannot_tell() {
+        assert!(MeanChange::new(Vec::new(), 1).is_none());
+        let one = change(&[3.0]);
+        assert_eq!((one.above(0.0, 0.01), one.exchange(0.01)), (1.0, 0.5));
+        assert_eq!(one.interval(0.95), Interval { low: f64::NEG_INFINITY, high: f64::INFINITY });
+        let equal = change(&[0.25; 5]);
+        assert_eq!(equal.interval(0.95), Interval { low: 0.25, high: 0.25 });
+        assert_eq!((equal.above(0.2, 0.01), equal.above(0.25, 0.01)), (0.0, 1.0));
+        // Two of forty differ: no upper end, since resamples may miss both.
+        let mut few = vec![0.0; 38];
+        few.extend([1.0, 2.0]);
+        let interval = change(&few).interval(0.95);
+        assert_eq!(interval.high, f64::INFINITY);
+        assert!(change(&few).above(0.0, 0.001) > 0.05);
+    }
+}
