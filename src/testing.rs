@@ -1,4 +1,4 @@
-//! Suites as tests of a Rust project: every trial and block is a test of `cargo test`.
+//! Suites as tests of a Rust project: every trial, block and gate is a test of `cargo test`.
 //!
 //! In the project's `Cargo.toml`:
 //!
@@ -29,11 +29,14 @@ use libtest_mimic::{Arguments, Failed, Trial};
 use thiserror::Error;
 
 use crate::cli::load;
-use crate::dispatch::{self, Kept, Prepared, Unit, Work, Workshop};
+use crate::dispatch::{
+    self, Kept, Prepared, Unit, Work, Workshop, gate_key, judge_one_gate, measured_trials,
+};
 use crate::experiment::Silent;
 use crate::judge::Verdict;
-use crate::report::{Skip, Standing, UnitReport, explain};
+use crate::report::{Skip, Standing, UnitReport, explain, render_gate_report};
 use crate::run::Stop;
+use crate::scenario::Gate;
 
 /// Why there are no tests.
 #[derive(Debug, Error)]
@@ -47,7 +50,7 @@ pub enum TestingError {
     Invalid,
 }
 
-/// Runs every unit of the suites and scenarios that the glob patterns name, as the program's arguments say: they are those
+/// Runs every unit and judges every gate of the suites and scenarios that the glob patterns name, as the program's arguments say: they are those
 /// of `cargo test`. The exit code is 101 if something did not pass or could not be loaded.
 pub fn run(patterns: &[&str]) -> ExitCode {
     let arguments = Arguments::from_args();
@@ -60,9 +63,10 @@ pub fn run(patterns: &[&str]) -> ExitCode {
     }
 }
 
-/// The units as tests, to be run together with others.
+/// The units and gates as tests, to be run together with others.
 ///
-/// A block runs what it needs, whether that is selected or not, and at most once. What could not be decided fails.
+/// A block runs what it needs, whether that is selected or not, and at most once; a gate runs its suite's trials. What
+/// could not be decided fails.
 ///
 /// # Errors
 /// If a pattern names no file or a file has errors.
@@ -77,7 +81,14 @@ pub fn trials(patterns: &[&str]) -> Result<Vec<Trial>, TestingError> {
         let session = Arc::clone(&session);
         Trial::test(session.units[index].key.to_string(), move || session.judge(index))
     };
-    Ok((0..session.units.len()).map(trial).collect())
+    let gates = suites.iter().enumerate().flat_map(|(suite, prepared)| {
+        let session = Arc::clone(&session);
+        prepared.suite.gates.iter().map(move |gate| {
+            let session = Arc::clone(&session);
+            Trial::test(gate_key(&prepared.suite.name, gate), move || session.judge_gate(suite, gate))
+        })
+    });
+    Ok((0..session.units.len()).map(trial).chain(gates).collect())
 }
 
 fn files(patterns: &[&str]) -> Result<Vec<String>, TestingError> {
@@ -125,6 +136,23 @@ impl Session {
                 let suite = self.workshop.identity(self.units[index].suite);
                 Err(explain(&suite, report, false).into())
             }
+        }
+    }
+
+    fn judge_gate(&self, suite: usize, gate: &'static Gate) -> Result<(), Failed> {
+        let of_suite = self.units.iter().enumerate().filter(|(_, unit)| unit.suite == suite);
+        let trials: Vec<_> = of_suite
+            .filter(|(_, unit)| matches!(unit.work, Work::Trial(_)))
+            .filter_map(|(index, _)| match &self.done(index).report {
+                UnitReport::Trial(trial) => Some(trial),
+                UnitReport::Recorded(_) | UnitReport::Block(_) => None,
+            })
+            .collect();
+        let measured = measured_trials(&self.workshop, suite, &trials);
+        let report = judge_one_gate(&self.workshop, suite, gate, measured.as_ref(), false);
+        match report.standing() {
+            Standing::Judged(Verdict::Passed) => Ok(()),
+            _ => Err(render_gate_report(&self.workshop.identity(suite), &report, false).into()),
         }
     }
 

@@ -267,21 +267,6 @@ fn a_search_and_a_tune_from_the_command_line() {
 }
 
 #[test]
-fn a_gate_is_refused_rather_than_ignored() {
-    let folder = tempfile::tempdir().unwrap();
-    let scenario = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/zebra/scripted.scn");
-    let text = format!(
-        "suite gated {{\n  scenarios \"{}\"\n  gate braking {{ baseline \"b.json\"; no metric worse by more than 5 % with 95 % confidence }}\n}}\n",
-        scenario.display()
-    );
-    let path = folder.path().join("gated.suite");
-    std::fs::write(&path, text).unwrap();
-    let output = scenario_runner(&[&path.to_string_lossy()]);
-    assert_eq!(code(&output), 3, "{}{}", stdout(&output), stderr(&output));
-    assert!(stderr(&output).contains("gate `braking` cannot be judged"), "{}", stderr(&output));
-}
-
-#[test]
 fn reports_are_written_in_every_format() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).to_string_lossy().into_owned();

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use scenario_runner::metrics::{METRICS, Metric, MetricKind, Scope, Worst};
+use scenario_runner::metrics::{Absence, METRICS, Metric, MetricKind, Scope, Worst};
 use scenario_runner::scenario::{Parameter, ParameterKind};
 
 const INTRODUCTION: &str = "\
@@ -53,6 +53,11 @@ fn section(metric: &Metric) -> String {
     };
     let mut text = format!("\n## `{}`\n\n{}\n\n", declaration.name, declaration.summary);
     writeln!(text, "- Value: {value}, {scope}; {worst}").unwrap();
+    match metric.absence {
+        Absence::Good => text.push_str("- Undefined: better than any value when runs are compared\n"),
+        Absence::Bad => text.push_str("- Undefined: worse than any value when runs are compared\n"),
+        Absence::Open => {}
+    }
     writeln!(text, "- Source: {}", declaration.source).unwrap();
     if !declaration.parameters.is_empty() {
         text.push_str("\n| parameter | default | range | meaning | source |\n|---|---|---|---|---|\n");

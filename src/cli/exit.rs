@@ -18,8 +18,12 @@ pub enum Exit {
     Unformatted = 5,
     /// A verdict failed, or something could not be run.
     Failed = 100,
+    /// Something is worse than the baseline by more than is tolerated.
+    Regressed = 101,
     /// No verdict failed, but one could not be decided with the runs there were.
     Inconclusive = 102,
+    /// A baseline is missing, or may not be compared with.
+    Baseline = 103,
     /// Somebody pressed Ctrl-C before everything was run.
     Interrupted = 105,
     /// A report could not be written.
@@ -35,7 +39,9 @@ Exit codes:
     4  no trial or block was selected
     5  `fmt --check` found a file that is not in the one style
   100  a verdict failed, or something could not be run
+  101  something is worse than the baseline
   102  no verdict failed, but one is inconclusive
+  103  a baseline is missing or may not be compared with
   105  interrupted: what was finished is reported
   110  a report could not be written
 

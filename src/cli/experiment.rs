@@ -10,8 +10,9 @@ use clap::Args;
 use super::interrupt::stop_on_interrupt;
 use super::{Exit, load, shows_progress, store};
 use crate::dispatch::{self, Orders, Unit, Work, Workshop, dispatch};
-use crate::experiment::{Block, BlockResult, CaseFile};
+use crate::experiment::{Block, BlockResult, CaseFile, ParameterFile};
 use crate::report::{BlockReport, BlockState, Live, Terminal, render_block, tuned_parameters};
+use crate::scenario::Suite;
 
 #[derive(Debug, Args)]
 pub struct ExperimentArguments {
@@ -25,7 +26,8 @@ pub struct ExperimentArguments {
     #[arg(long, value_name = "SEED")]
     seed: Option<u64>,
 
-    /// Write the result for use elsewhere: a search its kept cases, a tune its parameters as definitions to `use`.
+    /// Write the result for use elsewhere: a search its kept cases, a tune its parameters as definitions to `use`, or as
+    /// JSON for an `evaluate` if the name ends in `.json`. `compare --parameters` takes both.
     #[arg(long, value_name = "PATH")]
     save: Option<PathBuf>,
 
@@ -96,7 +98,10 @@ fn run(arguments: &ExperimentArguments, kind: &'static str) -> Exit {
         // What it needs failed, and said so above.
         return Exit::Failed;
     };
-    let saved = save(arguments.save.as_deref(), || file(block, result))
+    let suite = &workshop.suites()[units[wanted].suite].suite;
+    let as_json = |path: &Path| path.extension().is_some_and(|extension| extension == "json");
+    let as_json = arguments.save.as_deref().is_some_and(as_json);
+    let saved = save(arguments.save.as_deref(), || file(suite, block, result, as_json))
         .and_then(|()| save(arguments.json.as_deref(), || json(result)));
     if let Err((path, error)) = saved {
         eprintln!("error: cannot write {}: {error}", path.display());
@@ -135,10 +140,13 @@ fn error(report: &BlockReport) -> Option<String> {
     }
 }
 
-/// The result as others use it.
-fn file(block: Block, result: &BlockResult) -> String {
+/// The result as others use it; of a tune definitions, or what an evaluation reads.
+fn file(suite: &Suite, block: Block, result: &BlockResult, as_json: bool) -> String {
     match (block, result) {
-        (Block::Tune(tune), BlockResult::Tune(tuned)) => tuned_parameters(tuned, tune),
+        (Block::Tune(tune), BlockResult::Tune(tuned)) => {
+            let file = ParameterFile::of(suite, tune, tuned).filter(|_| as_json);
+            file.map_or_else(|| tuned_parameters(tuned, tune), |file| file.write())
+        }
         (_, BlockResult::Search(search)) => CaseFile::write(&search.kept),
         _ => json(result),
     }

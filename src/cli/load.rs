@@ -45,7 +45,6 @@ pub fn examine(path: &Path, text: Option<&str>) -> (Vec<Diagnostic>, Sources) {
 fn load(file: &str, seed: Option<u64>, colour: bool) -> Result<Prepared, ()> {
     let lang::Loaded { mut suite, sources, .. } = read(file, colour)?;
     suite.seed = seed.unwrap_or(suite.seed);
-    refuse_gates(&suite, colour)?;
     refuse_hopeless(&suite, &sources, colour)?;
     let plan = plan(&suite).map_err(|errors| show_plan_errors(&errors, colour))?;
     build_everybody(&suite, &plan, colour)?;
@@ -91,18 +90,6 @@ fn refuse_hopeless(suite: &Suite, sources: &Sources, colour: bool) -> Result<(),
     if found.iter().any(|one| one.severity == Severity::Error) { Err(()) } else { Ok(()) }
 }
 
-/// A gate that nobody judges would let every regression pass.
-fn refuse_gates(suite: &Suite, colour: bool) -> Result<(), ()> {
-    for gate in &suite.gates {
-        let title =
-            format!("gate `{}` cannot be judged: this version reads gates but keeps no baselines", gate.name);
-        let help = Some("take the gate out; `check` and `fmt` work with it");
-        let excerpt = Excerpt { title: &title, origin: &gate.origin, label: "", notes: &[], help };
-        eprintln!("{}\n", excerpt.render(colour));
-    }
-    if suite.gates.is_empty() { Ok(()) } else { Err(()) }
-}
-
 /// Builds road users once, so that what a model cannot do is said before anything runs.
 fn build_everybody(suite: &Suite, plan: &Plan, colour: bool) -> Result<(), ()> {
     let obstacles = rehearse_trials(suite, &plan.trials);
@@ -121,7 +108,7 @@ fn build_everybody(suite: &Suite, plan: &Plan, colour: bool) -> Result<(), ()> {
 }
 
 /// Loads and checks one file; warnings and errors go to stderr.
-fn read(file: &str, colour: bool) -> Result<lang::Loaded, ()> {
+pub fn read(file: &str, colour: bool) -> Result<lang::Loaded, ()> {
     let style = lang::Style { colour };
     match lang::load(Path::new(file)) {
         Ok(loaded) => {

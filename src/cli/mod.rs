@@ -1,7 +1,9 @@
 //! The command line: one file a subcommand.
 
+mod baseline;
 mod calibrate;
 mod check;
+mod compare;
 mod convert;
 mod exit;
 mod experiment;
@@ -14,7 +16,9 @@ mod interrupt;
 mod list;
 pub(crate) mod load;
 mod lsp;
+mod measured;
 mod models;
+mod parameters;
 mod record;
 mod replay;
 mod run;
@@ -73,6 +77,10 @@ enum Command {
     Search(experiment::ExperimentArguments),
     /// Run a `tune` block: find the controller parameters that are best on a set of cases.
     Tune(experiment::ExperimentArguments),
+    /// Record, show and compare what the runs of a suite came to, as files to commit.
+    Baseline(baseline::BaselineArguments),
+    /// Is a candidate worse than a base, beyond what is tolerated and beyond doubt?
+    Compare(compare::CompareArguments),
     /// Retain the parameter sets of the COMMOTIONS model that behave as criteria demand.
     Calibrate(calibrate::CalibrateArguments),
     /// Compare models with published numbers, with full counts.
@@ -107,6 +115,8 @@ pub fn main() -> ExitCode {
         Some(Command::Models(arguments)) => models::models(&arguments),
         Some(Command::Search(arguments)) => experiment::search(&arguments),
         Some(Command::Tune(arguments)) => experiment::tune(&arguments),
+        Some(Command::Baseline(arguments)) => baseline::baseline(&arguments),
+        Some(Command::Compare(arguments)) => compare::compare(&arguments),
         Some(Command::Calibrate(arguments)) => calibrate::run(&arguments),
         Some(Command::Validate(arguments)) => validate::run(&arguments),
         Some(Command::Replay(arguments)) => replay::replay(&arguments),

@@ -367,6 +367,7 @@ fn suite_report<'a>(
         recorded: Vec::new(),
         trials: Vec::new(),
         blocks: Vec::new(),
+        gates: Vec::new(),
     };
     for (unit, slot) in units.iter().zip(slots).filter(|(unit, _)| unit.suite == suite) {
         match slot.take().unwrap_or_else(|| workshop.skipped(unit, Skip::NotSelected)) {

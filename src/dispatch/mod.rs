@@ -4,12 +4,14 @@
 //! locks. Results do not depend on the number of workers.
 
 mod dispatcher;
+mod gates;
 mod kept;
 mod schedule;
 mod unit;
 mod workshop;
 
 pub use dispatcher::{Orders, dispatch};
+pub use gates::{gate_key, judge_gates, judge_one_gate, measured_trials};
 pub use kept::Kept;
 pub use unit::{Prepared, Unit, Work, units, with_needs};
 pub use workshop::{Watch, Workshop};

@@ -30,6 +30,7 @@ use crate::scenario::{Scenario, Suite};
 pub use block::{Block, BlockResult, Need, Results};
 pub use cases::{CaseFile, SavedCase, SavedSet};
 pub use evaluate::{ConditionResult, Difference, EvaluateResult, ParameterValue, run_evaluate};
+pub use overrides::apply as apply_settings;
 pub use parameters::ParameterFile;
 pub use runs::{CaseRun, MetricSummary};
 pub use search::{Course, CoursePoint, Found, SearchResult, run_search};
@@ -66,6 +67,8 @@ impl<'a> Laboratory<'a> {
         for statement in &suite.statements {
             statement::measured(statement).iter().for_each(|one| requests.add(one.aggregate.metric()));
         }
+        let rules = suite.gates.iter().flat_map(|gate| &gate.rules);
+        rules.filter_map(|rule| rule.metric.as_ref()).for_each(|metric| requests.add(metric));
         Self { suite, requests, free_flows: FreeFlows::default(), journals, stop: Stop::default() }
     }
 

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::{ExperimentError, Laboratory, TuneResult, overrides};
-use crate::scenario::{Target, Tune, Value};
+use super::{ExperimentError, TuneResult, overrides};
+use crate::scenario::{Suite, Target, Tune, Value};
 
 /// What a tune chose, in its order; JSON.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -18,9 +18,8 @@ pub struct ParameterFile {
 
 impl ParameterFile {
     /// `None` if nothing was chosen.
-    pub fn of(laboratory: &Laboratory, tune: &Tune, result: &TuneResult) -> Option<Self> {
+    pub fn of(suite: &Suite, tune: &Tune, result: &TuneResult) -> Option<Self> {
         let chosen = result.chosen.as_ref()?;
-        let suite = laboratory.suite;
         Some(Self {
             name: tune.name.clone(),
             source: format!(

@@ -604,9 +604,8 @@ fn courses_follow_those_who_were_kept() {
 fn tuned_parameters_round_trip_as_a_condition() {
     let mut suite = evaluated_suite();
     let results = run_all(&suite);
-    let laboratory = Laboratory::new(&suite, None);
     let tuned = results.tune("braking").unwrap();
-    let saved = ParameterFile::of(&laboratory, &suite.tunes[0], tuned).unwrap();
+    let saved = ParameterFile::of(&suite, &suite.tunes[0], tuned).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("braking.json");
     std::fs::write(&path, saved.write()).unwrap();

@@ -1,8 +1,11 @@
-//! Criteria over a trial's outcomes: verdicts, with how far from failing and which runs were worst.
+//! Criteria over a trial's outcomes: verdicts, with how far from failing and which runs were worst. Baselines, and gates
+//! that compare with them.
 
+pub mod baseline;
 mod budget;
 mod confidence;
 mod criteria;
+pub mod gate;
 mod per_run;
 pub mod statistics;
 mod stopping;

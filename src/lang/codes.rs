@@ -282,7 +282,8 @@ codes! {
          true or false its rate. A search has one objective, a tune one or two.";
     BadGate = "E0806", "a gate compares nothing",
         "A gate names a baseline file and says at least once what may not get worse: \
-         `gate braking { baseline \"zebra.json\"; no metric worse by more than 5 % with 95 % confidence }`.";
+         `gate braking { baseline \"zebra.json\"; no metric worse by more than 5 % with 95 % confidence }`. A metric whose \
+         values are words, such as `passed_first`, has no better or worse.";
     UnknownBlock = "E0807", "there is no such search, tune or evaluate",
         "Blocks refer to each other by name: a tune to the search whose cases it takes, an evaluate to the tunes that it \
          compares, a statement to what it measures.";

@@ -42,8 +42,9 @@ pub use tree::{Node, NodeIndex, Rule, Tree};
 pub use units::{UNITS, Unit};
 pub use yaml::schema as yaml_schema;
 
-use crate::scenario::Suite;
+use crate::scenario::{Dimension, Expression, Origin, Suite, Value};
 use files::Files;
+use value::{Binding, Kind, Typed};
 
 /// A suite without errors.
 #[derive(Debug, Clone)]
@@ -67,6 +68,46 @@ pub struct Examined {
     pub suite: Option<Suite>,
     pub found: Vec<Diagnostic>,
     pub sources: Sources,
+}
+
+/// A constant with a name, such as `let braking_distance = 4.75 m`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NamedValue {
+    pub name: String,
+    pub value: Value,
+    /// Of a number.
+    pub dimension: Option<Dimension>,
+    /// Whether another definition builds on it.
+    pub used: bool,
+    pub origin: Origin,
+}
+
+/// The constants that a file defines, by name: what `tune --save` writes.
+pub fn named_values(path: &Path) -> Result<Vec<NamedValue>, Failure> {
+    let (mut files, mut report) = (Files::default(), Vec::new());
+    let file = files.open(path, None, &mut report);
+    let names = file.into_iter().flat_map(|file| &files.scope(file).names);
+    let constant = |(name, binding): (&String, &Binding)| {
+        let Typed { expression: Expression::Constant(value), kind, .. } = binding.value.as_ref()? else {
+            return None;
+        };
+        Some(NamedValue {
+            name: name.clone(),
+            value: value.clone(),
+            dimension: if let Kind::Number(dimension) = kind { Some(*dimension) } else { None },
+            used: binding.used.get(),
+            origin: files.sources.origin(binding.span),
+        })
+    };
+    let mut found: Vec<NamedValue> = names.filter_map(constant).collect();
+    found.sort_by(|left, right| left.name.cmp(&right.name));
+    if files::has_errors(&report) {
+        report.iter_mut().flat_map(|one| &mut one.labels).for_each(|label| {
+            label.span = files.sources.resolve(label.span);
+        });
+        return Err(Failure { diagnostics: report, sources: files.sources });
+    }
+    Ok(found)
 }
 
 /// Reads and checks a `.suite` file, or a `.scn` file as a suite named after it with seed [`DEFAULT_SEED`].

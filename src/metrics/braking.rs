@@ -2,7 +2,7 @@
 
 use super::encounter::lerp;
 use super::sliding::Sliding;
-use super::{Encounters, Meter, Metric, MetricContext, MetricKind, Scope, Worst};
+use super::{Absence, Encounters, Meter, Metric, MetricContext, MetricKind, Scope, Worst};
 use crate::scenario::{Declaration, Dimension, Parameter};
 use crate::sim::Step;
 
@@ -37,6 +37,7 @@ pub static MAX_DECELERATION: Metric = Metric {
     kind: MetricKind::Quantity(Dimension::ACCELERATION),
     scope: Scope::Vehicle,
     worst: Worst::Largest,
+    absence: Absence::Open,
     build: |context| Box::new(MaxDeceleration(Deceleration::new(context))),
 };
 
@@ -78,6 +79,7 @@ pub static SUDDEN_SPEED_CHANGE: Metric = Metric {
     kind: MetricKind::Flag,
     scope: Scope::Vehicle,
     worst: Worst::Largest,
+    absence: Absence::Open,
     build: |context| {
         let threshold = context.settings.number("threshold");
         Box::new(SuddenSpeedChange { threshold, deceleration: Deceleration::new(context) })

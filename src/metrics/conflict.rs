@@ -3,7 +3,7 @@
 //! The conflict point is where the vehicle's path (the centre line of its lane) and the pedestrian's actual path
 //! cross. A pedestrian who retreats passes the line several times, each time at a conflict point of its own.
 
-use super::{Encounters, Meter, Metric, MetricContext, MetricKind, Passing, Scope, Visit, Worst};
+use super::{Absence, Encounters, Meter, Metric, MetricContext, MetricKind, Passing, Scope, Visit, Worst};
 use crate::scenario::{ChoiceOption, Declaration, Dimension, Parameter};
 
 const ZERO_ON_COLLISION: Parameter = Parameter::flag(
@@ -25,6 +25,7 @@ pub static PET: Metric = Metric {
     kind: MetricKind::Quantity(Dimension::TIME),
     scope: Scope::Pair,
     worst: Worst::Smallest,
+    absence: Absence::Open,
     build: |context| Box::new(Pet { pair: pair(context), zero_on_collision: zero_on_collision(context) }),
 };
 
@@ -77,6 +78,7 @@ pub static PET_AREA: Metric = Metric {
     kind: MetricKind::Quantity(Dimension::TIME),
     scope: Scope::Pair,
     worst: Worst::Smallest,
+    absence: Absence::Open,
     build: |context| {
         let half_length = context.world.vehicles[context.vehicle].length / 2.0;
         let zero_on_collision = zero_on_collision(context);
@@ -136,6 +138,7 @@ pub static PASSED_FIRST: Metric = Metric {
     kind: MetricKind::Category(&["none", "pedestrian", "vehicle"]),
     scope: Scope::Pair,
     worst: Worst::Largest,
+    absence: Absence::Open,
     build: |context| Box::new(PassedFirst(Order::new(context))),
 };
 
@@ -163,6 +166,7 @@ pub static GAP_ACCEPTED: Metric = Metric {
     kind: MetricKind::Flag,
     scope: Scope::Pair,
     worst: Worst::Smallest,
+    absence: Absence::Open,
     build: |context| Box::new(GapAccepted(Order::new(context))),
 };
 
@@ -235,6 +239,7 @@ pub static TTA_AT_ENTRY: Metric = Metric {
     kind: MetricKind::Quantity(Dimension::TIME),
     scope: Scope::Pair,
     worst: Worst::Smallest,
+    absence: Absence::Open,
     build: |context| {
         let from_front = context.settings.word("reference") == "front";
         let ahead = if from_front { context.world.vehicles[context.vehicle].length / 2.0 } else { 0.0 };

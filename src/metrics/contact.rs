@@ -1,6 +1,6 @@
 //! How near the footprints come: collision, impact speed, smallest distance.
 
-use super::{Encounters, Meter, Metric, MetricContext, MetricKind, Scope, Worst};
+use super::{Absence, Encounters, Meter, Metric, MetricContext, MetricKind, Scope, Worst};
 use crate::scenario::{Declaration, Dimension};
 use crate::sim::geometry::distance;
 use crate::sim::{PedestrianState, Step, VehicleState};
@@ -16,6 +16,7 @@ pub static COLLISION: Metric = Metric {
     kind: MetricKind::Flag,
     scope: Scope::Pair,
     worst: Worst::Largest,
+    absence: Absence::Open,
     build: |context| Box::new(Collision { pair: (context.vehicle, context.pedestrian) }),
 };
 
@@ -44,6 +45,7 @@ pub static IMPACT_SPEED: Metric = Metric {
     kind: MetricKind::Quantity(Dimension::SPEED),
     scope: Scope::Pair,
     worst: Worst::Largest,
+    absence: Absence::Good,
     build: |context| Box::new(ImpactSpeed { pair: (context.vehicle, context.pedestrian) }),
 };
 
@@ -72,6 +74,7 @@ pub static MIN_DISTANCE: Metric = Metric {
     kind: MetricKind::Quantity(Dimension::LENGTH),
     scope: Scope::Pair,
     worst: Worst::Smallest,
+    absence: Absence::Open,
     build: |context| Box::new(MinDistance::new(context)),
 };
 

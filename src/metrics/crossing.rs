@@ -1,7 +1,7 @@
 //! How the pedestrian crosses: when it sets off, how long it is in the lane, what waiting costs it.
 
 use super::encounter::{rising, velocity_inside};
-use super::{Encounters, Meter, Metric, MetricContext, MetricKind, Scope, Worst};
+use super::{Absence, Encounters, Meter, Metric, MetricContext, MetricKind, Scope, Worst};
 use crate::scenario::{Declaration, Dimension, Parameter};
 use crate::sim::Step;
 
@@ -23,6 +23,7 @@ pub static CROSSING_INITIATION_TIME: Metric = Metric {
     kind: MetricKind::Quantity(Dimension::TIME),
     scope: Scope::Pedestrian,
     worst: Worst::Largest,
+    absence: Absence::Bad,
     build: |context| {
         let threshold = context.settings.number("speed");
         let pedestrian = context.pedestrian;
@@ -74,6 +75,7 @@ pub static CROSSING_DURATION: Metric = Metric {
     kind: MetricKind::Quantity(Dimension::TIME),
     scope: Scope::Pair,
     worst: Worst::Largest,
+    absence: Absence::Bad,
     build: |context| Box::new(CrossingDuration { pair: (context.vehicle, context.pedestrian) }),
 };
 
@@ -104,6 +106,7 @@ pub static PEDESTRIAN_DELAY: Metric = Metric {
     kind: MetricKind::Quantity(Dimension::TIME),
     scope: Scope::Pair,
     worst: Worst::Largest,
+    absence: Absence::Bad,
     build: |context| Box::new(PedestrianDelay::new(context)),
 };
 

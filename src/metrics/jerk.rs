@@ -1,7 +1,7 @@
 //! How smoothly the vehicle drives: largest and root mean square jerk.
 
 use super::sliding::Sliding;
-use super::{Encounters, Meter, Metric, MetricContext, MetricKind, Scope, Worst};
+use super::{Absence, Encounters, Meter, Metric, MetricContext, MetricKind, Scope, Worst};
 use crate::scenario::{Declaration, Dimension, Parameter};
 use crate::sim::Step;
 
@@ -28,6 +28,7 @@ pub static MAX_JERK: Metric = Metric {
     kind: MetricKind::Quantity(Dimension::JERK),
     scope: Scope::Vehicle,
     worst: Worst::Largest,
+    absence: Absence::Open,
     build: |context| Box::new(MaxJerk(Jerk::new(context))),
 };
 
@@ -58,6 +59,7 @@ pub static RMS_JERK: Metric = Metric {
     kind: MetricKind::Quantity(Dimension::JERK),
     scope: Scope::Vehicle,
     worst: Worst::Largest,
+    absence: Absence::Open,
     build: |context| Box::new(RmsJerk(Jerk::new(context))),
 };
 

@@ -33,6 +33,7 @@ pub struct Metric {
     pub scope: Scope,
     /// Which of several values, one per pair, is the one that counts for the run.
     pub worst: Worst,
+    pub absence: Absence,
     pub build: fn(&MetricContext) -> Box<dyn Meter>,
 }
 
@@ -58,6 +59,17 @@ pub enum Scope {
 pub enum Worst {
     Smallest,
     Largest,
+}
+
+/// What it says of a run that a metric does not exist in it, for comparisons of runs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Absence {
+    /// The danger that it measures never arose.
+    Good,
+    /// Somebody never got to the end.
+    Bad,
+    /// Neither for sure, or it exists in every run.
+    Open,
 }
 
 /// Reads one metric for one subject (a pair, a vehicle or a pedestrian) off a run.

@@ -1,7 +1,7 @@
 //! How urgent it gets: time to collision and the deceleration that would avoid a crash.
 
 use super::encounter::{along, half_extent};
-use super::{Encounters, Meter, Metric, MetricContext, MetricKind, Scope, Worst};
+use super::{Absence, Encounters, Meter, Metric, MetricContext, MetricKind, Scope, Worst};
 use crate::scenario::{Declaration, Dimension, Parameter};
 use crate::sim::{PedestrianState, Step, VehicleState};
 
@@ -17,6 +17,7 @@ pub static MIN_TTC: Metric = Metric {
     kind: MetricKind::Quantity(Dimension::TIME),
     scope: Scope::Pair,
     worst: Worst::Smallest,
+    absence: Absence::Good,
     build: |context| {
         Box::new(MinTtc { pair: (context.vehicle, context.pedestrian), smallest: None, instant: 0.0 })
     },
@@ -71,6 +72,7 @@ pub static DRAC: Metric = Metric {
     kind: MetricKind::Quantity(Dimension::ACCELERATION),
     scope: Scope::Pair,
     worst: Worst::Largest,
+    absence: Absence::Good,
     build: |context| Box::new(Drac::new(context)),
 };
 

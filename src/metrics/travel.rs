@@ -1,7 +1,7 @@
 //! What the encounter costs the vehicle: time lost and time stopped.
 
 use super::encounter::{lerp, rising};
-use super::{Encounters, FreeFlow, Meter, Metric, MetricContext, MetricKind, Scope, Worst};
+use super::{Absence, Encounters, FreeFlow, Meter, Metric, MetricContext, MetricKind, Scope, Worst};
 use crate::scenario::{Declaration, Dimension, Parameter};
 use crate::sim::Step;
 
@@ -24,6 +24,7 @@ pub static TIME_LOST: Metric = Metric {
     kind: MetricKind::Quantity(Dimension::TIME),
     scope: Scope::Vehicle,
     worst: Worst::Largest,
+    absence: Absence::Bad,
     build: |context| Box::new(TimeLost::new(context)),
 };
 
@@ -84,6 +85,7 @@ pub static STOPPED_TIME: Metric = Metric {
     kind: MetricKind::Quantity(Dimension::TIME),
     scope: Scope::Vehicle,
     worst: Worst::Largest,
+    absence: Absence::Open,
     build: |context| {
         let speed = context.settings.number("speed");
         Box::new(StoppedTime { vehicle: context.vehicle, speed, total: 0.0 })

@@ -7,9 +7,14 @@ use super::experiment::render_block;
 use super::failure::{render_block_failure, render_failure};
 use super::figures::{scenarios, short_name};
 use super::findings::{data, property};
-use super::replay::block_command;
+use super::gate::render_gate_report;
+use super::gate_markdown::gate_markdown;
+use super::replay::{block_command, replay_command};
 use super::wording::{stopping, verdict_mark, verdict_word};
-use super::{BlockReport, BlockState, RecordedReport, Standing, SuiteReport, TrialReport, TrialState};
+use super::{
+    BlockReport, BlockState, GateReport, GateState, RecordedReport, Standing, SuiteReport, TrialReport,
+    TrialState,
+};
 use crate::judge::Verdict;
 use crate::run::Requests;
 use crate::scenario::Origin;
@@ -82,6 +87,19 @@ pub fn annotations(reports: &[SuiteReport]) -> String {
         let again = block_command(&report.identity, &block.key);
         add("error", block.block.origin().clone(), format!("{title} {said}"), format!("{what}\n{again}"));
     }
+    for (report, gate) in reports.iter().flat_map(|one| one.gates.iter().map(move |gate| (one, gate))) {
+        let (level, what) = match &gate.state {
+            GateState::Skipped(_) => continue,
+            GateState::Refused(_) => ("error", "cannot be judged"),
+            GateState::Judged(verdict) => match verdict.verdict {
+                Verdict::Passed => continue,
+                Verdict::Inconclusive => ("warning", "inconclusive"),
+                Verdict::Failed => ("error", "regressed"),
+            },
+        };
+        let said = render_gate_report(&report.identity, gate, false);
+        add(level, gate.gate.origin.clone(), format!("gate {} {what}", gate.gate.name), said);
+    }
     let mut text = String::new();
     for Annotation { level, origin, title, trials } in annotations {
         let mut message = trials.iter().take(MOST_TRIALS_NAMED).cloned().collect::<Vec<_>>().join("\n");
@@ -109,6 +127,27 @@ pub fn step_summary(reports: &[SuiteReport], requests: &Requests) -> String {
     let mut text = String::new();
     for report in reports {
         suite_summary(&mut text, report, requests);
+        for gate in &report.gates {
+            text += &match &gate.state {
+                GateState::Judged(verdict) => {
+                    gate_markdown(verdict, &|key| Some(replay_command(&report.identity, key)))
+                }
+                GateState::Refused(refusal) => {
+                    let reasons: String =
+                        refusal.reasons.iter().map(|reason| format!("- {}\n", markdown(reason))).collect();
+                    format!(
+                        "### 💥 {}: cannot be judged\n\n{}\n\n{reasons}\n{}\n",
+                        markdown(&gate.gate.name),
+                        markdown(&refusal.message),
+                        markdown(&refusal.help)
+                    )
+                }
+                GateState::Skipped(message) => {
+                    format!("### {}: not judged\n\n{}\n", markdown(&gate.gate.name), markdown(message))
+                }
+            };
+            text.push('\n');
+        }
     }
     if text.len() > MOST_SUMMARY_BYTES {
         let most = (0..=MOST_SUMMARY_BYTES).rev().find(|end| text.is_char_boundary(*end)).unwrap_or(0);
@@ -127,7 +166,8 @@ fn suite_summary(text: &mut String, report: &SuiteReport, requests: &Requests) {
     let recorded = report.recorded.iter().map(RecordedReport::standing);
     let trials = report.trials.iter().map(TrialReport::standing);
     let blocks = report.blocks.iter().map(BlockReport::standing);
-    let standings: Vec<_> = recorded.chain(trials).chain(blocks).collect();
+    let gates = report.gates.iter().map(GateReport::standing);
+    let standings: Vec<_> = recorded.chain(trials).chain(blocks).chain(gates).collect();
     let count = |wanted| standings.iter().filter(|standing| **standing == wanted).count();
     let runs: usize = report.trials.iter().map(|trial| trial.outcomes.len()).sum();
     let counts = [
@@ -245,7 +285,7 @@ fn html(text: &str) -> String {
 }
 
 /// Text in which nothing means more than it says.
-fn markdown(text: &str) -> String {
+pub(super) fn markdown(text: &str) -> String {
     let mut plain = String::with_capacity(text.len());
     for letter in text.chars() {
         match letter {

@@ -3,7 +3,10 @@
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
-use super::{BlockReport, BlockState, RecordedReport, RecordedState, SuiteReport, TrialReport, TrialState};
+use super::{
+    BlockReport, BlockState, GateReport, GateState, RecordedReport, RecordedState, SuiteReport, TrialReport,
+    TrialState,
+};
 use crate::run::{Outcome, Requests};
 
 /// Version of the layout; raised when a reader would have to change.
@@ -30,6 +33,7 @@ fn suite_value(report: &SuiteReport, requests: &Requests) -> Value {
         "recorded": report.recorded.iter().map(|one| recorded_value(one, requests)).collect::<Vec<_>>(),
         "trials": report.trials.iter().map(|trial| trial_value(trial, requests)).collect::<Vec<_>>(),
         "blocks": report.blocks.iter().map(block_value).collect::<Vec<_>>(),
+        "gates": report.gates.iter().map(gate_value).collect::<Vec<_>>(),
     })
 }
 
@@ -94,6 +98,32 @@ fn recorded_value(report: &RecordedReport, requests: &Requests) -> Value {
     fields.insert("verdict".into(), verdict);
     if let Some(message) = message {
         fields.insert("message".into(), message.into());
+    }
+    value
+}
+
+fn gate_value(report: &GateReport) -> Value {
+    let mut value = json!({
+        "key": report.key,
+        "gate": report.gate.name,
+        "rules": report.gate.rules.iter().map(|rule| rule.text.as_str()).collect::<Vec<_>>(),
+    });
+    let fields = value.as_object_mut().expect("it was made as an object");
+    match &report.state {
+        GateState::Judged(verdict) => {
+            fields.insert("verdict".into(), plain(&verdict.verdict));
+            fields.insert("result".into(), plain(verdict));
+        }
+        GateState::Refused(refusal) => {
+            fields.insert("verdict".into(), "error".into());
+            fields.insert("message".into(), refusal.message.as_str().into());
+            fields.insert("reasons".into(), refusal.reasons.clone().into());
+            fields.insert("help".into(), refusal.help.as_str().into());
+        }
+        GateState::Skipped(message) => {
+            fields.insert("verdict".into(), "skipped".into());
+            fields.insert("message".into(), message.as_str().into());
+        }
     }
     value
 }

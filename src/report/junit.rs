@@ -7,9 +7,12 @@ use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 use super::digest::Digest;
 use super::experiment::render_block;
 use super::failure::{render_block_failure, render_failure};
+use super::gate::render_gate_report;
 use super::replay::{block_command, replay_command};
 use super::wording::{interval, margin, observed, stopping, verdict_word};
-use super::{BlockReport, BlockState, RecordedReport, SuiteReport, TrialReport, TrialState};
+use super::{
+    BlockReport, BlockState, GateReport, GateState, RecordedReport, SuiteReport, TrialReport, TrialState,
+};
 use crate::experiment::BlockResult;
 use crate::judge::{Finding, Verdict};
 use crate::metrics;
@@ -47,6 +50,11 @@ fn test_suites(report: &SuiteReport, requests: &Requests) -> Vec<TestSuite> {
         let suite = suite_named(&mut suites, report, &name);
         suite.time = Some(suite.time.unwrap_or_default() + block.wall_time);
         suite.add_test_case(block_case(report, block, &name));
+    }
+    for gate in &report.gates {
+        let name = format!("{}.gate", report.identity.suite);
+        let case = gate_case(report, gate, &name);
+        suite_named(&mut suites, report, &name).add_test_case(case);
     }
     suites
 }
@@ -137,6 +145,38 @@ fn recorded_case(report: &SuiteReport, recorded: &RecordedReport, class: &str) -
     let now = remark.trim_start_matches([':', ' ']);
     case.add_property(("now", if now.is_empty() { "still fails" } else { now }));
     case.add_property(("replay", replay_command(&report.identity, &recorded.key).as_str()));
+    case
+}
+
+/// A gate: what it compared is the output of the test.
+fn gate_case(report: &SuiteReport, gate: &GateReport, class: &str) -> TestCase {
+    let text = render_gate_report(&report.identity, gate, false);
+    let rules: Vec<_> = gate.gate.rules.iter().map(|rule| rule.text.as_str()).collect();
+    let status = match &gate.state {
+        GateState::Skipped(reason) => skipped(reason),
+        GateState::Refused(refusal) => {
+            problem(NonSuccessKind::Error, "baseline", &refusal.message, text.clone())
+        }
+        GateState::Judged(verdict) => match verdict.verdict {
+            Verdict::Passed => TestCaseStatus::success(),
+            Verdict::Inconclusive => problem(
+                NonSuccessKind::Failure,
+                "inconclusive",
+                &verdict.blind_rules.join("; "),
+                text.clone(),
+            ),
+            Verdict::Failed => {
+                problem(NonSuccessKind::Failure, "regression", &rules.join("; "), text.clone())
+            }
+        },
+    };
+    let mut case = TestCase::new(gate.key.as_str(), status);
+    case.set_classname(class);
+    case.add_property(("seed", report.identity.seed.to_string().as_str()));
+    case.add_property(("baseline", gate.gate.baseline.as_str()));
+    if let GateState::Judged(_) = gate.state {
+        case.set_system_out(text);
+    }
     case
 }
 

@@ -1,5 +1,6 @@
 //! Results for people and machines: one file a format.
 
+mod baseline;
 pub mod chart;
 mod columns;
 mod digest;
@@ -13,6 +14,8 @@ pub mod findings;
 #[cfg(test)]
 mod fixture;
 mod format;
+mod gate;
+mod gate_markdown;
 mod github;
 mod html;
 mod json;
@@ -36,10 +39,13 @@ mod wording;
 use std::time::Duration;
 
 use crate::experiment::{Block, BlockResult};
+use crate::judge::gate::GateVerdict;
 use crate::judge::{self, TrialVerdict, Verdict};
 use crate::plan::Trial;
 use crate::run::Outcome;
+use crate::scenario::Gate;
 
+pub use baseline::{Form, render_baseline, render_difference};
 pub use evaluation::render_evaluate;
 pub use event::{Evaluations, Event, Outline, Reporter, Standing, Stopping, UnitReport};
 pub use excerpt::Excerpt;
@@ -47,6 +53,8 @@ pub use experiment::{render_block, render_search, render_tune, tuned_parameters}
 pub use failure::{explain, render_block_failure, render_failure, with_worst};
 pub use figures::{Figure, figures};
 pub use format::{count, in_unit, quantity, share};
+pub use gate::{Replay, render_gate, render_gate_report, render_gates, render_reason};
+pub use gate_markdown::gate_markdown;
 pub use github::{annotations, step_summary};
 pub use html::{Chosen, choose_runs, to_html};
 pub use json::to_json;
@@ -55,7 +63,7 @@ pub use models::{registered_names, render_model, render_models};
 pub use pages::{ModelPage, model_pages};
 pub use recorded::{RecordedReport, RecordedState, Rerun};
 pub use recording::{PairCourse, Place, Recording};
-pub use replay::{block_command, render_replay, replay_command};
+pub use replay::{block_command, record_command, render_replay, replay_command};
 pub use skip::Skip;
 pub use statement::{claim_values, conclusion_words, render_statement, render_statements};
 pub use table::render_tables;
@@ -84,6 +92,36 @@ pub struct SuiteReport<'a> {
     pub trials: Vec<TrialReport<'a>>,
     /// The suite's blocks, each after what it builds on.
     pub blocks: Vec<BlockReport<'a>>,
+    /// The suite's gates; empty until all of its trials are judged.
+    pub gates: Vec<GateReport<'a>>,
+}
+
+/// What became of a gate.
+#[derive(Debug)]
+pub struct GateReport<'a> {
+    pub gate: &'a Gate,
+    /// Such as `zebra/gate=braking`.
+    pub key: String,
+    pub state: GateState,
+}
+
+#[derive(Debug, Clone)]
+pub enum GateState {
+    Judged(Box<GateVerdict>),
+    /// There is no baseline, or it may not be compared with.
+    Refused(Refusal),
+    /// Not every trial was run to its end; the message says which.
+    Skipped(String),
+}
+
+/// Why a gate cannot be judged.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Refusal {
+    pub message: String,
+    /// Every reason not to compare, if there is a baseline.
+    pub reasons: Vec<String>,
+    /// What to do.
+    pub help: String,
 }
 
 #[derive(Debug)]
@@ -120,6 +158,23 @@ pub enum BlockState {
     /// Could not be run to its end; the message says why.
     Errored(String),
     Skipped(Skip),
+}
+
+impl GateReport<'_> {
+    pub fn skipped(&self) -> bool {
+        matches!(self.state, GateState::Skipped(_))
+    }
+
+    pub fn verdict(&self) -> Option<Verdict> {
+        match &self.state {
+            GateState::Judged(verdict) => Some(verdict.verdict),
+            GateState::Refused(_) | GateState::Skipped(_) => None,
+        }
+    }
+
+    pub fn standing(&self) -> Standing {
+        Standing::of(self.skipped(), self.verdict())
+    }
 }
 
 impl BlockReport<'_> {

@@ -1,6 +1,7 @@
 //! One run again: the command for it and the timeline that it prints.
 
 use std::fmt::Write;
+use std::path::Path;
 
 use super::SuiteIdentity;
 use super::format::{quantity, with_unit};
@@ -17,6 +18,11 @@ pub fn replay_command(suite: &SuiteIdentity, key: &str) -> String {
 /// What to type to run one block again, with whatever it builds on.
 pub fn block_command(suite: &SuiteIdentity, key: &str) -> String {
     format!("scenario-runner {} '{key}' --exact --seed {}", suite.file, suite.seed)
+}
+
+/// What to type to record a suite's baseline.
+pub fn record_command(file: &str, baseline: &Path) -> String {
+    format!("scenario-runner baseline save {file} --out {}", baseline.display())
 }
 
 /// The course of one run in words: who it is about, the events in order of time, every metric.

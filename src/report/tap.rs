@@ -1,18 +1,21 @@
-//! Results as TAP 14 (Test Anything Protocol): one test point per recorded failure, trial and block, with a YAML block where there is something to say.
+//! Results as TAP 14 (Test Anything Protocol): one test point per recorded failure, trial, block and gate, with a YAML block where there is something to say.
 
 use std::fmt::Write;
 use std::time::Duration;
 
 use super::experiment::render_block;
 use super::failure::{render_block_failure, render_failure};
+use super::gate::render_gate_report;
 use super::replay::{block_command, replay_command};
 use super::wording::{stopping, verdict_word};
-use super::{BlockReport, BlockState, SuiteReport, TrialState};
+use super::{BlockReport, BlockState, GateReport, GateState, SuiteReport, TrialState};
 use crate::judge::{TrialVerdict, Verdict};
 
 /// The report as TAP. An inconclusive trial is `not ok`, and its block says so.
 pub fn to_tap(reports: &[SuiteReport]) -> String {
-    let points = |report: &SuiteReport| report.recorded.len() + report.trials.len() + report.blocks.len();
+    let points = |report: &SuiteReport| {
+        report.recorded.len() + report.trials.len() + report.blocks.len() + report.gates.len()
+    };
     let points: usize = reports.iter().map(points).sum();
     let mut text = format!("TAP version 14\n1..{points}\n");
     let mut number = 0;
@@ -37,6 +40,10 @@ pub fn to_tap(reports: &[SuiteReport]) -> String {
         for block in &report.blocks {
             number += 1;
             block_point(&mut text, number, report, block);
+        }
+        for gate in &report.gates {
+            number += 1;
+            gate_point(&mut text, number, report, gate);
         }
     }
     text
@@ -112,6 +119,24 @@ fn block_point(text: &mut String, number: usize, report: &SuiteReport, block: &B
     line(text, "  ...");
 }
 
+fn gate_point(text: &mut String, number: usize, report: &SuiteReport, gate: &GateReport) {
+    let name = escaped(&gate.key);
+    let (passed, severity) = match &gate.state {
+        GateState::Skipped(reason) => {
+            return line(text, &format!("ok {number} - {name} # SKIP {}", escaped(&one_line(reason))));
+        }
+        GateState::Refused(_) => (false, "error"),
+        GateState::Judged(verdict) => (verdict.verdict == Verdict::Passed, verdict_word(verdict.verdict)),
+    };
+    line(text, &format!("{} {number} - {name}", if passed { "ok" } else { "not ok" }));
+    line(text, "  ---");
+    if !passed {
+        field(text, "severity", severity);
+    }
+    block(text, "message", &render_gate_report(&report.identity, gate, false));
+    line(text, "  ...");
+}
+
 fn line(text: &mut String, content: &str) {
     text.push_str(&one_line(content));
     text.push('\n');
@@ -163,9 +188,9 @@ mod tests {
         for part in tap.split("  ---\n").skip(1) {
             let yaml = part.split("  ...\n").next().expect("a split has a first part");
             let value: serde_yaml::Value = serde_yaml::from_str(yaml).expect("the block is YAML");
-            assert!(value["duration_ms"].is_number());
+            assert!(value["duration_ms"].is_number() || value["message"].is_string());
             blocks += 1;
         }
-        assert_eq!(blocks, 10);
+        assert_eq!(blocks, 13);
     }
 }

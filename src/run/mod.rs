@@ -1,5 +1,6 @@
 //! Executing cases: road users built from the registries, metrics read off, trials within their time limit.
 
+mod batch;
 mod build;
 mod case;
 mod free_flow;
@@ -8,6 +9,7 @@ mod rehearsal;
 mod stop;
 mod trial;
 
+pub use batch::run_batch;
 pub use build::{RunError, road_users};
 pub use case::{Unwatched, run_case};
 pub use free_flow::FreeFlows;

@@ -20,10 +20,11 @@ use clap::{Args, ValueEnum};
 pub use self::remember::LastRun;
 use super::interrupt::stop_on_interrupt;
 use super::{Exit, filter, load, store};
-use crate::dispatch::{self, Orders, Unit, Workshop, dispatch};
+use crate::dispatch::{self, Orders, Unit, Workshop, dispatch, judge_gates};
 use crate::judge::Verdict;
 use crate::report::{
-    BlockReport, Live, RecordedReport, Standing, StatusLevel, SuiteReport, Terminal, TrialReport,
+    BlockReport, GateReport, Live, RecordedReport, Standing, StatusLevel, SuiteReport, Terminal, TrialReport,
+    render_gates,
 };
 
 #[derive(Debug, Args)]
@@ -68,6 +69,10 @@ pub struct RunArguments {
 
     #[command(flatten)]
     output: output::OutputArguments,
+
+    /// Leave trials that a gate's baseline lacks out of the comparison, instead of refusing to judge the gate.
+    #[arg(long)]
+    baseline_lenient: bool,
 
     /// Write the course of every run as CSV into this folder.
     #[arg(long, value_name = "DIR")]
@@ -213,8 +218,10 @@ pub fn run(arguments: RunArguments) -> Exit {
     let mut terminal = Terminal::new(arguments.status_level, colour, live);
     let max_failures = if arguments.fail_fast { Some(1) } else { arguments.max_fail.0 };
     let orders = Orders { chosen: &chosen, first: &[], threads, max_failures };
-    let reports = dispatch(&workshop, &units, &orders, &mut terminal);
-    // Everything is judged. What looks at a whole session, such as a gate, has its place here.
+    let mut reports = dispatch(&workshop, &units, &orders, &mut terminal);
+    judge_gates(&workshop, &mut reports, arguments.baseline_lenient);
+    // A closed pipe is the reader's choice, not an error.
+    let _ = io::Write::write_all(&mut io::stdout(), render_gates(&reports, colour).as_bytes());
     let mut complaints = watcher.as_ref().map(watch::Traces::complaints).unwrap_or_default();
     complaints.extend(output::write(&arguments.output, &workshop, &reports));
     complaints.extend(remember::failures(&arguments.remember, &suites, &reports, workshop.requests()));
@@ -234,15 +241,23 @@ pub fn run(arguments: RunArguments) -> Exit {
     }
 }
 
-/// The worst that became of anything.
+/// The worst that became of anything. What failed by itself goes before what got worse than it was.
 fn verdict(reports: &[SuiteReport]) -> Exit {
     let recorded = reports.iter().flat_map(|report| &report.recorded).map(RecordedReport::standing);
     let trials = reports.iter().flat_map(|report| &report.trials).map(TrialReport::standing);
     let blocks = reports.iter().flat_map(|report| &report.blocks).map(BlockReport::standing);
-    match recorded.chain(trials).chain(blocks).max() {
-        Some(standing) if standing.is_failure() => Exit::Failed,
-        Some(Standing::Judged(Verdict::Inconclusive)) => Exit::Inconclusive,
-        _ => Exit::Success,
+    let gates = || reports.iter().flat_map(|report| &report.gates).map(GateReport::standing);
+    let worst = recorded.chain(trials).chain(blocks).max().unwrap_or(Standing::Skipped);
+    if worst.is_failure() {
+        Exit::Failed
+    } else if gates().any(|gate| gate == Standing::Judged(Verdict::Failed)) {
+        Exit::Regressed
+    } else if gates().any(|gate| gate == Standing::Errored) {
+        Exit::Baseline
+    } else if gates().chain([worst]).any(|one| one == Standing::Judged(Verdict::Inconclusive)) {
+        Exit::Inconclusive
+    } else {
+        Exit::Success
     }
 }
 

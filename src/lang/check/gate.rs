@@ -57,7 +57,19 @@ fn rule(
     report: &mut Vec<Diagnostic>,
 ) -> Option<GateRule> {
     let metric = match node.child(Rule::metric) {
-        Some(metric) => Some(criterion::metric_reference(metric, cast, scope, report)?),
+        Some(node) => {
+            let found = criterion::metric_reference(node, cast, scope, report)?;
+            if let MetricKind::Category(_) = found.1.kind {
+                let message = format!("`{}` is a word, and no word is worse than another", found.0.name);
+                report.push(
+                    Diagnostic::new(Code::BadGate, node.span(), message)
+                        .label("has no better or worse")
+                        .hint("name a quantity or something that is true or false, such as `gap_accepted`"),
+                );
+                return None;
+            }
+            Some(found)
+        }
         None => None,
     };
     let bound = node.child(Rule::gate_tolerance).and_then(|tolerance| tolerance.child(Rule::expression));

@@ -5,6 +5,7 @@ mod choose;
 mod embed;
 mod evaluate;
 mod figure;
+mod gate;
 mod search;
 mod space;
 mod statement;
@@ -25,13 +26,15 @@ use crate::run::Requests;
 pub use choose::{Chosen, choose_runs};
 
 /// The page and its parts.
-const TEMPLATES: [(&str, &str); 6] = [
+const TEMPLATES: [(&str, &str); 8] = [
     ("page.html", include_str!("page.html")),
     ("figure.html", include_str!("figure.html")),
     ("statements.html", include_str!("statements.html")),
     ("search.html", include_str!("search.html")),
     ("tune.html", include_str!("tune.html")),
     ("evaluate.html", include_str!("evaluate.html")),
+    ("gate.html", include_str!("gate.html")),
+    ("comparisons.html", include_str!("comparisons.html")),
 ];
 
 /// The page. `recordings` are runs of [`choose_runs`], recorded again.

@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::embed::embed;
 use super::figure::Figure;
 use super::statement::Statements;
-use super::{Chosen, block};
+use super::{Chosen, block, gate};
 use crate::judge::{Finding, Measure, Verdict};
 use crate::metrics;
 use crate::report::digest::Digest;
@@ -16,7 +16,9 @@ use crate::report::failure::render_failure;
 use crate::report::figures::{figures, scenarios, short_name};
 use crate::report::replay::replay_command;
 use crate::report::wording::{bound, interval, margin, observed, stopping, verdict_mark, verdict_word};
-use crate::report::{BlockReport, BlockState, Recording, Skip, SuiteReport, TrialReport, TrialState};
+use crate::report::{
+    BlockReport, BlockState, GateReport, GateState, Recording, Skip, SuiteReport, TrialReport, TrialState,
+};
 use crate::run::Requests;
 
 /// A table with more trials than this scrolls.
@@ -29,6 +31,8 @@ pub struct Page {
     started: String,
     title: String,
     counts: Counts,
+    /// What is counted: `trials and blocks`.
+    counted: &'static str,
     suites: Vec<Suite>,
     /// JSON for the script.
     runs: String,
@@ -36,13 +40,14 @@ pub struct Page {
     runs_left_out: usize,
 }
 
-/// Trials and blocks by what became of them, and the runs of trials.
+/// Trials, blocks and gates by what became of them, and the runs of trials.
 #[derive(Debug, Default, Clone, Copy, Serialize)]
 struct Counts {
-    /// Trials and blocks.
+    /// Trials, blocks and gates.
     all: usize,
     trials: usize,
     blocks: usize,
+    gates: usize,
     passed: usize,
     failed: usize,
     inconclusive: usize,
@@ -63,6 +68,7 @@ struct Suite {
     scenarios: Vec<Scenario>,
     figures: Vec<Figure>,
     blocks: Vec<block::Section>,
+    gates: Vec<gate::Section>,
     metrics: Vec<Heading>,
 }
 
@@ -144,6 +150,7 @@ impl Page {
         let mut counts = Counts::default();
         reports.iter().flat_map(|report| &report.trials).for_each(|trial| counts.add(trial));
         reports.iter().flat_map(|report| &report.blocks).for_each(|block| counts.add_block(block));
+        reports.iter().flat_map(|report| &report.gates).for_each(|gate| counts.add_gate(gate));
         let names: Vec<_> = reports.iter().map(|report| report.identity.suite).collect();
         Self {
             version: env!("CARGO_PKG_VERSION"),
@@ -151,6 +158,7 @@ impl Page {
             started: DateTime::<Utc>::from(started).format("%Y-%m-%d %H:%M:%S UTC").to_string(),
             title: names.join(", "),
             counts,
+            counted: counts.noun(),
             suites: reports.iter().map(|report| suite(report, requests, &drawn, &embedded.keys)).collect(),
             run_count: embedded.count,
             runs_left_out: embedded.left_out,
@@ -160,6 +168,27 @@ impl Page {
 }
 
 impl Counts {
+    fn noun(&self) -> &'static str {
+        match (self.blocks, self.gates) {
+            (0, 0) => "trials",
+            (_, 0) => "trials and blocks",
+            (0, _) => "trials and gates",
+            _ => "trials, blocks and gates",
+        }
+    }
+
+    fn add_gate(&mut self, gate: &GateReport) {
+        self.all += 1;
+        self.gates += 1;
+        *match (&gate.state, gate.verdict()) {
+            (GateState::Skipped(_), _) => &mut self.skipped,
+            (_, Some(Verdict::Passed)) => &mut self.passed,
+            (_, Some(Verdict::Failed)) => &mut self.failed,
+            (_, Some(Verdict::Inconclusive)) => &mut self.inconclusive,
+            (_, None) => &mut self.errors,
+        } += 1;
+    }
+
     fn add_block(&mut self, block: &BlockReport) {
         self.all += 1;
         self.blocks += 1;
@@ -203,6 +232,7 @@ fn suite(report: &SuiteReport, requests: &Requests, drawn: &[Recording], animate
         scenarios: all_scenarios(report, requests, animated),
         figures: figures(report, requests, drawn).into_iter().map(Figure::from).collect(),
         blocks: block::Section::all(report),
+        gates: gate::Section::all(report),
         metrics: requests.iter().filter_map(heading).collect(),
     }
 }

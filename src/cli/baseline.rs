@@ -1,0 +1,106 @@
+//! `scenario-runner baseline save|show|diff`: what runs came to, as files to commit.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, Subcommand, ValueEnum};
+
+use super::Exit;
+use super::measured;
+use crate::judge::baseline::measured_metrics;
+use crate::report::{Form, render_baseline, render_difference};
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  scenario-runner baseline save suites/zebra_gate.suite      record, where the suite's gates look for it
+  scenario-runner baseline show baselines/zebra_gate.json    every metric of every trial
+  scenario-runner baseline diff old.json new.json            what is not the same
+
+A baseline is a text file to commit. `scenario-runner suites/zebra_gate.suite` then judges the suite's gates against it,
+and after a change that is meant to change something it is recorded anew.")]
+pub struct BaselineArguments {
+    #[command(subcommand)]
+    action: Action,
+}
+
+#[derive(Debug, Subcommand)]
+enum Action {
+    /// Run a suite and write every run's metrics, for gates and `compare` to compare with.
+    Save {
+        /// The suite or scenario.
+        file: String,
+
+        /// Where to write it [default: what the suite's gates name, else baselines/SUITE.json].
+        #[arg(long, value_name = "PATH")]
+        out: Option<PathBuf>,
+
+        /// Replaces the seed of the suite.
+        #[arg(long, value_name = "SEED")]
+        seed: Option<u64>,
+    },
+    /// Print what a baseline holds.
+    Show {
+        path: PathBuf,
+
+        #[arg(long, value_enum, default_value_t = Format::Terminal)]
+        format: Format,
+    },
+    /// Print what differs between two baselines, without a verdict; `compare` gives one.
+    Diff {
+        /// What was.
+        base: PathBuf,
+
+        /// What is now.
+        candidate: PathBuf,
+
+        #[arg(long, value_enum, default_value_t = Format::Terminal)]
+        format: Format,
+    },
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    Terminal,
+    /// For a pull request.
+    Markdown,
+}
+
+impl From<Format> for Form {
+    fn from(format: Format) -> Self {
+        match format {
+            Format::Terminal => Self::Terminal,
+            Format::Markdown => Self::Markdown,
+        }
+    }
+}
+
+pub fn baseline(arguments: &BaselineArguments) -> Exit {
+    let result = match &arguments.action {
+        Action::Save { file, out, seed } => save(file, out.as_deref(), *seed),
+        Action::Show { path, format } => measured::read_baseline(path)
+            .map(|baseline| print!("{}", render_baseline(&baseline, (*format).into()))),
+        Action::Diff { base, candidate, format } => diff(base, candidate, *format),
+    };
+    result.err().unwrap_or(Exit::Success)
+}
+
+fn save(file: &str, out: Option<&Path>, seed: Option<u64>) -> Result<(), Exit> {
+    let suite = measured::load_suite(file, seed)?;
+    let path = out.map_or_else(|| measured::default_path(file, &suite), Path::to_owned);
+    let baseline = measured::run_suite(&suite, &measured_metrics(&suite), "baseline")?;
+    measured::save(&path, &baseline.text())?;
+    println!(
+        "{}: {} trials, {} runs, seed {}; commit it",
+        path.display(),
+        baseline.trials.len(),
+        baseline.runs(),
+        baseline.seed
+    );
+    Ok(())
+}
+
+fn diff(base: &Path, candidate: &Path, format: Format) -> Result<(), Exit> {
+    let (base, candidate) = (measured::read_baseline(base)?, measured::read_baseline(candidate)?);
+    print!("{}", render_difference(&base, &candidate, format.into()));
+    Ok(())
+}

@@ -1,0 +1,244 @@
+//! `scenario-runner compare BASE CANDIDATE`: is the candidate worse, beyond what is tolerated and beyond doubt?
+
+use std::io::{self, IsTerminal};
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+
+use super::Exit;
+use super::{measured, parameters};
+use crate::judge::Verdict;
+use crate::judge::baseline::{Baseline, Incompatible, measured_metrics, pair};
+use crate::judge::gate::{CheckOutcome, GateVerdict, blanket_rule, judge_rules};
+use crate::report::{gate_markdown, record_command, render_gate, render_reason};
+use crate::scenario::{Gate, Suite};
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  scenario-runner compare baselines/zebra_gate.json suites/zebra_gate.suite     what is now with what was
+  scenario-runner compare old.suite new.suite --tolerance 2                     two suites, no file needed
+  scenario-runner compare zebra.suite --parameters old.scn --parameters new.scn two sets of parameters
+  scenario-runner compare zebra.suite --parameters new.scn --format markdown    for a pull request
+
+Exit codes: 0 nothing is worse, 101 something is, 102 the runs do not suffice to say, 103 they cannot be compared.")]
+pub struct CompareArguments {
+    /// What was: a baseline, or a suite to run. With --parameters, the suite to run with them.
+    base: String,
+
+    /// What is now: a baseline, or a suite to run.
+    #[arg(required_unless_present = "parameters", conflicts_with = "parameters")]
+    candidate: Option<String>,
+
+    /// Run the suite with these parameters of its vehicles: definitions (`let braking_distance = 4.75 m`) or JSON, as
+    /// `tune NAME FILE --save` writes them. Given twice: the first is what was, the second what is now. Given once: what
+    /// was is what the suite declares.
+    #[arg(long, value_name = "PATH")]
+    parameters: Vec<PathBuf>,
+
+    /// Compare by the rules of this gate of the suite [default: all its gates; without any, by --tolerance].
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["tolerance", "confidence"])]
+    gate: Option<String>,
+
+    /// How much worse any metric may be, in percent of its mean; of metrics that are true or false, in points.
+    #[arg(long, value_name = "PERCENT", value_parser = percent)]
+    tolerance: Option<f64>,
+
+    /// How sure to be, in percent [default: 95].
+    #[arg(long, value_name = "PERCENT", value_parser = percent)]
+    confidence: Option<f64>,
+
+    /// Replaces the seed of every suite that is run.
+    #[arg(long, value_name = "SEED")]
+    seed: Option<u64>,
+
+    /// Leave out trials that the base lacks, instead of refusing to compare.
+    #[arg(long)]
+    baseline_lenient: bool,
+
+    /// Count what is not shown either way as inconclusive (exit code 102).
+    #[arg(long)]
+    strict: bool,
+
+    /// Show the comparisons that held, too.
+    #[arg(long)]
+    all: bool,
+
+    #[arg(long, value_enum, default_value_t = Format::Terminal)]
+    format: Format,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Format {
+    Terminal,
+    /// For a pull request.
+    Markdown,
+    Json,
+}
+
+const DEFAULT_TOLERANCE: f64 = 0.05;
+const DEFAULT_CONFIDENCE: f64 = 0.95;
+
+fn percent(text: &str) -> Result<f64, String> {
+    let number = text.trim().trim_end_matches('%').trim_end();
+    match number.parse::<f64>() {
+        Ok(percent) if (0.0..100.0).contains(&percent) => Ok(percent / 100.0),
+        _ => Err("a number of percent from 0 to below 100, such as `5`".to_string()),
+    }
+}
+
+pub fn compare(arguments: &CompareArguments) -> Exit {
+    match judged(arguments) {
+        Ok(verdicts) => {
+            print(arguments, &verdicts);
+            exit(&verdicts, arguments.strict)
+        }
+        Err(exit) => exit,
+    }
+}
+
+/// One side of the comparison.
+struct Side {
+    /// What the user calls it.
+    file: String,
+    /// `None` for a baseline.
+    suite: Option<Suite>,
+    /// Whether its runs can be replayed from its file.
+    as_declared: bool,
+}
+
+impl Side {
+    fn open(file: &str, seed: Option<u64>) -> Result<Self, Exit> {
+        let suite = if measured::is_baseline(file) { None } else { Some(measured::load_suite(file, seed)?) };
+        Ok(Self { file: file.to_string(), suite, as_declared: true })
+    }
+
+    /// The suite with the parameters of a file over its own.
+    fn with_parameters(file: &str, path: &Path, seed: Option<u64>) -> Result<Self, Exit> {
+        let mut suite = measured::load_suite(file, seed)?;
+        parameters::put_over(&mut suite, file, path)?;
+        Ok(Self { file: format!("{file} with {}", path.display()), suite: Some(suite), as_declared: false })
+    }
+
+    fn baseline(&self, gates: &[Gate], title: &str) -> Result<Baseline, Exit> {
+        let Some(suite) = &self.suite else { return measured::read_baseline(Path::new(&self.file)) };
+        let mut requests = measured_metrics(suite);
+        gates.iter().for_each(|gate| measured::include_gate(&mut requests, gate));
+        measured::run_suite(suite, &requests, title)
+    }
+}
+
+fn judged(arguments: &CompareArguments) -> Result<Vec<(GateVerdict, Option<String>)>, Exit> {
+    let (base, candidate) = sides(arguments)?;
+    let gates = gates(arguments, &base, &candidate)?;
+    let before = base.baseline(&gates, "base")?;
+    let after = candidate.baseline(&gates, "candidate")?;
+    let refuse = |reasons: Vec<Incompatible>| {
+        eprintln!("error: {} and {} cannot be compared", base.file, candidate.file);
+        for reason in &reasons {
+            eprintln!("  {}", render_reason(reason));
+        }
+        if base.suite.is_none()
+            && let Some(suite) = &candidate.suite
+            && suite.name == before.suite
+        {
+            let command = record_command(&candidate.file, Path::new(&base.file));
+            eprintln!("help: record it with `{command}`, from the version that it is to be compared with");
+        }
+        if reasons.iter().all(|reason| matches!(reason, Incompatible::New(_))) {
+            eprintln!("help: `--baseline-lenient` leaves new trials out");
+        }
+        Exit::Baseline
+    };
+    let pairing = pair(&before, &after, arguments.baseline_lenient).map_err(refuse)?;
+    let mut verdicts = Vec::new();
+    for gate in &gates {
+        let verdict = judge_rules(&gate.name, &gate.rules, &pairing).map_err(refuse)?;
+        let replays = candidate.suite.is_some() && candidate.as_declared;
+        verdicts.push((verdict, replays.then(|| format!("{} --seed {}", candidate.file, after.seed))));
+    }
+    Ok(verdicts)
+}
+
+fn sides(arguments: &CompareArguments) -> Result<(Side, Side), Exit> {
+    let (file, seed) = (&arguments.base, arguments.seed);
+    let with = |path: &PathBuf| Side::with_parameters(file, path, seed);
+    if !arguments.parameters.is_empty() && measured::is_baseline(file) {
+        eprintln!("error: {file} is no suite that could be run with other parameters");
+        return Err(Exit::Usage);
+    }
+    match (&arguments.candidate, &arguments.parameters[..]) {
+        (Some(candidate), _) => Ok((Side::open(file, seed)?, Side::open(candidate, seed)?)),
+        (None, [only]) => Ok((Side::open(file, seed)?, with(only)?)),
+        (None, [was, now]) => Ok((with(was)?, with(now)?)),
+        (None, _) => {
+            eprintln!("error: --parameters may be given once or twice");
+            Err(Exit::Usage)
+        }
+    }
+}
+
+/// The rules to judge by: a suite's gates, or one for every metric.
+fn gates(arguments: &CompareArguments, base: &Side, candidate: &Side) -> Result<Vec<Gate>, Exit> {
+    let declared = [candidate, base]
+        .into_iter()
+        .filter_map(|side| side.suite.as_ref())
+        .find(|suite| !suite.gates.is_empty());
+    let declared = declared.map_or(&[][..], |suite| &suite.gates);
+    if let Some(name) = &arguments.gate {
+        let found: Vec<Gate> = declared.iter().filter(|gate| gate.name == *name).cloned().collect();
+        if found.is_empty() {
+            let known: Vec<_> = declared.iter().map(|gate| format!("`{}`", gate.name)).collect();
+            eprintln!("error: neither side is a suite with a gate called `{name}`");
+            if !known.is_empty() {
+                eprintln!("help: there is {}", known.join(", "));
+            }
+            return Err(Exit::Usage);
+        }
+        return Ok(found);
+    }
+    if !declared.is_empty() && arguments.tolerance.is_none() && arguments.confidence.is_none() {
+        return Ok(declared.to_vec());
+    }
+    let rule = blanket_rule(
+        arguments.tolerance.unwrap_or(DEFAULT_TOLERANCE),
+        arguments.confidence.unwrap_or(DEFAULT_CONFIDENCE),
+    );
+    Ok(vec![Gate {
+        name: rule.text.clone(),
+        doc: None,
+        baseline: String::new(),
+        rules: vec![rule],
+        origin: Default::default(),
+    }])
+}
+
+fn print(arguments: &CompareArguments, verdicts: &[(GateVerdict, Option<String>)]) {
+    if arguments.format == Format::Json {
+        let all: Vec<_> = verdicts.iter().map(|(verdict, _)| verdict).collect();
+        println!("{}", serde_json::to_string_pretty(&all).expect("plain data serialises"));
+        return;
+    }
+    let colour = io::stdout().is_terminal() && std::env::var_os("NO_COLOR").is_none();
+    for (index, (verdict, file)) in verdicts.iter().enumerate() {
+        if index > 0 {
+            println!();
+        }
+        let replay = |key: &str| file.as_ref().map(|file| format!("scenario-runner replay '{key}' {file}"));
+        match arguments.format {
+            Format::Markdown => print!("{}", gate_markdown(verdict, &replay)),
+            _ => print!("{}", render_gate(verdict, &replay, arguments.all, colour)),
+        }
+    }
+}
+
+fn exit(verdicts: &[(GateVerdict, Option<String>)], strict: bool) -> Exit {
+    let worst = verdicts.iter().map(|(verdict, _)| verdict.verdict).max().unwrap_or(Verdict::Passed);
+    let open = verdicts.iter().any(|(verdict, _)| verdict.count(CheckOutcome::NotShown) > 0);
+    match worst {
+        Verdict::Failed => Exit::Regressed,
+        Verdict::Inconclusive => Exit::Inconclusive,
+        Verdict::Passed if strict && open => Exit::Inconclusive,
+        Verdict::Passed => Exit::Success,
+    }
+}

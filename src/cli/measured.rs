@@ -1,0 +1,110 @@
+//! A file as a baseline: read if it is one, run if it is a suite.
+
+use std::io::{self, IsTerminal};
+use std::path::{Path, PathBuf};
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use super::Exit;
+use super::load;
+use crate::judge::baseline::{Baseline, record};
+use crate::plan::{self, Plan};
+use crate::report::record_command;
+use crate::run::{FreeFlows, Requests, Unwatched, run_batch, run_case};
+use crate::scenario::{Gate, Suite};
+
+/// Whether a file holds a baseline and not a suite.
+pub fn is_baseline(file: &str) -> bool {
+    !load::names_a_file(file)
+}
+
+/// A suite that is to be run for its numbers; what is wrong with it goes to stderr.
+pub fn load_suite(file: &str, seed: Option<u64>) -> Result<Suite, Exit> {
+    let colour = io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
+    let mut prepared = load::load_all(&[&file.to_string()], seed, colour)?;
+    Ok(prepared.remove(0).suite)
+}
+
+/// Adds the metrics that a gate's rules name.
+pub fn include_gate(requests: &mut Requests, gate: &Gate) {
+    gate.rules.iter().filter_map(|rule| rule.metric.as_ref()).for_each(|metric| requests.add(metric));
+}
+
+/// Runs every case of a suite; `title` stands before the progress bar.
+pub fn run_suite(suite: &Suite, requests: &Requests, title: &str) -> Result<Baseline, Exit> {
+    let plan = plan::plan(suite).map_err(|errors| {
+        load::show_plan_errors(&errors, false);
+        Exit::Scenario
+    })?;
+    run_plan(&plan, requests, title)
+}
+
+fn run_plan(plan: &Plan, requests: &Requests, title: &str) -> Result<Baseline, Exit> {
+    let cases: Vec<_> = plan.trials.iter().flat_map(|trial| &trial.cases).collect();
+    let bar = bar(title, cases.len() as u64);
+    let free_flows = FreeFlows::default();
+    let outcomes = run_batch(&cases, requests, &free_flows, || bar.inc(1));
+    bar.finish_and_clear();
+    let outcomes = outcomes.map_err(|(key, error)| {
+        eprintln!("error: {key}: {error}");
+        Exit::Scenario
+    })?;
+    let mut rest = &outcomes[..];
+    let trials: Vec<_> = plan
+        .trials
+        .iter()
+        .map(|trial| {
+            let (own, others) = rest.split_at(trial.cases.len());
+            rest = others;
+            (trial, own)
+        })
+        .collect();
+    let again = |case: &_| run_case(case, requests, &free_flows, &mut Unwatched);
+    record(&plan.suite, plan.seed, &trials, requests, again).map_err(|error| {
+        eprintln!("error: {error}");
+        Exit::Scenario
+    })
+}
+
+fn bar(title: &str, runs: u64) -> ProgressBar {
+    const STYLE: &str = "{prefix} {human_pos} of {human_len} runs [{wide_bar}] {per_sec}, {eta} left";
+    let target = if io::stderr().is_terminal() {
+        ProgressDrawTarget::stderr_with_hz(5)
+    } else {
+        ProgressDrawTarget::hidden()
+    };
+    let style = ProgressStyle::with_template(STYLE).expect("the template is valid").progress_chars("=> ");
+    ProgressBar::with_draw_target(Some(runs), target).with_prefix(title.to_string()).with_style(style)
+}
+
+/// Reads a baseline, or says on stderr why it cannot be read.
+pub fn read_baseline(path: &Path) -> Result<Baseline, Exit> {
+    Baseline::read(path).map_err(|error| {
+        eprintln!("error: {error}");
+        eprintln!("help: {}", error.hint(&record_command("SUITE", path)));
+        Exit::Baseline
+    })
+}
+
+/// Writes a file, making the folders it is to be in.
+pub fn save(path: &Path, text: &str) -> Result<(), Exit> {
+    let folder = path.parent().map_or(Ok(()), std::fs::create_dir_all);
+    folder.and_then(|()| std::fs::write(path, text)).map_err(|error| {
+        eprintln!("error: cannot write {}: {error}", path.display());
+        Exit::Output
+    })
+}
+
+/// Where a suite's baseline lies: what its gates name, if they agree, or else in `baselines/` beside the suite, or
+/// beside its folder if that is called `suites`.
+pub fn default_path(file: &str, suite: &Suite) -> PathBuf {
+    let mut named: Vec<&str> = suite.gates.iter().map(|gate| gate.baseline.as_str()).collect();
+    named.sort_unstable();
+    named.dedup();
+    if let [only] = named[..] {
+        return PathBuf::from(only);
+    }
+    let folder = Path::new(file).parent().unwrap_or(Path::new(""));
+    let folder = if folder.ends_with("suites") { folder.parent().unwrap_or(folder) } else { folder };
+    folder.join("baselines").join(format!("{}.json", suite.name))
+}

@@ -1,0 +1,146 @@
+//! Which runs of two baselines belong together, and why some may not be compared at all.
+
+use serde::Serialize;
+
+use super::{Baseline, Parts, RecordedTrial};
+
+/// Two baselines trial by trial.
+#[derive(Debug, Clone)]
+pub struct Pairing<'a> {
+    pub base: &'a Baseline,
+    pub candidate: &'a Baseline,
+    /// Trials of both, in the order of the candidate's keys.
+    pub trials: Vec<(&'a RecordedTrial, &'a RecordedTrial)>,
+    /// Keys of trials that only the candidate has.
+    pub new_trials: Vec<&'a str>,
+    /// Whether what the base lacks is left out instead of being a reason not to compare.
+    pub lenient: bool,
+    /// Whether runs of the same key have the same seed, so that they differ by what is tested only.
+    pub same_seeds: bool,
+    /// Whether runs of the same key are of the same people.
+    pub same_people: bool,
+}
+
+/// One reason not to compare.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Incompatible {
+    /// A gate's baseline is of another suite.
+    OtherSuite { base: String, candidate: String },
+    /// They have no trial in common.
+    NothingInCommon { base: String, candidate: String },
+    /// Trials that the candidate lacks.
+    Vanished(Vec<String>),
+    /// Trials that the base lacks.
+    New(Vec<String>),
+    /// A metric that is asked for, which the base has not.
+    MetricMissing(String),
+    /// A metric of the same name that is measured otherwise.
+    MetricDiffers(String),
+    /// Trials whose runs are other ones, or more or fewer.
+    Runs(Vec<String>),
+    /// Trials in which something besides what is tested differs.
+    Part { part: Part, trials: Vec<String> },
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Part {
+    Road,
+    Pedestrians,
+    People,
+    Traffic,
+    Simulation,
+}
+
+impl Part {
+    const ALL: [Self; 5] = [Self::Road, Self::Pedestrians, Self::People, Self::Traffic, Self::Simulation];
+
+    fn of(self, parts: &Parts) -> &str {
+        match self {
+            Self::Road => &parts.road,
+            Self::Pedestrians => &parts.pedestrians,
+            Self::People => &parts.people,
+            Self::Traffic => &parts.traffic,
+            Self::Simulation => &parts.simulation,
+        }
+    }
+}
+
+/// Pairs the trials of two baselines. With `lenient`, trials that only the candidate has are named, but no reason not
+/// to compare.
+///
+/// # Errors
+/// Every reason not to compare.
+pub fn pair<'a>(
+    base: &'a Baseline,
+    candidate: &'a Baseline,
+    lenient: bool,
+) -> Result<Pairing<'a>, Vec<Incompatible>> {
+    let find = |all: &'a Baseline, key: &str| all.trials.iter().find(|trial| trial.key == key);
+    let trials: Vec<_> =
+        candidate.trials.iter().filter_map(|trial| Some((find(base, &trial.key)?, trial))).collect();
+    if trials.is_empty() {
+        let (base, candidate) = (base.suite.clone(), candidate.suite.clone());
+        return Err(vec![Incompatible::NothingInCommon { base, candidate }]);
+    }
+    let only_in = |one: &'a Baseline, other: &'a Baseline| -> Vec<&'a str> {
+        let keys = one.trials.iter().map(|trial| trial.key.as_str());
+        keys.filter(|key| find(other, key).is_none()).collect()
+    };
+    let owned = |keys: &[&str]| keys.iter().map(|key| key.to_string()).collect::<Vec<_>>();
+    let mut reasons = Vec::new();
+    let vanished = only_in(base, candidate);
+    if !vanished.is_empty() {
+        reasons.push(Incompatible::Vanished(owned(&vanished)));
+    }
+    let new_trials = only_in(candidate, base);
+    if !new_trials.is_empty() && !lenient {
+        reasons.push(Incompatible::New(owned(&new_trials)));
+    }
+    // Seeds come from the suite's seed and the run's key, which begins with the suite's name.
+    let same_seeds = base.seed == candidate.seed && base.suite == candidate.suite;
+    let same_people = trials.iter().all(|(base, candidate)| base.parts.people == candidate.parts.people);
+    for metric in &candidate.metrics {
+        let known = base.metrics.iter().find(|known| known.label == metric.label);
+        if known.is_some_and(|known| known != metric) {
+            reasons.push(Incompatible::MetricDiffers(metric.label.clone()));
+        }
+    }
+    let runs_fit = |base: &RecordedTrial, candidate: &RecordedTrial| {
+        if same_people { base.runs == candidate.runs } else { base.runs.len() == candidate.runs.len() }
+    };
+    let (fitting, unfitting): (Vec<_>, Vec<_>) =
+        trials.iter().copied().partition(|(base, candidate)| runs_fit(base, candidate));
+    if !unfitting.is_empty() {
+        let keys = unfitting.iter().map(|(_, trial)| trial.key.clone());
+        reasons.push(Incompatible::Runs(keys.collect()));
+    }
+    for part in Part::ALL {
+        // Another seed draws other people.
+        if part == Part::People && !same_seeds {
+            continue;
+        }
+        let differing =
+            fitting.iter().filter(|(base, candidate)| part.of(&base.parts) != part.of(&candidate.parts));
+        let keys: Vec<_> = differing.map(|(_, trial)| trial.key.clone()).collect();
+        if !keys.is_empty() {
+            reasons.push(Incompatible::Part { part, trials: keys });
+        }
+    }
+    if reasons.is_empty() {
+        Ok(Pairing { base, candidate, trials, new_trials, lenient, same_seeds, same_people })
+    } else {
+        Err(reasons)
+    }
+}
+
+impl Pairing<'_> {
+    /// Whether every run took the same course as before, bit for bit.
+    pub fn nothing_changed(&self) -> bool {
+        let same = |(base, candidate): &(&RecordedTrial, &RecordedTrial)| {
+            base.fingerprint == candidate.fingerprint && base.values == candidate.values
+        };
+        self.trials.iter().all(same)
+    }
+}

@@ -1,0 +1,181 @@
+//! Baselines from outcomes.
+
+use serde::Serialize;
+use sha2::{Digest, Sha256};
+
+use super::{Baseline, Parts, RecordedMetric, RecordedTrial, TestedVehicle};
+use crate::metrics::{self, MetricKind};
+use crate::plan::{Trial, derive_seed};
+use crate::run::{Outcome, Requests, RunError};
+use crate::scenario::{Case, MetricReference, PedestrianSetup, Suite};
+
+/// Digits of a value that are kept: enough for any comparison, and short enough to read.
+const DIGITS: usize = 9;
+
+/// The baseline of the trials that were run to their end, each with its outcomes in the order of its cases.
+///
+/// `run` runs one case. It is asked to only for trials that have a single run per person, once each with another seed:
+/// whether chance plays a part cannot be seen from one run.
+pub fn record(
+    suite: &str,
+    seed: u64,
+    trials: &[(&Trial, &[Outcome])],
+    requests: &Requests,
+    run: impl Fn(&Case) -> Result<Outcome, RunError>,
+) -> Result<Baseline, RunError> {
+    let mut trials = trials.to_vec();
+    trials.sort_by(|left, right| left.0.key.cmp(&right.0.key));
+    let mut vehicles: Vec<Vec<TestedVehicle>> = Vec::new();
+    let mut recorded = Vec::with_capacity(trials.len());
+    for (trial, outcomes) in trials {
+        let tested = tested_vehicles(&trial.cases[0]);
+        let place = vehicles.iter().position(|known| *known == tested).unwrap_or_else(|| {
+            vehicles.push(tested);
+            vehicles.len() - 1
+        });
+        let row =
+            |metric: usize| outcomes.iter().map(|outcome| outcome.metrics[metric].map(rounded)).collect();
+        let label = |outcome: &Outcome| {
+            let rest = outcome.key.strip_prefix(&trial.key).unwrap_or(&outcome.key);
+            rest.trim_start_matches('/').to_string()
+        };
+        recorded.push(RecordedTrial {
+            key: trial.key.strip_prefix(&format!("{suite}/")).unwrap_or(&trial.key).to_string(),
+            scenario: trial.scenario.clone(),
+            certain: is_certain(trial, outcomes, &run)?,
+            fingerprint: hash(&outcomes.iter().map(|outcome| outcome.fingerprint).collect::<Vec<_>>(), 16),
+            parts: parts(&trial.cases),
+            vehicles: place,
+            runs: outcomes.iter().map(label).collect(),
+            values: (0..requests.iter().count()).map(row).collect(),
+        });
+    }
+    Ok(Baseline {
+        suite: suite.to_string(),
+        seed,
+        tool: env!("CARGO_PKG_VERSION").to_string(),
+        metrics: requests.iter().map(metric).collect(),
+        vehicles,
+        trials: recorded,
+    })
+}
+
+/// Every metric that is kept of a suite's runs: those there are, and what its criteria and gates are about.
+pub fn measured_metrics(suite: &Suite) -> Requests {
+    let mut requests = Requests::defaults();
+    suite.scenarios.iter().for_each(|scenario| requests.include(&scenario.criteria));
+    let rules = suite.gates.iter().flat_map(|gate| &gate.rules);
+    rules.filter_map(|rule| rule.metric.as_ref()).for_each(|metric| requests.add(metric));
+    requests
+}
+
+/// Whether every person's runs are the same under different seeds.
+fn is_certain(
+    trial: &Trial,
+    outcomes: &[Outcome],
+    run: impl Fn(&Case) -> Result<Outcome, RunError>,
+) -> Result<bool, RunError> {
+    let same =
+        |one: &Outcome, other: &Outcome| one.fingerprint == other.fingerprint && one.metrics == other.metrics;
+    let mut alone = Vec::new();
+    for (case, outcome) in trial.cases.iter().zip(outcomes) {
+        let of_same_people = |other: &&Outcome| other.individuals == outcome.individuals;
+        let first = outcomes.iter().find(of_same_people).expect("it is one of them itself");
+        if !same(first, outcome) {
+            return Ok(false);
+        }
+        if outcomes.iter().filter(of_same_people).count() == 1 {
+            alone.push((case, outcome));
+        }
+    }
+    for (case, outcome) in alone {
+        let again = Case { seed: derive_seed(case.seed, "another"), ..case.clone() };
+        if !same(outcome, &run(&again)?) {
+            return Ok(false);
+        }
+    }
+    Ok(true)
+}
+
+fn metric(reference: &MetricReference) -> RecordedMetric {
+    let metric = metrics::metric(&reference.name).expect("requests were checked against the registry");
+    RecordedMetric {
+        label: reference.label(),
+        name: reference.name.clone(),
+        unit: match metric.kind {
+            MetricKind::Quantity(dimension) => dimension.si_unit(),
+            MetricKind::Flag => "yes or no".to_string(),
+            MetricKind::Category(words) => words.join(" or "),
+        },
+        settings: metric.declaration.resolve(&reference.settings).expect("settings were checked"),
+        pair: reference.pair.clone(),
+    }
+}
+
+fn tested_vehicles(case: &Case) -> Vec<TestedVehicle> {
+    let tested = case.world.vehicles.iter().map(|vehicle| TestedVehicle {
+        name: vehicle.name.clone(),
+        controller: vehicle.controller.clone(),
+        dynamics: vehicle.dynamics.clone(),
+        sees: vehicle.sees.clone(),
+        length: vehicle.length,
+        width: vehicle.width,
+    });
+    tested.collect()
+}
+
+fn parts(cases: &[Case]) -> Parts {
+    let world = &cases[0].world;
+    let traffic: Vec<_> =
+        world.vehicles.iter().map(|one| (&one.name, one.lane, one.speed, &one.start)).collect();
+    let people: Vec<_> = cases.iter().map(|case| &case.individuals).collect();
+    let end = (world.step, world.horizon, world.finish, world.end_on_collision);
+    Parts {
+        road: hash(&world.road, 12),
+        pedestrians: hash(&cases.iter().map(impersonal).collect::<Vec<_>>(), 12),
+        people: hash(&people, 12),
+        traffic: hash(&traffic, 12),
+        simulation: hash(&end, 12),
+    }
+}
+
+/// A case's pedestrians without what their individuals bring.
+fn impersonal(case: &Case) -> Vec<PedestrianSetup> {
+    let mut pedestrians = case.world.pedestrians.clone();
+    for setup in &mut pedestrians {
+        for person in case.individuals.iter().filter(|person| person.pedestrian == setup.name) {
+            setup.model.settings.0.retain(|name, _| !person.parameters.0.contains_key(name));
+        }
+    }
+    pedestrians
+}
+
+fn hash(value: &impl Serialize, digits: usize) -> String {
+    let text = serde_json::to_vec(value).expect("plain data serialises");
+    let bytes = Sha256::digest(text);
+    let mut hexadecimal: String = bytes.iter().map(|byte| format!("{byte:02x}")).collect();
+    hexadecimal.truncate(digits);
+    hexadecimal
+}
+
+/// With few enough digits to read. What is nearer to 0 than a thousand-millionth of a unit is the rounding of a 0.
+fn rounded(value: f64) -> f64 {
+    if value.abs() < 1e-9 {
+        return 0.0;
+    }
+    format!("{value:.*e}", DIGITS - 1).parse().expect("a number that was just written")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_keep_nine_digits() {
+        assert_eq!(rounded(3.420_195_823_746_1), 3.420_195_82);
+        assert_eq!(rounded(-1.0e-8 / 3.0), -3.333_333_33e-9);
+        assert_eq!(rounded(-2.7e-15), 0.0);
+        assert!(rounded(-0.0).is_sign_positive());
+        assert_eq!(rounded(123_456_789_123.0), 123_456_789_000.0);
+    }
+}

@@ -1,0 +1,242 @@
+//! One comparison: measured, then decided.
+
+use serde::Serialize;
+
+use super::measure::{Differences, difference, differences, sign};
+use super::power::{self, Power};
+use super::questions::{About, Place, Question, RunPair};
+use crate::judge::statistics::{MeanChange, rate_change, rate_rise};
+use crate::plan::derive_seed;
+use crate::scenario::Tolerance;
+
+/// One metric compared in one place.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Check {
+    /// Index of the gate's rule.
+    pub rule: usize,
+    /// The metric's name and label.
+    pub metric: String,
+    pub label: String,
+    pub subject: Subject,
+    /// The scenario, or the trial where `certain`.
+    pub place: String,
+    /// There is no chance in it: what differs, differs.
+    pub certain: bool,
+    pub outcome: CheckOutcome,
+    /// Pairs of runs that are compared.
+    pub runs: usize,
+    /// Independent ones among them: runs, or people where the two sides have different people.
+    pub units: usize,
+    /// The mean over the compared runs, or the share of them.
+    pub base: f64,
+    pub candidate: f64,
+    /// Where `candidate - base` lies at the stated confidence; ends may be infinite (`null` in JSON).
+    pub interval: Option<(f64, f64)>,
+    pub confidence: f64,
+    /// How much worse is tolerated, in the metric's unit or as a share of runs.
+    pub tolerance: f64,
+    /// Whether larger is worse.
+    pub larger_is_worse: bool,
+    /// Of "it is not worse by more than the tolerance".
+    pub p_value: Option<f64>,
+    /// The same after Holm's correction for all comparisons of the gate.
+    pub adjusted_p_value: Option<f64>,
+    pub power: Power,
+    /// The runs that got worse, the worst first; for flags those that flipped.
+    pub worse_runs: Vec<ChangedRun>,
+    /// The runs that got better, as above.
+    pub better_runs: Vec<ChangedRun>,
+}
+
+/// What of the metric is compared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Subject {
+    /// Its mean.
+    Mean,
+    /// The share of runs with a yes.
+    Rate,
+    /// The share of runs in which it exists.
+    Existence,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CheckOutcome {
+    /// Shown not to be worse by more than the tolerance, or not changed in any run.
+    Held,
+    /// Neither that nor the opposite is shown.
+    NotShown,
+    /// Shown to be worse by more than the tolerance.
+    Regressed,
+}
+
+/// A run whose value is not what it was.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ChangedRun {
+    pub key: String,
+    pub base: Option<f64>,
+    pub candidate: Option<f64>,
+}
+
+/// Everything but the outcome, which depends on the other comparisons.
+pub fn measure(question: &Question, family: usize, seed: u64) -> Check {
+    let differences = differences(question);
+    let subject = match question.about {
+        About::Mean(_) => Subject::Mean,
+        About::Rate(_) => Subject::Rate,
+        About::Existence(_) => Subject::Existence,
+    };
+    let tolerance = match (question.tolerance, subject) {
+        (Tolerance::Relative(share), Subject::Mean) => share * differences.base.abs(),
+        (Tolerance::Relative(share), _) => share,
+        // A quantity's tolerance says nothing of how many runs may lack it.
+        (Tolerance::Absolute(_), Subject::Existence) => 0.0,
+        (Tolerance::Absolute(amount), _) => amount,
+    };
+    let (place, certain) = match question.place {
+        Place::Scenario(name) => (name, false),
+        Place::CertainTrial(key) => (key, true),
+    };
+    let (worse_runs, better_runs) = changed_runs(question);
+    let mut check = Check {
+        rule: question.rule,
+        metric: question.metric.name.clone(),
+        label: question.metric.label.clone(),
+        subject,
+        place: place.to_string(),
+        certain,
+        outcome: CheckOutcome::NotShown,
+        runs: compared(question),
+        units: differences.worse.len(),
+        base: differences.base,
+        candidate: differences.candidate,
+        interval: None,
+        confidence: question.confidence,
+        tolerance,
+        larger_is_worse: sign(question.about) > 0.0,
+        p_value: None,
+        adjusted_p_value: None,
+        power: Power::None,
+        worse_runs,
+        better_runs,
+    };
+    if certain {
+        check.power = Power::Everything;
+    } else {
+        let level = check.level() / family.max(1) as f64;
+        let seed = derive_seed(seed, &format!("{} {} {:?}", check.label, check.place, subject));
+        check.compare(&differences, level, seed);
+    }
+    if question.about == About::Existence(None) {
+        (check.p_value, check.power) = (None, Power::None);
+    }
+    check
+}
+
+impl Check {
+    /// Share of error at each end of the interval.
+    fn level(&self) -> f64 {
+        (1.0 - self.confidence) / 2.0
+    }
+
+    /// By how much it is worse; negative if it is better.
+    pub fn worse_by(&self) -> f64 {
+        let change = difference(self.base, self.candidate);
+        if self.larger_is_worse { change } else { -change }
+    }
+
+    /// How many pairs it would take to show anything; 0 if there are enough.
+    pub fn needed(&self) -> usize {
+        if let Power::Blind { needed } = self.power { needed } else { 0 }
+    }
+
+    /// Interval, p-value and power where chance plays a part; `level` is the smallest p-value that matters.
+    fn compare(&mut self, differences: &Differences, level: f64, seed: u64) {
+        let worse = match differences.one_sided {
+            Some((only_base, only_candidate)) => {
+                let pairs = differences.worse.len() as u64;
+                self.p_value = Some(rate_rise(only_base, only_candidate, pairs, self.tolerance));
+                self.power = power::of_rate(pairs, self.tolerance, level);
+                rate_change(only_base, only_candidate, pairs, self.confidence)
+            }
+            None => {
+                let change = MeanChange::new(differences.worse.clone(), seed);
+                let change = change.expect("a question has a pair to compare");
+                let beyond = change.above(self.tolerance, level);
+                // What chance alone explains is no regression, whatever an approximate interval says.
+                self.p_value = Some(if beyond < 1.0 { beyond.max(change.exchange(level)) } else { 1.0 });
+                self.power = power::of_mean(&change, self.tolerance, level);
+                change.interval(self.confidence)
+            }
+        };
+        self.interval =
+            Some(if self.larger_is_worse { (worse.low, worse.high) } else { (-worse.high, -worse.low) });
+    }
+
+    /// Once the p-values of all comparisons are adjusted for each other.
+    pub fn decide(&mut self, question: &Question) {
+        let unchanged = self.worse_runs.is_empty() && self.better_runs.is_empty();
+        self.outcome = if question.about == About::Existence(None) {
+            if unchanged { CheckOutcome::Held } else { CheckOutcome::NotShown }
+        } else if self.certain {
+            let rounding = 1e-6 * self.tolerance;
+            if self.worse_by() > self.tolerance + rounding {
+                CheckOutcome::Regressed
+            } else {
+                CheckOutcome::Held
+            }
+        } else if self.adjusted_p_value.is_some_and(|p| p <= self.level()) {
+            CheckOutcome::Regressed
+        } else if (unchanged && !question.by_people) || self.shown_to_hold() {
+            CheckOutcome::Held
+        } else {
+            CheckOutcome::NotShown
+        };
+    }
+
+    /// Whether the whole interval is within the tolerance, of a comparison that sees something.
+    fn shown_to_hold(&self) -> bool {
+        let Some((low, high)) = self.interval else { return false };
+        let worst = if self.larger_is_worse { high } else { -low };
+        !matches!(self.power, Power::Blind { .. }) && worst <= self.tolerance
+    }
+}
+
+/// Pairs that count.
+fn compared(question: &Question) -> usize {
+    match question.about {
+        About::Existence(_) => question.pairs.len(),
+        _ => question.pairs.iter().filter(|pair| pair.base.is_some() && pair.candidate.is_some()).count(),
+    }
+}
+
+/// The runs that got worse and those that got better, the largest changes first; none between different people, whose
+/// runs have nothing to do with each other.
+fn changed_runs(question: &Question) -> (Vec<ChangedRun>, Vec<ChangedRun>) {
+    if question.by_people {
+        return (Vec::new(), Vec::new());
+    }
+    let sign = sign(question.about);
+    let worse_by = |pair: &RunPair| match question.about {
+        About::Existence(_) => sign * (f64::from(pair.candidate.is_some()) - f64::from(pair.base.is_some())),
+        _ => match (pair.base, pair.candidate) {
+            (Some(base), Some(candidate)) => sign * difference(base, candidate),
+            _ => 0.0,
+        },
+    };
+    let mut changed: Vec<(f64, &RunPair)> =
+        question.pairs.iter().map(|pair| (worse_by(pair), pair)).collect();
+    changed.retain(|(worse, _)| *worse != 0.0);
+    changed.sort_by(|left, right| right.0.abs().total_cmp(&left.0.abs()));
+    let (worse, better): (Vec<_>, Vec<_>) = changed.into_iter().partition(|(worse, _)| *worse > 0.0);
+    let runs = |all: Vec<(f64, &RunPair)>| {
+        let run = |(_, pair): (f64, &RunPair)| ChangedRun {
+            key: pair.key.clone(),
+            base: pair.base,
+            candidate: pair.candidate,
+        };
+        all.into_iter().map(run).collect()
+    };
+    (runs(worse), runs(better))
+}

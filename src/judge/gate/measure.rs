@@ -1,0 +1,122 @@
+//! What a question's pairs of runs give: one difference per independent unit, turned so that positive is worse.
+
+use std::collections::BTreeSet;
+
+use super::questions::{About, Question, RunPair};
+use crate::judge::baseline::TestedVehicle;
+use crate::scenario::ModelSetup;
+
+/// Which way a quantity gets worse.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Direction {
+    pub larger_is_worse: bool,
+}
+
+/// An event that a run has or has not.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Event {
+    /// Whether having it is what is bad.
+    pub bad: bool,
+}
+
+/// The numbers behind a comparison.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Differences {
+    /// One per pair of runs or, between different people, per pair of people.
+    pub worse: Vec<f64>,
+    /// Means over what is compared; events as shares.
+    pub base: f64,
+    pub candidate: f64,
+    /// Events in pairs of runs: how many have what is bad on one side only, base and candidate.
+    pub one_sided: Option<(u64, u64)>,
+}
+
+/// Smaller relative differences are rounding, which differs from machine to machine.
+const ROUNDING: f64 = 1e-6;
+
+/// The side of a pair.
+type Side = fn(&RunPair) -> Option<f64>;
+
+const BASE: Side = |pair| pair.base;
+const CANDIDATE: Side = |pair| pair.candidate;
+
+/// 1 where larger is worse, -1 where smaller is.
+pub fn sign(about: About) -> f64 {
+    let larger_is_worse = match about {
+        About::Mean(direction) => direction.larger_is_worse,
+        About::Rate(event) | About::Existence(Some(event)) => event.bad,
+        About::Existence(None) => true,
+    };
+    if larger_is_worse { 1.0 } else { -1.0 }
+}
+
+pub fn differences(question: &Question) -> Differences {
+    let numbers = |side: Side, pair: &RunPair| match question.about {
+        About::Existence(_) => Some(f64::from(side(pair).is_some())),
+        About::Rate(_) => side(pair).map(|value| f64::from(value != 0.0)),
+        About::Mean(_) => side(pair),
+    };
+    let rows: Vec<(Option<f64>, Option<f64>)> = if question.by_people {
+        let people = question.pairs.iter().map(|pair| pair.person).max().map_or(0, |last| last + 1);
+        let mean = |side: Side, person: usize| {
+            let runs = question.pairs.iter().filter(|pair| pair.person == person);
+            let values: Vec<f64> = runs.filter_map(|pair| numbers(side, pair)).collect();
+            crate::judge::statistics::mean(&values)
+        };
+        (0..people).map(|person| (mean(BASE, person), mean(CANDIDATE, person))).collect()
+    } else {
+        question.pairs.iter().map(|pair| (numbers(BASE, pair), numbers(CANDIDATE, pair))).collect()
+    };
+    let both: Vec<(f64, f64)> =
+        rows.into_iter().filter_map(|(base, candidate)| base.zip(candidate)).collect();
+    let count = both.len() as f64;
+    let sign = sign(question.about);
+    let worse: Vec<f64> = both.iter().map(|(base, candidate)| sign * difference(*base, *candidate)).collect();
+    let is_event = !matches!(question.about, About::Mean(_));
+    let one_sided = (is_event && !question.by_people).then(|| {
+        let many = |wanted: f64| worse.iter().filter(|one| **one == wanted).count() as u64;
+        (many(-1.0), many(1.0))
+    });
+    Differences {
+        base: both.iter().map(|pair| pair.0).sum::<f64>() / count,
+        candidate: both.iter().map(|pair| pair.1).sum::<f64>() / count,
+        worse,
+        one_sided,
+    }
+}
+
+/// Candidate minus base, but for rounding.
+pub fn difference(base: f64, candidate: f64) -> f64 {
+    let difference = candidate - base;
+    if difference.abs() <= ROUNDING * base.abs().max(candidate.abs()) { 0.0 } else { difference }
+}
+
+/// What of a vehicle differs, such as `av.controller.braking_distance: 5 -> 4.75`; SI units.
+pub fn vehicle_changes(before: &TestedVehicle, after: &TestedVehicle) -> Vec<String> {
+    let mut all = Vec::new();
+    let parts = [
+        ("controller", Some(&before.controller), Some(&after.controller)),
+        ("dynamics", Some(&before.dynamics), Some(&after.dynamics)),
+        ("sees", before.sees.as_ref(), after.sees.as_ref()),
+    ];
+    for (part, before, after) in parts {
+        let name = |setup: Option<&ModelSetup>| setup.map_or("none".to_string(), |setup| setup.name.clone());
+        all.push((part.to_string(), name(before), name(after)));
+        let (Some(before), Some(after)) = (before, after) else { continue };
+        if before.name != after.name {
+            continue;
+        }
+        let settings = |setup: &ModelSetup| setup.settings.0.keys().cloned().collect::<BTreeSet<_>>();
+        for parameter in settings(before).union(&settings(after)) {
+            let value = |setup: &ModelSetup| {
+                setup.settings.get(parameter).map_or("none".to_string(), |value| value.to_string())
+            };
+            all.push((format!("{part}.{parameter}"), value(before), value(after)));
+        }
+    }
+    all.push(("name".to_string(), before.name.clone(), after.name.clone()));
+    all.push(("length".to_string(), before.length.to_string(), after.length.to_string()));
+    all.push(("width".to_string(), before.width.to_string(), after.width.to_string()));
+    let changed = all.into_iter().filter(|(_, old, new)| old != new);
+    changed.map(|(what, old, new)| format!("{}.{what}: {old} -> {new}", after.name)).collect()
+}

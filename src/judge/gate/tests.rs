@@ -1,0 +1,263 @@
+//! Gates over made-up baselines: what regresses, what holds, what cannot be told.
+
+use super::*;
+use crate::judge::baseline::{Part, Parts, RecordedMetric, RecordedTrial};
+use crate::scenario::{MetricReference, Settings};
+use crate::sim::random::Stream;
+
+/// One trial: key, scenario, whether it is certain, labels of its runs.
+struct Trial {
+    key: &'static str,
+    certain: bool,
+    runs: Vec<String>,
+    people: &'static str,
+}
+
+fn trial(key: &'static str, runs: usize) -> Trial {
+    let runs = (1..=runs).map(|run| format!("rep={run}")).collect();
+    Trial { key, certain: false, runs, people: "nobody" }
+}
+
+/// A suite in which every metric's value is given per trial and run.
+fn baseline(
+    metrics: &[&str],
+    trials: &[Trial],
+    value: impl Fn(&str, usize, usize) -> Option<f64>,
+) -> Baseline {
+    let recorded = |(index, trial): (usize, &Trial)| RecordedTrial {
+        key: trial.key.to_string(),
+        scenario: trial.key.split('/').next().unwrap().to_string(),
+        certain: trial.certain,
+        fingerprint: String::new(),
+        parts: Parts {
+            road: "road".into(),
+            pedestrians: "pedestrians".into(),
+            people: trial.people.into(),
+            traffic: "traffic".into(),
+            simulation: "simulation".into(),
+        },
+        vehicles: 0,
+        runs: trial.runs.clone(),
+        values: metrics
+            .iter()
+            .map(|metric| (0..trial.runs.len()).map(|run| value(metric, index, run)).collect())
+            .collect(),
+    };
+    Baseline {
+        suite: "suite".into(),
+        seed: 1,
+        tool: "0".into(),
+        metrics: metrics
+            .iter()
+            .map(|name| RecordedMetric {
+                label: name.to_string(),
+                name: name.to_string(),
+                unit: if *name == "collision" { "yes or no".into() } else { "s".into() },
+                settings: Settings::default(),
+                pair: None,
+            })
+            .collect(),
+        vehicles: vec![Vec::new()],
+        trials: trials.iter().enumerate().map(recorded).collect(),
+    }
+}
+
+fn five_percent() -> Vec<GateRule> {
+    vec![blanket_rule(0.05, 0.95)]
+}
+
+fn named(metric: &str, tolerance: Tolerance) -> GateRule {
+    let metric = MetricReference { name: metric.into(), settings: Settings::default(), pair: None };
+    GateRule { metric: Some(metric), tolerance, ..blanket_rule(0.0, 0.95) }
+}
+
+fn judge(rules: &[GateRule], base: &Baseline, candidate: &Baseline) -> GateVerdict {
+    judge_rules("gate", rules, &pair(base, candidate, false).unwrap()).unwrap()
+}
+
+fn outcome<'a>(verdict: &'a GateVerdict, label: &str, subject: Subject) -> &'a Check {
+    verdict.checks.iter().find(|check| check.label == label && check.subject == subject).unwrap()
+}
+
+/// Values around 3 s that differ from run to run.
+fn around(run: usize, seed: u64) -> f64 {
+    3.0 + 0.5 * Stream::seeded(seed * 1000 + run as u64).normal()
+}
+
+#[test]
+fn what_did_not_change_holds() {
+    let base = baseline(&["pet", "collision"], &[trial("walk/tta=6s", 40)], |_, _, run| {
+        Some(if run == 3 { 0.0 } else { 1.0 })
+    });
+    let verdict = judge(&five_percent(), &base, &base.clone());
+    assert_eq!(verdict.verdict, Verdict::Passed);
+    assert!(
+        verdict.nothing_changed && verdict.checks.iter().all(|check| check.outcome == CheckOutcome::Held)
+    );
+    assert_eq!((verdict.family, verdict.blind_rules.len()), (2, 0));
+}
+
+#[test]
+fn a_shift_counts_in_the_direction_that_is_worse() {
+    let metrics = ["pet", "time_lost"];
+    let trials = [trial("walk/tta=6s", 40)];
+    let shifted = |shift: f64| baseline(&metrics, &trials, move |_, _, run| Some(around(run, 1) + shift));
+    let base = shifted(0.0);
+    // Half a second less: worse for the post-encroachment time, better for the time lost.
+    let verdict = judge(&five_percent(), &base, &shifted(-0.5));
+    assert_eq!(verdict.verdict, Verdict::Failed);
+    assert_eq!(outcome(&verdict, "pet", Subject::Mean).outcome, CheckOutcome::Regressed);
+    assert_eq!(outcome(&verdict, "time_lost", Subject::Mean).outcome, CheckOutcome::Held);
+    assert_eq!(outcome(&verdict, "pet", Subject::Mean).worse_runs.len(), 40);
+    // 0.1 s is less than 5 % of 3 s.
+    let verdict = judge(&five_percent(), &base, &shifted(-0.1));
+    assert_eq!(verdict.verdict, Verdict::Passed);
+    assert_eq!(outcome(&verdict, "pet", Subject::Mean).outcome, CheckOutcome::Held);
+}
+
+#[test]
+fn a_rule_of_its_own_replaces_the_blanket_one() {
+    let trials = [trial("walk/tta=6s", 40)];
+    let metrics = ["pet", "time_lost", "passed_first"];
+    let shifted = |shift: f64| baseline(&metrics, &trials, move |_, _, run| Some(around(run, 1) + shift));
+    let rules = [five_percent().remove(0), named("pet", Tolerance::Absolute(0.05))];
+    let verdict = judge(&rules, &shifted(0.0), &shifted(-0.1));
+    assert_eq!(outcome(&verdict, "pet", Subject::Mean).outcome, CheckOutcome::Regressed);
+    let about: Vec<_> = verdict.checks.iter().map(|check| (check.rule, check.label.as_str())).collect();
+    // Who passed first has no order.
+    assert_eq!(about, [(0, "time_lost"), (1, "pet")]);
+    let missing = judge_rules(
+        "gate",
+        &[named("drac", Tolerance::Relative(0.05))],
+        &pair(&shifted(0.0), &shifted(0.0), false).unwrap(),
+    );
+    assert_eq!(missing.unwrap_err(), [Incompatible::MetricMissing("drac".into())]);
+}
+
+#[test]
+fn chance_alone_is_no_regression() {
+    let metrics = ["pet", "time_lost", "min_distance", "drac", "collision"];
+    let trials = [trial("walk/tta=6s", 25), trial("walk/tta=9s", 25)];
+    let mut stream = Stream::seeded(4);
+    let mut draw = || {
+        let drawn: Vec<f64> = (0..5 * 50).map(|_| stream.uniform()).collect();
+        baseline(&metrics, &trials, move |metric, trial, run| {
+            let place = metrics.iter().position(|one| *one == metric).unwrap();
+            let uniform = drawn[50 * place + 25 * trial + run];
+            Some(match metric {
+                "collision" => f64::from(uniform < 0.1),
+                // Skewed.
+                _ => -libm::log(uniform),
+            })
+        })
+    };
+    let experiments = 150;
+    let rules = [blanket_rule(0.0, 0.95)];
+    let alarms =
+        (0..experiments).filter(|_| judge(&rules, &draw(), &draw()).verdict == Verdict::Failed).count();
+    // One side of 95 % leaves 2.5 %: 3.75, and three standard errors are 5.7 more.
+    assert!(alarms <= 9, "{alarms} of {experiments}");
+}
+
+#[test]
+fn few_runs_are_not_taken_for_a_pass() {
+    let trials = [trial("walk/tta=6s", 4)];
+    let shifted = |shift: f64| baseline(&["pet"], &trials, move |_, _, run| Some(around(run, 1) + shift));
+    let verdict = judge(&five_percent(), &shifted(0.0), &shifted(-2.0));
+    assert_eq!(verdict.verdict, Verdict::Inconclusive);
+    assert_eq!(verdict.blind_rules, ["no metric worse by more than 5 % with 95 % confidence"]);
+    assert_eq!(verdict.checks[0].power, Power::Blind { needed: 6 });
+    // Where nothing changed at all there is nothing to be seen.
+    assert_eq!(judge(&five_percent(), &shifted(0.0), &shifted(0.0)).verdict, Verdict::Passed);
+}
+
+#[test]
+fn what_is_certain_needs_no_statistics() {
+    let trials = [Trial { certain: true, ..trial("walk/tta=6s", 1) }];
+    let shifted = |shift: f64| baseline(&["pet"], &trials, move |_, _, _| Some(3.0 + shift));
+    let verdict = judge(&five_percent(), &shifted(0.0), &shifted(-0.16));
+    assert_eq!((verdict.verdict, verdict.family), (Verdict::Failed, 0));
+    assert_eq!((verdict.checks[0].certain, verdict.checks[0].place.as_str()), (true, "walk/tta=6s"));
+    assert_eq!(judge(&five_percent(), &shifted(0.0), &shifted(-0.15)).verdict, Verdict::Passed);
+    // A value that is not there any more: nobody can say whether that is worse; but a car that never arrives is.
+    let gone = |metric| baseline(&[metric], &trials, |_, _, _| None);
+    let there = |metric| baseline(&[metric], &trials, |_, _, _| Some(3.0));
+    assert_eq!(judge(&five_percent(), &there("pet"), &gone("pet")).checks[0].outcome, CheckOutcome::NotShown);
+    assert_eq!(judge(&five_percent(), &there("time_lost"), &gone("time_lost")).verdict, Verdict::Failed);
+    assert_eq!(judge(&five_percent(), &there("drac"), &gone("drac")).verdict, Verdict::Passed);
+}
+
+#[test]
+fn runs_that_lose_a_value_are_not_dropped() {
+    let trials = [trial("walk/tta=6s", 40)];
+    let metrics = ["pet", "time_lost", "min_ttc"];
+    let losing =
+        |lost: usize| baseline(&metrics, &trials, move |_, _, run| (run >= lost).then(|| around(run, 1)));
+    let verdict = judge(&five_percent(), &losing(0), &losing(15));
+    let existence = |label| outcome(&verdict, label, Subject::Existence).outcome;
+    assert_eq!(existence("pet"), CheckOutcome::NotShown);
+    assert_eq!(existence("time_lost"), CheckOutcome::Regressed);
+    assert_eq!(existence("min_ttc"), CheckOutcome::Held);
+    // The values themselves are compared where there are two.
+    assert_eq!(outcome(&verdict, "pet", Subject::Mean).runs, 25);
+    let verdict = judge(&five_percent(), &losing(15), &losing(0));
+    assert_eq!(outcome(&verdict, "min_ttc", Subject::Existence).outcome, CheckOutcome::Regressed);
+    assert_eq!(outcome(&verdict, "time_lost", Subject::Existence).outcome, CheckOutcome::Held);
+}
+
+#[test]
+fn flags_that_flip_are_named() {
+    let trials = [trial("walk/tta=6s", 40)];
+    let colliding = |runs: &'static [usize]| {
+        baseline(&["collision"], &trials, move |_, _, run| Some(f64::from(runs.contains(&run))))
+    };
+    let verdict = judge(&[blanket_rule(0.0, 0.95)], &colliding(&[9]), &colliding(&[0, 1, 2, 3, 4, 5, 6, 7]));
+    let check = &verdict.checks[0];
+    assert_eq!(check.outcome, CheckOutcome::Regressed);
+    assert_eq!((check.worse_runs.len(), check.better_runs.len()), (8, 1));
+    assert_eq!(check.better_runs[0].key, "suite/walk/tta=6s/rep=10");
+    assert_eq!((check.base, check.candidate), (1.0 / 40.0, 8.0 / 40.0));
+}
+
+#[test]
+fn other_people_are_compared_as_people() {
+    let people = |names: [u32; 3], hash| {
+        let runs =
+            names.iter().flat_map(|name| (1..=10).map(move |rep| format!("individual={name}/rep={rep}")));
+        vec![Trial { key: "walk/tta=6s", certain: false, runs: runs.collect(), people: hash }]
+    };
+    let value = |_: &str, _: usize, run: usize| Some(around(run, 1));
+    let base = baseline(&["pet"], &people([1, 2, 3], "one"), value);
+    let other = Baseline { seed: 2, ..baseline(&["pet"], &people([4, 5, 6], "two"), value) };
+    let verdict = judge(&five_percent(), &base, &other);
+    assert!(!verdict.same_people && !verdict.same_seeds);
+    assert_eq!((verdict.checks[0].runs, verdict.checks[0].units), (30, 3));
+    // Under the same seed it cannot be other people.
+    let reasons = pair(&base, &Baseline { seed: 1, ..other }, false).unwrap_err();
+    assert_eq!(reasons, [Incompatible::Part { part: Part::People, trials: vec!["walk/tta=6s".to_string()] }]);
+}
+
+#[test]
+fn what_may_not_be_compared_says_why() {
+    let value = |_: &str, _: usize, run: usize| Some(around(run, 1));
+    let base = baseline(&["pet"], &[trial("walk/tta=6s", 4), trial("walk/tta=9s", 4)], value);
+    let mut candidate = baseline(&["pet"], &[trial("walk/tta=6s", 4), trial("walk/tta=12s", 4)], value);
+    candidate.trials[0].parts.road = "another".into();
+    candidate.metrics[0].settings.set("zero_on_collision", crate::scenario::Value::Flag(false));
+    let keys = |key: &str| vec![key.to_string()];
+    assert_eq!(
+        pair(&base, &candidate, false).unwrap_err(),
+        [
+            Incompatible::Vanished(keys("walk/tta=9s")),
+            Incompatible::New(keys("walk/tta=12s")),
+            Incompatible::MetricDiffers("pet".into()),
+            Incompatible::Part { part: Part::Road, trials: keys("walk/tta=6s") },
+        ]
+    );
+    let grown =
+        baseline(&["pet"], &[trial("walk/tta=6s", 4), trial("walk/tta=9s", 4), trial("walk/x", 1)], value);
+    assert!(pair(&base, &grown, false).is_err());
+    assert_eq!(pair(&base, &grown, true).unwrap().new_trials, ["walk/x"]);
+    let elsewhere = baseline(&["pet"], &[trial("run/fast", 4)], value);
+    assert!(matches!(pair(&base, &elsewhere, true).unwrap_err()[..], [Incompatible::NothingInCommon { .. }]));
+}

@@ -1,0 +1,197 @@
+//! Baselines for people: what one holds, and what differs between two.
+
+use std::fmt::Write;
+
+use super::format::{quantity, share};
+use super::gate::render_reason;
+use super::github::markdown;
+use crate::judge::baseline::{Baseline, RecordedMetric, RecordedTrial, pair};
+use crate::judge::gate::vehicle_changes;
+use crate::judge::statistics::mean;
+use crate::metrics::{self, MetricKind};
+
+const STRING: &str = "writing to a string cannot fail";
+
+/// How a table is to look.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Form {
+    Terminal,
+    Markdown,
+}
+
+/// Suite, seed, version, what is tested, and every metric's mean per trial.
+pub fn render_baseline(baseline: &Baseline, form: Form) -> String {
+    let mut text = heading(baseline, form);
+    for (index, vehicles) in baseline.vehicles.iter().enumerate() {
+        for vehicle in vehicles {
+            let drives = format!("{} on {}", vehicle.controller.name, vehicle.dynamics.name);
+            let trials = baseline.trials.iter().filter(|trial| trial.vehicles == index).count();
+            line(&mut text, form, &format!("{}: {drives} in {trials} trials", vehicle.name));
+        }
+    }
+    text.push('\n');
+    let columns: Vec<(usize, &RecordedMetric)> = baseline
+        .metrics
+        .iter()
+        .enumerate()
+        .filter(|(index, _)| {
+            baseline.trials.iter().any(|trial| trial.values[*index].iter().any(Option::is_some))
+        })
+        .collect();
+    let mut rows = vec![["metric", "trial", "runs", "mean", "smallest", "largest"].map(String::from)];
+    for (index, metric) in columns {
+        for trial in &baseline.trials {
+            let values: Vec<f64> = trial.values[index].iter().copied().flatten().collect();
+            let show = |value: Option<f64>| shown(metric, value);
+            let least = values.iter().copied().reduce(f64::min);
+            let most = values.iter().copied().reduce(f64::max);
+            rows.push([
+                metric.label.clone(),
+                trial.key.clone(),
+                format!("{} of {}", values.len(), trial.runs.len()),
+                summary(metric, &trial.values[index]),
+                show(least),
+                show(most),
+            ]);
+        }
+    }
+    text + &table(&rows, form)
+}
+
+/// What differs between two baselines, without a verdict: trials, cases, what is tested, and every metric whose values
+/// are not the same.
+pub fn render_difference(base: &Baseline, candidate: &Baseline, form: Form) -> String {
+    let mut text = String::new();
+    for (name, one) in [("base", base), ("candidate", candidate)] {
+        line(&mut text, form, &format!("{name}: {}", identity(one)));
+    }
+    let reasons = match pair(base, candidate, false) {
+        Ok(_) => Vec::new(),
+        Err(reasons) => reasons,
+    };
+    for reason in &reasons {
+        line(&mut text, form, &render_reason(reason));
+    }
+    let both: Vec<(&RecordedTrial, &RecordedTrial)> = candidate
+        .trials
+        .iter()
+        .filter_map(|trial| Some((base.trials.iter().find(|known| known.key == trial.key)?, trial)))
+        .collect();
+    let mut changes: Vec<String> = Vec::new();
+    for (before, after) in &both {
+        for (before, after) in base.vehicles[before.vehicles].iter().zip(&candidate.vehicles[after.vehicles])
+        {
+            let new = vehicle_changes(before, after).into_iter().filter(|change| !changes.contains(change));
+            let new: Vec<_> = new.collect();
+            changes.extend(new);
+        }
+    }
+    for change in &changes {
+        line(&mut text, form, &format!("tested: {change}"));
+    }
+    let mut rows = vec![["metric", "trial", "runs that differ", "base", "candidate"].map(String::from)];
+    for (column, metric) in candidate.metrics.iter().enumerate() {
+        let Some(base_column) = base.metrics.iter().position(|known| known.label == metric.label) else {
+            continue;
+        };
+        for (before, after) in &both {
+            let (old, new) = (&before.values[base_column], &after.values[column]);
+            let differing = old.iter().zip(new).filter(|(old, new)| old != new).count();
+            let differing = differing + old.len().abs_diff(new.len());
+            if differing > 0 {
+                rows.push([
+                    metric.label.clone(),
+                    after.key.clone(),
+                    format!("{differing} of {}", new.len()),
+                    summary(metric, old),
+                    summary(metric, new),
+                ]);
+            }
+        }
+    }
+    if rows.len() == 1 && reasons.is_empty() {
+        let same = both.iter().all(|(before, after)| before.fingerprint == after.fingerprint);
+        let what =
+            if same { "every run went exactly as before" } else { "every metric of every run is the same" };
+        line(&mut text, form, what);
+        return text;
+    }
+    if rows.len() > 1 {
+        text.push('\n');
+        text += &table(&rows, form);
+    }
+    text
+}
+
+fn heading(baseline: &Baseline, form: Form) -> String {
+    let mut text = String::new();
+    line(&mut text, form, &identity(baseline));
+    text
+}
+
+fn identity(baseline: &Baseline) -> String {
+    format!(
+        "suite {}, seed {}, {} trials, {} runs, scenario-runner {}",
+        baseline.suite,
+        baseline.seed,
+        baseline.trials.len(),
+        baseline.runs(),
+        baseline.tool
+    )
+}
+
+fn line(text: &mut String, form: Form, content: &str) {
+    match form {
+        Form::Terminal => writeln!(text, "{content}").expect(STRING),
+        Form::Markdown => writeln!(text, "- {}", markdown(content)).expect(STRING),
+    }
+}
+
+/// Mean of a quantity, share of a flag, counts of words; with how many runs have it where not all do.
+fn summary(metric: &RecordedMetric, row: &[Option<f64>]) -> String {
+    let values: Vec<f64> = row.iter().copied().flatten().collect();
+    let Some(centre) = mean(&values) else { return "–".to_string() };
+    let text = match metrics::metric(&metric.name).map(|metric| metric.kind) {
+        Some(MetricKind::Flag) => share(centre),
+        Some(MetricKind::Category(words)) => {
+            let count = |index: usize| values.iter().filter(|value| **value as usize == index).count();
+            let counts = words.iter().enumerate().map(|(index, word)| (word, count(index)));
+            let counts =
+                counts.filter(|(_, count)| *count > 0).map(|(word, count)| format!("{word} {count}"));
+            counts.collect::<Vec<_>>().join(", ")
+        }
+        _ => shown(metric, Some(centre)),
+    };
+    if values.len() < row.len() { format!("{text} ({} of {})", values.len(), row.len()) } else { text }
+}
+
+fn shown(metric: &RecordedMetric, value: Option<f64>) -> String {
+    metrics::metric(&metric.name).map_or_else(|| "?".to_string(), |metric| quantity(metric, value))
+}
+
+/// The first row is the heading; the first two columns stand left.
+fn table<const N: usize>(rows: &[[String; N]], form: Form) -> String {
+    let mut text = String::new();
+    if form == Form::Markdown {
+        for (index, row) in rows.iter().enumerate() {
+            let cells = row.iter().map(|cell| format!(" {} ", markdown(cell))).collect::<Vec<_>>();
+            writeln!(text, "|{}|", cells.join("|")).expect(STRING);
+            if index == 0 {
+                writeln!(text, "|---|---|{}", "--:|".repeat(N - 2)).expect(STRING);
+            }
+        }
+        return text;
+    }
+    let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
+    let widths: [usize; N] = std::array::from_fn(width);
+    for row in rows {
+        let mut drawn = String::new();
+        for (column, (cell, width)) in row.iter().zip(widths).enumerate() {
+            let cell = if column < 2 { format!("{cell:<width$}") } else { format!("{cell:>width$}") };
+            drawn += &cell;
+            drawn += "  ";
+        }
+        writeln!(text, "{}", drawn.trim_end()).expect(STRING);
+    }
+    text
+}
