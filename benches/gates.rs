@@ -6,7 +6,7 @@ use std::path::Path;
 
 use scenario_runner::judge::Verdict;
 use scenario_runner::judge::baseline::{Baseline, record};
-use scenario_runner::judge::gate::{Check, CheckOutcome, GateVerdict, blanket_rule, judge_gate};
+use scenario_runner::judge::gate::{Check, CheckOutcome, GateVerdict, Subject, blanket_rule, judge_gate};
 use scenario_runner::lang;
 use scenario_runner::plan::plan;
 use scenario_runner::run::{FreeFlows, Requests, Unwatched, run_batch, run_case};
@@ -124,8 +124,12 @@ fn empty_gate() -> Gate {
 fn in_words(verdict: &GateVerdict) -> String {
     let regressed = verdict.checks.iter().filter(|check| check.outcome == CheckOutcome::Regressed);
     let name = |check: &Check| {
-        let share = 100.0 * check.worse_by() / check.base.abs();
-        format!("{} in {} by {share:.1} %", check.label, check.place)
+        let by = match (check.subject, check.base) {
+            (Subject::Mean, base) if base != 0.0 => format!("{:.1} %", 100.0 * check.worse_by() / base.abs()),
+            (Subject::Mean, _) => format!("{:.3}", check.worse_by()),
+            (Subject::Rate | Subject::Existence, _) => format!("{:.1} points", 100.0 * check.worse_by()),
+        };
+        format!("{} in {} by {by}", check.label, check.place)
     };
     let names: Vec<_> = regressed.map(name).collect();
     match verdict.verdict {

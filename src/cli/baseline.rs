@@ -12,12 +12,12 @@ use crate::report::{Form, render_baseline, render_difference};
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  scenario-runner baseline save suites/zebra_gate.suite      record, where the suite's gates look for it
-  scenario-runner baseline show baselines/zebra_gate.json    every metric of every trial
-  scenario-runner baseline diff old.json new.json            what is not the same
+  scenario-runner baseline save zebra.suite          record, where the suite's gates look for it
+  scenario-runner baseline show zebra.json           every metric of every trial
+  scenario-runner baseline diff old.json new.json    what is not the same
 
-A baseline is a text file to commit. `scenario-runner suites/zebra_gate.suite` then judges the suite's gates against it,
-and after a change that is meant to change something it is recorded anew.")]
+A baseline is a text file to commit. From then on `scenario-runner zebra.suite` judges the gates of
+the suite against it. After a change that is meant to change something, record it anew.")]
 pub struct BaselineArguments {
     #[command(subcommand)]
     action: Action,

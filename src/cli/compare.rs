@@ -16,12 +16,12 @@ use crate::scenario::{Gate, Suite};
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  scenario-runner compare baselines/zebra_gate.json suites/zebra_gate.suite     what is now with what was
-  scenario-runner compare old.suite new.suite --tolerance 2                     two suites, no file needed
-  scenario-runner compare zebra.suite --parameters old.scn --parameters new.scn two sets of parameters
-  scenario-runner compare zebra.suite --parameters new.scn --format markdown    for a pull request
+  scenario-runner compare zebra.json zebra.suite                  what was, and what is now
+  scenario-runner compare old.suite new.suite --tolerance 2       two suites, no file needed
+  scenario-runner compare zebra.suite --parameters new.scn        other parameters, one suite
+  scenario-runner compare zebra.json zebra.suite --format markdown
 
-Exit codes: 0 nothing is worse, 101 something is, 102 the runs do not suffice to say, 103 they cannot be compared.")]
+Exit codes: 0 nothing is worse, 101 something is, 102 too few runs to say, 103 not comparable.")]
 pub struct CompareArguments {
     /// What was: a baseline, or a suite to run. With --parameters, the suite to run with them.
     base: String,

@@ -1,12 +1,14 @@
 //! A made-up session for the tests of every format: two scenarios, three times to arrival, a few runs each.
 
+mod gate;
+
 use std::time::{Duration, SystemTime};
 
 use nalgebra::Vector2;
 
 use super::{
-    BlockReport, BlockState, Chosen, GateReport, GateState, RecordedReport, RecordedState, Recording,
-    Refusal, Rerun, Skip, Stopping, SuiteIdentity, SuiteReport, TrialReport, TrialState,
+    BlockReport, BlockState, Chosen, RecordedReport, RecordedState, Recording, Rerun, Skip, Stopping,
+    SuiteIdentity, SuiteReport, TrialReport, TrialState,
 };
 use crate::corpus::Recorded;
 use crate::experiment::{
@@ -14,8 +16,6 @@ use crate::experiment::{
     CoursePoint, Difference, EvaluateResult, Found, ParameterValue, SavedCase, SavedSet, SearchResult,
     StatementResult, TrendPoint, TuneResult,
 };
-use crate::judge::baseline::{Baseline, Parts, RecordedMetric, RecordedTrial, pair};
-use crate::judge::gate::{GateVerdict, blanket_rule, judge_rules};
 use crate::judge::statistics::Interval;
 use crate::judge::{Reason, Stopping as Stopped, TrialVerdict, judge, per_run};
 use crate::metrics::{MetricKind, Presence, metric};
@@ -54,7 +54,7 @@ impl Session {
         let mut requests = Requests::default();
         trials.iter().for_each(|trial: &Trial| requests.include(&trial.criteria));
         let (search, tune) = blocks();
-        Self { recorded: recorded(&trials[0].cases[1]), trials, search, tune, gate: gate(), requests }
+        Self { recorded: recorded(&trials[0].cases[1]), trials, search, tune, gate: gate::gate(), requests }
     }
 
     /// One trial of every state: the last two are an error and a skipped one. The second was run until it was decided.
@@ -83,7 +83,7 @@ impl Session {
             recorded: self.reruns(),
             trials: trials.collect(),
             blocks: self.blocks(),
-            gates: self.gates(),
+            gates: gate::reports(&self.gate),
         }
     }
 
@@ -141,25 +141,6 @@ impl Session {
             reports.push(BlockReport { block, key, state, wall_time: Duration::from_millis(750) });
         }
         reports
-    }
-
-    /// One gate of every state: regressed, passed, without a baseline and not judged.
-    fn gates(&self) -> Vec<GateReport<'_>> {
-        let states = [
-            GateState::Judged(Box::new(compared(&self.gate, 0.5))),
-            GateState::Judged(Box::new(compared(&self.gate, 0.0))),
-            GateState::Refused(Refusal {
-                message: "the baseline zebra.json may not be compared with".into(),
-                reasons: vec!["the road differs in walker_<carla>/tta=6s".into()],
-                help: "record it".into(),
-            }),
-            GateState::Skipped("3 of 6 trials were not run".to_string()),
-        ];
-        let report = |(index, state)| {
-            let key = format!("zebra/gate=braking{}", ["", "_2", "_3", "_4"][index]);
-            GateReport { gate: &self.gate, key, state }
-        };
-        states.into_iter().enumerate().map(report).collect()
     }
 
     /// A straight course for every chosen run.
@@ -627,49 +608,4 @@ pub fn statement(standing: Standing, conclusion: Conclusion) -> StatementResult 
         claims,
         standing,
     }
-}
-
-fn gate() -> Gate {
-    let rule = blanket_rule(0.05, 0.95);
-    let source_line = format!("    {}", rule.text);
-    let origin =
-        Origin { file: "zebra.suite".into(), line: 9, column: 5, length: rule.text.len(), source_line };
-    let rules = vec![rule];
-    Gate { name: "braking".into(), doc: None, baseline: "zebra.json".into(), rules, origin }
-}
-
-/// What a gate says of forty runs that come `shift` s closer than before.
-fn compared(gate: &Gate, shift: f64) -> GateVerdict {
-    let runs = |shift: f64| Baseline {
-        suite: "zebra".into(),
-        seed: 1,
-        tool: "0".into(),
-        metrics: vec![RecordedMetric {
-            label: "pet".into(),
-            name: "pet".into(),
-            unit: "s".into(),
-            settings: Settings::default(),
-            pair: None,
-        }],
-        vehicles: vec![Vec::new()],
-        trials: vec![RecordedTrial {
-            key: "walker_<carla>/tta=6s".into(),
-            scenario: "walker_<carla>".into(),
-            certain: false,
-            fingerprint: String::new(),
-            parts: Parts {
-                road: String::new(),
-                pedestrians: String::new(),
-                people: String::new(),
-                traffic: String::new(),
-                simulation: String::new(),
-            },
-            vehicles: 0,
-            runs: (1..=40).map(|run| format!("rep={run}")).collect(),
-            values: vec![(0..40).map(|run| Some(3.0 + 0.01 * f64::from(run) - shift)).collect()],
-        }],
-    };
-    let (base, candidate) = (runs(0.0), runs(shift));
-    let pairing = pair(&base, &candidate, false).expect("they are of the same cases");
-    judge_rules(&gate.name, &gate.rules, &pairing).expect("the metric is there")
 }

@@ -62,7 +62,7 @@ impl Estimate {
         let centre = self.value;
         std::iter::repeat_with(move || {
             // 32 bits choose among any number of runs there may be, with a bias below 1e-5 of the choice's probability.
-            let chosen = |bits: u64| values[((bits & 0xffff_ffff) * values.len() as u64 >> 32) as usize];
+            let chosen = |bits: u64| values[(((bits & 0xffff_ffff) * values.len() as u64) >> 32) as usize];
             for pair in sample.chunks_mut(2) {
                 let bits = stream.bits();
                 pair[0] = chosen(bits);

@@ -120,7 +120,7 @@ impl MeanChange {
 
 /// The sum with the sign of every number turned whose bit is set.
 fn signed_sum(numbers: &[f64], bits: u64) -> f64 {
-    let signed = |(place, number): (usize, &f64)| if bits >> place & 1 == 1 { -number } else { *number };
+    let signed = |(place, number): (usize, &f64)| if (bits >> place) & 1 == 1 { -number } else { *number };
     numbers.iter().enumerate().map(signed).sum()
 }
 
