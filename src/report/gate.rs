@@ -137,8 +137,9 @@ pub fn context(verdict: &GateVerdict) -> Vec<String> {
     lines
 }
 
-fn why_blind(verdict: &GateVerdict, _rule: &str) -> String {
-    let needed = verdict.checks.iter().filter_map(|check| match check.power {
+fn why_blind(verdict: &GateVerdict, rule: &str) -> String {
+    let of_rule = |check: &&Check| verdict.rules.get(check.rule).is_some_and(|text| text == rule);
+    let needed = verdict.checks.iter().filter(of_rule).filter_map(|check| match check.power {
         Power::Blind { needed } => Some((needed, check.units)),
         _ => None,
     });

@@ -27,6 +27,9 @@ pub struct GateVerdict {
     pub verdict: Verdict,
     /// In the order of rules, metrics and scenarios.
     pub checks: Vec<Check>,
+    /// What each rule says; [`Check::rule`] is an index into them.
+    #[serde(skip)]
+    pub rules: Vec<String>,
     /// How many comparisons share the error, because chance plays a part in them.
     pub family: usize,
     /// Rules none of whose comparisons could have failed, whatever had happened.
@@ -126,6 +129,7 @@ pub fn judge_rules(
         gate: name.to_string(),
         verdict,
         checks,
+        rules: rules.iter().map(|rule| rule.text.clone()).collect(),
         family,
         blind_rules,
         without_values,
