@@ -7,7 +7,7 @@ use clap::{Args, Subcommand, ValueEnum};
 use super::Exit;
 use super::measured;
 use crate::judge::baseline::measured_metrics;
-use crate::report::{Form, render_baseline, render_difference};
+use crate::report::{Form, count, render_baseline, render_difference};
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -90,10 +90,10 @@ fn save(file: &str, out: Option<&Path>, seed: Option<u64>) -> Result<(), Exit> {
     let baseline = measured::run_suite(&suite, &measured_metrics(&suite), "baseline")?;
     measured::save(&path, &baseline.text())?;
     println!(
-        "{}: {} trials, {} runs, seed {}; commit it",
+        "{}: {}, {}, seed {}; commit it",
         path.display(),
-        baseline.trials.len(),
-        baseline.runs(),
+        count(baseline.trials.len(), "trial"),
+        count(baseline.runs(), "run"),
         baseline.seed
     );
     Ok(())

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::format::{quantity, share};
+use super::format::{count, quantity, share};
 use super::gate::render_reason;
 use super::github::markdown;
 use crate::judge::baseline::{Baseline, RecordedMetric, RecordedTrial, pair};
@@ -131,11 +131,11 @@ fn heading(baseline: &Baseline, form: Form) -> String {
 
 fn identity(baseline: &Baseline) -> String {
     format!(
-        "suite {}, seed {}, {} trials, {} runs, scenario-runner {}",
+        "suite {}, seed {}, {}, {}, scenario-runner {}",
         baseline.suite,
         baseline.seed,
-        baseline.trials.len(),
-        baseline.runs(),
+        count(baseline.trials.len(), "trial"),
+        count(baseline.runs(), "run"),
         baseline.tool
     )
 }
