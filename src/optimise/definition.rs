@@ -81,14 +81,15 @@ pub struct Definition {
     pub initial_design: InitialDesign,
     /// Seed of every random choice.
     pub seed: u64,
-    /// Least probability of feasibility of the predicted best point.
+    /// Least probability of feasibility of the predicted best point: where the optimum lies on a constraint, about the share of
+    /// runs whose answer keeps it.
     pub feasibility: f64,
     /// Stop early when nothing more is to be expected.
     pub improvement_stop: Option<ImprovementStop>,
 }
 
 impl Definition {
-    /// Minimises one unconstrained objective with 60 evaluations, 15 of them initial (as the paper), feasibility 0.9.
+    /// Minimises one unconstrained objective with 60 evaluations, 15 of them initial (as the paper), feasibility 0.98.
     pub fn new(space: Space, seed: u64) -> Self {
         Definition {
             space,
@@ -99,7 +100,7 @@ impl Definition {
             initial: 15,
             initial_design: InitialDesign::Stratified,
             seed,
-            feasibility: 0.9,
+            feasibility: 0.98,
             improvement_stop: None,
         }
     }

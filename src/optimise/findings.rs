@@ -158,7 +158,7 @@ impl Optimiser {
         if self.trials().is_empty() || self.definition().objectives.len() > 1 {
             return Ok(None);
         }
-        let models = self.fit(&mut self.remembered(), None)?;
+        let models = self.fit(&mut self.remembered().due_again(), None)?;
         Ok(models.objective.is_some().then_some(models))
     }
 

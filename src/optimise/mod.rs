@@ -25,6 +25,7 @@ mod design;
 mod findings;
 mod history;
 mod journal;
+mod knowledge_gradient;
 mod maximise;
 mod models;
 mod normal;

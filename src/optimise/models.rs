@@ -1,9 +1,10 @@
 //! The surrogates of one run: one for the objective, one for each constraint margin, and one for being defined at all.
 
 use super::Error;
+use super::acquisition::SMALLEST_DEVIATION;
 use super::definition::Definition;
 use super::history::{Datum, Trial, merged};
-use super::normal::log_cumulative;
+use super::normal::{log_cumulative, quantile};
 use super::surrogate::{
     Dataset, FriedrichSurrogate, HyperParameters, Noise, Outliers, Posterior, Standardisation, Surrogate,
 };
@@ -37,6 +38,8 @@ pub(super) struct Remembered {
     pub hyper: Vec<Option<HyperParameters>>,
     /// Number of evaluations at the last fit.
     pub fitted_at: usize,
+    /// Number of evaluations at the last fit from all starts.
+    pub searched_at: usize,
 }
 
 #[derive(Clone, Copy, PartialEq)]
@@ -47,15 +50,22 @@ enum Fitting {
 }
 
 impl Remembered {
-    /// What is due after `count` evaluations: all starts up to a hundred, then a refinement every twentieth part more.
+    /// What is due after `count` evaluations. Up to a hundred: all starts whenever a twentieth has come on top, else a
+    /// refinement. From there on: a refinement whenever a twentieth has come on top.
     fn due(&self, count: usize) -> Fitting {
         if count <= FULL_FIT_LIMIT {
-            Fitting::MultiStart
+            let is_due = count >= self.searched_at + self.searched_at / 20;
+            if is_due { Fitting::MultiStart } else { Fitting::Refine }
         } else if count >= self.fitted_at + (count / 20).max(1) {
             Fitting::Refine
         } else {
             Fitting::Reuse
         }
+    }
+
+    /// The same optima to start from, but the next fit is as thorough as fits of so much data ever are.
+    pub fn due_again(self) -> Self {
+        Remembered { fitted_at: 0, searched_at: 0, ..self }
     }
 
     fn get(&self, slot: usize) -> Option<&HyperParameters> {
@@ -90,14 +100,24 @@ impl Scaled {
 
     /// Adds what is believed at a place as if it had been seen there.
     fn believe(self, unit: &[f64]) -> Result<Self, Error> {
-        let mean = self.surrogate.posterior(&[unit.to_vec()])[0].mean;
+        let mean = self.surrogate.scan(&[unit.to_vec()])[0].mean;
         let surrogate = self.surrogate.condition(unit.to_vec(), mean, Noise { shared: 1.0, known: 0.0 })?;
         Ok(Scaled { surrogate, ..self })
     }
 
     /// ln Pr(margin ≥ 0) for beliefs of this model.
     fn log_feasibility(&self, posterior: Posterior) -> f64 {
-        log_cumulative((posterior.mean - self.zero) / posterior.deviation().max(1e-9))
+        log_cumulative((posterior.mean - self.zero) / posterior.deviation().max(SMALLEST_DEVIATION))
+    }
+
+    /// ln Pr(one more evaluation leaves a mean at least `deviations` standard deviations above the margin's zero), where that
+    /// evaluation has noise variance `noise`. Without noise that is the probability of feasibility.
+    fn log_certifiability(&self, posterior: Posterior, noise: f64, deviations: f64) -> f64 {
+        let variance = posterior.variance.max(SMALLEST_DEVIATION * SMALLEST_DEVIATION);
+        // One evaluation leaves s²σ²/(s² + σ²) of the variance s²; by the rest the mean moves.
+        let left = variance * noise / (variance + noise);
+        let moves = variance * variance / (variance + noise);
+        log_cumulative((posterior.mean - self.zero - deviations * left.sqrt()) / moves.sqrt())
     }
 }
 
@@ -152,6 +172,9 @@ impl Models {
                 merged(trials.iter().map(|t| (t, if t.is_undefined() { -1.0 } else { 1.0 }, None)));
             constraints.push(fit(1 + definition.constraints, &definedness, Outliers::Keep)?);
         }
+        if fitting == Fitting::MultiStart {
+            remembered.searched_at = trials.len();
+        }
         if fitting != Fitting::Reuse {
             remembered.fitted_at = trials.len();
         }
@@ -170,11 +193,28 @@ impl Models {
     pub fn log_feasibility(&self, points: &[Vec<f64>]) -> Vec<f64> {
         let mut total = vec![0.0; points.len()];
         for model in &self.constraints {
-            let posteriors = model.surrogate.posterior(points);
+            let posteriors = model.surrogate.scan(points);
             total
                 .iter_mut()
                 .zip(posteriors)
                 .for_each(|(sum, posterior)| *sum += model.log_feasibility(posterior));
+        }
+        total
+    }
+
+    /// ln Pr(one more evaluation makes the place feasible with probability `feasibility`) at each point: what a place is worth
+    /// that can only be the answer when it is safe to say that it is feasible.
+    pub fn log_certifiability(&self, points: &[Vec<f64>], feasibility: f64) -> Vec<f64> {
+        let mut total = vec![0.0; points.len()];
+        // Each constraint's share, so that all of them together reach the probability.
+        let share = libm::pow(feasibility, 1.0 / self.constraints.len().max(1) as f64);
+        let deviations = quantile(share);
+        for model in &self.constraints {
+            let noise = model.surrogate.data().noise_of_another(model.surrogate.hyper_parameters().noise);
+            let posteriors = model.surrogate.scan(points);
+            total.iter_mut().zip(posteriors).for_each(|(sum, posterior)| {
+                *sum += model.log_certifiability(posterior, noise, deviations);
+            });
         }
         total
     }
@@ -235,8 +275,10 @@ fn impute(model: Scaled, seen: &[Datum], censored: &[Datum], categorical: &[bool
 #[cfg(test)]
 mod tests {
     use super::super::history::{Evaluation, Margin};
+    use super::super::normal::density;
     use super::super::space::{Dimension, Space};
     use super::*;
+    use proptest::prelude::*;
 
     fn trial(x: f64, margin: Margin) -> Trial {
         let evaluation = Evaluation { margins: vec![margin], ..Evaluation::of(x) };
@@ -266,6 +308,73 @@ mod tests {
             trial.evaluation.margins[0].censored = false;
         }
         assert!(feasibility_at(&trials, 0.75) > censored);
+    }
+
+    fn margin_model() -> Scaled {
+        let data = Dataset {
+            points: vec![vec![0.2], vec![0.8]],
+            values: vec![-1.0, 1.0],
+            noise: vec![Noise { shared: 1.0, known: 0.0 }; 2],
+            categorical: vec![false],
+        };
+        let hyper = HyperParameters { length_scales: vec![0.3], amplitude: 1.0, noise: 0.1 };
+        let surrogate = Engine::with_hyper_parameters(data, hyper).unwrap();
+        Scaled { surrogate, map: Standardisation::of(&[-1.0, 1.0], Outliers::Keep), zero: 0.0 }
+    }
+
+    proptest! {
+        #[test]
+        fn certifiability_is_the_chance_of_a_certain_margin_after_one_evaluation(
+            mean in -1.0..1.0f64,
+            deviation in 0.05..1.0f64,
+            noise in 0.01..1.0f64,
+            asked in 0.5..2.5f64,
+        ) {
+            let (variance, noise) = (deviation * deviation, noise * noise);
+            let got = libm::exp(margin_model().log_certifiability(Posterior { mean, variance }, noise, asked));
+            // Bayes' rule for every value that may be seen, by the midpoint rule.
+            let spread = (variance + noise).sqrt();
+            let left = (variance * noise / (variance + noise)).sqrt();
+            let steps = 20_000;
+            let expected: f64 = (0..steps)
+                .map(|step| -9.0 + 18.0 * (f64::from(step) + 0.5) / f64::from(steps))
+                .filter(|z| mean + variance / (variance + noise) * z * spread >= asked * left)
+                .map(|z| density(z) * 18.0 / f64::from(steps))
+                .sum();
+            prop_assert!((got - expected).abs() < 1e-3, "{} {}", got, expected);
+        }
+    }
+
+    #[test]
+    fn without_noise_certifiability_is_feasibility_and_with_it_an_edge_is_no_place_to_be() {
+        let model = margin_model();
+        let inside = Posterior { mean: 0.1, variance: 0.04 };
+        assert_eq!(model.log_certifiability(inside, 0.0, 2.0), model.log_feasibility(inside));
+        let edge = Posterior { mean: 0.0, variance: 1e-6 };
+        assert!(model.log_certifiability(edge, 0.1, 2.0) < model.log_feasibility(edge) - 10.0);
+        let never_seen = Posterior { mean: 0.0, variance: 0.0 };
+        assert!(model.log_certifiability(never_seen, 0.0, 2.0).is_finite());
+    }
+
+    #[test]
+    fn every_start_is_tried_again_when_a_twentieth_has_come_on_top() {
+        let mut remembered = Remembered::default();
+        let mut searches = Vec::new();
+        for count in 1..=130 {
+            match remembered.due(count) {
+                Fitting::MultiStart => {
+                    (remembered.fitted_at, remembered.searched_at) = (count, count);
+                    searches.push(count);
+                }
+                Fitting::Refine => remembered.fitted_at = count,
+                Fitting::Reuse => assert!(count > FULL_FIT_LIMIT),
+            }
+        }
+        assert_eq!(searches[..40], (1..=40).collect::<Vec<_>>());
+        assert!(searches.windows(2).all(|pair| pair[1] - pair[0] <= (pair[0] / 20).max(1)), "{searches:?}");
+        assert!(searches.contains(&60) && !searches.contains(&61) && *searches.last().unwrap() <= 100);
+        assert!(remembered.clone().due_again().due(60) == Fitting::MultiStart);
+        assert!(remembered.due_again().due(130) == Fitting::Refine);
     }
 
     #[test]

@@ -26,6 +26,21 @@ pub(super) fn log_cumulative(z: f64) -> f64 {
     -0.5 * z * z - LN_SQRT_2_PI - libm::log(-z) + libm::log1p(-t + 3.0 * t * t - 15.0 * t * t * t)
 }
 
+/// The z where the distribution function is `probability`, to the last bits; ±40 stand for 1 and 0.
+pub(super) fn quantile(probability: f64) -> f64 {
+    let target = libm::log(probability);
+    let (mut low, mut high) = (-40.0, 40.0);
+    for _ in 0..64 {
+        let middle = 0.5 * (low + high);
+        if log_cumulative(middle) < target {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    0.5 * (low + high)
+}
+
 /// h(z) = φ(z) + z Φ(z): expected improvement in units of the posterior's standard deviation.
 pub(super) fn improvement(z: f64) -> f64 {
     density(z) + z * cumulative(z)
@@ -68,6 +83,14 @@ mod tests {
             assert!((below - above).abs() < 1e-6, "{edge}: {below} {above}");
         }
         assert!(log_improvement(-1e6).is_finite() && log_improvement(-1e6) < log_improvement(-1e5));
+    }
+
+    #[test]
+    fn quantiles_undo_the_distribution_function() {
+        for z in [-8.0, -1.3, 0.0, 0.5, 2.053_748_910_631_823, 5.0] {
+            assert!((quantile(libm::exp(log_cumulative(z))) - z).abs() < 1e-9, "{z}");
+        }
+        assert!((quantile(0.98) - 2.053_748_910_631_823).abs() < 1e-12);
     }
 
     #[test]

@@ -1,13 +1,11 @@
 //! Ask and tell: which points to evaluate next, given the evaluations so far. Knows nothing of simulations or workers.
 
 use super::Error;
-use super::acquisition::{
-    Acquisition, NoisyExpectedImprovement, effective_best, incumbents, log_augmented_expected_improvement,
-    log_expected_improvement,
-};
+use super::acquisition::{Acquisition, log_expected_improvement};
 use super::definition::{Definition, InitialDesign, Method};
 use super::design;
 use super::history::{Evaluation, Trial};
+use super::knowledge_gradient::KnowledgeGradient;
 use super::maximise::maximise;
 use super::models::{Models, Remembered};
 use super::pareto;
@@ -127,8 +125,8 @@ impl Optimiser {
 
     /// Up to `count` more points to evaluate; none once a stop rule holds.
     ///
-    /// Later points of a batch take into account that the earlier ones, and all others still pending, will be evaluated:
-    /// noisy expected improvement draws fantasies there, the other acquisitions believe the model's mean (kriging believer).
+    /// Later points of a batch take into account that the earlier ones, and all others still pending, will be evaluated: the
+    /// models believe their own means there (kriging believer).
     pub fn ask(&mut self, count: usize) -> Vec<Proposal> {
         let count =
             if self.stops().is_some() { 0 } else { count.min(self.last_id() - self.next_id as usize) };
@@ -254,9 +252,8 @@ impl Optimiser {
         for pending in &self.pending {
             models = models.believe(&pending.unit).ok()?;
         }
-        let places = self.places();
         let acquisition = self.acquisition(id, &models);
-        let (unit, log) = self.best_point(id, acquisition, &models, &places)?;
+        let (unit, log) = self.best_point(id, acquisition, &models)?;
         self.note_promise(acquisition, &models, log);
         Some((unit, acquisition))
     }
@@ -282,62 +279,42 @@ impl Optimiser {
         let feasible = self.trials.iter().any(Trial::is_feasible);
         if models.objective.is_none() || (!models.constraints.is_empty() && !feasible) {
             Acquisition::Feasibility
-        } else if self.definition.constraints > 0 {
-            Acquisition::AugmentedExpectedImprovement
         } else if (id as usize).saturating_sub(self.definition.initial).is_multiple_of(2) {
             Acquisition::ExpectedImprovement
         } else {
-            Acquisition::NoisyExpectedImprovement
+            Acquisition::KnowledgeGradient
         }
     }
 
-    fn best_point(
-        &self,
-        id: u64,
-        acquisition: Acquisition,
-        models: &Models,
-        places: &[Vec<f64>],
-    ) -> Option<(Vec<f64>, f64)> {
-        let Definition { space, seed, .. } = &self.definition;
+    /// The point that the acquisition likes best, and the logarithm of what it promises there.
+    fn best_point(&self, id: u64, acquisition: Acquisition, models: &Models) -> Option<(Vec<f64>, f64)> {
+        let Definition { space, seed, feasibility, .. } = &self.definition;
         let mut generator = stream(*seed, id, Purpose::Candidates);
-        let anchors = anchors(models, places);
-        let objective = models.objective.as_ref();
-        let mut search = |score: &dyn Fn(&[Vec<f64>]) -> Vec<f64>| {
-            Some(maximise(space, &anchors, &mut generator, |points| {
-                let feasibility = models.log_feasibility(points);
-                score(points)
-                    .iter()
-                    .zip(feasibility)
-                    .map(|(score, feasibility)| score + feasibility)
-                    .collect()
-            }))
-        };
-        match acquisition {
-            Acquisition::Feasibility => search(&|points| vec![0.0; points.len()]),
-            Acquisition::NoisyExpectedImprovement => {
-                let incumbents = incumbents(models, places);
-                let noisy = NoisyExpectedImprovement::new(objective?, places, &incumbents, *seed, id).ok()?;
-                search(&|points| noisy.log(points))
-            }
-            Acquisition::AugmentedExpectedImprovement => {
-                let objective = objective?;
-                let best = effective_best(models, objective, places)?;
-                let noise = objective.surrogate.hyper_parameters().noise;
-                search(&|points| {
-                    log_augmented_expected_improvement(&objective.surrogate.posterior(points), best, noise)
-                })
-            }
-            _ => {
-                let objective = objective?;
-                let lowest = self.lowest_observed(objective.surrogate.data())?;
-                search(&|points| log_expected_improvement(&objective.surrogate.posterior(points), lowest))
-            }
+        let anchors = anchors(models, &self.places());
+        if acquisition == Acquisition::Feasibility {
+            return Some(maximise(space, &anchors, &mut generator, |points| models.log_feasibility(points)));
         }
+        let objective = models.objective.as_ref()?;
+        let mut search = |score: &dyn Fn(&[Vec<f64>]) -> Vec<f64>| {
+            maximise(space, &anchors, &mut generator, |points| {
+                let certifiability = models.log_certifiability(points, *feasibility);
+                score(points).iter().zip(certifiability).map(|(score, log)| score + log).collect()
+            })
+        };
+        Some(if acquisition == Acquisition::KnowledgeGradient {
+            let gradient = KnowledgeGradient::new(objective, models, *feasibility);
+            search(&|points| gradient.log(points))
+        } else {
+            let lowest = self.lowest_observed(objective.surrogate.data())?;
+            search(&|points| log_expected_improvement(&objective.surrogate.scan(points), lowest))
+        })
     }
 
-    /// The smallest observed value on the surrogate's scale; what is only believed of pending points does not count.
+    /// The smallest value on the surrogate's scale observed where no constraint was seen violated; what is only believed of
+    /// pending points does not count.
     fn lowest_observed(&self, data: &super::surrogate::Dataset) -> Option<f64> {
-        let observed = |unit: &Vec<f64>| self.trials.iter().any(|trial| trial.unit == *unit);
+        let observed =
+            |unit: &Vec<f64>| self.trials.iter().any(|trial| trial.unit == *unit && trial.is_feasible());
         let values = data.points.iter().zip(&data.values).filter(|(unit, _)| observed(unit));
         values.map(|(_, value)| *value).min_by(f64::total_cmp)
     }
@@ -392,7 +369,7 @@ fn grid_size(definition: &Definition) -> usize {
 fn anchors(models: &Models, places: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let feasibility = models.log_feasibility(places);
     let means: Vec<f64> = match &models.objective {
-        Some(objective) => objective.surrogate.posterior(places).iter().map(|p| p.mean).collect(),
+        Some(objective) => objective.surrogate.scan(places).iter().map(|p| p.mean).collect(),
         None => vec![0.0; places.len()],
     };
     let unlikely = |i: usize| (-feasibility[i] - std::f64::consts::LN_2).max(0.0);

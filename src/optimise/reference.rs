@@ -72,7 +72,7 @@ impl Hedge {
         let anchors: Vec<Vec<f64>> = anchor.into_iter().collect();
         for (arm, acquisition) in ARMS.into_iter().enumerate() {
             let mut generator = stream(seed, proposal * ARMS.len() as u64 + arm as u64, Purpose::Candidates);
-            let score = |points: &[Vec<f64>]| score(acquisition, &model.posterior(points), best);
+            let score = |points: &[Vec<f64>]| score(acquisition, &model.scan(points), best);
             self.proposed.push(maximise(space, &anchors, &mut generator, score).0);
         }
         let highest = self.gains.iter().copied().fold(f64::NEG_INFINITY, f64::max);

@@ -233,6 +233,41 @@ fn a_constraint_is_learnt_from_abandoned_candidates() {
     }
 }
 
+/// Minimises x where the noisy margin x − 10 is to stay positive: the optimum is on the constraint.
+fn on_the_edge(seed: u64, batch: usize) -> Optimiser {
+    let definition = Definition { constraints: 1, budget: 40, ..Definition::new(line(), seed) };
+    let mut optimiser = Optimiser::new(definition).unwrap();
+    run(&mut optimiser, batch, None, |proposal| {
+        let x = proposal.point[0].number().unwrap();
+        // Errors of ±0.3 that repeat for a proposal but not for a place.
+        let error = |turns: f64| 0.3 * (turns * (proposal.id + 17 * seed) as f64).sin();
+        Evaluation::constrained(x + error(2.4), &[x - 10.0 + error(1.7)])
+    })
+    .unwrap();
+    optimiser
+}
+
+#[test]
+fn an_answer_on_a_constraint_keeps_it() {
+    for seed in 0..8 {
+        let best = on_the_edge(seed, 1).best_predicted().unwrap().unwrap();
+        let x = best.point[0].number().unwrap();
+        assert!((10.0..10.8).contains(&x), "seed {seed}: {x}");
+        assert!(best.feasibility >= 0.98);
+    }
+}
+
+#[test]
+fn a_constrained_run_repeats_to_the_bit_on_any_number_of_workers() {
+    let with = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        text(&pool.install(|| on_the_edge(3, 4)))
+    };
+    let state = with(1);
+    assert_eq!(state, with(3));
+    assert_eq!(text(&serde_json::from_str(&state).unwrap()), state);
+}
+
 #[test]
 fn nothing_feasible_is_said_and_undefined_regions_are_left() {
     let definition = Definition { constraints: 1, budget: 25, ..Definition::new(line(), 4) };

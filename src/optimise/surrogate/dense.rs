@@ -19,6 +19,9 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     ((a + b) + (c + d)) + ((e + f) + (g + h)) + tail
 }
 
+/// Right-hand sides that [`Factor::solve_lower_lanes`] takes at once.
+pub(crate) const LANES: usize = 8;
+
 /// A lower-triangular matrix L with L Lᵀ = the symmetric positive definite matrix it was made from. Row-major, n × n.
 #[derive(Debug, Clone)]
 pub(crate) struct Factor {
@@ -77,6 +80,23 @@ impl Factor {
         }
     }
 
+    /// Replaces each of [`LANES`] vectors b, which lie side by side, by L⁻¹ b.
+    pub fn solve_lower_lanes(&self, b: &mut [[f64; LANES]]) {
+        for i in 0..self.n {
+            let (solved, rest) = b.split_at_mut(i);
+            let row = self.row(i);
+            let mut sums = [0.0; LANES];
+            for (l, known) in row.iter().zip(solved.iter()) {
+                for lane in 0..LANES {
+                    sums[lane] += l * known[lane];
+                }
+            }
+            for lane in 0..LANES {
+                rest[0][lane] = (rest[0][lane] - sums[lane]) / row[i];
+            }
+        }
+    }
+
     /// Replaces b by L⁻ᵀ b.
     pub fn solve_upper(&self, b: &mut [f64]) {
         for i in (0..self.n).rev() {
@@ -84,6 +104,21 @@ impl Factor {
             b[i] /= row[i];
             let scaled = b[i];
             b[..i].iter_mut().zip(row).for_each(|(b, l)| *b -= scaled * l);
+        }
+    }
+
+    /// Replaces each of [`LANES`] vectors b, which lie side by side, by L⁻ᵀ b.
+    pub fn solve_upper_lanes(&self, b: &mut [[f64; LANES]]) {
+        for i in (0..self.n).rev() {
+            let (rest, solved) = b.split_at_mut(i);
+            let row = self.row(i);
+            let solved = &mut solved[0];
+            solved.iter_mut().for_each(|b| *b /= row[i]);
+            for (l, unsolved) in row.iter().zip(rest) {
+                for lane in 0..LANES {
+                    unsolved[lane] -= l * solved[lane];
+                }
+            }
         }
     }
 
@@ -132,7 +167,12 @@ mod tests {
             let b = DVector::from_fn(n, |i, _| (i as f64).sin());
             let mut x = b.as_slice().to_vec();
             factor.solve_lower(&mut x);
+            let mut lanes: Vec<[f64; LANES]> = b.iter().map(|&b| [b, 0.0, 2.0 * b, b, b, b, b, -b]).collect();
+            factor.solve_lower_lanes(&mut lanes);
+            assert!(lanes.iter().zip(&x).all(|(l, x)| (l[0] - x).abs() < 1e-12 && (l[7] + x).abs() < 1e-12));
             factor.solve_upper(&mut x);
+            factor.solve_upper_lanes(&mut lanes);
+            assert!(lanes.iter().zip(&x).all(|(l, x)| (l[0] - x).abs() < 1e-11 && (l[7] + x).abs() < 1e-11));
             assert!((DVector::from_vec(x) - reference.solve(&b)).amax() < 1e-10);
             let (inverse, expected) = (factor.inverse(), reference.inverse());
             for i in 0..n {

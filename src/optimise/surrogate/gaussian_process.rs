@@ -1,7 +1,6 @@
 //! The surrogate on friedrich's Gaussian process: friedrich computes posteriors, we choose hyper-parameters and guard its edges.
 
-use super::dense::{Factor, dot};
-use super::fantasies::Fantasies;
+use super::dense::{Factor, LANES, dot};
 use super::fit::{self, Effort};
 use super::kernel::{ArdMatern52, HyperParameters};
 use super::likelihood::{Likelihood, Prior};
@@ -10,6 +9,7 @@ use crate::optimise::Error;
 use friedrich::gaussian_process::GaussianProcess;
 use friedrich::prior::ConstantPrior;
 use nalgebra::DVector;
+use std::sync::OnceLock;
 
 /// Least noise variance that reaches friedrich, as a share of the amplitude: keeps every covariance matrix invertible.
 const NOISE_FLOOR: f64 = 1e-9;
@@ -22,7 +22,13 @@ pub struct FriedrichSurrogate {
     hyper: HyperParameters,
     /// Added to every noise variance so that the covariance can be factored.
     jitter: f64,
-    process: GaussianProcess<ArdMatern52, ConstantPrior>,
+    kernel: ArdMatern52,
+    /// Of the covariance of the data, noise included.
+    factor: Factor,
+    /// L⁻¹ y with L the factor: the mean at a point is L⁻¹ k · L⁻¹ y, with k its prior covariances with the data.
+    whitened: Vec<f64>,
+    /// friedrich's, made when first needed: proposals do without.
+    process: OnceLock<GaussianProcess<ArdMatern52, ConstantPrior>>,
 }
 
 impl FriedrichSurrogate {
@@ -66,17 +72,53 @@ impl FriedrichSurrogate {
             covariance[i * n + i] += data.noise_variance(i, hyper.noise).max(floor);
         }
         // friedrich panics on a matrix it cannot factor: try it here first.
-        let (_, jitter) = Factor::with_jitter(n, &covariance, hyper.amplitude).ok_or_else(|| {
+        let (factor, jitter) = Factor::with_jitter(n, &covariance, hyper.amplitude).ok_or_else(|| {
             Error::Surrogate("the covariance of the evaluated points cannot be factored".to_owned())
         })?;
-        let rows = ArdMatern52::training_rows(&data.points, |i| {
-            data.noise_variance(i, hyper.noise).max(floor) + jitter
-        });
-        let values = DVector::from_column_slice(&data.values);
-        let prior = ConstantPrior::new(0.0);
-        // Noise is in the rows, by point; friedrich's own, a standard deviation common to all, stays zero.
-        let process = GaussianProcess::new(prior, kernel, 0.0, Some(CHOLESKY_EPSILON), rows, values);
-        Ok(FriedrichSurrogate { data, hyper, jitter, process })
+        let mut whitened = data.values.clone();
+        factor.solve_lower(&mut whitened);
+        Ok(FriedrichSurrogate { data, hyper, jitter, kernel, factor, whitened, process: OnceLock::new() })
+    }
+
+    fn process(&self) -> &GaussianProcess<ArdMatern52, ConstantPrior> {
+        self.process.get_or_init(|| {
+            let rows = ArdMatern52::training_rows(&self.data.points, |i| self.noise(i));
+            let values = DVector::from_column_slice(&self.data.values);
+            let (prior, kernel) = (ConstantPrior::new(0.0), self.kernel.clone());
+            // Noise is in the rows, by point; friedrich's own, a standard deviation common to all, stays zero.
+            GaussianProcess::new(prior, kernel, 0.0, Some(CHOLESKY_EPSILON), rows, values)
+        })
+    }
+
+    /// Variance on the diagonal of the covariance of the data besides the amplitude.
+    fn noise(&self, i: usize) -> f64 {
+        let floor = NOISE_FLOOR * self.hyper.amplitude;
+        self.data.noise_variance(i, self.hyper.noise).max(floor) + self.jitter
+    }
+
+    /// Beliefs at `points`, [`LANES`] at a time, each time with L⁻¹ k of every one, side by side.
+    fn in_lanes(&self, points: &[Vec<f64>], mut take: impl FnMut(&[Posterior], &mut [[f64; LANES]])) {
+        let mut lanes = vec![[0.0; LANES]; self.data.points.len()];
+        let origin = points.first().map_or(0.0, |point| self.kernel.covariance(point, point));
+        for chunk in points.chunks(LANES) {
+            for (row, known) in lanes.iter_mut().zip(&self.data.points) {
+                for (lane, point) in row.iter_mut().zip(chunk) {
+                    *lane = self.kernel.covariance(known, point);
+                }
+            }
+            self.factor.solve_lower_lanes(&mut lanes);
+            let (mut means, mut explained) = ([0.0; LANES], [0.0; LANES]);
+            for (row, value) in lanes.iter().zip(&self.whitened) {
+                for lane in 0..LANES {
+                    means[lane] += row[lane] * value;
+                    explained[lane] += row[lane] * row[lane];
+                }
+            }
+            let belief =
+                |lane: usize| Posterior { mean: means[lane], variance: (origin - explained[lane]).max(0.0) };
+            let posteriors: [Posterior; LANES] = std::array::from_fn(belief);
+            take(&posteriors[..chunk.len()], &mut lanes);
+        }
     }
 
     /// The data it was fitted to.
@@ -112,10 +154,33 @@ impl Surrogate for FriedrichSurrogate {
         if points.is_empty() {
             return Vec::new();
         }
-        let (means, variances) = self.process.predict_mean_variance(&ArdMatern52::query_rows(points));
+        let (means, variances) = self.process().predict_mean_variance(&ArdMatern52::query_rows(points));
         let both = means.iter().zip(variances.iter());
         // Rounding can take a variance at an evaluated point just below zero.
         both.map(|(&mean, &variance)| Posterior { mean, variance: variance.max(0.0) }).collect()
+    }
+
+    fn scan(&self, points: &[Vec<f64>]) -> Vec<Posterior> {
+        let mut posteriors = Vec::with_capacity(points.len());
+        self.in_lanes(points, |posterior, _| posteriors.extend_from_slice(posterior));
+        posteriors
+    }
+
+    fn scan_with_covariances(&self, points: &[Vec<f64>], mut visit: impl FnMut(Posterior, &[f64])) {
+        let noise: Vec<f64> = (0..self.data.points.len()).map(|i| self.noise(i)).collect();
+        let mut covariances = vec![0.0; noise.len()];
+        self.in_lanes(points, |posteriors, lanes| {
+            self.factor.solve_upper_lanes(lanes);
+            for (lane, posterior) in posteriors.iter().enumerate() {
+                // With K' = K + N, k_i is column i of K' − N, so cov(f(x), f_i | y) = k(x, x_i) − kᵀ K'⁻¹ k_i = N_ii (K'⁻¹ k)_i.
+                let weights = lanes.iter().map(|row| row[lane]);
+                covariances
+                    .iter_mut()
+                    .zip(weights.zip(&noise))
+                    .for_each(|(c, (weight, noise))| *c = weight * noise);
+                visit(*posterior, &covariances);
+            }
+        });
     }
 
     fn sample(&self, points: &[Vec<f64>], normals: &[Vec<f64>]) -> Result<Vec<Vec<f64>>, Error> {
@@ -125,8 +190,8 @@ impl Surrogate for FriedrichSurrogate {
         }
         // friedrich's own sampler panics on close points; its joint covariance is sound.
         let rows = ArdMatern52::query_rows(points);
-        let means = self.process.predict(&rows);
-        let covariance = self.process.predict_covariance(&rows);
+        let means = self.process().predict(&rows);
+        let covariance = self.process().predict_covariance(&rows);
         let (factor, _) =
             Factor::with_jitter(n, covariance.as_slice(), self.hyper.amplitude).ok_or_else(|| {
                 Error::Surrogate("the joint covariance of the points to sample cannot be factored".to_owned())
@@ -155,13 +220,6 @@ impl Surrogate for FriedrichSurrogate {
         }
         // friedrich's `add_samples` panics on near duplicates: a new factorisation costs a fraction of a millisecond.
         Self::with_hyper_parameters(data, self.hyper.clone())
-    }
-
-    fn fantasies(&self, points: &[Vec<f64>], normals: &[Vec<f64>]) -> Result<Fantasies, Error> {
-        let kernel = ArdMatern52::new(&self.hyper, &self.data.categorical);
-        let draws = self.sample(points, normals)?;
-        let covariance = prior_covariance(&kernel, points);
-        Fantasies::new(kernel, covariance, points.to_vec(), draws)
     }
 
     fn hyper_parameters(&self) -> &HyperParameters {
@@ -263,15 +321,32 @@ mod tests {
     }
 
     #[test]
-    fn fantasies_pass_through_their_draws() {
-        let model = FriedrichSurrogate::with_hyper_parameters(wave(12), hyper()).unwrap();
-        let places = [vec![0.1], vec![0.45], vec![0.8]];
-        let fantasies = model.fantasies(&places, &[vec![0.3, -1.0, 2.0], vec![0.0; 3]]).unwrap();
-        let (mut scratch, mut means) = (Vec::new(), Vec::new());
-        for (i, place) in places.iter().enumerate() {
-            let variance = fantasies.posterior(place, &mut scratch, &mut means);
-            assert!(variance < 1e-5);
-            assert!(means.iter().zip(fantasies.draws()).all(|(mean, draw)| (mean - draw[i]).abs() < 1e-4));
+    fn scanning_many_candidates_believes_what_friedrich_does() {
+        let mut data = wave(23);
+        data.noise[3] = Noise { shared: 0.25, known: 0.5 };
+        let model = FriedrichSurrogate::with_hyper_parameters(data, hyper()).unwrap();
+        let at: Vec<Vec<f64>> = (0..29).map(|i| vec![f64::from(i) / 28.0]).collect();
+        let (scanned, posterior) = (model.scan(&at), model.posterior(&at));
+        assert_eq!(scanned.len(), at.len());
+        for (a, b) in scanned.iter().zip(posterior) {
+            assert!(
+                (a.mean - b.mean).abs() < 1e-10 && (a.variance - b.variance).abs() < 1e-10,
+                "{a:?} {b:?}"
+            );
         }
+        assert!(model.scan(&[]).is_empty());
+        // Covariances with the data, against friedrich's joint covariance.
+        let mut index = 0;
+        model.scan_with_covariances(&at, |posterior, covariances| {
+            assert_eq!(posterior, scanned[index]);
+            let mut rows = vec![at[index].clone()];
+            rows.extend(model.data().points.iter().cloned());
+            let joint = model.process().predict_covariance(&ArdMatern52::query_rows(&rows));
+            for (i, covariance) in covariances.iter().enumerate() {
+                assert!((covariance - joint[(0, i + 1)]).abs() < 1e-10, "{index} {i}");
+            }
+            index += 1;
+        });
+        assert_eq!(index, at.len());
     }
 }

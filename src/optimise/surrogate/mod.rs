@@ -1,14 +1,12 @@
 //! The surrogate: what the optimiser believes about an expensive, noisy function from the evaluations it has seen.
 
 pub(crate) mod dense;
-mod fantasies;
 pub(crate) mod fit;
 mod gaussian_process;
 mod kernel;
 pub(crate) mod likelihood;
 mod standardise;
 
-pub use fantasies::Fantasies;
 pub use gaussian_process::FriedrichSurrogate;
 pub use kernel::HyperParameters;
 pub use standardise::{Outliers, Standardisation};
@@ -64,6 +62,12 @@ pub trait Surrogate: Sized {
     /// The belief at each point.
     fn posterior(&self, points: &[Vec<f64>]) -> Vec<Posterior>;
 
+    /// The same belief, up to rounding, in the shortest time: for the thousand candidates of an acquisition's maximum.
+    fn scan(&self, points: &[Vec<f64>]) -> Vec<Posterior>;
+
+    /// Like [`Surrogate::scan`], point by point, each with its posterior covariance with the latent function at every datum.
+    fn scan_with_covariances(&self, points: &[Vec<f64>], visit: impl FnMut(Posterior, &[f64]));
+
     /// Joint draws of the latent function at `points`, one for each vector of standard normal numbers in `normals`.
     ///
     /// # Errors
@@ -76,12 +80,6 @@ pub trait Surrogate: Sized {
     /// As for [`Surrogate::fit`].
     fn condition(&self, point: Vec<f64>, value: f64, noise: Noise) -> Result<Self, Error>;
 
-    /// Possible functions, each passing without noise through one joint draw at `points` (see [`Surrogate::sample`]).
-    ///
-    /// # Errors
-    /// As for [`Surrogate::sample`].
-    fn fantasies(&self, points: &[Vec<f64>], normals: &[Vec<f64>]) -> Result<Fantasies, Error>;
-
     /// The hyper-parameters in use.
     fn hyper_parameters(&self) -> &HyperParameters;
 }
@@ -90,6 +88,17 @@ impl Dataset {
     /// Variance of the noise of datum `i` when one evaluation's is `noise`.
     pub(crate) fn noise_variance(&self, i: usize, noise: f64) -> f64 {
         self.noise[i].shared * noise + self.noise[i].known
+    }
+
+    /// Variance of the noise of one more evaluation when the fitted one is `noise`; where every datum's is known, their median.
+    pub(crate) fn noise_of_another(&self, noise: f64) -> f64 {
+        let shared = self.noise.iter().map(|datum| datum.shared).fold(0.0, f64::max);
+        if shared > 0.0 {
+            return shared * noise;
+        }
+        let mut known: Vec<f64> = self.noise.iter().map(|datum| datum.known).collect();
+        known.sort_by(f64::total_cmp);
+        known.get(known.len() / 2).copied().unwrap_or(noise)
     }
 
     /// # Errors
