@@ -260,7 +260,8 @@ fn a_search_and_a_tune_from_the_command_line() {
     assert_eq!(code(&tuned), 0, "{}", stderr(&tuned));
     insta::assert_snapshot!(stdout(&tuned));
     assert_eq!(code(&scenario_runner(&["check", &parameters])), 0, "scenarios can use it");
-    assert!(std::fs::read_to_string(&parameters).unwrap().contains("let braking_distance = "));
+    let definitions = std::fs::read_to_string(&parameters).unwrap();
+    assert!(definitions.contains("let av_controller_braking_distance = "), "{definitions}");
     let unknown = scenario_runner(&["search", "low_pett", suite]);
     assert_eq!(code(&unknown), 2);
     assert!(stderr(&unknown).contains("it declares `low_pet`"), "{}", stderr(&unknown));

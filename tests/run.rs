@@ -410,13 +410,13 @@ mod interrupts {
         assert!(!rest.contains("Summary"), "{rest}");
     }
 
-    #[test]
-    fn a_search_goes_on_from_its_journal_to_the_same_result() {
-        let search = "search many {\n  in commotions_carla\n  individuals 5 of standard\n  minimise pet\n\
-                      over tta in 6 s .. 18 s\n  budget 300 evaluations, by random\n}\n";
-        let undisturbed = Place::new(search).run(&["search", "many", "small.suite"]);
-        for arguments in [&["search", "many", "small.suite"][..], &["small.suite", "search=many"][..]] {
-            let place = Place::new(search);
+    /// Interrupts a block after `evaluations` lines of its journals, alone and as a part of its suite, and lets it go on.
+    fn goes_on(kind: &str, block: &str, evaluations: usize) {
+        let (alone, key) = ([kind, "many", "small.suite"], format!("{kind}=many"));
+        let undisturbed = Place::new(block).run(&alone);
+        assert_eq!(code(&undisturbed), 0, "{}", stderr(&undisturbed));
+        for arguments in [&alone[..], &["small.suite", &key][..]] {
+            let place = Place::new(block);
             let mut child = start(&place, arguments);
             let journals = place.path(".scenario-runner/journal");
             let recorded = || {
@@ -426,7 +426,7 @@ mod interrupts {
                     .map(|text| text.lines().count())
                     .sum::<usize>()
             };
-            while recorded() < 30 {
+            while recorded() < evaluations {
                 assert!(child.try_wait().unwrap().is_none(), "it ended before it could be interrupted");
                 thread::sleep(Duration::from_millis(5));
             }
@@ -436,10 +436,24 @@ mod interrupts {
             let said = format!("{}{}", stdout(&output), stderr(&output));
             assert!(said.contains("interrupted") && said.contains("goes on from"), "{said}");
             assert!(!empty(&journals));
-            let resumed = place.run(&["search", "many", "small.suite"]);
+            let resumed = place.run(&alone);
             assert_eq!(code(&resumed), 0, "{}", stderr(&resumed));
             assert_eq!(stdout(&resumed), stdout(&undisturbed));
             assert!(empty(&journals));
         }
+    }
+
+    #[test]
+    fn a_search_goes_on_from_its_journal_to_the_same_result() {
+        let search = "search many {\n  in commotions_carla\n  individuals 5 of standard\n  minimise pet\n\
+                      over tta in 6 s .. 18 s\n  budget 300 evaluations, by random\n}\n";
+        goes_on("search", search, 30);
+    }
+
+    #[test]
+    fn a_tune_goes_on_from_its_journal_to_the_same_result() {
+        let tune = "tune many {\n  on commotions_carla\n  over av.controller.braking_distance in 4 m .. 25 m\n\
+                    minimise mean(time_lost)\n  subject to no collision\n  budget 80 evaluations, by random\n}\n";
+        goes_on("tune", tune, 10);
     }
 }

@@ -26,8 +26,9 @@ pub struct ExperimentArguments {
     #[arg(long, value_name = "SEED")]
     seed: Option<u64>,
 
-    /// Write the result for use elsewhere: a search its kept cases, a tune its parameters as definitions to `use`, or as
-    /// JSON for an `evaluate` if the name ends in `.json`. `compare --parameters` takes both.
+    /// Write the result for use elsewhere: a search its kept cases, a tune its parameters. Under a name that ends in `.json`
+    /// an `evaluate` block takes them as a condition (`with "tuned.json"`), under another they are definitions that a
+    /// scenario can `use`, such as `av_controller_braking_distance`. `compare --parameters` takes both.
     #[arg(long, value_name = "PATH")]
     save: Option<PathBuf>,
 
@@ -98,11 +99,16 @@ fn run(arguments: &ExperimentArguments, kind: &'static str) -> Exit {
         // What it needs failed, and said so above.
         return Exit::Failed;
     };
-    let suite = &workshop.suites()[units[wanted].suite].suite;
-    let as_json = |path: &Path| path.extension().is_some_and(|extension| extension == "json");
-    let as_json = arguments.save.as_deref().is_some_and(as_json);
-    let saved = save(arguments.save.as_deref(), || file(suite, block, result, as_json))
-        .and_then(|()| save(arguments.json.as_deref(), || json(result)));
+    let file = arguments
+        .save
+        .as_deref()
+        .map(|path| (path, file(path, &suites[units[wanted].suite].suite, block, result)));
+    if let Some((path, None)) = &file {
+        eprintln!("warning: nothing was chosen, so {} is not written", path.display());
+    }
+    let written = file.and_then(|(path, content)| Some((path, content?)));
+    let all = arguments.json.as_deref().map(|path| (path, json(result)));
+    let saved = written.into_iter().chain(all).try_for_each(|(path, content)| save(path, &content));
     if let Err((path, error)) = saved {
         eprintln!("error: cannot write {}: {error}", path.display());
         return Exit::Output;
@@ -140,15 +146,16 @@ fn error(report: &BlockReport) -> Option<String> {
     }
 }
 
-/// The result as others use it; of a tune definitions, or what an evaluation reads.
-fn file(suite: &Suite, block: Block, result: &BlockResult, as_json: bool) -> String {
+/// The result as others use it; `None` if a tune chose nothing.
+fn file(path: &Path, suite: &Suite, block: Block, result: &BlockResult) -> Option<String> {
+    let is_json = path.extension().is_some_and(|extension| extension == "json");
     match (block, result) {
         (Block::Tune(tune), BlockResult::Tune(tuned)) => {
-            let file = ParameterFile::of(suite, tune, tuned).filter(|_| as_json);
-            file.map_or_else(|| tuned_parameters(tuned, tune), |file| file.write())
+            let chosen = ParameterFile::of(suite, tune, tuned)?;
+            Some(if is_json { chosen.write() } else { tuned_parameters(tuned, tune) })
         }
-        (_, BlockResult::Search(search)) => CaseFile::write(&search.kept),
-        _ => json(result),
+        (_, BlockResult::Search(search)) => Some(CaseFile::write(&search.kept)),
+        _ => Some(json(result)),
     }
 }
 
@@ -163,8 +170,7 @@ fn json(result: &BlockResult) -> String {
     text.expect("plain data serialises") + "\n"
 }
 
-fn save(path: Option<&Path>, content: impl FnOnce() -> String) -> Result<(), (PathBuf, io::Error)> {
-    let Some(path) = path else { return Ok(()) };
+fn save(path: &Path, content: &str) -> Result<(), (PathBuf, io::Error)> {
     let folder = path.parent().map_or(Ok(()), fs::create_dir_all);
-    folder.and_then(|()| fs::write(path, content())).map_err(|error| (path.to_owned(), error))
+    folder.and_then(|()| fs::write(path, content)).map_err(|error| (path.to_owned(), error))
 }

@@ -36,6 +36,8 @@ const COURSE_RUNS: u32 = 10;
 pub struct SearchResult {
     pub name: String,
     pub objective: String,
+    /// Which values of it are the worst: what the search looks for.
+    pub direction: Goal,
     /// Labels of the metrics of every run, in their order.
     pub metrics: Vec<String>,
     /// One per individual, or a single one for all.
@@ -140,6 +142,7 @@ pub fn run_search(
     Ok(SearchResult {
         name: search.name.clone(),
         objective: search.objective.text.clone(),
+        direction: search.objective.direction,
         metrics: laboratory.requests.iter().map(|reference| reference.label()).collect(),
         kept: SavedSet {
             name: search.name.clone(),

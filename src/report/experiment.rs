@@ -1,13 +1,14 @@
-//! What the blocks of a suite came to, for the terminal; searches and tunes, and tuned parameters as a file to `use`.
+//! What the blocks of a suite came to, for the terminal; tunes, and tuned parameters as a file to `use`.
 
 use std::fmt::Write;
 
 use super::columns::columns;
 use super::evaluation::render_evaluate;
+use super::found::render_search;
 use super::statement::render_statement;
-use crate::experiment::{BlockResult, Candidate, MetricSummary, SearchResult, TuneResult};
+use crate::experiment::{BlockResult, Candidate, MetricSummary, TuneResult};
 use crate::optimise::Value;
-use crate::scenario::{Target, Tune, significant};
+use crate::scenario::{Tune, significant};
 
 /// A block's result in a few lines or a table.
 pub fn render_block(result: &BlockResult) -> String {
@@ -17,34 +18,6 @@ pub fn render_block(result: &BlockResult) -> String {
         BlockResult::Evaluate(evaluate) => render_evaluate(evaluate),
         BlockResult::Statement(statement) => render_statement(statement),
     }
-}
-
-/// One line per person: where the worst is, what was seen there, what is believed, and what fresh seeds give.
-pub fn render_search(result: &SearchResult) -> String {
-    let headings = ["", "where", "observed", "model", "fresh seeds", "first", "runs"];
-    let mut lines = vec![headings.map(String::from).to_vec()];
-    for found in &result.found {
-        let who: Vec<_> = found.individuals.iter().map(|person| person.number.to_string()).collect();
-        let who = match who.as_slice() {
-            [] => "all".to_string(),
-            [one] => one.clone(),
-            several => format!("{} people", several.len()),
-        };
-        let point = found.best.iter().flatten().map(|(name, value)| format!("{name} {}", short(value)));
-        lines.push(vec![
-            who,
-            point.collect::<Vec<_>>().join(", "),
-            number(found.observed),
-            found.predicted.map_or("–".into(), |(mean, sd)| format!("{} ± {}", digits(mean), digits(sd))),
-            format!("{} ({})", number(found.fresh), found.fresh_runs),
-            found.passed_first.unwrap_or("–").to_string(),
-            found.evaluations.len().to_string(),
-        ]);
-    }
-    let mut text = format!("search {}: {}\n", result.name, result.objective);
-    text += &columns(&lines);
-    writeln!(text, "{} of {} kept", result.kept.cases.len(), result.found.len()).expect(STRING);
-    text
 }
 
 /// The chosen candidate, or why there is none, with the table of before and after.
@@ -84,15 +57,14 @@ pub fn render_tune(result: &TuneResult) -> String {
     text
 }
 
-/// The chosen parameters as `let` lines that a scenario can `use`.
+/// The chosen parameters as definitions for a scenario to `use`, each under its whole name with `_` for `.`: two road users may
+/// have a parameter of one name. Empty but for the first line if nothing was chosen.
 pub fn tuned_parameters(result: &TuneResult, tune: &Tune) -> String {
     let mut text = format!("# Found by `tune {}`: {}.\n", result.name, result.objectives.join(", "));
     for (range, value) in tune.over.iter().zip(result.chosen.iter().flat_map(|chosen| &chosen.point)) {
-        let name = match &range.target {
-            Target::Variation(name) => name,
-            Target::Setting { parameter, .. } => parameter,
-        };
-        writeln!(text, "let {name} = {value} {}", range.unit).expect(STRING);
+        let name = range.target.to_string().replace('.', "_");
+        let unit = if range.unit.is_empty() { String::new() } else { format!(" {}", range.unit) };
+        writeln!(text, "let {name} = {value}{unit}    # {}", range.target).expect(STRING);
     }
     text
 }
@@ -119,14 +91,14 @@ fn summary(summary: &MetricSummary) -> String {
     }
 }
 
-fn short(value: &Value) -> String {
+pub(super) fn short(value: &Value) -> String {
     value.number().map_or_else(|| value.to_string(), digits)
 }
 
-fn number(value: Option<f64>) -> String {
+pub(super) fn number(value: Option<f64>) -> String {
     value.map_or_else(|| "–".to_string(), digits)
 }
 
-fn digits(value: f64) -> String {
+pub(super) fn digits(value: f64) -> String {
     significant(value, 4)
 }

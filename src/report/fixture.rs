@@ -274,6 +274,11 @@ fn blocks() -> (Search, Tune) {
     (search, tune)
 }
 
+/// What a search over one person found.
+pub fn search_result() -> SearchResult {
+    found(&blocks().0)
+}
+
 /// One person's worst arrival.
 fn found(search: &Search) -> SearchResult {
     let tta = |value| vec![optimise::Value::Real(value)];
@@ -305,6 +310,7 @@ fn found(search: &Search) -> SearchResult {
     SearchResult {
         name: search.name.clone(),
         objective: search.objective.text.clone(),
+        direction: search.objective.direction,
         metrics: vec!["pet".into()],
         found: vec![found],
         kept: SavedSet {
@@ -339,7 +345,7 @@ fn tuned(tune: &Tune) -> TuneResult {
     }
 }
 
-fn person(number: u32) -> Individual {
+pub fn person(number: u32) -> Individual {
     Individual {
         pedestrian: "walker".into(),
         population: "standard".into(),

@@ -1,0 +1,174 @@
+//! What a search found, for the terminal: everybody, or of many people how it spreads and who has it worst.
+
+use std::fmt::Write;
+
+use super::columns::columns;
+use super::experiment::{digits, number, short};
+use crate::experiment::{Found, SearchResult};
+use crate::judge::statistics::quantile;
+use crate::scenario::Goal;
+
+/// Up to this many people each have a line.
+const MOST_LINES: usize = 20;
+/// How many of more people have one: the worst.
+const WORST: usize = 10;
+/// What is said of the others.
+const LEVELS: [(&str, f64); 5] =
+    [("smallest", 0.0), ("10 %", 0.1), ("median", 0.5), ("90 %", 0.9), ("largest", 1.0)];
+
+/// One line per person: where the worst is, what was seen there, what is believed, and what fresh seeds give. Of many people
+/// the quantiles over all of them and the worst ten, on fresh seeds.
+pub fn render_search(result: &SearchResult) -> String {
+    let mut text = format!("search {}: {}\n", result.name, result.objective);
+    if result.found.len() <= MOST_LINES {
+        text += &people(&result.found.iter().collect::<Vec<_>>());
+    } else {
+        text += &spread(&result.found);
+        let worst = worst(result);
+        let (shown, all) = (worst.len(), result.found.len());
+        writeln!(
+            text,
+            "the worst {shown} of {all} on fresh seeds; everybody is in the HTML and JSON reports:"
+        )
+        .expect(STRING);
+        text += &people(&worst);
+    }
+    writeln!(text, "{} of {} kept", result.kept.cases.len(), result.found.len()).expect(STRING);
+    text
+}
+
+fn people(found: &[&Found]) -> String {
+    let headings = ["", "where", "observed", "model", "fresh seeds", "first", "runs"];
+    let mut lines = vec![headings.map(String::from).to_vec()];
+    lines.extend(found.iter().map(|found| line(found)));
+    columns(&lines)
+}
+
+fn line(found: &Found) -> Vec<String> {
+    let who: Vec<_> = found.individuals.iter().map(|person| person.number.to_string()).collect();
+    let who = match who.as_slice() {
+        [] => "all".to_string(),
+        [one] => one.clone(),
+        several => format!("{} people", several.len()),
+    };
+    let point = found.best.iter().flatten().map(|(name, value)| format!("{name} {}", short(value)));
+    vec![
+        who,
+        point.collect::<Vec<_>>().join(", "),
+        number(found.observed),
+        found.predicted.map_or("–".into(), |(mean, sd)| format!("{} ± {}", digits(mean), digits(sd))),
+        format!("{} ({})", number(found.fresh), found.fresh_runs),
+        found.passed_first.unwrap_or("–").to_string(),
+        found.evaluations.len().to_string(),
+    ]
+}
+
+/// Quantiles over everybody of what each line says, and how many were first.
+fn spread(found: &[Found]) -> String {
+    let mut lines = vec![vec![String::new()]];
+    lines[0].extend(LEVELS.iter().map(|(name, _)| (*name).to_string()));
+    lines[0].push("people".into());
+    let mut row = |name: &str, values: Vec<f64>| {
+        let mut sorted = values;
+        sorted.sort_by(f64::total_cmp);
+        let mut line = vec![name.to_string()];
+        line.extend(LEVELS.iter().map(|(_, level)| number(quantile(&sorted, *level))));
+        line.push(sorted.len().to_string());
+        lines.push(line);
+    };
+    let names = found.iter().find_map(|one| one.best.as_ref()).into_iter().flatten();
+    for (index, (name, _)) in names.enumerate() {
+        let values = found.iter().filter_map(|one| one.best.as_ref()?.get(index)?.1.number());
+        let values: Vec<f64> = values.collect();
+        // Words have no quantiles.
+        if !values.is_empty() {
+            row(name, values);
+        }
+    }
+    row("observed", found.iter().filter_map(|one| one.observed).collect());
+    row("model", found.iter().filter_map(|one| Some(one.predicted?.0)).collect());
+    row("fresh seeds", found.iter().filter_map(|one| one.fresh).collect());
+    let mut text = columns(&lines);
+    let mut first: Vec<(&str, usize)> = Vec::new();
+    for who in found.iter().map(|one| one.passed_first.unwrap_or("nobody")) {
+        match first.iter_mut().find(|(name, _)| *name == who) {
+            Some((_, count)) => *count += 1,
+            None => first.push((who, 1)),
+        }
+    }
+    first.sort_by_key(|(who, count)| (std::cmp::Reverse(*count), *who));
+    let first: Vec<_> = first.iter().map(|(who, count)| format!("{who} {count}")).collect();
+    writeln!(text, "first at the conflict point: {}", first.join(", ")).expect(STRING);
+    text
+}
+
+/// The worst people, the very worst first, by what fresh seeds say, or else what was observed.
+fn worst(result: &SearchResult) -> Vec<&Found> {
+    let badness = |found: &Found| {
+        let value = found.fresh.or(found.observed)?;
+        Some(match result.direction {
+            Goal::Minimise => value,
+            Goal::Maximise => -value,
+        })
+    };
+    let mut ranked: Vec<(f64, &Found)> =
+        result.found.iter().filter_map(|found| Some((badness(found)?, found))).collect();
+    ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
+    ranked.into_iter().take(WORST).map(|(_, found)| found).collect()
+}
+
+const STRING: &str = "writing to a string cannot fail";
+
+#[cfg(test)]
+mod tests {
+    use super::super::fixture::{person, search_result};
+    use super::*;
+    use crate::optimise::Value;
+
+    /// A search over `count` people; person 7 has the smallest value on fresh seeds, person 9 nothing at all.
+    fn over(count: u32) -> SearchResult {
+        let mut result = search_result();
+        let one = |number: u32| {
+            let mut found = result.found[0].clone();
+            let value = f64::from((number * 37 + 40) % 101) / 20.0;
+            found.individuals = vec![person(number)];
+            found.best = Some(vec![("tta".into(), Value::Real(6.0 + value))]);
+            (found.observed, found.predicted) = (Some(value), Some((value + 0.5, 0.1)));
+            found.fresh = Some(if number == 7 { 0.125 } else { value + 0.625 });
+            found.passed_first = Some(if number % 3 == 0 { "vehicle" } else { "pedestrian" });
+            if number == 9 {
+                (found.best, found.observed, found.predicted, found.fresh) = (None, None, None, None);
+                (found.passed_first, found.fresh_runs) = (None, 0);
+            }
+            found
+        };
+        result.found = (1..=count).map(one).collect();
+        result
+    }
+
+    #[test]
+    fn few_people_each_have_a_line() {
+        let text = render_search(&over(20));
+        assert_eq!(text.lines().count(), 1 + 1 + 20 + 1, "{text}");
+    }
+
+    #[test]
+    fn of_many_people_the_spread_and_the_worst_are_shown() {
+        insta::assert_snapshot!(render_search(&over(100)));
+    }
+
+    #[test]
+    fn the_worst_are_the_largest_where_the_search_maximises() {
+        let mut result = over(100);
+        let numbers = |result: &SearchResult| {
+            worst(result).iter().map(|found| found.individuals[0].number).collect::<Vec<_>>()
+        };
+        let smallest = numbers(&result);
+        assert_eq!((smallest[0], smallest.len()), (7, 10));
+        result.direction = Goal::Maximise;
+        let largest = numbers(&result);
+        let fresh = |number: u32| result.found[number as usize - 1].fresh.unwrap();
+        assert!(largest.windows(2).all(|pair| fresh(pair[0]) >= fresh(pair[1])), "{largest:?}");
+        assert!(!largest.contains(&7) && !largest.contains(&9));
+    }
+}
