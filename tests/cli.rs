@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
+use scenario_runner::experiment::ParameterFile;
 use serde_json::Value;
 
 /// Runs the program in the repository's root.
@@ -259,9 +260,29 @@ fn a_search_and_a_tune_from_the_command_line() {
         scenario_runner(&["tune", "braking_distance", suite, "--save", &parameters, "--journal", &journal]);
     assert_eq!(code(&tuned), 0, "{}", stderr(&tuned));
     insta::assert_snapshot!(stdout(&tuned));
-    assert_eq!(code(&scenario_runner(&["check", &parameters])), 0, "scenarios can use it");
-    let definitions = std::fs::read_to_string(&parameters).unwrap();
-    assert!(definitions.contains("let av_controller_braking_distance = "), "{definitions}");
+    // A scenario that uses what was saved, and the same as a condition, have the number that was chosen.
+    let carla = std::fs::read_to_string("scenarios/zebra/commotions_carla.scn").unwrap();
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/roads");
+    let carla = carla.replace("../roads", &shipped.to_string_lossy()).replacen(
+        "scenario ",
+        "use \"tuned.scn\"\n\nscenario ",
+        1,
+    );
+    let set = "profile: normal, braking_distance: av_controller_braking_distance,";
+    std::fs::write(at("again.scn"), carla.replacen("profile: normal,", set, 1)).unwrap();
+    let checked = scenario_runner(&["check", &at("again.scn")]);
+    assert_eq!(code(&checked), 0, "{}", stderr(&checked));
+    let used = scenario_runner::lang::load(Path::new(&at("again.scn"))).unwrap().suite;
+    let mut settings = used.scenarios[0].vehicles[0].controller.settings.iter();
+    let (_, used) = settings.find(|(name, _)| name == "braking_distance").unwrap();
+    let used = used.evaluate_number(&Default::default()).unwrap();
+    let condition = at("tuned.json");
+    scenario_runner(&["tune", "braking_distance", suite, "--save", &condition, "--journal", &journal]);
+    let saved = ParameterFile::read(Path::new(&condition)).unwrap();
+    let [(target, scenario_runner::scenario::Value::Number(chosen))] = &saved.parameters[..] else {
+        panic!("{saved:?}")
+    };
+    assert_eq!((target.to_string().as_str(), used), ("av.controller.braking_distance", *chosen));
     let unknown = scenario_runner(&["search", "low_pett", suite]);
     assert_eq!(code(&unknown), 2);
     assert!(stderr(&unknown).contains("it declares `low_pet`"), "{}", stderr(&unknown));

@@ -36,7 +36,8 @@ const COURSE_RUNS: u32 = 10;
 pub struct SearchResult {
     pub name: String,
     pub objective: String,
-    /// Which values of it are the worst: what the search looks for.
+    /// Which values of it are the worst: what the search looks for. The objective says it in words.
+    #[serde(skip)]
     pub direction: Goal,
     /// Labels of the metrics of every run, in their order.
     pub metrics: Vec<String>,
