@@ -104,7 +104,8 @@ fn two_parameter_files_are_compared_on_one_suite() {
     let folder = folder(&suite("", ""), "");
     let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
     write("old.scn", "let braking_distance = 5 m\n");
-    write("new.scn", "let braking_distance = 4.75 m\n");
+    // Under its whole name, as `tune --save` writes it.
+    write("new.scn", "let av_controller_braking_distance = 4.75 m\n");
     write("seconds.scn", "let braking_distance = 5 s\n");
     write("typo.scn", "let breaking_distance = 5 m\n");
     let json = r#"{"name":"braking","source":"by hand","parameters":[

@@ -11,7 +11,8 @@ use crate::scenario::{Declaration, ParameterKind, Part, Scenario, Settings, Suit
 use crate::vehicle;
 
 /// Puts what the parameter file at `path` says over the vehicles of `suite`, which was read from `file`. Definitions
-/// reach every vehicle that has a parameter of that name, JSON names vehicle and part. What is wrong goes to stderr.
+/// reach every vehicle that has a parameter of that name, or the one that a whole name such as
+/// `av_controller_braking_distance` begins with; JSON names vehicle and part. What is wrong goes to stderr.
 pub fn put_over(suite: &mut Suite, file: &str, path: &Path) -> Result<(), Exit> {
     let colour = io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
     if load::names_a_file(&path.to_string_lossy()) {
@@ -59,13 +60,20 @@ fn put_named(suite: &mut Suite, file: &str, value: &NamedValue, colour: bool) ->
     for scenario in &mut suite.scenarios {
         for (road_user, part, declaration) in tested_parts(scenario) {
             known.extend(declaration.parameters.iter().map(|parameter| parameter.name));
-            if !takes(&declaration, &value.name) {
+            let target = |parameter: &str| {
+                let road_user = road_user.clone();
+                Target::Setting { road_user, part, parameter: parameter.to_string() }
+            };
+            let whole = target("").identifier();
+            let candidates = [Some(value.name.as_str()), value.name.strip_prefix(&whole)];
+            let Some(parameter) = candidates.into_iter().flatten().find(|name| takes(&declaration, name))
+            else {
                 continue;
-            }
+            };
             fits = true;
-            check(&declaration, value).map_err(|reason| wrong(reason, None))?;
-            let target = Target::Setting { road_user, part, parameter: value.name.clone() };
-            let setting = (target, value.value.clone());
+            let named = NamedValue { name: parameter.to_string(), ..value.clone() };
+            check(&declaration, &named).map_err(|reason| wrong(reason, None))?;
+            let setting = (target(parameter), value.value.clone());
             apply_settings(scenario, std::slice::from_ref(&setting))
                 .map_err(|error| wrong(error.to_string(), None))?;
         }

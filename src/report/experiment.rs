@@ -62,7 +62,7 @@ pub fn render_tune(result: &TuneResult) -> String {
 pub fn tuned_parameters(result: &TuneResult, tune: &Tune) -> String {
     let mut text = format!("# Found by `tune {}`: {}.\n", result.name, result.objectives.join(", "));
     for (range, value) in tune.over.iter().zip(result.chosen.iter().flat_map(|chosen| &chosen.point)) {
-        let name = range.target.to_string().replace('.', "_");
+        let name = range.target.identifier();
         let unit = if range.unit.is_empty() { String::new() } else { format!(" {}", range.unit) };
         writeln!(text, "let {name} = {value}{unit}    # {}", range.target).expect(STRING);
     }

@@ -170,6 +170,13 @@ pub enum Method {
     Grid,
 }
 
+impl Target {
+    /// Its whole name as that of a definition: `av_controller_braking_distance`.
+    pub fn identifier(&self) -> String {
+        self.to_string().replace('.', "_")
+    }
+}
+
 impl fmt::Display for Target {
     /// As it is written in a scenario: `tta` or `av.controller.braking_distance`.
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
