@@ -50,6 +50,8 @@ pub struct ConditionResult {
     pub parameters: Vec<ParameterValue>,
     /// Why it was not run, such as a tune that chose nothing; everything measured is then empty.
     pub missing: Option<String>,
+    /// What has to be known of its parameters, such as that they keep no constraint everywhere.
+    pub caveat: Option<String>,
     /// One per measure; `None` where no run has the metric.
     pub measured: Vec<Option<f64>>,
     /// What the source reports, one per measure, SI units.
@@ -64,8 +66,10 @@ pub struct ConditionResult {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ParameterValue {
     pub target: Target,
-    /// `None` if the cases do not agree on it.
+    /// `None` if the cases do not agree on it, or none of them sets it.
     pub value: Option<Value>,
+    /// Whether the cases do not agree on it.
+    pub varies: bool,
     /// SI unit; empty for plain numbers and words.
     pub unit: String,
 }
@@ -129,11 +133,12 @@ struct Setup {
     /// `None`: each case's own.
     scenario: Option<String>,
     settings: Vec<(Target, Value)>,
+    caveat: Option<String>,
 }
 
 impl Setup {
     fn of(settings: Vec<(Target, Value)>) -> Self {
-        Self { scenario: None, settings }
+        Self { settings, ..Self::default() }
     }
 }
 
@@ -169,6 +174,7 @@ impl Series<'_> {
             name: condition.name.clone(),
             parameters: Vec::new(),
             missing: None,
+            caveat: None,
             measured: vec![None; self.measures.len()],
             reported: reported.map(|(_, values)| values.clone()),
             differences: Vec::new(),
@@ -182,6 +188,7 @@ impl Series<'_> {
                 return Ok(result);
             }
         };
+        result.caveat = setup.caveat.clone();
         let (saved, cases) = self.cases(condition, &setup)?;
         result.parameters = targets.iter().map(|target| parameter(target, &cases)).collect();
         let outcomes = self.laboratory.run_all(&cases)?;
@@ -294,18 +301,23 @@ impl Laboratory<'_> {
             ParameterSet::Declared => Ok(Ok(Setup::default())),
             ParameterSet::Given(settings) => Ok(Ok(Setup::of(settings.clone()))),
             ParameterSet::Scenario(name) => {
-                Ok(Ok(Setup { scenario: Some(name.clone()), settings: Vec::new() }))
+                Ok(Ok(Setup { scenario: Some(name.clone()), ..Setup::default() }))
             }
             ParameterSet::Tuned(name) => {
                 let tune = self.suite.tunes.iter().find(|tune| tune.name == *name);
                 let tune = tune.ok_or_else(|| ExperimentError::NotRun(name.clone()))?;
-                Ok(match &results.tune(name)?.chosen {
-                    Some(chosen) => Ok(Setup::of(overrides::settings(&tune.over, &chosen.point))),
+                let result = results.tune(name)?;
+                Ok(match &result.chosen {
+                    Some(chosen) => Ok(Setup {
+                        caveat: result.violations.map(|violations| violations.to_string()),
+                        ..Setup::of(overrides::settings(&tune.over, &chosen.point))
+                    }),
                     None => Err(format!("tune `{name}` chose nothing")),
                 })
             }
             ParameterSet::Saved(path) => {
-                ParameterFile::read(Path::new(path)).map(|saved| Ok(Setup::of(saved.parameters)))
+                let saved = ParameterFile::read(Path::new(path))?;
+                Ok(Ok(Setup { caveat: saved.caveat, ..Setup::of(saved.parameters) }))
             }
         }
     }
@@ -345,9 +357,9 @@ fn parameter(target: &Target, cases: &[Case]) -> ParameterValue {
         values.all(|other| other.as_ref().map(|(value, _)| value) == first.as_ref().map(|(value, _)| value));
     match first {
         Some((value, unit)) => {
-            ParameterValue { target: target.clone(), value: agreed.then_some(value), unit }
+            ParameterValue { target: target.clone(), value: agreed.then_some(value), varies: !agreed, unit }
         }
-        None => ParameterValue { target: target.clone(), value: None, unit: String::new() },
+        None => ParameterValue { target: target.clone(), value: None, varies: !agreed, unit: String::new() },
     }
 }
 

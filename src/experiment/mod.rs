@@ -35,7 +35,7 @@ pub use parameters::ParameterFile;
 pub use runs::{CaseRun, MetricSummary};
 pub use search::{Course, CoursePoint, Found, SearchResult, run_search};
 pub use statement::{ClaimResult, ClaimValues, Conclusion, StatementResult, TrendPoint, run_statement};
-pub use tune::{Candidate, Comparison, TuneResult, run_tune};
+pub use tune::{Candidate, Comparison, TuneResult, Violations, run_tune};
 
 /// What every experiment of a suite shares.
 pub struct Laboratory<'a> {

@@ -13,6 +13,9 @@ pub struct ParameterFile {
     pub name: String,
     /// What made it: suite, seed, version of the tool.
     pub source: String,
+    /// What has to be known of them, such as that they keep no constraint everywhere.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub caveat: Option<String>,
     pub parameters: Vec<(Target, Value)>,
 }
 
@@ -29,6 +32,7 @@ impl ParameterFile {
                 suite.seed,
                 env!("CARGO_PKG_VERSION")
             ),
+            caveat: result.violations.map(|violations| violations.to_string()),
             parameters: overrides::settings(&tune.over, &chosen.point),
         })
     }

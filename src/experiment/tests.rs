@@ -136,6 +136,7 @@ fn suite() -> Suite {
         budget: budget(8),
         fresh: 0,
         early_stop: true,
+        otherwise_fewest_violations: false,
         compare_with_default: true,
         origin: Origin::default(),
     };
@@ -279,6 +280,32 @@ fn an_empty_set_and_an_unsatisfiable_constraint_are_said_plainly() {
     let laboratory = Laboratory::new(&suite, None);
     let result = run_tune(&laboratory, &suite.tunes[0], &Results::default(), &Silent).unwrap();
     assert!(result.chosen.is_none() && result.evaluations.iter().all(|one| !one.feasible));
+}
+
+#[test]
+fn where_nothing_is_feasible_the_fewest_violations_can_be_chosen() {
+    let mut suite = suite();
+    let tune = &mut suite.tunes[0];
+    tune.on = CaseSet::Scenario("encounter".into());
+    tune.early_stop = false;
+    tune.otherwise_fewest_violations = true;
+    let tuned = |suite: &Suite| {
+        let laboratory = Laboratory::new(suite, None);
+        run_tune(&laboratory, &suite.tunes[0], &Results::default(), &Silent).unwrap()
+    };
+    // What every run violates is broken equally by all: then the objective decides.
+    suite.tunes[0].constraints = vec![condition("min_distance", Relation::Greater, 1e6)];
+    let result = tuned(&suite);
+    let chosen = result.chosen.unwrap();
+    let Violations { runs, of } = result.violations.unwrap();
+    assert!(!chosen.feasible && runs == of && of == result.cases);
+    let least = result.evaluations.iter().filter_map(|one| one.objectives[0]).min_by(f64::total_cmp);
+    assert_eq!(chosen.objectives[0], least);
+
+    // Where something is feasible the clause changes nothing.
+    suite.tunes[0].constraints = vec![condition("min_distance", Relation::GreaterOrEqual, 0.0)];
+    let result = tuned(&suite);
+    assert!(result.chosen.unwrap().feasible && result.violations.is_none());
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! `tune`: controller parameters that are best on a set of cases, under constraints that hold in every run.
 
+use std::fmt;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
@@ -13,7 +14,7 @@ use super::{ExperimentError, Laboratory, Progress, Results, overrides};
 use crate::optimise::{self, Evaluation, Margin, Measurement, Optimiser, Proposal, SlicePoint, StopReason};
 use crate::plan::derive_seed;
 use crate::run::Outcome;
-use crate::scenario::{Case, Target, Tune, Value};
+use crate::scenario::{Case, Goal, Target, Tune, Value};
 
 /// Points of a slice through the surrogate.
 const SLICE_STEPS: usize = 101;
@@ -35,8 +36,10 @@ pub struct TuneResult {
     pub fresh: u32,
     /// The parameters that are tuned, as a scenario would name them.
     pub parameters: Vec<String>,
-    /// The chosen candidate; `None` if no candidate was ever feasible.
+    /// The chosen candidate; `None` if no candidate was ever feasible and the block does not say `otherwise`.
     pub chosen: Option<Candidate>,
+    /// Where the chosen candidate is not feasible: in how many runs of the set it violates a constraint.
+    pub violations: Option<Violations>,
     /// With two objectives: the candidates that no other beats in both.
     pub pareto: Vec<Candidate>,
     /// Every candidate in order.
@@ -56,6 +59,23 @@ pub struct Candidate {
     /// Worst margin over the set per constraint; negative is violated, `None` cannot be said.
     pub margins: Vec<Option<f64>>,
     pub feasible: bool,
+}
+
+/// Runs in which a constraint is violated, of those that were made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Violations {
+    pub runs: usize,
+    pub of: usize,
+}
+
+impl fmt::Display for Violations {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { runs, of } = self;
+        write!(
+            out,
+            "infeasible: breaks a constraint in {runs} of {of} runs of its tune, and no candidate in fewer"
+        )
+    }
 }
 
 /// Before and after, on the same runs and on fresh ones.
@@ -148,6 +168,34 @@ impl Bench<'_> {
         self.tune.constraints.iter().any(|one| margin(one).is_none_or(|margin| margin < 0.0))
     }
 
+    /// The candidate with which the fewest runs violate a constraint; of several the one with the best first objective,
+    /// then the earliest. Every candidate is run once more, because nothing else needs its single runs.
+    fn fewest_violations<'o>(
+        &self,
+        optimiser: &'o Optimiser,
+    ) -> Result<Option<(&'o optimise::Trial, Violations)>, ExperimentError> {
+        let worth = |trial: &optimise::Trial| {
+            let value = trial.evaluation.objectives[0].value.unwrap_or(f64::INFINITY);
+            match self.tune.objectives[0].direction {
+                Goal::Maximise if value.is_finite() => -value,
+                _ => value,
+            }
+        };
+        let mut fewest: Option<(&optimise::Trial, Violations)> = None;
+        for trial in optimiser.trials() {
+            let settings = overrides::settings(&self.tune.over, &trial.point);
+            let outcomes = self.laboratory.run_all(&self.cases(&settings, false)?)?;
+            let runs = outcomes.iter().filter(|outcome| self.violated(std::slice::from_ref(outcome))).count();
+            let is_less = |(best, least): &(&optimise::Trial, Violations)| {
+                runs.cmp(&least.runs).then(worth(trial).total_cmp(&worth(best))).is_lt()
+            };
+            if fewest.as_ref().is_none_or(is_less) {
+                fewest = Some((trial, Violations { runs, of: outcomes.len() }));
+            }
+        }
+        Ok(fewest)
+    }
+
     fn evaluation(&self, outcomes: &[Outcome], abandoned: bool) -> Evaluation {
         let objective = |objective: &crate::scenario::Objective| {
             let (value, noise_variance) = self.laboratory.objective(&objective.aggregate, outcomes);
@@ -196,6 +244,12 @@ impl Bench<'_> {
         let chosen = predicted
             .and_then(|one| optimiser.trials().iter().find(|trial| trial.id == one.id && trial.is_feasible()))
             .or_else(|| optimiser.best_observed());
+        let fallback = match chosen {
+            None if tune.otherwise_fewest_violations => self.fewest_violations(optimiser)?,
+            _ => None,
+        };
+        let (fallback, violations) = fallback.unzip();
+        let chosen = chosen.or(fallback);
         let mut slices = Vec::new();
         let mut comparison = None;
         if let Some(best) = chosen {
@@ -215,6 +269,7 @@ impl Bench<'_> {
             fresh: tune.fresh,
             parameters: tune.over.iter().map(|range| range.target.to_string()).collect(),
             chosen: chosen.map(candidate),
+            violations,
             pareto: if tune.objectives.len() > 1 {
                 optimiser.pareto_front().into_iter().map(candidate).collect()
             } else {

@@ -302,6 +302,9 @@ codes! {
     BadStatement = "E0812", "it is not clear what is known about a statement",
         "A statement is expected to be reproduced, `differs \"why\"` if it is known not to be, or is `not comparable \"why\"`; \
          not two of them. Only the last may go without a `claim`.";
+    BadFallback = "E0813", "there are no violations to count",
+        "`otherwise fewest violations` takes, where no candidate keeps every constraint, the one that breaks them in the \
+         fewest runs. That takes constraints (`subject to`), and every run of every candidate (no `stop early`).";
     // Filter expressions
     UnknownPredicate = "E1001", "a filter has no such predicate",
         "`scenario-runner help filter` lists the predicates of filter expressions.";

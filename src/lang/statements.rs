@@ -394,6 +394,12 @@ pub static BLOCKS: &[Block] = &[
             BUDGET,
             FRESH_SEEDS,
             statement("stop", Rule::stop_early, "stop early", "Gives a candidate up at its first violation."),
+            statement(
+                "otherwise",
+                Rule::otherwise,
+                "otherwise fewest violations",
+                "Where no candidate keeps every constraint, takes the one that breaks them in the fewest runs.",
+            ),
             statement("compare", Rule::compare, "compare with default", "Adds a table of before and after."),
         ],
     },

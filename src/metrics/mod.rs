@@ -128,6 +128,7 @@ pub static METRICS: &[&Metric] = &[
     &jerk::MAX_JERK,
     &jerk::RMS_JERK,
     &travel::TIME_LOST,
+    &travel::TRAVEL_TIME,
     &travel::STOPPED_TIME,
     &crossing::CROSSING_INITIATION_TIME,
     &crossing::CROSSING_DURATION,

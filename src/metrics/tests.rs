@@ -50,6 +50,7 @@ fn pedestrian_first_at_constant_speeds() {
             ("max_jerk", Some(0.0)),
             ("rms_jerk", Some(0.0)),
             ("time_lost", Some(0.0)),
+            ("travel_time", Some(12.0)),
             ("stopped_time", Some(0.0)),
             ("crossing_initiation_time", Some(0.0)),
             ("crossing_duration", Some(4.0)),
@@ -195,6 +196,7 @@ fn collision_inside_a_step() {
                 ("min_distance", Some(0.0)),
                 ("drac", Some(20.0)),
                 ("time_lost", None),
+            ("travel_time", None),
             ] {
                 assert_near(name, found(name), expected, 1e-9);
             }
@@ -246,6 +248,7 @@ fn a_vehicle_that_stops_for_good() {
             ("passed_first", Some(1.0)),
             ("gap_accepted", Some(1.0)),
             ("time_lost", None),
+            ("travel_time", None),
             ("max_deceleration", Some(2.0)),
             // From 0.1 m/s, 0.05 s before standstill at 9 s.
             ("stopped_time", Some(11.05)),

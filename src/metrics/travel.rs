@@ -1,4 +1,4 @@
-//! What the encounter costs the vehicle: time lost and time stopped.
+//! What the encounter costs the vehicle: time lost, time taken and time stopped.
 
 use super::encounter::{lerp, rising};
 use super::{Absence, Encounters, FreeFlow, Meter, Metric, MetricContext, MetricKind, Scope, Worst};
@@ -64,6 +64,43 @@ impl Meter for TimeLost {
         let (time, speed) = self.finish?;
         let lost = (time - free.finish_time?).max(0.0);
         ((speed - free.finish_speed).abs() <= self.tolerance).then_some(lost)
+    }
+}
+
+pub static TRAVEL_TIME: Metric = Metric {
+    declaration: Declaration {
+        name: "travel_time",
+        summary: "Time from the start to the finish line; undefined if the vehicle does not get there. What tunes of \
+                  the cruise speed minimise: driving slower loses no time against itself.",
+        source: "by the vehicle's centre",
+        parameters: &[],
+        presets: None,
+    },
+    kind: MetricKind::Quantity(Dimension::TIME),
+    scope: Scope::Vehicle,
+    worst: Worst::Largest,
+    build: |context| {
+        Box::new(TravelTime { vehicle: context.vehicle, line: context.world.finish, finish: None })
+    },
+};
+
+struct TravelTime {
+    vehicle: usize,
+    line: f64,
+    finish: Option<f64>,
+}
+
+impl Meter for TravelTime {
+    fn observe(&mut self, step: &Step, _: &Encounters) {
+        let (before, after) =
+            (step.before.vehicles[self.vehicle].motion, step.after.vehicles[self.vehicle].motion);
+        if let Some(part) = rising(before.travelled, after.travelled, self.line) {
+            self.finish.get_or_insert(step.time + part * step.duration);
+        }
+    }
+
+    fn value(&self, _: &Encounters) -> Option<f64> {
+        self.finish
     }
 }
 

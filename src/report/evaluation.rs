@@ -46,6 +46,9 @@ pub fn render_evaluate(result: &EvaluateResult) -> String {
         if let Some(reason) = &condition.missing {
             writeln!(text, "  {} was not run: {reason}", condition.name).expect(STRING);
         }
+        if let Some(caveat) = &condition.caveat {
+            writeln!(text, "  {} is {caveat}", condition.name).expect(STRING);
+        }
     }
     if let [first, _, ..] = result.conditions.as_slice() {
         let (first, pairs) = (&first.name, "case by case, with an interval at 95 % where there is one");
@@ -75,7 +78,7 @@ fn heading(parameter: &ParameterValue) -> String {
 
 fn setting(parameter: &ParameterValue) -> String {
     match &parameter.value {
-        None => "varies".to_string(),
+        None => if parameter.varies { "varies" } else { "not set" }.to_string(),
         Some(value) => match value.as_number() {
             Some(number) => in_unit(number, &parameter.unit),
             None => value.to_string(),

@@ -30,7 +30,12 @@ pub fn render_tune(result: &TuneResult) -> String {
     let feasible = result.evaluations.iter().filter(|candidate| candidate.feasible).count();
     writeln!(text, "  {feasible} of {} candidates are feasible", result.evaluations.len()).expect(STRING);
     match &result.chosen {
-        Some(chosen) => writeln!(text, "  chosen: {}", candidate(result, chosen)).expect(STRING),
+        Some(chosen) => {
+            if let Some(violations) = &result.violations {
+                writeln!(text, "  {violations}").expect(STRING);
+            }
+            writeln!(text, "  chosen: {}", candidate(result, chosen)).expect(STRING);
+        }
         None if result.pareto.is_empty() => {
             text.push_str("  no candidate keeps every constraint: nothing is chosen\n")
         }
@@ -61,6 +66,9 @@ pub fn render_tune(result: &TuneResult) -> String {
 /// have a parameter of one name. Empty but for the first line if nothing was chosen.
 pub fn tuned_parameters(result: &TuneResult, tune: &Tune) -> String {
     let mut text = format!("# Found by `tune {}`: {}.\n", result.name, result.objectives.join(", "));
+    if let Some(violations) = &result.violations {
+        writeln!(text, "# {violations}").expect(STRING);
+    }
     for (range, value) in tune.over.iter().zip(result.chosen.iter().flat_map(|chosen| &chosen.point)) {
         let name = range.target.identifier();
         let unit = if range.unit.is_empty() { String::new() } else { format!(" {}", range.unit) };

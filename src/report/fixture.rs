@@ -14,7 +14,7 @@ use crate::corpus::Recorded;
 use crate::experiment::{
     Block, BlockResult, Candidate, CaseRun, ClaimResult, ClaimValues, Conclusion, ConditionResult, Course,
     CoursePoint, Difference, EvaluateResult, Found, ParameterValue, SavedCase, SavedSet, SearchResult,
-    StatementResult, TrendPoint, TuneResult,
+    StatementResult, TrendPoint, TuneResult, Violations,
 };
 use crate::judge::statistics::Interval;
 use crate::judge::{Reason, Stopping as Stopped, TrialVerdict, judge, per_run};
@@ -268,6 +268,7 @@ fn blocks() -> (Search, Tune) {
         budget,
         fresh: 0,
         early_stop: true,
+        otherwise_fewest_violations: false,
         compare_with_default: true,
         origin: origin(16, "tune braking_distance {"),
     };
@@ -337,6 +338,7 @@ fn tuned(tune: &Tune) -> TuneResult {
         fresh: 0,
         parameters: vec!["av.controller.braking_distance".into()],
         chosen: None,
+        violations: None,
         pareto: Vec::new(),
         evaluations: vec![candidate(4.0), candidate(25.0), candidate(12.0)],
         stop: Some(optimise::StopReason::Budget { evaluations: 3 }),
@@ -526,6 +528,7 @@ pub fn evaluation() -> EvaluateResult {
     let parameter = |value: f64| ParameterValue {
         target: target.clone(),
         value: Some(Value::Number(value)),
+        varies: false,
         unit: "m".into(),
     };
     let metric = MetricReference { name: "pet".into(), settings: Settings::default(), pair: None };
@@ -535,6 +538,7 @@ pub fn evaluation() -> EvaluateResult {
         name: name.into(),
         parameters: vec![parameter(distance)],
         missing: None,
+        caveat: None,
         measured: vec![Some(measured), Some(measured - 0.25)],
         reported: None,
         differences: Vec::new(),
@@ -542,6 +546,7 @@ pub fn evaluation() -> EvaluateResult {
     };
     let tuned = ConditionResult {
         differences: vec![difference(Some(Interval { low: 0.25, high: 0.75 })), difference(None)],
+        caveat: Some(Violations { runs: 2, of: 63 }.to_string()),
         ..condition("tuned", 12.5, 1.75)
     };
     let missing = ConditionResult {

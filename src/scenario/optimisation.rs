@@ -44,6 +44,9 @@ pub struct Tune {
     pub fresh: u32,
     /// Abandon a candidate at its first violation instead of running every case.
     pub early_stop: bool,
+    /// Where no candidate is feasible, take the one with which the fewest runs violate a constraint.
+    #[serde(default)]
+    pub otherwise_fewest_violations: bool,
     /// Report a before/after table against the parameters that the scenario declares.
     pub compare_with_default: bool,
     pub origin: Origin,

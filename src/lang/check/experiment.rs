@@ -120,6 +120,7 @@ pub fn tune(
     let over = over.filter(|_| only_parameters(block, report));
     let budget = budget(block, name, &what, scope, report);
     let fresh = super::evaluate::fresh_seeds(block, report);
+    let fallback = fewest_violations(block, report);
     Some(Tune {
         name: name.text().to_string(),
         doc: super::doc(block),
@@ -130,9 +131,35 @@ pub fn tune(
         budget: budget?,
         fresh: fresh?,
         early_stop: block.has(Rule::stop_early),
+        otherwise_fewest_violations: fallback?,
         compare_with_default: block.has(Rule::compare),
         origin: places.origin(name.span()),
     })
+}
+
+/// Whether the block says what to take where nothing is feasible.
+fn fewest_violations(block: Node, report: &mut Vec<Diagnostic>) -> Option<bool> {
+    let Some(otherwise) = block.child(Rule::otherwise) else { return Some(false) };
+    let mut wrong = |message: &str, label: &str, hint: &str| {
+        let diagnostic = Diagnostic::new(Code::BadFallback, otherwise.span(), message);
+        report.push(diagnostic.label(label).hint(hint));
+        None
+    };
+    if !block.has(Rule::constraints) {
+        return wrong(
+            "nothing can be violated",
+            "there is no constraint",
+            "add `subject to pet >= 1.5 s`, or remove this line",
+        );
+    }
+    if block.has(Rule::stop_early) {
+        return wrong(
+            "violations are not counted where a candidate is given up at the first",
+            "needs every run of the set",
+            "remove `stop early`",
+        );
+    }
+    Some(true)
 }
 
 /// Cases have values of their own for what is varied, so that a tune over it would try the same thing again and again.

@@ -218,6 +218,7 @@ pub fn keys(block: Rule) -> &'static [Key] {
                     BUDGET,
                     key("repeat", Shape::Words("repeat"), Rule::fresh_seeds),
                     key("stop_early", Shape::Flag("stop early"), Rule::stop_early),
+                    key("otherwise", Shape::Words("otherwise"), Rule::otherwise),
                     key("compare_with_default", Shape::Flag("compare with default"), Rule::compare),
                 ]
             }

@@ -37,8 +37,8 @@ pub struct Section {
 #[derive(Debug, Serialize)]
 struct Group {
     name: String,
-    /// Why it was not run.
-    missing: Option<String>,
+    /// Why it was not run, or what has to be known of it.
+    remark: Option<String>,
     parameters: Vec<String>,
     ours: Vec<Cell>,
     reported: Vec<String>,
@@ -120,7 +120,7 @@ impl Table<'_> {
         };
         Group {
             name: condition.name.clone(),
-            missing: condition.missing.clone(),
+            remark: condition.missing.clone().or_else(|| condition.caveat.clone()),
             parameters: condition.parameters.iter().map(parameter).collect(),
             ours: ours.collect(),
             reported: reported.map(|(value, one)| one.text(Some(*value))).collect(),
@@ -200,7 +200,7 @@ fn position(result: &EvaluateResult, metric: &MetricReference) -> Option<usize> 
 
 fn parameter(parameter: &ParameterValue) -> String {
     match &parameter.value {
-        None => "varies".to_string(),
+        None => if parameter.varies { "varies" } else { "not set" }.to_string(),
         Some(value) => match value.as_number() {
             Some(number) => in_unit(number, &parameter.unit),
             None => value.to_string(),

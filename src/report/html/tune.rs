@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::figure::Figure;
 use super::space::{Dimension, Measured, point_text};
-use crate::experiment::{Candidate, Comparison, MetricSummary, TuneResult};
+use crate::experiment::{Candidate, Comparison, MetricSummary, TuneResult, Violations};
 use crate::metrics::{MetricKind, metric};
 use crate::optimise::StopReason;
 use crate::report::chart::{Convergence, Front, Mark, Quantity, Rule, Slice, Tried};
@@ -89,7 +89,12 @@ impl Section {
     pub fn summary(tune: &Tune, result: &TuneResult) -> String {
         let bench = Bench::new(tune, result);
         match (&result.chosen, result.pareto.len()) {
-            (Some(chosen), _) => bench.told(chosen),
+            (Some(chosen), _) => match &result.violations {
+                None => bench.told(chosen),
+                Some(Violations { runs, of }) => {
+                    format!("infeasible, violated in {runs} of {of} runs: {}", bench.told(chosen))
+                }
+            },
             (None, 0) => "no candidate keeps every constraint".to_string(),
             (None, _) => format!("{} on the front", bench.front_words()),
         }
@@ -137,6 +142,9 @@ impl<'a> Bench<'a> {
             true => format!("{evaluations} candidates were evaluated{ended}."),
             false => format!("{feasible} of {evaluations} candidates are feasible{ended}."),
         });
+        if let Some(violations) = &result.violations {
+            sentences.push(format!("The chosen candidate is {violations}."));
+        }
         sentences.push(match &result.chosen {
             Some(chosen) => {
                 let margins = self.constraints.iter().zip(&chosen.margins);
@@ -206,6 +214,7 @@ impl<'a> Bench<'a> {
                 number: index + 1,
                 cells: point.chain(numbers).collect(),
                 state: match self.mark(index, candidate) {
+                    Mark::Best if !candidate.feasible => "chosen, infeasible",
                     Mark::Best if self.result.chosen.is_some() => "chosen",
                     Mark::Best => "on the front",
                     Mark::Refused => "infeasible",
@@ -222,8 +231,8 @@ impl<'a> Bench<'a> {
     fn mark(&self, index: usize, candidate: &Candidate) -> Mark {
         let best = self.result.chosen.iter().chain(&self.result.pareto);
         match candidate {
-            _ if !candidate.feasible => Mark::Refused,
             _ if best.into_iter().any(|best| best == candidate) => Mark::Best,
+            _ if !candidate.feasible => Mark::Refused,
             _ if index < self.tune.budget.initial as usize => Mark::Initial,
             _ => Mark::Proposed,
         }
