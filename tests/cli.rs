@@ -214,6 +214,7 @@ fn what_cannot_be_done_has_its_own_exit_code() {
         (&["--no-such-flag"], 2, "no-such-flag"),
         (&["replay", "zebra/scripted/tta=6s/rep=9"], 4, "the nearest name is `zebra/scripted/tta=6s/rep=1`"),
         (&["replay", "nothing/x"], 2, "name it"),
+        (&["fmt", "tests/language/ok/plain.yaml"], 2, "convert tests/language/ok/plain.yaml --to scn"),
         (&["models", "carla_behaviour"], 2, "`carla_behavior`"),
         (&["suites/zebra.suite", "--junit", "/dev/null/x.xml"], 110, "cannot write"),
     ];

@@ -10,7 +10,9 @@ use std::process::Command;
 use scenario_runner::judge;
 use scenario_runner::lang::filter::{Filters, SCENARIO, Subject};
 use scenario_runner::lang::{self, Code, Diagnostic, Severity, Sources, Style};
-use scenario_runner::scenario::{Assignment, Value};
+use scenario_runner::plan;
+use scenario_runner::run::{FreeFlows, Requests, Unwatched, run_case};
+use scenario_runner::scenario::{Assignment, Suite, Value};
 
 fn folder(name: &str) -> PathBuf {
     Path::new("tests/language").join(name)
@@ -212,37 +214,46 @@ fn good_files_stay_what_they_are_when_formatted() {
     }
 }
 
+/// Every scenario file and suite that can be run: the good test cases and what ships.
+fn runnable() -> Vec<PathBuf> {
+    let patterns = ["tests/language/ok/*", "scenarios/**/*.scn", "suites/*.suite", "templates/**/*.s[cu]*"];
+    let paths = patterns.iter().flat_map(|pattern| glob::glob(pattern).unwrap().map(Result::unwrap));
+    let known = |path: &PathBuf| path.extension().is_some_and(|kind| kind == "scn" || kind == "suite");
+    let mut paths: Vec<_> = paths.filter(known).filter(|path| lang::load(path).is_ok()).collect();
+    paths.sort();
+    paths
+}
+
+/// Scenarios, searches, tunes, evaluates, statements, gates and everything else that a suite holds, field by field.
 #[test]
 fn yaml_says_the_same() {
-    let copies = tempfile::tempdir().unwrap();
-    let copy = |from: &Path, to: &str| std::fs::copy(from, copies.path().join(to)).unwrap();
-    std::fs::create_dir_all(copies.path().join("support")).unwrap();
-    std::fs::create_dir_all(copies.path().join("ok")).unwrap();
-    copy(&folder("support/street.scn"), "support/street.scn");
-    copy(&folder("support/tuned.json"), "support/tuned.json");
-    copy(&folder("ok/everything.scn"), "ok/everything.scn");
-    for name in ["ok/everything.scn", "ok/whole.suite"] {
-        let text = std::fs::read_to_string(folder(name)).unwrap();
+    let paths = runnable();
+    assert!(paths.len() >= 15, "{paths:?}");
+    for path in paths {
+        let text = std::fs::read_to_string(&path).unwrap();
         let source = Sources::default().add("test", "");
         let yaml = lang::to_yaml(source, &text).unwrap();
-        let path = copies.path().join(name).with_extension("yaml");
-        let loaded = lang::check(&path, &yaml)
+        // Beside the original, where the paths in it lead to the same files.
+        let loaded = lang::check(&path.with_extension("yaml"), &yaml)
             .unwrap_or_else(|failure| panic!("{yaml}\n{}", failure.render(Style::default())));
-        let original = lang::load(&folder(name)).unwrap();
-        for (before, after) in original.suite.scenarios.iter().zip(&loaded.suite.scenarios) {
-            assert_eq!(without_places(before), without_places(after), "{yaml}");
-        }
-        let blocks = |suite: &scenario_runner::scenario::Suite| {
-            without_places(&(&suite.searches, &suite.tunes, &suite.evaluates, &suite.statements))
-        };
-        let here = copies.path().display().to_string();
-        let beside = |value: serde_json::Value| value.to_string().replace(&here, "tests/language");
-        assert_eq!(blocks(&original.suite).to_string(), beside(blocks(&loaded.suite)), "{yaml}");
-        assert_eq!(original.suite.gates.len(), loaded.suite.gates.len());
+        let original = lang::load(&path).unwrap();
+        assert_eq!(without_places(&original.suite), without_places(&loaded.suite), "{yaml}");
         // And back again.
         let scn = lang::from_yaml(source, &yaml).unwrap();
         assert_eq!(lang::to_yaml(source, &scn).unwrap(), yaml);
     }
+}
+
+/// What the test above compares is there to be compared.
+#[test]
+fn the_good_files_hold_one_of_everything() {
+    let suites: Vec<Suite> = files("ok").iter().map(|path| lang::load(path).unwrap().suite).collect();
+    let count = |of: fn(&Suite) -> usize| suites.iter().map(of).sum::<usize>();
+    assert!(count(|suite| suite.searches.len()) > 0 && count(|suite| suite.tunes.len()) > 0);
+    assert!(count(|suite| suite.evaluates.len()) > 0 && count(|suite| suite.statements.len()) > 0);
+    assert!(
+        count(|suite| suite.gates.len()) > 0 && count(|suite| usize::from(suite.time_limit.is_some())) > 0
+    );
 }
 
 /// As JSON, without where things were said.
@@ -378,8 +389,20 @@ fn examples(language: &str) -> Vec<String> {
     text.split(&fence).skip(1).map(|rest| rest.split("```").next().unwrap().to_string()).collect()
 }
 
+/// Simulates the first case of every scenario, so that an example that cannot be run is found.
+fn run_one_of_each(suite: &Suite) {
+    let plan = plan::plan(suite).unwrap_or_else(|errors| panic!("{errors:?}"));
+    let mut requests = Requests::defaults();
+    plan.trials.iter().for_each(|trial| requests.include(&trial.criteria));
+    for trials in plan.trials.chunk_by(|one, next| one.scenario == next.scenario) {
+        let case = &trials[0].cases[0];
+        let outcome = run_case(case, &requests, &FreeFlows::default(), &mut Unwatched);
+        outcome.unwrap_or_else(|error| panic!("{}: {error}", case.key));
+    }
+}
+
 #[test]
-fn the_reference_compiles() {
+fn the_reference_compiles_and_runs() {
     let whole = examples("scn").concat();
     let pieces = [("docs/whole.scn", whole.clone())];
     let suites = examples("suite").into_iter().map(|text| ("docs/example.suite", text));
@@ -392,7 +415,7 @@ fn the_reference_compiles() {
                     "{}",
                     lang::render_all(&loaded.warnings, &loaded.sources, Style::default())
                 );
-                scenario_runner::plan::plan(&loaded.suite).unwrap_or_else(|errors| panic!("{errors:?}"));
+                run_one_of_each(&loaded.suite);
             }
             Err(failure) => panic!("{}", failure.render(Style::default())),
         }

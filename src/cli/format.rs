@@ -31,6 +31,12 @@ pub fn format(arguments: &FormatArguments) -> Exit {
 }
 
 fn one(file: &Path, check: bool) -> Exit {
+    if file.extension().is_some_and(|extension| extension == "yaml" || extension == "yml") {
+        let file = file.display();
+        eprintln!("error: `{file}` is YAML, which has no one style");
+        eprintln!("help: `scenario-runner convert {file} --to scn` turns it into what has");
+        return Exit::Usage;
+    }
     let text = match std::fs::read_to_string(file) {
         Ok(text) => text,
         Err(error) => {

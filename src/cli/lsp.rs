@@ -1,7 +1,7 @@
 //! `scenario-runner lsp`: the language server, over standard input and output.
 
 use std::collections::{BTreeMap, HashMap};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use lsp_server::{Connection, ErrorCode, Message, Notification, Request, Response};
@@ -62,7 +62,12 @@ pub fn serve(connection: &Connection) -> Result<(), Box<dyn std::error::Error + 
                 let response = server.answer(request);
                 connection.sender.send(Message::Response(response))?;
             }
-            Message::Notification(notification) => server.hear(notification)?,
+            Message::Notification(notification) => {
+                let method = notification.method.clone();
+                if let Err(error) = server.hear(notification) {
+                    eprintln!("`{method}` is not understood: {error}");
+                }
+            }
             Message::Response(_) => {}
         }
     }
@@ -204,7 +209,9 @@ impl Server<'_> {
     fn formatting(&self, parameters: Value) -> Result<Value, Failure> {
         let parameters: DocumentFormattingParams = serde_json::from_value(parameters)?;
         let text = self.text(&parameters.text_document.uri);
-        let edits = lang::format(Sources::default().add("", ""), text).ok().map(|new_text| {
+        let has_style = !path_of(&parameters.text_document.uri).is_some_and(|path| is_yaml(&path));
+        let formatted = lang::format(Sources::default().add("", ""), text).ok().filter(|_| has_style);
+        let edits = formatted.map(|new_text| {
             let range = Range { start: Position::default(), end: position_of(text, text.len()) };
             vec![TextEdit { range, new_text }]
         });
@@ -236,6 +243,11 @@ fn shown(diagnostic: &Diagnostic, sources: &Sources) -> lsp_types::Diagnostic {
         related_information: Some(related.collect()),
         ..lsp_types::Diagnostic::default()
     }
+}
+
+/// YAML has no one style.
+fn is_yaml(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension == "yaml" || extension == "yml")
 }
 
 fn range_of(text: &str, span: Span) -> Range {

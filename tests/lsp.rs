@@ -1,0 +1,291 @@
+//! The language server as an editor meets it: the program, over its standard input and output.
+
+use std::collections::HashMap;
+use std::io::{BufReader, Write};
+use std::path::Path;
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+
+use lsp_server::{Message, Notification, Request};
+use serde_json::{Value, json};
+
+/// An editor with the server that it started.
+struct Editor {
+    server: Child,
+    to: ChildStdin,
+    from: BufReader<ChildStdout>,
+    requests: i32,
+    /// The last findings shown for each address.
+    findings: HashMap<String, Vec<Value>>,
+}
+
+impl Editor {
+    fn start() -> Self {
+        let mut server = Command::new(env!("CARGO_BIN_EXE_scenario-runner"))
+            .args(["lsp", "--stdio"])
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .expect("the server starts");
+        let to = server.stdin.take().unwrap();
+        let from = BufReader::new(server.stdout.take().unwrap());
+        let mut editor = Self { server, to, from, requests: 0, findings: HashMap::new() };
+        let able = editor.ask("initialize", json!({ "capabilities": {} }))["capabilities"].clone();
+        for ability in
+            ["hoverProvider", "completionProvider", "definitionProvider", "documentFormattingProvider"]
+        {
+            assert!(!able[ability].is_null(), "{able}");
+        }
+        editor.tell("initialized", json!({}));
+        editor
+    }
+
+    fn send(&mut self, message: Message) {
+        message.write(&mut self.to).unwrap();
+        self.to.flush().unwrap();
+    }
+
+    fn tell(&mut self, method: &str, parameters: Value) {
+        self.send(Message::Notification(Notification::new(method.to_string(), parameters)));
+    }
+
+    /// The answer, or the error in its place.
+    fn ask(&mut self, method: &str, parameters: Value) -> Value {
+        self.requests += 1;
+        let id = self.requests.into();
+        self.send(Message::Request(Request::new(id, method.to_string(), parameters)));
+        loop {
+            match Message::read(&mut self.from).unwrap().expect("the server answers") {
+                Message::Response(response) => {
+                    assert_eq!(response.id, self.requests.into());
+                    let answer = serde_json::to_value(&response).unwrap();
+                    return if answer["error"].is_null() {
+                        answer["result"].clone()
+                    } else {
+                        answer["error"].clone()
+                    };
+                }
+                Message::Notification(Notification { method, params }) => {
+                    assert_eq!(method, "textDocument/publishDiagnostics");
+                    let uri = params["uri"].as_str().unwrap().to_string();
+                    self.findings.insert(uri, params["diagnostics"].as_array().unwrap().clone());
+                }
+                Message::Request(request) => panic!("an editor answers nothing: {request:?}"),
+            }
+        }
+    }
+
+    fn open(&mut self, path: &Path, text: &str) {
+        let document = json!({ "uri": address(path), "languageId": "scn", "version": 1, "text": text });
+        self.tell("textDocument/didOpen", json!({ "textDocument": document }));
+    }
+
+    fn change(&mut self, path: &Path, text: &str) {
+        let changes = json!([{ "text": text }]);
+        let document = json!({ "uri": address(path), "version": 2 });
+        self.tell("textDocument/didChange", json!({ "textDocument": document, "contentChanges": changes }));
+    }
+
+    /// Codes of what is shown for a file, once everything sent before was heard.
+    fn codes(&mut self, path: &Path) -> Vec<String> {
+        self.at("hover", path, "", 0);
+        let shown = self.findings.get(&address(path));
+        shown
+            .expect("findings were shown")
+            .iter()
+            .map(|one| one["code"].as_str().unwrap().to_string())
+            .collect()
+    }
+
+    /// Asks about the place `behind` bytes after the beginning of `word` in `text`.
+    fn at(&mut self, what: &str, path: &Path, text: &str, behind: usize) -> Value {
+        let before = &text[..behind];
+        let line = before.matches('\n').count();
+        let character = before.rsplit('\n').next().unwrap().encode_utf16().count();
+        self.ask(
+            &format!("textDocument/{what}"),
+            json!({ "textDocument": { "uri": address(path) }, "position": { "line": line, "character": character } }),
+        )
+    }
+
+    fn format(&mut self, path: &Path) -> Value {
+        let options = json!({ "tabSize": 2, "insertSpaces": true });
+        self.ask(
+            "textDocument/formatting",
+            json!({ "textDocument": { "uri": address(path) }, "options": options }),
+        )
+    }
+
+    fn end(mut self) {
+        assert_eq!(self.ask("shutdown", Value::Null), Value::Null);
+        self.tell("exit", Value::Null);
+        drop(self.to);
+        assert!(self.server.wait().unwrap().success());
+    }
+}
+
+fn address(path: &Path) -> String {
+    format!("file://{}", path.display())
+}
+
+const STREET: &str = "road street {\n  lane_width 3.5 m\n  speed_limit 50 km/h\n  crossing zebra\n}\n";
+
+/// With every kind of thing that an editor may ask about; `é` and `😀` so that columns are not bytes.
+const WALK: &str = "use \"street.scn\"
+let pace = 1.4 m/s  # é😀
+
+scenario walk {
+  road street
+  vehicle av {
+    controller carla_behavior { profile: normal, braking_distance: 5 m }
+    speed 30 km/h
+  }
+  pedestrian walker {
+    model scripted { speed: pace }
+    start 2 m from kerb
+    appears when time_to_arrival(av) = tta
+  }
+  vary tta in [6 s, 10 s]
+  expect { no collision; pet >= 1.5 s }
+}
+";
+
+fn project() -> (tempfile::TempDir, std::path::PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("street.scn"), STREET).unwrap();
+    let path = folder.path().canonicalize().unwrap().join("walk.scn");
+    (folder, path)
+}
+
+/// Behind the first letter of the last `word`.
+fn on(word: &str) -> usize {
+    WALK.rfind(word).unwrap_or_else(|| panic!("no {word}")) + 1
+}
+
+#[test]
+fn hover_tells_units_documentation_and_sources() {
+    let (_folder, path) = project();
+    let mut editor = Editor::start();
+    editor.open(&path, WALK);
+    assert_eq!(editor.codes(&path), [""; 0]);
+    for (word, words) in [
+        ("km/h", "kilometre per hour"),
+        ("carla_behavior", "Source: "),
+        ("braking_distance", "a length in m"),
+        ("profile", "Named settings"),
+        ("pet", "Post-encroachment time"),
+        ("collision;", "**collision**"),
+        ("pace }", "let pace = 1.4 m/s"),
+        ("appears", "appears"),
+        ("tta\n", "vary tta in [6 s, 10 s]"),
+    ] {
+        let hover = editor.at("hover", &path, WALK, on(word));
+        let text = hover["contents"]["value"].as_str().unwrap_or_default();
+        assert!(text.contains(words), "{word}: {hover}");
+    }
+    // Of nothing there is nothing to say.
+    assert_eq!(editor.at("hover", &path, WALK, WALK.find("\n\n").unwrap() + 1)["contents"], Value::Null);
+    editor.end();
+}
+
+#[test]
+fn findings_come_while_typing_and_go_when_they_are_mended() {
+    let (folder, path) = project();
+    let mut editor = Editor::start();
+    editor.open(&path, &WALK.replace("30 km/h", "30 kmh").replace("no collision", "no colision"));
+    assert_eq!(editor.codes(&path), ["E0401", "E0311"]);
+    let shown = &editor.findings[&address(&path)];
+    assert_eq!(shown[0]["severity"], 1);
+    assert_eq!(shown[0]["range"]["start"]["line"], 7);
+    assert!(shown[1]["message"].as_str().unwrap().contains("did you mean `collision`?"), "{}", shown[1]);
+    editor.change(&path, WALK);
+    assert_eq!(editor.codes(&path), [""; 0]);
+    // What only the models refuse is shown too.
+    editor.change(&path, &WALK.replace("model scripted { speed: pace }", "model commotions { dt: 30 ms }"));
+    let codes = editor.codes(&path);
+    assert!(codes.contains(&"E0519".to_string()), "{codes:?}");
+    // A mistake in a used file is shown in that file, and goes when the document is closed.
+    std::fs::write(folder.path().join("street.scn"), STREET.replace("3.5 m", "3.5")).unwrap();
+    editor.change(&path, WALK);
+    let street = path.with_file_name("street.scn");
+    assert_eq!(editor.codes(&street), ["E0403"]);
+    editor.tell("textDocument/didClose", json!({ "textDocument": { "uri": address(&path) } }));
+    assert_eq!(editor.codes(&street), [""; 0]);
+    editor.end();
+}
+
+#[test]
+fn completion_knows_the_place() {
+    let (_folder, path) = project();
+    let mut editor = Editor::start();
+    for (text, word) in [
+        ("sc", "scenario"),
+        ("scenario a {\n  ve", "vehicle"),
+        ("scenario a {\n  vehicle av {\n    controller ", "careful_human"),
+        ("scenario a {\n  vehicle av {\n    controller carla_behavior { ", "braking_distance"),
+        ("scenario a {\n  vehicle av {\n    controller carla_behavior { profile: ", "cautious"),
+        ("scenario a {\n  vehicle av {\n    speed 30 ", "km/h"),
+        ("scenario a {\n  expect {\n    ", "min_ttc"),
+        ("search s {\n  ", "minimise"),
+        ("suite s {\n  ", "time_limit"),
+    ] {
+        editor.open(&path, text);
+        let proposals = editor.at("completion", &path, text, text.len());
+        let found = proposals.as_array().unwrap().iter().find(|one| one["label"] == word);
+        let found = found.unwrap_or_else(|| panic!("{text:?}: no {word} in {proposals}"));
+        assert!(!found["detail"].as_str().unwrap_or_default().is_empty(), "{found}");
+    }
+    editor.end();
+}
+
+#[test]
+fn definitions_are_found_here_and_in_used_files() {
+    let (_folder, path) = project();
+    let mut editor = Editor::start();
+    editor.open(&path, WALK);
+    let here = editor.at("definition", &path, WALK, on("pace }"));
+    assert_eq!(here["uri"], address(&path));
+    assert_eq!(here["range"]["start"], json!({ "line": 1, "character": 4 }));
+    let there = editor.at("definition", &path, WALK, on("street\n"));
+    assert_eq!(there["uri"], address(&path.with_file_name("street.scn")));
+    assert_eq!(there["range"]["start"], json!({ "line": 0, "character": 5 }));
+    let vehicle = editor.at("definition", &path, WALK, on("av) "));
+    assert_eq!(vehicle["range"]["start"]["line"], 5);
+    editor.end();
+}
+
+#[test]
+fn formatting_replaces_the_whole_text_or_nothing() {
+    let (_folder, path) = project();
+    let mut editor = Editor::start();
+    editor.open(&path, &WALK.replace("    speed 30 km/h", "  speed   30 km/h"));
+    let edits = editor.format(&path);
+    assert_eq!(
+        edits[0]["newText"].as_str().map(|text| text.contains("\n    speed 30 km/h\n")),
+        Some(true),
+        "{edits}"
+    );
+    assert_eq!(edits[0]["range"]["start"], json!({ "line": 0, "character": 0 }));
+    assert_eq!(edits[0]["range"]["end"], json!({ "line": WALK.lines().count(), "character": 0 }));
+    // A text that cannot be read stays as it is, and so does YAML, which has no one style.
+    editor.change(&path, "scenario a {");
+    assert_eq!(editor.format(&path), Value::Null);
+    let yaml = path.with_extension("yaml");
+    editor.open(&yaml, "roads: {}\n");
+    assert_eq!(editor.format(&yaml), Value::Null);
+    editor.end();
+}
+
+#[test]
+fn what_is_not_known_is_refused_and_the_server_lives_on() {
+    let (_folder, path) = project();
+    let mut editor = Editor::start();
+    let refused = editor.ask("textDocument/rename", json!({}));
+    assert!(refused["message"].as_str().unwrap().contains("textDocument/rename"), "{refused}");
+    let malformed = editor.ask("textDocument/hover", json!({ "textDocument": 5 }));
+    assert!(malformed["code"].is_number(), "{malformed}");
+    editor.tell("textDocument/didOpen", json!({ "textDocument": 5 }));
+    editor.tell("$/setTrace", json!({ "value": "off" }));
+    editor.open(&path, "scenario a {");
+    assert_eq!(editor.codes(&path), ["E0101"]);
+    editor.end();
+}
