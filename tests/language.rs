@@ -90,6 +90,37 @@ fn wrong_files_give_exactly_the_findings_they_announce() {
     assert!(complaints.is_empty(), "{}", complaints.join("\n"));
 }
 
+/// What no repository should hold: texts of another encoding, giants, and folders of twenty thousand files.
+#[test]
+fn files_that_cannot_be_read_are_refused_where_they_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &[u8]| std::fs::write(folder.path().join(name), text).unwrap();
+    let user = "use \"other.scn\"\nscenario a {}\n";
+    write("user.scn", user.as_bytes());
+    let codes = |name: &str| {
+        let (found, _) = findings(&folder.path().join(name));
+        assert!(found.iter().all(|one| !one.hints.is_empty() && !one.labels[0].text.is_empty()), "{found:?}");
+        found.iter().map(|one| (one.code, one.message.clone())).collect::<Vec<_>>()
+    };
+    let first = |name: &str| codes(name).into_iter().next().unwrap();
+
+    write("other.scn", b"# caf\xe9\n");
+    let (code, message) = first("user.scn");
+    assert!(code == Code::NotUtf8 && message.ends_with("is not UTF-8 text: byte 5 is 0xe9"), "{message}");
+
+    write("other.scn", &vec![b'\n'; (16 << 20) + 1]);
+    let (code, message) = first("user.scn");
+    assert!(code == Code::FileTooLarge && message.contains("16777217 bytes"), "{message}");
+
+    std::fs::create_dir(folder.path().join("many")).unwrap();
+    for number in 0..=20_000 {
+        write(&format!("many/{number}.scn"), b"");
+    }
+    write("all.suite", b"suite all {\n  scenarios \"many/*\"\n}\n");
+    let found = codes("all.suite");
+    assert!(found.iter().any(|(code, _)| *code == Code::TooManyFiles), "{found:?}");
+}
+
 /// One filter expression a file; it is asked about one trial.
 #[test]
 fn wrong_filters_give_exactly_the_findings_they_announce() {

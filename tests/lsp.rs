@@ -227,6 +227,10 @@ fn completion_knows_the_place() {
         ("scenario a {\n  expect {\n    ", "min_ttc"),
         ("search s {\n  ", "minimise"),
         ("suite s {\n  ", "time_limit"),
+        ("statement s {\n  ", "claim"),
+        ("use \"street.scn\"\nscenario a {\n  road ", "street"),
+        ("search nearest {\n}\nevaluate e {\n  on ", "nearest"),
+        ("search nearest {\n}\nstatement e {\n  claim mean(pet) of ", "nearest"),
     ] {
         editor.open(&path, text);
         let proposals = editor.at("completion", &path, text, text.len());

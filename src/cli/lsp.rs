@@ -183,7 +183,8 @@ impl Server<'_> {
     fn completion(&self, parameters: Value) -> Result<Value, Failure> {
         let parameters: CompletionParams = serde_json::from_value(parameters)?;
         let (text, offset) = self.place(&parameters.text_document_position);
-        let items: Vec<CompletionItem> = lang::complete(text, offset)
+        let path = path_of(&parameters.text_document_position.text_document.uri).unwrap_or_default();
+        let items: Vec<CompletionItem> = lang::complete(&path, text, offset)
             .into_iter()
             .map(|found| CompletionItem {
                 label: found.word,

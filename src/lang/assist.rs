@@ -122,8 +122,8 @@ fn parameter(found: &Parameter) -> String {
     format!("{}\n\nTakes {}{range}. {default}Source: {}", found.doc, found.kind.expectation(), found.source)
 }
 
-/// The words that could stand at byte `offset`.
-pub fn complete(text: &str, offset: usize) -> Vec<Proposal> {
+/// The words that could stand at byte `offset` of the file at `path`, with the names that it defines or uses.
+pub fn complete(path: &Path, text: &str, offset: usize) -> Vec<Proposal> {
     let before = &text[..offset.min(text.len())];
     let tokens: Vec<Token> =
         lexer::tokens(before).into_iter().filter(|token| token.kind != TokenKind::Space).collect();
@@ -167,6 +167,12 @@ pub fn complete(text: &str, offset: usize) -> Vec<Proposal> {
             let kinds = [("zebra", ZEBRA), ("unmarked", UNMARKED), ("signalised", SIGNALISED)];
             kinds.iter().map(|(name, kind)| proposal(name, kind.summary)).collect()
         }
+        ["road"] => visible(path, text, &[Rule::road_definition]),
+        [.., ":"] if block == Rule::file => visible(path, text, &[Rule::scenario, Rule::define]),
+        [.., "in" | "on" | "of" | "with" | "as"] if refers(block) => {
+            let blocks = [Rule::search, Rule::tune, Rule::evaluate];
+            visible(path, text, &[&blocks[..], &[Rule::scenario]].concat())
+        }
         _ if matches!(
             block,
             Rule::expect_block
@@ -181,6 +187,31 @@ pub fn complete(text: &str, offset: usize) -> Vec<Proposal> {
         }
         _ => Vec::new(),
     }
+}
+
+/// Whether a block names scenarios and other blocks.
+fn refers(block: Rule) -> bool {
+    matches!(block, Rule::search_block | Rule::tune_block | Rule::evaluate_block | Rule::statement_block)
+}
+
+/// The names of some kinds that a file defines or sees in files that it uses, in the order of the alphabet, with the line that
+/// defines each.
+fn visible(path: &Path, text: &str, kinds: &[Rule]) -> Vec<Proposal> {
+    let mut files = Files::default();
+    files.overlay(path, text);
+    let Some(file) = files.open(path, None, &mut Vec::new()) else { return Vec::new() };
+    let names = files.names(file);
+    let all = names.roads.iter().chain(&names.scenarios).chain(&names.blocks);
+    let mut found: Vec<Proposal> = all
+        .filter(|(_, defined)| kinds.contains(&files.tree(defined.file).node(defined.node).rule()))
+        .map(|(name, defined)| {
+            let node = files.tree(defined.file).node(defined.node);
+            let first_line = node.text().lines().next().unwrap_or_default();
+            proposal(name, first_line.trim_end_matches('{').trim_end())
+        })
+        .collect();
+    found.sort_by(|one, other| one.word.cmp(&other.word));
+    found
 }
 
 fn proposal(word: &str, detail: &str) -> Proposal {
@@ -351,8 +382,12 @@ mod tests {
 
     #[test]
     fn completion_knows_where_it_is() {
-        let words =
-            |text: &str| complete(text, text.len()).into_iter().map(|found| found.word).collect::<Vec<_>>();
+        let words = |text: &str| {
+            complete(Path::new("nowhere/a.scn"), text, text.len())
+                .into_iter()
+                .map(|found| found.word)
+                .collect::<Vec<_>>()
+        };
         assert!(words("").contains(&"scenario".to_string()));
         assert!(words("scenario a {\n  ve").contains(&"vehicle".to_string()));
         assert!(words("scenario a { vehicle v {\n controller ").contains(&"carla_behavior".to_string()));
@@ -364,6 +399,9 @@ mod tests {
         assert!(words("scenario a { expect {\n  no ").contains(&"collision".to_string()));
         assert!(words("vehicle v { speed 30 ").contains(&"km/h".to_string()));
         assert!(words("# scen").is_empty());
+        let text = "define base {\n}\nscenario a : base {\n}\nsearch s {\n  in a\n}\ntune t {\n  on ";
+        assert_eq!(words(text), ["a", "s", "t"]);
+        assert_eq!(words(&format!("{text}s\n}}\nscenario b : ")), ["a", "base"]);
     }
 
     #[test]

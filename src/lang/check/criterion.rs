@@ -386,7 +386,8 @@ fn example(metric: &Metric) -> String {
     let name = metric.declaration.name;
     match metric.kind {
         MetricKind::Quantity(dimension) => {
-            format!("such as `{name} >= 1.5 {}`", dimension.si_unit()).replace(" `", "`")
+            let bound = format!("{name} >= 1.5 {}", dimension.si_unit());
+            format!("such as `{}`", bound.trim_end())
         }
         MetricKind::Flag => format!("such as `no {name}`"),
         MetricKind::Category(words) => format!("such as `{name} = {}`", words.first().unwrap_or(&"…")),
