@@ -5,5 +5,6 @@ fn main() -> std::process::ExitCode {
         "suites/zebra.suite",
         "suites/worst_arrival.suite",
         "suites/zebra_gate.suite",
+        "suites/paper.suite",
     ])
 }

@@ -167,11 +167,13 @@ pub fn complete(path: &Path, text: &str, offset: usize) -> Vec<Proposal> {
             let kinds = [("zebra", ZEBRA), ("unmarked", UNMARKED), ("signalised", SIGNALISED)];
             kinds.iter().map(|(name, kind)| proposal(name, kind.summary)).collect()
         }
-        ["road"] => visible(path, text, &[Rule::road_definition]),
-        [.., ":"] if block == Rule::file => visible(path, text, &[Rule::scenario, Rule::define]),
+        ["road"] => visible(path, &without_line(text, before.len()), &[Rule::road_definition]),
+        [.., ":"] if block == Rule::file => {
+            visible(path, &without_line(text, before.len()), &[Rule::scenario, Rule::define])
+        }
         [.., "in" | "on" | "of" | "with" | "as"] if refers(block) => {
             let blocks = [Rule::search, Rule::tune, Rule::evaluate];
-            visible(path, text, &[&blocks[..], &[Rule::scenario]].concat())
+            visible(path, &without_line(text, before.len()), &[&blocks[..], &[Rule::scenario]].concat())
         }
         _ if matches!(
             block,
@@ -192,6 +194,18 @@ pub fn complete(path: &Path, text: &str, offset: usize) -> Vec<Proposal> {
 /// Whether a block names scenarios and other blocks.
 fn refers(block: Rule) -> bool {
     matches!(block, Rule::search_block | Rule::tune_block | Rule::evaluate_block | Rule::statement_block)
+}
+
+/// A text that is being written as one that can be read: without the line at `offset`, with every brace closed.
+fn without_line(text: &str, offset: usize) -> String {
+    let start = text[..offset].rfind('\n').map_or(0, |at| at + 1);
+    let end = text[offset..].find('\n').map_or(text.len(), |at| offset + at);
+    let mut whole = format!("{}{}", &text[..start], &text[end..]);
+    let tokens = lexer::tokens(&whole);
+    let count = |brace: &str| tokens.iter().filter(|token| &whole[token.start..token.end] == brace).count();
+    let missing = count("{").saturating_sub(count("}"));
+    whole.push_str(&"\n}".repeat(missing));
+    whole
 }
 
 /// The names of some kinds that a file defines or sees in files that it uses, in the order of the alphabet, with the line that
@@ -402,6 +416,7 @@ mod tests {
         let text = "define base {\n}\nscenario a : base {\n}\nsearch s {\n  in a\n}\ntune t {\n  on ";
         assert_eq!(words(text), ["a", "s", "t"]);
         assert_eq!(words(&format!("{text}s\n}}\nscenario b : ")), ["a", "base"]);
+        assert_eq!(complete(Path::new("nowhere/a.scn"), &format!("{text}\n}}\n"), text.len()).len(), 3);
     }
 
     #[test]

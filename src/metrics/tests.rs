@@ -196,7 +196,7 @@ fn collision_inside_a_step() {
                 ("min_distance", Some(0.0)),
                 ("drac", Some(20.0)),
                 ("time_lost", None),
-            ("travel_time", None),
+                ("travel_time", None),
             ] {
                 assert_near(name, found(name), expected, 1e-9);
             }

@@ -17,12 +17,27 @@ pub fn to_yaml(tree: &Tree) -> String {
 }
 
 fn block(node: Node, rule: Rule, depth: usize, out: &mut String) {
+    let first_group = node.child(Rule::vary_together).map(|group| group.span().start);
     for key in keys(rule) {
-        let statements: Vec<Node> = node.all(key.rule).filter(|statement| belongs(*statement, key)).collect();
+        let belongs = |statement: &Node| {
+            let grouped = is_listed(*statement) && first_group.is_some_and(|at| at < statement.span().start);
+            match key.rule {
+                // Variations count in their order: what comes after a group is a group of its own.
+                Rule::vary => statement.rule() == key.rule && !grouped,
+                Rule::vary_together => statement.rule() == key.rule || grouped,
+                _ => statement.rule() == key.rule && belongs(*statement, key),
+            }
+        };
+        let statements: Vec<Node> = node.children().filter(belongs).collect();
         if !statements.is_empty() {
             write(key, &statements, depth, out);
         }
     }
+}
+
+/// `vary NAME in [a, b]`, which a group may say as well; draws belong to the statement that they stand in.
+fn is_listed(statement: Node) -> bool {
+    statement.rule() == Rule::vary && (statement.has(Rule::list) || statement.has(Rule::range))
 }
 
 /// Statements of one rule may have two keys: `minimise` and `maximise`.
@@ -202,6 +217,7 @@ fn write(key: &Key, statements: &[Node], depth: usize, out: &mut String) {
                 let varied = node.children().filter(|child| child.rule() == Rule::together_block);
                 let lines = varied
                     .flat_map(|block| block.all(Rule::varied))
+                    .chain((node.rule() == Rule::vary).then_some(*node))
                     .map(|varied| format!("{}: {}", name(varied), values(varied)));
                 for (index, text) in sample.into_iter().chain(lines).enumerate() {
                     line(depth + 1, &format!("{} {text}", if index == 0 { "-" } else { " " }), out);
