@@ -46,7 +46,7 @@ pub fn scn(text: &str) {
     let places = text.char_indices().map(|(at, _)| at).step_by(text.len() / 8 + 1);
     for at in places.chain([text.len()]) {
         lang::hover(&tree, at);
-        lang::complete(text, at);
+        lang::complete(&nowhere("fuzz.scn"), text, at);
         lang::definition(&nowhere("fuzz.scn"), text, at);
     }
 }

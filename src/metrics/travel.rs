@@ -79,6 +79,7 @@ pub static TRAVEL_TIME: Metric = Metric {
     kind: MetricKind::Quantity(Dimension::TIME),
     scope: Scope::Vehicle,
     worst: Worst::Largest,
+    absence: Absence::Bad,
     build: |context| {
         Box::new(TravelTime { vehicle: context.vehicle, line: context.world.finish, finish: None })
     },
