@@ -3,11 +3,11 @@
 use serde::Serialize;
 
 use super::confidence::{self, Bounds};
+use super::nearest::{WorstRun, nearest};
 use super::statistics;
 use super::stopping::Stopping;
 use super::verdict::Verdict;
-use crate::metrics;
-use crate::run::{Critical, Outcome, Requests};
+use crate::run::{Outcome, Requests};
 use crate::scenario::{
     Aggregate, Claim, Comparison, Criterion, MetricReference, Origin, Relation, WhenUndefined, constant,
 };
@@ -61,20 +61,10 @@ pub struct Finding {
     pub interval: Option<(f64, f64)>,
     /// The runs that speak most against the criterion, worst first.
     pub worst: Vec<WorstRun>,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct WorstRun {
-    pub key: String,
-    /// The metric's value; `None` where it does not exist.
-    pub value: Option<f64>,
-    /// When and for whom it was that; `None` where nobody asked or there is nothing to say.
+    /// Where no run speaks against it, the one nearest to that.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub critical: Option<Critical>,
+    pub closest: Option<WorstRun>,
 }
-
-/// How many runs a finding names.
-const WORST_RUNS: usize = 3;
 
 /// Judges one trial. `requests` says which metric is where in the outcomes.
 pub fn judge(criteria: &[Criterion], outcomes: &[Outcome], requests: &Requests) -> TrialVerdict {
@@ -144,7 +134,7 @@ pub(super) fn find(criterion: &Criterion, evidence: &Evidence) -> Finding {
                     if observed.is_none() && *when_undefined == WhenUndefined::Passes {
                         finding.verdict = Verdict::Passed;
                     }
-                    finding.worst = worst(metric, *relation, &held.values, evidence, |_| true);
+                    finding.worst = nearest(metric, (*relation, bound), &held.values, evidence, |_| true).0;
                     finding
                 }
             }
@@ -216,10 +206,11 @@ fn runs(
             held.values.iter().flatten().filter_map(|value| comparison.relation.margin(*value, bound));
         finding.margin = margins.reduce(f64::min);
     }
-    finding.worst = worst(&comparison.metric, comparison.relation, &held.values, evidence, |value| {
+    let wanted = (comparison.relation, bound);
+    let (worst, closest) = nearest(&comparison.metric, wanted, &held.values, evidence, |value| {
         !comparison_holds(comparison, bound, value)
     });
-    finding
+    Finding { worst, closest, ..finding }
 }
 
 /// Names the runs that a rate or count has too many of: those that hold where it is bounded above, else the others.
@@ -234,7 +225,8 @@ fn with_worst_of_rate(
     let too_many_hold = matches!(relation, Relation::Less | Relation::LessOrEqual);
     let against = |value: Option<f64>| comparison_holds(comparison, bound, value) == too_many_hold;
     let direction = if too_many_hold { comparison.relation.opposite() } else { comparison.relation };
-    Finding { worst: worst(&comparison.metric, direction, &held.values, evidence, against), ..finding }
+    let (worst, closest) = nearest(&comparison.metric, (direction, bound), &held.values, evidence, against);
+    Finding { worst, closest, ..finding }
 }
 
 /// A finding that compares `observed` to `bound`.
@@ -261,6 +253,7 @@ fn against(
         margin: observed.and_then(|value| relation.margin(value, bound)),
         interval: None,
         worst: Vec::new(),
+        closest: None,
     }
 }
 
@@ -289,39 +282,6 @@ fn comparison_holds(comparison: &Comparison, bound: f64, value: Option<f64>) -> 
 fn values(metric: &MetricReference, outcomes: &[Outcome], requests: &Requests) -> Vec<Option<f64>> {
     let index = requests.index(metric).expect("every criterion's metric was requested before the runs");
     outcomes.iter().map(|outcome| outcome.metrics[index]).collect()
-}
-
-/// The runs for which `speaks_against`, those farthest on the wrong side of the relation first.
-fn worst(
-    metric: &MetricReference,
-    relation: Relation,
-    values: &[Option<f64>],
-    evidence: &Evidence,
-    speaks_against: impl Fn(Option<f64>) -> bool,
-) -> Vec<WorstRun> {
-    let smaller_is_worse = match relation {
-        Relation::Greater | Relation::GreaterOrEqual => true,
-        Relation::Less | Relation::LessOrEqual => false,
-        Relation::Equal | Relation::NotEqual => {
-            metrics::metric(&metric.name).is_some_and(|metric| metric.worst == metrics::Worst::Smallest)
-        }
-    };
-    let badness = |value: Option<f64>| match value {
-        None => f64::INFINITY,
-        Some(value) if smaller_is_worse => -value,
-        Some(value) => value,
-    };
-    let mut against: Vec<_> =
-        values.iter().zip(evidence.outcomes).filter(|(value, _)| speaks_against(**value)).collect();
-    against.sort_by(|left, right| badness(*right.0).total_cmp(&badness(*left.0)));
-    against.truncate(WORST_RUNS);
-    let index = evidence.requests.index(metric);
-    let run = |(value, outcome): (&Option<f64>, &Outcome)| {
-        let critical = index.and_then(|index| outcome.critical.get(index));
-        let critical = critical.filter(|one| **one != Critical::default()).cloned();
-        WorstRun { key: outcome.key.clone(), value: *value, critical }
-    };
-    against.into_iter().map(run).collect()
 }
 
 /// `None` where the aggregate does not exist: of no values, or the spread of one.

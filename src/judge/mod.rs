@@ -6,13 +6,15 @@ mod budget;
 mod confidence;
 mod criteria;
 pub mod gate;
+mod nearest;
 mod per_run;
 pub mod statistics;
 mod stopping;
 mod verdict;
 
 pub use budget::examine_criteria;
-pub use criteria::{Finding, Measure, TrialVerdict, WorstRun, aggregate, holds, judge};
+pub use criteria::{Finding, Measure, TrialVerdict, aggregate, holds, judge};
+pub use nearest::{RunStanding, WorstRun};
 pub use per_run::{PerRun, per_run};
 pub use stopping::{Reason, Stopping, Watch};
 pub use verdict::Verdict;

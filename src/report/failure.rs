@@ -6,9 +6,9 @@ use super::excerpt::Excerpt;
 use super::format::{quantity, share};
 use super::replay::{block_command, replay_command};
 use super::table::paint;
-use super::wording::{critical, stopping};
+use super::wording::{run_in_words, run_value, stopping};
 use super::{BlockReport, BlockState, SuiteIdentity, TrialState, UnitReport};
-use crate::judge::{Finding, Measure, Verdict, WorstRun};
+use crate::judge::{Finding, Measure, Verdict};
 use crate::metrics;
 use crate::scenario::significant;
 
@@ -76,13 +76,11 @@ fn render_finding(suite: &SuiteIdentity, finding: &Finding, colour: bool) -> Str
         };
         notes.push(format!("at the stated confidence it lies between {} and {}", show(low), show(high)));
     }
-    notes.extend(finding.worst.iter().map(|run| {
-        let critical = critical(run).map(|critical| format!(" {critical}"));
-        format!("{}{}  {}", value(finding, run), critical.unwrap_or_default(), run.key)
-    }));
+    let runs = finding.worst.iter().chain(&finding.closest);
+    notes.extend(runs.map(|run| format!("{}  {}", run_in_words(finding, run), run.key)));
     let replay = finding.worst.first().map(|run| format!("replay: {}", replay_command(suite, &run.key)));
     let label =
-        finding.worst.first().map_or_else(String::new, |run| format!("worst: {}", value(finding, run)));
+        finding.worst.first().map_or_else(String::new, |run| format!("worst: {}", run_value(finding, run)));
     Excerpt { title: &title, origin: &finding.origin, label: &label, notes: &notes, help: replay.as_deref() }
         .render(colour)
 }
@@ -118,13 +116,6 @@ fn title(finding: &Finding) -> String {
 
 /// The criterion with what its worst run has: `pet >= 1.5 s: pet 0.83 s`.
 pub fn with_worst(finding: &Finding) -> String {
-    let worst = finding.worst.first().map(|run| value(finding, run)).unwrap_or_default();
+    let worst = finding.worst.first().map(|run| run_value(finding, run)).unwrap_or_default();
     format!("{}: {worst}", finding.criterion)
-}
-
-fn value(finding: &Finding, run: &WorstRun) -> String {
-    metrics::metric(&finding.metric).map_or_else(
-        || "?".to_string(),
-        |metric| format!("{} {}", finding.metric, quantity(metric, run.value)),
-    )
 }

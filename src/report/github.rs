@@ -10,7 +10,7 @@ use super::findings::{data, property};
 use super::gate::render_gate_report;
 use super::gate_markdown::gate_markdown;
 use super::replay::{block_command, replay_command};
-use super::wording::{stopping, verdict_mark, verdict_word};
+use super::wording::{closest_calls, nearest_run, observed, stopping, verdict_mark, verdict_word};
 use super::{
     BlockReport, BlockState, GateReport, GateState, RecordedReport, Standing, SuiteReport, TrialReport,
     TrialState,
@@ -66,7 +66,9 @@ pub fn annotations(reports: &[SuiteReport]) -> String {
                 TrialState::Judged(judged) => {
                     for finding in judged.findings.into_iter().filter(|one| one.verdict != Verdict::Passed) {
                         let level = if finding.verdict == Verdict::Failed { "error" } else { "warning" };
-                        let said = format!("{key}: {}", super::wording::observed(&finding));
+                        let said = [Some(observed(&finding)), nearest_run(&finding)];
+                        let said: Vec<_> = said.into_iter().flatten().collect();
+                        let said = format!("{key}: {}", said.join(", "));
                         let title = format!("{} {}", finding.criterion, verdict_word(finding.verdict));
                         add(level, finding.origin, title, said);
                     }
@@ -207,7 +209,7 @@ fn suite_summary(text: &mut String, report: &SuiteReport, requests: &Requests) {
         }
         line(heading);
         line(rule);
-        for trial in trials {
+        for trial in &trials {
             let mut mark = match trial.verdict() {
                 None => "💥 error".to_string(),
                 Some(verdict) => format!("{} {}", verdict_mark(verdict), verdict_word(verdict)),
@@ -223,6 +225,11 @@ fn suite_summary(text: &mut String, report: &SuiteReport, requests: &Requests) {
             line(row);
         }
         line(String::new());
+        let calls = closest_calls(&trials);
+        calls.iter().for_each(|call| line(format!("- {}", markdown(call))));
+        if !calls.is_empty() {
+            line(String::new());
+        }
     }
     let failed = |trial: &&TrialReport| !trial.skipped() && trial.verdict() != Some(Verdict::Passed);
     for trial in report.trials.iter().filter(failed).take(MOST_FAILURES) {

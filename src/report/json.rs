@@ -7,6 +7,7 @@ use super::{
     BlockReport, BlockState, GateReport, GateState, RecordedReport, RecordedState, SuiteReport, TrialReport,
     TrialState,
 };
+use crate::judge::per_run;
 use crate::run::{Outcome, Requests};
 
 /// Version of the layout; raised when a reader would have to change.
@@ -46,13 +47,20 @@ fn trial_value(report: &TrialReport, requests: &Requests) -> Value {
         .flat_map(|case| &case.variation)
         .map(|assignment| (assignment.name.clone(), plain(&assignment.value)))
         .collect();
+    let criteria: Vec<_> = report.trial.criteria.iter().filter_map(per_run).collect();
+    let run = |outcome: &Outcome| {
+        let mut value = outcome_value(outcome, requests);
+        let standings: Vec<_> = criteria.iter().map(|one| one.standing(outcome, requests)).collect();
+        value["criteria"] = plain(&standings);
+        value
+    };
     let mut value = json!({
         "key": report.trial.key,
         "scenario": report.trial.scenario,
         "tags": report.trial.tags,
         "variation": variation,
         "wall_time_s": report.wall_time.as_secs_f64(),
-        "runs": report.outcomes.iter().map(|outcome| outcome_value(outcome, requests)).collect::<Vec<_>>(),
+        "runs": report.outcomes.iter().map(run).collect::<Vec<_>>(),
     });
     let fields = value.as_object_mut().expect("it was made as an object");
     match &report.state {

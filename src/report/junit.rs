@@ -9,12 +9,12 @@ use super::experiment::render_block;
 use super::failure::{render_block_failure, render_failure};
 use super::gate::render_gate_report;
 use super::replay::{block_command, replay_command};
-use super::wording::{interval, margin, observed, stopping, verdict_word};
+use super::wording::{in_words, stopping};
 use super::{
     BlockReport, BlockState, GateReport, GateState, RecordedReport, SuiteReport, TrialReport, TrialState,
 };
 use crate::experiment::BlockResult;
-use crate::judge::{Finding, Verdict};
+use crate::judge::Verdict;
 use crate::metrics;
 use crate::run::Requests;
 
@@ -103,15 +103,10 @@ fn test_case(report: &SuiteReport, trial: &TrialReport, class: &str, requests: &
         let Some(metric) = metrics::metric(&reference.name) else { continue };
         property(&reference.label(), &Digest::new(metric, &trial.outcomes, index).long());
     }
-    if let TrialState::Judged(judged) = &trial.state {
-        for finding in &judged.findings {
-            property(&format!("criterion {}", finding.criterion), &in_words(finding));
-        }
+    for finding in trial.findings() {
+        property(&format!("criterion {}", finding.criterion), &in_words(finding));
     }
-    let worst = match &trial.state {
-        TrialState::Judged(judged) => judged.findings.iter().flat_map(|finding| &finding.worst).next(),
-        _ => None,
-    };
+    let worst = trial.findings().iter().flat_map(|finding| &finding.worst).next();
     if let Some(key) = worst.map(|run| &run.key).or(trial.trial.cases.first().map(|case| &case.key)) {
         property("replay", &replay_command(&report.identity, key));
     }
@@ -202,16 +197,6 @@ fn block_case(report: &SuiteReport, block: &BlockReport, class: &str) -> TestCas
         case.set_system_out(render_block(result));
     }
     case
-}
-
-/// Verdict, what was found, its interval and margin.
-fn in_words(finding: &Finding) -> String {
-    let parts = [
-        Some(format!("{}: {}", verdict_word(finding.verdict), observed(finding))),
-        interval(finding),
-        margin(finding).map(|margin| format!("margin {margin}")),
-    ];
-    parts.into_iter().flatten().collect::<Vec<_>>().join(", ")
 }
 
 fn first_line(text: &str) -> &str {

@@ -41,7 +41,7 @@ use std::time::Duration;
 
 use crate::experiment::{Block, BlockResult};
 use crate::judge::gate::GateVerdict;
-use crate::judge::{self, TrialVerdict, Verdict};
+use crate::judge::{self, Finding, TrialVerdict, Verdict};
 use crate::plan::Trial;
 use crate::run::Outcome;
 use crate::scenario::Gate;
@@ -211,6 +211,14 @@ impl BlockReport<'_> {
 }
 
 impl TrialReport<'_> {
+    /// What was found of each of its criteria, if it was run.
+    pub fn findings(&self) -> &[Finding] {
+        match &self.state {
+            TrialState::Judged(judged) => &judged.findings,
+            TrialState::Errored(_) | TrialState::Skipped(_) => &[],
+        }
+    }
+
     /// How many runs it took, where they were added until it was decided.
     pub fn stopping(&self) -> Option<&judge::Stopping> {
         match &self.state {

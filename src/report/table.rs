@@ -4,7 +4,7 @@ use anstyle::{AnsiColor, Style};
 
 use super::digest::Digest;
 use super::figures::{scenarios, short_name};
-use super::wording::{verdict_mark, verdict_word};
+use super::wording::{closest_calls, verdict_mark, verdict_word};
 use super::{SuiteReport, TrialReport, TrialState};
 use crate::judge::Verdict;
 use crate::metrics::{self, Metric};
@@ -87,6 +87,10 @@ fn table(title: &str, trials: &[&TrialReport], requests: &Requests, colour: bool
             drawn += &if column < 2 { format!(" {painted}{space} ") } else { format!("  {space}{painted}") };
         }
         text.push_str(drawn.trim_end());
+        text.push('\n');
+    }
+    for call in closest_calls(&ran) {
+        text += &paint(&format!("  {call}"), muted, colour);
         text.push('\n');
     }
     if crowded {

@@ -7,9 +7,9 @@ use super::experiment::render_block;
 use super::failure::{render_block_failure, render_failure};
 use super::gate::render_gate_report;
 use super::replay::{block_command, replay_command};
-use super::wording::{stopping, verdict_word};
+use super::wording::{in_words, stopping, verdict_word};
 use super::{BlockReport, BlockState, GateReport, GateState, SuiteReport, TrialState};
-use crate::judge::{TrialVerdict, Verdict};
+use crate::judge::{Finding, TrialVerdict, Verdict};
 
 /// The report as TAP. An inconclusive trial is `not ok`, and its block says so.
 pub fn to_tap(reports: &[SuiteReport]) -> String {
@@ -81,6 +81,13 @@ impl Point<'_> {
             field(text, "stopping", stopping(stopped));
         }
         field(text, "duration_ms", self.time.as_millis());
+        if let TrialState::Judged(judged) = self.state {
+            let said = |finding: &Finding| format!("{} {}", finding.criterion, in_words(finding));
+            let said: Vec<_> = judged.findings.iter().map(said).collect();
+            if !said.is_empty() {
+                block(text, "criteria", &said.join("\n"));
+            }
+        }
         if !passed {
             if let TrialState::Judged(judged) = self.state {
                 let bad = judged.findings.iter().filter(|finding| finding.verdict != Verdict::Passed);

@@ -1,5 +1,6 @@
 //! What findings and comparisons say, in parts for tables and charts, each number with its unit.
 
+use super::TrialReport;
 use super::chart::Rule;
 use super::format::{quantity, share};
 use crate::judge::{Finding, Measure, Reason, Stopping, Verdict, WorstRun};
@@ -46,7 +47,11 @@ pub fn margin(finding: &Finding) -> Option<String> {
         Measure::Count => format!("{} runs", significant(margin.abs(), 4)),
         Measure::EveryRun | Measure::Value => in_unit(finding, margin.abs()),
     };
-    Some(format!("{}{size}", if margin < 0.0 { "-" } else { "+" }))
+    Some(signed(margin, size))
+}
+
+fn signed(margin: f64, size: String) -> String {
+    format!("{}{size}", if margin < 0.0 { "-" } else { "+" })
 }
 
 /// A comparison with a constant bound: `pet < 1.5 s`, `no collision`, `passed_first = pedestrian`.
@@ -82,8 +87,68 @@ pub fn comparison_rule(comparison: &Comparison) -> Rule {
     Rule { value: bound, label: format!("{sign} {shown}") }
 }
 
+/// Verdict, what was found, its interval and margin, and the run that is worst or nearest to failing.
+pub fn in_words(finding: &Finding) -> String {
+    let parts = [
+        Some(format!("{}: {}", verdict_word(finding.verdict), observed(finding))),
+        interval(finding),
+        margin(finding).map(|margin| format!("margin {margin}")),
+        nearest_run(finding),
+    ];
+    parts.into_iter().flatten().collect::<Vec<_>>().join(", ")
+}
+
+/// The run that speaks most against the criterion, or else comes nearest to that:
+/// `closest: pet 1.92 s (+0.42 s) at 7.33 s, av and walker, in zebra/walk/rep=3`.
+pub fn nearest_run(finding: &Finding) -> Option<String> {
+    let worst = finding.worst.first().map(|run| ("worst", run));
+    let (what, run) = worst.or(finding.closest.as_ref().map(|run| ("closest", run)))?;
+    Some(format!("{what}: {}, in {}", run_in_words(finding, run), run.key))
+}
+
+/// What a run's metric was, how far from speaking against the criterion, when and for whom:
+/// `pet 0.83 s (-0.67 s) at 7.33 s, av and walker`.
+pub fn run_in_words(finding: &Finding, run: &WorstRun) -> String {
+    let margin = run.margin.map(|margin| format!(" ({})", signed(margin, in_unit(finding, margin.abs()))));
+    let critical = critical(run).map(|critical| format!(" {critical}"));
+    format!("{}{}{}", run_value(finding, run), margin.unwrap_or_default(), critical.unwrap_or_default())
+}
+
+/// `pet 0.83 s`
+pub fn run_value(finding: &Finding, run: &WorstRun) -> String {
+    metrics::metric(&finding.metric).map_or_else(
+        || "?".to_string(),
+        |metric| format!("{} {}", finding.metric, quantity(metric, run.value)),
+    )
+}
+
+/// Of the criteria that no run of these trials speaks against, the run that comes nearest to it:
+/// `closest to \`pet >= 1.5 s\`: pet 1.92 s (+0.42 s) at 7.33 s, av and walker, in zebra/walk/rep=3`.
+pub fn closest_calls(trials: &[&TrialReport]) -> Vec<String> {
+    let mut criteria: Vec<(&str, Option<(&Finding, &WorstRun)>)> = Vec::new();
+    for finding in trials.iter().flat_map(|trial| trial.findings()) {
+        let closest = finding.closest.as_ref().map(|run| (finding, run));
+        match criteria.iter_mut().find(|(criterion, _)| *criterion == finding.criterion) {
+            None => criteria.push((&finding.criterion, closest)),
+            Some((_, nearest)) => {
+                let margin = |one: &(&Finding, &WorstRun)| one.1.margin.unwrap_or(f64::INFINITY);
+                *nearest = nearest.zip(closest).map(
+                    |(known, new)| {
+                        if margin(&new) < margin(&known) { new } else { known }
+                    },
+                );
+            }
+        }
+    }
+    let said = criteria.into_iter().filter_map(|(criterion, nearest)| {
+        let (finding, run) = nearest?;
+        Some(format!("closest to `{criterion}`: {}, in {}", run_in_words(finding, run), run.key))
+    });
+    said.collect()
+}
+
 /// When and for whom a worst run's metric was what it was: `at 7.33 s, av and walker`.
-pub fn critical(run: &WorstRun) -> Option<String> {
+fn critical(run: &WorstRun) -> Option<String> {
     let critical = run.critical.as_ref()?;
     let time = critical.time.map(|time| format!("at {time:.2} s"));
     let who = match (&critical.vehicle, &critical.pedestrian) {

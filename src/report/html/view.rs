@@ -15,7 +15,9 @@ use crate::report::digest::Digest;
 use crate::report::failure::render_failure;
 use crate::report::figures::{figures, scenarios, short_name};
 use crate::report::replay::replay_command;
-use crate::report::wording::{bound, interval, margin, observed, stopping, verdict_mark, verdict_word};
+use crate::report::wording::{
+    bound, interval, margin, nearest_run, observed, stopping, verdict_mark, verdict_word,
+};
 use crate::report::{
     BlockReport, BlockState, GateReport, GateState, Recording, Skip, SuiteReport, TrialReport, TrialState,
 };
@@ -320,10 +322,7 @@ fn trial(
     requests: &Requests,
     animated: &[String],
 ) -> Trial {
-    let findings = match &trial.state {
-        TrialState::Judged(judged) => judged.findings.as_slice(),
-        TrialState::Errored(_) | TrialState::Skipped(_) => &[],
-    };
+    let findings = trial.findings();
     let (state, mark) =
         trial.verdict().map_or(("error", "!"), |verdict| (verdict_word(verdict), verdict_mark(verdict)));
     let cell = |text: &String| findings.iter().find(|finding| finding.criterion == *text).map(cell);
@@ -363,7 +362,7 @@ fn details(finding: &Finding) -> String {
     let bound = (!told).then(|| format!("bound {bound}"));
     let margin = margin(finding).map(|margin| format!("margin {margin}"));
     let undefined = (finding.undefined > 0).then(|| format!("undefined in {}", finding.undefined));
-    [bound, margin, undefined].into_iter().flatten().collect::<Vec<_>>().join(", ")
+    [bound, margin, undefined, nearest_run(finding)].into_iter().flatten().collect::<Vec<_>>().join(", ")
 }
 
 fn failure(

@@ -1,0 +1,105 @@
+//! Runs that speak against a criterion, or come nearest to that: how far from the bound, when and for whom.
+
+use std::sync::Arc;
+
+use serde::Serialize;
+
+use super::criteria::{Evidence, holds};
+use super::per_run::PerRun;
+use crate::metrics;
+use crate::run::{Critical, Outcome, Requests};
+use crate::scenario::{Claim, MetricReference, Relation};
+
+/// A run that a finding names.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct WorstRun {
+    pub key: String,
+    /// The metric's value; `None` where it does not exist.
+    pub value: Option<f64>,
+    /// Signed distance of the value from speaking against the criterion, in the metric's unit; negative where it does.
+    /// `None` where there is no distance: of flags, words, and values that do not exist.
+    pub margin: Option<f64>,
+    /// When and for whom it was that; `None` where nobody asked or there is nothing to say.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub critical: Option<Critical>,
+}
+
+/// How many runs a finding names.
+const WORST_RUNS: usize = 3;
+
+/// The runs for which `speaks_against`, those farthest on the wrong side of the relation to `bound` first; and if there
+/// are none, the run that is nearest to it.
+pub(super) fn nearest(
+    metric: &MetricReference,
+    (relation, bound): (Relation, f64),
+    values: &[Option<f64>],
+    evidence: &Evidence,
+    speaks_against: impl Fn(Option<f64>) -> bool,
+) -> (Vec<WorstRun>, Option<WorstRun>) {
+    let smaller_is_worse = match relation {
+        Relation::Greater | Relation::GreaterOrEqual => true,
+        Relation::Less | Relation::LessOrEqual => false,
+        Relation::Equal | Relation::NotEqual => {
+            metrics::metric(&metric.name).is_some_and(|metric| metric.worst == metrics::Worst::Smallest)
+        }
+    };
+    let badness = |value: Option<f64>| match value {
+        None => f64::INFINITY,
+        Some(value) if smaller_is_worse => -value,
+        Some(value) => value,
+    };
+    let index = evidence.requests.index(metric);
+    let run = |(value, outcome): (&Option<f64>, &Outcome)| {
+        let critical = index.and_then(|index| outcome.critical.get(index));
+        WorstRun {
+            key: outcome.key.clone(),
+            value: *value,
+            margin: value.and_then(|value| relation.margin(value, bound)),
+            critical: critical.filter(|one| **one != Critical::default()).cloned(),
+        }
+    };
+    let all = || values.iter().zip(evidence.outcomes);
+    let mut against: Vec<_> = all().filter(|(value, _)| speaks_against(**value)).collect();
+    if against.is_empty() {
+        let margin = |value: &Option<f64>| value.and_then(|value| relation.margin(value, bound));
+        let near = all().filter_map(|one| Some((margin(one.0)?, one)));
+        let nearest = near.min_by(|(left, _), (right, _)| left.total_cmp(right));
+        return (Vec::new(), nearest.map(|(_, one)| run(one)));
+    }
+    against.sort_by(|left, right| badness(*right.0).total_cmp(&badness(*left.0)));
+    against.truncate(WORST_RUNS);
+    (against.into_iter().map(run).collect(), None)
+}
+
+/// How one run stands to what a criterion wants of each.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RunStanding {
+    pub criterion: String,
+    pub holds: bool,
+    /// As [`WorstRun::margin`].
+    pub margin: Option<f64>,
+    /// The critical instant, s.
+    pub time: Option<f64>,
+    pub vehicle: Option<Arc<str>>,
+    pub pedestrian: Option<Arc<str>>,
+}
+
+impl PerRun {
+    /// How a run stands to it.
+    pub fn standing(&self, outcome: &Outcome, requests: &Requests) -> RunStanding {
+        let Claim::Runs { comparison, .. } = &self.criterion.claim else {
+            unreachable!("what is wanted of each run is a comparison")
+        };
+        let index = requests.index(&comparison.metric);
+        let value = index.and_then(|index| outcome.metrics[index]);
+        let critical = index.and_then(|index| outcome.critical.get(index)).cloned().unwrap_or_default();
+        RunStanding {
+            criterion: self.criterion.text.clone(),
+            holds: holds(comparison, value),
+            margin: value.and_then(|value| comparison.relation.margin(value, comparison.constant_bound())),
+            time: critical.time,
+            vehicle: critical.vehicle,
+            pedestrian: critical.pedestrian,
+        }
+    }
+}
