@@ -156,20 +156,64 @@ fn what_a_budget_cannot_decide_is_inconclusive() {
 }
 
 #[test]
-fn worst_runs_name_the_critical_instant_and_who() {
+fn runs_name_their_margin_and_critical_instant_and_who() {
     let folder = tempfile::tempdir().unwrap();
-    walk(folder.path(), "repeat 20; expect { max_deceleration <= 0 m/s^2; pet >= 100 s }");
-    let output = scenario_runner(folder.path(), &["walk.scn"]);
+    walk(folder.path(), "repeat 20; expect { max_deceleration <= 0 m/s^2; pet >= 100 s; pet >= 0.1 s }");
+    let output = scenario_runner(folder.path(), &["walk.scn", "--junit", "junit.xml", "--tap", "tap.txt"]);
     assert_eq!(output.status.code(), Some(100));
-    let worst = |criterion: usize| {
-        results(folder.path(), &[])["suites"][0]["trials"][0]["findings"][criterion]["worst"][0].clone()
-    };
-    let (braking, passing) = (worst(0), worst(1));
+    let results = results(folder.path(), &[]);
+    let trial = &results["suites"][0]["trials"][0];
+    let worst = |criterion: usize| &trial["findings"][criterion]["worst"][0];
     assert_eq!(
-        (&braking["critical"]["vehicle"], &braking["critical"]["pedestrian"]),
+        (&worst(0)["critical"]["vehicle"], &worst(0)["critical"]["pedestrian"]),
         (&json!("av"), &Value::Null)
     );
-    assert_eq!(passing["critical"]["pedestrian"], json!("walker"));
-    let at = format!("at {:.2} s, av and walker", passing["critical"]["time"].as_f64().unwrap());
+    let (far, near) = (worst(1), &trial["findings"][2]["closest"]);
+    assert_eq!(trial["findings"][2]["worst"], json!([]));
+    assert_eq!(far["critical"]["pedestrian"], json!("walker"));
+    // The same run is the worst of one criterion and the closest to another.
+    assert_eq!((&far["key"], &far["value"]), (&near["key"], &near["value"]));
+    let number = |value: &Value| value.as_f64().unwrap();
+    assert!((number(&far["margin"]) - (number(&far["value"]) - 100.0)).abs() < 1e-12);
+    assert!((number(&near["margin"]) - (number(&near["value"]) - 0.1)).abs() < 1e-12);
+    let at = format!("s) at {:.2} s, av and walker", number(&far["critical"]["time"]));
     assert!(stdout(&output).contains(&at), "{at}: {}", stdout(&output));
+    assert!(stdout(&output).contains("closest to `pet >= 0.1 s`: pet "), "{}", stdout(&output));
+    for report in ["junit.xml", "tap.txt"] {
+        let text = std::fs::read_to_string(folder.path().join(report)).unwrap();
+        assert!(text.contains(&at) && text.contains("closest: pet "), "{report}: {text}");
+    }
+    // Every single run says how it stands.
+    for run in trial["runs"].as_array().unwrap() {
+        let standings = run["criteria"].as_array().unwrap();
+        let holds: Vec<_> = standings.iter().map(|one| one["holds"].as_bool().unwrap()).collect();
+        let braked = number(&run["metrics"]["max_deceleration"]) > 0.0;
+        assert_eq!(holds, [!braked, false, true], "{run}");
+        assert_eq!(standings[1]["pedestrian"], json!("walker"));
+    }
+}
+
+#[test]
+fn what_passed_without_being_put_to_the_test_is_warned_of() {
+    let folder = tempfile::tempdir().unwrap();
+    // Nobody gets from two metres behind the kerb into the lane so soon.
+    let vacuous = |trial: &Value| trial["findings"][0]["vacuous"].clone();
+    let trial = || results(folder.path(), &[])["suites"][0]["trials"][0].clone();
+    walk(folder.path(), "horizon 1 s; repeat 3; expect { no collision; max_deceleration <= 9 m/s^2 }");
+    let output = scenario_runner(folder.path(), &["walk.scn", "--tap", "tap.txt"]);
+    assert_eq!(output.status.code(), Some(0));
+    let said = "`no collision` passed untested: no pedestrian came into a vehicle's lane in any of 3 runs";
+    assert!(stdout(&output).contains(&format!("WARN walk/walk: {said}")), "{}", stdout(&output));
+    assert!(stdout(&output).contains("1 passed; 1 with untested criteria"), "{}", stdout(&output));
+    assert!(std::fs::read_to_string(folder.path().join("tap.txt")).unwrap().contains(said));
+    assert_eq!(vacuous(&trial()), json!("nobody_entered"));
+    assert_eq!(trial()["findings"][1]["vacuous"], Value::Null);
+
+    // Whoever says that nobody is to go is told nothing.
+    walk(folder.path(), "horizon 1 s; expect { no collision; passed_first = none }");
+    let output = scenario_runner(folder.path(), &["walk.scn"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stdout(&output));
+    assert!(!stdout(&output).contains("untested"), "{}", stdout(&output));
+    walk(folder.path(), "expect { no collision }");
+    assert_eq!(vacuous(&trial()), Value::Null);
 }

@@ -6,6 +6,7 @@ use super::confidence::{self, Bounds};
 use super::nearest::{WorstRun, nearest};
 use super::statistics;
 use super::stopping::Stopping;
+use super::vacuity::{self, Vacuity};
 use super::verdict::Verdict;
 use crate::run::{Outcome, Requests};
 use crate::scenario::{
@@ -64,17 +65,22 @@ pub struct Finding {
     /// Where no run speaks against it, the one nearest to that.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub closest: Option<WorstRun>,
+    /// Why it was never put to the test, if it passed without.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub vacuous: Option<Vacuity>,
 }
 
 /// Judges one trial. `requests` says which metric is where in the outcomes.
 pub fn judge(criteria: &[Criterion], outcomes: &[Outcome], requests: &Requests) -> TrialVerdict {
     let evidence = Evidence { outcomes, requests, bounds: Bounds::Fixed };
-    TrialVerdict::of(criteria.iter().map(|criterion| find(criterion, &evidence)).collect())
+    let findings = criteria.iter().map(|criterion| find(criterion, &evidence)).collect();
+    TrialVerdict::of(findings, criteria, outcomes)
 }
 
 impl TrialVerdict {
     /// Of a trial whose runs were fixed beforehand.
-    pub(super) fn of(findings: Vec<Finding>) -> Self {
+    pub(super) fn of(mut findings: Vec<Finding>, criteria: &[Criterion], outcomes: &[Outcome]) -> Self {
+        vacuity::mark(&mut findings, criteria, outcomes);
         let verdict = findings.iter().map(|finding| finding.verdict).max().unwrap_or(Verdict::Passed);
         Self { verdict, findings, stopping: None }
     }
@@ -254,6 +260,7 @@ fn against(
         interval: None,
         worst: Vec::new(),
         closest: None,
+        vacuous: None,
     }
 }
 

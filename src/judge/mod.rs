@@ -10,6 +10,7 @@ mod nearest;
 mod per_run;
 pub mod statistics;
 mod stopping;
+mod vacuity;
 mod verdict;
 
 pub use budget::examine_criteria;
@@ -17,4 +18,5 @@ pub use criteria::{Finding, Measure, TrialVerdict, aggregate, holds, judge};
 pub use nearest::{RunStanding, WorstRun};
 pub use per_run::{PerRun, per_run};
 pub use stopping::{Reason, Stopping, Watch};
+pub use vacuity::Vacuity;
 pub use verdict::Verdict;

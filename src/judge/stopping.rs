@@ -115,7 +115,7 @@ impl<'a> Watch<'a> {
                 None => Reason::Budget,
             },
         });
-        TrialVerdict { stopping, ..TrialVerdict::of(findings) }
+        TrialVerdict { stopping, ..TrialVerdict::of(findings, self.criteria, outcomes) }
     }
 }
 
@@ -193,7 +193,6 @@ impl Test {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::metrics::Presence;
     use crate::scenario::{Expression, MetricReference, Origin, Settings};
     use crate::sim::random::Stream;
     use crate::sim::{Ending, StopReason};
@@ -258,7 +257,7 @@ mod tests {
             ending: Ending { reason: StopReason::Completed, time: 10.0 },
             metrics: vec![value],
             critical: Vec::new(),
-            presence: Presence::default(),
+            presences: Vec::new(),
             fingerprint: 0,
             wall_time: Duration::ZERO,
         };

@@ -1,7 +1,6 @@
 //! What every metric of a pair needs to know, worked out once: contact, passings, time in the lane, time to collision.
 
 use nalgebra::Vector2;
-use serde::{Deserialize, Serialize};
 
 use super::passage::Passage;
 use crate::scenario::{Shape, World};
@@ -16,12 +15,11 @@ pub struct Encounters {
     pedestrians: usize,
 }
 
-/// What pedestrians did at all in a run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+/// What a pedestrian did at all in a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Presence {
-    /// One of them appeared.
     pub appeared: bool,
-    /// One of them came into a vehicle's lane, or appeared in it.
+    /// Came into a vehicle's lane, or appeared in it.
     pub entered: bool,
 }
 
@@ -130,11 +128,16 @@ impl Encounters {
         &self.pairs[vehicle * self.pedestrians + pedestrian]
     }
 
-    pub fn presence(&self) -> Presence {
-        Presence {
-            appeared: self.pairs.iter().any(|pair| pair.appeared.is_some()),
-            entered: self.pairs.iter().any(|pair| pair.first_entry.is_some()),
-        }
+    /// One per pedestrian.
+    pub fn presences(&self) -> Vec<Presence> {
+        let of = |pedestrian: usize| {
+            let pairs = || self.pairs.iter().skip(pedestrian).step_by(self.pedestrians);
+            Presence {
+                appeared: pairs().any(|pair| pair.appeared.is_some()),
+                entered: pairs().any(|pair| pair.first_entry.is_some()),
+            }
+        };
+        (0..self.pedestrians).map(of).collect()
     }
 
     pub fn passage(&self, vehicle: usize) -> &Passage {

@@ -86,9 +86,9 @@ impl Measurement {
         self.requests.iter().map(|request| request.reading(&self.encounters)).collect()
     }
 
-    /// Whether any pedestrian appeared, and whether any came into a vehicle's lane.
-    pub fn presence(&self) -> Presence {
-        self.encounters.presence()
+    /// Whether each pedestrian appeared, and came into a vehicle's lane.
+    pub fn presences(&self) -> Vec<Presence> {
+        self.encounters.presences()
     }
 
     fn take(&mut self, step: &Step) {

@@ -17,7 +17,7 @@ use crate::experiment::{
     StatementResult, TrendPoint, TuneResult, Violations,
 };
 use crate::judge::statistics::Interval;
-use crate::judge::{Reason, Stopping as Stopped, TrialVerdict, judge, per_run};
+use crate::judge::{Reason, Stopping as Stopped, TrialVerdict, Vacuity, Verdict, judge, per_run};
 use crate::metrics::{MetricKind, Presence, metric};
 use crate::optimise::{self, SlicePoint};
 use crate::plan::Trial;
@@ -57,7 +57,8 @@ impl Session {
         Self { recorded: recorded(&trials[0].cases[1]), trials, search, tune, gate: gate::gate(), requests }
     }
 
-    /// One trial of every state: the last two are an error and a skipped one. The second was run until it was decided.
+    /// One trial of every state: the last two are an error and a skipped one. The second was run until it
+    /// was decided, and something in the third was not put to the test.
     pub fn report(&self) -> SuiteReport<'_> {
         let count = self.trials.len();
         let state = |(index, trial): (usize, &Trial)| match count - index {
@@ -65,7 +66,12 @@ impl Session {
             1 => (Vec::new(), TrialState::Skipped(Skip::Stopped(Stopping::MaxFail(2)))),
             _ => {
                 let outcomes = self.outcomes(trial);
-                let judged = judge(&trial.criteria, &outcomes, &self.requests);
+                let mut judged = judge(&trial.criteria, &outcomes, &self.requests);
+                if let Some(passed) = judged.findings.iter_mut().find(|one| one.verdict == Verdict::Passed)
+                    && index == 2
+                {
+                    passed.vacuous = Some(Vacuity::NobodyEntered);
+                }
                 let runs = outcomes.len();
                 let stopping = Stopped { least: 4, most: 20, runs, reason: Reason::Decided };
                 let stopping = (index == 1).then_some(stopping);
@@ -170,7 +176,7 @@ impl Session {
                 ending: Ending { reason: StopReason::Completed, time: 20.0 },
                 metrics: self.requests.iter().map(value).collect(),
                 critical: self.requests.iter().map(|_| critical(run)).collect(),
-                presence: Presence { appeared: true, entered: true },
+                presences: vec![("walker".into(), Presence { appeared: true, entered: true })],
                 fingerprint: 0x0123_4567_89ab_cdef,
                 wall_time: Duration::from_millis(3),
             }
@@ -511,7 +517,7 @@ fn case_run(tta: f64) -> CaseRun {
         ending: Ending { reason: StopReason::Completed, time: 20.0 },
         metrics: vec![Some(tta / 5.0)],
         critical: Vec::new(),
-        presence: Presence::default(),
+        presences: Vec::new(),
         fingerprint: 0x0123_4567_89ab_cdef,
         wall_time: Duration::from_millis(3),
     };

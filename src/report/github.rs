@@ -10,7 +10,7 @@ use super::findings::{data, property};
 use super::gate::render_gate_report;
 use super::gate_markdown::gate_markdown;
 use super::replay::{block_command, replay_command};
-use super::wording::{closest_calls, nearest_run, observed, stopping, verdict_mark, verdict_word};
+use super::wording::{closest_calls, nearest_run, observed, stopping, untested, verdict_mark, verdict_word};
 use super::{
     BlockReport, BlockState, GateReport, GateState, RecordedReport, Standing, SuiteReport, TrialReport,
     TrialState,
@@ -64,6 +64,11 @@ pub fn annotations(reports: &[SuiteReport]) -> String {
                     add("error", origin, "could not run".to_string(), message);
                 }
                 TrialState::Judged(judged) => {
+                    for finding in judged.findings.iter().filter(|one| one.vacuous.is_some()) {
+                        let title = format!("{} untested", finding.criterion);
+                        let said = untested(std::slice::from_ref(finding)).concat();
+                        add("warning", finding.origin.clone(), title, format!("{key}: {said}"));
+                    }
                     for finding in judged.findings.into_iter().filter(|one| one.verdict != Verdict::Passed) {
                         let level = if finding.verdict == Verdict::Failed { "error" } else { "warning" };
                         let said = [Some(observed(&finding)), nearest_run(&finding)];
@@ -226,8 +231,13 @@ fn suite_summary(text: &mut String, report: &SuiteReport, requests: &Requests) {
         }
         line(String::new());
         let calls = closest_calls(&trials);
-        calls.iter().for_each(|call| line(format!("- {}", markdown(call))));
-        if !calls.is_empty() {
+        let warnings = trials.iter().flat_map(|trial| {
+            let key = &trial.trial.key;
+            untested(trial.findings()).into_iter().map(move |warning| format!("⚠️ {key}: {warning}"))
+        });
+        let notes: Vec<_> = calls.into_iter().chain(warnings).collect();
+        notes.iter().for_each(|note| line(format!("- {}", markdown(note))));
+        if !notes.is_empty() {
             line(String::new());
         }
     }

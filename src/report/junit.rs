@@ -9,7 +9,7 @@ use super::experiment::render_block;
 use super::failure::{render_block_failure, render_failure};
 use super::gate::render_gate_report;
 use super::replay::{block_command, replay_command};
-use super::wording::{in_words, stopping};
+use super::wording::{in_words, stopping, untested};
 use super::{
     BlockReport, BlockState, GateReport, GateState, RecordedReport, SuiteReport, TrialReport, TrialState,
 };
@@ -106,6 +106,7 @@ fn test_case(report: &SuiteReport, trial: &TrialReport, class: &str, requests: &
     for finding in trial.findings() {
         property(&format!("criterion {}", finding.criterion), &in_words(finding));
     }
+    untested(trial.findings()).iter().for_each(|warning| property("warning", warning));
     let worst = trial.findings().iter().flat_map(|finding| &finding.worst).next();
     if let Some(key) = worst.map(|run| &run.key).or(trial.trial.cases.first().map(|case| &case.key)) {
         property("replay", &replay_command(&report.identity, key));

@@ -7,7 +7,7 @@ use super::experiment::render_block;
 use super::failure::{render_block_failure, render_failure};
 use super::gate::render_gate_report;
 use super::replay::{block_command, replay_command};
-use super::wording::{in_words, stopping, verdict_word};
+use super::wording::{in_words, stopping, untested, verdict_word};
 use super::{BlockReport, BlockState, GateReport, GateState, SuiteReport, TrialState};
 use crate::judge::{Finding, TrialVerdict, Verdict};
 
@@ -86,6 +86,10 @@ impl Point<'_> {
             let said: Vec<_> = judged.findings.iter().map(said).collect();
             if !said.is_empty() {
                 block(text, "criteria", &said.join("\n"));
+            }
+            let warnings = untested(&judged.findings);
+            if !warnings.is_empty() {
+                block(text, "warning", &warnings.join("\n"));
             }
         }
         if !passed {

@@ -3,7 +3,7 @@
 use super::TrialReport;
 use super::chart::Rule;
 use super::format::{quantity, share};
-use crate::judge::{Finding, Measure, Reason, Stopping, Verdict, WorstRun};
+use crate::judge::{Finding, Measure, Reason, Stopping, Vacuity, Verdict, WorstRun};
 use crate::metrics::{self, MetricKind};
 use crate::scenario::{Comparison, Relation, significant};
 
@@ -167,6 +167,25 @@ pub fn stopping(stopping: &Stopping) -> String {
         Reason::Budget => format!("not decided by all {runs} runs"),
         Reason::NothingToDecide => format!("ended after {runs} runs, as no criterion has a confidence"),
     }
+}
+
+/// The criteria of a trial that passed without being put to the test, to be warned of:
+/// `\`pet >= 1.5 s\` passed untested: nobody came into a vehicle's lane in any of 20 runs`.
+pub fn untested(findings: &[Finding]) -> Vec<String> {
+    let reasons = [
+        (Vacuity::NobodyAppeared, "no pedestrian appeared"),
+        (Vacuity::NobodyEntered, "no pedestrian came into a vehicle's lane"),
+    ];
+    let said = reasons.iter().filter_map(|(reason, what)| {
+        let vacuous: Vec<_> = findings.iter().filter(|one| one.vacuous == Some(*reason)).collect();
+        let criteria: Vec<_> = vacuous.iter().map(|one| format!("`{}`", one.criterion)).collect();
+        let runs = match vacuous.first()?.runs {
+            1 => "the run".to_string(),
+            runs => format!("any of {runs} runs"),
+        };
+        Some(format!("{} passed untested: {what} in {runs}", criteria.join(", ")))
+    });
+    said.collect()
 }
 
 /// One word.

@@ -7,7 +7,7 @@ use super::build::{RunError, road_users};
 use super::free_flow::FreeFlows;
 use super::outcome::{Critical, Outcome, Requests};
 use crate::metrics::{Measurement, Reading};
-use crate::scenario::{Case, World};
+use crate::scenario::Case;
 use crate::sim::{Fingerprint, Observer, Snapshot, Step, simulate};
 
 /// Runs one case and reads the requested metrics off it. `watcher` sees every step and changes nothing.
@@ -30,23 +30,27 @@ pub fn run_case(
     };
     let ending = simulate(&case.world, &mut users, &mut observers);
     let readings = observers.measurement.readings();
+    let pedestrians = names(case.world.pedestrians.iter().map(|one| &one.name));
+    let vehicles = names(case.world.vehicles.iter().map(|car| &car.name));
     Ok(Outcome {
         key: case.key.clone(),
         seed: case.seed,
         individuals: case.individuals.clone(),
         ending,
         metrics: readings.iter().map(|reading| reading.worst?.value).collect(),
-        critical: critical(&case.world, &readings),
-        presence: observers.measurement.presence(),
+        critical: critical(&vehicles, &pedestrians, &readings),
+        presences: pedestrians.into_iter().zip(observers.measurement.presences()).collect(),
         fingerprint: observers.fingerprint.value(),
         wall_time: begun.elapsed(),
     })
 }
 
+fn names<'a>(names: impl Iterator<Item = &'a String>) -> Vec<Arc<str>> {
+    names.map(|name| name.as_str().into()).collect()
+}
+
 /// When and for whom the readings are what they are.
-fn critical(world: &World, readings: &[Reading]) -> Vec<Critical> {
-    let vehicles: Vec<Arc<str>> = world.vehicles.iter().map(|car| car.name.as_str().into()).collect();
-    let pedestrians: Vec<Arc<str>> = world.pedestrians.iter().map(|one| one.name.as_str().into()).collect();
+fn critical(vehicles: &[Arc<str>], pedestrians: &[Arc<str>], readings: &[Reading]) -> Vec<Critical> {
     let of = |reading: &Reading| match reading.worst {
         Some(worst) => Critical {
             time: worst.instant,

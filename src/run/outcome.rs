@@ -21,9 +21,9 @@ pub struct Outcome {
     /// As many, or none if nobody asked: when and for whom the metric had that value. Left out of stored results.
     #[serde(skip)]
     pub critical: Vec<Critical>,
-    /// What pedestrians did at all.
+    /// What each pedestrian did at all. Left out of stored results.
     #[serde(skip)]
-    pub presence: Presence,
+    pub presences: Vec<(Arc<str>, Presence)>,
     /// See [`crate::sim::Fingerprint`].
     pub fingerprint: u64,
     /// Left out of stored results, which are the same on every machine.

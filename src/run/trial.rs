@@ -54,7 +54,6 @@ pub fn run_trial(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::metrics::Presence;
     use crate::scenario::{Crossing, CrossingKind, Origin, Road, World};
     use crate::sim::{Ending, StopReason};
     use std::sync::Arc;
@@ -107,7 +106,7 @@ mod tests {
             ending: Ending { reason: StopReason::Completed, time: 1.0 },
             metrics: Vec::new(),
             critical: Vec::new(),
-            presence: Presence::default(),
+            presences: Vec::new(),
             fingerprint: 0,
             wall_time: Duration::ZERO,
         }

@@ -16,7 +16,7 @@ use crate::report::failure::render_failure;
 use crate::report::figures::{figures, scenarios, short_name};
 use crate::report::replay::replay_command;
 use crate::report::wording::{
-    bound, interval, margin, nearest_run, observed, stopping, verdict_mark, verdict_word,
+    bound, interval, margin, nearest_run, observed, stopping, untested, verdict_mark, verdict_word,
 };
 use crate::report::{
     BlockReport, BlockState, GateReport, GateState, Recording, Skip, SuiteReport, TrialReport, TrialState,
@@ -106,6 +106,8 @@ struct Trial {
     runs: usize,
     /// Why there were so many, if they were added until it was decided.
     stopping: Option<String>,
+    /// Criteria that passed without being put to the test.
+    warnings: Vec<String>,
     state: &'static str,
     mark: &'static str,
     /// One per criterion of the scenario; `None` where it does not apply.
@@ -337,6 +339,7 @@ fn trial(
         doc: String::new(),
         runs: trial.outcomes.len(),
         stopping: trial.stopping().map(stopping),
+        warnings: untested(findings),
         state,
         mark,
         cells: criteria.iter().map(cell).collect(),
@@ -348,7 +351,7 @@ fn trial(
 fn cell(finding: &Finding) -> Cell {
     Cell {
         verdict: verdict_word(finding.verdict),
-        mark: verdict_mark(finding.verdict),
+        mark: if finding.vacuous.is_some() { "⚠" } else { verdict_mark(finding.verdict) },
         observed: observed(finding),
         interval: interval(finding),
         details: details(finding),
@@ -361,8 +364,13 @@ fn details(finding: &Finding) -> String {
     let told = finding.measure == Measure::EveryRun || finding.criterion.contains(&bound);
     let bound = (!told).then(|| format!("bound {bound}"));
     let margin = margin(finding).map(|margin| format!("margin {margin}"));
+    let untested = finding.vacuous.map(|_| "untested".to_string());
     let undefined = (finding.undefined > 0).then(|| format!("undefined in {}", finding.undefined));
-    [bound, margin, undefined, nearest_run(finding)].into_iter().flatten().collect::<Vec<_>>().join(", ")
+    [untested, bound, margin, undefined, nearest_run(finding)]
+        .into_iter()
+        .flatten()
+        .collect::<Vec<_>>()
+        .join(", ")
 }
 
 fn failure(

@@ -13,6 +13,7 @@ use anstyle::Style;
 use super::SuiteIdentity;
 use super::event::{Evaluations, Event, Outline, Reporter, Standing, Stopping, UnitReport};
 use super::failure::explain;
+use super::wording::untested;
 use crate::judge::Verdict;
 
 pub use live::Live;
@@ -142,6 +143,14 @@ impl Terminal {
         let shown = self.level >= status::level(standing, report.skip());
         if shown {
             self.say(&line);
+        }
+        if let UnitReport::Trial(trial) = report
+            && self.level > StatusLevel::None
+        {
+            for warning in untested(trial.findings()) {
+                let said = format!("{}: {warning}", report.key());
+                self.say(&status::line("WARN", status::DOUBTFUL, None, &said, self.colour));
+            }
         }
         if !matches!(standing, Standing::Skipped | Standing::Judged(Verdict::Passed)) {
             let text = explain(suite, report, self.colour);

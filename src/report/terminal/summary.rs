@@ -137,6 +137,8 @@ struct Standings {
     errored: usize,
     not_run: usize,
     not_selected: usize,
+    /// Trials with criteria that passed without being put to the test.
+    untested: usize,
     recorded: usize,
     trials: usize,
     runs: usize,
@@ -154,6 +156,8 @@ impl Standings {
             for trial in &report.trials {
                 tally.trials += usize::from(!trial.skipped());
                 tally.runs += trial.outcomes.len();
+                tally.untested +=
+                    usize::from(trial.findings().iter().any(|finding| finding.vacuous.is_some()));
                 tally.add(trial.standing(), trial.skip());
             }
             for block in &report.blocks {
@@ -200,6 +204,10 @@ impl Standings {
             0 => String::new(),
             number => format!("; {number} not selected"),
         };
-        format!("{}: {said}{left_out}", what.join(", "))
+        let untested = match self.untested {
+            0 => String::new(),
+            number => format!("; {number} with untested criteria"),
+        };
+        format!("{}: {said}{left_out}{untested}", what.join(", "))
     }
 }
