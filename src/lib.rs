@@ -14,6 +14,7 @@ pub mod plan;
 pub mod report;
 pub mod run;
 pub mod scenario;
+pub mod shrink;
 pub mod sim;
 pub mod testing;
 pub mod vehicle;

@@ -53,6 +53,7 @@ Examples:
   scenario-runner suites/zebra.suite --fail-fast         until the first failure
   scenario-runner suites/zebra.suite --last-failed       only what did not pass last time
   scenario-runner suites/zebra.suite --junit junit.xml   and write a report for CI
+  scenario-runner shrink KEY suites/zebra.suite          a failing run as a small scenario of its own
   scenario-runner models carla_behavior                  all about one controller
   scenario-runner check scenarios/zebra/*.scn            look for errors without running";
 

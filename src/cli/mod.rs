@@ -18,10 +18,12 @@ pub(crate) mod load;
 mod lsp;
 mod measured;
 mod models;
+mod one_case;
 mod parameters;
 mod record;
 mod replay;
 mod run;
+mod shrink;
 mod store;
 mod validate;
 
@@ -87,6 +89,8 @@ enum Command {
     Validate(validate::ValidateArguments),
     /// Run exactly one case again and print what happened when.
     Replay(replay::ReplayArguments),
+    /// Write a failing run as a small scenario file of its own, moved towards nominal values.
+    Shrink(shrink::ShrinkArguments),
     /// Show the help of a command, or `help filter` for the language of filter expressions.
     Help(help::HelpArguments),
 }
@@ -120,6 +124,7 @@ pub fn main() -> ExitCode {
         Some(Command::Calibrate(arguments)) => calibrate::run(&arguments),
         Some(Command::Validate(arguments)) => validate::run(&arguments),
         Some(Command::Replay(arguments)) => replay::replay(&arguments),
+        Some(Command::Shrink(arguments)) => shrink::shrink(&arguments),
         Some(Command::Help(arguments)) => help::help(&arguments),
     };
     result.into()

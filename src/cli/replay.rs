@@ -7,27 +7,17 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::Exit;
-use super::load;
+use super::one_case::{CaseArguments, Found};
 use super::record::{Recorded, record};
 use super::run::LastRun;
 use crate::corpus::{case_hash, corpus_path};
-use crate::dispatch::{Prepared, Work, units};
 use crate::report::{render_replay, write_trace};
 use crate::run::{FreeFlows, Requests, Unwatched, run_case};
-use crate::scenario::Case;
 
 #[derive(Debug, Args)]
 pub struct ReplayArguments {
-    /// The run's key, as reports give it: `zebra/carla_walker/tta=6s/rep=2`.
-    key: String,
-
-    /// The suite or scenario it belongs to [default: the files in suites/ whose name is the key's first part].
-    #[arg(value_name = "FILE")]
-    files: Vec<String>,
-
-    /// Replaces the seed of the suite.
-    #[arg(long, value_name = "SEED")]
-    seed: Option<u64>,
+    #[command(flatten)]
+    case: CaseArguments,
 
     /// Fail unless the run has this fingerprint.
     #[arg(long, value_name = "HEX")]
@@ -39,50 +29,11 @@ pub struct ReplayArguments {
 }
 
 pub fn replay(arguments: &ReplayArguments) -> Exit {
-    let files = match &arguments.files[..] {
-        [] => match default_file(&arguments.key) {
-            Some(file) => vec![file],
-            None => {
-                eprintln!(
-                    "error: no file is named, and there is no suite for `{}` in suites/",
-                    arguments.key
-                );
-                eprintln!("help: name it, as in `scenario-runner replay KEY suites/zebra.suite`");
-                return Exit::Usage;
-            }
-        },
-        files => files.to_vec(),
-    };
-    let suites = match load::load_all(&files.iter().collect::<Vec<_>>(), arguments.seed, false) {
-        Ok(suites) => suites,
-        Err(exit) => return exit,
-    };
-    match find(&suites, &arguments.key) {
-        Ok(found) => replay_case(arguments, &found),
-        Err(NotFound::Stale(reason)) => {
-            eprintln!("error: `{}` cannot be run any more: {reason}", arguments.key);
-            Exit::NothingSelected
-        }
-        Err(NotFound::Nearest(nearest)) => {
-            eprintln!("error: no run is called `{}`", arguments.key);
-            if let Some(key) = nearest {
-                eprintln!("help: the nearest name is `{key}`");
-            }
-            Exit::NothingSelected
-        }
-    }
-}
-
-/// A run that is to be replayed.
-struct Found<'a> {
-    suite: &'a Prepared,
-    case: Case,
-}
-
-enum NotFound {
-    /// It was recorded, but the files have nothing for it any more.
-    Stale(String),
-    Nearest(Option<String>),
+    let replayed = arguments.case.load("replay").and_then(|suites| {
+        let found = arguments.case.find(&suites)?;
+        Ok(replay_case(arguments, &found))
+    });
+    replayed.unwrap_or_else(|exit| exit)
 }
 
 /// What the run is expected to be.
@@ -95,7 +46,7 @@ struct Expected {
 }
 
 fn replay_case(arguments: &ReplayArguments, found: &Found) -> Exit {
-    let Found { suite, case } = found;
+    let Found { suite, case, .. } = found;
     let mut requests = Requests::defaults();
     suite.plan.trials.iter().for_each(|trial| requests.include(&trial.criteria));
     let free_flows = FreeFlows::default();
@@ -140,7 +91,7 @@ fn replay_case(arguments: &ReplayArguments, found: &Found) -> Exit {
 }
 
 /// What is known of the run: what the user says, what was recorded, or what the last session saw.
-fn expected(arguments: &ReplayArguments, Found { suite, case }: &Found) -> Option<Expected> {
+fn expected(arguments: &ReplayArguments, Found { suite, case, .. }: &Found) -> Option<Expected> {
     if let Some(fingerprint) = &arguments.fingerprint {
         let source = "the one that was asked for".to_string();
         return Some(Expected { fingerprint: fingerprint.clone(), case: None, source });
@@ -159,33 +110,4 @@ fn expected(arguments: &ReplayArguments, Found { suite, case }: &Found) -> Optio
 
 fn hexadecimal(number: u64) -> String {
     format!("{number:016x}")
-}
-
-fn default_file(key: &str) -> Option<String> {
-    let path = format!("suites/{}.suite", key.split('/').next()?);
-    fs::exists(&path).ok()?.then_some(path)
-}
-
-/// The case of that key with its suite: one of the plan, or a recorded one by the key of its unit.
-fn find<'a>(suites: &'a [Prepared], key: &str) -> Result<Found<'a>, NotFound> {
-    for unit in units(suites).iter().filter(|unit| unit.key == key) {
-        if let Work::Recorded(recorded) = unit.work {
-            let suite = &suites[unit.suite];
-            let mut case =
-                recorded.revive(&suite.suite).map_err(|stale| NotFound::Stale(stale.to_string()))?;
-            case.key = key.to_string();
-            return Ok(Found { suite, case });
-        }
-    }
-    let cases = || {
-        suites.iter().flat_map(|suite| {
-            suite.plan.trials.iter().flat_map(move |trial| trial.cases.iter().map(move |case| (suite, case)))
-        })
-    };
-    let found = cases().find(|(_, case)| case.key == key);
-    found.map(|(suite, case)| Found { suite, case: case.clone() }).ok_or_else(|| {
-        let similarity = |known: &str| (strsim::normalized_levenshtein(known, key) * 1e6) as u64;
-        let nearest = cases().map(|(_, case)| case.key.as_str()).max_by_key(|known| similarity(known));
-        NotFound::Nearest(nearest.map(str::to_string))
-    })
 }

@@ -77,6 +77,7 @@ fn scenario() -> Scenario {
         }],
         repeat: 2,
         runs: None,
+        seed: None,
         criteria: Vec::new(),
         step: 0.025,
         horizon: 60.0,

@@ -24,6 +24,7 @@ mod tests;
 mod tree;
 mod units;
 mod value;
+mod write;
 mod yaml;
 
 use std::path::Path;
@@ -40,6 +41,7 @@ pub use source::{Location, Source, SourceId, Sources, Span};
 pub use suite::DEFAULT_SEED;
 pub use tree::{Node, NodeIndex, Rule, Tree};
 pub use units::{UNITS, Unit};
+pub use write::{quantity, write_comparison, write_scenario};
 pub use yaml::schema as yaml_schema;
 
 use crate::scenario::{Dimension, Expression, Origin, Suite, Value};

@@ -209,6 +209,12 @@ pub static BLOCKS: &[Block] = &[
                 "runs 50 .. 2000",
                 "Runs are added until every criterion with confidence is decided; at least and at most so many.",
             ),
+            statement(
+                "seed",
+                Rule::seed,
+                "seed 417",
+                "The seed of the first run of each trial itself, whatever the suite's seed; others follow from it.",
+            ),
             statement("step", Rule::step, "step 25 ms", "The simulation step."),
             statement("horizon", Rule::horizon, "horizon 60 s", "Simulated time after which a run ends."),
             statement(

@@ -17,6 +17,11 @@ impl Unit {
     pub fn to_si(self, number: f64) -> f64 {
         number * self.numerator / self.denominator
     }
+
+    /// The number of this unit that is `number` in SI units, up to rounding.
+    pub fn of_si(self, number: f64) -> f64 {
+        number * self.denominator / self.numerator
+    }
 }
 
 const fn unit(

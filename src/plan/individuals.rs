@@ -184,6 +184,7 @@ mod tests {
             variations: Vec::new(),
             repeat: 1,
             runs: None,
+            seed: None,
             criteria: Vec::new(),
             step: 0.025,
             horizon: 60.0,

@@ -4,6 +4,7 @@ mod individuals;
 mod sampling;
 mod seed;
 mod setup;
+mod standalone;
 mod variation;
 
 use std::collections::{BTreeMap, HashSet};
@@ -17,6 +18,7 @@ use crate::scenario::{
 
 pub use individuals::{label as people_label, select as select_people};
 pub use seed::derive_seed;
+pub use standalone::standalone;
 use variation::Combinations;
 pub use variation::expand as combinations;
 
@@ -201,7 +203,10 @@ fn trials(suite: &Suite, scenario: &Scenario, whole: bool) -> Result<Vec<Trial>,
         let case = |who: usize, repetition: u32| {
             let key = format!("{key}{}/rep={repetition}", people_label(&people[who]));
             Case {
-                seed: derive_seed(suite.seed, &key),
+                seed: match scenario.seed {
+                    Some(seed) if repetition == 1 => seed,
+                    own => derive_seed(own.unwrap_or(suite.seed), &key),
+                },
                 key,
                 scenario: scenario.name.clone(),
                 variation: variation.clone(),

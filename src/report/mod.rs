@@ -28,6 +28,7 @@ mod recording;
 mod replay;
 #[cfg(test)]
 mod schema;
+mod shrunk;
 mod skip;
 mod statement;
 mod table;
@@ -66,6 +67,7 @@ pub use pages::{ModelPage, model_pages};
 pub use recorded::{RecordedReport, RecordedState, Rerun};
 pub use recording::{PairCourse, Place, Recording};
 pub use replay::{block_command, record_command, render_replay, replay_command};
+pub use shrunk::{render_shrunk, run_words, shrunk_file};
 pub use skip::Skip;
 pub use statement::{claim_values, conclusion_words, render_statement, render_statements};
 pub use table::render_tables;

@@ -110,8 +110,7 @@ pub fn nearest_run(finding: &Finding) -> Option<String> {
 /// `pet 0.83 s (-0.67 s) at 7.33 s, av and walker`.
 pub fn run_in_words(finding: &Finding, run: &WorstRun) -> String {
     let margin = run.margin.map(|margin| format!(" ({})", signed(margin, in_unit(finding, margin.abs()))));
-    let critical = critical(run).map(|critical| format!(" {critical}"));
-    format!("{}{}{}", run_value(finding, run), margin.unwrap_or_default(), critical.unwrap_or_default())
+    format!("{}{}{}", run_value(finding, run), margin.unwrap_or_default(), critical(run))
 }
 
 /// `pet 0.83 s`
@@ -147,16 +146,17 @@ pub fn closest_calls(trials: &[&TrialReport]) -> Vec<String> {
     said.collect()
 }
 
-/// When and for whom a worst run's metric was what it was: `at 7.33 s, av and walker`.
-fn critical(run: &WorstRun) -> Option<String> {
-    let critical = run.critical.as_ref()?;
-    let time = critical.time.map(|time| format!("at {time:.2} s"));
-    let who = match (&critical.vehicle, &critical.pedestrian) {
-        (Some(vehicle), Some(pedestrian)) => Some(format!("{vehicle} and {pedestrian}")),
-        (vehicle, pedestrian) => vehicle.as_ref().or(pedestrian.as_ref()).map(|name| name.to_string()),
-    };
-    let said: Vec<_> = time.into_iter().chain(who).collect();
-    (!said.is_empty()).then(|| said.join(", "))
+/// When and for whom a run's metric was what it was: ` at 7.33 s, av and walker`, ` of av`, or nothing.
+fn critical(run: &WorstRun) -> String {
+    let Some(critical) = &run.critical else { return String::new() };
+    let who: Vec<&str> =
+        [&critical.vehicle, &critical.pedestrian].into_iter().flatten().map(|name| &**name).collect();
+    match (critical.time, who.join(" and ")) {
+        (Some(time), who) if who.is_empty() => format!(" at {time:.2} s"),
+        (Some(time), who) => format!(" at {time:.2} s, {who}"),
+        (None, who) if who.is_empty() => String::new(),
+        (None, who) => format!(" of {who}"),
+    }
 }
 
 /// Why a trial whose runs are added until it is decided had so many of them.

@@ -50,6 +50,9 @@ pub struct Scenario {
     /// `None`: as many runs as `repeat` makes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub runs: Option<RunBudget>,
+    /// Of the first run of each trial and person itself; `None`: made from the suite's, as those of all other runs are.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub seed: Option<u64>,
     /// Including those that the suite adds.
     pub criteria: Vec<Criterion>,
     /// Simulation step in s.

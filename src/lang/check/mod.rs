@@ -9,6 +9,7 @@ mod gate;
 mod model;
 mod pedestrian;
 mod road;
+mod runs;
 mod scenario;
 mod statement;
 mod subject;

@@ -2,12 +2,12 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::block::{Layer, last, last_of, missing, reject_repeats};
+use super::block::{Layer, last, missing, reject_repeats};
 use super::criterion::{Cast, From, criterion};
 use super::pedestrian::pedestrian;
 use super::road::road;
 use super::vehicle::{check_starts, vehicle};
-use super::{Places, variation};
+use super::{Places, runs, variation};
 use crate::lang::codes::Code;
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::files::{Definition, Names};
@@ -15,8 +15,8 @@ use crate::lang::source::Span;
 use crate::lang::tree::{Node, Rule};
 use crate::lang::value::{self, Binding, Scope};
 use crate::scenario::{
-    Aggregate, Claim, Criterion, DeclaredAppearance, DeclaredVehicleStart, Dimension, Expression, Pedestrian,
-    Road, RunBudget, Scenario, Variation, Vehicle,
+    Criterion, DeclaredAppearance, DeclaredVehicleStart, Dimension, Expression, Pedestrian, Road, Scenario,
+    Variation, Vehicle,
 };
 
 /// What a scenario is that does not say otherwise.
@@ -70,18 +70,7 @@ pub fn scenario(
     ];
     if let Some(own) = blocks.last() {
         reject_repeats(own.block, REPEATABLE, report);
-        if let (Some(repeat), Some(runs)) = (own.block.child(Rule::repeat), own.block.child(Rule::runs)) {
-            report.push(
-                Diagnostic::new(
-                    Code::RepeatedStatement,
-                    runs.span(),
-                    "`repeat` and `runs` both say how many runs there are",
-                )
-                .label("says it again")
-                .context(repeat.span(), "said here")
-                .hint("leave out one of them"),
-            );
-        }
+        runs::reject_both(own.block, report);
     }
     let (variations, varied) = variation::variations(&blocks, report);
     let scopes: Vec<Scope> = blocks.iter().map(|layer| layer_scope(*layer, &varied, report)).collect();
@@ -150,19 +139,7 @@ pub fn scenario(
         number(Rule::horizon, Dimension::TIME, (0.1, 3600.0), "the horizon", Defaults::HORIZON, report);
     let finish =
         number(Rule::finish, Dimension::LENGTH, (0.0, 10_000.0), "the finish line", Defaults::FINISH, report);
-    let (repeat, runs) = match last_of(&layers, [Rule::repeat, Rule::runs]).map(|said| said.node) {
-        Some(node) if node.rule() == Rule::runs => (Some(Defaults::REPEAT), Some(runs(node, places, report))),
-        Some(node) => {
-            let count = node
-                .child(Rule::integer)
-                .and_then(|node| super::count(node, 1, MOST_RUNS, "the number of repetitions", report));
-            (count, None)
-        }
-        None => (Some(Defaults::REPEAT), None),
-    };
-    if runs.is_some() {
-        refuse_means(&criteria, report);
-    }
+    let runs = runs::runs(&layers, &criteria, places, report);
     let criteria: Vec<Criterion> = criteria.into_iter().map(|(_, criterion)| criterion).collect();
     let doc = layers.iter().rev().find_map(|layer| super::doc(layer.block));
     let mut tags = Vec::new();
@@ -182,11 +159,9 @@ pub fn scenario(
         vehicles,
         pedestrians,
         variations,
-        repeat: repeat?,
-        runs: match runs {
-            Some(runs) => Some(runs?),
-            None => None,
-        },
+        repeat: runs.as_ref()?.repeat,
+        seed: runs.as_ref()?.seed,
+        runs: runs?.budget,
         criteria,
         step: step?,
         horizon: horizon?,
@@ -197,39 +172,6 @@ pub fn scenario(
     .filter(|_| {
         !report[before..].iter().any(|diagnostic| diagnostic.code.severity() == crate::lang::Severity::Error)
     })
-}
-
-/// More runs of one thing are taken for a mistake.
-const MOST_RUNS: u32 = 1_000_000;
-
-/// `runs 50 .. 2000`
-fn runs(node: Node, places: &Places, report: &mut Vec<Diagnostic>) -> Option<RunBudget> {
-    let mut ends = node.all(Rule::integer);
-    let mut end = |what: &str, least: u32| super::count(ends.next()?, least, MOST_RUNS, what, report);
-    let least = end("the smallest number of runs", 1)?;
-    let most = end("the largest number of runs", least)?;
-    Some(RunBudget { least, most, origin: places.origin(node.span()) })
-}
-
-/// Of means no bound is known that stays true however often one looks.
-fn refuse_means(criteria: &[(Span, Criterion)], report: &mut Vec<Diagnostic>) {
-    for (span, criterion) in criteria {
-        let Claim::Aggregate { aggregate, confidence: Some(_), .. } = &criterion.claim else { continue };
-        let what = match aggregate {
-            Aggregate::Mean(_) => "a mean",
-            Aggregate::Std(_) => "a spread",
-            _ => continue,
-        };
-        report.push(
-            Diagnostic::new(
-                Code::NotSequential,
-                *span,
-                format!("the confidence in {what} needs a number of runs that is fixed beforehand"),
-            )
-            .label("cannot be decided while runs are added")
-            .hint("say `repeat` instead of `runs`, or bound a `median(…)`, `quantile(…)` or share"),
-        );
-    }
 }
 
 /// The variations of a scenario that was checked before, by name.

@@ -125,6 +125,7 @@ pub fn keys(block: Rule) -> &'static [Key] {
                     key("vary_together", Shape::Together, Rule::vary_together),
                     REPEAT,
                     key("runs", Shape::Words("runs"), Rule::runs),
+                    key("seed", Shape::Words("seed"), Rule::seed),
                     key("step", Shape::Words("step"), Rule::step),
                     key("horizon", Shape::Words("horizon"), Rule::horizon),
                     key("finish", Shape::Words("finish"), Rule::finish),

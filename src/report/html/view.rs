@@ -126,6 +126,8 @@ struct Cell {
     interval: Option<String>,
     /// Bound, margin and what is missing.
     details: String,
+    /// The run that is worst, or nearest to failing.
+    nearest: Option<String>,
 }
 
 #[derive(Debug, Serialize)]
@@ -327,7 +329,8 @@ fn trial(
     let findings = trial.findings();
     let (state, mark) =
         trial.verdict().map_or(("error", "!"), |verdict| (verdict_word(verdict), verdict_mark(verdict)));
-    let cell = |text: &String| findings.iter().find(|finding| finding.criterion == *text).map(cell);
+    let of = |finding| cell(finding, &trial.trial.key);
+    let cell = |text: &String| findings.iter().find(|finding| finding.criterion == *text).map(of);
     let metric = |(index, reference): (usize, &crate::scenario::MetricReference)| {
         let metric = metrics::metric(&reference.name)?;
         Some(Digest::new(metric, &trial.outcomes, index).short())
@@ -348,13 +351,16 @@ fn trial(
     }
 }
 
-fn cell(finding: &Finding) -> Cell {
+/// What was found in the trial of that key.
+fn cell(finding: &Finding, key: &str) -> Cell {
     Cell {
         verdict: verdict_word(finding.verdict),
         mark: if finding.vacuous.is_some() { "⚠" } else { verdict_mark(finding.verdict) },
         observed: observed(finding),
         interval: interval(finding),
         details: details(finding),
+        // The trial's own name need not be repeated in its row.
+        nearest: nearest_run(finding).map(|run| run.replace(&format!("{key}/"), "")),
     }
 }
 
@@ -366,11 +372,7 @@ fn details(finding: &Finding) -> String {
     let margin = margin(finding).map(|margin| format!("margin {margin}"));
     let untested = finding.vacuous.map(|_| "untested".to_string());
     let undefined = (finding.undefined > 0).then(|| format!("undefined in {}", finding.undefined));
-    [untested, bound, margin, undefined, nearest_run(finding)]
-        .into_iter()
-        .flatten()
-        .collect::<Vec<_>>()
-        .join(", ")
+    [untested, bound, margin, undefined].into_iter().flatten().collect::<Vec<_>>().join(", ")
 }
 
 fn failure(

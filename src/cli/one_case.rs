@@ -1,0 +1,89 @@
+//! From a run's key to its case: what commands about a single run begin with.
+
+use std::fs;
+
+use clap::Args;
+
+use super::Exit;
+use super::load;
+use crate::dispatch::{Prepared, Work, units};
+use crate::scenario::{Case, Criterion};
+
+#[derive(Debug, Args)]
+pub struct CaseArguments {
+    /// The run's key, as reports give it: `zebra/carla_walker/tta=6s/rep=2`.
+    pub key: String,
+
+    /// The suite or scenario it belongs to [default: the files in suites/ whose name is the key's first part].
+    #[arg(value_name = "FILE")]
+    files: Vec<String>,
+
+    /// Replaces the seed of the suite.
+    #[arg(long, value_name = "SEED")]
+    seed: Option<u64>,
+}
+
+/// The run that was asked for.
+pub struct Found<'a> {
+    pub suite: &'a Prepared,
+    pub case: Case,
+    /// What is asked of its trial, with constant bounds.
+    pub criteria: Vec<Criterion>,
+}
+
+impl CaseArguments {
+    /// The suites in which the run is to be found; what is wrong goes to stderr. `command` is what was asked for.
+    pub fn load(&self, command: &str) -> Result<Vec<Prepared>, Exit> {
+        let files = match &self.files[..] {
+            [] => match default_file(&self.key) {
+                Some(file) => vec![file],
+                None => {
+                    eprintln!("error: no file is named, and there is no suite for `{}` in suites/", self.key);
+                    eprintln!("help: name it, as in `scenario-runner {command} KEY suites/zebra.suite`");
+                    return Err(Exit::Usage);
+                }
+            },
+            files => files.to_vec(),
+        };
+        load::load_all(&files.iter().collect::<Vec<_>>(), self.seed, false)
+    }
+
+    /// The run of that key: one of the plan, or a recorded one by the key of its unit. If there is none, says so on
+    /// stderr.
+    pub fn find<'a>(&self, suites: &'a [Prepared]) -> Result<Found<'a>, Exit> {
+        let key = &self.key;
+        for unit in units(suites).iter().filter(|unit| unit.key == *key) {
+            if let Work::Recorded(recorded) = unit.work {
+                let suite = &suites[unit.suite];
+                let revived = recorded
+                    .revive(&suite.suite)
+                    .and_then(|case| Ok((case, recorded.criteria(&suite.suite)?)));
+                let (case, criteria) = revived.map_err(|stale| {
+                    eprintln!("error: `{key}` cannot be run any more: {stale}");
+                    Exit::NothingSelected
+                })?;
+                return Ok(Found { suite, case: Case { key: key.clone(), ..case }, criteria });
+            }
+        }
+        let cases = || {
+            let trials =
+                suites.iter().flat_map(|suite| suite.plan.trials.iter().map(move |one| (suite, one)));
+            trials.flat_map(|(suite, trial)| trial.cases.iter().map(move |case| (suite, trial, case)))
+        };
+        if let Some((suite, trial, case)) = cases().find(|(_, _, case)| case.key == *key) {
+            return Ok(Found { suite, case: case.clone(), criteria: trial.criteria.clone() });
+        }
+        eprintln!("error: no run is called `{key}`");
+        let similarity = |known: &str| (strsim::normalized_levenshtein(known, key) * 1e6) as u64;
+        let nearest = cases().map(|(_, _, case)| &case.key).max_by_key(|known| similarity(known));
+        if let Some(nearest) = nearest {
+            eprintln!("help: the nearest name is `{nearest}`");
+        }
+        Err(Exit::NothingSelected)
+    }
+}
+
+fn default_file(key: &str) -> Option<String> {
+    let path = format!("suites/{}.suite", key.split('/').next()?);
+    fs::exists(&path).ok()?.then_some(path)
+}

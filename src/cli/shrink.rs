@@ -1,0 +1,195 @@
+//! `scenario-runner shrink KEY`: a failing run as a small scenario file of its own.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use super::interrupt::stop_on_interrupt;
+use super::one_case::{CaseArguments, Found};
+use super::{Exit, shows_progress};
+use crate::judge::{PerRun, per_run};
+use crate::lang;
+use crate::plan;
+use crate::report::{SuiteIdentity, render_shrunk, run_words, shrunk_file};
+use crate::run::{FreeFlows, Outcome, Requests, Unwatched, run_case};
+use crate::scenario::Case;
+use crate::shrink::{Place, Shrunk, requests, shrink as shrink_case, unmoved};
+
+/// A failing run as a small scenario file of its own
+///
+/// Moves a failing run towards what its scenario declares, as far as it still fails: values of variations towards the
+/// middle of what they are drawn from, the parameters of people towards the defaults of their model, one at a time; and
+/// leaves out road users that the failure does not need. The seed stays. What remains far from nominal is what the
+/// failure is about.
+///
+/// The result is a scenario file that stands alone and fails the same criterion when it is run. Comments in it tell
+/// where it comes from and what was moved how far.
+#[derive(Debug, Args)]
+#[command(after_long_help = "\
+Examples:
+  scenario-runner shrink zebra/late/tta=6s/individual=17/rep=2       of suites/zebra.suite
+  scenario-runner shrink walk/walk/rep=3 walk.scn -o near_miss.scn   into that file
+  scenario-runner shrink KEY --criterion pet                         with respect to the criterion about `pet`
+  scenario-runner shrink KEY --as-is                                 without moving anything
+
+Exit codes: 0 written, 4 no such run or it fails nothing, 105 interrupted (what was reached is written)")]
+pub struct ShrinkArguments {
+    #[command(flatten)]
+    case: CaseArguments,
+
+    /// The criterion that it is to fail, or a part of its words [default: the first that the run speaks against].
+    #[arg(long, value_name = "WORDS")]
+    criterion: Option<String>,
+
+    /// Where to write the scenario [default: its name with `_shrunk.scn`, in the current folder].
+    #[arg(short, long, value_name = "PATH")]
+    output: Option<PathBuf>,
+
+    /// Replace the file if it exists.
+    #[arg(long)]
+    force: bool,
+
+    /// Write the run as it is, without moving anything.
+    #[arg(long)]
+    as_is: bool,
+
+    /// Never show how far it is; it never is in CI or where standard error is no terminal.
+    #[arg(long)]
+    no_progress: bool,
+}
+
+pub fn shrink(arguments: &ShrinkArguments) -> Exit {
+    let result = arguments.case.load("shrink").and_then(|suites| {
+        let found = arguments.case.find(&suites)?;
+        let criterion = choose(arguments, &found)?;
+        shrink_found(arguments, &found, &criterion)
+    });
+    result.unwrap_or_else(|exit| exit)
+}
+
+/// The criterion that was asked for, if the run speaks against it; else the first such, those that one run decides before
+/// those about many.
+fn choose(arguments: &ShrinkArguments, found: &Found) -> Result<PerRun, Exit> {
+    let key = &arguments.case.key;
+    let mut criteria: Vec<PerRun> = found.criteria.iter().filter_map(per_run).collect();
+    if let Some(words) = &arguments.criterion {
+        criteria.retain(|one| one.criterion.text.contains(words));
+        if criteria.is_empty() {
+            eprintln!("error: no criterion of `{key}` has `{words}` in its words");
+            let all: Vec<_> = found.criteria.iter().map(|one| format!("`{}`", one.text)).collect();
+            eprintln!("help: there are {}", all.join(", "));
+            return Err(Exit::Usage);
+        }
+    }
+    let mut requests = Requests::defaults();
+    requests.include(&found.criteria);
+    let outcome = run(&found.case, &requests)?;
+    let holds = |one: &PerRun| one.standing(&outcome, &requests).holds;
+    let (held, mut failed): (Vec<_>, Vec<_>) = criteria.into_iter().partition(holds);
+    failed.sort_by_key(|one| !one.decisive);
+    if failed.is_empty() {
+        eprintln!("error: `{key}` fails nothing, so there is nothing to shrink");
+        for one in &held {
+            let text = &one.criterion.text;
+            eprintln!("  `{text}` holds: {}", run_words(one, &outcome, &requests));
+        }
+        eprintln!("help: reports name the runs that speak against a criterion");
+        return Err(Exit::NothingSelected);
+    }
+    let chosen = failed.remove(0);
+    if !failed.is_empty() {
+        let others: Vec<_> = failed.iter().map(|one| format!("`{}`", one.criterion.text)).collect();
+        eprintln!("note: it also speaks against {}; `--criterion` chooses", others.join(", "));
+    }
+    Ok(chosen)
+}
+
+fn shrink_found(arguments: &ShrinkArguments, found: &Found, criterion: &PerRun) -> Result<Exit, Exit> {
+    let Found { suite, case, .. } = found;
+    let declared = suite.suite.scenarios.iter().find(|scenario| scenario.name == case.scenario);
+    let scenario = declared.expect("a case belongs to a scenario of its suite").clone();
+    let path = match &arguments.output {
+        Some(path) => path.clone(),
+        None => PathBuf::from(format!("{}_shrunk.scn", scenario.name)),
+    };
+    if !arguments.force && path.exists() {
+        eprintln!("error: {} exists already", path.display());
+        eprintln!("help: `--force` replaces it, `--output PATH` writes elsewhere");
+        return Err(Exit::Output);
+    }
+    let place = Place {
+        scenario,
+        variation: case.variation.clone(),
+        individuals: case.individuals.clone(),
+        key: case.key.clone(),
+        seed: case.seed,
+    };
+    let shrunk = if arguments.as_is {
+        unmoved(place, criterion)
+    } else {
+        let stop = stop_on_interrupt();
+        let bar = progress_bar(shows_progress(arguments.no_progress));
+        let told = |runs: usize, what: &str| bar.set_message(format!("{runs} runs, moving {what}"));
+        let shrunk = shrink_case(place, criterion, &stop, &mut { told });
+        bar.finish_and_clear();
+        shrunk
+    };
+    let shrunk = shrunk.map_err(|error| {
+        eprintln!("error: {}: {error}", case.key);
+        Exit::Scenario
+    })?;
+    let identity = SuiteIdentity { suite: &suite.plan.suite, file: &suite.file, seed: suite.plan.seed };
+    let text = shrunk_file(&shrunk, criterion, &identity).map_err(|error| {
+        eprintln!("error: {}: {error}", case.key);
+        Exit::Scenario
+    })?;
+    verify(&text, &shrunk, criterion, &path)?;
+    fs::write(&path, &text).map_err(|error| {
+        eprintln!("error: cannot write {}: {error}", path.display());
+        Exit::Output
+    })?;
+    print!("{}", render_shrunk(&shrunk, criterion));
+    println!("wrote {}; run it: scenario-runner {0}", path.display());
+    Ok(if shrunk.stopped { Exit::Interrupted } else { Exit::Success })
+}
+
+fn progress_bar(shown: bool) -> ProgressBar {
+    let target = if shown { ProgressDrawTarget::stderr_with_hz(10) } else { ProgressDrawTarget::hidden() };
+    let style =
+        ProgressStyle::with_template("   Shrinking [{elapsed}] {msg}").expect("the template is valid");
+    ProgressBar::with_draw_target(None, target).with_style(style)
+}
+
+fn run(case: &Case, requests: &Requests) -> Result<Outcome, Exit> {
+    run_case(case, requests, &FreeFlows::default(), &mut Unwatched).map_err(|error| {
+        eprintln!("error: {}: {error}", case.key);
+        Exit::Scenario
+    })
+}
+
+/// Reads the file again and runs it: it has to be the same run.
+fn verify(text: &str, shrunk: &Shrunk, criterion: &PerRun, path: &Path) -> Result<(), Exit> {
+    let again = || -> Result<Outcome, String> {
+        let loaded = lang::check(path, text).map_err(|failure| failure.render(lang::Style::default()))?;
+        let scenario = loaded.suite.scenarios.first().ok_or("it has no scenario")?;
+        let trials = plan::plan_scenario(&loaded.suite, scenario).map_err(|error| error.to_string())?;
+        let case = trials.first().and_then(|trial| trial.cases.first()).ok_or("it has no run")?;
+        run_case(case, &requests(criterion), &FreeFlows::default(), &mut Unwatched)
+            .map_err(|error| error.to_string())
+    };
+    let why = match again() {
+        Ok(outcome)
+            if outcome.fingerprint == shrunk.outcome.fingerprint
+                && outcome.metrics == shrunk.outcome.metrics =>
+        {
+            return Ok(());
+        }
+        Ok(_) => "its run is another one".to_string(),
+        Err(why) => why,
+    };
+    eprintln!("error: the file that was to be written does not say the same: {why}");
+    eprintln!("help: please report this, with this command and its files");
+    Err(Exit::Failed)
+}

@@ -1,0 +1,194 @@
+//! When a trial whose runs are added a round at a time has enough of them.
+//!
+//! Runs are looked at in the order of the plan and only after whole rounds, so it does not matter who runs them when. A
+//! criterion is decided by bounds that hold however often one looks; what it is found to be then stays.
+
+#[cfg(test)]
+mod tests;
+
+use serde::Serialize;
+
+use super::confidence::Bounds;
+use super::criteria::{Evidence, Finding, TrialVerdict, find, holds};
+use super::statistics::{ConfidenceSequence, Decision};
+use super::verdict::Verdict;
+use crate::plan::{Rounds, Trial};
+use crate::run::{Outcome, Requests};
+use crate::scenario::{Aggregate, Claim, Comparison, Criterion, Relation, WhenUndefined, constant};
+
+/// How many runs a trial took, and why there were no more.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Stopping {
+    pub least: usize,
+    pub most: usize,
+    pub runs: usize,
+    pub reason: Reason,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Reason {
+    /// Every criterion with stated confidence is decided.
+    Decided,
+    /// There were as many runs as there may be.
+    Budget,
+    /// No criterion has a stated confidence.
+    NothingToDecide,
+}
+
+/// Follows the outcomes of a trial to see when they are enough.
+pub struct Watch<'a> {
+    criteria: &'a [Criterion],
+    requests: &'a Requests,
+    /// `None`: the number of runs was fixed beforehand.
+    rounds: Option<Rounds>,
+    /// One per criterion with stated confidence.
+    tests: Vec<Test>,
+    seen: usize,
+    enough: Option<usize>,
+}
+
+/// A criterion with stated confidence as a claim about the share of runs in which an event happens.
+struct Test {
+    /// Index of the criterion.
+    criterion: usize,
+    event: Comparison,
+    /// Runs without a value say nothing, as to a quantile.
+    needs_value: bool,
+    /// Index of the metric in the outcomes.
+    metric: usize,
+    share: f64,
+    sequence: ConfidenceSequence,
+    runs: u64,
+    happened: u64,
+    /// What was found when it was decided.
+    finding: Option<Finding>,
+}
+
+impl<'a> Watch<'a> {
+    /// `requests` says which metric is where in the outcomes.
+    pub fn new(trial: &'a Trial, requests: &'a Requests) -> Self {
+        let tests = match trial.rounds {
+            Some(_) => {
+                let criteria = trial.criteria.iter().enumerate();
+                criteria.filter_map(|(index, criterion)| Test::new(index, criterion, requests)).collect()
+            }
+            None => Vec::new(),
+        };
+        Self { criteria: &trial.criteria, requests, rounds: trial.rounds, tests, seen: 0, enough: None }
+    }
+
+    /// Looks at what the trial's first runs came to, of which there are more at every call. If fewer of them are
+    /// enough, says how many: the others do not count.
+    pub fn enough(&mut self, outcomes: &[Outcome]) -> Option<usize> {
+        let rounds = self.rounds?;
+        while self.enough.is_none() && self.seen < outcomes.len() {
+            let outcome = &outcomes[self.seen];
+            self.tests.iter_mut().for_each(|test| test.count(outcome));
+            self.seen += 1;
+            if self.seen >= rounds.least && self.seen.is_multiple_of(rounds.size) {
+                let bounds = Bounds::Sequential;
+                let evidence = Evidence { outcomes: &outcomes[..self.seen], requests: self.requests, bounds };
+                self.tests.iter_mut().for_each(|test| test.look(self.criteria, &evidence));
+                if self.tests.iter().all(|test| test.finding.is_some()) {
+                    self.enough = Some(self.seen);
+                }
+            }
+        }
+        self.enough
+    }
+
+    /// The verdict on the trial's runs, without those that do not count.
+    pub fn verdict(mut self, outcomes: &[Outcome]) -> TrialVerdict {
+        let outcomes = &outcomes[..self.enough(outcomes).unwrap_or(outcomes.len())];
+        let bounds = if self.rounds.is_some() { Bounds::Sequential } else { Bounds::Fixed };
+        let evidence = Evidence { outcomes, requests: self.requests, bounds };
+        let finding = |(index, criterion)| {
+            let decided = self.tests.iter().find(|test| test.criterion == index);
+            decided.and_then(|test| test.finding.clone()).unwrap_or_else(|| find(criterion, &evidence))
+        };
+        let findings = self.criteria.iter().enumerate().map(finding).collect();
+        let stopping = self.rounds.map(|rounds| Stopping {
+            least: rounds.least,
+            most: rounds.most,
+            runs: outcomes.len(),
+            reason: match self.enough {
+                _ if self.tests.is_empty() => Reason::NothingToDecide,
+                Some(_) => Reason::Decided,
+                None => Reason::Budget,
+            },
+        });
+        TrialVerdict { stopping, ..TrialVerdict::of(findings, self.criteria, outcomes) }
+    }
+}
+
+impl Test {
+    /// `None` for a criterion without confidence, and for one that no sequence decides.
+    fn new(index: usize, criterion: &Criterion, requests: &Requests) -> Option<Self> {
+        let (event, share, needs_value, confidence) = match &criterion.claim {
+            Claim::Runs { comparison, share, confidence } => {
+                (comparison.clone(), (*share)?, false, (*confidence)?)
+            }
+            Claim::Aggregate { aggregate, relation, bound, confidence, .. } => {
+                let confidence = (*confidence)?;
+                let quantile = |level: f64| {
+                    // Whether the quantile is at least so large is a matter of how many values are smaller.
+                    let relation = match relation {
+                        Relation::Greater | Relation::LessOrEqual => Relation::LessOrEqual,
+                        _ => Relation::Less,
+                    };
+                    let metric = aggregate.metric().clone();
+                    let event = Comparison {
+                        metric,
+                        relation,
+                        bound: bound.clone(),
+                        when_undefined: WhenUndefined::Fails,
+                    };
+                    (event, level, true, confidence)
+                };
+                match aggregate {
+                    Aggregate::Rate(comparison) => (comparison.clone(), constant(bound), false, confidence),
+                    Aggregate::Median(_) => quantile(0.5),
+                    Aggregate::Quantile(level, _) => quantile(*level),
+                    _ => return None,
+                }
+            }
+        };
+        let metric = requests.index(&event.metric)?;
+        let sequence = ConfidenceSequence { confidence };
+        Some(Self {
+            criterion: index,
+            event,
+            needs_value,
+            metric,
+            share,
+            sequence,
+            runs: 0,
+            happened: 0,
+            finding: None,
+        })
+    }
+
+    fn count(&mut self, outcome: &Outcome) {
+        let value = outcome.metrics[self.metric];
+        if value.is_some() || !self.needs_value {
+            self.runs += 1;
+            self.happened += u64::from(holds(&self.event, value));
+        }
+    }
+
+    /// Decides if it can.
+    fn look(&mut self, criteria: &[Criterion], evidence: &Evidence) {
+        if self.finding.is_some()
+            || self.runs == 0
+            || self.sequence.decide(self.happened, self.runs, self.share) == Decision::Open
+        {
+            return;
+        }
+        // The interval that is shown decides in the end, so that nothing contradicts it.
+        let finding = find(&criteria[self.criterion], evidence);
+        if finding.verdict != Verdict::Inconclusive {
+            self.finding = Some(finding);
+        }
+    }
+}

@@ -1,0 +1,88 @@
+//! How many runs a scenario has and which seed: `repeat`, `runs` and `seed`.
+
+use super::Places;
+use super::block::{Layer, last, last_of};
+use super::scenario::Defaults;
+use crate::lang::codes::Code;
+use crate::lang::diagnostic::Diagnostic;
+use crate::lang::source::Span;
+use crate::lang::tree::{Node, Rule};
+use crate::scenario::{Aggregate, Claim, Criterion, RunBudget};
+
+/// More runs of one thing are taken for a mistake.
+const MOST_RUNS: u32 = 1_000_000;
+
+/// What a scenario says of its runs.
+pub struct Runs {
+    pub repeat: u32,
+    pub budget: Option<RunBudget>,
+    pub seed: Option<u64>,
+}
+
+/// What the layers say together. `criteria` are those that the runs are to decide.
+pub fn runs(
+    layers: &[Layer],
+    criteria: &[(Span, Criterion)],
+    places: &Places,
+    report: &mut Vec<Diagnostic>,
+) -> Option<Runs> {
+    let (repeat, budget) = match last_of(layers, [Rule::repeat, Rule::runs]).map(|said| said.node) {
+        None => (Some(Defaults::REPEAT), Some(None)),
+        Some(node) if node.rule() == Rule::runs => {
+            refuse_means(criteria, report);
+            (Some(Defaults::REPEAT), budget(node, places, report).map(Some))
+        }
+        Some(node) => {
+            let number = node.child(Rule::integer)?;
+            (super::count(number, 1, MOST_RUNS, "the number of repetitions", report), Some(None))
+        }
+    };
+    let seed = match last(layers, Rule::seed).and_then(|said| said.node.child(Rule::integer)) {
+        Some(number) => super::whole(number, report).map(Some),
+        None => Some(None),
+    };
+    Some(Runs { repeat: repeat?, budget: budget?, seed: seed? })
+}
+
+/// `repeat` and `runs` say the same thing.
+pub fn reject_both(block: Node, report: &mut Vec<Diagnostic>) {
+    if let (Some(repeat), Some(runs)) = (block.child(Rule::repeat), block.child(Rule::runs)) {
+        let message = "`repeat` and `runs` both say how many runs there are";
+        report.push(
+            Diagnostic::new(Code::RepeatedStatement, runs.span(), message)
+                .label("says it again")
+                .context(repeat.span(), "said here")
+                .hint("leave out one of them"),
+        );
+    }
+}
+
+/// `runs 50 .. 2000`
+fn budget(node: Node, places: &Places, report: &mut Vec<Diagnostic>) -> Option<RunBudget> {
+    let mut ends = node.all(Rule::integer);
+    let mut end = |what: &str, least: u32| super::count(ends.next()?, least, MOST_RUNS, what, report);
+    let least = end("the smallest number of runs", 1)?;
+    let most = end("the largest number of runs", least)?;
+    Some(RunBudget { least, most, origin: places.origin(node.span()) })
+}
+
+/// Of means no bound is known that stays true however often one looks.
+fn refuse_means(criteria: &[(Span, Criterion)], report: &mut Vec<Diagnostic>) {
+    for (span, criterion) in criteria {
+        let Claim::Aggregate { aggregate, confidence: Some(_), .. } = &criterion.claim else { continue };
+        let what = match aggregate {
+            Aggregate::Mean(_) => "a mean",
+            Aggregate::Std(_) => "a spread",
+            _ => continue,
+        };
+        report.push(
+            Diagnostic::new(
+                Code::NotSequential,
+                *span,
+                format!("the confidence in {what} needs a number of runs that is fixed beforehand"),
+            )
+            .label("cannot be decided while runs are added")
+            .hint("say `repeat` instead of `runs`, or bound a `median(…)`, `quantile(…)` or share"),
+        );
+    }
+}

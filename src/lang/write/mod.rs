@@ -1,0 +1,293 @@
+//! A checked scenario whose values are all constants as a file that stands alone.
+//!
+//! What is read back from it is the same scenario to the last bit: numbers are written in whichever unit gives them
+//! back exactly with the fewest digits.
+
+mod words;
+
+use std::fmt::Write;
+
+use super::check::{DEFAULT_GOAL, Defaults};
+use crate::scenario::{
+    CrossingKind, DeclaredAppearance, DeclaredShape, DeclaredVehicleStart, Dimension, Direction, Individuals,
+    Pedestrian, Population, Road, Scenario, Side, Vehicle, VehicleReference,
+};
+use crate::{pedestrian, vehicle};
+use words::{constant, is_name, model, number_of, quoted, settings};
+
+pub use words::{quantity, write_comparison};
+
+/// The text of a scenario without variations, in the one style. `expect` are criteria in the language's words, which
+/// stand in place of the scenario's own; `remarks` are comments above it.
+///
+/// # Panics
+/// If a value depends on a variation.
+pub fn write_scenario(scenario: &Scenario, expect: &[String], remarks: &[String]) -> String {
+    assert!(scenario.variations.is_empty(), "variations are put in before a scenario is written");
+    let mut out = Lines::default();
+    for remark in remarks {
+        out.line(format!("# {remark}").trim_end());
+    }
+    out.open(&format!("scenario {}", scenario.name));
+    if let Some(doc) = &scenario.doc {
+        out.line(&quoted(doc));
+    }
+    if !scenario.tags.is_empty() {
+        out.line(&format!("tags {}", scenario.tags.join(", ")));
+    }
+    road(&scenario.road, &mut out);
+    if scenario.step != Defaults::STEP {
+        out.line(&format!("step {}", quantity(scenario.step, Dimension::TIME)));
+    }
+    if scenario.horizon != Defaults::HORIZON {
+        out.line(&format!("horizon {}", quantity(scenario.horizon, Dimension::TIME)));
+    }
+    if scenario.finish != Defaults::FINISH {
+        out.line(&format!("finish {}", quantity(scenario.finish, Dimension::LENGTH)));
+    }
+    if scenario.end_on_collision {
+        out.line("end on collision");
+    }
+    match &scenario.runs {
+        Some(runs) => out.line(&format!("runs {} .. {}", runs.least, runs.most)),
+        None if scenario.repeat != Defaults::REPEAT => out.line(&format!("repeat {}", scenario.repeat)),
+        None => {}
+    }
+    if let Some(seed) = scenario.seed {
+        out.line(&format!("seed {seed}"));
+    }
+    scenario.vehicles.iter().for_each(|car| vehicle_block(car, &mut out));
+    scenario.pedestrians.iter().for_each(|person| pedestrian_block(person, &mut out));
+    if !expect.is_empty() {
+        out.open("expect");
+        expect.iter().for_each(|criterion| out.line(criterion));
+        out.close();
+    }
+    out.close();
+    out.text
+}
+
+fn road(road: &Road, out: &mut Lines) {
+    out.open("road");
+    let directions: Vec<_> = road
+        .lanes
+        .iter()
+        .map(|lane| match lane.direction {
+            Direction::Forward => "forward",
+            Direction::Backward => "backward",
+        })
+        .collect();
+    if directions != ["forward"] {
+        out.line(&format!("lanes {}", directions.join(", ")));
+    }
+    out.line(&format!("lane_width {}", quantity(road.lane_width, Dimension::LENGTH)));
+    out.line(&format!("speed_limit {}", quantity(road.speed_limit, Dimension::SPEED)));
+    if !road.kerbs {
+        out.line("no kerbs");
+    }
+    let width = quantity(road.crossing.width, Dimension::LENGTH);
+    out.line(&match road.crossing.kind {
+        CrossingKind::Zebra => format!("crossing zebra {{ width: {width} }}"),
+        CrossingKind::Unmarked => format!("crossing unmarked {{ width: {width} }}"),
+        CrossingKind::Signalised { cycle, pedestrian_green_from, pedestrian_green } => format!(
+            "crossing signalised {{ width: {width}, cycle: {}, pedestrian_green: {}, pedestrian_green_from: {} }}",
+            quantity(cycle, Dimension::TIME),
+            quantity(pedestrian_green, Dimension::TIME),
+            quantity(pedestrian_green_from, Dimension::TIME),
+        ),
+    });
+    for (index, body) in road.boxes.iter().enumerate() {
+        let metres = |value| quantity(value, Dimension::LENGTH);
+        out.line(&format!(
+            "box box_{} {{ along: {}, across: {}, length: {}, width: {} }}",
+            index + 1,
+            metres(body.x),
+            metres(body.y),
+            metres(body.length),
+            metres(body.width),
+        ));
+    }
+    out.close();
+}
+
+fn vehicle_block(car: &Vehicle, out: &mut Lines) {
+    let length = |expression| constant(expression, Dimension::LENGTH);
+    out.open(&format!("vehicle {}", car.name));
+    let controller = vehicle::controller(&car.controller.name).map(|known| &known.declaration);
+    out.line(&format!("controller {}", model(&car.controller, controller)));
+    if let Some(chosen) = &car.dynamics {
+        let declaration = vehicle::dynamics(&chosen.name).map(|known| &known.declaration);
+        out.line(&format!("dynamics {}", model(chosen, declaration)));
+    }
+    if let Some((long, wide)) = &car.size {
+        out.line(&format!("size {} x {}", length(long), length(wide)));
+    }
+    out.line(&format!("speed {}", constant(&car.speed, Dimension::SPEED)));
+    if car.lane != 0 {
+        out.line(&format!("lane {}", car.lane));
+    }
+    match &car.start {
+        DeclaredVehicleStart::Automatic => {}
+        DeclaredVehicleStart::Distance(distance) => {
+            out.line(&format!("start {} before crossing", length(distance)));
+        }
+        DeclaredVehicleStart::TimeToArrival(time) => {
+            out.line(&format!("start {} before crossing", constant(time, Dimension::TIME)));
+        }
+    }
+    if let Some(sees) = &car.sees {
+        out.line(&format!("sees {{ {} }}", settings(sees, Some(&vehicle::PERCEPTION))));
+    }
+    out.close();
+}
+
+fn pedestrian_block(person: &Pedestrian, out: &mut Lines) {
+    let length = |expression| constant(expression, Dimension::LENGTH);
+    out.open(&format!("pedestrian {}", person.name));
+    let declaration = pedestrian::model(&person.model.name).map(|known| &known.declaration);
+    out.line(&format!("model {}", model(&person.model, declaration)));
+    if let Some(Individuals { selection, population, .. }) = &person.individuals {
+        let population = if is_name(population) { population.clone() } else { quoted(population) };
+        out.line(&match selection {
+            Population::All => format!("individuals all of {population}"),
+            Population::Count(count) => format!("individuals {count} of {population}"),
+            Population::Number(number) => format!("individual {number} of {population}"),
+        });
+    }
+    match &person.shape {
+        None => {}
+        Some(DeclaredShape::Disc { radius }) => out.line(&format!("radius {}", length(radius))),
+        Some(DeclaredShape::Rectangle { length: long, width }) => {
+            out.line(&format!("size {} x {}", length(long), length(width)));
+        }
+    }
+    if person.side == Side::Far {
+        out.line("from far side");
+    }
+    out.line(&format!("start {} from lane centre", length(&person.start_from_lane_centre)));
+    if number_of(&person.along) != 0.0 {
+        out.line(&format!("along {}", length(&person.along)));
+    }
+    if number_of(&person.goal_beyond_kerb) != DEFAULT_GOAL {
+        out.line(&format!("goal {} beyond kerb", length(&person.goal_beyond_kerb)));
+    }
+    match &person.appears {
+        DeclaredAppearance::At(time) if number_of(time) == 0.0 => {}
+        DeclaredAppearance::At(time) => {
+            out.line(&format!("appears at {}", constant(time, Dimension::TIME)));
+        }
+        DeclaredAppearance::TimeToArrival { vehicle, reference, time } => {
+            let part = match reference {
+                VehicleReference::Centre => "",
+                VehicleReference::Front => ".front",
+            };
+            let time = constant(time, Dimension::TIME);
+            out.line(&format!("appears when time_to_arrival({vehicle}{part}) = {time}"));
+        }
+    }
+    out.close();
+}
+
+#[derive(Default)]
+struct Lines {
+    text: String,
+    depth: usize,
+}
+
+impl Lines {
+    fn line(&mut self, line: &str) {
+        writeln!(self.text, "{}{line}", "  ".repeat(self.depth)).expect("writing to a string cannot fail");
+    }
+
+    fn open(&mut self, head: &str) {
+        self.line(&format!("{head} {{"));
+        self.depth += 1;
+    }
+
+    fn close(&mut self) {
+        self.depth -= 1;
+        self.line("}");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lang;
+    use std::path::Path;
+
+    #[test]
+    fn what_is_written_is_read_back_to_the_last_bit() {
+        let text = "
+scenario all {
+  \"With \\\"everything\\\".\"
+  tags one, two
+  road {
+    lanes forward, backward
+    lane_width 3.4 m
+    speed_limit 50 km/h
+    no kerbs
+    crossing signalised { width: 3 m, cycle: 61.7 s, pedestrian_green: 20 s, pedestrian_green_from: 1.3 s }
+    parked van { along: -12.345678901 m, across: -2.5 m, length: 5 m, width: 2 m }
+  }
+  step 20 ms; horizon 31 s; finish 80 m; end on collision; repeat 3; seed 18446744073709551615
+  vehicle av {
+    controller carla_behavior { profile: cautious, braking_distance: 5.123456789012345 m }
+    dynamics prius
+    size 4.5 m x 1.83 m
+    speed 31.7 km/h
+    start 61.3 m before crossing
+    sees { range: 50 m, occlusion: true }
+  }
+  vehicle other { controller constant_speed; speed 36 km/h; lane 1; start 8 s before crossing }
+  pedestrian first {
+    model scripted { speed: 1.37281931 m/s }
+    size 0.4 m x 0.5 m
+    from far side
+    start 1.234 m from kerb
+    along 0.5 m; goal 3 m beyond kerb
+    appears when time_to_arrival(av.front) = 6.1 s
+  }
+  pedestrian second { model carla_walker; radius 0.3 m; start 1 m from kerb; appears at 2 s }
+  expect { pet(av, second) >= 1.5 s undefined passes; no collision; passed_first != vehicle;
+    max_deceleration(av, window: 0.3 s) <= 2.5 m/s^2; gap_accepted }
+}
+";
+        let path = Path::new("all.scn");
+        let read = |text: &str| {
+            lang::check(path, text)
+                .unwrap_or_else(|failure| panic!("{text}\n{}", failure.render(Default::default())))
+        };
+        let before = read(text).suite.scenarios.remove(0);
+        let expect: Vec<_> = before
+            .criteria
+            .iter()
+            .map(|criterion| match &criterion.claim {
+                crate::scenario::Claim::Runs { comparison, .. } => write_comparison(comparison),
+                claim => panic!("{claim:?}"),
+            })
+            .collect();
+        let written = write_scenario(&before, &expect, &["All of it.".to_string()]);
+        let after = read(&written).suite.scenarios.remove(0);
+        assert_eq!(plain(&before), plain(&after), "{written}");
+        let source = lang::Sources::default().add("all.scn", "");
+        assert_eq!(lang::format(source, &written).as_deref(), Ok(written.as_str()));
+    }
+
+    /// As JSON, without places, and the road without its name.
+    fn plain(scenario: &Scenario) -> serde_json::Value {
+        fn forget(value: &mut serde_json::Value) {
+            match value {
+                serde_json::Value::Object(fields) => {
+                    fields.remove("origin");
+                    fields.values_mut().for_each(forget);
+                }
+                serde_json::Value::Array(values) => values.iter_mut().for_each(forget),
+                _ => {}
+            }
+        }
+        let mut value = serde_json::to_value(scenario).unwrap();
+        forget(&mut value);
+        value
+    }
+}

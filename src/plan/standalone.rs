@@ -1,0 +1,91 @@
+//! One case as a scenario of its own: everything put in that it draws or varies.
+
+use super::{PlanError, Variables, variables};
+use crate::pedestrian;
+use crate::scenario::{
+    Assignment, DeclaredAppearance, DeclaredShape, DeclaredVehicleStart, Expression, Individual, Model,
+    Origin, Pedestrian, Scenario, Settings, Vehicle,
+};
+
+/// `scenario` without variations, individuals and repetitions: its only run has the case's values, its people's
+/// parameters as settings, and its seed.
+///
+/// # Errors
+/// If an expression cannot be evaluated with these values.
+pub fn standalone(
+    scenario: &Scenario,
+    variation: &[Assignment],
+    individuals: &[Individual],
+    seed: u64,
+) -> Result<Scenario, PlanError> {
+    let variables = variables(variation);
+    let mut own = scenario.clone();
+    (own.variations, own.repeat, own.runs, own.seed) = (Vec::new(), 1, None, Some(seed));
+    for car in &mut own.vehicles {
+        fix_vehicle(car, &variables)?;
+    }
+    for person in &mut own.pedestrians {
+        fix_pedestrian(person, &variables)?;
+        let individual = individuals.iter().find(|one| one.pedestrian == person.name);
+        if let Some(individual) = individual {
+            add_individual(person, individual);
+        }
+        person.individuals = None;
+    }
+    Ok(own)
+}
+
+fn fix_vehicle(car: &mut Vehicle, variables: &Variables) -> Result<(), PlanError> {
+    let models = [Some(&mut car.controller), car.dynamics.as_mut(), car.sees.as_mut()];
+    models.into_iter().flatten().try_for_each(|model| fix_model(model, variables))?;
+    let size = car.size.iter_mut().flat_map(|(length, width)| [length, width]);
+    let start = match &mut car.start {
+        DeclaredVehicleStart::Automatic => None,
+        DeclaredVehicleStart::Distance(value) | DeclaredVehicleStart::TimeToArrival(value) => Some(value),
+    };
+    let mut expressions = size.chain(start).chain([&mut car.speed]);
+    expressions.try_for_each(|expression| fix(expression, variables, &car.origin))
+}
+
+fn fix_pedestrian(person: &mut Pedestrian, variables: &Variables) -> Result<(), PlanError> {
+    fix_model(&mut person.model, variables)?;
+    let shape = match &mut person.shape {
+        None => Vec::new(),
+        Some(DeclaredShape::Disc { radius }) => vec![radius],
+        Some(DeclaredShape::Rectangle { length, width }) => vec![length, width],
+    };
+    let (DeclaredAppearance::At(time) | DeclaredAppearance::TimeToArrival { time, .. }) = &mut person.appears;
+    let places = [&mut person.start_from_lane_centre, &mut person.along, &mut person.goal_beyond_kerb, time];
+    let mut expressions = shape.into_iter().chain(places);
+    expressions.try_for_each(|expression| fix(expression, variables, &person.origin))
+}
+
+fn fix_model(model: &mut Model, variables: &Variables) -> Result<(), PlanError> {
+    let name =
+        model.name_where(variables).map_err(|error| PlanError::new(&model.origin, error.to_string()))?;
+    (model.name, model.varied_by) = (name.to_string(), None);
+    model.settings.iter_mut().try_for_each(|(_, value)| fix(value, variables, &model.origin))
+}
+
+fn fix(expression: &mut Expression, variables: &Variables, origin: &Origin) -> Result<(), PlanError> {
+    let value = expression.evaluate(variables).map_err(|error| PlanError::new(origin, error.to_string()))?;
+    *expression = Expression::Constant(value);
+    Ok(())
+}
+
+/// What the scenario says wins over the individual, and what the model would have anyway needs not be said.
+fn add_individual(person: &mut Pedestrian, individual: &Individual) {
+    let mut said = Settings::default();
+    for (name, value) in &person.model.settings {
+        if let Expression::Constant(value) = value {
+            said.set(name.clone(), value.clone());
+        }
+    }
+    let model = pedestrian::model(&person.model.name);
+    let usual = model.and_then(|model| model.declaration.resolve(&said).ok()).unwrap_or_default();
+    for (name, value) in &individual.parameters.0 {
+        if !said.0.contains_key(name) && usual.0.get(name) != Some(value) {
+            person.model.settings.push((name.clone(), Expression::Constant(value.clone())));
+        }
+    }
+}
