@@ -151,6 +151,9 @@ fn shrink_found(arguments: &ShrinkArguments, found: &Found, criterion: &PerRun) 
         Exit::Output
     })?;
     print!("{}", render_shrunk(&shrunk, criterion));
+    if !arguments.as_is && shrunk.moves.is_empty() {
+        println!("Nothing to move: whatever may vary is nominal already.");
+    }
     println!("wrote {}; run it: scenario-runner {0}", path.display());
     Ok(if shrunk.stopped { Exit::Interrupted } else { Exit::Success })
 }
