@@ -88,7 +88,7 @@ fn bare(files: &Files, file: FileId, path: &Path, report: &mut Vec<Diagnostic>) 
     definitions.extend(&blocks.measured);
     let scenarios = check_all(files, &definitions, None, report);
     warn_of_nothing_expected(files, &definitions, &scenarios, &blocks, report);
-    let supporting = check_all(files, &blocks.supporting, None, report);
+    let supporting = supporting(files, &blocks, report);
     check_definitions(files, report);
     definitions.extend(&blocks.supporting);
     let blocks = blocks.check(files, &definitions, [&scenarios, &supporting], report);
@@ -205,7 +205,7 @@ fn declared(files: &mut Files, file: FileId, path: &Path, report: &mut Vec<Diagn
     let added = check::SuiteCriteria { nodes: &criteria, scope: files.scope(file) };
     let mut scenarios = check_all(files, &definitions, Some(added), report);
     warn_of_nothing_expected(files, &definitions, &scenarios, &blocks, report);
-    let supporting = check_all(files, &blocks.supporting, None, report);
+    let supporting = supporting(files, &blocks, report);
     let tags = check::tags(block);
     for scenario in &mut scenarios {
         for tag in &tags {
@@ -363,6 +363,13 @@ fn reject_duplicates(files: &Files, definitions: &[Definition], report: &mut Vec
             );
         }
     }
+}
+
+/// Scenarios that blocks know, by name: in whatever order the blocks stand, the suite is the same.
+fn supporting(files: &Files, blocks: &Gathered, report: &mut Vec<Diagnostic>) -> Vec<Scenario> {
+    let mut scenarios = check_all(files, &blocks.supporting, None, report);
+    scenarios.sort_by(|one, other| one.name.cmp(&other.name));
+    scenarios
 }
 
 /// Checks scenarios; what several of them would report of the same place is reported once.

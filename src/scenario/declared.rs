@@ -19,7 +19,7 @@ pub struct Suite {
     pub time_limit: Option<f64>,
     /// In the order of files and of declaration within a file; names are unique.
     pub scenarios: Vec<Scenario>,
-    /// Known to the blocks below, but not run by themselves; their names are unique together with those above.
+    /// Known to the blocks below, but not run by themselves, by name; names are unique together with those above.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub supporting: Vec<Scenario>,
     #[serde(default)]

@@ -79,7 +79,9 @@ impl Section {
         let conditions = result.conditions.len();
         let missing = result.conditions.iter().filter(|one| one.missing.is_some()).count();
         let missing = if missing == 0 { String::new() } else { format!(", {missing} of them not run") };
-        format!("{conditions} conditions on {} cases{missing}", result.cases)
+        let conditions =
+            if conditions == 1 { "one condition".to_string() } else { format!("{conditions} conditions") };
+        format!("{conditions} on {} cases{missing}", result.cases)
     }
 }
 

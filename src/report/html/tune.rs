@@ -290,11 +290,16 @@ impl<'a> Bench<'a> {
             return None;
         }
         let initial = self.tune.budget.initial as usize;
+        let mut tried = self.tried(None, self.charted(0));
+        if self.result.violations.is_some() {
+            // Nothing is the best so far where nothing is feasible.
+            tried.iter_mut().for_each(|one| one.mark = Mark::Refused);
+        }
         let chart = Convergence {
             title: self.tune.name.clone(),
             y: self.objectives[0].quantity(),
             goal: self.tune.objectives[0].direction,
-            tried: self.tried(None, self.charted(0)),
+            tried,
             initial,
         };
         let note = format!("The dotted line stands after the {initial} initial points.");
