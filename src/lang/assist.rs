@@ -392,6 +392,13 @@ mod tests {
         assert!(hovered("speed").contains("steady cruise"));
         assert!(hovered("m }").contains("metre"));
         assert_eq!(hovered("pace\n"), "```scn\nlet pace = 1.4 m/s\n```");
+
+        let text = "tune t {\n  otherwise fewest violations\n}\nstatement s {\n  differs \"why\"\n}\n";
+        let (tree, _) = Tree::parse(Sources::default().add("a.scn", text), Arc::from(text));
+        for (word, doc) in [("otherwise", "fewest runs"), ("differs", "not to be reproduced")] {
+            let (_, said) = hover(&tree, text.find(word).unwrap() + 1).unwrap();
+            assert!(said.contains(doc), "{said}");
+        }
     }
 
     #[test]
