@@ -5,33 +5,18 @@ use std::process::{Command, Output};
 
 use scenario_runner::experiment::ParameterFile;
 use serde_json::Value;
+use support::program::{self, code, stderr};
+
+mod support;
 
 /// Runs the program in the repository's root.
 fn scenario_runner(arguments: &[&str]) -> Output {
-    scenario_runner_in(Path::new(env!("CARGO_MANIFEST_DIR")), arguments)
-}
-
-fn scenario_runner_in(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_scenario-runner"))
-        .args(arguments)
-        .current_dir(folder)
-        .env("NO_COLOR", "1")
-        .output()
-        .expect("the binary runs")
-}
-
-fn code(output: &Output) -> i32 {
-    output.status.code().expect("the program ends by itself")
+    program::scenario_runner(Path::new(env!("CARGO_MANIFEST_DIR")), arguments)
 }
 
 /// Standard output without what differs from run to run.
 fn stdout(output: &Output) -> String {
-    let text = String::from_utf8(output.stdout.clone()).expect("output is UTF-8");
-    text.lines().map(|line| without_time(line) + "\n").collect()
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8(output.stderr.clone()).expect("output is UTF-8")
+    program::stdout(output).lines().map(|line| without_time(line) + "\n").collect()
 }
 
 /// `PASS [   0.004s] key` as `PASS [time] key`.
@@ -111,12 +96,12 @@ fn a_replay_tells_what_happened() {
         copy(&Path::new(env!("CARGO_MANIFEST_DIR")).join(part), &folder.path().join(part));
     }
     let replay =
-        || scenario_runner_in(folder.path(), &["replay", "zebra_unsafe/stands_in_lane/tta=6s/rep=1"]);
+        || program::scenario_runner(folder.path(), &["replay", "zebra_unsafe/stands_in_lane/tta=6s/rep=1"]);
     let output = replay();
     assert_eq!(code(&output), 0);
     insta::assert_snapshot!(stdout(&output));
 
-    scenario_runner_in(folder.path(), &["suites/zebra_unsafe.suite"]);
+    program::scenario_runner(folder.path(), &["suites/zebra_unsafe.suite"]);
     let output = stdout(&replay());
     let last = output.lines().last();
     assert_eq!(last, Some("  the same run, bit for bit, as when its suite was last run"));

@@ -1,20 +1,11 @@
 //! The starter project of `init`, written into an empty folder and used as a newcomer would.
 
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
-fn run(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_scenario-runner"))
-        .args(arguments)
-        .current_dir(folder)
-        .env("NO_COLOR", "1")
-        .output()
-        .expect("the binary runs")
-}
+use support::program::{code, scenario_runner as run};
 
-fn code(output: &Output) -> i32 {
-    output.status.code().expect("the program ends by itself")
-}
+mod support;
 
 fn text(output: &Output) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr)

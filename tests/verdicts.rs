@@ -1,24 +1,12 @@
 //! Verdicts as users meet them at the command line: stated confidence and what it takes.
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
 
 use proptest::prelude::*;
 use serde_json::{Value, json};
+use support::program::{scenario_runner, stderr, stdout};
 
-/// Runs the program in a folder.
-fn scenario_runner(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_scenario-runner"))
-        .args(arguments)
-        .current_dir(folder)
-        .env("NO_COLOR", "1")
-        .output()
-        .expect("the binary runs")
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8(output.stderr.clone()).expect("output is UTF-8")
-}
+mod support;
 
 /// A street, a car and someone who crosses it, with what a test adds to the scenario.
 fn walk(folder: &Path, more: &str) -> PathBuf {
@@ -57,10 +45,6 @@ fn what_its_runs_can_never_show_is_refused_before_anything_runs() {
         assert!(stderr(&output).contains("walk.scn:5:23"), "{}", stderr(&output));
         assert!(output.stdout.is_empty());
     }
-}
-
-fn stdout(output: &Output) -> String {
-    String::from_utf8(output.stdout.clone()).expect("output is UTF-8")
 }
 
 /// The results of a run as JSON, without times.
