@@ -436,6 +436,11 @@ mod tests {
     }
 
     #[test]
+    fn a_byte_order_mark_goes() {
+        assert_eq!(formatted("\u{feff} let a=1 m"), "let a = 1 m\n");
+    }
+
+    #[test]
     fn what_does_not_parse_is_left_alone() {
         assert!(format(Sources::default().add("test.scn", ""), "scenario {").is_err());
     }

@@ -36,8 +36,18 @@ pub struct Token {
     pub end: usize,
 }
 
-/// Splits `text` without leaving anything out.
+/// Splits the text of a file without leaving anything out. A byte order mark, which some editors put at its
+/// beginning, counts as space there and nowhere else.
 pub fn tokens(text: &str) -> Vec<Token> {
+    let mut tokens = fragment(text);
+    if let Some(first) = tokens.first_mut().filter(|_| text.starts_with('\u{feff}')) {
+        first.kind = TokenKind::Space;
+    }
+    tokens
+}
+
+/// Splits a part of a file.
+pub fn fragment(text: &str) -> Vec<Token> {
     let mut tokens = Vec::with_capacity(text.len() / 4);
     let mut start = 0;
     while start < text.len() {
@@ -55,7 +65,7 @@ fn next(rest: &str) -> (TokenKind, usize) {
         b'\n' => (TokenKind::Newline, 1),
         b'\r' if bytes.get(1) == Some(&b'\n') => (TokenKind::Newline, 2),
         b'\r' => (TokenKind::Newline, 1),
-        b' ' | b'\t' => (TokenKind::Space, run(is_space)),
+        b' ' | b'\t' => (TokenKind::Space, run(|c| matches!(c, ' ' | '\t'))),
         b'#' => (TokenKind::Comment, run(|c| c != '\n' && c != '\r')),
         b'"' => string(bytes),
         b'{' | b'[' | b'(' => (TokenKind::Open, 1),
@@ -64,7 +74,6 @@ fn next(rest: &str) -> (TokenKind, usize) {
         b'A'..=b'Z' | b'a'..=b'z' | b'_' => (TokenKind::Word, run(|c| c.is_ascii_alphanumeric() || c == '_')),
         b'!' | b'%' | b'*'..=b'/' | b':'..=b'>' | b'^' => (TokenKind::Punctuation, 1),
         _ => match rest.chars().next() {
-            Some('\u{feff}') => (TokenKind::Space, run(is_space)),
             Some(c @ ('²' | '³' | '°' | 'µ' | '≤' | '≥' | '≠')) => {
                 (TokenKind::Punctuation, c.len_utf8())
             }
@@ -72,10 +81,6 @@ fn next(rest: &str) -> (TokenKind, usize) {
             None => (TokenKind::Stray, rest.len()),
         },
     }
-}
-
-fn is_space(c: char) -> bool {
-    matches!(c, ' ' | '\t' | '\u{feff}')
 }
 
 fn string(bytes: &[u8]) -> (TokenKind, usize) {

@@ -5,7 +5,7 @@ use pest::error::{Error, ErrorVariant, InputLocation};
 
 use super::codes::Code;
 use super::diagnostic::{Diagnostic, MOST_FINDINGS};
-use super::lexer::{self, TokenKind};
+use super::lexer::{self, Token, TokenKind};
 use super::source::{SourceId, Span};
 use super::statements::{self, Statement};
 use super::tree::{Grammar, Node, Rule, Tree};
@@ -60,6 +60,15 @@ fn statement(block: Rule, bad: Node) -> Diagnostic {
         .label("not here")
         .hint(format!("it belongs in {}", elsewhere.join(" or ")));
     }
+    if is_invisible(word_text) {
+        return Diagnostic::new(
+            Code::UnknownStatement,
+            word,
+            format!("{place} has no statement that begins with {}", words(bad.tree().text(), word)),
+        )
+        .label("here")
+        .hint("remove it");
+    }
     Diagnostic::new(Code::UnknownStatement, word, format!("{place} has no statement `{word_text}`"))
         .label("unknown here")
         .suggest(word_text, context.statements.iter().map(|statement| statement.word))
@@ -77,6 +86,8 @@ fn again(bad: Node, statement: &Statement) -> Diagnostic {
     let span = bad.span();
     let text = bad.tree().text();
     let hint = format!("it reads `{}`", statement.usage);
+    // Only how errors are described depends on it, so that setting it again and for everybody is harmless.
+    pest::set_error_detail(true);
     match Grammar::parse(statement.rule, bad.text()) {
         Err(error) => unexpected(span.source, span.start, text, &error).hint(hint),
         Ok(pairs) => {
@@ -96,18 +107,31 @@ fn again(bad: Node, statement: &Statement) -> Diagnostic {
 
 /// A pest error of text that begins at `offset`, in words.
 pub fn unexpected(source: SourceId, offset: usize, text: &str, error: &Error<Rule>) -> Diagnostic {
-    let at = match error.location {
-        InputLocation::Pos(at) | InputLocation::Span((at, _)) => at + offset,
+    let mut at = match error.location {
+        InputLocation::Pos(at) | InputLocation::Span((at, _)) => at,
     };
-    let found = next_token(source, text, at);
     let mut expected = match &error.variant {
         ErrorVariant::ParsingError { positives, .. } => positives.iter().filter_map(describe).collect(),
         ErrorVariant::CustomError { message } => vec![message.clone()],
     };
+    let (furthest, signs) = expected_signs(error);
+    if furthest >= at && !signs.is_empty() {
+        if furthest > at {
+            expected.clear();
+        }
+        at = furthest;
+        expected.extend(signs);
+    }
+    let found = next_token(source, text, offset + at);
     expected.sort();
     expected.dedup();
     if expected.len() > 1 {
         expected.retain(|words| words != OPERATOR);
+    }
+    for (general, special) in [(VALUE, "`(`"), (COMPARISON, "`=`")] {
+        if expected.iter().any(|words| words == general) {
+            expected.retain(|words| words != special);
+        }
     }
     let list = match expected.as_slice() {
         [] => "something else".to_string(),
@@ -118,34 +142,64 @@ pub fn unexpected(source: SourceId, offset: usize, text: &str, error: &Error<Rul
         .label(format!("expected {list}"))
 }
 
+/// The brackets and signs that the statement could go on with at the furthest place that was read. Pest counts only
+/// rules among what it expected; a sign is none.
+fn expected_signs(error: &Error<Rule>) -> (usize, Vec<String>) {
+    let Some(attempts) = error.parse_attempts() else { return (0, Vec::new()) };
+    let tokens = attempts.expected_tokens();
+    let signs = tokens.iter().map(ToString::to_string).filter(|token| SIGNS.contains(&token.as_str()));
+    (attempts.max_position, signs.map(|sign| format!("`{sign}`")).collect())
+}
+
 fn words(text: &str, found: Span) -> String {
     match &text[found.start..found.end] {
+        "" if text[found.end..].contains(['\n', '\r']) => "the end of the line".to_string(),
         "" => "the end of the file".to_string(),
-        "\n" | "\r\n" | "\r" => "the end of the line".to_string(),
+        token if is_invisible(token) => {
+            let number = token.chars().next().map_or(0, u32::from);
+            format!("the invisible character U+{number:04X}")
+        }
         token => format!("`{token}`"),
     }
 }
 
-/// The first token at or after `start` that is neither space nor comment; empty at the end of the text.
+/// Whether a token is one of the characters that look like a space or like nothing, as come with pasted text.
+fn is_invisible(token: &str) -> bool {
+    let looks_empty = |c: char| {
+        c.is_whitespace()
+            || c.is_control()
+            || matches!(c, '\u{ad}' | '\u{200b}'..='\u{200f}' | '\u{2060}' | '\u{feff}')
+    };
+    token.chars().next().is_some_and(looks_empty)
+}
+
+/// The first token at or after `start` that is neither space nor comment. What ends a line or the text is the empty
+/// place behind its last word.
 fn next_token(source: SourceId, text: &str, start: usize) -> Span {
-    let rest = &text[start..];
-    let end = rest.find(['\n', '\r']).map_or(rest.len(), |end| end + 1);
-    lexer::tokens(&rest[..end])
-        .into_iter()
-        .find(|token| !matches!(token.kind, TokenKind::Space | TokenKind::Comment))
-        .map_or(Span::new(source, start + end, start + end), |token| {
-            Span::new(source, start + token.start, start + token.end)
-        })
+    let means_something = |token: &Token| !matches!(token.kind, TokenKind::Space | TokenKind::Comment);
+    let rest = text[start..].split(['\n', '\r']).next().unwrap_or_default();
+    if let Some(token) = lexer::fragment(rest).into_iter().find(means_something) {
+        return Span::new(source, start + token.start, start + token.end);
+    }
+    let line = text[..start].rfind(['\n', '\r']).map_or(0, |at| at + 1);
+    let last = lexer::fragment(&text[line..start]).into_iter().rfind(means_something);
+    let end = last.map_or(start, |token| line + token.end);
+    Span::new(source, end, end)
 }
 
 fn first_word(bad: Node) -> Span {
     let span = bad.span();
-    let first = lexer::tokens(bad.text()).into_iter().find(|token| token.kind != TokenKind::Space);
+    let first = lexer::fragment(bad.text()).into_iter().find(|token| token.kind != TokenKind::Space);
     first.map_or(span, |token| Span::new(span.source, span.start + token.start, span.start + token.end))
 }
 
 /// Could follow every value, so it is mentioned only when nothing else could.
 const OPERATOR: &str = "an operator such as `+`";
+const VALUE: &str = "a value";
+const COMPARISON: &str = "a comparison such as `<=`";
+
+/// The signs of the language that stand between other things. A list in brackets and an opening brace are also rules.
+const SIGNS: [&str; 6] = ["=", ":", ",", "..", "(", ")"];
 
 /// A rule as people call it; `None` for what goes without saying.
 fn describe(rule: &Rule) -> Option<String> {
@@ -157,13 +211,13 @@ fn describe(rule: &Rule) -> Option<String> {
         Rule::EOI | Rule::negation | Rule::modifier | Rule::base => return None,
         Rule::operator => OPERATOR,
         Rule::expression | Rule::quantity | Rule::number | Rule::reference | Rule::group | Rule::boolean => {
-            "a value"
+            VALUE
         }
         Rule::unit => "a unit",
         Rule::name => "a name",
         Rule::string => "a text in quotes",
         Rule::integer => "a whole number",
-        Rule::relation => "a comparison such as `<=`",
+        Rule::relation => COMPARISON,
         Rule::condition | Rule::metric | Rule::criterion => "a metric",
         Rule::direction => "`forward` or `backward`",
         Rule::list => "a list `[ … ]`",
@@ -183,7 +237,7 @@ fn describe(rule: &Rule) -> Option<String> {
         Rule::initial | Rule::batch => "a whole number",
         Rule::constraint => "a metric",
         Rule::measured | Rule::measure => "an aggregate such as `mean(…)`",
-        Rule::claimed | Rule::claimed_group | Rule::lone_operand => "a value",
+        Rule::claimed | Rule::claimed_group | Rule::lone_operand => VALUE,
         Rule::trend => return None,
         Rule::outcomes => "what is measured",
         Rule::run_conditions => "`when`",

@@ -89,7 +89,7 @@ impl Writer<'_> {
                 "write it as in a scenario file, such as `30 km/h`",
             );
         };
-        let tokens = lexer::tokens(words);
+        let tokens = lexer::fragment(words);
         let forbidden = tokens.iter().any(|token| {
             matches!(token.kind, TokenKind::Comment | TokenKind::Newline | TokenKind::OpenString)
                 || matches!(&words[token.start..token.end], "{" | "}" | ";")
