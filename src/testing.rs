@@ -35,7 +35,7 @@ use crate::dispatch::{
 use crate::experiment::Silent;
 use crate::judge::Verdict;
 use crate::report::{Skip, Standing, UnitReport, explain, render_gate_report};
-use crate::run::Stop;
+use crate::run::{SharedTrial, Stop};
 use crate::scenario::Gate;
 
 /// Why there are no tests.
@@ -172,7 +172,9 @@ impl Session {
             Work::Recorded(recorded) => {
                 return UnitReport::Recorded(self.workshop.recorded(unit.suite, &unit.key, recorded));
             }
-            Work::Trial(trial) => return UnitReport::Trial(self.workshop.trial(unit.suite, trial, &|| ())),
+            Work::Trial(trial) => {
+                return UnitReport::Trial(self.workshop.trial(unit.suite, &SharedTrial::new(trial), &|| ()));
+            }
             Work::Block(block) => block,
         };
         let mut kept = Vec::new();

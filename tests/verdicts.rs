@@ -1,5 +1,7 @@
 //! Verdicts as users meet them at the command line: stated confidence and what it takes.
 
+use std::collections::BTreeMap;
+use std::fs::DirEntry;
 use std::path::{Path, PathBuf};
 
 use proptest::prelude::*;
@@ -86,6 +88,43 @@ fn runs_are_added_until_the_criteria_are_decided() {
     let trial = &one["suites"][0]["trials"][0];
     assert_eq!(trial["runs"].as_array().unwrap().len(), 43);
     assert_eq!(trial["stopping"], json!({ "least": 20, "most": 300, "runs": 43, "reason": "decided" }));
+}
+
+/// The courses that `--trace` writes, by the names of their files.
+fn traces(folder: &Path, threads: &str) -> BTreeMap<String, String> {
+    let traces = folder.join(threads);
+    let arguments = ["walk.scn", "--test-threads", threads, "--trace", threads];
+    scenario_runner(folder, &arguments);
+    let file = |entry: std::io::Result<DirEntry>| {
+        let path = entry.unwrap().path();
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        (name, std::fs::read_to_string(path).unwrap())
+    };
+    std::fs::read_dir(traces).unwrap().map(file).collect()
+}
+
+/// Threads share the runs of a single trial.
+#[test]
+fn threads_do_not_matter_within_a_trial() {
+    let folder = tempfile::tempdir().unwrap();
+    let expect = "expect { pet >= 1.2 s in 80 % of runs with 99 % confidence; no collision }";
+    for (runs, least) in [("repeat 600", 600), ("runs 50 .. 2000", 50)] {
+        walk(folder.path(), &format!("{runs}; {expect}"));
+        let with = |threads| results(folder.path(), &["--test-threads", threads]);
+        let one = with("1");
+        let ran = one["suites"][0]["trials"][0]["runs"].as_array().unwrap();
+        let names: Vec<_> = (1..=ran.len()).map(|run| format!("walk/walk/rep={run}")).collect();
+        assert!(ran.len() >= least, "{}", ran.len());
+        assert!(ran.iter().map(|run| run["key"].as_str().unwrap()).eq(&names));
+        for threads in ["2", "5"] {
+            assert!(one == with(threads), "{runs} with {threads} threads");
+        }
+    }
+    // Of a trial that was decided, with the runs that count and no others.
+    let one = traces(folder.path(), "1");
+    let ran = results(folder.path(), &[])["suites"][0]["trials"][0]["runs"].as_array().unwrap().len();
+    assert!((50..2000).contains(&ran) && one.len() == ran, "{ran} runs, {} courses", one.len());
+    assert!(one == traces(folder.path(), "5"));
 }
 
 proptest! {

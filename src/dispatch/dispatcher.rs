@@ -1,4 +1,4 @@
-//! Workers run units and one thread tells what happens, in order.
+//! Workers run units, or help with the runs of a trial, and one thread tells what happens, in order.
 
 use std::collections::HashMap;
 use std::sync::mpsc::{self, RecvTimeoutError, Sender};
@@ -14,6 +14,7 @@ use crate::experiment::{Block, Progress, Results};
 use crate::report::{
     Evaluations, Event, Outline, Reporter, Skip, Standing, Stopping, SuiteReport, UnitReport,
 };
+use crate::run::SharedTrial;
 use crate::scenario::Goal;
 
 /// What is to be run, and how.
@@ -119,6 +120,17 @@ enum Off {
     Stopping(Stopping),
 }
 
+/// What a worker does next.
+enum Job<'a> {
+    Unit(usize),
+    /// One case, by its index, of a trial that another worker has begun.
+    Case {
+        suite: usize,
+        trial: Arc<SharedTrial<'a>>,
+        index: usize,
+    },
+}
+
 /// Where the workers are.
 struct Floor<'w, 'a> {
     workshop: &'w Workshop<'a>,
@@ -126,13 +138,15 @@ struct Floor<'w, 'a> {
     /// Whether some chosen block needs the unit.
     needed: Vec<bool>,
     max_failures: Option<usize>,
-    state: Mutex<State>,
-    /// Told when a unit may have become ready, or there is nothing more to wait for.
+    state: Mutex<State<'a>>,
+    /// Told when a unit may have become ready, a case may be begun, or there is nothing more to wait for.
     changed: Condvar,
 }
 
-struct State {
+struct State<'a> {
     schedule: Schedule,
+    /// Trials under way, with the index of their suite.
+    trials: Vec<(usize, Arc<SharedTrial<'a>>)>,
     failures: usize,
     /// Results that blocks need.
     kept: Vec<Option<Arc<Kept>>>,
@@ -152,20 +166,28 @@ impl<'w, 'a> Floor<'w, 'a> {
             units,
             needed,
             max_failures: orders.max_failures,
-            state: Mutex::new(State { schedule, failures: 0, kept }),
+            state: Mutex::new(State { schedule, trials: Vec::new(), failures: 0, kept }),
             changed: Condvar::new(),
         }
     }
 
-    fn lock(&self) -> MutexGuard<'_, State> {
+    fn lock(&self) -> MutexGuard<'_, State<'a>> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// One worker: unit after unit until there is none left.
+    /// One worker: unit after unit until there is none left. Where it would have to wait for one, it helps with the cases
+    /// of trials under way.
     fn work(&self, sender: &Sender<Message<'a>>) {
         // The receiver lives as long as the workers do.
         let send = |message| drop(sender.send(message));
-        while let Some(unit) = self.next() {
+        while let Some(job) = self.next() {
+            let unit = match job {
+                Job::Unit(unit) => unit,
+                Job::Case { suite, trial, index } => {
+                    self.workshop.help(suite, &trial, index);
+                    continue;
+                }
+            };
             send(Message::Begun(unit));
             let report = self.run(unit, sender);
             let (off, stopping) = self.end(unit, &report);
@@ -176,21 +198,32 @@ impl<'w, 'a> Floor<'w, 'a> {
         }
     }
 
-    /// The next unit, waited for if need be; `None` when there will be none.
-    fn next(&self) -> Option<usize> {
+    /// What is to be done next, waited for if need be; `None` when there will be nothing.
+    fn next(&self) -> Option<Job<'a>> {
         let mut state = self.lock();
         loop {
             if self.workshop.stop().is_requested() {
                 return None;
             }
             if let Some(unit) = state.schedule.begin() {
-                return Some(unit);
+                return Some(Job::Unit(unit));
+            }
+            for (suite, trial) in &state.trials {
+                if let Some(index) = trial.begin() {
+                    return Some(Job::Case { suite: *suite, trial: trial.clone(), index });
+                }
             }
             if state.schedule.is_over() {
                 return None;
             }
             state = self.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
         }
+    }
+
+    /// Tells the workers that have nothing to do that there may be something.
+    fn wake(&self, change: impl FnOnce(&mut State<'a>)) {
+        change(&mut self.lock());
+        self.changed.notify_all();
     }
 
     fn run(&self, index: usize, sender: &Sender<Message<'a>>) -> UnitReport<'a> {
@@ -200,8 +233,16 @@ impl<'w, 'a> Floor<'w, 'a> {
                 UnitReport::Recorded(self.workshop.recorded(unit.suite, &unit.key, recorded))
             }
             Work::Trial(trial) => {
-                let done = || drop(sender.send(Message::RunDone(index)));
-                UnitReport::Trial(self.workshop.trial(unit.suite, trial, &done))
+                let shared = Arc::new(SharedTrial::new(trial));
+                self.wake(|state| state.trials.push((unit.suite, shared.clone())));
+                let done = || {
+                    drop(sender.send(Message::RunDone(index)));
+                    // What was taken in makes room for another run.
+                    self.wake(|_| ());
+                };
+                let report = self.workshop.trial(unit.suite, &shared, &done);
+                self.lock().trials.retain(|(_, other)| !Arc::ptr_eq(other, &shared));
+                UnitReport::Trial(report)
             }
             Work::Block(block) => {
                 let relay = Relay { unit: index, sender: sender.clone() };
@@ -241,8 +282,8 @@ impl<'w, 'a> Floor<'w, 'a> {
     }
 
     fn call_off(&self) -> Vec<usize> {
-        let rest = self.lock().schedule.call_off();
-        self.changed.notify_all();
+        let mut rest = Vec::new();
+        self.wake(|state| rest = state.schedule.call_off());
         rest
     }
 }

@@ -111,7 +111,7 @@ mod tests {
     use crate::dispatch::Prepared;
     use crate::lang;
     use crate::plan::plan;
-    use crate::run::Stop;
+    use crate::run::{SharedTrial, Stop};
 
     #[test]
     fn trials_that_were_decided_early_are_run_to_their_end() {
@@ -120,8 +120,12 @@ mod tests {
         let plan = plan(&suite).unwrap();
         let suites = [Prepared { file: "walker.scn".into(), suite, plan, recorded: Vec::new() }];
         let workshop = Workshop::new(&suites, None, &Stop::default());
-        let mut trials: Vec<_> =
-            suites[0].plan.trials.iter().map(|trial| workshop.trial(0, trial, &|| ())).collect();
+        let mut trials: Vec<_> = suites[0]
+            .plan
+            .trials
+            .iter()
+            .map(|trial| workshop.trial(0, &SharedTrial::new(trial), &|| ()))
+            .collect();
         let measured = |trials: &[TrialReport]| {
             measured_trials(&workshop, 0, &trials.iter().collect::<Vec<_>>()).unwrap()
         };

@@ -1,7 +1,8 @@
 //! Running the units of suites, which are trials and blocks: several at a time, each after what it needs.
 //!
 //! Workers run units; one thread hears of everything that happens and tells it on in order, so that reports need no
-//! locks. Results do not depend on the number of workers.
+//! locks. A worker that has no unit to begin runs cases of the trials under way; the worker that began a trial takes in what
+//! came of them in their order. So results do not depend on the number of workers.
 
 mod dispatcher;
 mod gates;

@@ -9,12 +9,13 @@ use super::unit::{Prepared, Unit, Work};
 use crate::corpus::{Recorded, case_hash};
 use crate::experiment::{Block, ExperimentError, Laboratory, Progress, Results};
 use crate::judge::{self, PerRun, Verdict, judge, per_run};
-use crate::plan::Trial;
 use crate::report::{
     BlockReport, BlockState, RecordedReport, RecordedState, Rerun, Skip, SuiteIdentity, TrialReport,
     TrialState, UnitReport,
 };
-use crate::run::{FreeFlows, Outcome, Requests, RunError, Stop, TrialError, Unwatched, run_case, run_trial};
+use crate::run::{
+    FreeFlows, Outcome, Ran, Requests, RunError, SharedTrial, Stop, TrialError, Unwatched, run_case,
+};
 use crate::scenario::Case;
 use crate::sim::Trace;
 
@@ -78,17 +79,18 @@ impl<'a> Workshop<'a> {
     }
 
     /// Runs and judges one trial of the suite with index `suite`. `done` is called after every run.
-    pub fn trial(&self, suite: usize, trial: &'a Trial, done: &dyn Fn()) -> TrialReport<'a> {
+    pub fn trial(&self, suite: usize, shared: &SharedTrial<'a>, done: &dyn Fn()) -> TrialReport<'a> {
         let begun = Instant::now();
+        let trial = shared.trial;
         let limit = self.suites[suite].plan.time_limit.map(Duration::from_secs_f64);
-        let run = |case: &Case| {
-            let outcome = self.case(suite, case)?;
+        let run = |case: &Case| self.case(suite, case);
+        let done = |case: &Case, ran: &Ran| {
+            self.watched(case, ran);
             done();
-            Ok(outcome)
         };
         let mut watch = judge::Watch::new(trial, &self.requests);
         let enough = |outcomes: &[Outcome]| watch.enough(outcomes).is_some();
-        let outcomes = catching(|| run_trial(trial, limit, &self.stop, enough, run));
+        let outcomes = catching(|| shared.run_all(limit, &self.stop, enough, run, done));
         let (outcomes, state) = match outcomes {
             Ok(Ok(outcomes)) => {
                 let judged = watch.verdict(&outcomes);
@@ -103,15 +105,27 @@ impl<'a> Workshop<'a> {
         TrialReport { trial, outcomes, state, wall_time: begun.elapsed() }
     }
 
-    fn case(&self, suite: usize, case: &Case) -> Result<Outcome, RunError> {
+    /// Runs one case of a trial that another thread sees to.
+    pub fn help(&self, suite: usize, shared: &SharedTrial, index: usize) {
+        shared.run(index, |case| self.case(suite, case));
+    }
+
+    fn case(&self, suite: usize, case: &Case) -> Result<Ran, RunError> {
         let free_flows = self.free_flows(suite);
-        let Some(watch) = self.watch else {
-            return run_case(case, &self.requests, free_flows, &mut Unwatched);
-        };
+        if self.watch.is_none() {
+            let outcome = run_case(case, &self.requests, free_flows, &mut Unwatched)?;
+            return Ok(Ran { outcome, trace: None });
+        }
         let mut trace = Trace::default();
         let outcome = run_case(case, &self.requests, free_flows, &mut trace)?;
-        watch(case, &trace);
-        Ok(outcome)
+        Ok(Ran { outcome, trace: Some(trace) })
+    }
+
+    /// Gives the course of a run to whoever wants it.
+    fn watched(&self, case: &Case, ran: &Ran) {
+        if let (Some(watch), Some(trace)) = (self.watch, &ran.trace) {
+            watch(case, trace);
+        }
     }
 
     /// Runs a recorded run again, under the key of its unit.
@@ -133,7 +147,10 @@ impl<'a> Workshop<'a> {
         };
         case.key = key.to_string();
         let outcome = match self.case(suite, &case) {
-            Ok(outcome) => outcome,
+            Ok(ran) => {
+                self.watched(&case, &ran);
+                ran.outcome
+            }
             Err(error) => return RecordedState::Errored(error.to_string()),
         };
         let (decisive, others): (Vec<_>, Vec<_>) =

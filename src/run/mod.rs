@@ -16,4 +16,4 @@ pub use free_flow::FreeFlows;
 pub use outcome::{Critical, Outcome, Requests};
 pub use rehearsal::{Obstacle, Stage, rehearse, rehearse_trials};
 pub use stop::Stop;
-pub use trial::{TrialError, run_trial};
+pub use trial::{Ran, SharedTrial, TrialError};

@@ -1,5 +1,9 @@
-//! One trial: its cases in order, within the time limit, until they are enough.
+//! One trial: its cases on any number of threads, taken in in order, within the time limit, until they are enough.
 
+use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread;
 use std::time::{Duration, Instant};
 
 use thiserror::Error;
@@ -9,6 +13,7 @@ use super::outcome::Outcome;
 use super::stop::Stop;
 use crate::plan::Trial;
 use crate::scenario::Case;
+use crate::sim::Trace;
 
 /// Why a trial has no verdict.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -21,34 +26,119 @@ pub enum TrialError {
     Stopped { finished: usize, runs: usize },
 }
 
-/// Runs the cases of a trial in order by `run`, for which [`super::run_case`] is made, until `enough` of what came of
-/// them so far, or to the end.
-///
-/// The time limit and the wish to stop are looked at between runs: one run always comes to its end, since its simulated
-/// time is bounded.
-pub fn run_trial(
-    trial: &Trial,
-    time_limit: Option<Duration>,
-    stop: &Stop,
-    mut enough: impl FnMut(&[Outcome]) -> bool,
-    mut run: impl FnMut(&Case) -> Result<Outcome, RunError>,
-) -> Result<Vec<Outcome>, TrialError> {
-    let begun = Instant::now();
-    let mut outcomes = Vec::with_capacity(trial.certain_cases().len());
-    for case in &trial.cases {
-        let (finished, runs) = (outcomes.len(), trial.cases.len());
-        if stop.is_requested() {
-            return Err(TrialError::Stopped { finished, runs });
-        }
-        if let Some(limit) = time_limit.filter(|limit| begun.elapsed() > *limit) {
-            return Err(TrialError::TimeLimit { key: trial.key.clone(), limit, finished, runs });
-        }
-        outcomes.push(run(case).map_err(|error| TrialError::Run { key: case.key.clone(), error })?);
-        if enough(&outcomes) {
-            break;
-        }
+/// What came of a case, and its course if somebody wants it.
+#[derive(Debug)]
+pub struct Ran {
+    pub outcome: Outcome,
+    pub trace: Option<Trace>,
+}
+
+/// A trial under way, whose cases any thread may run. Its own thread takes in what came of them, in the order of the
+/// cases: nothing depends on who ran which.
+pub struct SharedTrial<'a> {
+    pub trial: &'a Trial,
+    state: Mutex<State>,
+    /// Told when a run has ended.
+    ended: Condvar,
+}
+
+struct State {
+    /// Index of the first case that nobody has begun.
+    next: usize,
+    /// How many runs were taken in.
+    taken: usize,
+    /// Runs that have ended and were not taken in yet, by index of their case; `Err` for one that panicked.
+    ended: BTreeMap<usize, thread::Result<Result<Ran, RunError>>>,
+}
+
+/// How far runs may be ahead of what was taken in: their courses need memory.
+const AHEAD: usize = 256;
+
+impl<'a> SharedTrial<'a> {
+    pub fn new(trial: &'a Trial) -> Self {
+        let state = State { next: 0, taken: 0, ended: BTreeMap::new() };
+        Self { trial, state: Mutex::new(state), ended: Condvar::new() }
     }
-    Ok(outcomes)
+
+    fn lock(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Index of a case that may be run now; whoever asks has to run it.
+    pub fn begin(&self) -> Option<usize> {
+        let mut state = self.lock();
+        let index = state.next;
+        let may_begin = index < self.trial.cases.len().min(state.taken + AHEAD);
+        may_begin.then(|| {
+            state.next += 1;
+            index
+        })
+    }
+
+    /// Runs a case that was begun, by `run`, for which [`super::run_case`] is made.
+    pub fn run(&self, index: usize, run: impl FnOnce(&Case) -> Result<Ran, RunError>) {
+        let ran = catch_unwind(AssertUnwindSafe(|| run(&self.trial.cases[index])));
+        self.lock().ended.insert(index, ran);
+        self.ended.notify_one();
+    }
+
+    /// Runs the cases, with whoever else does, until `enough` of what came of them so far, or to the end. What came of
+    /// each is given to `done` first.
+    ///
+    /// The time limit and the wish to stop are looked at between runs: one run always comes to its end, since its
+    /// simulated time is bounded.
+    ///
+    /// # Panics
+    /// As the first run that did, whichever thread it was on.
+    pub fn run_all(
+        &self,
+        time_limit: Option<Duration>,
+        stop: &Stop,
+        mut enough: impl FnMut(&[Outcome]) -> bool,
+        run: impl Fn(&Case) -> Result<Ran, RunError>,
+        mut done: impl FnMut(&Case, &Ran),
+    ) -> Result<Vec<Outcome>, TrialError> {
+        let begun = Instant::now();
+        let (cases, runs) = (&self.trial.cases, self.trial.cases.len());
+        let mut outcomes = Vec::with_capacity(self.trial.certain_cases().len());
+        while outcomes.len() < runs {
+            let finished = outcomes.len();
+            if let Some(ran) = self.take(finished) {
+                let case = &cases[finished];
+                let ran = ran.unwrap_or_else(|panic| resume_unwind(panic));
+                let ran = ran.map_err(|error| TrialError::Run { key: case.key.clone(), error })?;
+                done(case, &ran);
+                outcomes.push(ran.outcome);
+                if enough(&outcomes) {
+                    break;
+                }
+            } else if stop.is_requested() {
+                return Err(TrialError::Stopped { finished, runs });
+            } else if let Some(limit) = time_limit.filter(|limit| begun.elapsed() > *limit) {
+                return Err(TrialError::TimeLimit { key: self.trial.key.clone(), limit, finished, runs });
+            } else if let Some(index) = self.begin() {
+                self.run(index, &run);
+            } else {
+                self.wait_for(finished);
+            }
+        }
+        self.lock().next = runs;
+        Ok(outcomes)
+    }
+
+    /// What came of the case that is next to be taken in, if its run has ended.
+    fn take(&self, index: usize) -> Option<thread::Result<Result<Ran, RunError>>> {
+        let mut state = self.lock();
+        let ran = state.ended.remove(&index)?;
+        state.taken = index + 1;
+        Some(ran)
+    }
+
+    /// Waits for the end of a run that another thread has begun.
+    fn wait_for(&self, index: usize) {
+        let running = |state: &mut State| !state.ended.contains_key(&index);
+        drop(self.ended.wait_while(self.lock(), running).unwrap_or_else(PoisonError::into_inner));
+    }
 }
 
 #[cfg(test)]
@@ -57,6 +147,7 @@ mod tests {
     use crate::scenario::{Crossing, CrossingKind, Origin, Road, World};
     use crate::sim::{Ending, StopReason};
     use std::sync::Arc;
+    use std::sync::atomic::{AtomicUsize, Ordering};
 
     fn trial(runs: u32) -> Trial {
         let road = Road {
@@ -112,35 +203,113 @@ mod tests {
         }
     }
 
-    #[test]
-    fn it_stops_where_the_outcomes_are_enough() {
-        let trial = trial(100);
-        let mut run = 0;
-        let outcomes = run_trial(
-            &trial,
-            None,
-            &Stop::default(),
-            |outcomes| outcomes.len() == 41,
-            |case| {
-                run += 1;
-                Ok(outcome(case))
-            },
-        );
-        let keys: Vec<_> = outcomes.unwrap().into_iter().map(|outcome| outcome.key).collect();
-        let first: Vec<_> = trial.cases[..41].iter().map(|case| case.key.clone()).collect();
-        assert_eq!((keys, run), (first, 41));
-        let all = run_trial(&trial, None, &Stop::default(), |_| false, |case| Ok(outcome(case)));
-        assert_eq!(all.unwrap().len(), 100);
+    fn ran(case: &Case) -> Result<Ran, RunError> {
+        Ok(Ran { outcome: outcome(case), trace: None })
+    }
+
+    /// Runs a trial on its own thread and as many others.
+    fn run_with(
+        helpers: usize,
+        trial: &Trial,
+        enough: impl FnMut(&[Outcome]) -> bool,
+        run: impl Fn(&Case) -> Result<Ran, RunError> + Sync,
+    ) -> (Result<Vec<Outcome>, TrialError>, Vec<String>) {
+        let shared = SharedTrial::new(trial);
+        let over = Stop::default();
+        let mut done = Vec::new();
+        let outcomes = thread::scope(|scope| {
+            for _ in 0..helpers {
+                scope.spawn(|| {
+                    while !over.is_requested() {
+                        match shared.begin() {
+                            Some(index) => shared.run(index, &run),
+                            None => thread::yield_now(),
+                        }
+                    }
+                });
+            }
+            let tell = |case: &Case, _: &Ran| done.push(case.key.clone());
+            let all = || shared.run_all(None, &Stop::default(), enough, &run, tell);
+            let outcomes = catch_unwind(AssertUnwindSafe(all));
+            over.request();
+            outcomes.unwrap_or_else(|panic| resume_unwind(panic))
+        });
+        (outcomes, done)
+    }
+
+    fn keys(trial: &Trial, runs: usize) -> Vec<String> {
+        trial.cases[..runs].iter().map(|case| case.key.clone()).collect()
     }
 
     #[test]
-    fn an_error_ends_the_trial_and_names_its_run() {
-        let run = |case: &Case| match case.repetition {
-            5 => Err(RunError::Unknown { kind: "controller", name: case.key.clone() }),
-            _ => Ok(outcome(case)),
+    fn it_stops_where_the_outcomes_are_enough() {
+        let trial = trial(1000);
+        for helpers in [0, 1, 4] {
+            let begun = AtomicUsize::new(0);
+            let count = |case: &Case| {
+                begun.fetch_add(1, Ordering::Relaxed);
+                ran(case)
+            };
+            let (outcomes, done) = run_with(helpers, &trial, |outcomes| outcomes.len() == 41, count);
+            let of: Vec<_> = outcomes.unwrap().into_iter().map(|outcome| outcome.key).collect();
+            assert_eq!((&of, &done), (&keys(&trial, 41), &of));
+            let begun = begun.into_inner();
+            if helpers == 0 {
+                assert_eq!(begun, 41, "a thread by itself runs nothing in vain");
+            } else {
+                assert!((41..=41 + AHEAD).contains(&begun), "{begun}");
+            }
+        }
+    }
+
+    #[test]
+    fn outcomes_are_in_order_whoever_ran_them() {
+        let trial = trial(1000);
+        // Every seventh run takes longer, so that others overtake it.
+        let run = |case: &Case| {
+            if case.repetition.is_multiple_of(7) {
+                thread::sleep(Duration::from_micros(300));
+            }
+            ran(case)
         };
-        let error = run_trial(&trial(20), None, &Stop::default(), |_| false, run).unwrap_err();
-        assert!(matches!(&error, TrialError::Run { key, .. } if key == "a/b/rep=5"), "{error}");
+        for helpers in [0, 1, 4] {
+            let (outcomes, done) = run_with(helpers, &trial, |_| false, run);
+            let of: Vec<_> = outcomes.unwrap().into_iter().map(|outcome| outcome.key).collect();
+            assert_eq!((&of, &done), (&keys(&trial, 1000), &of));
+        }
+    }
+
+    #[test]
+    fn the_first_error_in_order_ends_the_trial_and_names_its_run() {
+        let trial = trial(1000);
+        let run = |case: &Case| match case.repetition {
+            5 => {
+                thread::sleep(Duration::from_millis(2));
+                Err(RunError::Unknown { kind: "controller", name: case.key.clone() })
+            }
+            6.. => Err(RunError::Unknown { kind: "controller", name: "another".into() }),
+            _ => ran(case),
+        };
+        for helpers in [0, 1, 4] {
+            let (outcomes, done) = run_with(helpers, &trial, |_| false, run);
+            let error = outcomes.unwrap_err();
+            assert!(matches!(&error, TrialError::Run { key, .. } if key == "a/b/rep=5"), "{error}");
+            assert_eq!(done, keys(&trial, 4));
+        }
+    }
+
+    #[test]
+    fn a_panic_is_that_of_the_first_run_in_order() {
+        let trial = trial(100);
+        let run = |case: &Case| match case.repetition {
+            ..5 => ran(case),
+            other => std::panic::panic_any(other),
+        };
+        for helpers in [0, 1, 4] {
+            let all = || run_with(helpers, &trial, |_| false, run);
+            let panic = catch_unwind(AssertUnwindSafe(all)).map(|_| ()).unwrap_err();
+            assert_eq!(panic.downcast_ref::<u32>(), Some(&5));
+        }
     }
 
     #[test]
@@ -149,12 +318,12 @@ mod tests {
         let stop = Stop::default();
         let stopping = |case: &Case| {
             stop.request();
-            Ok(outcome(case))
+            ran(case)
         };
-        let error = run_trial(&trial, None, &stop, |_| false, stopping);
+        let error = SharedTrial::new(&trial).run_all(None, &stop, |_| false, stopping, |_, _| {});
         assert!(matches!(error, Err(TrialError::Stopped { finished: 1, runs: 20 })));
-        let ok = |case: &Case| Ok(outcome(case));
-        let late = run_trial(&trial, Some(Duration::ZERO), &Stop::default(), |_| false, ok);
+        let limit = Some(Duration::ZERO);
+        let late = SharedTrial::new(&trial).run_all(limit, &Stop::default(), |_| false, ran, |_, _| {});
         assert!(matches!(late, Err(TrialError::TimeLimit { .. })));
     }
 }

@@ -44,7 +44,8 @@ pub struct RunArguments {
     #[arg(long, value_enum, default_value_t = NoTests::Fail)]
     no_tests: NoTests,
 
-    /// Number of trials and blocks that run side by side [default: one per core]. Results do not depend on it.
+    /// Number of threads [default: one per core]. Trials and blocks run side by side; threads to spare share the runs of a
+    /// trial. Results do not depend on it.
     #[arg(long, short = 'j', visible_alias = "jobs", value_name = "N")]
     test_threads: Option<NonZeroUsize>,
 
