@@ -5,7 +5,7 @@ use std::process::{Command, Output};
 
 use scenario_runner::experiment::ParameterFile;
 use serde_json::Value;
-use support::program::{self, code, stderr};
+use support::program::{self, code, forget_times, stderr};
 
 mod support;
 
@@ -35,18 +35,6 @@ fn results(suite: &str, more: &[&str]) -> Value {
     let path_text = path.to_string_lossy();
     scenario_runner(&[&[suite, "--json", &path_text], more].concat());
     serde_json::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap()
-}
-
-/// Removes every wall time.
-fn forget_times(value: &mut Value) {
-    match value {
-        Value::Object(fields) => {
-            fields.remove("wall_time_s");
-            fields.values_mut().for_each(forget_times);
-        }
-        Value::Array(items) => items.iter_mut().for_each(forget_times),
-        _ => {}
-    }
 }
 
 #[test]

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use proptest::prelude::*;
 use serde_json::{Value, json};
-use support::program::{scenario_runner, stderr, stdout};
+use support::program::{forget_times, scenario_runner, stderr, stdout};
 
 mod support;
 
@@ -51,16 +51,6 @@ fn what_its_runs_can_never_show_is_refused_before_anything_runs() {
 
 /// The results of a run as JSON, without times.
 fn results(folder: &Path, arguments: &[&str]) -> Value {
-    fn forget_times(value: &mut Value) {
-        match value {
-            Value::Object(fields) => {
-                fields.remove("wall_time_s");
-                fields.values_mut().for_each(forget_times);
-            }
-            Value::Array(items) => items.iter_mut().for_each(forget_times),
-            _ => {}
-        }
-    }
     let path = folder.join("results.json");
     scenario_runner(folder, &[&["walk.scn", "--json", "results.json"], arguments].concat());
     let mut value = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
