@@ -143,6 +143,35 @@ fn filter_expressions_select_trials_and_blocks() {
 }
 
 #[test]
+fn everything_in_a_suite_is_listed_as_text_and_as_json() {
+    let gate = "suites/zebra_gate.suite";
+    let listed = scenario_runner(&["list", gate, "-E", "kind(gate)"]);
+    let braking = stdout(&listed);
+    assert!(braking.starts_with("zebra_gate/gate=braking  ") && braking.contains(" rule"), "{braking}");
+    assert_eq!(stderr(&listed), "");
+    let listed = scenario_runner(&["list", gate, "--format", "json"]);
+    let listed: serde_json::Value = serde_json::from_str(&stdout(&listed)).unwrap();
+    assert_eq!(listed["version"], 1);
+    let listed = listed["listed"].as_array().unwrap();
+    let of = |kind: &str| listed.iter().filter(|one| one["kind"] == kind).collect::<Vec<_>>();
+    assert!(
+        !of("scenario").is_empty() && of("scenario")[0]["counts"]["runs"].as_u64() > Some(0),
+        "{listed:?}"
+    );
+    assert_eq!(of("gate").len(), 1);
+    assert_eq!(
+        (&of("gate")[0]["name"], &of("gate")[0]["file"]),
+        (&"zebra_gate/gate=braking".into(), &gate.into())
+    );
+    let listed = scenario_runner(&["list", "suites/paper.suite", "-E", "kind(evaluate) | kind(statement)"]);
+    assert!(
+        stdout(&listed).contains(" conditions") && stdout(&listed).contains(" claim"),
+        "{}",
+        stdout(&listed)
+    );
+}
+
+#[test]
 fn filter_expressions_that_are_wrong_or_select_nothing_say_so() {
     let wrong = scenario_runner(&["suites/zebra.suite", "-E", "scenaro(a) && tag(b)"]);
     assert_eq!(code(&wrong), 2);

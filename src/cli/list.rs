@@ -1,24 +1,26 @@
-//! `scenario-runner list`: the scenarios and blocks of suites, with tags and counts.
+//! `scenario-runner list`: the scenarios, blocks and gates of suites, with tags and counts.
 
 use std::collections::BTreeMap;
 use std::io::IsTerminal;
 use std::path::Path;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
+use serde_json::{Map, Value, json};
 
 use super::Exit;
 use super::filter::{self, FilterArguments};
 use super::load;
 use crate::experiment::Block;
-use crate::lang::filter::Subject;
+use crate::lang::filter::{SCENARIO, Subject};
 use crate::lang::{self, Style};
 use crate::plan::{self, Plan, Trial};
-use crate::scenario::Suite;
+use crate::scenario::{Gate, Origin, Suite};
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   scenario-runner list suites/*.suite                        everything with tags and counts
+  scenario-runner list suites/*.suite --format json          the same for other programs
   scenario-runner list suites/*.suite --tags                 the tags, to choose one
   scenario-runner list suites/*.suite -E 'model(commotions)' where that model walks
 
@@ -30,16 +32,32 @@ pub struct ListArguments {
     /// List the tags instead, with how many scenarios have each.
     #[arg(long)]
     tags: bool,
+    /// How it is written: to be read, or for other programs.
+    #[arg(long, value_enum, default_value_t = Format::Text, conflicts_with = "tags")]
+    format: Format,
     #[command(flatten)]
     filter: FilterArguments,
 }
 
-/// A line about a scenario or block.
-struct Line {
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Format {
+    /// A line for each.
+    Text,
+    /// One object with everything.
+    Json,
+}
+
+/// A scenario, block or gate.
+struct Line<'a> {
     name: String,
-    counts: String,
-    tags: Vec<String>,
-    doc: Option<String>,
+    kind: &'static str,
+    /// Of what, how many, in order.
+    counts: Vec<(&'static str, usize)>,
+    /// Whether the last count may turn out smaller.
+    at_most: bool,
+    tags: &'a [String],
+    doc: Option<&'a str>,
+    origin: &'a Origin,
 }
 
 pub fn list(arguments: &ListArguments) -> Exit {
@@ -56,8 +74,13 @@ pub fn list(arguments: &ListArguments) -> Exit {
             None => exit = Exit::Scenario,
         }
     }
-    let subjects: Vec<Subject> =
-        suites.iter().flat_map(|(file, suite, plan)| filter::subjects(suite, plan, file)).collect();
+    let subjects: Vec<Subject> = suites
+        .iter()
+        .flat_map(|(file, suite, plan)| {
+            let gates = suite.gates.iter().map(|gate| gate_subject(suite, file, gate));
+            filter::subjects(suite, plan, file).into_iter().chain(gates)
+        })
+        .collect();
     filter::warn(&filters, &subjects, colour);
     let mut lines = Vec::new();
     for (file, suite, plan) in &suites {
@@ -68,12 +91,14 @@ pub fn list(arguments: &ListArguments) -> Exit {
             let trials: Vec<&Trial> = plan.trials.iter().filter(selected).collect();
             if !trials.is_empty() {
                 let runs = trials.iter().map(|trial| trial.cases.len()).sum();
-                let at_most = if scenario.runs.is_some() { "at most " } else { "" };
                 lines.push(Line {
                     name: format!("{}/{}", suite.name, scenario.name),
-                    counts: format!("{}, {at_most}{}", count(trials.len(), "trial"), count(runs, "run")),
-                    tags: scenario.tags.clone(),
-                    doc: scenario.doc.clone(),
+                    kind: SCENARIO,
+                    counts: vec![("trial", trials.len()), ("run", runs)],
+                    at_most: scenario.runs.is_some(),
+                    tags: &scenario.tags,
+                    doc: scenario.doc.as_deref(),
+                    origin: &scenario.origin,
                 });
             }
         }
@@ -82,11 +107,25 @@ pub fn list(arguments: &ListArguments) -> Exit {
             if filters.matches(&subject) {
                 lines.push(Line {
                     name: block.key(&suite.name),
-                    counts: evaluations(&block),
-                    tags: Vec::new(),
-                    doc: block.doc().map(str::to_string),
+                    kind: block.kind(),
+                    counts: size(&block),
+                    at_most: false,
+                    tags: &[],
+                    doc: block.doc(),
+                    origin: block.origin(),
                 });
             }
+        }
+        for gate in suite.gates.iter().filter(|gate| filters.matches(&gate_subject(suite, file, gate))) {
+            lines.push(Line {
+                name: format!("{}/{GATE}={}", suite.name, gate.name),
+                kind: GATE,
+                counts: vec![("rule", gate.rules.len())],
+                at_most: false,
+                tags: &[],
+                doc: gate.doc.as_deref(),
+                origin: &gate.origin,
+            });
         }
     }
     if lines.is_empty() && exit == Exit::Success {
@@ -94,21 +133,41 @@ pub fn list(arguments: &ListArguments) -> Exit {
         eprintln!("help: without -E, everything is listed");
         return Exit::NothingSelected;
     }
-    if arguments.tags {
-        show_tags(&lines)
-    } else {
-        show(&lines)
+    match arguments.format {
+        Format::Json => {
+            println!("{:#}", json!({ "version": 1, "listed": lines.iter().map(data).collect::<Vec<_>>() }))
+        }
+        Format::Text if arguments.tags => show_tags(&lines),
+        Format::Text => show(&lines),
     }
     exit
 }
 
-/// How much a block evaluates, where that is said.
-fn evaluations(block: &Block) -> String {
-    match block {
-        Block::Search(search) => count(search.budget.evaluations as usize, "evaluation"),
-        Block::Tune(tune) => count(tune.budget.evaluations as usize, "evaluation"),
-        _ => String::new(),
+const GATE: &str = "gate";
+
+/// What a filter may ask about a gate, which only `list` selects: a run judges every gate of its suite.
+fn gate_subject<'a>(suite: &'a Suite, file: &'a str, gate: &'a Gate) -> Subject<'a> {
+    Subject {
+        suite: &suite.name,
+        kind: GATE,
+        name: &gate.name,
+        tags: &[],
+        models: Vec::new(),
+        controllers: Vec::new(),
+        files: vec![&gate.origin.file, file],
+        variation: &[],
     }
+}
+
+/// How large a block is, by what it is made of.
+fn size(block: &Block) -> Vec<(&'static str, usize)> {
+    vec![match block {
+        Block::Search(search) => ("evaluation", search.budget.evaluations as usize),
+        Block::Tune(tune) => ("evaluation", tune.budget.evaluations as usize),
+        Block::Evaluate(evaluate) => ("condition", evaluate.conditions.len()),
+        Block::Statement(statement) if statement.claims.is_empty() => return Vec::new(),
+        Block::Statement(statement) => ("claim", statement.claims.len()),
+    }]
 }
 
 fn planned(file: &str, colour: bool) -> Option<(Suite, Plan)> {
@@ -129,21 +188,40 @@ fn planned(file: &str, colour: bool) -> Option<(Suite, Plan)> {
 }
 
 fn show(lines: &[Line]) {
-    let width = |of: fn(&Line) -> &str| lines.iter().map(|line| of(line).chars().count()).max().unwrap_or(0);
-    let (names, counts) = (width(|line| &line.name), width(|line| &line.counts));
+    let names = lines.iter().map(|line| line.name.chars().count()).max().unwrap_or(0);
+    let counts = lines.iter().map(|line| counts(line).chars().count()).max().unwrap_or(0);
     for line in lines {
         let tags: String = line.tags.iter().map(|tag| format!(" #{tag}")).collect();
-        let shown = format!("{:names$}  {:counts$} {tags}", line.name, line.counts);
+        let shown = format!("{:names$}  {:counts$} {tags}", line.name, self::counts(line));
         println!("{}", shown.trim_end());
-        if let Some(doc) = &line.doc {
+        if let Some(doc) = line.doc {
             println!("    {doc}");
         }
     }
 }
 
+/// Such as `3 trials, at most 60 runs`.
+fn counts(line: &Line) -> String {
+    let last = line.counts.len().saturating_sub(1);
+    let each = line.counts.iter().enumerate().map(|(index, (what, number))| {
+        let at_most = if line.at_most && index == last { "at most " } else { "" };
+        format!("{at_most}{}", count(*number, what))
+    });
+    each.collect::<Vec<_>>().join(", ")
+}
+
+fn data(line: &Line) -> Value {
+    let counts: Map<String, Value> =
+        line.counts.iter().map(|(what, number)| (format!("{what}s"), json!(number))).collect();
+    json!({
+        "name": line.name, "kind": line.kind, "counts": counts, "at_most": line.at_most, "tags": line.tags,
+        "doc": line.doc, "file": line.origin.file, "line": line.origin.line,
+    })
+}
+
 fn show_tags(lines: &[Line]) {
     let mut tags: BTreeMap<&str, usize> = BTreeMap::new();
-    for tag in lines.iter().flat_map(|line| &line.tags) {
+    for tag in lines.iter().flat_map(|line| line.tags) {
         *tags.entry(tag).or_default() += 1;
     }
     let width = tags.keys().map(|tag| tag.chars().count()).max().unwrap_or(0);

@@ -7,6 +7,7 @@ mod assist;
 mod blocks;
 mod check;
 mod codes;
+mod consequences;
 mod diagnostic;
 mod files;
 pub mod filter;
@@ -162,6 +163,7 @@ fn load_with(path: &Path, mut files: Files) -> Result<Loaded, Failure> {
         let root = files.tree(file).source;
         files.trace(root, &mut report);
     }
+    consequences::remove(&files, &mut report);
     for label in report.iter_mut().flat_map(|diagnostic| &mut diagnostic.labels) {
         label.span = files.sources.resolve(label.span);
     }

@@ -265,7 +265,12 @@ pub static BLOCKS: &[Block] = &[
         rule: Rule::pedestrian_block,
         name: "a `pedestrian`",
         statements: &[
-            statement("model", Rule::model, "model carla_walker", "How it behaves, with settings."),
+            statement(
+                "model",
+                Rule::model,
+                "model scripted { speed: 1.4 m/s }",
+                "How it behaves, with settings.",
+            ),
             INDIVIDUALS,
             INDIVIDUAL,
             SIZE,

@@ -409,7 +409,8 @@ fn warn_of_nothing_expected(
         .filter(|name| !blocks.are_about(name))
         .collect();
     for definition in definitions {
-        let Some(name) = files.node(*definition).child(Rule::name) else { continue };
+        let node = files.node(*definition);
+        let Some(name) = node.child(Rule::name).filter(|_| !node.is_broken()) else { continue };
         if idle.contains(name.text()) {
             report.push(
                 Diagnostic::new(

@@ -89,20 +89,59 @@ fn again(bad: Node, statement: &Statement) -> Diagnostic {
     // Only how errors are described depends on it, so that setting it again and for everybody is harmless.
     pest::set_error_detail(true);
     match Grammar::parse(statement.rule, bad.text()) {
-        Err(error) => unexpected(span.source, span.start, text, &error).hint(hint),
-        Ok(pairs) => {
-            let parsed = span.start + pairs.last().map_or(0, |pair| pair.as_span().end());
-            let found = next_token(span.source, text, parsed);
-            Diagnostic::new(
-                Code::UnexpectedText,
-                found,
-                format!("{} after the end of the statement", words(text, found)),
-            )
-            .label("expected the end of the line")
-            .hint(hint)
-            .hint("a statement ends with its line; put `;` between two in one line")
+        Err(error) => {
+            let diagnostic = unexpected(span.source, span.start, text, &error).hint(hint);
+            match advice(&text[span.start..], span.start, statement, &diagnostic) {
+                Some(advice) => diagnostic.hint(advice),
+                None => diagnostic,
+            }
         }
+        Ok(_) => Diagnostic::new(Code::UnexpectedText, span, "this statement cannot be read").hint(hint),
     }
+}
+
+/// What people mean who write what was found; `text` begins with the statement, at `start`.
+fn advice(text: &str, start: usize, statement: &Statement, diagnostic: &Diagnostic) -> Option<String> {
+    let found = diagnostic.span();
+    let may_end = diagnostic.message.contains(END);
+    let (before, rest) = text.split_at(found.start - start);
+    let token = &rest[..found.end - found.start];
+    let criterion = statement.rule == Rule::criterion;
+    let digit = |c: char| c.is_ascii_digit();
+    let in_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    let advice = match token {
+        "&" | "and" | "|" | "or" if criterion => {
+            "every criterion has a line of its own, and all must hold".to_string()
+        }
+        "not" | "!" if criterion => "say `no collision` for what must not happen".to_string(),
+        "-" if before.ends_with(in_name) && rest[1..].starts_with(in_name) => {
+            "names are made of letters, digits and `_`".to_string()
+        }
+        "," | "." if before.ends_with(digit) && rest[1..].starts_with(digit) => {
+            "the decimal sign is a point: `1.5`".to_string()
+        }
+        "." if before.ends_with(digit) || rest[1..].starts_with(digit) => {
+            "digits stand on both sides of the decimal point: `0.5`".to_string()
+        }
+        "." if criterion => format!("of one road user it reads `METRIC({})`", first_name(before)?),
+        ">" | "<" if before.ends_with('=') => format!("write `{token}=`"),
+        "=" if before.ends_with([' ', '=']) && before.trim_end().ends_with(['<', '>', '=']) => {
+            "a comparison is one sign without spaces: `<`, `<=`, `>`, `>=`, `=` or `!=`".to_string()
+        }
+        _ if may_end && (begins_a_statement(token) || criterion && token.starts_with(in_name)) => {
+            "a statement ends with its line; put `;` between two in one line".to_string()
+        }
+        _ => return None,
+    };
+    Some(advice)
+}
+
+fn first_name(text: &str) -> Option<&str> {
+    text.split(|c: char| !c.is_ascii_alphanumeric() && c != '_').find(|word| !word.is_empty())
+}
+
+fn begins_a_statement(word: &str) -> bool {
+    !statements::homes(word).is_empty()
 }
 
 /// A pest error of text that begins at `offset`, in words.
@@ -128,7 +167,7 @@ pub fn unexpected(source: SourceId, offset: usize, text: &str, error: &Error<Rul
     if expected.len() > 1 {
         expected.retain(|words| words != OPERATOR);
     }
-    for (general, special) in [(VALUE, "`(`"), (COMPARISON, "`=`")] {
+    for (general, special) in [(VALUE, "`(`"), (VALUE, "a text in quotes"), (COMPARISON, "`=`")] {
         if expected.iter().any(|words| words == general) {
             expected.retain(|words| words != special);
         }
@@ -138,8 +177,11 @@ pub fn unexpected(source: SourceId, offset: usize, text: &str, error: &Error<Rul
         [only] => only.clone(),
         [first @ .., last] => format!("{} or {last}", first.join(", ")),
     };
-    Diagnostic::new(Code::UnexpectedText, found, format!("expected {list}, found {}", words(text, found)))
-        .label(format!("expected {list}"))
+    let message = format!("expected {list}, found {}", words(text, found));
+    const LONGEST_LABEL: usize = 40;
+    let label =
+        if list.len() > LONGEST_LABEL { "not expected here".to_string() } else { format!("expected {list}") };
+    Diagnostic::new(Code::UnexpectedText, found, message).label(label)
 }
 
 /// The brackets and signs that the statement could go on with at the furthest place that was read. Pest counts only
@@ -195,6 +237,7 @@ fn first_word(bad: Node) -> Span {
 
 /// Could follow every value, so it is mentioned only when nothing else could.
 const OPERATOR: &str = "an operator such as `+`";
+const END: &str = "the end of the statement";
 const VALUE: &str = "a value";
 const COMPARISON: &str = "a comparison such as `<=`";
 
@@ -208,7 +251,8 @@ fn describe(rule: &Rule) -> Option<String> {
         return Some(format!("`{keyword}`"));
     }
     let words = match rule {
-        Rule::EOI | Rule::negation | Rule::modifier | Rule::base => return None,
+        Rule::negation | Rule::modifier | Rule::base => return None,
+        Rule::EOI => END,
         Rule::operator => OPERATOR,
         Rule::expression | Rule::quantity | Rule::number | Rule::reference | Rule::group | Rule::boolean => {
             VALUE

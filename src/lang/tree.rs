@@ -188,4 +188,9 @@ impl<'t> Node<'t> {
     pub fn has(self, rule: Rule) -> bool {
         self.child(rule).is_some()
     }
+
+    /// Whether something in it could not be read.
+    pub fn is_broken(self) -> bool {
+        self.descendants().any(|node| matches!(node.rule(), Rule::bad | Rule::bad_setting))
+    }
 }

@@ -95,7 +95,8 @@ pub fn scenario(
     for (name, layers) in &pedestrian_groups {
         pedestrians.extend(pedestrian(*name, layers, road.as_ref(), &cast.vehicles, places, report));
     }
-    let broken = report.len() > before || layers.iter().any(|layer| layer.block.has(Rule::bad));
+    let unread = layers.iter().any(|layer| layer.block.is_broken());
+    let broken = report.len() > before || unread || road.is_none();
     if !broken {
         let awaited = |vehicle: &str| {
             pedestrians.iter().any(|pedestrian| {
@@ -148,7 +149,7 @@ pub fn scenario(
             tags.push(tag);
         }
     }
-    if report.len() == before {
+    if report.len() == before && !unread {
         unused(&layers, &varied, &variations, &vehicles, &pedestrians, report);
     }
     Some(Scenario {
