@@ -2,6 +2,8 @@
 //!
 //!     cargo bench --bench optimisation_goals -- [--seeds 40] [--first-seed 0] [--reference FILE] [--quick] [problem …]
 //!
+//! `--quick` leaves out the cost and the replay.
+//!
 //! Both methods get 60 evaluations, 15 of them initial. `benches/gp_minimize.py` writes the reference's runs.
 
 #[path = "optimisation/problems.rs"]
@@ -208,17 +210,39 @@ fn quantile(values: &[f64], share: f64) -> f64 {
     }
 }
 
+/// Medians of samples drawn from `values` with replacement.
+fn bootstrap_medians(values: &[f64], seed: u64) -> Vec<f64> {
+    let mut generator = ChaCha8Rng::seed_from_u64(seed);
+    let mut again = || values[generator.random_range(0..values.len())];
+    let mut median = |_| quantile(&(0..values.len()).map(|_| again()).collect::<Vec<f64>>(), 0.5);
+    (0..500).map(&mut median).collect()
+}
+
 /// Median with the central 90 % of its bootstrap distribution.
 fn median_interval(values: &[f64]) -> String {
-    let mut generator = ChaCha8Rng::seed_from_u64(1);
-    let medians: Vec<f64> = (0..500)
-        .map(|_| {
-            let again: Vec<f64> =
-                (0..values.len()).map(|_| values[generator.random_range(0..values.len())]).collect();
-            quantile(&again, 0.5)
-        })
-        .collect();
+    let medians = bootstrap_medians(values, 1);
     format!("{:.4} [{:.4}, {:.4}]", quantile(values, 0.5), quantile(&medians, 0.05), quantile(&medians, 0.95))
+}
+
+/// How much larger the median of `a` is than that of `b`, with the central 90 % of its bootstrap distribution.
+fn difference_interval(a: &[f64], b: &[f64]) -> String {
+    let medians = bootstrap_medians(a, 1).into_iter().zip(bootstrap_medians(b, 2));
+    let differences: Vec<f64> = medians.map(|(a, b)| a - b).collect();
+    let difference = quantile(a, 0.5) - quantile(b, 0.5);
+    format!("{difference:+.4} [{:+.4}, {:+.4}]", quantile(&differences, 0.05), quantile(&differences, 0.95))
+}
+
+/// Regrets of the picks that are truly feasible.
+fn feasible_regrets(
+    outcomes: &[Outcome],
+    feasible: fn(&Outcome) -> bool,
+    regret: fn(&Outcome) -> f64,
+) -> Vec<f64> {
+    outcomes.iter().filter(|outcome| feasible(outcome)).map(regret).collect()
+}
+
+fn predicted_regrets(outcomes: &[Outcome]) -> Vec<f64> {
+    feasible_regrets(outcomes, |o| o.predicted_feasible, |o| o.predicted)
 }
 
 fn row(problem: &Problem, method: &str, outcomes: &[Outcome]) {
@@ -227,17 +251,8 @@ fn row(problem: &Problem, method: &str, outcomes: &[Outcome]) {
     }
     let count = outcomes.len();
     let of = |field: fn(&Outcome) -> f64| outcomes.iter().map(field).collect::<Vec<f64>>();
-    let feasible_only = |feasible: fn(&Outcome) -> bool, regret: fn(&Outcome) -> f64| {
-        outcomes.iter().filter(|o| feasible(o)).map(regret).collect::<Vec<f64>>()
-    };
-    let (predicted, observed) = if problem.constraints == 0 {
-        (of(|o| o.predicted), of(|o| o.observed))
-    } else {
-        (
-            feasible_only(|o| o.predicted_feasible, |o| o.predicted),
-            feasible_only(|o| o.observed_feasible, |o| o.observed),
-        )
-    };
+    let predicted = predicted_regrets(outcomes);
+    let observed = feasible_regrets(outcomes, |o| o.observed_feasible, |o| o.observed);
     let interval = |values: &[f64]| if values.is_empty() { "-".to_owned() } else { median_interval(values) };
     println!(
         "| {} | {method} | {count} | {} | {} | {:.3} | {} / {} | {:+.3} | {:.3} |",
@@ -261,6 +276,7 @@ fn regret_table(arguments: &Arguments, reference: &[ReferenceRun]) {
         arguments.problems.is_empty() || arguments.problems.iter().any(|name| name == problem.name)
     };
     let seeds: Vec<u64> = (arguments.first_seed..arguments.first_seed + arguments.seeds).collect();
+    let mut batches = Vec::new();
     for problem in PROBLEMS.iter().filter(chosen) {
         let runs: Vec<&ReferenceRun> = reference.iter().filter(|run| run.problem == problem.name).collect();
         row(
@@ -268,11 +284,20 @@ fn regret_table(arguments: &Arguments, reference: &[ReferenceRun]) {
             "gp_minimize 0.10.2",
             &runs.par_iter().map(|run| theirs(problem, run)).collect::<Vec<_>>(),
         );
-        for contender in &CONTENDERS[..if arguments.quick { 1 } else { CONTENDERS.len() }] {
+        let outcomes = |contender: &Contender| {
             let one =
                 |&seed: &u64| ours(problem, seed, (contender.definition)(problem, seed), contender.batch);
-            row(problem, contender.name, &seeds.par_iter().map(one).collect::<Vec<_>>());
-        }
+            let outcomes: Vec<Outcome> = seeds.par_iter().map(one).collect();
+            row(problem, contender.name, &outcomes);
+            predicted_regrets(&outcomes)
+        };
+        let [one_at_a_time, nine_at_once, ..] = CONTENDERS.each_ref().map(outcomes);
+        batches.push((problem.name, difference_interval(&nine_at_once, &one_at_a_time)));
+    }
+    println!("\n| problem | regret in batches of 9, minus one at a time |");
+    println!("|---|---|");
+    for (problem, difference) in batches {
+        println!("| {problem} | {difference} |");
     }
 }
 

@@ -58,6 +58,7 @@ struct Pending {
     id: u64,
     unit: Vec<f64>,
     point: Point,
+    origin: Origin,
 }
 
 /// The optimiser's whole state: plain data, serialisable, the same bits after a round trip.
@@ -135,7 +136,7 @@ impl Optimiser {
             let id = self.next_id;
             let (unit, origin) = self.next_point(id);
             let point = self.definition.space.point(&unit);
-            self.pending.push(Pending { id, unit, point: point.clone() });
+            self.pending.push(Pending { id, unit, point: point.clone(), origin });
             self.next_id += 1;
             proposals.push(Proposal { id, point, origin });
         }
@@ -149,7 +150,7 @@ impl Optimiser {
     pub fn tell(&mut self, id: u64, evaluation: Evaluation) -> Result<(), Error> {
         let index = self.pending.iter().position(|pending| pending.id == id).ok_or(Error::Unasked(id))?;
         let evaluation = evaluation.checked(&self.definition)?;
-        let Pending { id, unit, point } = self.pending.remove(index);
+        let Pending { id, unit, point, .. } = self.pending.remove(index);
         self.insert(Trial { id, unit, point, evaluation });
         Ok(())
     }
@@ -275,11 +276,17 @@ impl Optimiser {
     }
 
     /// Which acquisition's turn it is.
+    ///
+    /// Expected improvement never has two points pending: the second would have to improve on a value that the first was
+    /// believed not to reach, and ends where little is known rather than where much is promised.
     fn acquisition(&self, id: u64, models: &Models) -> Acquisition {
         let feasible = self.trials.iter().any(Trial::is_feasible);
+        let is_improving =
+            |pending: &Pending| pending.origin == Origin::Model(Acquisition::ExpectedImprovement);
+        let is_turn = (id as usize).saturating_sub(self.definition.initial).is_multiple_of(2);
         if models.objective.is_none() || (!models.constraints.is_empty() && !feasible) {
             Acquisition::Feasibility
-        } else if (id as usize).saturating_sub(self.definition.initial).is_multiple_of(2) {
+        } else if is_turn && !self.pending.iter().any(is_improving) {
             Acquisition::ExpectedImprovement
         } else {
             Acquisition::KnowledgeGradient

@@ -314,7 +314,7 @@ fn two_objectives_give_a_front() {
 }
 
 #[test]
-fn a_batch_spreads() {
+fn a_batch_spreads_and_only_one_of_it_hopes_for_improvement() {
     let mut optimiser = Optimiser::new(Definition { budget: 40, ..Definition::new(line(), 6) }).unwrap();
     for proposal in optimiser.ask(15) {
         optimiser.tell(proposal.id, bumpy(&proposal.point)).unwrap();
@@ -324,6 +324,20 @@ fn a_batch_spreads() {
     points.sort_by(f64::total_cmp);
     assert!(points.windows(2).filter(|pair| pair[1] - pair[0] > 0.05).count() >= 4, "{points:?}");
     assert!(batch.iter().all(|proposal| matches!(proposal.origin, Origin::Model(_))));
+    let improves = |proposal: &&Proposal| proposal.origin == Origin::Model(Acquisition::ExpectedImprovement);
+    assert_eq!(batch.iter().filter(improves).count(), 1);
+    // The two take turns as soon as it is told.
+    for proposal in batch {
+        optimiser.tell(proposal.id, bumpy(&proposal.point)).unwrap();
+    }
+    let mut turns = Vec::new();
+    for _ in 0..4 {
+        let proposal = optimiser.ask(1).remove(0);
+        optimiser.tell(proposal.id, bumpy(&proposal.point)).unwrap();
+        turns.push(improves(&&proposal));
+    }
+    assert_eq!(turns.iter().filter(|improves| **improves).count(), 2, "{turns:?}");
+    assert!(turns.windows(2).all(|pair| pair[0] != pair[1]), "{turns:?}");
 }
 
 /// Numbers an evaluation may bring.
