@@ -51,12 +51,7 @@ impl TimeLost {
 
 impl Meter for TimeLost {
     fn observe(&mut self, step: &Step, _: &Encounters) {
-        let (before, after) =
-            (step.before.vehicles[self.vehicle].motion, step.after.vehicles[self.vehicle].motion);
-        if let Some(part) = rising(before.travelled, after.travelled, self.line) {
-            let time = step.time + part * step.duration;
-            self.finish.get_or_insert((time, lerp(before.speed, after.speed, part)));
-        }
+        self.finish = self.finish.or_else(|| crosses(step, self.vehicle, self.line));
     }
 
     fn value(&self, _: &Encounters) -> Option<f64> {
@@ -65,6 +60,13 @@ impl Meter for TimeLost {
         let lost = (time - free.finish_time?).max(0.0);
         ((speed - free.finish_speed).abs() <= self.tolerance).then_some(lost)
     }
+}
+
+/// Time (s) and speed (m/s) at which a vehicle's centre crosses the line, if it does so in this step.
+fn crosses(step: &Step, vehicle: usize, line: f64) -> Option<(f64, f64)> {
+    let (before, after) = (step.before.vehicles[vehicle].motion, step.after.vehicles[vehicle].motion);
+    let part = rising(before.travelled, after.travelled, line)?;
+    Some((step.time + part * step.duration, lerp(before.speed, after.speed, part)))
 }
 
 pub static TRAVEL_TIME: Metric = Metric {
@@ -93,11 +95,7 @@ struct TravelTime {
 
 impl Meter for TravelTime {
     fn observe(&mut self, step: &Step, _: &Encounters) {
-        let (before, after) =
-            (step.before.vehicles[self.vehicle].motion, step.after.vehicles[self.vehicle].motion);
-        if let Some(part) = rising(before.travelled, after.travelled, self.line) {
-            self.finish.get_or_insert(step.time + part * step.duration);
-        }
+        self.finish = self.finish.or_else(|| crosses(step, self.vehicle, self.line).map(|(time, _)| time));
     }
 
     fn value(&self, _: &Encounters) -> Option<f64> {
