@@ -222,6 +222,11 @@ fn what_passed_without_being_put_to_the_test_is_warned_of() {
     assert_eq!(vacuous(&trial()), json!("nobody_entered"));
     assert_eq!(trial()["findings"][1]["vacuous"], Value::Null);
 
+    // A criterion that is stated twice is one.
+    walk(folder.path(), "horizon 1 s; repeat 3; expect { no collision; no collision }");
+    let output = scenario_runner(folder.path(), &["walk.scn"]);
+    assert!(stdout(&output).contains(&format!("WARN walk/walk: {said}")), "{}", stdout(&output));
+
     // Whoever says that nobody is to go is told nothing.
     walk(folder.path(), "horizon 1 s; expect { no collision; passed_first = none }");
     let output = scenario_runner(folder.path(), &["walk.scn"]);

@@ -1,5 +1,7 @@
 //! What findings and comparisons say, in parts for tables and charts, each number with its unit.
 
+use std::collections::HashSet;
+
 use super::TrialReport;
 use super::chart::Rule;
 use super::format::{quantity, share};
@@ -178,7 +180,10 @@ pub fn untested(findings: &[Finding]) -> Vec<String> {
     ];
     let said = reasons.iter().filter_map(|(reason, what)| {
         let vacuous: Vec<_> = findings.iter().filter(|one| one.vacuous == Some(*reason)).collect();
-        let criteria: Vec<_> = vacuous.iter().map(|one| format!("`{}`", one.criterion)).collect();
+        let mut criteria: Vec<_> = vacuous.iter().map(|one| format!("`{}`", one.criterion)).collect();
+        // What a scenario and a claim about it both state is still one criterion.
+        let mut named = HashSet::new();
+        criteria.retain(|criterion| named.insert(criterion.clone()));
         let runs = match vacuous.first()?.runs {
             1 => "the run".to_string(),
             runs => format!("any of {runs} runs"),
