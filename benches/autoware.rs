@@ -2,8 +2,7 @@
 
 use nalgebra::Vector2;
 use scenario_runner::scenario::{
-    Crossing, CrossingKind, Direction, Lane, ModelSetup, Road, Settings, Shape, VehicleSetup, VehicleStart,
-    World,
+    Direction, ModelSetup, Road, Settings, Shape, VehicleSetup, VehicleStart, World,
 };
 use scenario_runner::sim::{Controller, EgoState, Observation, RoadView, SeenPedestrian};
 use scenario_runner::vehicle::{self, ControllerContext};
@@ -45,15 +44,7 @@ fn controller() -> Box<dyn Controller> {
         sees: None,
     };
     let world = World {
-        road: Road {
-            name: String::new(),
-            lane_width: 4.0,
-            lanes: vec![Lane { direction: Direction::Forward }],
-            speed_limit: CRUISE,
-            kerbs: true,
-            crossing: Crossing { kind: CrossingKind::Zebra, width: 4.0 },
-            boxes: Vec::new(),
-        },
+        road: Road::zebra(&[Direction::Forward], CRUISE),
         vehicles: vec![setup],
         pedestrians: Vec::new(),
         step: 0.025,

@@ -5,8 +5,8 @@ use divan::counter::ItemsCount;
 use nalgebra::Vector2;
 use scenario_runner::metrics::{FreeFlow, METRICS, Measurement};
 use scenario_runner::scenario::{
-    Appearance, Crossing, CrossingKind, Direction, Lane, MetricReference, ModelSetup, PedestrianSetup,
-    Position, Road, Settings, Shape, Side, VehicleSetup, VehicleStart, World,
+    Appearance, Direction, MetricReference, ModelSetup, PedestrianSetup, Position, Road, Settings, Shape,
+    Side, VehicleSetup, VehicleStart, World,
 };
 use scenario_runner::sim::{Longitudinal, Observer, PedestrianState, Snapshot, Step, VehicleState};
 
@@ -82,15 +82,7 @@ fn state(k: usize) -> Snapshot {
 fn world() -> World {
     let model = ModelSetup { name: String::new(), settings: Settings::default() };
     World {
-        road: Road {
-            name: String::new(),
-            lane_width: 4.0,
-            lanes: vec![Lane { direction: Direction::Forward }],
-            speed_limit: 10.0,
-            kerbs: true,
-            crossing: Crossing { kind: CrossingKind::Zebra, width: 4.0 },
-            boxes: Vec::new(),
-        },
+        road: Road::zebra(&[Direction::Forward], 10.0),
         vehicles: vec![VehicleSetup {
             name: "av".into(),
             controller: model.clone(),

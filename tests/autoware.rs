@@ -5,8 +5,8 @@ use std::cell::Cell;
 
 use proptest::prelude::*;
 use scenario_runner::scenario::{
-    Appearance, Crossing, CrossingKind, Direction, Lane, ModelSetup, PedestrianSetup, Position, Road,
-    Settings, Shape, Side, Value, VehicleReference, VehicleSetup, VehicleStart, World,
+    Appearance, CrossingKind, Direction, ModelSetup, PedestrianSetup, Position, Road, Settings, Shape, Side,
+    Value, VehicleReference, VehicleSetup, VehicleStart, World,
 };
 use scenario_runner::sim::random::Stream;
 use scenario_runner::sim::{
@@ -87,15 +87,7 @@ fn world(settings: &Settings, time_to_arrival: f64) -> World {
     let controller = &vehicle::controller("autoware").unwrap().declaration;
     let dynamics = vehicle::dynamics("delay_lag").unwrap();
     World {
-        road: Road {
-            name: String::new(),
-            lane_width: 4.0,
-            lanes: vec![Lane { direction: Direction::Forward }],
-            speed_limit: CRUISE,
-            kerbs: true,
-            crossing: Crossing { kind: CrossingKind::Zebra, width: 4.0 },
-            boxes: Vec::new(),
-        },
+        road: Road::zebra(&[Direction::Forward], CRUISE),
         vehicles: vec![VehicleSetup {
             name: "av".to_string(),
             controller: model("autoware", controller.resolve(settings).unwrap()),

@@ -2,8 +2,8 @@
 
 use scenario_runner::run::{FreeFlows, Outcome, Requests, Unwatched, run_case};
 use scenario_runner::scenario::{
-    Appearance, Case, Crossing, CrossingKind, Direction, Lane, MetricReference, ModelSetup, PedestrianSetup,
-    Position, Road, Settings, Shape, Side, Value, VehicleReference, VehicleSetup, VehicleStart, World,
+    Appearance, Case, Direction, MetricReference, ModelSetup, PedestrianSetup, Position, Road, Settings,
+    Shape, Side, Value, VehicleReference, VehicleSetup, VehicleStart, World,
 };
 use scenario_runner::{pedestrian, vehicle};
 
@@ -27,15 +27,7 @@ fn encounter(tta: f64, car: &str, agent: &[(&str, Value)], walker: &[(&str, Valu
     let setup = |name: &str, settings| ModelSetup { name: name.into(), settings };
     let (length, width) = dynamics.size;
     let world = World {
-        road: Road {
-            name: String::new(),
-            lane_width: 4.0,
-            lanes: vec![Lane { direction: Direction::Forward }, Lane { direction: Direction::Backward }],
-            speed_limit: 30.0 / 3.6,
-            kerbs: true,
-            crossing: Crossing { kind: CrossingKind::Zebra, width: 4.0 },
-            boxes: Vec::new(),
-        },
+        road: Road::zebra(&[Direction::Forward, Direction::Backward], 30.0 / 3.6),
         vehicles: vec![VehicleSetup {
             name: "av".into(),
             controller: setup("carla_behavior", controller.declaration.resolve(&settings(agent)).unwrap()),

@@ -9,8 +9,8 @@ use scenario_runner::pedestrian::population::Population;
 use scenario_runner::plan::derive_seed;
 use scenario_runner::run::road_users;
 use scenario_runner::scenario::{
-    Appearance, Crossing, CrossingKind, Direction, Lane, ModelSetup, PedestrianSetup, Position, Road,
-    Settings, Shape, Side, Value, VehicleReference, VehicleSetup, VehicleStart, World,
+    Appearance, Direction, ModelSetup, PedestrianSetup, Position, Road, Settings, Shape, Side, Value,
+    VehicleReference, VehicleSetup, VehicleStart, World,
 };
 use scenario_runner::sim::{Ending, Observer, Step, StopReason, simulate};
 use scenario_runner::vehicle;
@@ -27,15 +27,7 @@ fn zebra(controller: &str, tta: f64, person: Settings) -> World {
     let settings = controller_model.declaration.resolve(&Settings::default()).unwrap();
     let walker = pedestrian::model("commotions").unwrap().declaration.resolve(&person).unwrap();
     World {
-        road: Road {
-            name: String::new(),
-            lane_width: 4.0,
-            lanes: vec![Lane { direction: Direction::Forward }, Lane { direction: Direction::Backward }],
-            speed_limit: SPEED,
-            kerbs: true,
-            crossing: Crossing { kind: CrossingKind::Zebra, width: 4.0 },
-            boxes: Vec::new(),
-        },
+        road: Road::zebra(&[Direction::Forward, Direction::Backward], SPEED),
         vehicles: vec![VehicleSetup {
             name: "av".into(),
             controller: ModelSetup { name: controller.into(), settings },

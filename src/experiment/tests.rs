@@ -7,12 +7,12 @@ mod statement;
 use super::*;
 use crate::scenario::{self, Comparison as Bound, Value};
 use crate::scenario::{
-    Aggregate, Budget, CaseSet, Crossing, CrossingKind, DeclaredAppearance, DeclaredVehicleStart, Direction,
-    Evaluate, Expression, Goal, Individuals, InitialDesign, Lane, Measure, Measured, Method, MetricReference,
-    Model, Objective, Origin, OutcomesOf, ParameterSet, Part, Pedestrian, Population, Quantity, Range,
-    RangeValues, Relation, Road, SampleSize, Search, Settings, Side, Standing, Statement, StatementClaim,
-    StatementClaimKind, Target, TrendDirection, Tune, Variation, VariationCondition, VariedValue, Vehicle,
-    VehicleReference, WhenUndefined,
+    Aggregate, Budget, CaseSet, DeclaredAppearance, DeclaredVehicleStart, Direction, Evaluate, Expression,
+    Goal, Individuals, InitialDesign, Measure, Measured, Method, MetricReference, Model, Objective, Origin,
+    OutcomesOf, ParameterSet, Part, Pedestrian, Population, Quantity, Range, RangeValues, Relation, Road,
+    SampleSize, Search, Settings, Side, Standing, Statement, StatementClaim, StatementClaimKind, Target,
+    TrendDirection, Tune, Variation, VariationCondition, VariedValue, Vehicle, VehicleReference,
+    WhenUndefined,
 };
 
 fn metric(name: &str) -> MetricReference {
@@ -35,15 +35,7 @@ fn scenario() -> Scenario {
         name: "encounter".into(),
         doc: None,
         tags: Vec::new(),
-        road: Road {
-            name: String::new(),
-            lane_width: 4.0,
-            lanes: vec![Lane { direction: Direction::Forward }, Lane { direction: Direction::Backward }],
-            speed_limit: 30.0 / 3.6,
-            kerbs: true,
-            crossing: Crossing { kind: CrossingKind::Zebra, width: 4.0 },
-            boxes: Vec::new(),
-        },
+        road: Road::zebra(&[Direction::Forward, Direction::Backward], 30.0 / 3.6),
         vehicles: vec![Vehicle {
             name: "av".into(),
             controller: model("carla_behavior", &[("obstacle_distance", Value::Word("extended".into()))]),

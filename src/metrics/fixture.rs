@@ -4,8 +4,8 @@ use nalgebra::Vector2;
 
 use super::{Encounters, FreeFlow, METRICS, Measurement, Reading};
 use crate::scenario::{
-    Appearance, Crossing, CrossingKind, Direction, Lane, MetricReference, ModelSetup, PedestrianSetup,
-    Position, Road, Settings, Shape, Side, Value, VehicleSetup, VehicleStart, World,
+    Appearance, Direction, MetricReference, ModelSetup, PedestrianSetup, Position, Road, Settings, Shape,
+    Side, Value, VehicleSetup, VehicleStart, World,
 };
 use crate::sim::{Longitudinal, Observer, PedestrianState, Snapshot, Step, VehicleState};
 
@@ -13,15 +13,7 @@ use crate::sim::{Longitudinal, Observer, PedestrianState, Snapshot, Step, Vehicl
 pub fn world(step: f64, horizon: f64) -> World {
     let model = ModelSetup { name: String::new(), settings: Settings::default() };
     World {
-        road: Road {
-            name: String::new(),
-            lane_width: 4.0,
-            lanes: vec![Lane { direction: Direction::Forward }],
-            speed_limit: 10.0,
-            kerbs: true,
-            crossing: Crossing { kind: CrossingKind::Zebra, width: 4.0 },
-            boxes: Vec::new(),
-        },
+        road: Road::zebra(&[Direction::Forward], 10.0),
         vehicles: vec![VehicleSetup {
             name: "av".into(),
             controller: model.clone(),

@@ -4,8 +4,7 @@ use nalgebra::Vector2;
 
 use super::{PedestrianContext, PedestrianModel};
 use crate::scenario::{
-    Appearance, Crossing, CrossingKind, Direction, Lane, ModelSetup, PedestrianSetup, Position, Road,
-    Settings, Shape, Side, World,
+    Appearance, Direction, ModelSetup, PedestrianSetup, Position, Road, Settings, Shape, Side, World,
 };
 use crate::sim::{Longitudinal, ModelError, Motion, Pedestrian, PedestrianState, Scene, VehicleState};
 
@@ -137,15 +136,7 @@ fn build(
 
 fn world() -> World {
     World {
-        road: Road {
-            name: String::new(),
-            lane_width: 4.0,
-            lanes: vec![Lane { direction: Direction::Forward }, Lane { direction: Direction::Backward }],
-            speed_limit: 30.0 / 3.6,
-            kerbs: true,
-            crossing: Crossing { kind: CrossingKind::Zebra, width: 4.0 },
-            boxes: Vec::new(),
-        },
+        road: Road::zebra(&[Direction::Forward, Direction::Backward], 30.0 / 3.6),
         vehicles: Vec::new(),
         pedestrians: vec![PedestrianSetup {
             name: "walker".into(),

@@ -134,9 +134,7 @@ pub fn label(people: &[Individual]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::{
-        Crossing, CrossingKind, DeclaredAppearance, Direction, Lane, Model, Origin, Road, Side,
-    };
+    use crate::scenario::{DeclaredAppearance, Direction, Model, Origin, Road, Side};
 
     fn pedestrian(name: &str, model: &str, variant: Option<&str>, selection: Population) -> Pedestrian {
         let number = |x| Expression::Constant(Value::Number(x));
@@ -170,15 +168,7 @@ mod tests {
             name: "zebra".to_string(),
             doc: None,
             tags: Vec::new(),
-            road: Road {
-                name: String::new(),
-                lane_width: 4.0,
-                lanes: vec![Lane { direction: Direction::Forward }],
-                speed_limit: 10.0,
-                kerbs: true,
-                crossing: Crossing { kind: CrossingKind::Zebra, width: 4.0 },
-                boxes: Vec::new(),
-            },
+            road: Road::zebra(&[Direction::Forward], 10.0),
             vehicles: Vec::new(),
             pedestrians,
             variations: Vec::new(),

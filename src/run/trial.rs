@@ -144,21 +144,13 @@ impl<'a> SharedTrial<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::{Crossing, CrossingKind, Origin, Road, World};
+    use crate::scenario::{Direction, Origin, Road, World};
     use crate::sim::{Ending, StopReason};
     use std::sync::Arc;
     use std::sync::atomic::{AtomicUsize, Ordering};
 
     fn trial(runs: u32) -> Trial {
-        let road = Road {
-            name: String::new(),
-            lanes: Vec::new(),
-            lane_width: 3.5,
-            speed_limit: 10.0,
-            kerbs: true,
-            crossing: Crossing { kind: CrossingKind::Zebra, width: 4.0 },
-            boxes: Vec::new(),
-        };
+        let road = Road::zebra(&[Direction::Forward], 10.0);
         let world = Arc::new(World {
             road,
             vehicles: Vec::new(),

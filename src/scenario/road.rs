@@ -98,6 +98,21 @@ impl Side {
 }
 
 impl Road {
+    /// A street with kerbs and a zebra crossing of 4 m, and nothing that stands on it.
+    ///
+    /// One lane of 4 m for each direction given, from the near side to the far side; `speed_limit` in m/s.
+    pub fn zebra(lanes: &[Direction], speed_limit: f64) -> Self {
+        Self {
+            name: String::new(),
+            lane_width: 4.0,
+            lanes: lanes.iter().map(|direction| Lane { direction: *direction }).collect(),
+            speed_limit,
+            kerbs: true,
+            crossing: Crossing { kind: CrossingKind::Zebra, width: 4.0 },
+            boxes: Vec::new(),
+        }
+    }
+
     /// y of a lane's centre line in m.
     pub fn lane_centre(&self, lane: usize) -> f64 {
         lane as f64 * self.lane_width
@@ -128,15 +143,8 @@ mod tests {
     use super::*;
 
     fn two_lanes(kind: CrossingKind) -> Road {
-        Road {
-            name: String::new(),
-            lane_width: 4.0,
-            lanes: vec![Lane { direction: Direction::Forward }, Lane { direction: Direction::Backward }],
-            speed_limit: 30.0 / 3.6,
-            kerbs: true,
-            crossing: Crossing { kind, width: 4.0 },
-            boxes: Vec::new(),
-        }
+        let lanes = [Direction::Forward, Direction::Backward];
+        Road { crossing: Crossing { kind, width: 4.0 }, ..Road::zebra(&lanes, 30.0 / 3.6) }
     }
 
     #[test]

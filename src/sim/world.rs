@@ -358,7 +358,7 @@ fn walk(state: &mut PedestrianState, motion: Motion, way: Vector2<f64>, step: f6
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::{Crossing, CrossingKind, Lane, ModelSetup, Position, Settings, Shape};
+    use crate::scenario::{ModelSetup, Position, Settings, Shape};
 
     struct Stroller(f64);
 
@@ -409,15 +409,7 @@ mod tests {
     fn world(speed: f64, start: VehicleStart, appears: Appearance) -> World {
         let model = ModelSetup { name: String::new(), settings: Settings::default() };
         World {
-            road: Road {
-                name: String::new(),
-                lane_width: 4.0,
-                lanes: vec![Lane { direction: Direction::Forward }],
-                speed_limit: 10.0,
-                kerbs: true,
-                crossing: Crossing { kind: CrossingKind::Zebra, width: 4.0 },
-                boxes: Vec::new(),
-            },
+            road: Road::zebra(&[Direction::Forward], 10.0),
             vehicles: vec![VehicleSetup {
                 name: "av".into(),
                 controller: model.clone(),

@@ -4,8 +4,8 @@ use nalgebra::Vector2;
 
 use super::{ControllerContext, ControllerModel};
 use crate::scenario::{
-    Appearance, Crossing, CrossingKind, Direction, Lane, ModelSetup, PedestrianSetup, Position, Road,
-    Settings, Shape, Side, VehicleSetup, VehicleStart, World,
+    Appearance, Direction, ModelSetup, PedestrianSetup, Position, Road, Settings, Shape, Side, VehicleSetup,
+    VehicleStart, World,
 };
 use crate::sim::{
     Command, Controller, Dynamics, EgoState, Longitudinal, Observation, RoadView, SeenPedestrian, SeenVehicle,
@@ -155,15 +155,7 @@ impl Track {
 pub fn world(length: f64, width: f64) -> World {
     let setup = |name: &str| ModelSetup { name: name.into(), settings: Settings::default() };
     World {
-        road: Road {
-            name: String::new(),
-            lane_width: 4.0,
-            lanes: vec![Lane { direction: Direction::Forward }, Lane { direction: Direction::Backward }],
-            speed_limit: CRUISE,
-            kerbs: true,
-            crossing: Crossing { kind: CrossingKind::Zebra, width: 4.0 },
-            boxes: Vec::new(),
-        },
+        road: Road::zebra(&[Direction::Forward, Direction::Backward], CRUISE),
         vehicles: vec![VehicleSetup {
             name: "av".into(),
             controller: setup(""),

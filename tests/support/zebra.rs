@@ -4,8 +4,8 @@
 
 use scenario_runner::pedestrian::{self, PedestrianContext};
 use scenario_runner::scenario::{
-    Appearance, Crossing, CrossingKind, Direction, Lane, ModelSetup, PedestrianSetup, Position, Road,
-    Settings, Shape, Side, Value, VehicleReference, VehicleSetup, VehicleStart, World,
+    Appearance, Direction, ModelSetup, PedestrianSetup, Position, Road, Settings, Shape, Side, Value,
+    VehicleReference, VehicleSetup, VehicleStart, World,
 };
 use scenario_runner::sim::{
     Command, Controller, Driven, Ending, Observation, Observer, RoadUsers, Step, StopReason, simulate,
@@ -96,15 +96,7 @@ impl Zebra {
     fn world(&self) -> World {
         let none = |name: &str| ModelSetup { name: name.into(), settings: Settings::default() };
         World {
-            road: Road {
-                name: String::new(),
-                lane_width: 4.0,
-                lanes: vec![Lane { direction: Direction::Forward }, Lane { direction: Direction::Backward }],
-                speed_limit: SPEED,
-                kerbs: true,
-                crossing: Crossing { kind: CrossingKind::Zebra, width: 4.0 },
-                boxes: Vec::new(),
-            },
+            road: Road::zebra(&[Direction::Forward, Direction::Backward], SPEED),
             vehicles: vec![VehicleSetup {
                 name: "av".into(),
                 controller: none("test"),
