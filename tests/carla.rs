@@ -8,7 +8,7 @@ use scenario_runner::scenario::{
 use scenario_runner::{pedestrian, vehicle};
 
 fn settings(pairs: &[(&str, Value)]) -> Settings {
-    Settings(pairs.iter().map(|(name, value)| (name.to_string(), value.clone())).collect())
+    Settings::from(pairs)
 }
 
 fn number(value: f64) -> Value {

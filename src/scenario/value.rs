@@ -87,7 +87,13 @@ impl Settings {
 
 impl<const N: usize> From<[(&str, Value); N]> for Settings {
     fn from(pairs: [(&str, Value); N]) -> Self {
-        Self(pairs.into_iter().map(|(name, value)| (name.to_string(), value)).collect())
+        Self::from(pairs.as_slice())
+    }
+}
+
+impl From<&[(&str, Value)]> for Settings {
+    fn from(pairs: &[(&str, Value)]) -> Self {
+        Self(pairs.iter().map(|(name, value)| (name.to_string(), value.clone())).collect())
     }
 }
 

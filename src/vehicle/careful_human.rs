@@ -251,9 +251,7 @@ mod tests {
     const G: f64 = 9.80665;
 
     fn track(pairs: &[(&str, Value)]) -> Track {
-        let settings =
-            Settings(pairs.iter().map(|(name, value)| (name.to_string(), value.clone())).collect());
-        Track::new(&CAREFUL_HUMAN, settings, "ideal")
+        Track::new(&CAREFUL_HUMAN, Settings::from(pairs), "ideal")
     }
 
     /// Drives towards somebody who jumps into the lane `gap` m before the bumper after 1 s.

@@ -291,9 +291,7 @@ mod tests {
     use nalgebra::Vector2;
 
     fn track(pairs: &[(&str, Value)]) -> Track {
-        let settings =
-            Settings(pairs.iter().map(|(name, value)| (name.to_string(), value.clone())).collect());
-        Track::new(&IDM_AEB, settings, "ideal")
+        Track::new(&IDM_AEB, Settings::from(pairs), "ideal")
     }
 
     /// Gap (bumper to the pedestrian's near edge, m) at which it first brakes, and what is left at standstill.

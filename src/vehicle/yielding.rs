@@ -277,9 +277,7 @@ mod tests {
     use nalgebra::Vector2;
 
     fn track(pairs: &[(&str, Value)]) -> Track {
-        let settings =
-            Settings(pairs.iter().map(|(name, value)| (name.to_string(), value.clone())).collect());
-        let mut track = Track::new(&YIELDING, settings, "ideal");
+        let mut track = Track::new(&YIELDING, Settings::from(pairs), "ideal");
         track.crossing = 60.0;
         track
     }

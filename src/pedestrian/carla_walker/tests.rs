@@ -5,8 +5,7 @@ use crate::pedestrian::test_walk::Walk;
 use crate::scenario::Value;
 
 fn walk(pairs: &[(&str, Value)]) -> Walk {
-    let mut settings =
-        Settings(pairs.iter().map(|(name, value)| (name.to_string(), value.clone())).collect());
+    let mut settings = Settings::from(pairs);
     if settings.get("kerb_wait").is_none() {
         settings.set("kerb_wait", Value::Number(0.0));
     }

@@ -5,7 +5,7 @@ use crate::scenario::{Settings, Value};
 use crate::vehicle::test_track::Track;
 
 fn settings(pairs: &[(&str, Value)]) -> Settings {
-    Settings(pairs.iter().map(|(name, value)| (name.to_string(), value.clone())).collect())
+    Settings::from(pairs)
 }
 
 fn word(word: &str) -> Value {
