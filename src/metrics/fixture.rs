@@ -3,42 +3,12 @@
 use nalgebra::Vector2;
 
 use super::{Encounters, FreeFlow, METRICS, Measurement, Reading};
-use crate::scenario::{
-    Appearance, Direction, MetricReference, ModelSetup, PedestrianSetup, Position, Road, Settings, Shape,
-    Side, Value, VehicleSetup, VehicleStart, World,
-};
-use crate::sim::{Longitudinal, Observer, PedestrianState, Snapshot, Step, VehicleState};
+use crate::scenario::{Appearance, MetricReference, Settings, Value, World};
+use crate::sim::{Longitudinal, Observer, PedestrianState, Snapshot, Step, VehicleState, fixture};
 
-/// A 4 m lane, a car of 4 m by 2 m and a person of 0.25 m radius who walks from y = -4 m to 4 m.
+/// The world of [`fixture`] at this step and horizon, s.
 pub fn world(step: f64, horizon: f64) -> World {
-    let model = ModelSetup { name: String::new(), settings: Settings::default() };
-    World {
-        road: Road::zebra(&[Direction::Forward], 10.0),
-        vehicles: vec![VehicleSetup {
-            name: "av".into(),
-            controller: model.clone(),
-            dynamics: model.clone(),
-            length: 4.0,
-            width: 2.0,
-            lane: 0,
-            speed: 10.0,
-            start: VehicleStart::Distance(100.0),
-            sees: None,
-        }],
-        pedestrians: vec![PedestrianSetup {
-            name: "walker".into(),
-            model,
-            shape: Shape::Disc { radius: 0.25 },
-            side: Side::Near,
-            start: Position { x: 0.0, y: -4.0 },
-            goal: Position { x: 0.0, y: 4.0 },
-            appears: Appearance::At(0.0),
-        }],
-        step,
-        horizon,
-        finish: 20.0,
-        end_on_collision: true,
-    }
+    World { step, horizon, ..fixture::world() }
 }
 
 /// Motion along a line from (place, speed), in stretches of (duration, acceleration); at rest it stays at rest.

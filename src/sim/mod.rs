@@ -2,6 +2,8 @@
 
 mod agent;
 mod fingerprint;
+#[cfg(test)]
+pub mod fixture;
 pub mod geometry;
 mod observer;
 pub mod random;

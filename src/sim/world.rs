@@ -358,7 +358,7 @@ fn walk(state: &mut PedestrianState, motion: Motion, way: Vector2<f64>, step: f6
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::{ModelSetup, Position, Settings, Shape};
+    use crate::sim::fixture;
 
     struct Stroller(f64);
 
@@ -407,34 +407,10 @@ mod tests {
     }
 
     fn world(speed: f64, start: VehicleStart, appears: Appearance) -> World {
-        let model = ModelSetup { name: String::new(), settings: Settings::default() };
-        World {
-            road: Road::zebra(&[Direction::Forward], 10.0),
-            vehicles: vec![VehicleSetup {
-                name: "av".into(),
-                controller: model.clone(),
-                dynamics: model.clone(),
-                length: 4.0,
-                width: 2.0,
-                lane: 0,
-                speed,
-                start,
-                sees: None,
-            }],
-            pedestrians: vec![PedestrianSetup {
-                name: "walker".into(),
-                model,
-                shape: Shape::Disc { radius: 0.25 },
-                side: Side::Near,
-                start: Position { x: 0.0, y: -4.0 },
-                goal: Position { x: 0.0, y: 4.0 },
-                appears,
-            }],
-            step: 0.025,
-            horizon: 60.0,
-            finish: 20.0,
-            end_on_collision: true,
-        }
+        let mut world = fixture::world();
+        (world.vehicles[0].speed, world.vehicles[0].start) = (speed, start);
+        world.pedestrians[0].appears = appears;
+        world
     }
 
     fn run(world: &World, walking: f64) -> (Ending, Last) {

@@ -1,0 +1,38 @@
+//! A small world for tests.
+
+use crate::scenario::{
+    Appearance, Direction, ModelSetup, PedestrianSetup, Position, Road, Settings, Shape, Side, VehicleSetup,
+    VehicleStart, World,
+};
+
+/// A 4 m lane, a car of 4 m by 2 m and a person of 0.25 m radius who walks from y = -4 m to 4 m.
+pub fn world() -> World {
+    let model = ModelSetup { name: String::new(), settings: Settings::default() };
+    World {
+        road: Road::zebra(&[Direction::Forward], 10.0),
+        vehicles: vec![VehicleSetup {
+            name: "av".into(),
+            controller: model.clone(),
+            dynamics: model.clone(),
+            length: 4.0,
+            width: 2.0,
+            lane: 0,
+            speed: 10.0,
+            start: VehicleStart::Distance(100.0),
+            sees: None,
+        }],
+        pedestrians: vec![PedestrianSetup {
+            name: "walker".into(),
+            model,
+            shape: Shape::Disc { radius: 0.25 },
+            side: Side::Near,
+            start: Position { x: 0.0, y: -4.0 },
+            goal: Position { x: 0.0, y: 4.0 },
+            appears: Appearance::At(0.0),
+        }],
+        step: 0.025,
+        horizon: 60.0,
+        finish: 20.0,
+        end_on_collision: true,
+    }
+}
