@@ -251,51 +251,42 @@ impl Printer {
 
     /// Line ends, indentation or space before an atom.
     fn begin(&mut self, atom: &Atom, frame: Frame) {
+        let continues = self.continues(frame);
         if let Some(separator) = self.pending.take() {
             self.out.push_str(separator);
             if separator.is_empty() {
                 self.end_line();
             }
         } else if self.in_line && matches!(frame, Frame::Block { .. }) {
-            let after_open = matches!(self.before, Some(AtomKind::OpenBrace { .. }));
-            let continues = matches!(self.before, Some(AtomKind::Comma | AtomKind::Operator));
-            if after_open {
+            if atom.newlines > 0 || matches!(self.before, Some(AtomKind::OpenBrace { .. })) {
                 self.end_line();
-            } else if atom.newlines > 0 {
-                self.end_line();
-                if continues {
-                    self.out.push_str(INDENT);
-                }
             }
         } else if self.in_line && frame == Frame::Bracket && atom.newlines > 0 {
             self.end_line();
         }
         if !self.in_line {
             if atom.newlines > 1
+                && !continues
                 && !matches!(self.before, None | Some(AtomKind::OpenBrace { .. }))
                 && frame != Frame::Bracket
             {
                 self.out.push('\n');
             }
-            self.indent(atom);
+            self.indent(usize::from(continues), usize::from(atom.kind == AtomKind::CloseBracket));
         } else if self.spaced(atom) {
             self.out.push(' ');
         }
     }
 
-    fn indent(&mut self, atom: &Atom) {
-        let closes = usize::from(atom.kind == AtomKind::CloseBracket);
-        let depth =
-            self.frames.iter().filter(|frame| !matches!(frame, Frame::Inline { .. })).count() - closes;
-        if self.out.ends_with('\n') || self.out.is_empty() {
-            for _ in 0..depth {
-                self.out.push_str(INDENT);
-            }
-        } else {
-            // After the extra indentation of a continued line.
-            let extra = INDENT.repeat(depth);
-            self.out.push_str(&extra);
-        }
+    /// Whether what comes next belongs to the statement of the line before, which ended after a comma or operator.
+    fn continues(&self, frame: Frame) -> bool {
+        matches!(frame, Frame::Block { .. })
+            && matches!(self.before, Some(AtomKind::Comma | AtomKind::Operator))
+    }
+
+    fn indent(&mut self, more: usize, less: usize) {
+        let depth = self.frames.iter().filter(|frame| !matches!(frame, Frame::Inline { .. })).count();
+        self.out.push_str(&INDENT.repeat(depth + more - less));
     }
 
     fn end_line(&mut self) {
@@ -320,8 +311,7 @@ impl Printer {
                 if self.in_line {
                     self.end_line();
                 }
-                let depth = self.frames.iter().filter(|frame| !matches!(frame, Frame::Inline { .. })).count();
-                self.out.push_str(&INDENT.repeat(depth));
+                self.indent(0, 0);
                 self.out.push('}');
             }
         }
@@ -344,11 +334,15 @@ impl Printer {
             if self.in_line {
                 self.end_line();
             }
-            if atom.newlines > 1 && !matches!(self.before, None | Some(AtomKind::OpenBrace { .. })) {
+            let frame = self.frames.last().copied().unwrap_or(Frame::Block { settings: false });
+            let continues = self.continues(frame);
+            if atom.newlines > 1
+                && !continues
+                && !matches!(self.before, None | Some(AtomKind::OpenBrace { .. }))
+            {
                 self.out.push('\n');
             }
-            let depth = self.frames.iter().filter(|frame| !matches!(frame, Frame::Inline { .. })).count();
-            self.out.push_str(&INDENT.repeat(depth));
+            self.indent(usize::from(continues), 0);
         }
         self.out.push_str(&atom.text);
         self.end_line();
@@ -379,6 +373,28 @@ mod tests {
 
     fn formatted(text: &str) -> String {
         format(Sources::default().add("test.scn", ""), text).unwrap()
+    }
+
+    #[test]
+    fn continued_statements_are_indented_past_comments_and_without_blank_lines() {
+        let text = "suite a {\n  scenarios \"a\",\n\n\n  \"b\", # x\n\n  # y\n\n  \"c\" # z\n\n  seed 3\n}\n\
+                    statement s {\n claim mean(pet) of a >\n\n mean(pet) of b\n}\n";
+        let once = formatted(text);
+        insta::assert_snapshot!(once, @r#"
+        suite a {
+          scenarios "a",
+            "b",  # x
+            # y
+            "c"  # z
+
+          seed 3
+        }
+        statement s {
+          claim mean(pet) of a >
+            mean(pet) of b
+        }
+        "#);
+        assert_eq!(formatted(&once), once);
     }
 
     #[test]
