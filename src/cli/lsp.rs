@@ -17,6 +17,7 @@ use serde_json::Value;
 
 use super::{Exit, load};
 use crate::lang::{self, Diagnostic, Severity, Sources, Span, Tree};
+use crate::report::findings::uri_path;
 
 #[derive(Debug, Args)]
 pub struct LspArguments {
@@ -305,16 +306,7 @@ fn path_of(uri: &Uri) -> Option<PathBuf> {
 
 fn uri_of(name: &str) -> Option<Uri> {
     let path = std::path::absolute(name).ok()?;
-    let mut encoded = String::from("file://");
-    for byte in path.to_str()?.bytes() {
-        match byte {
-            b'A'..=b'Z' | b'a'..=b'z' | b'0'..=b'9' | b'/' | b'-' | b'_' | b'.' | b'~' => {
-                encoded.push(byte as char)
-            }
-            _ => encoded.push_str(&format!("%{byte:02X}")),
-        }
-    }
-    encoded.parse().ok()
+    format!("file://{}", uri_path(path.to_str()?)).parse().ok()
 }
 
 #[cfg(test)]

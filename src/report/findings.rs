@@ -18,6 +18,20 @@ fn region(sources: &Sources, span: Span) -> Region<'_> {
     Region { file: &source.name, from: source.location(span.start), to: source.location(span.end) }
 }
 
+/// A path as it stands in a URI.
+pub fn uri_path(path: &str) -> String {
+    let mut encoded = String::new();
+    for byte in path.bytes() {
+        match byte {
+            b'A'..=b'Z' | b'a'..=b'z' | b'0'..=b'9' | b'/' | b'-' | b'_' | b'.' | b'~' => {
+                encoded.push(byte as char)
+            }
+            _ => encoded.push_str(&format!("%{byte:02X}")),
+        }
+    }
+    encoded
+}
+
 fn level(severity: Severity) -> &'static str {
     match severity {
         Severity::Error => "error",
@@ -105,7 +119,7 @@ pub fn sarif(findings: &Findings) -> String {
     let place = |sources: &Sources, span: Span| {
         let Region { file, from, to } = region(sources, span);
         json!({
-            "artifactLocation": { "uri": file },
+            "artifactLocation": { "uri": uri_path(file) },
             "region": {
                 "startLine": from.line, "startColumn": from.column, "endLine": to.line, "endColumn": to.column,
             },
