@@ -85,29 +85,33 @@ pub fn format(text: &str) {
     }
 }
 
-/// Reads a filter expression and asks it about a trial.
-pub fn filter(text: &str) {
-    let tags = [String::from("paper")];
-    let tta = Assignment { name: "tta".into(), label: "6s".into(), value: Value::Number(6.0) };
-    let trial = Subject {
+/// Asks something about the trial that filters are tried on.
+pub fn ask_of_trial<T>(ask: impl FnOnce(&Subject) -> T) -> T {
+    ask(&Subject {
         suite: "zebra",
         kind: SCENARIO,
         name: "walk",
-        tags: &tags,
+        tags: &[String::from("paper")],
         models: vec!["scripted"],
         controllers: vec!["idm_aeb"],
         files: vec!["scenarios/zebra/walk.scn"],
-        variation: &[tta],
-    };
+        variation: &[Assignment { name: "tta".into(), label: "6s".into(), value: Value::Number(6.0) }],
+    })
+}
+
+/// Reads a filter expression and asks it about a trial.
+pub fn filter(text: &str) {
     match Filters::parse(&[text]) {
         Ok(filters) => {
             let opposite = format!("!({text})");
             let opposite = Filters::parse(&[opposite.as_str()]);
-            // Only the brackets around it can be one too many.
-            if let Ok(opposite) = opposite {
-                assert_ne!(filters.matches(&trial), opposite.matches(&trial), "{text}");
-            }
-            filters.warnings(std::slice::from_ref(&trial));
+            ask_of_trial(|trial| {
+                // Only the brackets around it can be one too many.
+                if let Ok(opposite) = &opposite {
+                    assert_ne!(filters.matches(trial), opposite.matches(trial), "{text}");
+                }
+                filters.warnings(std::slice::from_ref(trial));
+            });
         }
         Err(failure) => {
             assert!(!failure.diagnostics.is_empty(), "a failure says why");

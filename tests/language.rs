@@ -3,16 +3,20 @@
 //! `#~ E0401 words` at the end of a line expects that code there, with those words in its message. Every file under
 //! `tests/language/fails` must give exactly the findings it announces; how they look is held by snapshots.
 
+#[allow(dead_code)]
+#[path = "../fuzz/properties.rs"]
+mod properties;
+
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use scenario_runner::judge;
-use scenario_runner::lang::filter::{Filters, SCENARIO, Subject};
+use scenario_runner::lang::filter::Filters;
 use scenario_runner::lang::{self, Code, Diagnostic, Severity, Sources, Style};
 use scenario_runner::plan;
 use scenario_runner::run::{FreeFlows, Requests, Unwatched, run_case};
-use scenario_runner::scenario::{Assignment, Suite, Value};
+use scenario_runner::scenario::{Claim, Suite};
 
 fn folder(name: &str) -> PathBuf {
     Path::new("tests/language").join(name)
@@ -109,23 +113,14 @@ fn patterns_that_match_too_much_are_refused() {
 /// One filter expression a file; it is asked about one trial.
 #[test]
 fn wrong_filters_give_exactly_the_findings_they_announce() {
-    let tags = [String::from("paper")];
-    let tta = Assignment { name: "tta".into(), label: "6s".into(), value: Value::Number(6.0) };
-    let trial = Subject {
-        suite: "zebra",
-        kind: SCENARIO,
-        name: "walk",
-        tags: &tags,
-        models: vec!["scripted"],
-        controllers: vec!["idm_aeb"],
-        files: vec!["scenarios/zebra/walk.scn"],
-        variation: &[tta],
-    };
     for path in files("filters") {
         let text = std::fs::read_to_string(&path).unwrap();
         let code: Vec<&str> = text.lines().map(|line| line.split("#~").next().unwrap()).collect();
         let (found, sources) = match Filters::parse(&[code.join("\n")]) {
-            Ok(filters) => (filters.warnings(std::slice::from_ref(&trial)), filters.sources),
+            Ok(filters) => (
+                properties::ask_of_trial(|trial| filters.warnings(std::slice::from_ref(trial))),
+                filters.sources,
+            ),
             Err(failure) => (failure.diagnostics, failure.sources),
         };
         for finding in &found {
@@ -294,6 +289,64 @@ fn without_places(data: &impl serde::Serialize) -> serde_json::Value {
     let mut value = serde_json::to_value(data).unwrap();
     forget(&mut value);
     value
+}
+
+#[test]
+fn what_is_written_is_read_back_to_the_last_bit() {
+    let text = "
+scenario all {
+  \"With \\\"everything\\\".\"
+  tags one, two
+  road {
+    lanes forward, backward
+    lane_width 3.4 m
+    speed_limit 50 km/h
+    no kerbs
+    crossing signalised { width: 3 m, cycle: 61.7 s, pedestrian_green: 20 s, pedestrian_green_from: 1.3 s }
+    parked van { along: -12.345678901 m, across: -2.5 m, length: 5 m, width: 2 m }
+  }
+  step 20 ms; horizon 31 s; finish 80 m; end on collision; repeat 3; seed 18446744073709551615
+  vehicle av {
+    controller carla_behavior { profile: cautious, braking_distance: 5.123456789012345 m }
+    dynamics prius
+    size 4.5 m x 1.83 m
+    speed 31.7 km/h
+    start 61.3 m before crossing
+    sees { range: 50 m, occlusion: true }
+  }
+  vehicle other { controller constant_speed; speed 36 km/h; lane 1; start 8 s before crossing }
+  pedestrian first {
+    model scripted { speed: 1.37281931 m/s }
+    size 0.4 m x 0.5 m
+    from far side
+    start 1.234 m from kerb
+    along 0.5 m; goal 3 m beyond kerb
+    appears when time_to_arrival(av.front) = 6.1 s
+  }
+  pedestrian second { model carla_walker; radius 0.3 m; start 1 m from kerb; appears at 2 s }
+  expect { pet(av, second) >= 1.5 s undefined passes; no collision; passed_first != vehicle;
+    max_deceleration(av, window: 0.3 s) <= 2.5 m/s^2; gap_accepted }
+}
+";
+    let path = Path::new("all.scn");
+    let read = |text: &str| {
+        lang::check(path, text)
+            .unwrap_or_else(|failure| panic!("{text}\n{}", failure.render(Default::default())))
+    };
+    let before = read(text).suite.scenarios.remove(0);
+    let expect: Vec<_> = before
+        .criteria
+        .iter()
+        .map(|criterion| match &criterion.claim {
+            Claim::Runs { comparison, .. } => lang::write_comparison(comparison),
+            claim => panic!("{claim:?}"),
+        })
+        .collect();
+    let written = lang::write_scenario(&before, &expect, &["All of it.".to_string()]);
+    let after = read(&written).suite.scenarios.remove(0);
+    assert_eq!(without_places(&before), without_places(&after), "{written}");
+    let source = lang::Sources::default().add("all.scn", "");
+    assert_eq!(lang::format(source, &written).as_deref(), Ok(written.as_str()));
 }
 
 #[test]
