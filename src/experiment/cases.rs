@@ -111,6 +111,9 @@ impl Laboratory<'_> {
                     SampleSize::AsManyAs(search) => results.search(search)?.kept.cases.len(),
                 };
                 let mut cases = self.cases_of(scenario)?;
+                if !cases.is_empty() && cases.len() < count {
+                    return Err(ExperimentError::TooFewCases(scenario.clone(), cases.len(), count));
+                }
                 let mut stream = Stream::seeded(derive_seed(self.suite.seed, &format!("{name} sample")));
                 stream.draw(&mut cases, count);
                 (scenario, cases)

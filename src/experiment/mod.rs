@@ -114,6 +114,8 @@ pub enum ExperimentError {
     Stopped,
     #[error("the set of cases `{0}` is empty")]
     EmptySet(String),
+    #[error("`{0}` has {1} runs, and {2} are to be drawn of them")]
+    TooFewCases(String, usize, usize),
     #[error("cannot read the cases of {}: {reason}", path.display())]
     CaseFile { path: PathBuf, reason: String },
     #[error("cannot read the parameters of {}: {reason}", path.display())]
@@ -133,6 +135,7 @@ impl ExperimentError {
             Self::EmptySet(name) => {
                 Some(format!("`{name}` kept no case; loosen its `keep`, or search longer"))
             }
+            Self::TooFewCases(name, ..) => Some(format!("draw fewer, or let `{name}` vary or repeat more")),
             Self::Run(error) => error.hint().map(str::to_string),
             Self::Plan(error) => error.hint.clone(),
             _ => None,

@@ -101,6 +101,11 @@ fn vehicle_setup(
             })?
         }
     };
+    if speed == 0.0 && matches!(start, VehicleStart::TimeToArrival { .. }) {
+        let message = format!("vehicle `{}` stands still, so that it has no time to arrival", declared.name);
+        let hint = "give it a speed, or a place: `start 80 m before crossing`";
+        return Err(PlanError::new(&declared.origin, message).with_hint(hint));
+    }
     let sees = match &declared.sees {
         Some(model) => Some(ModelSetup {
             name: PERCEPTION.name.to_string(),

@@ -121,6 +121,11 @@ fn an_empty_set_and_an_unsatisfiable_constraint_are_said_plainly() {
     results.blocks.insert("low_pet".into(), BlockResult::Search(nothing));
     let empty = run_tune(&laboratory, &suite.tunes[0], &results, &Silent);
     assert_eq!(empty.unwrap_err().to_string(), "the set of cases `low_pet` is empty");
+    suite.tunes[0].on =
+        CaseSet::Sample { scenario: "encounter".into(), count: SampleSize::Number(1_000_000) };
+    let laboratory = Laboratory::new(&suite, None);
+    let small = run_tune(&laboratory, &suite.tunes[0], &Results::default(), &Silent).unwrap_err();
+    assert!(small.to_string().ends_with("runs, and 1000000 are to be drawn of them"), "{small}");
     suite.tunes[0].on = CaseSet::Sample { scenario: "encounter".into(), count: SampleSize::Number(2) };
     suite.tunes[0].constraints = vec![condition("min_distance", Relation::Greater, 1e6)];
     let laboratory = Laboratory::new(&suite, None);
