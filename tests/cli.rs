@@ -143,6 +143,29 @@ fn filter_expressions_select_trials_and_blocks() {
 }
 
 #[test]
+fn findings_are_written_for_other_programs() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a b%.scn");
+    std::fs::write(&path, "let speed = 3 kn/h\n").unwrap();
+    let found = |format: &str| {
+        let output = scenario_runner(&["check", "--format", format, path.to_str().unwrap()]);
+        assert_eq!(code(&output), 3, "{}", stderr(&output));
+        stdout(&output)
+    };
+    let data = |format: &str| serde_json::from_str::<serde_json::Value>(&found(format)).unwrap();
+    let label = &data("json")["diagnostics"][0]["labels"][0];
+    assert_eq!((&label["line"], &label["column"], &label["end_column"]), (&1.into(), &15.into(), &19.into()));
+    let result = &data("sarif")["runs"][0]["results"][0];
+    assert_eq!(result["ruleId"], "E0401");
+    let place = &result["locations"][0]["physicalLocation"];
+    assert!(place["artifactLocation"]["uri"].as_str().unwrap().ends_with("/a%20b%25.scn"), "{place}");
+    assert_eq!(place["region"]["startColumn"], 15);
+    let line = found("github");
+    let wanted = "a b%25.scn,line=1,endLine=1,col=15,endColumn=19,title=E0401::there is no unit `kn/h`%0A";
+    assert!(line.starts_with("::error file=") && line.contains(wanted), "{line}");
+}
+
+#[test]
 fn everything_in_a_suite_is_listed_as_text_and_as_json() {
     let gate = "suites/zebra_gate.suite";
     let listed = scenario_runner(&["list", gate, "-E", "kind(gate)"]);

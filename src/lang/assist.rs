@@ -1,27 +1,16 @@
-//! What an editor asks: what is this, what could stand here, where is it defined.
-//!
-//! Completion goes by tokens alone, because a text is seldom whole while it is being written.
+//! What an editor asks: what is this, and where is it defined.
 
 use std::path::Path;
 
 use super::check::{OBSTACLE, SIGNALISED, UNMARKED, ZEBRA};
 use super::files::Files;
-use super::lexer::{self, Token, TokenKind};
 use super::source::{Sources, Span};
 use super::statements;
 use super::tree::{Node, Rule, Tree};
 use super::units;
-use crate::metrics::{METRICS, metric};
+use crate::metrics::metric;
 use crate::scenario::{Declaration, Parameter, ParameterKind};
 use crate::{pedestrian, vehicle};
-
-/// A word that could stand somewhere.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Proposal {
-    pub word: String,
-    /// One line.
-    pub detail: String,
-}
 
 /// What the word at byte `offset` means, in Markdown, with the bytes it is about.
 pub fn hover(tree: &Tree, offset: usize) -> Option<(Span, String)> {
@@ -69,12 +58,12 @@ pub fn hover(tree: &Tree, offset: usize) -> Option<(Span, String)> {
     Some((node.span(), text))
 }
 
-fn statements_of(rule: Rule) -> &'static [statements::Statement] {
+pub(super) fn statements_of(rule: Rule) -> &'static [statements::Statement] {
     statements::BLOCKS.iter().find(|block| block.rule == rule).map_or(&[], |block| block.statements)
 }
 
 /// The nodes around a byte, from the file to the innermost.
-fn path_to(tree: &Tree, offset: usize) -> Vec<Node<'_>> {
+pub(super) fn path_to(tree: &Tree, offset: usize) -> Vec<Node<'_>> {
     let mut path = vec![tree.root()];
     while let Some(inner) = path.last().and_then(|node| {
         node.children().find(|child| child.span().start <= offset && offset <= child.span().end)
@@ -85,7 +74,7 @@ fn path_to(tree: &Tree, offset: usize) -> Vec<Node<'_>> {
 }
 
 /// What a statement that names something registered declares.
-fn declaration_of(statement: Node) -> Option<Declaration> {
+pub(super) fn declaration_of(statement: Node) -> Option<Declaration> {
     let name = statement.child(Rule::name).map_or("", Node::text);
     match statement.rule() {
         Rule::controller => vehicle::controller(name).map(|found| found.declaration),
@@ -120,204 +109,6 @@ fn parameter(found: &Parameter) -> String {
     };
     let default = found.default_value().map(|value| format!("Default (SI): {value}. ")).unwrap_or_default();
     format!("{}\n\nTakes {}{range}. {default}Source: {}", found.doc, found.kind.expectation(), found.source)
-}
-
-/// The words that could stand at byte `offset` of the file at `path`, with the names that it defines or uses.
-pub fn complete(path: &Path, text: &str, offset: usize) -> Vec<Proposal> {
-    let before = &text[..offset.min(text.len())];
-    let tokens: Vec<Token> =
-        lexer::tokens(before).into_iter().filter(|token| token.kind != TokenKind::Space).collect();
-    if tokens.last().is_some_and(|token| matches!(token.kind, TokenKind::Comment | TokenKind::OpenString)) {
-        return Vec::new();
-    }
-    let word = |token: &Token| &before[token.start..token.end];
-    // The first words of every statement whose braces are open here, and the current statement.
-    let mut open: Vec<Vec<&str>> = Vec::new();
-    let mut statement: Vec<&str> = Vec::new();
-    for token in &tokens {
-        match (token.kind, word(token)) {
-            (TokenKind::Newline | TokenKind::Comment, _) | (_, ";") => statement.clear(),
-            (_, "{") => open.push(std::mem::take(&mut statement)),
-            (_, "}") => {
-                open.pop();
-                statement.clear();
-            }
-            (_, text) => statement.push(text),
-        }
-    }
-    // The word being written is what is to be completed.
-    let writing = tokens.last().filter(|token| token.kind == TokenKind::Word && token.end == before.len());
-    if writing.is_some() {
-        statement.pop();
-    }
-    let owner = open.last().map_or(&[] as &[&str], Vec::as_slice);
-    if let Some(declaration) = settings_of(owner) {
-        return setting(&declaration, &statement);
-    }
-    let block = block_of(owner);
-    match statement.as_slice() {
-        [] => first_words(block),
-        [.., number] if number.starts_with(|c: char| c.is_ascii_digit()) => {
-            units::UNITS.iter().map(|unit| proposal(unit.symbol, unit.doc)).collect()
-        }
-        ["controller"] => vehicle::CONTROLLERS.iter().map(|known| of(&known.declaration)).collect(),
-        ["dynamics"] => vehicle::DYNAMICS.iter().map(|known| of(&known.declaration)).collect(),
-        ["model"] => pedestrian::MODELS.iter().map(|known| of(&known.declaration)).collect(),
-        ["crossing"] => {
-            let kinds = [("zebra", ZEBRA), ("unmarked", UNMARKED), ("signalised", SIGNALISED)];
-            kinds.iter().map(|(name, kind)| proposal(name, kind.summary)).collect()
-        }
-        ["road"] => visible(path, &without_line(text, before.len()), &[Rule::road_definition]),
-        [.., ":"] if block == Rule::file => {
-            visible(path, &without_line(text, before.len()), &[Rule::scenario, Rule::define])
-        }
-        [.., "in" | "on" | "of" | "with" | "as"] if refers(block) => {
-            let blocks = [Rule::search, Rule::tune, Rule::evaluate];
-            visible(path, &without_line(text, before.len()), &[&blocks[..], &[Rule::scenario]].concat())
-        }
-        _ if matches!(
-            block,
-            Rule::expect_block
-                | Rule::search_block
-                | Rule::tune_block
-                | Rule::evaluate_block
-                | Rule::statement_block
-                | Rule::gate_block
-        ) =>
-        {
-            metrics()
-        }
-        _ => Vec::new(),
-    }
-}
-
-/// Whether a block names scenarios and other blocks.
-fn refers(block: Rule) -> bool {
-    matches!(block, Rule::search_block | Rule::tune_block | Rule::evaluate_block | Rule::statement_block)
-}
-
-/// A text that is being written as one that can be read: without the line at `offset`, with every brace closed.
-fn without_line(text: &str, offset: usize) -> String {
-    let start = text[..offset].rfind('\n').map_or(0, |at| at + 1);
-    let end = text[offset..].find('\n').map_or(text.len(), |at| offset + at);
-    let mut whole = format!("{}{}", &text[..start], &text[end..]);
-    let tokens = lexer::tokens(&whole);
-    let count = |brace: &str| tokens.iter().filter(|token| &whole[token.start..token.end] == brace).count();
-    let missing = count("{").saturating_sub(count("}"));
-    whole.push_str(&"\n}".repeat(missing));
-    whole
-}
-
-/// The names of some kinds that a file defines or sees in files that it uses, in the order of the alphabet, with the line that
-/// defines each.
-fn visible(path: &Path, text: &str, kinds: &[Rule]) -> Vec<Proposal> {
-    let mut files = Files::default();
-    files.overlay(path, text);
-    let Some(file) = files.open(path, None, &mut Vec::new()) else { return Vec::new() };
-    let names = files.names(file);
-    let all = names.roads.iter().chain(&names.scenarios).chain(&names.blocks);
-    let mut found: Vec<Proposal> = all
-        .filter(|(_, defined)| kinds.contains(&files.tree(defined.file).node(defined.node).rule()))
-        .map(|(name, defined)| {
-            let node = files.tree(defined.file).node(defined.node);
-            let first_line = node.text().lines().next().unwrap_or_default();
-            proposal(name, first_line.trim_end_matches('{').trim_end())
-        })
-        .collect();
-    found.sort_by(|one, other| one.word.cmp(&other.word));
-    found
-}
-
-fn proposal(word: &str, detail: &str) -> Proposal {
-    Proposal { word: word.to_string(), detail: detail.to_string() }
-}
-
-fn of(declaration: &Declaration) -> Proposal {
-    proposal(declaration.name, declaration.summary)
-}
-
-fn metrics() -> Vec<Proposal> {
-    METRICS.iter().map(|known| of(&known.declaration)).collect()
-}
-
-/// The kind of block that a statement opens.
-fn block_of(owner: &[&str]) -> Rule {
-    match owner {
-        [] => Rule::file,
-        ["road", ..] => Rule::road_block,
-        ["scenario" | "define", ..] => Rule::scenario_block,
-        ["vehicle", ..] => Rule::vehicle_block,
-        ["pedestrian", ..] => Rule::pedestrian_block,
-        ["expect", ..] => Rule::expect_block,
-        ["vary", ..] => Rule::together_block,
-        ["suite", ..] => Rule::suite_block,
-        ["gate", ..] => Rule::gate_block,
-        ["search", ..] => Rule::search_block,
-        ["tune", ..] => Rule::tune_block,
-        ["evaluate", ..] => Rule::evaluate_block,
-        ["statement", ..] => Rule::statement_block,
-        _ => Rule::settings,
-    }
-}
-
-fn first_words(block: Rule) -> Vec<Proposal> {
-    if block == Rule::expect_block {
-        return metrics();
-    }
-    let mut words: Vec<Proposal> = Vec::new();
-    for known in statements_of(block).iter().filter(|known| !known.word.is_empty()) {
-        if words.iter().all(|word| word.word != known.word) {
-            words.push(proposal(known.word, known.doc));
-        }
-    }
-    words
-}
-
-/// What the settings belong to that a statement opens.
-fn settings_of(owner: &[&str]) -> Option<Declaration> {
-    match owner {
-        ["controller", name] => vehicle::controller(name).map(|found| found.declaration),
-        ["dynamics", name] => vehicle::dynamics(name).map(|found| found.declaration),
-        ["model", name] => pedestrian::model(name).map(|found| found.declaration),
-        ["sees"] => Some(vehicle::PERCEPTION),
-        ["box" | "parked", _] => Some(OBSTACLE),
-        ["crossing", "zebra"] => Some(ZEBRA),
-        ["crossing", "unmarked"] => Some(UNMARKED),
-        ["crossing", "signalised"] => Some(SIGNALISED),
-        _ => None,
-    }
-}
-
-/// Names of parameters, or what the one before the colon takes.
-fn setting(declaration: &Declaration, statement: &[&str]) -> Vec<Proposal> {
-    let current = statement.rsplit(|word| *word == ",").next().unwrap_or_default();
-    match current {
-        [] => {
-            let presets = declaration.presets.map(|family| proposal(family.word, "Named settings."));
-            declaration
-                .parameters
-                .iter()
-                .map(|found| proposal(found.name, found.doc))
-                .chain(presets)
-                .collect()
-        }
-        [name, ":"] => {
-            if let Some(family) = declaration.presets.filter(|family| family.word == *name) {
-                return family.presets.iter().map(|preset| proposal(preset.name, preset.doc)).collect();
-            }
-            match declaration.parameter(name).map(|found| found.kind) {
-                Some(ParameterKind::Choice { options, .. }) => {
-                    options.iter().map(|option| proposal(option.name, option.doc)).collect()
-                }
-                Some(ParameterKind::Flag { .. }) => vec![proposal("true", ""), proposal("false", "")],
-                _ => Vec::new(),
-            }
-        }
-        [.., number] if number.starts_with(|c: char| c.is_ascii_digit()) => {
-            units::UNITS.iter().map(|unit| proposal(unit.symbol, unit.doc)).collect()
-        }
-        _ => Vec::new(),
-    }
 }
 
 /// Where the name at byte `offset` of the file at `path` is defined, possibly in a file that it uses.
@@ -399,31 +190,6 @@ mod tests {
             let (_, said) = hover(&tree, text.find(word).unwrap() + 1).unwrap();
             assert!(said.contains(doc), "{said}");
         }
-    }
-
-    #[test]
-    fn completion_knows_where_it_is() {
-        let words = |text: &str| {
-            complete(Path::new("nowhere/a.scn"), text, text.len())
-                .into_iter()
-                .map(|found| found.word)
-                .collect::<Vec<_>>()
-        };
-        assert!(words("").contains(&"scenario".to_string()));
-        assert!(words("scenario a {\n  ve").contains(&"vehicle".to_string()));
-        assert!(words("scenario a { vehicle v {\n controller ").contains(&"carla_behavior".to_string()));
-        assert!(words("vehicle v { controller carla_behavior { ").contains(&"braking_distance".to_string()));
-        assert!(
-            words("vehicle v { controller carla_behavior { gap: 1, profile: ")
-                .contains(&"cautious".to_string())
-        );
-        assert!(words("scenario a { expect {\n  no ").contains(&"collision".to_string()));
-        assert!(words("vehicle v { speed 30 ").contains(&"km/h".to_string()));
-        assert!(words("# scen").is_empty());
-        let text = "define base {\n}\nscenario a : base {\n}\nsearch s {\n  in a\n}\ntune t {\n  on ";
-        assert_eq!(words(text), ["a", "s", "t"]);
-        assert_eq!(words(&format!("{text}s\n}}\nscenario b : ")), ["a", "base"]);
-        assert_eq!(complete(Path::new("nowhere/a.scn"), &format!("{text}\n}}\n"), text.len()).len(), 3);
     }
 
     #[test]

@@ -133,7 +133,8 @@ codes! {
         "`scenario-runner models` lists every metric. A criterion over a metric that does not exist would never be \
          checked, so it is an error.";
     UnknownVariation = "E0312", "the scenario does not vary this",
-        "`when` restricts a criterion to some values of a variation, which must be declared by `vary`.";
+        "`when` restricts a criterion to some values of a variation, which must be declared by `vary`. A scenario that varies \
+         a name anew replaces the whole `vary together` that it stood in, so that the other names need values again.";
     DuplicateScenario = "E0313", "two scenarios of a suite have one name",
         "A scenario's name is part of the key that names its runs in every report and seeds them, so it must be unique \
          in a suite, over all its files.";

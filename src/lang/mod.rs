@@ -7,6 +7,7 @@ mod assist;
 mod blocks;
 mod check;
 mod codes;
+mod complete;
 mod consequences;
 mod diagnostic;
 mod files;
@@ -30,9 +31,10 @@ mod yaml;
 
 use std::path::Path;
 
-pub use assist::{Proposal, complete, definition, hover};
+pub use assist::{definition, hover};
 pub use check::{DEFAULT_GOAL, Defaults};
 pub use codes::Code;
+pub use complete::{Proposal, complete};
 pub use diagnostic::{Diagnostic, Label, Severity, nearest};
 pub use files::LARGEST_FILE;
 pub use format::format;
@@ -153,7 +155,12 @@ fn load_with(path: &Path, mut files: Files) -> Result<Loaded, Failure> {
                 format!("`{}` is neither a scenario file nor a suite", path.display()),
             )
             .label("unknown kind of file")
-            .hint("scenario files end in `.scn`, suites in `.suite`, and both may be `.yaml`"),
+            .hint(match path.is_dir() {
+                true => format!("it is a folder; name the files in it: `{}`", path.join("*.scn").display()),
+                false => {
+                    "scenario files end in `.scn`, suites in `.suite`, and both may be `.yaml`".to_string()
+                }
+            }),
         );
         return Err(Failure { diagnostics: report, sources: files.sources });
     };

@@ -105,13 +105,17 @@ const REPEAT: Statement =
     statement("repeat", Rule::repeat, "repeat 4", "How often everything is run, with different seeds.");
 
 /// A setting in braces.
-pub const SETTING: Statement =
-    statement("", Rule::setting, "{ profile: normal, braking_distance: 5 m }", "A parameter with its value.");
+pub const SETTING: Statement = statement(
+    "",
+    Rule::whole_setting,
+    "{ profile: normal, braking_distance: 5 m }",
+    "A parameter with its value.",
+);
 
 /// A parameter of a road user in braces.
 pub const GIVEN: Statement = statement(
     "",
-    Rule::given,
+    Rule::whole_given,
     "{ av.controller.braking_distance: 10 m }",
     "A parameter of a road user with its value.",
 );

@@ -6,7 +6,7 @@ use std::path::Path;
 use super::blocks::{Gathered, gather};
 use super::check::{self, Places};
 use super::codes::Code;
-use super::diagnostic::Diagnostic;
+use super::diagnostic::{Diagnostic, Severity};
 use super::files::{Definition, FileId, Files, join};
 use super::source::Span;
 use super::tree::{Node, Rule};
@@ -437,10 +437,28 @@ fn reject_duplicate<'a>(node: Node<'a>, names: &mut HashMap<&'a str, Span>, repo
     }
 }
 
+/// What a template may lack, or what may depend on the scenario that builds on it.
+const IN_TEMPLATES: [Code; 14] = [
+    Code::UnknownName,
+    Code::UnknownVehicle,
+    Code::UnknownPedestrian,
+    Code::UnknownVariation,
+    Code::MissingStatement,
+    Code::NoSuchLane,
+    Code::NoStart,
+    Code::NobodyThere,
+    Code::DoesNotFit,
+    Code::NoIndividuals,
+    Code::StartBeyondGoal,
+    Code::StartContradiction,
+    Code::TooFewRuns,
+    Code::NotSequential,
+];
+
 /// Checks roads and templates that no scenario may have used.
 fn check_definitions(files: &Files, report: &mut Vec<Diagnostic>) {
     let places = Places { files };
-    let known: HashSet<(Code, Span, String)> =
+    let mut known: HashSet<(Code, Span, String)> =
         report.iter().map(|finding| (finding.code, finding.span(), finding.message.clone())).collect();
     let mut findings = Vec::new();
     for file in files.ids() {
@@ -448,11 +466,20 @@ fn check_definitions(files: &Files, report: &mut Vec<Diagnostic>) {
             let definition = Definition { file, node: node.index(), span: name_span(node) };
             check::defined_road(definition, &places, &mut findings);
         }
+        for node in files.tree(file).root().all(Rule::define) {
+            let definition = Definition { file, node: node.index(), span: name_span(node) };
+            let mut own = Vec::new();
+            check::scenario(definition, &places, None, &mut own);
+            own.retain(|finding| {
+                finding.severity == Severity::Error && !IN_TEMPLATES.contains(&finding.code)
+            });
+            findings.extend(own);
+        }
     }
     report.extend(
         findings
             .into_iter()
-            .filter(|finding| !known.contains(&(finding.code, finding.span(), finding.message.clone()))),
+            .filter(|finding| known.insert((finding.code, finding.span(), finding.message.clone()))),
     );
 }
 

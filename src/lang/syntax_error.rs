@@ -4,7 +4,7 @@ use pest::Parser;
 use pest::error::{Error, ErrorVariant, InputLocation};
 
 use super::codes::Code;
-use super::diagnostic::{Diagnostic, MOST_FINDINGS};
+use super::diagnostic::{Diagnostic, MOST_FINDINGS, nearest};
 use super::lexer::{self, Token, TokenKind};
 use super::source::{SourceId, Span};
 use super::statements::{self, Statement};
@@ -78,6 +78,9 @@ fn setting(block: Rule, bad: Node) -> Diagnostic {
     let kind = if block == Rule::parameter_set { &statements::GIVEN } else { &statements::SETTING };
     let mut diagnostic = again(bad, kind);
     diagnostic.code = Code::BadSetting;
+    let comma = |text: &str| text.replace(END, "`,`");
+    diagnostic.message = comma(&diagnostic.message);
+    diagnostic.labels[0].text = comma(&diagnostic.labels[0].text);
     diagnostic
 }
 
@@ -100,6 +103,21 @@ fn again(bad: Node, statement: &Statement) -> Diagnostic {
     }
 }
 
+/// The rules with which a statement could go on that begins with `text`; none if that is wrong already.
+pub fn goes_on_with(rule: Rule, text: &str) -> Vec<Rule> {
+    // No statement has this character outside of texts, so that every one stops there.
+    const STOP: char = '\u{0}';
+    let stopped = format!("{text}{STOP}");
+    match Grammar::parse(rule, &stopped) {
+        Err(Error {
+            variant: ErrorVariant::ParsingError { positives, .. },
+            location: InputLocation::Pos(at),
+            ..
+        }) if stopped[at..].trim_start().starts_with(STOP) => positives,
+        _ => Vec::new(),
+    }
+}
+
 /// What people mean who write what was found; `text` begins with the statement, at `start`.
 fn advice(text: &str, start: usize, statement: &Statement, diagnostic: &Diagnostic) -> Option<String> {
     let found = diagnostic.span();
@@ -107,6 +125,7 @@ fn advice(text: &str, start: usize, statement: &Statement, diagnostic: &Diagnost
     let (before, rest) = text.split_at(found.start - start);
     let token = &rest[..found.end - found.start];
     let criterion = statement.rule == Rule::criterion;
+    let setting = matches!(statement.rule, Rule::whole_setting | Rule::whole_given);
     let digit = |c: char| c.is_ascii_digit();
     let in_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
     let advice = match token {
@@ -128,7 +147,10 @@ fn advice(text: &str, start: usize, statement: &Statement, diagnostic: &Diagnost
         "=" if before.ends_with([' ', '=']) && before.trim_end().ends_with(['<', '>', '=']) => {
             "a comparison is one sign without spaces: `<`, `<=`, `>`, `>=`, `=` or `!=`".to_string()
         }
-        _ if may_end && (begins_a_statement(token) || criterion && token.starts_with(in_name)) => {
+        _ if may_end
+            && !setting
+            && (begins_a_statement(token) || criterion && token.starts_with(in_name)) =>
+        {
             "a statement ends with its line; put `;` between two in one line".to_string()
         }
         _ => return None,
@@ -172,6 +194,10 @@ pub fn unexpected(source: SourceId, offset: usize, text: &str, error: &Error<Rul
             expected.retain(|words| words != special);
         }
     }
+    let near = {
+        let keywords = expected.iter().filter_map(|words| words.strip_prefix('`')?.strip_suffix('`'));
+        nearest(&text[found.start..found.end], keywords.filter(|word| word.len() > 2)).map(str::to_string)
+    };
     let list = match expected.as_slice() {
         [] => "something else".to_string(),
         [only] => only.clone(),
@@ -181,7 +207,11 @@ pub fn unexpected(source: SourceId, offset: usize, text: &str, error: &Error<Rul
     const LONGEST_LABEL: usize = 40;
     let label =
         if list.len() > LONGEST_LABEL { "not expected here".to_string() } else { format!("expected {list}") };
-    Diagnostic::new(Code::UnexpectedText, found, message).label(label)
+    let diagnostic = Diagnostic::new(Code::UnexpectedText, found, message).label(label);
+    match near {
+        Some(near) => diagnostic.hint(format!("did you mean `{near}`?")),
+        None => diagnostic,
+    }
 }
 
 /// The brackets and signs that the statement could go on with at the furthest place that was read. Pest counts only

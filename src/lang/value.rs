@@ -99,6 +99,10 @@ impl Typed {
         Self { expression: Expression::Constant(value), kind, size: 1, span }
     }
 
+    pub fn word(word: &str, span: Span) -> Self {
+        Self::constant(Value::Word(word.to_string()), Kind::Word, span)
+    }
+
     pub fn variable(name: &str, kind: Kind, span: Span) -> Self {
         Self { expression: Expression::Variable(name.to_string()), kind, size: 1, span }
     }
@@ -240,6 +244,12 @@ fn quantity(node: Node, report: &mut Vec<Diagnostic>) -> Option<Typed> {
                 .label("not a unit");
                 diagnostic = match alias(symbol.text()) {
                     Some(unit) => diagnostic.hint(format!("write `{unit}`")),
+                    // Of short ones the nearest is seldom meant, and would change the value.
+                    None if symbol.text().len() < 4 => {
+                        let all: Vec<_> =
+                            units::UNITS.iter().map(|unit| format!("`{}`", unit.symbol)).collect();
+                        diagnostic.hint(format!("there are {}", all.join(", ")))
+                    }
                     None => diagnostic.suggest(symbol.text(), units::UNITS.iter().map(|unit| unit.symbol)),
                 };
                 report.push(diagnostic);

@@ -41,18 +41,29 @@ pub fn last_of<'a>(layers: &[Layer<'a>], rules: [Rule; 2]) -> Option<Said<'a>> {
 
 /// Reports every statement that stands again in the same block, except of kinds that may.
 pub fn reject_repeats(block: Node, may_repeat: &[Rule], report: &mut Vec<Diagnostic>) {
-    let mut seen: HashMap<Rule, Span> = HashMap::new();
+    let mut seen: HashMap<Rule, (Span, &str)> = HashMap::new();
     for statement in block.children() {
         let rule = statement.rule();
         if matches!(rule, Rule::bad | Rule::bad_setting) || may_repeat.contains(&rule) {
             continue;
         }
         let span = statement.span();
-        if let Some(first) = seen.get(&rule) {
-            let word = statement.text().split_whitespace().next().unwrap_or_default();
-            report.push(repeated(word.trim_matches('"'), span, *first));
-        } else {
-            seen.insert(rule, span);
+        let word = statement.text().split_whitespace().next().unwrap_or_default();
+        match seen.get(&rule) {
+            Some((first, said)) if *said == word || rule == Rule::doc => {
+                report.push(repeated(word.trim_matches('"'), span, *first));
+            }
+            Some((first, said)) => report.push(
+                Diagnostic::new(
+                    Code::RepeatedStatement,
+                    span,
+                    format!("`{word}` after `{said}`: one of them is too many"),
+                )
+                .label("said again")
+                .context(*first, "said first here")
+                .hint("remove one of them"),
+            ),
+            None => _ = seen.insert(rule, (span, word)),
         }
     }
 }

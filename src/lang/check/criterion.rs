@@ -403,15 +403,15 @@ pub fn metric_reference(
 ) -> Option<(MetricReference, &'static Metric)> {
     let name = node.child(Rule::name)?;
     let Some(found) = metric(name.text()) else {
-        report.push(
-            Diagnostic::new(
-                Code::UnknownMetric,
-                name.span(),
-                format!("there is no metric `{}`", name.text()),
-            )
-            .label("unknown metric")
-            .suggest(name.text(), METRICS.iter().map(|known| known.declaration.name)),
-        );
+        let message = format!("there is no metric `{}`", name.text());
+        let diagnostic = Diagnostic::new(Code::UnknownMetric, name.span(), message).label("unknown metric");
+        const AGGREGATES: [&str; 8] = ["mean", "median", "min", "max", "std", "rate", "count", "quantile"];
+        report.push(match AGGREGATES.contains(&name.text()) {
+            true => {
+                diagnostic.hint("this is about single runs: compare a metric itself, such as `pet < 1.5 s`")
+            }
+            false => diagnostic.suggest(name.text(), METRICS.iter().map(|known| known.declaration.name)),
+        });
         return None;
     };
     let details = node.child(Rule::metric_details);

@@ -18,7 +18,7 @@ use crate::metrics::MetricKind;
 use crate::pedestrian;
 use crate::scenario::{
     Aggregate, Budget, Comparison, Declaration, Dimension, Expression, Goal, InitialDesign, Method,
-    Objective, ParameterKind, Part, Range, RangeValues, Relation, Search, Target, Tune, Value,
+    Objective, ParameterKind, Part, Range, RangeValues, Relation, Search, Target, Tune, Value, Variation,
 };
 
 const MOST_EVALUATIONS: u32 = 1_000_000;
@@ -351,8 +351,29 @@ fn ranges(
             report.push(repeated(target.text(), target.span(), first));
         }
     }
+    reject_parted(&said, subject, report);
     let ranges: Vec<_> = nodes.into_iter().map(|node| range(node, subject, scope, places, report)).collect();
     ranges.into_iter().collect()
+}
+
+/// Reports what is searched without a name that it is varied together with, which would have no value.
+fn reject_parted(said: &HashMap<String, Span>, subject: &Subject, report: &mut Vec<Diagnostic>) {
+    for variation in &subject.scenario.variations {
+        let (Variation::Grid { names, .. } | Variation::Sampled { names, .. }) = variation;
+        let searched = names.iter().find_map(|name| Some((name, *said.get(name)?)));
+        let left = names.iter().find(|name| !said.contains_key(*name));
+        if let (Some((name, span)), Some(left)) = (searched, left) {
+            report.push(
+                Diagnostic::new(
+                    Code::BadTarget,
+                    span,
+                    format!("`{name}` is varied together with `{left}`, which would have no value"),
+                )
+                .label("one of several that belong together")
+                .hint(format!("search over `{left}` too, or vary the two by themselves")),
+            );
+        }
+    }
 }
 
 /// What a target takes: anything of a kind, or what a parameter declares.

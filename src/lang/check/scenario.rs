@@ -9,11 +9,12 @@ use super::road::road;
 use super::vehicle::{check_starts, vehicle};
 use super::{Places, runs, variation};
 use crate::lang::codes::Code;
-use crate::lang::diagnostic::Diagnostic;
+use crate::lang::diagnostic::{Diagnostic, nearest};
 use crate::lang::files::{Definition, Names};
+use crate::lang::settings::lone_word;
 use crate::lang::source::Span;
 use crate::lang::tree::{Node, Rule};
-use crate::lang::value::{self, Binding, Scope};
+use crate::lang::value::{self, Binding, Kind, Scope, Typed};
 use crate::scenario::{
     Criterion, DeclaredAppearance, DeclaredVehicleStart, Dimension, Expression, Pedestrian, Road, Scenario,
     Variation, Vehicle,
@@ -95,8 +96,8 @@ pub fn scenario(
     for (name, layers) in &pedestrian_groups {
         pedestrians.extend(pedestrian(*name, layers, road.as_ref(), &cast.vehicles, places, report));
     }
-    let unread = layers.iter().any(|layer| layer.block.is_broken());
-    let broken = report.len() > before || unread || road.is_none();
+    let unread = layers.iter().any(|layer| layer.block.is_broken()) || road.is_none();
+    let broken = report.len() > before || unread;
     if !broken {
         let awaited = |vehicle: &str| {
             pedestrians.iter().any(|pedestrian| {
@@ -149,7 +150,7 @@ pub fn scenario(
             tags.push(tag);
         }
     }
-    if report.len() == before && !unread {
+    if report.len() == before && !broken {
         unused(&layers, &varied, &variations, &vehicles, &pedestrians, report);
     }
     Some(Scenario {
@@ -279,8 +280,9 @@ fn parameter_scopes<'a>(
                     }
                     // The caller's own names: its scope was pushed just before.
                     let caller_scope = scopes.last()?;
-                    let value = value::evaluate(argument.child(Rule::expression)?, caller_scope, report);
-                    let default = default.and_then(|node| value::evaluate(node, &scope, report));
+                    let default = default.and_then(|node| argument_value(node, &scope, None, report));
+                    let kind = default.as_ref().map(|default| default.kind);
+                    let value = argument_value(argument.child(Rule::expression)?, caller_scope, kind, report);
                     value.filter(|value| {
                         default.is_none_or(|default| {
                             let what = format!("parameter `{}`", name.text());
@@ -288,7 +290,7 @@ fn parameter_scopes<'a>(
                         })
                     })
                 }
-                (None, Some(default)) => value::evaluate(default, &scope, report),
+                (None, Some(default)) => argument_value(default, &scope, None, report),
                 (None, None) => {
                     if let Some(base) = base {
                         report.push(
@@ -314,6 +316,24 @@ fn parameter_scopes<'a>(
     }
     scopes.reverse();
     Some(scopes)
+}
+
+/// The value of a parameter. A name that is not defined is a word where the default is one, or where no defined name is
+/// near enough to be meant.
+fn argument_value(
+    expression: Node,
+    scope: &Scope,
+    default: Option<Kind>,
+    report: &mut Vec<Diagnostic>,
+) -> Option<Typed> {
+    let Some(word) = lone_word(expression).filter(|word| scope.find(word).is_none()) else {
+        return value::evaluate(expression, scope, report);
+    };
+    match default {
+        Some(Kind::Word) => Some(Typed::word(word, expression.span())),
+        None if nearest(word, scope.all_names()).is_none() => Some(Typed::word(word, expression.span())),
+        _ => value::evaluate(expression, scope, report),
+    }
 }
 
 /// A layer's names: its file's and parameters, the scenario's variations and its own `let`.

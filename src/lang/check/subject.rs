@@ -83,12 +83,13 @@ impl<'a> Subjects<'a> {
         report: &mut Vec<Diagnostic>,
     ) -> Option<Subject<'a>> {
         if !self.scenario_names(places).any(|known| known == text) {
+            let what = if also.is_empty() { "scenario" } else { "scenario or search" };
             let known: Vec<&str> = self.scenario_names(places).chain(also.iter().copied()).collect();
             report.push(
                 Diagnostic::new(
                     Code::UnknownScenario,
                     place.span(),
-                    format!("there is no scenario `{text}` here"),
+                    format!("there is no {what} `{text}` here"),
                 )
                 .label("not in this suite")
                 .suggest(text, known),

@@ -39,6 +39,7 @@ pub fn variations(
 ) -> (Vec<Variation>, HashMap<String, Binding>) {
     let mut variations: Vec<Variation> = Vec::new();
     let mut bindings: HashMap<String, Binding> = HashMap::new();
+    let mut together_with: HashMap<String, Vec<(String, Span)>> = HashMap::new();
     for layer in layers {
         let mut names: HashMap<&str, Span> = HashMap::new();
         let statements =
@@ -53,8 +54,16 @@ pub fn variations(
                     report.push(repeated(name, *span, first));
                 }
                 variations.retain(|earlier| !varies(earlier, name));
+                if let Some(others) = together_with.remove(*name) {
+                    left_alone(layer.block, name, *span, &others, report);
+                }
                 // Poisoned unless the variation turns out well below.
                 bindings.insert(name.to_string(), Binding::new(None, *span));
+            }
+            for (name, _) in &varied_names(node) {
+                let others = varied_names(node).into_iter().filter(|(other, _)| other != name);
+                together_with
+                    .insert(name.to_string(), others.map(|(name, span)| (name.to_string(), span)).collect());
             }
             for varied in varied {
                 let mut binding =
@@ -68,6 +77,29 @@ pub fn variations(
         }
     }
     (variations, bindings)
+}
+
+/// Reports names that a layer leaves without values when it varies `name` anew, with which they were varied together.
+fn left_alone(block: Node, name: &str, span: Span, others: &[(String, Span)], report: &mut Vec<Diagnostic>) {
+    let anew: Vec<&str> = block
+        .children()
+        .filter(|node| matches!(node.rule(), Rule::vary | Rule::vary_together))
+        .flat_map(varied_names)
+        .map(|(name, _)| name)
+        .collect();
+    let alone: Vec<&(String, Span)> =
+        others.iter().filter(|(other, _)| !anew.contains(&other.as_str())).collect();
+    let Some((other, first)) = alone.first() else { return };
+    report.push(
+        Diagnostic::new(
+            Code::UnknownVariation,
+            span,
+            format!("varying `{name}` anew leaves `{other}` without values: they are varied together"),
+        )
+        .label(format!("replaces `{other}` too"))
+        .context(*first, "varied together here")
+        .hint(format!("vary `{other}` anew too, with `{name}` in `vary together {{ … }}` or by itself")),
+    );
 }
 
 fn varies(variation: &Variation, name: &str) -> bool {
@@ -215,7 +247,7 @@ fn values<'t>(
 ) -> Option<(Kind, Vec<VariedValue>)> {
     let mut kind: Option<(Kind, Span)> = None;
     let mut values: Vec<VariedValue> = Vec::new();
-    let mut labels: HashMap<String, Span> = HashMap::new();
+    let mut said: HashMap<String, Span> = HashMap::new();
     let mut failed = false;
     for expression in expressions {
         let Some((typed, label)) = constant(expression, scope, report) else {
@@ -234,7 +266,7 @@ fn values<'t>(
             kind = Some((typed.kind, typed.span));
         }
         let crate::scenario::Expression::Constant(value) = typed.expression else { continue };
-        if let Some(first) = labels.insert(label.clone(), typed.span) {
+        if let Some(first) = said.insert(format!("{value:?}"), typed.span) {
             report.push(
                 Diagnostic::new(Code::RepeatedValue, typed.span, format!("`{label}` is listed twice"))
                     .label("again")
@@ -266,8 +298,7 @@ fn constant(expression: Node, scope: &Scope, report: &mut Vec<Diagnostic>) -> Op
     if let Some(word) = lone_word(expression)
         && scope.find(word).is_none()
     {
-        let value = Typed::constant(Value::Word(word.to_string()), Kind::Word, expression.span());
-        return Some((value, word.to_string()));
+        return Some((Typed::word(word, expression.span()), word.to_string()));
     }
     let typed = value::evaluate(expression, scope, report)?;
     let label = match &typed.expression {

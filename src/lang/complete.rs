@@ -1,0 +1,459 @@
+//! What could stand at a place that is being written.
+//!
+//! The place is found by tokens alone, because a text is seldom whole while it is being written; what a statement could
+//! go on with is asked of the grammar, and names come from the rest of the file.
+
+use std::collections::HashSet;
+use std::path::Path;
+
+use super::assist::{declaration_of, path_to, statements_of};
+use super::check::{OBSTACLE, SIGNALISED, UNMARKED, ZEBRA};
+use super::files::{FileId, Files};
+use super::lexer::{self, Token, TokenKind};
+use super::syntax_error::goes_on_with;
+use super::tree::{Node, Rule};
+use super::units;
+use crate::metrics::METRICS;
+use crate::scenario::{Declaration, ParameterKind};
+use crate::{pedestrian, vehicle};
+
+/// A word that could stand somewhere.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Proposal {
+    pub word: String,
+    /// One line.
+    pub detail: String,
+}
+
+/// The words that could stand at byte `offset` of the file at `path`, with the names that it defines or uses.
+pub fn complete(path: &Path, text: &str, offset: usize) -> Vec<Proposal> {
+    let before = &text[..offset.min(text.len())];
+    let tokens: Vec<Token> =
+        lexer::tokens(before).into_iter().filter(|token| token.kind != TokenKind::Space).collect();
+    if tokens.last().is_some_and(|token| matches!(token.kind, TokenKind::Comment | TokenKind::OpenString)) {
+        return Vec::new();
+    }
+    let word = |token: &Token| &before[token.start..token.end];
+    // The first words of every statement whose braces are open here, and the current statement.
+    let mut open: Vec<Vec<&str>> = Vec::new();
+    let mut statement: Vec<&str> = Vec::new();
+    let mut start = 0;
+    for token in &tokens {
+        match (token.kind, word(token)) {
+            (TokenKind::Newline | TokenKind::Comment, _) | (_, ";") => statement.clear(),
+            (_, "{") => open.push(std::mem::take(&mut statement)),
+            (_, "}") => {
+                open.pop();
+                statement.clear();
+            }
+            (_, text) => {
+                if statement.is_empty() {
+                    start = token.start;
+                }
+                statement.push(text);
+            }
+        }
+    }
+    // The word being written is what is to be completed.
+    let writing = tokens.last().filter(|token| token.kind == TokenKind::Word && token.end == before.len());
+    if writing.is_some() {
+        statement.pop();
+    }
+    let owner = open.last().map_or(&[] as &[&str], Vec::as_slice);
+    if let Some(declaration) = settings_of(owner) {
+        return setting(&declaration, &statement);
+    }
+    let block = block_of(owner);
+    match statement.as_slice() {
+        [] => first_words(block),
+        [.., number] if number.starts_with(|c: char| c.is_ascii_digit()) => {
+            units::UNITS.iter().map(|unit| proposal(unit.symbol, unit.doc)).collect()
+        }
+        ["controller"] => vehicle::CONTROLLERS.iter().map(|known| of(&known.declaration)).collect(),
+        ["dynamics"] => vehicle::DYNAMICS.iter().map(|known| of(&known.declaration)).collect(),
+        ["model"] => pedestrian::MODELS.iter().map(|known| of(&known.declaration)).collect(),
+        ["crossing"] => {
+            let kinds = [("zebra", ZEBRA), ("unmarked", UNMARKED), ("signalised", SIGNALISED)];
+            kinds.iter().map(|(name, kind)| proposal(name, kind.summary)).collect()
+        }
+        [.., "no"] if !matches!(block, Rule::road_block | Rule::gate_block) => metrics(),
+        ["road"] => visible(path, &without_line(text, before.len()), &[Rule::road_definition]),
+        [.., ":"] if block == Rule::file => {
+            visible(path, &without_line(text, before.len()), &[Rule::scenario, Rule::define])
+        }
+        [.., "in" | "on" | "of" | "with" | "as"] if refers(block, &statement) => {
+            let blocks = [Rule::search, Rule::tune, Rule::evaluate];
+            visible(path, &without_line(text, before.len()), &[&blocks[..], &[Rule::scenario]].concat())
+        }
+        _ => {
+            let end = writing.map_or(before.len(), |token| token.start);
+            let place = Place { path, text: without_line(text, before.len()), line: line_start(before) };
+            place.go_on(block, &statement, &before[start.min(end)..end])
+        }
+    }
+}
+
+/// Whether a statement of a block names scenarios and other blocks.
+fn refers(block: Rule, statement: &[&str]) -> bool {
+    let names =
+        matches!(block, Rule::search_block | Rule::tune_block | Rule::evaluate_block | Rule::statement_block);
+    names && !statement.iter().any(|word| matches!(*word, "over" | "rises" | "falls" | "compare" | "repeat"))
+}
+
+fn line_start(before: &str) -> usize {
+    before.rfind('\n').map_or(0, |at| at + 1)
+}
+
+/// Where something is written: a text that can be read, without the line at byte `line`.
+struct Place<'a> {
+    path: &'a Path,
+    text: String,
+    line: usize,
+}
+
+impl Place<'_> {
+    /// What a statement could go on with after `written`, as far as the grammar says it.
+    fn go_on(&self, block: Rule, statement: &[&str], written: &str) -> Vec<Proposal> {
+        let mut files = Files::default();
+        files.overlay(self.path, self.text.as_str());
+        let Some(file) = files.open(self.path, None, &mut Vec::new()) else { return Vec::new() };
+        let first = statement.first().copied().unwrap_or_default();
+        let known = statements_of(block).iter().filter(|known| known.word == first || known.word.is_empty());
+        let mut rules: Vec<Rule> = known.flat_map(|known| goes_on_with(known.rule, written)).collect();
+        rules.sort_unstable();
+        rules.dedup();
+        let mut found: Vec<Proposal> = Vec::new();
+        for rule in rules {
+            match rule {
+                Rule::metric | Rule::condition | Rule::criterion | Rule::constraint => {
+                    found.extend(metrics())
+                }
+                Rule::rate
+                | Rule::quantile
+                | Rule::statistic
+                | Rule::statistic_name
+                | Rule::aggregate_claim
+                | Rule::measured
+                | Rule::measure => found.extend(aggregates()),
+                Rule::expression | Rule::quantity | Rule::reference | Rule::lone_operand | Rule::group => {
+                    found.extend(self.names(
+                        &files,
+                        file,
+                        &[Rule::binding, Rule::vary, Rule::varied, Rule::parameter],
+                    ));
+                    found.extend(constants(&files, file));
+                }
+                Rule::target => {
+                    found.extend(self.names(
+                        &files,
+                        file,
+                        &[Rule::vary, Rule::varied, Rule::vehicle, Rule::pedestrian],
+                    ));
+                }
+                Rule::name | Rule::when_condition | Rule::run_condition => match named(statement) {
+                    Some(kinds) => found.extend(self.names(&files, file, kinds)),
+                    None => found.extend(metrics()),
+                },
+                Rule::setting_name => {
+                    if let [.., user, ".", part, "."] = statement {
+                        found.extend(self.parameters(&files, file, user, part));
+                    }
+                }
+                Rule::distribution | Rule::distribution_name => {
+                    found.extend(DISTRIBUTIONS.iter().map(|name| proposal(name, "A distribution.")));
+                }
+                keyword => {
+                    let name = format!("{keyword:?}");
+                    found.extend(name.strip_prefix("kw_").map(|word| proposal(word, "")));
+                }
+            }
+        }
+        let mut seen = HashSet::new();
+        found.retain(|one| seen.insert(one.word.clone()));
+        found
+    }
+
+    /// The scenario that is being written with those it builds on; elsewhere, every scenario of the file and those it uses.
+    fn scenarios<'f>(&self, files: &'f Files, file: FileId) -> Vec<Node<'f>> {
+        let names = files.names(file);
+        let around = path_to(files.tree(file), self.line.min(self.text.len()));
+        let inside = around.into_iter().find(|node| matches!(node.rule(), Rule::scenario | Rule::define));
+        let Some(inside) = inside else {
+            let mut all: Vec<_> = names.scenarios.iter().collect();
+            all.sort_by_key(|(name, _)| name.as_str());
+            return all.into_iter().map(|(_, definition)| files.node(*definition)).collect();
+        };
+        let mut chain = vec![inside];
+        while let Some(base) = chain.last().and_then(|node| node.child(Rule::base)?.child(Rule::name)) {
+            let Some(definition) = names.scenarios.get(base.text()) else { break };
+            let node = files.node(*definition);
+            if chain.iter().any(|known| known.span() == node.span()) {
+                break;
+            }
+            chain.push(node);
+        }
+        chain
+    }
+
+    /// The names that statements of those kinds give here, each with the statement's first line.
+    fn names(&self, files: &Files, file: FileId, kinds: &[Rule]) -> Vec<Proposal> {
+        let nodes = self.scenarios(files, file).into_iter().flat_map(Node::descendants);
+        nodes
+            .filter(|node| kinds.contains(&node.rule()))
+            .filter_map(|node| {
+                let line = node.text().lines().next().unwrap_or_default();
+                Some(proposal(node.child(Rule::name)?.text(), line.trim_end_matches('{').trim_end()))
+            })
+            .collect()
+    }
+
+    /// The parameters of a road user's controller, dynamics, perception or model.
+    fn parameters(&self, files: &Files, file: FileId, user: &str, part: &str) -> Vec<Proposal> {
+        let statements = self
+            .scenarios(files, file)
+            .into_iter()
+            .flat_map(Node::descendants)
+            .filter(|node| matches!(node.rule(), Rule::vehicle | Rule::pedestrian))
+            .filter(|node| node.child(Rule::name).is_some_and(|name| name.text() == user))
+            .flat_map(Node::descendants)
+            .filter(|node| node.text().split_whitespace().next() == Some(part));
+        let declared = statements.filter_map(declaration_of).next();
+        let declared = declared.or_else(|| (part == "sees").then_some(vehicle::PERCEPTION));
+        declared.map_or_else(Vec::new, |declaration| setting(&declaration, &[]))
+    }
+}
+
+/// The kinds of statements that give the names that could follow; `None` where a metric could.
+fn named(statement: &[&str]) -> Option<&'static [Rule]> {
+    const USERS: &[Rule] = &[Rule::vehicle, Rule::pedestrian];
+    const VARIED: &[Rule] = &[Rule::vary, Rule::varied];
+    const TARGETS: &[Rule] = &[Rule::vary, Rule::varied, Rule::vehicle, Rule::pedestrian];
+    let mut depth = 0;
+    let open = statement.iter().rposition(|word| {
+        depth += i32::from(*word == "(") - i32::from(*word == ")");
+        depth > 0
+    });
+    let call = open.and_then(|open| statement.get(open.checked_sub(1)?)).copied();
+    match (statement.first().copied(), call) {
+        (_, Some("time_to_arrival")) => Some(&[Rule::vehicle]),
+        (_, Some("chosen")) | (Some("over"), None) => Some(TARGETS),
+        (_, Some(call)) if aggregates().iter().any(|one| one.word == call) => None,
+        (_, Some(_)) => Some(USERS),
+        (Some("minimise" | "maximise" | "keep" | "subject" | "measure"), None) => None,
+        _ => Some(VARIED),
+    }
+}
+
+/// What a file gives names to, itself or in files that it uses.
+fn constants(files: &Files, file: FileId) -> Vec<Proposal> {
+    let mut names: Vec<_> = files.scope(file).names.iter().collect();
+    names.sort_by_key(|(name, _)| name.as_str());
+    names
+        .into_iter()
+        .map(|(name, binding)| {
+            let place = files.sources.origin(binding.span);
+            proposal(name, place.source_line.trim())
+        })
+        .collect()
+}
+
+const DISTRIBUTIONS: [&str; 4] = ["uniform", "normal", "truncated_normal", "choice"];
+
+/// A text that is being written as one that can be read: without the line at `offset`, with every brace closed.
+fn without_line(text: &str, offset: usize) -> String {
+    let start = text[..offset].rfind('\n').map_or(0, |at| at + 1);
+    let end = text[offset..].find('\n').map_or(text.len(), |at| offset + at);
+    let mut whole = format!("{}{}", &text[..start], &text[end..]);
+    let tokens = lexer::tokens(&whole);
+    let count = |brace: &str| tokens.iter().filter(|token| &whole[token.start..token.end] == brace).count();
+    let missing = count("{").saturating_sub(count("}"));
+    whole.push_str(&"\n}".repeat(missing));
+    whole
+}
+
+/// The names of some kinds that a file defines or sees in files that it uses, in the order of the alphabet, with the line that
+/// defines each.
+fn visible(path: &Path, text: &str, kinds: &[Rule]) -> Vec<Proposal> {
+    let mut files = Files::default();
+    files.overlay(path, text);
+    let Some(file) = files.open(path, None, &mut Vec::new()) else { return Vec::new() };
+    let names = files.names(file);
+    let all = names.roads.iter().chain(&names.scenarios).chain(&names.blocks);
+    let mut found: Vec<Proposal> = all
+        .filter(|(_, defined)| kinds.contains(&files.tree(defined.file).node(defined.node).rule()))
+        .map(|(name, defined)| {
+            let node = files.tree(defined.file).node(defined.node);
+            let first_line = node.text().lines().next().unwrap_or_default();
+            proposal(name, first_line.trim_end_matches('{').trim_end())
+        })
+        .collect();
+    found.sort_by(|one, other| one.word.cmp(&other.word));
+    found
+}
+
+fn proposal(word: &str, detail: &str) -> Proposal {
+    Proposal { word: word.to_string(), detail: detail.to_string() }
+}
+
+fn of(declaration: &Declaration) -> Proposal {
+    proposal(declaration.name, declaration.summary)
+}
+
+fn metrics() -> Vec<Proposal> {
+    METRICS.iter().map(|known| of(&known.declaration)).collect()
+}
+
+fn aggregates() -> Vec<Proposal> {
+    let words = [
+        ("mean", "The mean over runs."),
+        ("median", "The median over runs."),
+        ("min", "The smallest of all runs."),
+        ("max", "The largest of all runs."),
+        ("std", "The standard deviation over runs."),
+        ("quantile", "`quantile(95 %, pet)`: what that share of runs stays below."),
+        ("rate", "The share of runs in which something holds."),
+        ("count", "The number of runs in which something holds."),
+    ];
+    words.iter().map(|(word, doc)| proposal(word, doc)).collect()
+}
+
+/// The kind of block that a statement opens.
+fn block_of(owner: &[&str]) -> Rule {
+    match owner {
+        [] => Rule::file,
+        ["road", ..] => Rule::road_block,
+        ["scenario" | "define", ..] => Rule::scenario_block,
+        ["vehicle", ..] => Rule::vehicle_block,
+        ["pedestrian", ..] => Rule::pedestrian_block,
+        ["expect", ..] => Rule::expect_block,
+        ["vary", ..] => Rule::together_block,
+        ["suite", ..] => Rule::suite_block,
+        ["gate", ..] => Rule::gate_block,
+        ["search", ..] => Rule::search_block,
+        ["tune", ..] => Rule::tune_block,
+        ["evaluate", ..] => Rule::evaluate_block,
+        ["statement", ..] => Rule::statement_block,
+        _ => Rule::settings,
+    }
+}
+
+fn first_words(block: Rule) -> Vec<Proposal> {
+    if block == Rule::expect_block {
+        return [vec![proposal("no", "What must not happen.")], aggregates(), metrics()].concat();
+    }
+    let mut words: Vec<Proposal> = Vec::new();
+    for known in statements_of(block).iter().filter(|known| !known.word.is_empty()) {
+        if words.iter().all(|word| word.word != known.word) {
+            words.push(proposal(known.word, known.doc));
+        }
+    }
+    words
+}
+
+/// What the settings belong to that a statement opens.
+fn settings_of(owner: &[&str]) -> Option<Declaration> {
+    match owner {
+        ["controller", name] => vehicle::controller(name).map(|found| found.declaration),
+        ["dynamics", name] => vehicle::dynamics(name).map(|found| found.declaration),
+        ["model", name] => pedestrian::model(name).map(|found| found.declaration),
+        ["sees"] => Some(vehicle::PERCEPTION),
+        ["box" | "parked", _] => Some(OBSTACLE),
+        ["crossing", "zebra"] => Some(ZEBRA),
+        ["crossing", "unmarked"] => Some(UNMARKED),
+        ["crossing", "signalised"] => Some(SIGNALISED),
+        _ => None,
+    }
+}
+
+/// Names of parameters, or what the one before the colon takes.
+fn setting(declaration: &Declaration, statement: &[&str]) -> Vec<Proposal> {
+    let current = statement.rsplit(|word| *word == ",").next().unwrap_or_default();
+    match current {
+        [] => {
+            let presets = declaration.presets.map(|family| proposal(family.word, "Named settings."));
+            declaration
+                .parameters
+                .iter()
+                .map(|found| proposal(found.name, found.doc))
+                .chain(presets)
+                .collect()
+        }
+        [name, ":"] => {
+            if let Some(family) = declaration.presets.filter(|family| family.word == *name) {
+                return family.presets.iter().map(|preset| proposal(preset.name, preset.doc)).collect();
+            }
+            match declaration.parameter(name).map(|found| found.kind) {
+                Some(ParameterKind::Choice { options, .. }) => {
+                    options.iter().map(|option| proposal(option.name, option.doc)).collect()
+                }
+                Some(ParameterKind::Flag { .. }) => vec![proposal("true", ""), proposal("false", "")],
+                _ => Vec::new(),
+            }
+        }
+        [.., number] if number.starts_with(|c: char| c.is_ascii_digit()) => {
+            units::UNITS.iter().map(|unit| proposal(unit.symbol, unit.doc)).collect()
+        }
+        _ => Vec::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn completion_knows_where_it_is() {
+        let words = |text: &str| {
+            complete(Path::new("nowhere/a.scn"), text, text.len())
+                .into_iter()
+                .map(|found| found.word)
+                .collect::<Vec<_>>()
+        };
+        assert!(words("").contains(&"scenario".to_string()));
+        assert!(words("scenario a {\n  ve").contains(&"vehicle".to_string()));
+        assert!(words("scenario a { vehicle v {\n controller ").contains(&"carla_behavior".to_string()));
+        assert!(words("vehicle v { controller carla_behavior { ").contains(&"braking_distance".to_string()));
+        assert!(
+            words("vehicle v { controller carla_behavior { gap: 1, profile: ")
+                .contains(&"cautious".to_string())
+        );
+        assert!(words("scenario a { expect {\n  no ").contains(&"collision".to_string()));
+        assert!(words("vehicle v { speed 30 ").contains(&"km/h".to_string()));
+        assert!(words("# scen").is_empty());
+        let text = "define base {\n}\nscenario a : base {\n}\nsearch s {\n  in a\n}\ntune t {\n  on ";
+        assert_eq!(words(text), ["a", "s", "t"]);
+        assert_eq!(words(&format!("{text}s\n}}\nscenario b : ")), ["a", "base"]);
+        assert_eq!(complete(Path::new("nowhere/a.scn"), &format!("{text}\n}}\n"), text.len()).len(), 3);
+    }
+
+    #[test]
+    fn statements_go_on_as_the_grammar_says() {
+        let words = |text: &str| {
+            let found = complete(Path::new("nowhere/a.scn"), text, text.len());
+            found.into_iter().map(|found| found.word).collect::<Vec<_>>()
+        };
+        let text = "let pace = 1 m/s\nscenario walk {\n  vehicle av {\n    controller carla_behavior\n  }\n  \
+                    pedestrian walker {\n    model scripted\n  }\n  vary tta in [1 s]\n}\n";
+        let after = |more: &str| words(&format!("{text}{more}"));
+        assert_eq!(after("search s {\n  over "), ["av", "walker", "tta"]);
+        assert_eq!(after("search s {\n  over av."), ["controller", "dynamics", "sees", "model"]);
+        assert!(after("search s {\n  over av.controller.").contains(&"braking_distance".to_string()));
+        assert!(after("search s {\n  over walker.model.").contains(&"speed".to_string()));
+        assert!(after("search s {\n  budget 6 evaluations, by ").contains(&"sobol".to_string()));
+        assert!(after("tune t {\n  minimise ").contains(&"mean".to_string()));
+        assert_eq!(after("statement s {\n  claim mean(pet) of walk rises with "), ["tta"]);
+        let inside = |more: &str| words(&format!("{}{more}", text.trim_end().trim_end_matches('}')));
+        assert_eq!(inside("  pedestrian other {\n    appears "), ["at", "when"]);
+        assert_eq!(inside("  pedestrian other {\n    appears when time_to_arrival("), ["av"]);
+        assert_eq!(inside("  pedestrian other {\n    from "), ["near", "far"]);
+        assert_eq!(inside("  vehicle other {\n    speed "), ["tta", "pace"]);
+        assert_eq!(inside("  expect {\n    pet(av, "), ["av", "walker"]);
+        assert_eq!(inside("  expect {\n    pet >= 1 s when "), ["tta"]);
+        assert!(inside("  expect {\n    pet >= 1 s ").contains(&"when".to_string()));
+        assert!(inside("  expect {\n    quantile(95 %, ").contains(&"pet".to_string()));
+        assert!(inside("  expect {\n    no ").contains(&"collision".to_string()));
+        assert!(inside("  expect {\n    ").contains(&"mean".to_string()));
+        assert!(inside("  vary v in ").contains(&"uniform".to_string()));
+        assert!(inside("  expect {\n    pet >> ").is_empty(), "what is wrong already goes on with nothing");
+    }
+}
