@@ -305,7 +305,7 @@ impl<'s> Claims<'_, 's> {
             return None;
         }
         let tune = subjects.tunes.find(name.text())?;
-        let wanted: String = place.text().chars().filter(|c| !c.is_whitespace()).collect();
+        let wanted = phrase(place);
         let targets: Vec<String> = tune.over.iter().map(|range| range.target.to_string()).collect();
         if !targets.contains(&wanted) {
             self.report.push(

@@ -9,6 +9,7 @@ use super::experiment::{SummedUp, Takes, summed_up, target};
 use super::subject::{Subject, Subjects, case_set};
 use crate::lang::codes::Code;
 use crate::lang::diagnostic::Diagnostic;
+use crate::lang::format::phrase;
 use crate::lang::settings::{self, repeated};
 use crate::lang::source::Span;
 use crate::lang::tree::{Node, Rule};
@@ -239,13 +240,13 @@ fn given(
         );
         return None;
     }
-    let mut said: HashMap<&str, Span> = HashMap::new();
+    let mut said: HashMap<String, Span> = HashMap::new();
     let values: Vec<_> = nodes
         .into_iter()
         .map(|node| {
             let (place, wanted) = (node.child(Rule::target)?, node.child(Rule::expression)?);
-            if let Some(first) = said.insert(place.text(), place.span()) {
-                report.push(repeated(place.text(), place.span(), first));
+            if let Some(first) = said.insert(phrase(place), place.span()) {
+                report.push(repeated(&phrase(place), place.span(), first));
                 return None;
             }
             let (target, takes) = target(place, subject, report)?;

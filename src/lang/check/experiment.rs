@@ -9,6 +9,7 @@ use super::pedestrian::individuals;
 use super::subject::{Subject, Subjects, case_set, declarations};
 use crate::lang::codes::Code;
 use crate::lang::diagnostic::Diagnostic;
+use crate::lang::format::phrase;
 use crate::lang::print;
 use crate::lang::settings::{self, lone_word, repeated};
 use crate::lang::source::Span;
@@ -347,8 +348,8 @@ fn ranges(
     }
     let mut said: HashMap<String, Span> = HashMap::new();
     for target in nodes.iter().filter_map(|node| node.child(Rule::target)) {
-        if let Some(first) = said.insert(target.text().to_string(), target.span()) {
-            report.push(repeated(target.text(), target.span(), first));
+        if let Some(first) = said.insert(phrase(target), target.span()) {
+            report.push(repeated(&phrase(target), target.span(), first));
         }
     }
     reject_parted(&said, subject, report);

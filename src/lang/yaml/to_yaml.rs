@@ -200,7 +200,7 @@ fn write(key: &Key, statements: &[Node], depth: usize, out: &mut String) {
             for node in statements {
                 let ranges: Vec<Node> = node.all(Rule::over_range).collect();
                 for range in &ranges {
-                    let target = range.child(Rule::target).map_or("", Node::text);
+                    let target = range.child(Rule::target).map(phrase).unwrap_or_default();
                     line(depth + 1, &format!("{target}: {}", values(*range)), out);
                 }
                 if ranges.is_empty() {
