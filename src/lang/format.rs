@@ -121,23 +121,25 @@ fn atoms(of: Node) -> Vec<Atom> {
     let mut skip_to = 0;
     let first = tree.tokens().partition_point(|token| token.start < span.start);
     for (index, token) in tree.tokens().iter().enumerate().skip(first) {
-        if token.start < skip_to {
-            continue;
-        }
         if token.start >= span.end {
             break;
         }
-        if let Some((end, rule, text)) = leaves.get(&token.start) {
+        // A leaf may end inside a token, such as the number of `1e3s`, whose unit is the rest of the word `e3s`.
+        let mut start = token.start.max(skip_to);
+        while let Some((end, rule, text)) = leaves.get(&start).filter(|_| start < token.end) {
             let kind = match rule {
                 Rule::negation => AtomKind::Negation,
                 Rule::operator | Rule::relation => AtomKind::Operator,
                 _ => AtomKind::Word,
             };
             atoms.push(Atom { text: text.clone(), kind, newlines: std::mem::take(&mut newlines) });
-            skip_to = *end;
+            start = *end;
+        }
+        skip_to = start;
+        if start >= token.end {
             continue;
         }
-        let written = &text[token.start..token.end];
+        let written = &text[start..token.end];
         let kind = match (token.kind, written) {
             (TokenKind::Space, _) => continue,
             (TokenKind::Newline, _) => {
@@ -449,6 +451,11 @@ mod tests {
         }  # eight
         # nine
         ");
+    }
+
+    #[test]
+    fn a_unit_without_space_stays() {
+        assert_eq!(formatted("let a=1e3m/s+6s*2E-1µm"), "let a = 1e3 m/s + 6 s * 2E-1 µm\n");
     }
 
     #[test]
