@@ -461,6 +461,7 @@ mod tests {
     #[test]
     fn a_byte_order_mark_goes() {
         assert_eq!(formatted("\u{feff} let a=1 m"), "let a = 1 m\n");
+        assert!(format(Sources::default().add("test.scn", ""), " \u{feff}").is_err(), "it is none elsewhere");
     }
 
     #[test]
