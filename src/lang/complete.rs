@@ -7,7 +7,7 @@ use std::collections::HashSet;
 use std::path::Path;
 
 use super::assist::{declaration_of, path_to, statements_of};
-use super::check::{OBSTACLE, SIGNALISED, UNMARKED, ZEBRA};
+use super::check::{AGGREGATES, DISTRIBUTIONS, OBSTACLE, SIGNALISED, UNMARKED, ZEBRA};
 use super::files::{FileId, Files};
 use super::lexer::{self, Token, TokenKind};
 use super::syntax_error::goes_on_with;
@@ -66,9 +66,7 @@ pub fn complete(path: &Path, text: &str, offset: usize) -> Vec<Proposal> {
     let block = block_of(owner);
     match statement.as_slice() {
         [] => first_words(block),
-        [.., number] if number.starts_with(|c: char| c.is_ascii_digit()) => {
-            units::UNITS.iter().map(|unit| proposal(unit.symbol, unit.doc)).collect()
-        }
+        [.., number] if number.starts_with(|c: char| c.is_ascii_digit()) => units(),
         ["controller"] => vehicle::CONTROLLERS.iter().map(|known| of(&known.declaration)).collect(),
         ["dynamics"] => vehicle::DYNAMICS.iter().map(|known| of(&known.declaration)).collect(),
         ["model"] => pedestrian::MODELS.iter().map(|known| of(&known.declaration)).collect(),
@@ -237,7 +235,7 @@ fn named(statement: &[&str]) -> Option<&'static [Rule]> {
     match (statement.first().copied(), call) {
         (_, Some("time_to_arrival")) => Some(&[Rule::vehicle]),
         (_, Some("chosen")) | (Some("over"), None) => Some(TARGETS),
-        (_, Some(call)) if aggregates().iter().any(|one| one.word == call) => None,
+        (_, Some(call)) if AGGREGATES.iter().any(|(word, _)| *word == call) => None,
         (_, Some(_)) => Some(USERS),
         (Some("minimise" | "maximise" | "keep" | "subject" | "measure"), None) => None,
         _ => Some(VARIED),
@@ -256,8 +254,6 @@ fn constants(files: &Files, file: FileId) -> Vec<Proposal> {
         })
         .collect()
 }
-
-const DISTRIBUTIONS: [&str; 4] = ["uniform", "normal", "truncated_normal", "choice"];
 
 /// A text that is being written as one that can be read: without the line at `offset`, with every brace closed.
 fn without_line(text: &str, offset: usize) -> String {
@@ -299,22 +295,16 @@ fn of(declaration: &Declaration) -> Proposal {
     proposal(declaration.name, declaration.summary)
 }
 
+fn units() -> Vec<Proposal> {
+    units::UNITS.iter().map(|unit| proposal(unit.symbol, unit.doc)).collect()
+}
+
 fn metrics() -> Vec<Proposal> {
     METRICS.iter().map(|known| of(&known.declaration)).collect()
 }
 
 fn aggregates() -> Vec<Proposal> {
-    let words = [
-        ("mean", "The mean over runs."),
-        ("median", "The median over runs."),
-        ("min", "The smallest of all runs."),
-        ("max", "The largest of all runs."),
-        ("std", "The standard deviation over runs."),
-        ("quantile", "`quantile(95 %, pet)`: what that share of runs stays below."),
-        ("rate", "The share of runs in which something holds."),
-        ("count", "The number of runs in which something holds."),
-    ];
-    words.iter().map(|(word, doc)| proposal(word, doc)).collect()
+    AGGREGATES.iter().map(|(word, doc)| proposal(word, doc)).collect()
 }
 
 /// The kind of block that a statement opens.
@@ -390,9 +380,7 @@ fn setting(declaration: &Declaration, statement: &[&str]) -> Vec<Proposal> {
                 _ => Vec::new(),
             }
         }
-        [.., number] if number.starts_with(|c: char| c.is_ascii_digit()) => {
-            units::UNITS.iter().map(|unit| proposal(unit.symbol, unit.doc)).collect()
-        }
+        [.., number] if number.starts_with(|c: char| c.is_ascii_digit()) => units(),
         _ => Vec::new(),
     }
 }

@@ -50,6 +50,9 @@ const NAMING: [&str; 11] = [
 
 /// Removes findings about names that statements or files would define if they could be read.
 pub fn remove(files: &Files, report: &mut Vec<Diagnostic>) {
+    if !report.iter().any(|found| UNKNOWN.contains(&found.code)) {
+        return;
+    }
     let uses: Vec<Span> = files
         .ids()
         .flat_map(|file| files.tree(file).root().all(Rule::use_file))

@@ -221,7 +221,7 @@ fn format_tree(tree: &Tree) -> String {
 
 impl Printer {
     fn print(&mut self, atom: &Atom) {
-        let frame = self.frames.last().copied().unwrap_or(Frame::Block { settings: false });
+        let frame = self.frame();
         match (atom.kind, frame) {
             (AtomKind::Comment, _) => return self.comment(atom),
             (AtomKind::Semicolon, Frame::Block { .. }) => return self.separate(""),
@@ -280,6 +280,11 @@ impl Printer {
         }
     }
 
+    /// What is open here; a file is a block.
+    fn frame(&self) -> Frame {
+        self.frames.last().copied().unwrap_or(Frame::Block { settings: false })
+    }
+
     /// Whether what comes next belongs to the statement of the line before, which ended after a comma or operator.
     fn continues(&self, frame: Frame) -> bool {
         matches!(frame, Frame::Block { .. })
@@ -336,7 +341,7 @@ impl Printer {
             if self.in_line {
                 self.end_line();
             }
-            let frame = self.frames.last().copied().unwrap_or(Frame::Block { settings: false });
+            let frame = self.frame();
             let continues = self.continues(frame);
             if atom.newlines > 1
                 && !continues

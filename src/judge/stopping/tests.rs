@@ -24,13 +24,21 @@ fn criterion(claim: Claim) -> Criterion {
 
 /// `pet >= bound in … of runs with 95 % confidence`
 fn share(bound: f64, share: f64) -> Criterion {
-    let comparison = Comparison {
+    criterion(Claim::Runs { comparison: at_least(bound), share: Some(share), confidence: Some(0.95) })
+}
+
+/// `pet >= 1 s` in every run
+fn every_run() -> Criterion {
+    criterion(Claim::Runs { comparison: at_least(1.0), share: None, confidence: None })
+}
+
+fn at_least(bound: f64) -> Comparison {
+    Comparison {
         metric: pet(),
         relation: Relation::GreaterOrEqual,
         bound: Expression::number(bound),
         when_undefined: WhenUndefined::Fails,
-    };
-    criterion(Claim::Runs { comparison, share: Some(share), confidence: Some(0.95) })
+    }
 }
 
 /// `quantile(level, pet) … bound with 95 % confidence`
@@ -109,17 +117,7 @@ fn a_clear_case_takes_as_few_runs_as_can_show_it_however_many_ran_ahead() {
 fn what_is_decided_stays_while_others_take_more() {
     // The first 60 runs hold, later ones do not.
     let values = (0..400).map(|run| Some(if run < 60 { 2.0 } else { 0.5 }));
-    let every_run = criterion(Claim::Runs {
-        comparison: Comparison {
-            metric: pet(),
-            relation: Relation::GreaterOrEqual,
-            bound: Expression::number(1.0),
-            when_undefined: WhenUndefined::Fails,
-        },
-        share: None,
-        confidence: None,
-    });
-    let criteria = vec![share(1.0, 0.9), share(1.0, 0.99), every_run];
+    let criteria = vec![share(1.0, 0.9), share(1.0, 0.99), every_run()];
     let verdict = watched(criteria, ROUNDS, &outcomes(values), 1);
     let found: Vec<_> =
         verdict.findings.iter().map(|finding| (finding.verdict, finding.runs, finding.holding)).collect();
@@ -141,21 +139,11 @@ fn a_budget_that_is_spent_leaves_it_open() {
 
 #[test]
 fn nothing_to_decide_takes_the_least_and_fixed_runs_are_never_enough() {
-    let every_run = criterion(Claim::Runs {
-        comparison: Comparison {
-            metric: pet(),
-            relation: Relation::GreaterOrEqual,
-            bound: Expression::number(1.0),
-            when_undefined: WhenUndefined::Fails,
-        },
-        share: None,
-        confidence: None,
-    });
     let all = outcomes((0..400).map(|_| Some(2.0)));
-    let verdict = watched(vec![every_run.clone()], ROUNDS, &all, 400);
+    let verdict = watched(vec![every_run()], ROUNDS, &all, 400);
     let stopping = Stopping { least: 20, most: 400, runs: 20, reason: Reason::NothingToDecide };
     assert_eq!(verdict.stopping, Some(stopping));
-    let (trial, requests) = (trial(vec![every_run], None), requests());
+    let (trial, requests) = (trial(vec![every_run()], None), requests());
     let mut watch = Watch::new(&trial, &requests);
     assert_eq!(watch.enough(&all), None);
     assert_eq!(watch.verdict(&all), super::super::judge(&trial.criteria, &all, &requests));

@@ -15,6 +15,18 @@ use crate::scenario::{
     VariationCondition, WhenUndefined,
 };
 
+/// The words for what sums up runs, with what each is.
+pub const AGGREGATES: [(&str, &str); 8] = [
+    ("mean", "The mean over runs."),
+    ("median", "The median over runs."),
+    ("min", "The smallest of all runs."),
+    ("max", "The largest of all runs."),
+    ("std", "The standard deviation over runs."),
+    ("quantile", "`quantile(95 %, pet)`: what that share of runs stays below."),
+    ("rate", "The share of runs in which something holds."),
+    ("count", "The number of runs in which something holds."),
+];
+
 /// Who is in the scenario that a criterion is about.
 pub struct Cast<'a> {
     pub vehicles: Vec<&'a str>,
@@ -405,8 +417,7 @@ pub fn metric_reference(
     let Some(found) = metric(name.text()) else {
         let message = format!("there is no metric `{}`", name.text());
         let diagnostic = Diagnostic::new(Code::UnknownMetric, name.span(), message).label("unknown metric");
-        const AGGREGATES: [&str; 8] = ["mean", "median", "min", "max", "std", "rate", "count", "quantile"];
-        report.push(match AGGREGATES.contains(&name.text()) {
+        report.push(match AGGREGATES.iter().any(|(word, _)| *word == name.text()) {
             true => {
                 diagnostic.hint("this is about single runs: compare a metric itself, such as `pet < 1.5 s`")
             }

@@ -25,7 +25,7 @@ use super::source::Span;
 use super::tree::{Node, Rule};
 use crate::scenario::Origin;
 
-pub use criterion::{Cast, relation};
+pub use criterion::{AGGREGATES, Cast, relation};
 pub use evaluate::evaluate;
 pub use experiment::{search, tune};
 pub use gate::gate;
@@ -34,6 +34,7 @@ pub use road::{OBSTACLE, SIGNALISED, UNMARKED, ZEBRA};
 pub use scenario::{Defaults, SuiteCriteria, defined_road, scenario};
 pub use statement::statement;
 pub use subject::{Checked, Subjects};
+pub use variation::DISTRIBUTIONS;
 
 /// Where things were said.
 #[derive(Clone, Copy)]

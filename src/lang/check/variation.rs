@@ -15,6 +15,9 @@ use crate::scenario::{
     Dimension, Distribution, Samples, SamplingScheme, Value, Variation, VariedValue, significant,
 };
 
+/// What values can be drawn from.
+pub const DISTRIBUTIONS: [&str; 4] = ["uniform", "normal", "truncated_normal", "choice"];
+
 /// More values than this in one variation are taken for a mistake.
 const MOST_VALUES: usize = 1_000_000;
 
@@ -381,7 +384,6 @@ fn distribution(node: Node, scope: &Scope, report: &mut Vec<Diagnostic>) -> Opti
         );
         None
     };
-    const NAMES: [&str; 4] = ["uniform", "normal", "truncated_normal", "choice"];
     let wanted = match name.text() {
         "choice" => {
             let (kind, values) = values(node.span(), node.all(Rule::expression), scope, report)?;
@@ -398,7 +400,7 @@ fn distribution(node: Node, scope: &Scope, report: &mut Vec<Diagnostic>) -> Opti
                     format!("there is no distribution `{unknown}`"),
                 )
                 .label("unknown")
-                .suggest(unknown, NAMES),
+                .suggest(unknown, DISTRIBUTIONS),
             );
             return None;
         }
