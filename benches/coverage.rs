@@ -3,8 +3,8 @@
 
 use rayon::prelude::*;
 use scenario_runner::judge::statistics::{
-    Interval, MeanChange, clopper_pearson, holm, mean, mean_interval, quantile_interval, rate_change,
-    rate_rise, std, student_above, wilson,
+    ConfidenceSequence, Interval, MeanChange, Unit, clopper_pearson, holm, mean, mean_interval,
+    mean_of_bounded, quantile_interval, rate_change, rate_rise, std, student_above, wilson,
 };
 use scenario_runner::sim::random::Stream;
 
@@ -37,6 +37,38 @@ fn intervals(runs: usize) {
     row("paired difference", "of exponentials", runs, 0.0, of_exponentials, |values, seed| {
         Some(MeanChange::new(values.to_vec(), seed)?.interval(CONFIDENCE))
     });
+    for (name, truth, draw) in WITH_LIMITS {
+        row("mean (betting)", name, runs, *truth, *draw, |values, _| by_betting(values));
+        row("the same, ten looks", name, runs, *truth, *draw, |values, _| {
+            // What holds at all looks.
+            let looks = (1..=10).map(|look| by_betting(&values[..values.len() * look / 10]));
+            looks
+                .collect::<Option<Vec<_>>>()?
+                .into_iter()
+                .reduce(|all, one| Interval { low: all.low.max(one.low), high: all.high.min(one.high) })
+        });
+    }
+    row("share of people", "5 runs each", runs, 0.4, Stream::uniform, |values, seed| {
+        let mut stream = Stream::seeded(seed + 1);
+        let units: Vec<Unit> = values
+            .iter()
+            .map(|kind| {
+                let share = if *kind < 0.5 { 0.1 } else { 0.7 };
+                Unit::of_runs((0..5).map(|_| Some(f64::from(stream.uniform() < share))).collect::<Vec<_>>())
+            })
+            .collect();
+        mean_of_bounded(&units, (0.0, 1.0), EACH)
+    });
+    row("share, ten looks", "39.3 %", runs, 1.0 - libm::exp(-0.5), exponential, |values, _| {
+        let sequence = ConfidenceSequence { confidence: EACH };
+        let looks = (1..=10).map(|look| &values[..values.len() * look / 10]);
+        looks
+            .map(|seen| {
+                let held = seen.iter().filter(|value| **value < 0.5).count() as u64;
+                sequence.interval(held, seen.len() as u64)
+            })
+            .reduce(|all, one| Interval { low: all.low.max(one.low), high: all.high.min(one.high) })
+    });
     let median = std::f64::consts::LN_2;
     row("median (order stat.)", "exponential", runs, median, exponential, |values, _| {
         let mut sorted = values.to_vec();
@@ -63,6 +95,35 @@ fn intervals(runs: usize) {
 }
 
 type Draw = fn(&mut Stream) -> f64;
+
+/// What each end has to hold for both to hold as stated.
+const EACH: f64 = 0.5 + CONFIDENCE / 2.0;
+
+/// Of values between 0 and 60.
+fn by_betting(values: &[f64]) -> Option<Interval> {
+    let units: Vec<Unit> = values.iter().map(|value| Unit::of_run(Some(*value))).collect();
+    mean_of_bounded(&units, (0.0, 60.0), EACH)
+}
+
+/// Values between 0 and 60: name, mean, draws.
+const WITH_LIMITS: &[(&str, f64, Draw)] = &[
+    ("mostly nothing", 1.0, mostly_nothing),
+    ("all or nothing", 1.8, all_or_nothing),
+    ("up to 60", 30.0, up_to_sixty),
+];
+
+/// Nothing in nine of ten runs, else up to 20.
+fn mostly_nothing(stream: &mut Stream) -> f64 {
+    if stream.uniform() < 0.9 { 0.0 } else { 20.0 * stream.uniform() }
+}
+
+fn all_or_nothing(stream: &mut Stream) -> f64 {
+    if stream.uniform() < 0.97 { 0.0 } else { 60.0 }
+}
+
+fn up_to_sixty(stream: &mut Stream) -> f64 {
+    60.0 * stream.uniform()
+}
 
 /// Name, mean, draws.
 const DISTRIBUTIONS: &[(&str, f64, Draw)] = &[

@@ -9,7 +9,7 @@ use scenario_runner::judge::baseline::{Baseline, record};
 use scenario_runner::judge::gate::{Check, CheckOutcome, GateVerdict, Subject, blanket_rule, judge_gate};
 use scenario_runner::lang;
 use scenario_runner::plan::plan;
-use scenario_runner::run::{FreeFlows, Requests, Unwatched, run_batch, run_case};
+use scenario_runner::run::{FreeFlows, Requests, run_batch};
 use scenario_runner::scenario::{Expression, Gate, Suite, Value};
 
 const RERUNS: u64 = 200;
@@ -103,8 +103,7 @@ fn runs(suite: &Suite) -> Baseline {
         })
         .collect();
     let trials: Vec<_> = trials.iter().map(|(trial, outcomes)| (*trial, &outcomes[..])).collect();
-    let again = |case: &_| run_case(case, &requests, &free_flows, &mut Unwatched);
-    record(&suite.name, suite.seed, &trials, &requests, again).expect("every case can be run")
+    record(&plan, &trials, &requests)
 }
 
 fn judge(gate: &Gate, base: &Baseline, candidate: &Baseline) -> GateVerdict {
@@ -127,7 +126,9 @@ fn in_words(verdict: &GateVerdict) -> String {
         let by = match (check.subject, check.base) {
             (Subject::Mean, base) if base != 0.0 => format!("{:.1} %", 100.0 * check.worse_by() / base.abs()),
             (Subject::Mean, _) => format!("{:.3}", check.worse_by()),
-            (Subject::Rate | Subject::Existence, _) => format!("{:.1} points", 100.0 * check.worse_by()),
+            (Subject::Rate | Subject::Existence | Subject::New, _) => {
+                format!("{:.1} points", 100.0 * check.worse_by())
+            }
         };
         format!("{} in {} by {by}", check.label, check.place)
     };

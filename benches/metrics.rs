@@ -48,8 +48,11 @@ fn measure(bencher: Bencher, names: &[&str]) {
                     duration: STEP,
                     before: &pair[0],
                     after: &pair[1],
+                    whole: &pair[1],
                     pedestrian_modes: &[""],
                     vehicle_modes: &[""],
+                    motions: &[],
+                    contacts: &[],
                 });
             }
         });

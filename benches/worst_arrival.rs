@@ -299,6 +299,7 @@ fn curves(encounters: &Encounters, runs: usize) {
 }
 
 /// Answers a line of standard input with a line of standard output.
+#[allow(clippy::disallowed_methods, reason = "a benchmark talks to its script")]
 fn serve(encounters: &Encounters) {
     let mut out = std::io::stdout().lock();
     for line in std::io::stdin().lock().lines().map_while(Result::ok) {

@@ -1,10 +1,18 @@
 //! Testing automated-vehicle controllers against pedestrians who behave like people.
 
+// What `clippy.toml` bans is banned from the program; tests may use it.
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+// Their failing is a panic: a closed pipe would end the program with the code of a bug.
+#![deny(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro)]
+
 pub mod calibrate;
 pub mod cli;
+pub mod console;
 pub mod corpus;
 pub mod dispatch;
+pub mod escape;
 pub mod experiment;
+pub mod files;
 pub mod judge;
 pub mod lang;
 pub mod metrics;

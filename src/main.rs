@@ -1,5 +1,7 @@
 //! The command line of scenario-runner; everything it does is in the library.
 
+#![warn(clippy::disallowed_methods)]
+
 fn main() -> std::process::ExitCode {
     scenario_runner::cli::main()
 }

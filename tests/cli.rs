@@ -95,6 +95,21 @@ fn a_replay_tells_what_happened() {
     assert_eq!(last, Some("  the same run, bit for bit, as when its suite was last run"));
 }
 
+/// What the folder has is said, and that naming nothing is no success.
+#[test]
+fn a_project_without_suites_is_told_how_to_begin() {
+    let folder = tempfile::tempdir().unwrap();
+    let alone = || program::scenario_runner(folder.path(), &[]);
+    assert!(code(&alone()) == 2 && stderr(&alone()).contains("scenario-runner init"), "{}", stderr(&alone()));
+    std::fs::create_dir(folder.path().join("deep")).unwrap();
+    std::fs::write(folder.path().join("deep/walk.scn"), "scenario a {").unwrap();
+    assert!(stderr(&alone()).contains("scenario-runner deep/walk.scn"), "{}", stderr(&alone()));
+    std::fs::write(folder.path().join("all.suite"), "suite all { \"Every walk.\"; scenarios \"deep/*\" }")
+        .unwrap();
+    let said = stderr(&alone());
+    assert!(said.contains("all.suite  Every walk.") && !said.contains("walk.scn"), "{said}");
+}
+
 /// Copies a folder with all that is in it.
 fn copy(from: &Path, to: &Path) {
     std::fs::create_dir_all(to).unwrap();
@@ -233,7 +248,19 @@ fn help_tells_of_commands_and_of_the_filter_language() {
 fn what_cannot_be_done_has_its_own_exit_code() {
     let cases: &[(&[&str], i32, &str)] = &[
         (&["suites/zebra.suite", "no_such_trial"], 4, "no trial is selected"),
+        (&["suites/zebra.suite", "no_such_trial"], 4, "selected by `no_such_trial`"),
+        (&["suites/zebra.suite", "comotions_carla"], 4, "did you mean `commotions_carla`?"),
+        (
+            &["suites/zebra.suite", "carla_walker/tta=6", "--exact"],
+            4,
+            "did you mean `zebra/carla_walker/tta=6s`?",
+        ),
         (&["zebra"], 2, "no suite or scenario is named"),
+        (&["chek", "suites/zebra.suite"], 4, "did you mean the command `check`?"),
+        (&["chek"], 2, "there is no command `chek`"),
+        (&["repaly", "zebra/scripted/tta=6s/rep=1", "suites/zebra.suite"], 2, "did you mean `replay`?"),
+        (&[], 2, "suites/zebra.suite"),
+        (&[], 2, "run one of them by `scenario-runner suites/"),
         (&["suites/zebra.suite", "one", "two"], 2, "more than one filter"),
         (&["suites/missing.suite"], 3, "missing.suite"),
         (&["--no-such-flag"], 2, "no-such-flag"),
@@ -267,7 +294,7 @@ fn junit_can_be_read_back_and_traces_are_written() {
     let trace =
         std::fs::read_to_string(Path::new(&traces).join("zebra__scripted__tta=6s__rep=1.csv")).unwrap();
     let mut lines = trace.lines();
-    assert_eq!(lines.next(), Some("time_s,who,x_m,y_m,vx_m_s,vy_m_s,acceleration_m_s2,mode"));
+    assert_eq!(lines.next(), Some("time_s,who,x_m,y_m,vx_m_s,vy_m_s,acceleration_m_s2,mode,event"));
     assert!(lines.clone().any(|line| line.contains(",walker,")) && lines.any(|line| line.contains(",av,")));
 }
 

@@ -62,7 +62,7 @@ fn a_baseline_is_the_same_bytes_every_time_and_reads_back() {
 fn braking_five_percent_later_is_caught() {
     let folder = folder(&suite("", ""), &suite(", braking_distance: 4.75 m", ""));
     let output = scenario_runner(folder.path(), &["compare", "before.suite", "now.suite"]);
-    assert_eq!(code(&output), 101, "{}{}", stdout(&output), stderr(&output));
+    assert_eq!(code(&output), 104, "{}{}", stdout(&output), stderr(&output));
     insta::assert_snapshot!(stdout(&output));
     let output =
         scenario_runner(folder.path(), &["compare", "before.suite", "now.suite", "--format", "markdown"]);
@@ -99,11 +99,11 @@ fn two_parameter_files_are_compared_on_one_suite() {
     };
     let (code, text) =
         compare(&["--parameters", "old.scn", "--parameters", "new.scn", "--format", "markdown"]);
-    assert_eq!(code, 101, "{text}");
+    assert_eq!(code, 104, "{text}");
     assert!(text.contains("av.controller.braking\\_distance: 5 -&gt; 4.75"), "{text}");
     // Over what the suite declares, which is the same as the first.
     let (code, again) = compare(&["--parameters", "new.json", "--format", "markdown"]);
-    assert_eq!((code, &again), (101, &text));
+    assert_eq!((code, &again), (104, &text));
     assert_eq!(compare(&["--parameters", "old.scn"]).0, 0);
     let (code, text) = compare(&["--parameters", "seconds.scn"]);
     assert_eq!(code, 2);
@@ -139,13 +139,22 @@ fn a_gate_is_judged_in_every_run() {
     let (code, text) = run(&["before.suite"]);
     assert_eq!(code, 0, "{text}");
     assert!(text.contains("every run went exactly as before"), "{text}");
-    let (code, text) = run(&["before.suite", "tta=3s"]);
-    assert_eq!(code, 0, "{text}");
-    assert!(text.contains("gate braking is not judged: 4 of 5 trials were not run"), "{text}");
+    // A part of a suite says nothing about the whole: that is no pass, and the last line says so.
+    for part in [&["before.suite", "tta=3s"][..], &["before.suite", "--partition", "slice:1/2"]] {
+        let output = scenario_runner(folder.path(), part);
+        assert_eq!(output.status.code(), Some(102), "{}", stdout(&output));
+        let last = stdout(&output).lines().last().unwrap().to_string();
+        let said =
+            last.starts_with("gate braking is NOT JUDGED: ") && last.contains(" of 5 trials were not run");
+        assert!(said, "{last}");
+    }
+    // Unless nothing of the suite was asked for.
+    fs::write(folder.path().join("free.suite"), suite("", "").replace("suite late", "suite free")).unwrap();
+    assert_eq!(run(&["before.suite", "free.suite", "free/"]).0, 0);
 
     let reports = ["--junit", "j.xml", "--json", "r.json", "--tap", "r.tap", "--html", "r.html", "--github"];
     let (code, text) = run(&[&["now.suite"], &reports[..]].concat());
-    assert_eq!(code, 101, "{text}");
+    assert_eq!(code, 104, "{text}");
     assert!(
         text.contains("gate braking ✗ regressed") && text.contains("::error file=now.suite,line=19"),
         "{text}"
@@ -195,4 +204,97 @@ fn what_may_not_be_compared_is_refused_with_the_way_out() {
         said += &format!("$ scenario-runner {}\n{text}exit code {code}\n\n", arguments.join(" "));
     }
     insta::assert_snapshot!(said);
+}
+
+/// A car that brakes by `deceleration` for somebody who walks in front of it, and a gate that asks for gentle braking.
+fn gentle(deceleration: &str) -> String {
+    format!(
+        "suite gentle {{
+  scenario walk {{
+    road {{ lanes forward, backward; lane_width 4 m; speed_limit 30 km/h; crossing zebra {{ width: 4 m }} }}
+    vehicle av {{
+      controller constant_deceleration {{ deceleration: {deceleration}, distance: 20 m }}
+      speed 30 km/h
+    }}
+    pedestrian walker {{
+      model scripted {{ speed: 1.4 m/s, stop_after: 4 m, stop_for: 20 s }}
+      start 4 m from lane centre, 2 m from kerb
+      appears when time_to_arrival(av) = 3 s
+    }}
+    expect {{ max_deceleration <= 9 m/s^2 }}
+  }}
+  gate braking {{
+    baseline \"gentle.json\"
+    max_deceleration not worse
+  }}
+}}
+"
+    )
+}
+
+#[test]
+fn a_new_collision_fails_the_gate_though_no_rule_names_it() {
+    let folder = folder(&gentle("4 m/s^2"), &gentle("1 m/s^2"));
+    let output = scenario_runner(folder.path(), &["baseline", "save", "before.suite"]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    assert_eq!(code(&scenario_runner(folder.path(), &["before.suite"])), 0);
+    let output = scenario_runner(folder.path(), &["now.suite", "--junit", "j.xml", "--json", "r.json"]);
+    let text = stdout(&output);
+    assert_eq!(code(&output), 104, "{text}");
+    assert!(
+        text.contains(
+            "new collision in walk: 1 run that had none on the same seed; that needs no statistics"
+        ),
+        "{text}"
+    );
+    assert!(text.contains("replay: scenario-runner replay 'gentle/walk/rep=1' now.suite"), "{text}");
+    let junit = fs::read_to_string(folder.path().join("j.xml")).unwrap();
+    assert!(
+        junit.contains(
+            "message=\"max_deceleration not worse; no new collision, where the baseline has none\""
+        ),
+        "{junit}"
+    );
+    // Who tolerates collisions has to say so.
+    let tolerant =
+        gentle("1 m/s^2").replace("not worse\n", "not worse\n    collision not worse by more than 100 %\n");
+    fs::write(folder.path().join("tolerant.suite"), tolerant).unwrap();
+    let output = scenario_runner(folder.path(), &["tolerant.suite"]);
+    assert_eq!(code(&output), 0, "{}", stdout(&output));
+}
+
+#[test]
+fn a_changed_population_is_refused_under_another_seed_too() {
+    let standard = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/populations/standard.json");
+    let mut people: serde_json::Value = serde_json::from_str(&fs::read_to_string(standard).unwrap()).unwrap();
+    let with_people = gentle("4 m/s^2").replace(
+        "model scripted { speed: 1.4 m/s, stop_after: 4 m, stop_for: 20 s }",
+        "model commotions { variant: oVAoBEvoAIoEAoSNvoPF }\n      individuals 2 of \"people.json\"",
+    );
+    let folder = folder(&with_people, "");
+    let write = |people: &serde_json::Value| {
+        fs::write(folder.path().join("people.json"), people.to_string()).unwrap()
+    };
+    write(&people);
+    let run = |arguments: &[&str]| {
+        let output = scenario_runner(folder.path(), arguments);
+        (code(&output), stdout(&output) + &stderr(&output))
+    };
+    let (code, text) = run(&["baseline", "save", "before.suite"]);
+    assert_eq!(code, 0, "{text}");
+    let (code, text) = run(&["before.suite", "--seed", "2"]);
+    assert!(code == 0 || code == 102, "{code}: {text}");
+    // One person of all changes a little, whether drawn or not.
+    let rows = people["individuals"].as_array_mut().unwrap();
+    let cell = &mut rows.last_mut().unwrap()[0];
+    *cell = (cell.as_f64().unwrap() * 1.000_001).into();
+    write(&people);
+    for seed in ["1", "2", "3"] {
+        let (code, text) = run(&["before.suite", "--seed", seed]);
+        assert_eq!(code, 103, "{text}");
+        assert!(
+            text.contains("the people of people.json are not those of the base, whoever is drawn"),
+            "{text}"
+        );
+    }
 }

@@ -39,7 +39,8 @@ fn findings(path: &Path) -> (Vec<Diagnostic>, Sources) {
     match lang::load(path) {
         Ok(loaded) => {
             let more = judge::examine_criteria(&loaded.suite, &loaded.sources);
-            (loaded.warnings.into_iter().chain(more).collect(), loaded.sources)
+            let lanes = judge::examine_lanes(&loaded.suite, &loaded.sources);
+            (loaded.warnings.into_iter().chain(more).chain(lanes).collect(), loaded.sources)
         }
         Err(failure) => (failure.diagnostics, failure.sources),
     }
@@ -171,6 +172,56 @@ fn files_that_cannot_be_run_are_refused_by_check_and_by_run() {
                     said.contains(words) && said.contains(&format!("{name}:{line}:")),
                     "{code} {words}: {said}"
                 );
+            }
+        }
+    }
+}
+
+/// Files that run, but of which something is to be known: `check` says so at the line, `run` before it begins, and every
+/// report and baseline beside the trial.
+#[test]
+fn warnings_about_models_stand_in_every_report_and_baseline() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str| folder.path().join(name).display().to_string();
+    for path in files("run_warns") {
+        let name = path.display().to_string();
+        let program = |arguments: &[&str]| {
+            Command::new(env!("CARGO_BIN_EXE_scenario-runner"))
+                .args(arguments)
+                .env("NO_COLOR", "1")
+                .output()
+                .unwrap()
+        };
+        let expected = announced(&name, &std::fs::read_to_string(&path).unwrap());
+        let output = program(&["check", "--format", "json", &name]);
+        let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        let found = found["diagnostics"].as_array().unwrap().iter().map(|finding| {
+            let text = |value: &serde_json::Value| value.as_str().unwrap().to_string();
+            let place = &finding["labels"][0];
+            let line = place["line"].as_u64().unwrap();
+            (text(&place["file"]), line as usize, text(&finding["code"]), text(&finding["message"]))
+        });
+        let complaints = differences(found, expected.clone());
+        assert!(complaints.is_empty(), "{}", complaints.join("\n"));
+
+        let [json, junit, html, tap, baseline] = ["r.json", "r.xml", "r.html", "r.tap", "b.json"].map(file);
+        let output = program(&[
+            "run", &name, "--json", &json, "--junit", &junit, "--html", &html, "--tap", &tap, "--github",
+        ]);
+        let mut said = vec![
+            ("stderr", String::from_utf8(output.stderr).unwrap()),
+            ("stdout", String::from_utf8(output.stdout).unwrap()),
+        ];
+        assert!(said[1].1.contains("::warning "), "{}", said[1].1);
+        program(&["baseline", "save", &name, "--out", &baseline]);
+        for path in [&json, &junit, &html, &tap, &baseline] {
+            said.push((path, std::fs::read_to_string(path).unwrap()));
+        }
+        let shown = program(&["baseline", "show", &baseline]);
+        said.push(("baseline show", String::from_utf8(shown.stdout).unwrap()));
+        for (where_said, text) in &said {
+            for (_, line, _, words) in &expected {
+                assert!(text.contains(words), "line {line}: `{words}` is not said in {where_said}");
             }
         }
     }
@@ -403,8 +454,9 @@ fn variations_choose_what_drives_and_walks() {
     }
 }
 
-/// Codes that need a file no repository should hold.
-const TESTED_ELSEWHERE: [Code; 3] = [Code::NotUtf8, Code::FileTooLarge, Code::TooManyFiles];
+/// Codes that need a file no repository should hold, or values from the command line (`tests/set.rs`).
+const TESTED_ELSEWHERE: [Code; 5] =
+    [Code::NotUtf8, Code::FileTooLarge, Code::TooManyFiles, Code::UnknownSetting, Code::SetAside];
 
 #[test]
 fn every_code_is_tested() {
@@ -412,7 +464,7 @@ fn every_code_is_tested() {
     for path in files("fails") {
         tested.extend(findings(&path).0.iter().map(|finding| finding.code.name().to_string()));
     }
-    for path in files("run_fails").iter().chain(&files("filters")) {
+    for path in files("run_fails").iter().chain(&files("run_warns")).chain(&files("filters")) {
         let text = std::fs::read_to_string(path).unwrap();
         tested.extend(announced("", &text).into_iter().map(|(_, _, code, _)| code));
     }
@@ -447,8 +499,8 @@ fn what_might_never_end_is_not_read() {
     std::fs::create_dir(folder.path().join("folder.scn")).unwrap();
     std::fs::write(&path, "use \"/dev/zero\"\nuse \"folder.scn\"\n").unwrap();
     let (found, _) = findings(&path);
-    let unreadable = found.iter().filter(|finding| finding.code == Code::UnreadableFile).count();
-    assert_eq!(unreadable, 2, "{found:?}");
+    let codes: Vec<_> = found.iter().map(|finding| finding.code).collect();
+    assert_eq!(codes, [Code::UnknownFileKind, Code::UnreadableFile], "{found:?}");
 }
 
 #[test]

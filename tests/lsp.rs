@@ -64,6 +64,7 @@ impl Editor {
                         answer["error"].clone()
                     };
                 }
+                Message::Notification(Notification { method, .. }) if method == "window/showMessage" => {}
                 Message::Notification(Notification { method, params }) => {
                     assert_eq!(method, "textDocument/publishDiagnostics");
                     let uri = params["uri"].as_str().unwrap().to_string();
@@ -290,6 +291,237 @@ fn what_is_not_known_is_refused_and_the_server_lives_on() {
     editor.tell("textDocument/didOpen", json!({ "textDocument": 5 }));
     editor.tell("$/setTrace", json!({ "value": "off" }));
     editor.open(&path, "scenario a {");
-    assert_eq!(editor.codes(&path), ["E0101"]);
+    assert_eq!(editor.codes(&path), ["E0501", "E0101"]);
+    editor.end();
+}
+
+/// The program with a client that says what it likes; stderr goes nowhere.
+fn served(input: &[u8]) -> (std::process::ExitStatus, Vec<Value>) {
+    let mut server = Command::new(env!("CARGO_BIN_EXE_scenario-runner"))
+        .args(["lsp"])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("the server starts");
+    let mut to = server.stdin.take().unwrap();
+    let sent = input.to_vec();
+    // Whoever hangs up early breaks the pipe.
+    let writing = std::thread::spawn(move || drop(to.write_all(&sent)));
+    let mut from = BufReader::new(server.stdout.take().unwrap());
+    let mut answers = Vec::new();
+    while let Some(answer) = next(&mut from) {
+        answers.push(answer);
+    }
+    writing.join().unwrap();
+    (server.wait().unwrap(), answers)
+}
+
+/// The next message as it is, also what `lsp-server` would not read.
+fn next(from: &mut impl std::io::BufRead) -> Option<Value> {
+    let mut header = String::new();
+    from.read_line(&mut header).unwrap();
+    let size: usize = header.strip_prefix("Content-Length: ")?.trim().parse().unwrap();
+    let mut bytes = vec![0; size + 2];
+    from.read_exact(&mut bytes).unwrap();
+    Some(serde_json::from_slice(&bytes[2..]).unwrap())
+}
+
+fn framed(text: &str) -> Vec<u8> {
+    format!("Content-Length: {}\r\n\r\n{text}", text.len()).into_bytes()
+}
+
+fn asks(id: u32, method: &str, parameters: Value) -> Vec<u8> {
+    framed(&json!({ "jsonrpc": "2.0", "id": id, "method": method, "params": parameters }).to_string())
+}
+
+fn tells(method: &str, parameters: Value) -> Vec<u8> {
+    framed(&json!({ "jsonrpc": "2.0", "method": method, "params": parameters }).to_string())
+}
+
+fn begins() -> Vec<u8> {
+    [asks(1, "initialize", json!({ "capabilities": {} })), tells("initialized", json!({}))].concat()
+}
+
+fn ends() -> Vec<u8> {
+    [asks(99, "shutdown", Value::Null), tells("exit", Value::Null)].concat()
+}
+
+fn opens(uri: &str, text: &str) -> Vec<u8> {
+    let document = json!({ "uri": uri, "languageId": "scn", "version": 5, "text": text });
+    tells("textDocument/didOpen", json!({ "textDocument": document }))
+}
+
+fn changes(uri: &str, version: i32, change: Value) -> Vec<u8> {
+    let document = json!({ "uri": uri, "version": version });
+    tells("textDocument/didChange", json!({ "textDocument": document, "contentChanges": [change] }))
+}
+
+/// The codes of the findings shown for an address, time after time.
+fn shown(answers: &[Value], uri: &str) -> Vec<Vec<String>> {
+    let published = answers.iter().filter(|answer| answer["params"]["uri"] == uri);
+    let codes = |answer: &Value| {
+        let findings = answer["params"]["diagnostics"].as_array().unwrap();
+        findings.iter().map(|one| one["code"].as_str().unwrap().to_string()).collect()
+    };
+    published.map(codes).collect()
+}
+
+fn answer(answers: &[Value], id: u32) -> Value {
+    answers.iter().find(|answer| answer["id"] == id).cloned().unwrap_or(Value::Null)
+}
+
+const URI: &str = "file:///nowhere/a.scn";
+
+#[test]
+fn a_frame_that_holds_nothing_readable_is_refused_and_the_server_lives_on() {
+    let garbage = [
+        framed("{"),
+        framed("[]"),
+        framed("null"),
+        framed(r#"{"id": 3}"#),
+        framed(&"[".repeat(5000)),
+        framed(""),
+        b"Content-Length: 2\r\n\r\n\xff\xff".to_vec(),
+        asks(7, "no/such", json!({ "deep": [[[[]]]] })),
+        tells("no/such", json!(5)),
+        asks(
+            8,
+            "textDocument/hover",
+            json!({ "textDocument": { "uri": "not a uri at all" }, "position": {} }),
+        ),
+        tells("textDocument/didOpen", json!([])),
+        framed(r#"{"jsonrpc": "2.0", "id": 12345, "result": null}"#),
+    ];
+    let (status, answers) =
+        served(&[begins(), garbage.concat(), opens(URI, "scenario a {"), ends()].concat());
+    assert!(status.success(), "{status}");
+    assert_eq!(shown(&answers, URI).last().unwrap(), &["E0501", "E0101"]);
+    let refused = answers.iter().filter(|answer| answer["id"].is_null() && answer["error"]["code"] == -32700);
+    assert_eq!(refused.count(), 7);
+    assert_eq!(answer(&answers, 7)["error"]["code"], -32601);
+    assert_eq!(answer(&answers, 8)["error"]["code"], -32602);
+    assert_eq!(answer(&answers, 99)["result"], Value::Null);
+}
+
+#[test]
+fn a_lost_frame_ends_the_session_with_an_error() {
+    for lost in [
+        &b"no header at all\r\n\r\n{}"[..],
+        b"Content-Length: many\r\n\r\n{}",
+        b"Content-Length: 18446744073709551615\r\n\r\n{}",
+        b"Content-Length: 99999999999999999999999999\r\n\r\n{}",
+        b"Content-Length: 500\r\n\r\n{}",
+        b"\r\n\r\n",
+        &[b'x'; 100_000],
+        &[0; 100_000],
+    ] {
+        let (status, answers) = served(&[&begins(), lost].concat());
+        assert_eq!(status.code(), Some(110), "{}", String::from_utf8_lossy(&lost[..lost.len().min(60)]));
+        assert_eq!(answers.len(), 1);
+    }
+}
+
+#[test]
+fn input_may_end_at_any_message() {
+    let all = [begins(), opens(URI, "scenario a {"), asks(2, "shutdown", Value::Null)];
+    for count in 0..=all.len() {
+        let (status, _) = served(&all[..count].concat());
+        assert!(status.success(), "{count}: {status}");
+    }
+    // `exit` alone is no proper end.
+    let (status, _) = served(&[begins(), tells("exit", Value::Null)].concat());
+    assert_eq!(status.code(), Some(110));
+}
+
+#[test]
+fn shutdown_without_exit_ends_by_itself() {
+    let mut editor = Editor::start();
+    assert_eq!(editor.ask("shutdown", Value::Null), Value::Null);
+    // Its input stays open.
+    assert!(editor.server.wait().unwrap().success());
+    drop(editor.to);
+}
+
+#[test]
+fn changes_of_what_is_closed_or_older_change_nothing() {
+    let whole = |text: &str| json!({ "text": text });
+    let part = |line: u32, from: u32, to: u32, text: &str| {
+        let at = |character: u32| json!({ "line": line, "character": character });
+        json!({ "range": { "start": at(from), "end": at(to) }, "text": text })
+    };
+    let hover = |id| {
+        let place = json!({ "textDocument": { "uri": URI }, "position": { "line": 0, "character": 0 } });
+        asks(id, "textDocument/hover", place)
+    };
+    let good = "road a { lane_width 3 m; speed_limit 9 m/s; crossing zebra }\n";
+    let session = [
+        begins(),
+        // Never opened.
+        changes(URI, 9, whole("scenario a {")),
+        hover(2),
+        opens(URI, good),
+        // Older than version 5.
+        changes(URI, 4, whole("scenario a {")),
+        changes(URI, 6, part(0, 0, 4, "rod")),
+        changes(URI, 7, part(9, 9, 2, "\n")),
+        changes(URI, 8, whole(good)),
+        tells("textDocument/didClose", json!({ "textDocument": { "uri": URI } })),
+        changes(URI, 9, whole("scenario a {")),
+        tells("textDocument/didClose", json!({ "textDocument": { "uri": URI } })),
+        hover(3),
+        ends(),
+    ];
+    let (status, answers) = served(&session.concat());
+    assert!(status.success(), "{status}");
+    // Opened, version 6, 7, 8, closed.
+    let codes = shown(&answers, URI);
+    let known: Vec<&str> = codes.iter().map(|codes| codes.first().map_or("", String::as_str)).collect();
+    assert_eq!(known, ["", "E0107", "E0107", "", ""], "{codes:?}");
+    assert_eq!(
+        (&answer(&answers, 2)["result"], &answer(&answers, 3)["result"]),
+        (&Value::Null, &Value::Null)
+    );
+}
+
+/// The most memory that a process had so far, bytes.
+#[cfg(target_os = "linux")]
+fn peak(server: &Child) -> u64 {
+    let status = std::fs::read_to_string(format!("/proc/{}/status", server.id())).unwrap();
+    let line = status.lines().find(|line| line.starts_with("VmHWM:")).expect("a peak");
+    line.split_whitespace().nth(1).unwrap().parse::<u64>().unwrap() << 10
+}
+
+/// Documents of 64 MiB, and ones just small enough that take much memory to read, ten after each other.
+#[cfg(target_os = "linux")]
+#[test]
+fn no_document_takes_a_gigabyte() {
+    let (_folder, path) = project();
+    let mut editor = Editor::start();
+    let mut heaviest = format!("let a = {}1\n", "1+".repeat((1 << 19) - 16));
+    assert!(heaviest.len() < 1 << 20);
+    editor.open(&path, &heaviest);
+    assert_eq!(editor.codes(&path), [""; 0]);
+    for text in ["{".repeat(1 << 20), "\"".repeat(900_000)] {
+        editor.change(&path, &text);
+        assert!(!editor.codes(&path).is_empty());
+    }
+    // A used file that is larger than what is checked.
+    let beside = path.with_file_name("beside.scn");
+    std::fs::write(&beside, " ".repeat(4 << 20)).unwrap();
+    editor.change(&path, "use \"beside.scn\"\n");
+    assert_eq!(editor.codes(&path), ["E0204"]);
+    heaviest.push_str(&" ".repeat(1 << 20));
+    editor.change(&path, &heaviest);
+    assert_eq!(editor.codes(&path), ["E0204"]);
+    let other = path.with_file_name("other.scn");
+    for size in [64 << 20, 9 << 20] {
+        editor.open(&other, &"x".repeat(size));
+    }
+    editor.change(&path, WALK);
+    assert_eq!(editor.codes(&path), [""; 0]);
+    assert!(!editor.findings.contains_key(&address(&other)));
+    let most = peak(&editor.server);
+    assert!(most < 1 << 30, "{} MB", most >> 20);
     editor.end();
 }

@@ -15,8 +15,10 @@ The **conflict point** of a pair is where the centre line of the vehicle's lane 
 The **strip** is what the vehicle's footprint sweeps along its lane. Where a scenario has several pairs, the worst value
 counts for the run; a criterion may name one pair instead.
 
-A metric that does not exist in a run (nobody crossed, nobody collided) is **undefined**: reports show \u{2013}, and a
-criterion over it fails unless it says `undefined passes`.
+A metric that does not exist in a run (nobody crossed, nobody collided) is **undefined**: reports show \u{2013}. Where it says
+below that this is better or worse than any value, criteria take it so; else such a run speaks against them. `undefined passes`
+and `undefined fails` say it otherwise. A run that the horizon ends before a metric is decided counts as the worst that could
+still have come.
 
 This page is generated from the registry in `src/metrics/`.
 ";
@@ -40,6 +42,7 @@ fn section(metric: &Metric) -> String {
     };
     let scope = match metric.scope {
         Scope::Pair => "per vehicle and pedestrian",
+        Scope::Contact => "per vehicle and anything that it may touch",
         Scope::Vehicle => "per vehicle",
         Scope::Pedestrian => "per pedestrian",
     };
@@ -54,9 +57,16 @@ fn section(metric: &Metric) -> String {
     let mut text = format!("\n## `{}`\n\n{}\n\n", declaration.name, declaration.summary);
     writeln!(text, "- Value: {value}, {scope}; {worst}").unwrap();
     match metric.absence {
-        Absence::Good => text.push_str("- Undefined: better than any value when runs are compared\n"),
-        Absence::Bad => text.push_str("- Undefined: worse than any value when runs are compared\n"),
+        Absence::Good => text.push_str("- Undefined: better than any value\n"),
+        Absence::Bad => text.push_str("- Undefined: worse than any value\n"),
         Absence::Open => {}
+    }
+    match (metric.range.in_words(), metric.kind) {
+        (Some(range), _) => writeln!(text, "- Range: {range}").unwrap(),
+        (None, MetricKind::Quantity(_)) => {
+            text.push_str("- Range: not limited, so that bounds on its mean are approximate\n")
+        }
+        (None, _) => {}
     }
     writeln!(text, "- Source: {}", declaration.source).unwrap();
     if !declaration.parameters.is_empty() {

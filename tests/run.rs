@@ -377,8 +377,10 @@ mod interrupts {
         endless(&place, 0.01);
         let quick = format!("suite both {{ scenarios \"{}\", \"endless.scn\" }}", shipped("zebra/scripted"));
         place.write("both.suite", &quick);
-        let mut child =
-            start(&place, &["both.suite", "-j", "1", "--status-level", "all", "--json", "results.json"]);
+        let reports =
+            ["--json", "results.json", "--junit", "j.xml", "--tap", "r.tap", "--html", "r.html", "--github"];
+        let options = ["both.suite", "-j", "1", "--status-level", "all"];
+        let mut child = start(&place, &[&options[..], &reports].concat());
         let mut out = BufReader::new(child.stdout.take().unwrap());
         wait_for(&mut out, "BEGIN both/stands_in_lane/tta=4s");
         interrupt(&child);
@@ -386,12 +388,49 @@ mod interrupts {
         out.read_to_string(&mut rest).unwrap();
         assert_eq!(child.wait().unwrap().code(), Some(105), "{rest}");
         assert!(rest.contains("Stopping no more runs begin"), "{rest}");
-        assert!(rest.contains("both/stands_in_lane/tta=4s: interrupted after "), "{rest}");
-        assert!(rest.contains("4 passed, 2 not run"), "{rest}");
+        let cut = "NOT FINISHED [";
+        assert!(
+            rest.contains(cut) && rest.contains("both/stands_in_lane/tta=4s: interrupted after "),
+            "{rest}"
+        );
+        assert!(rest.contains("4 passed, 1 not finished, 1 not run"), "{rest}");
+        assert!(rest.contains("::error file=both.suite,line=1,"), "{rest}");
+        let read = |name: &str| fs::read_to_string(place.path(name)).unwrap();
+        let results: Value = serde_json::from_str(&read("results.json")).unwrap();
+        let suite = &results["suites"][0];
+        assert_eq!(suite["interrupted"], true);
+        let verdict = |trial: usize| (&suite["trials"][trial]["verdict"], &suite["trials"][trial]["message"]);
+        assert_eq!(verdict(4).0, "not_finished");
+        assert_eq!(verdict(5), (&"skipped".into(), &"interrupted".into()));
+        // What a CI reads must not be green: what was begun is an error, and the suite says why the rest is missing.
+        let junit = quick_junit::Report::deserialize_from_str(&read("j.xml")).unwrap();
+        assert_eq!((junit.errors, junit.failures), (2, 0), "{}", read("j.xml"));
+        assert_eq!(read("j.xml").matches("type=\"interrupted\"").count(), 2, "{}", read("j.xml"));
+        assert!(read("r.tap").contains("not ok 5 - both/stands_in_lane/tta=4s\n"));
+        assert!(
+            read("r.tap")
+                .ends_with("Bail out! suite both interrupted: 4 finished, 1 not finished, 1 not run\n")
+        );
+        assert!(read("r.html").contains("interrupted: 1 not finished, 1 not run"));
+    }
+
+    #[test]
+    fn the_time_limit_is_an_error_and_no_verdict() {
+        let place = Place::new("");
+        endless(&place, 0.01);
+        place.write("limit.suite", "suite limit { time_limit 0.01 s per case; scenarios \"endless.scn\" }");
+        let output = place.run(&["limit.suite", "-j", "1", "--junit", "j.xml", "--json", "r.json"]);
+        let said = stdout(&output);
+        assert_eq!(code(&output), 100, "{said}");
+        assert!(said.contains("2 not finished") && !said.contains("failed"), "{said}");
+        assert!(said.contains("this machine was too slow, or the limit is too tight"), "{said}");
+        let junit = fs::read_to_string(place.path("j.xml")).unwrap();
+        assert_eq!(junit.matches("type=\"time_limit\"").count(), 2, "{junit}");
         let results: Value =
-            serde_json::from_str(&fs::read_to_string(place.path("results.json")).unwrap()).unwrap();
-        let last = &results["suites"][0]["trials"][5];
-        assert_eq!((&last["verdict"], &last["message"]), (&"skipped".into(), &"interrupted".into()));
+            serde_json::from_str(&fs::read_to_string(place.path("r.json")).unwrap()).unwrap();
+        let trial = &results["suites"][0]["trials"][0];
+        assert_eq!((&trial["verdict"], &trial["cut_by"]), (&"not_finished".into(), &"time_limit".into()));
+        assert_eq!(results["suites"][0]["interrupted"], false);
     }
 
     #[test]

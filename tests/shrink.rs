@@ -160,6 +160,14 @@ fn what_cannot_be_shrunk_is_said() {
     fs::write(folder.path().join("encounter_shrunk.scn"), "mine").unwrap();
     let taken = shrink(&[&keys[0], "encounter.scn"]);
     assert_eq!(taken.status.code(), Some(110));
-    assert!(stderr(&taken).contains("`--force` replaces it"), "{}", stderr(&taken));
+    assert!(stderr(&taken).contains("`shrink` did not write it"), "{}", stderr(&taken));
+    let forced = shrink(&[&keys[0], "encounter.scn", "--as-is", "--force"]);
+    assert_eq!(forced.status.code(), Some(110), "not even then");
     assert_eq!(fs::read_to_string(folder.path().join("encounter_shrunk.scn")).unwrap(), "mine");
+    fs::remove_file(folder.path().join("encounter_shrunk.scn")).unwrap();
+    assert_eq!(shrink(&[&keys[0], "encounter.scn", "--as-is"]).status.code(), Some(0));
+    let own = shrink(&[&keys[0], "encounter.scn", "--as-is"]);
+    assert_eq!(own.status.code(), Some(110));
+    assert!(stderr(&own).contains("`--force` replaces it"), "{}", stderr(&own));
+    assert_eq!(shrink(&[&keys[0], "encounter.scn", "--as-is", "--force"]).status.code(), Some(0));
 }

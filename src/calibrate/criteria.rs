@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use crate::files::{self, ReadError};
 use crate::pedestrian::commotions::meeting::{Driver, Meeting, PEDESTRIAN, VEHICLE};
 use crate::pedestrian::commotions::{Parameters, State};
 
@@ -94,7 +95,7 @@ pub enum CriteriaError {
         /// The file.
         file: PathBuf,
         /// What the system says.
-        error: std::io::Error,
+        error: ReadError,
     },
     /// The file is not of the format.
     #[error("{}: {error}", file.display())]
@@ -133,8 +134,8 @@ pub enum CriteriaError {
 /// # Errors
 /// If the file cannot be read, is not of the format, or asks for what cannot be.
 pub fn read_criteria(file: &Path) -> Result<Vec<Criterion>, CriteriaError> {
-    let text = std::fs::read_to_string(file)
-        .map_err(|error| CriteriaError::Read { file: file.to_owned(), error })?;
+    let text =
+        files::read_text(file).map_err(|error| CriteriaError::Read { file: file.to_owned(), error })?;
     let criteria: Vec<Criterion> = serde_json::from_str(&text)
         .map_err(|error| CriteriaError::Format { file: file.to_owned(), error })?;
     if criteria.is_empty() {

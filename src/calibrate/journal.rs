@@ -1,40 +1,41 @@
-//! The journal of a calibration: one line per judged candidate, so that it can be resumed.
+//! The journal of a calibration: one record per judged candidate, so that it can be resumed.
 
 use std::collections::BTreeMap;
-use std::fs::{File, OpenOptions};
-use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::retention::Verdict;
+use crate::files::{LARGEST_RECORD, Lines, Log, LogError, LogFormat, ReadError};
+
+const FORMAT: LogFormat = LogFormat { name: "scenario-runner journal of a calibration", version: 2 };
 
 /// Results so far, kept in a file.
 #[derive(Debug)]
 pub struct Journal {
-    file: PathBuf,
     known: BTreeMap<usize, Verdict>,
-    out: Mutex<File>,
+    log: Mutex<Log>,
+    notice: Option<String>,
+}
+
+/// A judged candidate.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Judged {
+    candidate: usize,
+    /// The number of the criterion that it failed; retained without.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    failed: Option<usize>,
 }
 
 /// What is wrong with a journal.
 #[derive(Debug, Error)]
 pub enum JournalError {
-    /// It cannot be read or written.
-    #[error("journal {}: {error}", file.display())]
-    Io {
-        /// The file.
-        file: PathBuf,
-        /// What the system says.
-        error: std::io::Error,
-    },
-    /// It is the journal of something else.
-    #[error("{} is the journal of another calibration; remove it, or name another", file.display())]
-    OtherCalibration {
-        /// The file.
-        file: PathBuf,
-    },
+    /// It cannot be read or written, is in use, damaged, or the journal of something else.
+    #[error("journal {0}")]
+    Log(#[from] LogError),
     /// A line makes no sense.
     #[error("{}, line {line}: `{found}` is no result; expected a candidate's number and `retained` or the number of the criterion it failed", file.display())]
     BadLine {
@@ -50,44 +51,33 @@ pub enum JournalError {
 impl Journal {
     /// Opens the journal of the calibration that `fingerprint` identifies, or starts it.
     ///
-    /// A last line that was cut off while being written is dropped.
+    /// A last record that was cut off while being written is left out.
     ///
     /// # Errors
     /// If the file cannot be used, or belongs to another calibration.
     pub fn open(file: &Path, fingerprint: &str) -> Result<Self, JournalError> {
-        let failed = |error| JournalError::Io { file: file.to_owned(), error };
-        let mut known = BTreeMap::new();
-        let mut whole_length = 0;
-        if file.exists() {
-            let mut reader = BufReader::new(File::open(file).map_err(failed)?);
-            let mut text = String::new();
-            for line in 1.. {
-                text.clear();
-                let length = reader.read_line(&mut text).map_err(failed)?;
-                if length == 0 || !text.ends_with('\n') {
-                    break;
-                }
-                whole_length += length as u64;
-                if line == 1 {
-                    if text.trim_end() != fingerprint {
-                        return Err(JournalError::OtherCalibration { file: file.to_owned() });
-                    }
-                    continue;
-                }
-                let (number, verdict) = parse(&text).ok_or_else(|| JournalError::BadLine {
-                    file: file.to_owned(),
-                    line,
-                    found: text.trim_end().to_owned(),
-                })?;
-                known.insert(number, verdict);
+        let (log, records, notice) = match Log::open(file, FORMAT, &fingerprint) {
+            Ok((log, found)) => (log, found.records, found.notice),
+            Err(error @ LogError::NotALog { .. }) => {
+                let records = old_records(file, fingerprint, error)?;
+                let notice = format!(
+                    "{} is from version 0.1 and has no checksums; it is taken over as it is",
+                    file.display()
+                );
+                (Log::create(file, FORMAT, &fingerprint, &records)?, records, Some(notice))
             }
+            Err(error) => return Err(error.into()),
+        };
+        let mut known = BTreeMap::new();
+        for (index, record) in records.iter().enumerate() {
+            let judged: Judged = serde_json::from_str(record).map_err(|_| JournalError::BadLine {
+                file: file.to_owned(),
+                line: index + 2,
+                found: record.clone(),
+            })?;
+            known.insert(judged.candidate, judged.failed.map_or(Verdict::Retained, Verdict::Failed));
         }
-        let mut out = OpenOptions::new().create(true).append(true).open(file).map_err(failed)?;
-        out.set_len(whole_length).map_err(failed)?;
-        if whole_length == 0 {
-            writeln!(out, "{fingerprint}").map_err(failed)?;
-        }
-        Ok(Self { file: file.to_owned(), known, out: Mutex::new(out) })
+        Ok(Self { known, log: Mutex::new(log), notice })
     }
 
     /// What is known of a candidate.
@@ -95,33 +85,70 @@ impl Journal {
         self.known.get(&number).copied()
     }
 
+    /// What to tell whoever goes on with it.
+    pub fn notice(&self) -> Option<&str> {
+        self.notice.as_deref()
+    }
+
     /// Adds a result.
     ///
     /// # Errors
     /// If the file cannot be written.
     pub fn add(&self, number: usize, verdict: Verdict) -> Result<(), JournalError> {
-        let line = match verdict {
-            Verdict::Retained => format!("{number} retained\n"),
-            Verdict::Failed(criterion) => format!("{number} {criterion}\n"),
+        let failed = match verdict {
+            Verdict::Retained => None,
+            Verdict::Failed(criterion) => Some(criterion),
         };
-        let mut out = self.out.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        out.write_all(line.as_bytes()).map_err(|error| JournalError::Io { file: self.file.clone(), error })
+        let mut log = self.log.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        Ok(log.append(&Judged { candidate: number, failed })?)
     }
 }
 
-fn parse(line: &str) -> Option<(usize, Verdict)> {
-    let (number, verdict) = line.trim_end().split_once(' ')?;
-    let verdict = match verdict {
-        "retained" => Verdict::Retained,
-        criterion => Verdict::Failed(criterion.parse().ok()?),
+/// The records of a journal of version 0.1: the fingerprint in the first line, then lines such as `7 retained` or `7 2`.
+/// `otherwise` if it is none.
+fn old_records(file: &Path, fingerprint: &str, otherwise: LogError) -> Result<Vec<String>, JournalError> {
+    let failed = |error: ReadError| LogError::Read { path: file.to_owned(), error };
+    let mut lines = Lines::open(file, LARGEST_RECORD).map_err(failed)?;
+    let mut records = Vec::new();
+    for number in 1.. {
+        let Some(line) = lines.next_line().map_err(failed)? else { break };
+        let text = String::from_utf8_lossy(line).into_owned();
+        let Some(text) = text.strip_suffix('\n') else { break };
+        if number == 1 {
+            if !text.starts_with("calibration ") {
+                return Err(otherwise.into());
+            }
+            if text != fingerprint {
+                let (path, expected) = (file.to_owned(), FORMAT.name);
+                let difference = format!("it begins with `{text}`, not `{fingerprint}`");
+                return Err(LogError::OtherSubject { path, expected, difference }.into());
+            }
+            continue;
+        }
+        let judged = old_record(text).ok_or_else(|| JournalError::BadLine {
+            file: file.to_owned(),
+            line: number,
+            found: text.to_owned(),
+        })?;
+        records.push(serde_json::to_string(&judged).expect("plain data serialises"));
+    }
+    Ok(records)
+}
+
+fn old_record(line: &str) -> Option<Judged> {
+    let (candidate, verdict) = line.split_once(' ')?;
+    let failed = match verdict {
+        "retained" => None,
+        criterion => Some(criterion.parse().ok()?),
     };
-    Some((number.parse().ok()?, verdict))
+    Some(Judged { candidate: candidate.parse().ok()?, failed })
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use std::fs;
+
+    use super::*;
 
     #[test]
     fn a_journal_goes_on_where_it_was_cut_off() {
@@ -131,23 +158,62 @@ mod tests {
         journal.add(3, Verdict::Retained).unwrap();
         journal.add(1, Verdict::Failed(2)).unwrap();
         drop(journal);
-        // Cut off in the middle of a line.
-        fs::write(&file, fs::read_to_string(&file).unwrap() + "7 ret").unwrap();
+        // Cut off in the middle of a record.
+        fs::write(&file, fs::read_to_string(&file).unwrap() + "{\"candidate\":7").unwrap();
         let journal = Journal::open(&file, "calibration 1").unwrap();
+        assert!(journal.notice().unwrap().contains("cut off"), "{:?}", journal.notice());
         assert_eq!(journal.verdict(3), Some(Verdict::Retained));
         assert_eq!(journal.verdict(1), Some(Verdict::Failed(2)));
         assert_eq!(journal.verdict(7), None);
         journal.add(7, Verdict::Failed(0)).unwrap();
-        assert_eq!(fs::read_to_string(&file).unwrap(), "calibration 1\n3 retained\n1 2\n7 0\n");
+        drop(journal);
+        let journal = Journal::open(&file, "calibration 1").unwrap();
+        assert_eq!((journal.verdict(7), journal.notice()), (Some(Verdict::Failed(0)), None));
     }
 
     #[test]
-    fn another_calibration_and_bad_lines_are_errors() {
+    fn another_calibration_and_damaged_records_are_errors() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("journal");
-        fs::write(&file, "calibration 1\nseven\n").unwrap();
+        let journal = Journal::open(&file, "calibration 1").unwrap();
+        journal.add(3, Verdict::Retained).unwrap();
+        journal.add(1, Verdict::Failed(2)).unwrap();
+        drop(journal);
         let error = |fingerprint| Journal::open(&file, fingerprint).unwrap_err().to_string();
-        assert!(error("calibration 2").contains("another calibration"));
-        assert!(error("calibration 1").contains("line 2: `seven` is no result"));
+        assert!(error("calibration 2").contains("of something else"), "{}", error("calibration 2"));
+        let flipped = fs::read_to_string(&file).unwrap().replacen("\"candidate\":3", "\"candidate\":2", 1);
+        fs::write(&file, flipped).unwrap();
+        assert!(
+            error("calibration 1").contains("line 2: its checksum is wrong"),
+            "{}",
+            error("calibration 1")
+        );
+    }
+
+    #[test]
+    fn a_journal_of_version_0_1_is_taken_over_with_a_notice() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("journal");
+        let fixture = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/formats/calibration_0.1.journal");
+        fs::copy(fixture, &file).unwrap();
+        assert!(Journal::open(&file, "calibration 2").unwrap_err().to_string().contains("of something else"));
+        let journal = Journal::open(&file, "calibration 1").unwrap();
+        assert!(journal.notice().unwrap().contains("version 0.1"), "{:?}", journal.notice());
+        let known = |journal: &Journal| [3, 1, 7, 8].map(|number| journal.verdict(number));
+        let expected = [Some(Verdict::Retained), Some(Verdict::Failed(2)), Some(Verdict::Failed(0)), None];
+        assert_eq!(known(&journal), expected);
+        drop(journal);
+        let journal = Journal::open(&file, "calibration 1").unwrap();
+        assert_eq!((known(&journal), journal.notice()), (expected, None));
+        drop(journal);
+
+        fs::write(&file, "calibration 1\nseven\n").unwrap();
+        let error = Journal::open(&file, "calibration 1").unwrap_err().to_string();
+        assert!(error.contains("line 2: `seven` is no result"), "{error}");
+        fs::write(&file, "a poem\n").unwrap();
+        assert!(
+            Journal::open(&file, "calibration 1").unwrap_err().to_string().contains("is no scenario-runner")
+        );
+        assert_eq!(fs::read_to_string(&file).unwrap(), "a poem\n");
     }
 }

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use clap::{Args, Subcommand, ValueEnum};
 
 use super::Exit;
-use super::measured;
+use super::{measured, project};
+use crate::console::stdout;
 use crate::judge::baseline::measured_metrics;
 use crate::report::{Form, count, render_baseline, render_difference};
 
@@ -37,6 +38,10 @@ enum Action {
         /// Replaces the seed of the suite.
         #[arg(long, value_name = "SEED")]
         seed: Option<u64>,
+
+        /// Replace the file also if it is no baseline, or one of another suite.
+        #[arg(long)]
+        force: bool,
     },
     /// Print what a baseline holds.
     Show {
@@ -76,20 +81,31 @@ impl From<Format> for Form {
 
 pub fn baseline(arguments: &BaselineArguments) -> Exit {
     let result = match &arguments.action {
-        Action::Save { file, out, seed } => save(file, out.as_deref(), *seed),
+        Action::Save { file, out, seed, force } => save(file, out.as_deref(), *seed, *force),
         Action::Show { path, format } => measured::read_baseline(path)
-            .map(|baseline| print!("{}", render_baseline(&baseline, (*format).into()))),
+            .map(|baseline| write!(stdout(), "{}", render_baseline(&baseline, (*format).into()))),
         Action::Diff { base, candidate, format } => diff(base, candidate, *format),
     };
     result.err().unwrap_or(Exit::Success)
 }
 
-fn save(file: &str, out: Option<&Path>, seed: Option<u64>) -> Result<(), Exit> {
+fn save(file: &str, out: Option<&Path>, seed: Option<u64>, force: bool) -> Result<(), Exit> {
     let suite = measured::load_suite(file, seed)?;
-    let path = out.map_or_else(|| measured::default_path(file, &suite), Path::to_owned);
+    let path = match out {
+        Some(path) => path.to_owned(),
+        None => {
+            let path = measured::default_path(file, &suite);
+            project::holds(file, &path)?;
+            path
+        }
+    };
+    if !force {
+        project::may_be_replaced(&path, &suite.name)?;
+    }
     let baseline = measured::run_suite(&suite, &measured_metrics(&suite), "baseline")?;
     measured::save(&path, &baseline.text())?;
-    println!(
+    writeln!(
+        stdout(),
         "{}: {}, {}, seed {}; commit it",
         path.display(),
         count(baseline.trials.len(), "trial"),
@@ -101,6 +117,6 @@ fn save(file: &str, out: Option<&Path>, seed: Option<u64>) -> Result<(), Exit> {
 
 fn diff(base: &Path, candidate: &Path, format: Format) -> Result<(), Exit> {
     let (base, candidate) = (measured::read_baseline(base)?, measured::read_baseline(candidate)?);
-    print!("{}", render_difference(&base, &candidate, format.into()));
+    write!(stdout(), "{}", render_difference(&base, &candidate, format.into()));
     Ok(())
 }

@@ -1,6 +1,5 @@
 //! `scenario-runner calibrate`: retains the parameter sets of the COMMOTIONS model that meet criteria.
 
-use std::fs;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
@@ -11,6 +10,8 @@ use crate::calibrate::{
     Calibration, Candidates, Design, Journal, ParameterRange, Report, Request, calibrate, published_criteria,
     published_grid, read_criteria,
 };
+use crate::console::{stderr, stdout};
+use crate::files;
 use crate::pedestrian::commotions::model::COMMOTIONS;
 use crate::pedestrian::commotions::{Variant, VariantError};
 use crate::pedestrian::population::{Population, PopulationError};
@@ -118,7 +119,7 @@ pub fn run(arguments: &CalibrateArguments) -> Exit {
     match try_run(arguments) {
         Ok(exit) => exit,
         Err(error) => {
-            eprintln!("error: {error}");
+            writeln!(stderr(), "error: {error}");
             match error {
                 CalibrateError::Write { .. } | CalibrateError::Json(_) => Exit::Output,
                 _ => Exit::Usage,
@@ -133,7 +134,7 @@ fn try_run(arguments: &CalibrateArguments) -> Result<Exit, CalibrateError> {
         None => published_criteria(),
     };
     if arguments.print_criteria {
-        println!("{}", serde_json::to_string_pretty(&criteria)?);
+        stdout().verbatim(&(serde_json::to_string_pretty(&criteria)? + "\n"));
         return Ok(Exit::Success);
     }
     let Some(out) = &arguments.out else { return Ok(Exit::Usage) };
@@ -144,6 +145,9 @@ fn try_run(arguments: &CalibrateArguments) -> Result<Exit, CalibrateError> {
     let request = Request { calibration, candidates, design };
     let journal =
         arguments.journal.as_ref().map(|file| Journal::open(file, &request.fingerprint())).transpose()?;
+    if let Some(notice) = journal.as_ref().and_then(Journal::notice) {
+        writeln!(stderr(), "note: {notice}");
+    }
     if let Some(threads) = arguments.threads {
         rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
@@ -161,14 +165,14 @@ fn try_run(arguments: &CalibrateArguments) -> Result<Exit, CalibrateError> {
     };
     let report = calibrate(&request, journal.as_ref(), || bar.inc(1))?;
     bar.finish_and_clear();
-    print!("{}", summary(&request, &report));
+    write!(stdout(), "{}", summary(&request, &report));
     if report.retained.is_empty() {
-        eprintln!("error: nobody met all criteria; nothing is written");
+        writeln!(stderr(), "error: nobody met all criteria; nothing is written");
         return Ok(Exit::Failed);
     }
     let text = report.population(&request).to_json()?;
-    fs::write(out, text).map_err(|error| CalibrateError::Write { file: out.clone(), error })?;
-    println!("wrote {}", out.display());
+    files::write(out, text).map_err(|error| CalibrateError::Write { file: out.clone(), error })?;
+    writeln!(stdout(), "wrote {}", out.display());
     Ok(Exit::Success)
 }
 

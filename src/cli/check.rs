@@ -1,15 +1,15 @@
 //! `scenario-runner check`: errors and warnings without running anything.
 
 use std::collections::HashSet;
-use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
 use super::Exit;
 use super::load;
+use crate::console::{stderr, stdout};
 use crate::lang::{self, Diagnostic, Severity, Sources};
-use crate::report::findings;
+use crate::report::{Repository, findings};
 
 #[derive(Debug, Args)]
 pub struct CheckArguments {
@@ -47,12 +47,10 @@ pub fn check(arguments: &CheckArguments) -> Exit {
             String::new()
         }
         Format::Json => findings::json(&checked),
-        Format::Github => findings::github(&checked),
-        Format::Sarif => findings::sarif(&checked),
+        Format::Github => findings::github(&checked, &Repository::here()),
+        Format::Sarif => findings::sarif(&checked, &Repository::here()),
     };
-    if std::io::stdout().write_all(text.as_bytes()).is_err() {
-        return Exit::Output;
-    }
+    stdout().verbatim(&text);
     if failed { Exit::Scenario } else { Exit::Success }
 }
 
@@ -68,15 +66,18 @@ fn forget_repeated(checked: &mut [(Vec<Diagnostic>, Sources)]) {
 }
 
 fn show(checked: &[(Vec<Diagnostic>, Sources)], files: usize) {
-    let style =
-        lang::Style { colour: std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none() };
+    let style = lang::Style { colour: stderr().takes_colour() };
     let mut all = Vec::new();
     for (diagnostics, sources) in checked {
         for diagnostic in diagnostics {
-            eprintln!("{}\n", lang::render(diagnostic, sources, style));
+            stderr().styled(&format!("{}\n\n", lang::render(diagnostic, sources, style)));
             all.push(diagnostic);
         }
     }
     let checked = if files == 1 { "1 file".to_string() } else { format!("{files} files") };
-    eprintln!("checked {checked}: {}", lang::count(all.iter().map(|diagnostic| diagnostic.severity)));
+    writeln!(
+        stderr(),
+        "checked {checked}: {}",
+        lang::count(all.iter().map(|diagnostic| diagnostic.severity))
+    );
 }

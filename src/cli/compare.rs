@@ -1,15 +1,15 @@
 //! `scenario-runner compare BASE CANDIDATE`: is the candidate worse, beyond what is tolerated and beyond doubt?
 
-use std::io::{self, IsTerminal};
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 
 use super::Exit;
 use super::{measured, parameters};
+use crate::console::{stderr, stdout};
 use crate::judge::Verdict;
 use crate::judge::baseline::{Baseline, Incompatible, measured_metrics, pair};
-use crate::judge::gate::{CheckOutcome, GateVerdict, blanket_rule, judge_rules};
+use crate::judge::gate::{CheckOutcome, GateVerdict, blanket_rule, collision_rule, judge_rules};
 use crate::report::{gate_markdown, record_command, render_gate, render_reason};
 use crate::scenario::{Gate, Suite};
 
@@ -21,7 +21,7 @@ Examples:
   scenario-runner compare zebra.suite --parameters new.scn        other parameters, one suite
   scenario-runner compare zebra.json zebra.suite --format markdown
 
-Exit codes: 0 nothing is worse, 101 something is, 102 too few runs to say, 103 not comparable.")]
+Exit codes: 0 nothing is worse, 104 something is, 102 too few runs to say, 103 not comparable.")]
 pub struct CompareArguments {
     /// What was: a baseline, or a suite to run. With --parameters, the suite to run with them.
     base: String,
@@ -44,8 +44,8 @@ pub struct CompareArguments {
     #[arg(long, value_name = "PERCENT", value_parser = percent)]
     tolerance: Option<f64>,
 
-    /// How sure to be, in percent [default: 95].
-    #[arg(long, value_name = "PERCENT", value_parser = percent)]
+    /// How sure to be, in percent above 50 [default: 95].
+    #[arg(long, value_name = "PERCENT", value_parser = confidence)]
     confidence: Option<f64>,
 
     /// Replaces the seed of every suite that is run.
@@ -60,7 +60,7 @@ pub struct CompareArguments {
     #[arg(long)]
     strict: bool,
 
-    /// Show the comparisons that held, too.
+    /// Show the comparisons that held or are the same, too.
     #[arg(long)]
     all: bool,
 
@@ -85,6 +85,14 @@ fn percent(text: &str) -> Result<f64, String> {
         Ok(percent) if (0.0..100.0).contains(&percent) => Ok(percent / 100.0),
         _ => Err("a number of percent from 0 to below 100, such as `5`".to_string()),
     }
+}
+
+/// A confidence in percent, as a share.
+fn confidence(text: &str) -> Result<f64, String> {
+    percent(text)
+        .ok()
+        .filter(|share| *share > 0.5)
+        .ok_or_else(|| "a number of percent above 50 and below 100, such as `95`".to_string())
 }
 
 pub fn compare(arguments: &CompareArguments) -> Exit {
@@ -134,19 +142,22 @@ fn judged(arguments: &CompareArguments) -> Result<Vec<(GateVerdict, Option<Strin
     let before = base.baseline(&gates, "base")?;
     let after = candidate.baseline(&gates, "candidate")?;
     let refuse = |reasons: Vec<Incompatible>| {
-        eprintln!("error: {} and {} cannot be compared", base.file, candidate.file);
+        writeln!(stderr(), "error: {} and {} cannot be compared", base.file, candidate.file);
         for reason in &reasons {
-            eprintln!("  {}", render_reason(reason));
+            writeln!(stderr(), "  {}", render_reason(reason));
         }
         if base.suite.is_none()
             && let Some(suite) = &candidate.suite
             && suite.name == before.suite
         {
             let command = record_command(&candidate.file, Path::new(&base.file));
-            eprintln!("help: record it with `{command}`, from the version that it is to be compared with");
+            writeln!(
+                stderr(),
+                "help: record it with `{command}`, from the version that it is to be compared with"
+            );
         }
         if reasons.iter().all(|reason| matches!(reason, Incompatible::New(_))) {
-            eprintln!("help: `--baseline-lenient` leaves new trials out");
+            writeln!(stderr(), "help: `--baseline-lenient` leaves new trials out");
         }
         Exit::Baseline
     };
@@ -164,7 +175,7 @@ fn sides(arguments: &CompareArguments) -> Result<(Side, Side), Exit> {
     let (file, seed) = (&arguments.base, arguments.seed);
     let with = |path: &PathBuf| Side::with_parameters(file, path, seed);
     if !arguments.parameters.is_empty() && measured::is_baseline(file) {
-        eprintln!("error: {file} is no suite that could be run with other parameters");
+        writeln!(stderr(), "error: {file} is no suite that could be run with other parameters");
         return Err(Exit::Usage);
     }
     match (&arguments.candidate, &arguments.parameters[..]) {
@@ -172,7 +183,7 @@ fn sides(arguments: &CompareArguments) -> Result<(Side, Side), Exit> {
         (None, [only]) => Ok((Side::open(file, seed)?, with(only)?)),
         (None, [was, now]) => Ok((with(was)?, with(now)?)),
         (None, _) => {
-            eprintln!("error: --parameters may be given once or twice");
+            writeln!(stderr(), "error: --parameters may be given once or twice");
             Err(Exit::Usage)
         }
     }
@@ -189,9 +200,9 @@ fn gates(arguments: &CompareArguments, base: &Side, candidate: &Side) -> Result<
         let found: Vec<Gate> = declared.iter().filter(|gate| gate.name == *name).cloned().collect();
         if found.is_empty() {
             let known: Vec<_> = declared.iter().map(|gate| format!("`{}`", gate.name)).collect();
-            eprintln!("error: neither side is a suite with a gate called `{name}`");
+            writeln!(stderr(), "error: neither side is a suite with a gate called `{name}`");
             if !known.is_empty() {
-                eprintln!("help: there is {}", known.join(", "));
+                writeln!(stderr(), "help: there is {}", known.join(", "));
             }
             return Err(Exit::Usage);
         }
@@ -200,15 +211,14 @@ fn gates(arguments: &CompareArguments, base: &Side, candidate: &Side) -> Result<
     if !declared.is_empty() && arguments.tolerance.is_none() && arguments.confidence.is_none() {
         return Ok(declared.to_vec());
     }
-    let rule = blanket_rule(
-        arguments.tolerance.unwrap_or(DEFAULT_TOLERANCE),
-        arguments.confidence.unwrap_or(DEFAULT_CONFIDENCE),
-    );
+    let confidence = arguments.confidence.unwrap_or(DEFAULT_CONFIDENCE);
+    let rule = blanket_rule(arguments.tolerance.unwrap_or(DEFAULT_TOLERANCE), confidence);
     Ok(vec![Gate {
         name: rule.text.clone(),
         doc: None,
         baseline: String::new(),
-        rules: vec![rule],
+        // What is true or false needs a rule of its own.
+        rules: vec![rule, collision_rule(confidence)],
         origin: Default::default(),
     }])
 }
@@ -216,18 +226,18 @@ fn gates(arguments: &CompareArguments, base: &Side, candidate: &Side) -> Result<
 fn print(arguments: &CompareArguments, verdicts: &[(GateVerdict, Option<String>)]) {
     if arguments.format == Format::Json {
         let all: Vec<_> = verdicts.iter().map(|(verdict, _)| verdict).collect();
-        println!("{}", serde_json::to_string_pretty(&all).expect("plain data serialises"));
+        stdout().verbatim(&(serde_json::to_string_pretty(&all).expect("plain data serialises") + "\n"));
         return;
     }
-    let colour = io::stdout().is_terminal() && std::env::var_os("NO_COLOR").is_none();
+    let colour = stdout().takes_colour();
     for (index, (verdict, file)) in verdicts.iter().enumerate() {
         if index > 0 {
-            println!();
+            writeln!(stdout());
         }
         let replay = |key: &str| file.as_ref().map(|file| format!("scenario-runner replay '{key}' {file}"));
         match arguments.format {
-            Format::Markdown => print!("{}", gate_markdown(verdict, &replay)),
-            _ => print!("{}", render_gate(verdict, &replay, arguments.all, colour)),
+            Format::Markdown => write!(stdout(), "{}", gate_markdown(verdict, &replay)),
+            _ => stdout().styled(&render_gate(verdict, &replay, arguments.all, colour)),
         }
     }
 }

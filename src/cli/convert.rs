@@ -1,16 +1,17 @@
 //! `scenario-runner convert`: scenario files to YAML and back.
 
-use std::io::{IsTerminal, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 
 use super::Exit;
+use crate::console::{stderr, stdout};
+use crate::files;
 use crate::lang::{self, Sources, Style};
 
 #[derive(Debug, Args)]
 pub struct ConvertArguments {
-    /// A scenario file or suite in either form.
+    /// A scenario file or suite in either form; `-` reads standard input.
     file: PathBuf,
     /// The form to write.
     #[arg(long, value_enum)]
@@ -24,33 +25,39 @@ enum Form {
 }
 
 pub fn convert(arguments: &ConvertArguments) -> Exit {
-    let text = match std::fs::read_to_string(&arguments.file) {
+    let is_standard_input = arguments.file == Path::new("-");
+    let text =
+        if is_standard_input { files::read_standard_input() } else { files::read_text(&arguments.file) };
+    let text = match text {
         Ok(text) => text,
         Err(error) => {
-            eprintln!("error: cannot read `{}`: {error}", arguments.file.display());
+            writeln!(stderr(), "error: cannot read `{}`: {error}", arguments.file.display());
             return Exit::Usage;
         }
     };
     let mut sources = Sources::default();
     let source = sources.add(arguments.file.display().to_string(), text.as_str());
-    let is_yaml =
-        arguments.file.extension().is_some_and(|extension| extension == "yaml" || extension == "yml");
+    let is_yaml = if is_standard_input {
+        arguments.to == Form::Scn
+    } else {
+        arguments.file.extension().is_some_and(|extension| extension == "yaml" || extension == "yml")
+    };
     let converted = match (is_yaml, arguments.to) {
         (true, Form::Scn) => lang::from_yaml(source, &text),
         (false, Form::Yaml) => lang::to_yaml(source, &text),
         _ => {
-            eprintln!("error: `{}` has that form already", arguments.file.display());
+            writeln!(stderr(), "error: `{}` has that form already", arguments.file.display());
             return Exit::Usage;
         }
     };
     match converted {
-        Ok(text) => match std::io::stdout().write_all(text.as_bytes()) {
-            Ok(()) => Exit::Success,
-            Err(_) => Exit::Output,
-        },
+        Ok(text) => {
+            stdout().verbatim(&text);
+            Exit::Success
+        }
         Err(diagnostics) => {
-            let colour = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
-            eprint!("{}", lang::render_all(&diagnostics, &sources, Style { colour }));
+            let colour = stderr().takes_colour();
+            stderr().styled(&lang::render_all(&diagnostics, &sources, Style { colour }));
             Exit::Scenario
         }
     }

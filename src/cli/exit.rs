@@ -18,16 +18,18 @@ pub enum Exit {
     Unformatted = 5,
     /// A verdict failed, or something could not be run.
     Failed = 100,
-    /// Something is worse than the baseline by more than is tolerated.
-    Regressed = 101,
     /// No verdict failed, but one could not be decided with the runs there were.
     Inconclusive = 102,
     /// A baseline is missing, or may not be compared with.
     Baseline = 103,
+    /// Something is worse than the baseline by more than is tolerated. Not 101, with which Rust's panics end.
+    Regressed = 104,
     /// Somebody pressed Ctrl-C before everything was run.
     Interrupted = 105,
-    /// A report could not be written.
+    /// A report could not be written, or what was to be said: the device is full, not merely the reader gone.
     Output = 110,
+    /// scenario-runner panicked outside of all runs: a bug of ours.
+    Bug = 120,
 }
 
 /// Shown below `--help`.
@@ -39,11 +41,12 @@ Exit codes:
     4  no trial or block was selected
     5  `fmt --check` found a file that is not in the one style
   100  a verdict failed, or something could not be run
-  101  something is worse than the baseline
   102  no verdict failed, but one is inconclusive
   103  a baseline is missing or may not be compared with
+  104  something is worse than the baseline
   105  interrupted: what was finished is reported
   110  a report could not be written
+  120  a bug in this program: please report it
 
 Examples:
   scenario-runner init                                   write a project to begin with
@@ -60,5 +63,46 @@ Examples:
 impl From<Exit> for ExitCode {
     fn from(exit: Exit) -> Self {
         Self::from(exit as u8)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+    use std::fs;
+    use std::path::Path;
+
+    const ALL: [Exit; 12] = [
+        Exit::Success,
+        Exit::Usage,
+        Exit::Scenario,
+        Exit::NothingSelected,
+        Exit::Unformatted,
+        Exit::Failed,
+        Exit::Inconclusive,
+        Exit::Baseline,
+        Exit::Regressed,
+        Exit::Interrupted,
+        Exit::Output,
+        Exit::Bug,
+    ];
+
+    #[test]
+    fn every_code_means_one_thing_everywhere() {
+        let codes: BTreeSet<u8> = ALL.iter().map(|exit| *exit as u8).collect();
+        assert_eq!(codes.len(), ALL.len());
+        // Rust's panics and failing `cargo test`s; shells take 126 and above.
+        assert!(!codes.contains(&101) && !codes.contains(&1) && codes.iter().all(|code| *code < 126));
+        let table = |file: &str| -> BTreeSet<u8> {
+            let text = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(file)).unwrap();
+            text.lines().filter_map(|line| line.strip_prefix("| ")?.split_once(' ')?.0.parse().ok()).collect()
+        };
+        assert_eq!(table("README.md"), codes);
+        assert_eq!(table("docs/running.md"), codes);
+        let help = HELP.lines().filter(|line| line.starts_with("  ") && !line.contains("scenario-runner "));
+        let help: BTreeSet<u8> =
+            help.filter_map(|line| line.trim_start().split_once(' ')?.0.parse().ok()).collect();
+        assert_eq!(help, codes);
     }
 }

@@ -1,17 +1,19 @@
 //! `scenario-runner search NAME FILE` and `tune NAME FILE`: one block of a suite, with what it builds on.
 
-use std::fs;
-use std::io::{self, IsTerminal, Write};
+use std::io;
 use std::path::{Path, PathBuf};
 use std::thread;
 
 use clap::Args;
 
 use super::interrupt::stop_on_interrupt;
+use super::set::SetArguments;
 use super::{Exit, load, shows_progress, store};
+use crate::console::{stderr, stdout};
 use crate::dispatch::{self, Orders, Unit, Work, Workshop, dispatch};
 use crate::experiment::{Block, BlockResult, CaseFile, ParameterFile};
-use crate::report::{BlockReport, BlockState, Live, Terminal, render_block, tuned_parameters};
+use crate::files;
+use crate::report::{BlockReport, BlockState, Live, Terminal, render_block, set_options, tuned_parameters};
 use crate::scenario::Suite;
 
 #[derive(Debug, Args)]
@@ -25,6 +27,9 @@ pub struct ExperimentArguments {
     /// Replaces the seed of the suite.
     #[arg(long, value_name = "SEED")]
     seed: Option<u64>,
+
+    #[command(flatten)]
+    set: SetArguments,
 
     /// Write the result for use elsewhere: a search its kept cases, a tune its parameters. Under a name that ends in `.json`
     /// an `evaluate` block takes them as a condition (`with "tuned.json"`), under another they are definitions that a
@@ -56,8 +61,8 @@ pub fn tune(arguments: &ExperimentArguments) -> Exit {
 }
 
 fn run(arguments: &ExperimentArguments, kind: &'static str) -> Exit {
-    let colour = io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
-    let suites = match load::load_all(&[&arguments.file], arguments.seed, colour) {
+    let colour = stderr().takes_colour();
+    let suites = match load::load_all(&[&arguments.file], arguments.seed, &arguments.set, colour) {
         Ok(suites) => suites,
         Err(exit) => return exit,
     };
@@ -68,7 +73,9 @@ fn run(arguments: &ExperimentArguments, kind: &'static str) -> Exit {
     let asked = (0..units.len()).map(|unit| unit == wanted).collect();
     let chosen = dispatch::with_needs(&units, asked);
     let stop = stop_on_interrupt();
-    store::prepare(&arguments.journal);
+    if let Err(exit) = store::prepare(&arguments.journal) {
+        return exit;
+    }
     let workshop = Workshop::new(&suites, Some(arguments.journal.clone()), &stop);
     let threads = thread::available_parallelism().map_or(1, usize::from);
     let orders = Orders { chosen: &chosen, first: &[], threads, max_failures: None };
@@ -76,20 +83,22 @@ fn run(arguments: &ExperimentArguments, kind: &'static str) -> Exit {
     let reports = dispatch(&workshop, &units, &orders, &mut watcher);
     let done = reports.iter().flat_map(|report| &report.blocks);
     let shown: Vec<_> = done.clone().filter_map(BlockReport::result).map(render_block).collect();
-    // A closed pipe is the reader's choice, not an error.
-    let _ = io::stdout().write_all(shown.join("\n").as_bytes());
+    write!(stdout(), "{}", shown.join("\n"));
     if stop.is_requested() {
         let folder = arguments.journal.display();
-        eprintln!("interrupted: what was evaluated is kept in {folder}");
+        writeln!(stderr(), "interrupted: what was evaluated is kept in {folder}");
         let seed = arguments.seed.map(|seed| format!(" --seed {seed}")).unwrap_or_default();
-        eprintln!(
+        let seed = seed + &set_options(&suites[0].suite.set);
+        writeln!(
+            stderr(),
             "help: `scenario-runner {kind} {} {}{seed}` goes on from there",
-            arguments.name, arguments.file
+            arguments.name,
+            arguments.file
         );
         return Exit::Interrupted;
     }
     if let Some(error) = done.clone().find_map(error) {
-        eprintln!("error: {error}");
+        writeln!(stderr(), "error: {error}");
         return Exit::Scenario;
     }
     let Some((block, result)) = done.filter(|one| one.key == units[wanted].key).find_map(|one| {
@@ -104,13 +113,13 @@ fn run(arguments: &ExperimentArguments, kind: &'static str) -> Exit {
         .as_deref()
         .map(|path| (path, file(path, &suites[units[wanted].suite].suite, block, result)));
     if let Some((path, None)) = &file {
-        eprintln!("warning: nothing was chosen, so {} is not written", path.display());
+        writeln!(stderr(), "warning: nothing was chosen, so {} is not written", path.display());
     }
     let written = file.and_then(|(path, content)| Some((path, content?)));
     let all = arguments.json.as_deref().map(|path| (path, json(result)));
     let saved = written.into_iter().chain(all).try_for_each(|(path, content)| save(path, &content));
     if let Err((path, error)) = saved {
-        eprintln!("error: cannot write {}: {error}", path.display());
+        writeln!(stderr(), "error: cannot write {}: {error}", path.display());
         return Exit::Output;
     }
     if result.failure().is_some() { Exit::Failed } else { Exit::Success }
@@ -121,7 +130,7 @@ fn is_called(unit: &Unit, kind: &str, name: &str) -> bool {
 }
 
 fn unknown(arguments: &ExperimentArguments, units: &[Unit], kind: &str) -> Exit {
-    eprintln!("error: {} has no {kind} called `{}`", arguments.file, arguments.name);
+    writeln!(stderr(), "error: {} has no {kind} called `{}`", arguments.file, arguments.name);
     let known: Vec<_> = units
         .iter()
         .filter_map(|unit| match unit.work {
@@ -130,9 +139,9 @@ fn unknown(arguments: &ExperimentArguments, units: &[Unit], kind: &str) -> Exit 
         })
         .collect();
     if known.is_empty() {
-        eprintln!("help: it declares none");
+        writeln!(stderr(), "help: it declares none");
     } else {
-        eprintln!("help: it declares {}", known.join(", "));
+        writeln!(stderr(), "help: it declares {}", known.join(", "));
     }
     Exit::Usage
 }
@@ -142,7 +151,7 @@ fn error(report: &BlockReport) -> Option<String> {
         BlockState::Errored(message) => {
             Some(format!("{} {}: {message}", report.block.kind(), report.block.name()))
         }
-        BlockState::Finished(_) | BlockState::Skipped(_) => None,
+        BlockState::Finished(_) | BlockState::NotFinished(_) | BlockState::Skipped(_) => None,
     }
 }
 
@@ -171,6 +180,5 @@ fn json(result: &BlockResult) -> String {
 }
 
 fn save(path: &Path, content: &str) -> Result<(), (PathBuf, io::Error)> {
-    let folder = path.parent().map_or(Ok(()), fs::create_dir_all);
-    folder.and_then(|()| fs::write(path, content)).map_err(|error| (path.to_owned(), error))
+    files::write(path, content).map_err(|error| (path.to_owned(), error))
 }

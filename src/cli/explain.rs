@@ -3,6 +3,7 @@
 use clap::Args;
 
 use super::{Exit, help};
+use crate::console::{stderr, stdout};
 use crate::lang::{self, Code, filter};
 
 #[derive(Debug, Args)]
@@ -14,29 +15,32 @@ pub struct ExplainArguments {
 pub fn explain(arguments: &ExplainArguments) -> Exit {
     let Some(name) = &arguments.code else {
         for code in Code::ALL {
-            println!("{}  {}", code.name(), code.title());
+            writeln!(stdout(), "{}  {}", code.name(), code.title());
         }
         return Exit::Success;
     };
     if name == help::FILTER {
-        print!("{}", filter::reference());
+        write!(stdout(), "{}", filter::reference());
         return Exit::Success;
     }
     match Code::find(name) {
         Some(code) => {
-            println!("{}: {}\n", code.name(), code.title());
+            writeln!(stdout(), "{}: {}\n", code.name(), code.title());
             for line in wrapped(code.explanation(), 100) {
-                println!("{line}");
+                writeln!(stdout(), "{line}");
             }
             Exit::Success
         }
         None => {
-            eprintln!("error: there is no code `{name}`");
+            writeln!(stderr(), "error: there is no code `{name}`");
             match lang::nearest(name, Code::ALL.iter().map(|code| code.name())) {
                 Some(near) => {
-                    eprintln!("help: did you mean `{near}`? `scenario-runner explain` lists them all")
+                    writeln!(
+                        stderr(),
+                        "help: did you mean `{near}`? `scenario-runner explain` lists them all"
+                    )
                 }
-                None => eprintln!("help: `scenario-runner explain` lists them all"),
+                None => writeln!(stderr(), "help: `scenario-runner explain` lists them all"),
             }
             Exit::Usage
         }

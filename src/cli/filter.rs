@@ -3,6 +3,7 @@
 use clap::Args;
 
 use super::Exit;
+use crate::console::stderr;
 use crate::corpus::Recorded;
 use crate::experiment::{Block, Need};
 use crate::lang::filter::{Filters, SCENARIO, Subject};
@@ -23,7 +24,7 @@ impl FilterArguments {
     /// The expressions, read; what is wrong with them goes to stderr.
     pub fn read(&self, colour: bool) -> Result<Filters, Exit> {
         Filters::parse(&self.expressions).map_err(|failure| {
-            eprint!("{}", failure.render(Style { colour }));
+            stderr().styled(&failure.render(Style { colour }));
             Exit::Usage
         })
     }
@@ -32,7 +33,7 @@ impl FilterArguments {
 /// Warns of predicates that match none of the subjects.
 pub fn warn(filters: &Filters, subjects: &[Subject], colour: bool) {
     for warning in filters.warnings(subjects) {
-        eprintln!("{}\n", lang::render(&warning, &filters.sources, Style { colour }));
+        stderr().styled(&format!("{}\n\n", lang::render(&warning, &filters.sources, Style { colour })));
     }
 }
 

@@ -1,11 +1,12 @@
 //! `scenario-runner fmt`: the one style of scenario files.
 
-use std::io::{IsTerminal, Read, Write};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 
 use super::Exit;
+use crate::console::{stderr, stdout};
+use crate::files;
 use crate::lang::{self, Sources, Style};
 
 #[derive(Debug, Args)]
@@ -33,14 +34,14 @@ pub fn format(arguments: &FormatArguments) -> Exit {
 fn one(file: &Path, check: bool) -> Exit {
     if file.extension().is_some_and(|extension| extension == "yaml" || extension == "yml") {
         let file = file.display();
-        eprintln!("error: `{file}` is YAML, which has no one style");
-        eprintln!("help: `scenario-runner convert {file} --to scn` turns it into what has");
+        writeln!(stderr(), "error: `{file}` is YAML, which has no one style");
+        writeln!(stderr(), "help: `scenario-runner convert {file} --to scn` turns it into what has");
         return Exit::Usage;
     }
-    let text = match std::fs::read_to_string(file) {
+    let text = match files::read_text(file) {
         Ok(text) => text,
         Err(error) => {
-            eprintln!("error: cannot read `{}`: {error}", file.display());
+            writeln!(stderr(), "error: cannot read `{}`: {error}", file.display());
             return Exit::Usage;
         }
     };
@@ -48,13 +49,13 @@ fn one(file: &Path, check: bool) -> Exit {
         None => Exit::Scenario,
         Some(after) if after == text => Exit::Success,
         Some(_) if check => {
-            println!("{}", file.display());
+            writeln!(stdout(), "{}", file.display());
             Exit::Unformatted
         }
-        Some(after) => match std::fs::write(file, after) {
+        Some(after) => match files::write(file, after) {
             Ok(()) => Exit::Success,
             Err(error) => {
-                eprintln!("error: cannot write `{}`: {error}", file.display());
+                writeln!(stderr(), "error: cannot write `{}`: {error}", file.display());
                 Exit::Output
             }
         },
@@ -62,11 +63,13 @@ fn one(file: &Path, check: bool) -> Exit {
 }
 
 fn standard_input(check: bool) -> Exit {
-    let mut text = String::new();
-    if let Err(error) = std::io::stdin().read_to_string(&mut text) {
-        eprintln!("error: cannot read standard input: {error}");
-        return Exit::Usage;
-    }
+    let text = match files::read_standard_input() {
+        Ok(text) => text,
+        Err(error) => {
+            writeln!(stderr(), "error: cannot read standard input: {error}");
+            return Exit::Usage;
+        }
+    };
     match formatted("<stdin>", &text) {
         None => Exit::Scenario,
         Some(after) if check => {
@@ -76,10 +79,10 @@ fn standard_input(check: bool) -> Exit {
                 Exit::Unformatted
             }
         }
-        Some(after) => match std::io::stdout().write_all(after.as_bytes()) {
-            Ok(()) => Exit::Success,
-            Err(_) => Exit::Output,
-        },
+        Some(after) => {
+            stdout().verbatim(&after);
+            Exit::Success
+        }
     }
 }
 
@@ -88,8 +91,8 @@ fn formatted(name: &str, text: &str) -> Option<String> {
     let source = sources.add(name, text);
     lang::format(source, text)
         .map_err(|diagnostics| {
-            let colour = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
-            eprint!("{}", lang::render_all(&diagnostics, &sources, Style { colour }));
+            let colour = stderr().takes_colour();
+            stderr().styled(&lang::render_all(&diagnostics, &sources, Style { colour }));
         })
         .ok()
 }

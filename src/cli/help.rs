@@ -3,6 +3,7 @@
 use clap::{Args, CommandFactory};
 
 use super::{Cli, Exit};
+use crate::console::{stderr, stdout};
 use crate::lang::filter;
 
 #[derive(Debug, Args)]
@@ -19,26 +20,31 @@ pub fn help(arguments: &HelpArguments) -> Exit {
     let mut program = Cli::command().bin_name("scenario-runner");
     program.build();
     let Some(topic) = &arguments.topic else {
-        let _ = program.print_long_help();
+        stdout().styled(&styled_help(&mut program));
         return Exit::Success;
     };
     if topic == FILTER {
-        print!("{}", filter::reference());
+        write!(stdout(), "{}", filter::reference());
         return Exit::Success;
     }
     match program.find_subcommand_mut(topic) {
         Some(command) => {
-            let _ = command.print_long_help();
+            stdout().styled(&styled_help(command));
             Exit::Success
         }
         None => {
             let commands = program.get_subcommands().map(clap::Command::get_name).chain([FILTER]);
-            eprintln!("error: there is no command `{topic}`");
+            writeln!(stderr(), "error: there is no command `{topic}`");
             match crate::lang::nearest(topic, commands) {
-                Some(near) => eprintln!("help: did you mean `scenario-runner help {near}`?"),
-                None => eprintln!("help: `scenario-runner help` lists the commands"),
+                Some(near) => writeln!(stderr(), "help: did you mean `scenario-runner help {near}`?"),
+                None => writeln!(stderr(), "help: `scenario-runner help` lists the commands"),
             }
             Exit::Usage
         }
     }
+}
+
+fn styled_help(command: &mut clap::Command) -> String {
+    let help = command.render_long_help();
+    if stdout().takes_colour() { help.ansi().to_string() } else { help.to_string() }
 }

@@ -1,12 +1,12 @@
 //! `scenario-runner init`: a commented starter project.
 
-use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 
 use super::Exit;
+use crate::console::{stderr, stdout};
+use crate::files;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -71,42 +71,39 @@ pub fn init(arguments: &InitArguments) -> Exit {
         for (name, what, _) in FILES {
             let path = at(name);
             let taken = if in_the_way.contains(&path) { " (is there already)" } else { "" };
-            println!("{:width$}  {what}{taken}", path.display());
+            writeln!(stdout(), "{:width$}  {what}{taken}", path.display());
         }
         return Exit::Success;
     }
     if !in_the_way.is_empty() {
         let taken: Vec<_> = in_the_way.iter().map(|path| path.display().to_string()).collect();
-        eprintln!("error: nothing is written, because these are there already: {}", taken.join(", "));
-        eprintln!(
+        writeln!(
+            stderr(),
+            "error: nothing is written, because these are there already: {}",
+            taken.join(", ")
+        );
+        writeln!(
+            stderr(),
             "help: name another folder, as in `scenario-runner init tests/scenarios`, or move them away"
         );
         return Exit::Usage;
     }
     for (name, _, text) in FILES {
-        if let Err(error) = write(&at(name), text) {
-            eprintln!("error: cannot write `{}`: {error}", at(name).display());
+        if let Err(error) = files::create_new(&at(name), text) {
+            writeln!(stderr(), "error: cannot write `{}`: {error}", at(name).display());
             return Exit::Output;
         }
-        println!("wrote {}", at(name).display());
+        writeln!(stdout(), "wrote {}", at(name).display());
     }
     let change = if arguments.folder == Path::new(".") {
         String::new()
     } else {
         format!("  cd {}\n", arguments.folder.display())
     };
-    println!(
+    writeln!(
+        stdout(),
         "\nNow:\n{change}  scenario-runner suites/every_change.suite       # runs, and passes\n  \
          then put your controller into scenarios/zebra.scn; README.md says what else there is"
     );
     Exit::Success
-}
-
-/// Writes a file that is not there yet, making its folders.
-fn write(path: &Path, text: &str) -> io::Result<()> {
-    if let Some(folder) = path.parent() {
-        fs::create_dir_all(folder)?;
-    }
-    let mut file = fs::OpenOptions::new().write(true).create_new(true).open(path)?;
-    io::Write::write_all(&mut file, text.as_bytes())
 }

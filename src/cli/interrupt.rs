@@ -1,6 +1,7 @@
 //! Ctrl-C: once, and no more runs begin; twice, and the program ends at once.
 
 use super::Exit;
+use crate::console::stderr;
 use crate::run::Stop;
 
 /// The wish of whoever presses Ctrl-C (or ends the program by a signal, as CI servers do when a job is cancelled).
@@ -14,7 +15,7 @@ pub fn stop_on_interrupt() -> Stop {
         wish.request();
     });
     if let Err(error) = heard {
-        eprintln!("warning: Ctrl-C will end the program without a report: {error}");
+        writeln!(stderr(), "warning: Ctrl-C will end the program without a report: {error}");
     }
     stop
 }

@@ -1,7 +1,6 @@
 //! `scenario-runner list`: the scenarios, blocks and gates of suites, with tags and counts.
 
 use std::collections::BTreeMap;
-use std::io::IsTerminal;
 use std::path::Path;
 
 use clap::{Args, ValueEnum};
@@ -10,6 +9,7 @@ use serde_json::{Map, Value, json};
 use super::Exit;
 use super::filter::{self, FilterArguments};
 use super::load;
+use crate::console::{stderr, stdout};
 use crate::experiment::Block;
 use crate::lang::filter::{SCENARIO, Subject};
 use crate::lang::{self, Style};
@@ -61,7 +61,7 @@ struct Line<'a> {
 }
 
 pub fn list(arguments: &ListArguments) -> Exit {
-    let colour = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
+    let colour = stderr().takes_colour();
     let filters = match arguments.filter.read(colour) {
         Ok(filters) => filters,
         Err(exit) => return exit,
@@ -129,13 +129,14 @@ pub fn list(arguments: &ListArguments) -> Exit {
         }
     }
     if lines.is_empty() && exit == Exit::Success {
-        eprintln!("error: nothing is selected");
-        eprintln!("help: without -E, everything is listed");
+        writeln!(stderr(), "error: nothing is selected");
+        writeln!(stderr(), "help: without -E, everything is listed");
         return Exit::NothingSelected;
     }
     match arguments.format {
         Format::Json => {
-            println!("{:#}", json!({ "version": 1, "listed": lines.iter().map(data).collect::<Vec<_>>() }))
+            let all = json!({ "version": 1, "listed": lines.iter().map(data).collect::<Vec<_>>() });
+            stdout().verbatim(&format!("{all:#}\n"));
         }
         Format::Text if arguments.tags => show_tags(&lines),
         Format::Text => show(&lines),
@@ -174,7 +175,7 @@ fn planned(file: &str, colour: bool) -> Option<(Suite, Plan)> {
     let suite = match lang::load(Path::new(file)) {
         Ok(loaded) => loaded.suite,
         Err(failure) => {
-            eprint!("{}", failure.render(Style { colour }));
+            stderr().styled(&failure.render(Style { colour }));
             return None;
         }
     };
@@ -193,9 +194,9 @@ fn show(lines: &[Line]) {
     for line in lines {
         let tags: String = line.tags.iter().map(|tag| format!(" #{tag}")).collect();
         let shown = format!("{:names$}  {:counts$} {tags}", line.name, self::counts(line));
-        println!("{}", shown.trim_end());
+        writeln!(stdout(), "{}", shown.trim_end());
         if let Some(doc) = line.doc {
-            println!("    {doc}");
+            writeln!(stdout(), "    {doc}");
         }
     }
 }
@@ -226,7 +227,7 @@ fn show_tags(lines: &[Line]) {
     }
     let width = tags.keys().map(|tag| tag.chars().count()).max().unwrap_or(0);
     for (tag, scenarios) in tags {
-        println!("{tag:width$}  {}", count(scenarios, "scenario"));
+        writeln!(stdout(), "{tag:width$}  {}", count(scenarios, "scenario"));
     }
 }
 

@@ -3,13 +3,15 @@
 use std::path::Path;
 
 use super::Exit;
+use super::set::SetArguments;
+use crate::console::stderr;
 use crate::corpus::{corpus_path, read_corpus};
 use crate::dispatch::Prepared;
-use crate::judge::examine_criteria;
-use crate::lang::{self, Code, Diagnostic, Severity, Sources};
-use crate::plan::{Plan, PlanError, plan};
+use crate::judge::{examine_criteria, examine_lanes};
+use crate::lang::{self, Code, Diagnostic, Override, Severity, Sources};
+use crate::plan::{Plan, PlanError, Trial, plan};
 use crate::report::Excerpt;
-use crate::run::{Obstacle, Stage, rehearse, rehearse_trials};
+use crate::run::{Departing, Obstacle, Stage, departing, rehearse, rehearse_trials};
 use crate::scenario::Suite;
 
 /// Whether a word of the command line is meant as a file.
@@ -19,11 +21,21 @@ pub fn names_a_file(word: &str) -> bool {
 }
 
 /// Loads, checks and plans every file; all errors of all files go to stderr.
-pub fn load_all(files: &[&String], seed: Option<u64>, colour: bool) -> Result<Vec<Prepared>, Exit> {
+pub fn load_all(
+    files: &[&String],
+    seed: Option<u64>,
+    set: &SetArguments,
+    colour: bool,
+) -> Result<Vec<Prepared>, Exit> {
+    let set = set.all().map_err(|name| {
+        writeln!(stderr(), "error: `{name}` is set twice");
+        writeln!(stderr(), "help: leave out one of the two");
+        Exit::Usage
+    })?;
     let mut loaded = Vec::new();
     let mut failed = false;
     for file in files {
-        match load(file, seed, colour) {
+        match load(file, seed, &set, colour) {
             Ok(suite) => loaded.push(suite),
             Err(()) => failed = true,
         }
@@ -36,36 +48,54 @@ pub fn examine(path: &Path, text: Option<&str>) -> (Vec<Diagnostic>, Sources) {
     let lang::Examined { suite, mut found, sources } = lang::examine(path, text);
     if let Some(suite) = &suite {
         found.extend(examine_criteria(suite, &sources));
+        found.extend(examine_lanes(suite, &sources));
         found.extend(rehearse(suite).into_iter().filter_map(|obstacle| finding(obstacle, &sources)));
+        found.extend(examine_models(suite, &sources));
         found.sort_by_key(|diagnostic| (diagnostic.span().source, diagnostic.span().start));
     }
     (found, sources)
 }
 
-fn load(file: &str, seed: Option<u64>, colour: bool) -> Result<Prepared, ()> {
-    let lang::Loaded { mut suite, sources, .. } = read(file, colour)?;
+fn load(file: &str, seed: Option<u64>, set: &[Override], colour: bool) -> Result<Prepared, ()> {
+    let lang::Loaded { mut suite, sources, warnings } = read(file, set, colour)?;
     suite.seed = seed.unwrap_or(suite.seed);
     refuse_hopeless(&suite, &sources, colour)?;
     let plan = plan(&suite).map_err(|errors| show_plan_errors(&errors, colour))?;
     build_everybody(&suite, &plan, colour)?;
-    let recorded = read_corpus(&corpus_path(Path::new(file))).map_err(|error| {
-        eprintln!("error: {error}");
-        eprintln!("help: restore the file from version control, or delete it to forget these failures");
+    for doubt in examine_models(&suite, &sources) {
+        stderr().styled(&format!("{}\n\n", lang::render(&doubt, &sources, lang::Style { colour })));
+    }
+    let is_set_aside = warnings.iter().any(|warning| warning.code == Code::SetAside);
+    refuse_nothing_asked(&suite, &plan, is_set_aside)?;
+    let mut recorded = read_corpus(&corpus_path(Path::new(file))).map_err(|error| {
+        writeln!(stderr(), "error: {error}");
+        writeln!(
+            stderr(),
+            "help: restore the file from version control, or delete it to forget these failures"
+        );
     })?;
+    if !set.is_empty() && !recorded.is_empty() {
+        writeln!(
+            stderr(),
+            "note: recorded failures of {file} are left out: they are runs of what the files say"
+        );
+        recorded.clear();
+    }
     Ok(Prepared { file: file.to_string(), suite, plan, recorded })
 }
 
 /// Shows on stderr why a suite cannot be planned.
 pub fn show_plan_errors(errors: &[PlanError], colour: bool) {
     for error in errors {
+        let notes: Vec<String> = error.case.iter().map(|case| format!("in {case}")).collect();
         let excerpt = Excerpt {
             title: &error.message,
             origin: &error.origin,
             label: "",
-            notes: &[],
+            notes: &notes,
             help: error.hint.as_deref(),
         };
-        eprintln!("{}\n", excerpt.render(colour));
+        stderr().styled(&format!("{}\n\n", excerpt.render(colour)));
     }
 }
 
@@ -81,11 +111,42 @@ fn finding(obstacle: Obstacle, sources: &Sources) -> Option<Diagnostic> {
     Some(finding.hint(hint))
 }
 
-/// Criteria that no run could make pass are not worth a run.
+/// With the values that were set, a trial may be left without a criterion, and would pass whatever happens.
+fn refuse_nothing_asked(suite: &Suite, plan: &Plan, is_set_aside: bool) -> Result<(), ()> {
+    if suite.set.is_empty() {
+        return Ok(());
+    }
+    let asks_something = |name: &str| {
+        is_set_aside || suite.scenarios.iter().any(|one| one.name == name && !one.criteria.is_empty())
+    };
+    let idle = |trial: &&Trial| trial.criteria.is_empty() && asks_something(&trial.scenario);
+    let Some(trial) = plan.trials.iter().find(idle) else { return Ok(()) };
+    writeln!(stderr(), "error: with {} no criterion applies to {}", suite.set.join(", "), trial.key);
+    writeln!(stderr(), "help: it would pass whatever happens; set a value that a criterion is about");
+    Err(())
+}
+
+/// Models that are others than were published, to be warned of.
+fn examine_models(suite: &Suite, sources: &Sources) -> Vec<Diagnostic> {
+    let doubt = |Departing { departure, case, origin, .. }: Departing| {
+        let published = format!("{}{}", departure.published, departure.unit);
+        let doubt = Diagnostic::new(Code::AnotherModel, sources.span(&origin)?, departure.to_string())
+            .label("another model than was published")
+            .hint(format!(
+                "say `{}: {published}`; with another value, say whose behaviour it is",
+                departure.parameter
+            ));
+        Some(Diagnostic { notes: vec![format!("in {case}")], ..doubt })
+    };
+    departing(suite).into_iter().filter_map(doubt).collect()
+}
+
+/// Criteria that no run could make pass are not worth a run; lanes that are blocked are warned of.
 fn refuse_hopeless(suite: &Suite, sources: &Sources, colour: bool) -> Result<(), ()> {
-    let found = examine_criteria(suite, sources);
+    let mut found = examine_criteria(suite, sources);
+    found.extend(examine_lanes(suite, sources));
     for diagnostic in &found {
-        eprintln!("{}\n", lang::render(diagnostic, sources, lang::Style { colour }));
+        stderr().styled(&format!("{}\n\n", lang::render(diagnostic, sources, lang::Style { colour })));
     }
     if found.iter().any(|one| one.severity == Severity::Error) { Err(()) } else { Ok(()) }
 }
@@ -102,23 +163,23 @@ fn build_everybody(suite: &Suite, plan: &Plan, colour: bool) -> Result<(), ()> {
             notes: &notes,
             help: obstacle.hint.as_deref(),
         };
-        eprintln!("{}\n", excerpt.render(colour));
+        stderr().styled(&format!("{}\n\n", excerpt.render(colour)));
     }
     if obstacles.is_empty() { Ok(()) } else { Err(()) }
 }
 
-/// Loads and checks one file; warnings and errors go to stderr.
-pub fn read(file: &str, colour: bool) -> Result<lang::Loaded, ()> {
+/// Loads and checks one file with the values that are set; warnings and errors go to stderr.
+fn read(file: &str, set: &[Override], colour: bool) -> Result<lang::Loaded, ()> {
     let style = lang::Style { colour };
-    match lang::load(Path::new(file)) {
+    match lang::load_set(Path::new(file), set) {
         Ok(loaded) => {
             for warning in &loaded.warnings {
-                eprintln!("{}\n", lang::render(warning, &loaded.sources, style));
+                stderr().styled(&format!("{}\n\n", lang::render(warning, &loaded.sources, style)));
             }
             Ok(loaded)
         }
         Err(failure) => {
-            eprint!("{}", failure.render(style));
+            stderr().styled(&failure.render(style));
             Err(())
         }
     }

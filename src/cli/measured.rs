@@ -1,16 +1,18 @@
 //! A file as a baseline: read if it is one, run if it is a suite.
 
-use std::io::{self, IsTerminal};
 use std::path::{Path, PathBuf};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::Exit;
 use super::load;
+use super::set::SetArguments;
+use crate::console::stderr;
+use crate::files;
 use crate::judge::baseline::{Baseline, record};
 use crate::plan::{self, Plan};
 use crate::report::record_command;
-use crate::run::{FreeFlows, Requests, Unwatched, run_batch, run_case};
+use crate::run::{FreeFlows, Requests, run_batch};
 use crate::scenario::{Gate, Suite};
 
 /// Whether a file holds a baseline and not a suite.
@@ -20,8 +22,8 @@ pub fn is_baseline(file: &str) -> bool {
 
 /// A suite that is to be run for its numbers; what is wrong with it goes to stderr.
 pub fn load_suite(file: &str, seed: Option<u64>) -> Result<Suite, Exit> {
-    let colour = io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
-    let mut prepared = load::load_all(&[&file.to_string()], seed, colour)?;
+    let colour = stderr().takes_colour();
+    let mut prepared = load::load_all(&[&file.to_string()], seed, &SetArguments::default(), colour)?;
     Ok(prepared.remove(0).suite)
 }
 
@@ -46,7 +48,7 @@ fn run_plan(plan: &Plan, requests: &Requests, title: &str) -> Result<Baseline, E
     let outcomes = run_batch(&cases, requests, &free_flows, || bar.inc(1));
     bar.finish_and_clear();
     let outcomes = outcomes.map_err(|(key, error)| {
-        eprintln!("error: {key}: {error}");
+        writeln!(stderr(), "error: {key}: {error}");
         Exit::Scenario
     })?;
     let mut rest = &outcomes[..];
@@ -59,16 +61,12 @@ fn run_plan(plan: &Plan, requests: &Requests, title: &str) -> Result<Baseline, E
             (trial, own)
         })
         .collect();
-    let again = |case: &_| run_case(case, requests, &free_flows, &mut Unwatched);
-    record(&plan.suite, plan.seed, &trials, requests, again).map_err(|error| {
-        eprintln!("error: {error}");
-        Exit::Scenario
-    })
+    Ok(record(plan, &trials, requests))
 }
 
 fn bar(title: &str, runs: u64) -> ProgressBar {
     const STYLE: &str = "{prefix} {human_pos} of {human_len} runs [{wide_bar}] {per_sec}, {eta} left";
-    let target = if io::stderr().is_terminal() {
+    let target = if stderr().is_terminal() {
         ProgressDrawTarget::stderr_with_hz(5)
     } else {
         ProgressDrawTarget::hidden()
@@ -77,20 +75,31 @@ fn bar(title: &str, runs: u64) -> ProgressBar {
     ProgressBar::with_draw_target(Some(runs), target).with_prefix(title.to_string()).with_style(style)
 }
 
+/// Says on stderr if a baseline is from before there were checksums.
+pub fn warn_of_unchecked(path: &Path) {
+    if Baseline::is_unchecked(path) {
+        writeln!(
+            stderr(),
+            "note: {} is from version 0.1 and has no checksums; `baseline save` renews it",
+            path.display()
+        );
+    }
+}
+
 /// Reads a baseline, or says on stderr why it cannot be read.
 pub fn read_baseline(path: &Path) -> Result<Baseline, Exit> {
+    warn_of_unchecked(path);
     Baseline::read(path).map_err(|error| {
-        eprintln!("error: {error}");
-        eprintln!("help: {}", error.hint(&record_command("SUITE", path)));
+        writeln!(stderr(), "error: {error}");
+        writeln!(stderr(), "help: {}", error.hint(&record_command("SUITE", path)));
         Exit::Baseline
     })
 }
 
 /// Writes a file, making the folders it is to be in.
 pub fn save(path: &Path, text: &str) -> Result<(), Exit> {
-    let folder = path.parent().map_or(Ok(()), std::fs::create_dir_all);
-    folder.and_then(|()| std::fs::write(path, text)).map_err(|error| {
-        eprintln!("error: cannot write {}: {error}", path.display());
+    files::write(path, text).map_err(|error| {
+        writeln!(stderr(), "error: cannot write {}: {error}", path.display());
         Exit::Output
     })
 }

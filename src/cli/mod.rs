@@ -1,6 +1,7 @@
 //! The command line: one file a subcommand.
 
 mod baseline;
+mod bug;
 mod calibrate;
 mod check;
 mod compare;
@@ -20,20 +21,25 @@ mod measured;
 mod models;
 mod one_case;
 mod parameters;
+mod project;
 mod record;
 mod replay;
 mod run;
+pub(crate) mod set;
 mod shrink;
 mod store;
 mod validate;
 
 use std::env;
-use std::io::{self, IsTerminal};
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
+pub use bug::guarded;
 pub use exit::Exit;
+
+use crate::console::{stderr, stdout};
+use crate::run::note_places;
 
 /// Tests automated-vehicle controllers against pedestrians who behave like people.
 ///
@@ -48,7 +54,7 @@ pub use exit::Exit;
     subcommand_negates_reqs = true,
     after_long_help = exit::HELP
 )]
-struct Cli {
+pub(crate) struct Cli {
     #[command(subcommand)]
     command: Option<Command>,
     #[command(flatten)]
@@ -100,13 +106,40 @@ const JOURNAL: &str = ".scenario-runner/journal";
 
 /// Whether to show what is under way: to people at a terminal, and not in CI, whose logs keep every redrawing.
 fn shows_progress(unwanted: bool) -> bool {
-    !unwanted && io::stderr().is_terminal() && env::var_os("CI").is_none()
+    !unwanted && stderr().is_terminal() && env::var_os("CI").is_none()
 }
 
 /// Parses the arguments of this process, does what they ask and says how it went.
 pub fn main() -> ExitCode {
-    let cli = Cli::parse();
-    let result = match cli.command {
+    note_places();
+    let exit = guarded(|| Cli::try_parse().map_or_else(|error| misunderstood(&error), obey));
+    all_said(exit).into()
+}
+
+/// Shows the help that was asked for, or what is wrong with the arguments.
+fn misunderstood(error: &clap::Error) -> Exit {
+    let stream = if error.use_stderr() { stderr() } else { stdout() };
+    let text = error.render();
+    stream.styled(&if stream.takes_colour() { text.ansi().to_string() } else { text.to_string() });
+    if error.use_stderr() { Exit::Usage } else { Exit::Success }
+}
+
+/// The exit code that was earned, unless something was to be said and could not be written. That nobody read it to its end
+/// changes nothing.
+fn all_said(exit: Exit) -> Exit {
+    let mut exit = exit;
+    for (stream, name) in [(stdout(), "standard output"), (stderr(), "standard error")] {
+        stream.flush();
+        if let Some(trouble) = stream.trouble() {
+            writeln!(stderr(), "error: cannot write to {name}: {trouble}");
+            exit = Exit::Output;
+        }
+    }
+    exit
+}
+
+fn obey(cli: Cli) -> Exit {
+    match cli.command {
         None => run::run(cli.run),
         Some(Command::Init(arguments)) => init::init(&arguments),
         Some(Command::Run(arguments)) => run::run(arguments),
@@ -126,6 +159,5 @@ pub fn main() -> ExitCode {
         Some(Command::Replay(arguments)) => replay::replay(&arguments),
         Some(Command::Shrink(arguments)) => shrink::shrink(&arguments),
         Some(Command::Help(arguments)) => help::help(&arguments),
-    };
-    result.into()
+    }
 }

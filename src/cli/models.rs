@@ -3,6 +3,7 @@
 use clap::Args;
 
 use super::Exit;
+use crate::console::{stderr, stdout};
 use crate::report::{registered_names, render_model, render_models};
 
 #[derive(Debug, Args)]
@@ -13,14 +14,15 @@ pub struct ModelsArguments {
 
 pub fn models(arguments: &ModelsArguments) -> Exit {
     match &arguments.name {
-        None => print!("{}", render_models()),
+        None => write!(stdout(), "{}", render_models()),
         Some(name) => match render_model(name) {
-            Some(text) => print!("{text}"),
+            Some(text) => write!(stdout(), "{text}"),
             None => {
-                eprintln!("error: nothing is called `{name}`");
+                writeln!(stderr(), "error: nothing is called `{name}`");
                 let similar = |known: &&str| (strsim::jaro_winkler(known, name) * 1000.0) as u32;
                 if let Some(nearest) = registered_names().into_iter().max_by_key(similar) {
-                    eprintln!(
+                    writeln!(
+                        stderr(),
                         "help: the nearest name is `{nearest}`; `scenario-runner models` lists them all"
                     );
                 }

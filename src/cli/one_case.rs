@@ -6,6 +6,8 @@ use clap::Args;
 
 use super::Exit;
 use super::load;
+use super::set::SetArguments;
+use crate::console::stderr;
 use crate::dispatch::{Prepared, Work, units};
 use crate::scenario::{Case, Criterion};
 
@@ -21,6 +23,9 @@ pub struct CaseArguments {
     /// Replaces the seed of the suite.
     #[arg(long, value_name = "SEED")]
     seed: Option<u64>,
+
+    #[command(flatten)]
+    set: SetArguments,
 }
 
 /// The run that was asked for.
@@ -38,14 +43,21 @@ impl CaseArguments {
             [] => match default_file(&self.key) {
                 Some(file) => vec![file],
                 None => {
-                    eprintln!("error: no file is named, and there is no suite for `{}` in suites/", self.key);
-                    eprintln!("help: name it, as in `scenario-runner {command} KEY suites/zebra.suite`");
+                    writeln!(
+                        stderr(),
+                        "error: no file is named, and there is no suite for `{}` in suites/",
+                        self.key
+                    );
+                    writeln!(
+                        stderr(),
+                        "help: name it, as in `scenario-runner {command} KEY suites/zebra.suite`"
+                    );
                     return Err(Exit::Usage);
                 }
             },
             files => files.to_vec(),
         };
-        load::load_all(&files.iter().collect::<Vec<_>>(), self.seed, false)
+        load::load_all(&files.iter().collect::<Vec<_>>(), self.seed, &self.set, false)
     }
 
     /// The run of that key: one of the plan, or a recorded one by the key of its unit. If there is none, says so on
@@ -59,7 +71,7 @@ impl CaseArguments {
                     .revive(&suite.suite)
                     .and_then(|case| Ok((case, recorded.criteria(&suite.suite)?)));
                 let (case, criteria) = revived.map_err(|stale| {
-                    eprintln!("error: `{key}` cannot be run any more: {stale}");
+                    writeln!(stderr(), "error: `{key}` cannot be run any more: {stale}");
                     Exit::NothingSelected
                 })?;
                 return Ok(Found { suite, case: Case { key: key.clone(), ..case }, criteria });
@@ -73,11 +85,11 @@ impl CaseArguments {
         if let Some((suite, trial, case)) = cases().find(|(_, _, case)| case.key == *key) {
             return Ok(Found { suite, case: case.clone(), criteria: trial.criteria.clone() });
         }
-        eprintln!("error: no run is called `{key}`");
+        writeln!(stderr(), "error: no run is called `{key}`");
         let similarity = |known: &str| (strsim::normalized_levenshtein(known, key) * 1e6) as u64;
         let nearest = cases().map(|(_, _, case)| &case.key).max_by_key(|known| similarity(known));
         if let Some(nearest) = nearest {
-            eprintln!("help: the nearest name is `{nearest}`");
+            writeln!(stderr(), "help: the nearest name is `{nearest}`");
         }
         Err(Exit::NothingSelected)
     }

@@ -1,9 +1,9 @@
 //! Parameter files put over a suite, so that two sets can be compared on it.
 
-use std::io::{self, IsTerminal};
 use std::path::Path;
 
 use super::{Exit, load};
+use crate::console::stderr;
 use crate::experiment::{ParameterFile, apply_settings};
 use crate::lang::{self, NamedValue, Style, nearest};
 use crate::report::Excerpt;
@@ -14,21 +14,21 @@ use crate::vehicle;
 /// reach every vehicle that has a parameter of that name, or the one that a whole name such as
 /// `av_controller_braking_distance` begins with; JSON names vehicle and part. What is wrong goes to stderr.
 pub fn put_over(suite: &mut Suite, file: &str, path: &Path) -> Result<(), Exit> {
-    let colour = io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
+    let colour = stderr().takes_colour();
     if load::names_a_file(&path.to_string_lossy()) {
         let values = lang::named_values(path).map_err(|failure| {
-            eprint!("{}", failure.render(Style { colour }));
+            stderr().styled(&failure.render(Style { colour }));
             Exit::Scenario
         })?;
         if values.is_empty() {
-            eprintln!("error: {} defines nothing", path.display());
-            eprintln!("help: write parameters of a controller as `let braking_distance = 4.75 m`");
+            writeln!(stderr(), "error: {} defines nothing", path.display());
+            writeln!(stderr(), "help: write parameters of a controller as `let braking_distance = 4.75 m`");
             return Err(Exit::Usage);
         }
         return values.iter().try_for_each(|value| put_named(suite, file, value, colour));
     }
     let parameters = ParameterFile::read(path).map_err(|error| {
-        eprintln!("error: {error}");
+        writeln!(stderr(), "error: {error}");
         Exit::Usage
     })?;
     for setting in &parameters.parameters {
@@ -41,7 +41,12 @@ pub fn put_over(suite: &mut Suite, file: &str, path: &Path) -> Result<(), Exit> 
             }
         }
         if !fits {
-            eprintln!("error: no scenario of {file} has `{}`, which {} sets", setting.0, path.display());
+            writeln!(
+                stderr(),
+                "error: no scenario of {file} has `{}`, which {} sets",
+                setting.0,
+                path.display()
+            );
             return Err(Exit::Usage);
         }
     }
@@ -52,7 +57,7 @@ fn put_named(suite: &mut Suite, file: &str, value: &NamedValue, colour: bool) ->
     let wrong = |title: String, help: Option<String>| {
         let excerpt =
             Excerpt { title: &title, origin: &value.origin, label: "", notes: &[], help: help.as_deref() };
-        eprintln!("{}\n", excerpt.render(colour));
+        stderr().styled(&format!("{}\n\n", excerpt.render(colour)));
         Exit::Usage
     };
     let mut known: Vec<&'static str> = Vec::new();

@@ -2,7 +2,7 @@
 
 use crate::run::{FreeFlows, Outcome, Requests, RunError, run_case};
 use crate::scenario::Case;
-use crate::sim::{Event, Observer, Snapshot, Step, Timeline, Trace};
+use crate::sim::{Ending, Event, Observer, Snapshot, Step, Timeline, Trace};
 
 /// A run's outcome with its course and its events.
 pub struct Recorded {
@@ -32,5 +32,10 @@ impl Observer for Watchers<'_> {
     fn observe(&mut self, step: &Step) {
         self.timeline.observe(step);
         self.trace.observe(step);
+    }
+
+    fn end(&mut self, ending: &Ending, last: &Snapshot) {
+        self.timeline.end(ending, last);
+        self.trace.end(ending, last);
     }
 }

@@ -1,7 +1,5 @@
 //! `scenario-runner replay KEY`: one run again, with its event timeline, and whether it is the same run.
 
-use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -10,8 +8,10 @@ use super::Exit;
 use super::one_case::{CaseArguments, Found};
 use super::record::{Recorded, record};
 use super::run::LastRun;
+use crate::console::{stderr, stdout};
 use crate::corpus::{case_hash, corpus_path};
-use crate::report::{render_replay, write_trace};
+use crate::files::WholeFile;
+use crate::report::{ReplayIntroduction, case_values, render_replay, replay_reasons, write_trace};
 use crate::run::{FreeFlows, Requests, Unwatched, run_case};
 
 #[derive(Debug, Args)]
@@ -49,41 +49,55 @@ fn replay_case(arguments: &ReplayArguments, found: &Found) -> Exit {
     let Found { suite, case, .. } = found;
     let mut requests = Requests::defaults();
     suite.plan.trials.iter().for_each(|trial| requests.include(&trial.criteria));
+    requests.include(&found.criteria);
     let free_flows = FreeFlows::default();
     let runs = record(case, &requests, &free_flows)
         .and_then(|recorded| Ok((recorded, run_case(case, &requests, &free_flows, &mut Unwatched)?)));
     let (Recorded { outcome, trace, events }, again) = match runs {
         Ok(runs) => runs,
         Err(error) => {
-            eprintln!("error: {}: {error}", case.key);
+            writeln!(stderr(), "error: {}: {error}", case.key);
             return Exit::Scenario;
         }
     };
-    print!("{}", render_replay(case, &outcome, &events, &requests));
+    let scenario = suite.suite.scenarios.iter().find(|scenario| scenario.name == case.scenario);
+    let mut values = scenario.map_or_else(Vec::new, |scenario| case_values(case, scenario));
+    values.extend(suite.suite.set.iter().map(|set| ("set".to_string(), set.clone())));
+    let reasons = replay_reasons(&found.criteria, &outcome, &requests);
+    let introduction = ReplayIntroduction { values, reasons };
+    write!(stdout(), "{}", render_replay(case, &introduction, &outcome, &events, &requests));
     if let Some(path) = &arguments.trace {
-        let written = fs::File::create(path)
-            .and_then(|file| write_trace(&case.world, &trace, io::BufWriter::new(file)));
+        let written = WholeFile::create(path).and_then(|mut file| {
+            write_trace(&case.world, &trace, &mut file)?;
+            file.commit()
+        });
         if let Err(error) = written {
-            eprintln!("error: cannot write {}: {error}", path.display());
+            writeln!(stderr(), "error: cannot write {}: {error}", path.display());
             return Exit::Output;
         }
     }
     if again.fingerprint != outcome.fingerprint {
-        eprintln!("error: it went differently when it was repeated: please report this");
+        writeln!(stderr(), "error: it went differently when it was repeated: please report this");
         return Exit::Failed;
     }
     let fingerprint = hexadecimal(outcome.fingerprint);
     match expected(arguments, found) {
-        None => println!("  run twice: the same, bit for bit"),
+        None => writeln!(stdout(), "  run twice: the same, bit for bit"),
         Some(expected) if expected.fingerprint == fingerprint => {
-            println!("  the same run, bit for bit, as {}", expected.source);
+            writeln!(stdout(), "  the same run, bit for bit, as {}", expected.source);
         }
         Some(Expected { case: Some(was), source, .. }) if was != hexadecimal(case_hash(case)) => {
-            println!("  run twice: the same, bit for bit; but not as {source}: the case has changed since");
+            writeln!(
+                stdout(),
+                "  run twice: the same, bit for bit; but not as {source}: the case has changed since"
+            );
         }
         Some(Expected { fingerprint: was, source, .. }) => {
-            eprintln!("error: this is not the same run as {source}, which had fingerprint {was}");
-            eprintln!("help: the files, the seed or the version of scenario-runner have changed since");
+            writeln!(stderr(), "error: this is not the same run as {source}, which had fingerprint {was}");
+            writeln!(
+                stderr(),
+                "help: the files, the seed or the version of scenario-runner have changed since"
+            );
             return Exit::Failed;
         }
     }
@@ -94,7 +108,9 @@ fn replay_case(arguments: &ReplayArguments, found: &Found) -> Exit {
 fn expected(arguments: &ReplayArguments, Found { suite, case, .. }: &Found) -> Option<Expected> {
     if let Some(fingerprint) = &arguments.fingerprint {
         let source = "the one that was asked for".to_string();
-        return Some(Expected { fingerprint: fingerprint.clone(), case: None, source });
+        // As `--csv` writes it.
+        let fingerprint = fingerprint.strip_prefix("0x").unwrap_or(fingerprint).to_string();
+        return Some(Expected { fingerprint, case: None, source });
     }
     let is_it = |key: &str, unit_key: String| case.key == key || case.key == unit_key;
     let mut recorded = suite.recorded.iter().filter(|one| is_it(&one.key, one.unit_key()));

@@ -1,6 +1,5 @@
 //! `scenario-runner shrink KEY`: a failing run as a small scenario file of its own.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -9,10 +8,12 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use super::interrupt::stop_on_interrupt;
 use super::one_case::{CaseArguments, Found};
 use super::{Exit, shows_progress};
+use crate::console::{stderr, stdout};
+use crate::files::{self, Lines};
 use crate::judge::{PerRun, per_run};
 use crate::lang;
 use crate::plan;
-use crate::report::{SuiteIdentity, render_shrunk, run_words, shrunk_file};
+use crate::report::{SHRUNK_BY, SuiteIdentity, render_shrunk, run_words, shrunk_file};
 use crate::run::{FreeFlows, Outcome, Requests, Unwatched, run_case};
 use crate::scenario::Case;
 use crate::shrink::{Place, Shrunk, requests, shrink as shrink_case, unmoved};
@@ -47,7 +48,7 @@ pub struct ShrinkArguments {
     #[arg(short, long, value_name = "PATH")]
     output: Option<PathBuf>,
 
-    /// Replace the file if it exists.
+    /// Replace the file if it exists and an earlier `shrink` wrote it.
     #[arg(long)]
     force: bool,
 
@@ -77,9 +78,9 @@ fn choose(arguments: &ShrinkArguments, found: &Found) -> Result<PerRun, Exit> {
     if let Some(words) = &arguments.criterion {
         criteria.retain(|one| one.criterion.text.contains(words));
         if criteria.is_empty() {
-            eprintln!("error: no criterion of `{key}` has `{words}` in its words");
+            writeln!(stderr(), "error: no criterion of `{key}` has `{words}` in its words");
             let all: Vec<_> = found.criteria.iter().map(|one| format!("`{}`", one.text)).collect();
-            eprintln!("help: there are {}", all.join(", "));
+            writeln!(stderr(), "help: there are {}", all.join(", "));
             return Err(Exit::Usage);
         }
     }
@@ -90,18 +91,18 @@ fn choose(arguments: &ShrinkArguments, found: &Found) -> Result<PerRun, Exit> {
     let (held, mut failed): (Vec<_>, Vec<_>) = criteria.into_iter().partition(holds);
     failed.sort_by_key(|one| !one.decisive);
     if failed.is_empty() {
-        eprintln!("error: `{key}` fails nothing, so there is nothing to shrink");
+        writeln!(stderr(), "error: `{key}` fails nothing, so there is nothing to shrink");
         for one in &held {
             let text = &one.criterion.text;
-            eprintln!("  `{text}` holds: {}", run_words(one, &outcome, &requests));
+            writeln!(stderr(), "  `{text}` holds: {}", run_words(one, &outcome, &requests));
         }
-        eprintln!("help: reports name the runs that speak against a criterion");
+        writeln!(stderr(), "help: reports name the runs that speak against a criterion");
         return Err(Exit::NothingSelected);
     }
     let chosen = failed.remove(0);
     if !failed.is_empty() {
         let others: Vec<_> = failed.iter().map(|one| format!("`{}`", one.criterion.text)).collect();
-        eprintln!("note: it also speaks against {}; `--criterion` chooses", others.join(", "));
+        writeln!(stderr(), "note: it also speaks against {}; `--criterion` chooses", others.join(", "));
     }
     Ok(chosen)
 }
@@ -114,11 +115,7 @@ fn shrink_found(arguments: &ShrinkArguments, found: &Found, criterion: &PerRun) 
         Some(path) => path.clone(),
         None => PathBuf::from(format!("{}_shrunk.scn", scenario.name)),
     };
-    if !arguments.force && path.exists() {
-        eprintln!("error: {} exists already", path.display());
-        eprintln!("help: `--force` replaces it, `--output PATH` writes elsewhere");
-        return Err(Exit::Output);
-    }
+    may_be_written(&path, arguments.force)?;
     let place = Place {
         scenario,
         variation: case.variation.clone(),
@@ -137,25 +134,57 @@ fn shrink_found(arguments: &ShrinkArguments, found: &Found, criterion: &PerRun) 
         shrunk
     };
     let shrunk = shrunk.map_err(|error| {
-        eprintln!("error: {}: {error}", case.key);
+        writeln!(stderr(), "error: {}: {error}", case.key);
         Exit::Scenario
     })?;
-    let identity = SuiteIdentity { suite: &suite.plan.suite, file: &suite.file, seed: suite.plan.seed };
+    let (name, set) = (&suite.plan.suite, &suite.suite.set);
+    let identity = SuiteIdentity { suite: name, file: &suite.file, seed: suite.plan.seed, set };
     let text = shrunk_file(&shrunk, criterion, &identity).map_err(|error| {
-        eprintln!("error: {}: {error}", case.key);
+        writeln!(stderr(), "error: {}: {error}", case.key);
         Exit::Scenario
     })?;
     verify(&text, &shrunk, criterion, &path)?;
-    fs::write(&path, &text).map_err(|error| {
-        eprintln!("error: cannot write {}: {error}", path.display());
+    // It may have come there while the case was shrinking.
+    may_be_written(&path, arguments.force)?;
+    let written = if path.exists() { files::write(&path, &text) } else { files::create_new(&path, &text) };
+    written.map_err(|error| {
+        writeln!(stderr(), "error: cannot write {}: {error}", path.display());
         Exit::Output
     })?;
-    print!("{}", render_shrunk(&shrunk, criterion));
+    write!(stdout(), "{}", render_shrunk(&shrunk, criterion));
     if !arguments.as_is && shrunk.moves.is_empty() {
-        println!("Nothing to move: whatever may vary is nominal already.");
+        writeln!(stdout(), "Nothing to move: whatever may vary is nominal already.");
     }
-    println!("wrote {}; run it: scenario-runner {0}", path.display());
+    writeln!(stdout(), "wrote {}; run it: scenario-runner {0}", path.display());
     Ok(if shrunk.stopped { Exit::Interrupted } else { Exit::Success })
+}
+
+/// Whether the result may go there: into a new file, a pipe or a device, or with `force` into what shrinking wrote before.
+/// If not, says so on stderr.
+fn may_be_written(path: &Path, force: bool) -> Result<(), Exit> {
+    if !path.is_file() && (!path.is_symlink() || path.exists()) {
+        return Ok(());
+    }
+    if !is_own(path) {
+        writeln!(stderr(), "error: {} exists already, and `shrink` did not write it", path.display());
+        writeln!(stderr(), "help: `--output PATH` writes elsewhere");
+        return Err(Exit::Output);
+    }
+    if !force {
+        writeln!(stderr(), "error: {} exists already", path.display());
+        writeln!(stderr(), "help: `--force` replaces it, `--output PATH` writes elsewhere");
+        return Err(Exit::Output);
+    }
+    Ok(())
+}
+
+/// Whether the first lines of a file say that it is a result of shrinking.
+fn is_own(path: &Path) -> bool {
+    const LONGEST_LINE: u64 = 1 << 16;
+    let Ok(mut lines) = Lines::open(path, LONGEST_LINE) else { return false };
+    let mut next = || lines.next_line().ok().flatten().map(|line| String::from_utf8_lossy(line).into_owned());
+    let (first, second) = (next().unwrap_or_default(), next().unwrap_or_default());
+    first.starts_with("# The run `") && second.starts_with(&format!("# {SHRUNK_BY}"))
 }
 
 fn progress_bar(shown: bool) -> ProgressBar {
@@ -167,7 +196,7 @@ fn progress_bar(shown: bool) -> ProgressBar {
 
 fn run(case: &Case, requests: &Requests) -> Result<Outcome, Exit> {
     run_case(case, requests, &FreeFlows::default(), &mut Unwatched).map_err(|error| {
-        eprintln!("error: {}: {error}", case.key);
+        writeln!(stderr(), "error: {}: {error}", case.key);
         Exit::Scenario
     })
 }
@@ -192,7 +221,7 @@ fn verify(text: &str, shrunk: &Shrunk, criterion: &PerRun, path: &Path) -> Resul
         Ok(_) => "its run is another one".to_string(),
         Err(why) => why,
     };
-    eprintln!("error: the file that was to be written does not say the same: {why}");
-    eprintln!("help: please report this, with this command and its files");
+    writeln!(stderr(), "error: the file that was to be written does not say the same: {why}");
+    writeln!(stderr(), "help: please report this, with this command and its files");
     Err(Exit::Failed)
 }

@@ -8,6 +8,7 @@ use super::Exit;
 use crate::calibrate::{
     Calibration, PUBLISHED_SHARE, Request, calibrate, published_candidates, published_criteria,
 };
+use crate::console::{stderr, stdout};
 use crate::pedestrian::commotions::Variant;
 use crate::pedestrian::commotions::hiker::{Comparison, Reference};
 
@@ -49,23 +50,24 @@ pub fn run(arguments: &ValidateArguments) -> Exit {
         What::Retention { individuals, candidates, seed } => retention(individuals, *candidates, *seed),
     };
     result.unwrap_or_else(|error| {
-        eprintln!("error: {error}");
+        writeln!(stderr(), "error: {error}");
         Exit::Usage
     })
 }
 
 fn hiker(file: &Path, repetitions: u32, seed: u64) -> Result<Exit, Box<dyn std::error::Error>> {
     let comparisons = Reference::read(file)?.compare(file, 1, repetitions, seed)?;
-    println!("crossed before the second car       | median start after the first car (s)");
-    println!("scenario    runs   ours  ref.  s.e.  |   ours   ref.   diff.  s.e.");
+    writeln!(stdout(), "crossed before the second car       | median start after the first car (s)");
+    writeln!(stdout(), "scenario    runs   ours  ref.  s.e.  |   ours   ref.   diff.  s.e.");
     for comparison in &comparisons {
-        println!("{}", row(comparison));
+        writeln!(stdout(), "{}", row(comparison));
     }
     let agree = comparisons.iter().filter(|c| c.shares_agree() && c.medians_agree()).count();
     let gaps = comparisons.iter().filter(|c| c.medians_agree() && !c.medians_are_close()).count();
-    println!("{agree} of {} scenarios agree", comparisons.len());
+    writeln!(stdout(), "{agree} of {} scenarios agree", comparisons.len());
     if gaps > 0 {
-        println!(
+        writeln!(
+            stdout(),
             "* in {gaps} the starts fall into two groups of about the same size: the median lies anywhere between"
         );
     }
@@ -99,10 +101,11 @@ fn retention(file: &Path, count: usize, seed: u64) -> Result<Exit, Box<dyn std::
     let request = Request { calibration, candidates, design: String::new() };
     let report = calibrate(&request, None, || ())?;
     for (criterion, failed) in request.calibration.criteria.iter().zip(&report.failed) {
-        println!("{failed:>6} failed: {}", criterion.name);
+        writeln!(stdout(), "{failed:>6} failed: {}", criterion.name);
     }
     let share = report.retained.len() as f64 / total as f64;
-    println!(
+    writeln!(
+        stdout(),
         "{:>6} of {total} candidates retained: {:.1} %; published {:.1} %",
         report.retained.len(),
         100.0 * share,

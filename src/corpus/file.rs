@@ -1,28 +1,30 @@
 //! The file of failures: text that people can read, sorted, so that it can be compared and merged.
 
-use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
 use super::record::Recorded;
+use crate::files::{self, ReadError};
 use crate::scenario::{Assignment, Value};
 
 /// Why there are no records.
 #[derive(Debug, Error)]
 pub enum CorpusError {
     #[error("cannot read {}: {source}", path.display())]
-    Read { path: PathBuf, source: io::Error },
+    Read { path: PathBuf, source: ReadError },
     #[error("cannot write {}: {source}", path.display())]
     Write { path: PathBuf, source: io::Error },
     #[error("{}:{line}: {reason}", path.display())]
     Content { path: PathBuf, line: usize, reason: String },
 }
 
+const ENDING: &str = "failures";
+
 /// Where the failures of a suite or scenario file are kept.
 pub fn corpus_path(suite: &Path) -> PathBuf {
-    suite.with_extension("failures")
+    suite.with_extension(ENDING)
 }
 
 /// The records in a file, sorted; none if there is no file.
@@ -30,13 +32,13 @@ pub fn corpus_path(suite: &Path) -> PathBuf {
 /// # Errors
 /// If it cannot be read or something in it cannot be understood.
 pub fn read_corpus(path: &Path) -> Result<Vec<Recorded>, CorpusError> {
-    match fs::read_to_string(path) {
+    match files::read_kind(path, &[ENDING]) {
         Ok(text) => parse(&text).map_err(|(line, reason)| CorpusError::Content {
             path: path.to_owned(),
             line,
             reason,
         }),
-        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(Vec::new()),
+        Err(error) if error.is_missing() => Ok(Vec::new()),
         Err(source) => Err(CorpusError::Read { path: path.to_owned(), source }),
     }
 }
@@ -46,13 +48,10 @@ pub fn read_corpus(path: &Path) -> Result<Vec<Recorded>, CorpusError> {
 /// # Errors
 /// If it cannot be written.
 pub fn write_corpus(path: &Path, records: &[Recorded]) -> Result<(), CorpusError> {
-    let result = match records {
-        [] => match fs::remove_file(path) {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
-            other => other,
-        },
-        records => fs::write(path, text(records)),
-    };
+    let result = files::check_target(path, &[ENDING]).and_then(|()| match records {
+        [] => files::remove(path),
+        records => files::write(path, text(records)),
+    });
     result.map_err(|source| CorpusError::Write { path: path.to_owned(), source })
 }
 
@@ -170,6 +169,8 @@ fn person(text: &str) -> Option<(String, u32, String)> {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     fn record(key: &str, seed: u64) -> Recorded {

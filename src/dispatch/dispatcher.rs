@@ -1,6 +1,8 @@
 //! Workers run units, or help with the runs of a trial, and one thread tells what happens, in order.
 
+use std::any::Any;
 use std::collections::HashMap;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::mpsc::{self, RecvTimeoutError, Sender};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
@@ -12,9 +14,10 @@ use super::unit::{Unit, Work};
 use super::workshop::Workshop;
 use crate::experiment::{Block, Progress, Results};
 use crate::report::{
-    Evaluations, Event, Outline, Reporter, Skip, Standing, Stopping, SuiteReport, UnitReport,
+    BlockReport, CutBy, Evaluations, Event, Outline, RecordedReport, Reporter, Skip, Standing, Stopping,
+    SuiteReport, TrialReport, UnitReport,
 };
-use crate::run::SharedTrial;
+use crate::run::{SharedTrial, Stop};
 use crate::scenario::Goal;
 
 /// What is to be run, and how.
@@ -46,10 +49,12 @@ pub fn dispatch<'a>(
     let floor = Floor::new(workshop, units, orders);
     let mut teller = Teller::new(workshop, units, reporter);
     thread::scope(|scope| {
+        // Should this thread panic, the workers must not go on behind it.
+        let _end = StopOnPanic(workshop.stop());
         let (sender, receiver) = mpsc::channel();
         for _ in 0..orders.threads.max(1) {
             let (floor, sender) = (&floor, sender.clone());
-            scope.spawn(move || floor.work(&sender));
+            scope.spawn(move || floor.work_or_stop(&sender));
         }
         drop(sender);
         loop {
@@ -67,6 +72,9 @@ pub fn dispatch<'a>(
             teller.reporter.flush();
         }
     });
+    if let Some(panic) = floor.panicked() {
+        resume_unwind(panic);
+    }
     if workshop.stop().is_requested() {
         teller.interrupted(&floor);
     }
@@ -102,6 +110,17 @@ fn outline(units: &[Unit], chosen: &[bool]) -> Outline {
         last = Some(unit.suite);
     }
     outline
+}
+
+/// Wishes to stop when it is dropped by a panic.
+struct StopOnPanic<'s>(&'s Stop);
+
+impl Drop for StopOnPanic<'_> {
+    fn drop(&mut self) {
+        if thread::panicking() {
+            self.0.request();
+        }
+    }
 }
 
 /// What workers tell.
@@ -150,6 +169,8 @@ struct State<'a> {
     failures: usize,
     /// Results that blocks need.
     kept: Vec<Option<Arc<Kept>>>,
+    /// What a worker panicked with, outside of its units: a bug of ours.
+    panicked: Option<Box<dyn Any + Send>>,
 }
 
 impl<'w, 'a> Floor<'w, 'a> {
@@ -166,13 +187,25 @@ impl<'w, 'a> Floor<'w, 'a> {
             units,
             needed,
             max_failures: orders.max_failures,
-            state: Mutex::new(State { schedule, trials: Vec::new(), failures: 0, kept }),
+            state: Mutex::new(State { schedule, trials: Vec::new(), failures: 0, kept, panicked: None }),
             changed: Condvar::new(),
         }
     }
 
     fn lock(&self) -> MutexGuard<'_, State<'a>> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// One worker, and should it panic, nobody waits for what it will not do any more.
+    fn work_or_stop(&self, sender: &Sender<Message<'a>>) {
+        if let Err(panic) = catch_unwind(AssertUnwindSafe(|| self.work(sender))) {
+            self.workshop.stop().request();
+            self.wake(|state| state.panicked = Some(panic));
+        }
+    }
+
+    fn panicked(&self) -> Option<Box<dyn Any + Send>> {
+        self.lock().panicked.take()
     }
 
     /// One worker: unit after unit until there is none left. Where it would have to wait for one, it helps with the cases
@@ -409,6 +442,7 @@ fn suite_report<'a>(
         trials: Vec::new(),
         blocks: Vec::new(),
         gates: Vec::new(),
+        interrupted: false,
     };
     for (unit, slot) in units.iter().zip(slots).filter(|(unit, _)| unit.suite == suite) {
         match slot.take().unwrap_or_else(|| workshop.skipped(unit, Skip::NotSelected)) {
@@ -417,5 +451,10 @@ fn suite_report<'a>(
             UnitReport::Block(block) => report.blocks.push(block),
         }
     }
+    let skips = report.trials.iter().filter_map(TrialReport::skip);
+    let skips = skips.chain(report.blocks.iter().filter_map(BlockReport::skip));
+    let mut skips = skips.chain(report.recorded.iter().filter_map(RecordedReport::skip));
+    report.interrupted = skips.any(|skip| *skip == Skip::Stopped(Stopping::Interrupted))
+        || report.standings().any(|one| one == Standing::NotFinished(CutBy::Interrupted));
     report
 }

@@ -6,10 +6,14 @@ use super::workshop::Workshop;
 use crate::judge::baseline::{Baseline, Incompatible, measured_metrics, record};
 use crate::judge::gate::judge_gate;
 use crate::report::{
-    GateReport, GateState, Refusal, SuiteReport, TrialReport, TrialState, record_command, render_reason,
+    GateReport, GateState, NotJudged, Refusal, Skip, SuiteReport, TrialReport, TrialState, record_command,
+    render_reason,
 };
-use crate::run::{Unwatched, run_batch, run_case};
+use crate::run::{Panicked, run_batch};
 use crate::scenario::Gate;
+
+/// Runs between two looks at whether somebody wishes to stop.
+const AT_ONCE: usize = 256;
 
 /// Judges every gate of every suite and puts what it came to into the suite's report. With `lenient`, trials that a
 /// baseline lacks are left out instead of being a reason not to compare.
@@ -19,12 +23,34 @@ pub fn judge_gates<'a>(workshop: &Workshop<'a>, reports: &mut [SuiteReport<'a>],
         if gates.is_empty() {
             continue;
         }
+        let set = &workshop.suites()[suite].suite.set;
+        if !set.is_empty() {
+            let identity = workshop.identity(suite);
+            let refused = |gate| {
+                let state = GateState::Refused(other_runs(set));
+                GateReport { gate, key: gate_key(identity.suite, gate), state }
+            };
+            report.gates = gates.iter().map(refused).collect();
+            continue;
+        }
         let trials: Vec<_> = report.trials.iter().collect();
         let measured = measured_trials(workshop, suite, &trials);
+        report.interrupted |= measured.is_err() && workshop.stop().is_requested();
         report.gates = gates
             .iter()
             .map(|gate| judge_one_gate(workshop, suite, gate, measured.as_ref(), lenient))
             .collect();
+    }
+}
+
+/// Values that were set make other runs, whatever their names.
+fn other_runs(set: &[String]) -> Refusal {
+    Refusal {
+        message: format!("with {} these are not the runs that the baseline is of", set.join(", ")),
+        reasons: Vec::new(),
+        help: "leave out `--set` and `--repeat` to judge the gate; `compare SUITE --parameters FILE` compares other \
+               parameters of what is tested"
+            .to_string(),
     }
 }
 
@@ -33,13 +59,13 @@ pub fn judge_one_gate<'a>(
     workshop: &Workshop<'a>,
     suite: usize,
     gate: &'a Gate,
-    measured: Result<&Baseline, &String>,
+    measured: Result<&Baseline, &NotJudged>,
     lenient: bool,
 ) -> GateReport<'a> {
     let identity = workshop.identity(suite);
     let state = match measured {
         Ok(candidate) => state(gate, candidate, identity.file, lenient),
-        Err(reason) => GateState::Skipped(reason.clone()),
+        Err(why) => GateState::NotJudged(why.clone()),
     };
     GateReport { gate, key: gate_key(identity.suite, gate), state }
 }
@@ -54,13 +80,21 @@ pub fn measured_trials(
     workshop: &Workshop,
     suite: usize,
     trials: &[&TrialReport],
-) -> Result<Baseline, String> {
+) -> Result<Baseline, NotJudged> {
     let left_out = trials.iter().filter(|trial| trial.skipped()).count();
-    if left_out > 0 {
-        return Err(format!("{left_out} of {} trials were not run", trials.len()));
+    if trials.iter().all(|trial| trial.skip() == Some(&Skip::NotSelected)) {
+        return Err(NotJudged::NotSelected);
     }
-    if let Some(trial) = trials.iter().find(|trial| matches!(trial.state, TrialState::Errored(_))) {
-        return Err(format!("{} could not be run", trial.trial.key));
+    if left_out > 0 {
+        return Err(NotJudged::Part { left_out, trials: trials.len() });
+    }
+    for trial in trials {
+        let what = match trial.state {
+            TrialState::Errored(_) => "could not be run",
+            TrialState::NotFinished(_) => "was not finished",
+            TrialState::Judged(_) | TrialState::Skipped(_) => continue,
+        };
+        return Err(NotJudged::Incomplete(format!("{} {what}", trial.trial.key)));
     }
     let prepared = &workshop.suites()[suite];
     let (requests, free_flows) = (workshop.requests(), workshop.free_flows(suite));
@@ -68,14 +102,20 @@ pub fn measured_trials(
     for trial in trials {
         // When a trial was decided must not decide what is compared.
         let rest: Vec<_> = trial.trial.cases[trial.outcomes.len()..].iter().collect();
-        let rest = run_batch(&rest, requests, free_flows, || ());
-        let rest = rest.map_err(|(key, error)| format!("{key}: {error}"))?;
-        outcomes.push((trial.trial, [&trial.outcomes[..], &rest].concat()));
+        let mut all = trial.outcomes.clone();
+        for some in rest.chunks(AT_ONCE) {
+            if workshop.stop().is_requested() {
+                let key = &trial.trial.key;
+                return Err(NotJudged::Incomplete(format!("interrupted before the last runs of {key}")));
+            }
+            let more = Panicked::catch(|| run_batch(some, requests, free_flows, || ()));
+            let more = more.map_err(|panicked| NotJudged::Broken(panicked.to_string()))?;
+            all.extend(more.map_err(|(key, error)| NotJudged::Broken(format!("{key}: {error}")))?);
+        }
+        outcomes.push((trial.trial, all));
     }
     let trials: Vec<_> = outcomes.iter().map(|(trial, outcomes)| (*trial, &outcomes[..])).collect();
-    let again = |case: &_| run_case(case, requests, free_flows, &mut Unwatched);
-    let mut all = record(&prepared.plan.suite, prepared.plan.seed, &trials, requests, again)
-        .map_err(|error| error.to_string())?;
+    let mut all = record(&prepared.plan, &trials, requests);
     // Other suites of the session may have asked for more.
     all.keep_metrics(&measured_metrics(&prepared.suite));
     Ok(all)
@@ -84,7 +124,7 @@ pub fn measured_trials(
 fn state(gate: &Gate, candidate: &Baseline, file: &str, lenient: bool) -> GateState {
     let path = Path::new(&gate.baseline);
     let record = record_command(file, path);
-    let judged = match Baseline::read(path) {
+    let judged = match Baseline::read_named(path) {
         Ok(base) => judge_gate(gate, &base, candidate, lenient),
         Err(error) => {
             let (message, help) = (error.to_string(), error.hint(&record));
@@ -134,6 +174,6 @@ mod tests {
         assert_eq!(measured(&trials), whole);
         trials[0].state = TrialState::Errored("no".into());
         let error = measured_trials(&workshop, 0, &trials.iter().collect::<Vec<_>>()).unwrap_err();
-        assert!(error.contains("could not be run"), "{error}");
+        assert!(error.to_string().contains("could not be run"), "{error}");
     }
 }

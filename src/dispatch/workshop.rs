@@ -1,8 +1,8 @@
 //! Where one unit is run: a trial from its first case to its verdict, a block to its result.
 
-use std::any::Any;
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::mem;
 use std::path::PathBuf;
+use std::sync::PoisonError;
 use std::time::{Duration, Instant};
 
 use super::unit::{Prepared, Unit, Work};
@@ -10,11 +10,11 @@ use crate::corpus::{Recorded, case_hash};
 use crate::experiment::{Block, ExperimentError, Laboratory, Progress, Results};
 use crate::judge::{self, PerRun, Verdict, judge, per_run};
 use crate::report::{
-    BlockReport, BlockState, RecordedReport, RecordedState, Rerun, Skip, SuiteIdentity, TrialReport,
+    BlockReport, BlockState, Cut, RecordedReport, RecordedState, Rerun, Skip, SuiteIdentity, TrialReport,
     TrialState, UnitReport,
 };
 use crate::run::{
-    FreeFlows, Outcome, Ran, Requests, RunError, SharedTrial, Stop, TrialError, Unwatched, run_case,
+    FreeFlows, Outcome, Panicked, Ran, Requests, RunError, SharedTrial, Stop, TrialError, Unwatched, run_case,
 };
 use crate::scenario::Case;
 use crate::sim::Trace;
@@ -65,6 +65,14 @@ impl<'a> Workshop<'a> {
         &self.laboratories[suite].free_flows
     }
 
+    /// What there is to tell besides the results, such as that the end of a journal was cut off.
+    pub fn notices(&self) -> Vec<String> {
+        let notices = self.laboratories.iter().map(|one| &one.notices);
+        let taken =
+            notices.map(|notices| mem::take(&mut *notices.lock().unwrap_or_else(PoisonError::into_inner)));
+        taken.flatten().collect()
+    }
+
     pub fn stop(&self) -> &Stop {
         &self.stop
     }
@@ -75,7 +83,8 @@ impl<'a> Workshop<'a> {
 
     pub fn identity(&self, suite: usize) -> SuiteIdentity<'a> {
         let prepared = &self.suites[suite];
-        SuiteIdentity { suite: &prepared.plan.suite, file: &prepared.file, seed: prepared.plan.seed }
+        let (suite, set) = (&prepared.plan.suite, &prepared.suite.set);
+        SuiteIdentity { suite, file: &prepared.file, seed: prepared.plan.seed, set }
     }
 
     /// Runs and judges one trial of the suite with index `suite`. `done` is called after every run.
@@ -90,17 +99,25 @@ impl<'a> Workshop<'a> {
         };
         let mut watch = judge::Watch::new(trial, &self.requests);
         let enough = |outcomes: &[Outcome]| watch.enough(outcomes).is_some();
-        let outcomes = catching(|| shared.run_all(limit, &self.stop, enough, run, done));
+        // One broken model must not take the results of all others along.
+        let outcomes = Panicked::catch(|| shared.run_all(limit, &self.stop, enough, run, done));
         let (outcomes, state) = match outcomes {
             Ok(Ok(outcomes)) => {
                 let judged = watch.verdict(&outcomes);
                 (outcomes, TrialState::Judged(judged))
             }
-            Ok(Err(error @ TrialError::Stopped { .. })) => {
-                (Vec::new(), TrialState::Skipped(Skip::CutOff(error.to_string())))
+            Ok(Err(TrialError::Stopped { finished, runs })) => {
+                (Vec::new(), TrialState::NotFinished(Cut::Trial { finished, runs }))
+            }
+            Ok(Err(TrialError::TimeLimit { limit, finished, runs })) => {
+                (Vec::new(), TrialState::NotFinished(Cut::TimeLimit { limit, finished, runs }))
             }
             Ok(Err(error)) => (Vec::new(), TrialState::Errored(error.to_string())),
-            Err(panic) => (Vec::new(), TrialState::Errored(format!("{}: {panic}", trial.key))),
+            Err(panicked) => {
+                let case = panicked.case.clone().unwrap_or_else(|| trial.key.clone());
+                let message = Panicked { case: Some(case), ..panicked }.to_string();
+                (Vec::new(), TrialState::Errored(message))
+            }
         };
         TrialReport { trial, outcomes, state, wall_time: begun.elapsed() }
     }
@@ -131,9 +148,9 @@ impl<'a> Workshop<'a> {
     /// Runs a recorded run again, under the key of its unit.
     pub fn recorded(&self, suite: usize, key: &str, recorded: &'a Recorded) -> RecordedReport<'a> {
         let begun = Instant::now();
-        let state = match catching(|| self.rerun(suite, key, recorded)) {
+        let state = match Panicked::catch(|| self.rerun(suite, key, recorded)) {
             Ok(state) => state,
-            Err(panic) => RecordedState::Errored(panic),
+            Err(panicked) => RecordedState::Errored(panicked.to_string()),
         };
         RecordedReport { recorded, key: key.to_string(), state, wall_time: begun.elapsed() }
     }
@@ -178,10 +195,10 @@ impl<'a> Workshop<'a> {
     ) -> BlockReport<'a> {
         let begun = Instant::now();
         let laboratory = &self.laboratories[suite];
-        let state = match catching(|| block.run(laboratory, results, progress)) {
+        let state = match Panicked::catch(|| block.run(laboratory, results, progress)) {
             Ok(Ok(result)) => BlockState::Finished(Box::new(result)),
             Ok(Err(ExperimentError::Stopped)) => {
-                BlockState::Skipped(Skip::CutOff(match &laboratory.journals {
+                BlockState::NotFinished(Cut::Block(match &laboratory.journals {
                     Some(folder) => {
                         format!("interrupted; the same command goes on from {}", folder.display())
                     }
@@ -192,7 +209,7 @@ impl<'a> Workshop<'a> {
                 Some(hint) => format!("{error} ({hint})"),
                 None => error.to_string(),
             }),
-            Err(panic) => BlockState::Errored(panic),
+            Err(panicked) => BlockState::Errored(panicked.to_string()),
         };
         let key = block.key(&self.suites[suite].suite.name);
         BlockReport { block, key, state, wall_time: begun.elapsed() }
@@ -223,13 +240,4 @@ impl<'a> Workshop<'a> {
             }),
         }
     }
-}
-
-/// What `work` gives, or what it said when it panicked: one broken model must not take the results of all others along.
-fn catching<T>(work: impl FnOnce() -> T) -> Result<T, String> {
-    catch_unwind(AssertUnwindSafe(work)).map_err(|panic: Box<dyn Any + Send>| {
-        let text = panic.downcast_ref::<&str>().map(|text| text.to_string());
-        let text = text.or_else(|| panic.downcast_ref::<String>().cloned());
-        format!("panicked: {}; please report this", text.as_deref().unwrap_or("without a message"))
-    })
 }

@@ -5,6 +5,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::{ExperimentError, Laboratory, Results, overrides};
+use crate::files;
 use crate::plan::{self, derive_seed};
 use crate::scenario::{Assignment, Case, CaseSet, Individual, SampleSize, Target, Value};
 use crate::sim::random::Stream;
@@ -48,7 +49,7 @@ impl CaseFile {
 
     pub fn read(path: &Path) -> Result<SavedSet, ExperimentError> {
         let failed = |reason: String| ExperimentError::CaseFile { path: path.to_owned(), reason };
-        let text = std::fs::read_to_string(path).map_err(|error| failed(error.to_string()))?;
+        let text = files::read_kind(path, &["json"]).map_err(|error| failed(error.to_string()))?;
         serde_json::from_str(&text).map_err(|error| failed(error.to_string()))
     }
 }

@@ -333,7 +333,7 @@ impl Laboratory<'_> {
                         metric: reference.clone(),
                         relation: Relation::Equal,
                         bound: 1.0.into(),
-                        when_undefined: WhenUndefined::Fails,
+                        when_undefined: WhenUndefined::AsDeclared,
                     }),
                     text: format!("rate({label})"),
                     unit: "%".into(),

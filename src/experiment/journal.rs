@@ -1,16 +1,17 @@
 //! Where an experiment's journal lies: in a file of its own for every definition, so that no stale one is ever resumed.
 
-use std::path::{Path, PathBuf};
+use std::io;
+use std::path::Path;
 
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
+use crate::files::LogError;
 use crate::optimise::{Definition, Error, Journal};
 
 /// A journal that is removed once its run has come to its end.
 pub struct Record {
     journal: Option<Journal>,
-    path: Option<PathBuf>,
 }
 
 impl Record {
@@ -23,27 +24,33 @@ impl Record {
         definition: &Definition,
         batch: usize,
     ) -> Result<Self, Error> {
-        let Some(folder) = folder else { return Ok(Self { journal: None, path: None }) };
-        let file_error = |source| Error::JournalFile { path: folder.display().to_string(), source };
-        std::fs::create_dir_all(folder).map_err(file_error)?;
+        let Some(folder) = folder else { return Ok(Self { journal: None }) };
         let text = serde_json::to_vec(&(inputs, definition, env!("CARGO_PKG_VERSION")))
             .expect("plain data serialises");
         let hash: String = Sha256::digest(text).iter().take(8).map(|byte| format!("{byte:02x}")).collect();
         let path = folder.join(format!("{}-{hash}.jsonl", name.replace('/', "-")));
-        let journal = Journal::open(&path, definition, batch)?;
-        Ok(Self { journal: Some(journal), path: Some(path) })
+        // Its name can be foretold, so somebody's project could have it lead anywhere.
+        if path.is_symlink() {
+            let error = io::Error::other("it is a link, which a journal never is; remove it");
+            return Err(LogError::Io { path, error }.into());
+        }
+        Ok(Self { journal: Some(Journal::open(&path, definition, batch)?) })
     }
 
     pub fn journal(&mut self) -> Option<&mut Journal> {
         self.journal.as_mut()
     }
 
+    /// What to tell whoever runs it.
+    pub fn notice(&self) -> Option<&str> {
+        self.journal.as_ref()?.notice()
+    }
+
     /// The run is over and its result is in the caller's hands.
     pub fn remove(self) {
-        drop(self.journal);
-        if let Some(path) = self.path {
+        if let Some(journal) = self.journal {
             // Left behind, it costs only space: it is complete and resumes to the same result.
-            let _ = std::fs::remove_file(path);
+            let _ = journal.remove();
         }
     }
 }

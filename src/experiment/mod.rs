@@ -8,6 +8,7 @@
 mod block;
 mod cases;
 mod evaluate;
+mod fingerprint;
 mod journal;
 mod overrides;
 mod parameters;
@@ -19,6 +20,7 @@ mod tests;
 mod tune;
 
 use std::path::PathBuf;
+use std::sync::{Mutex, PoisonError};
 
 use thiserror::Error;
 
@@ -46,6 +48,8 @@ pub struct Laboratory<'a> {
     pub journals: Option<PathBuf>,
     /// Looked at before every run.
     pub stop: Stop,
+    /// What to tell whoever runs it, such as that the end of a journal was cut off.
+    pub notices: Mutex<Vec<String>>,
 }
 
 impl<'a> Laboratory<'a> {
@@ -69,7 +73,19 @@ impl<'a> Laboratory<'a> {
         }
         let rules = suite.gates.iter().flat_map(|gate| &gate.rules);
         rules.filter_map(|rule| rule.metric.as_ref()).for_each(|metric| requests.add(metric));
-        Self { suite, requests, free_flows: FreeFlows::default(), journals, stop: Stop::default() }
+        Self {
+            suite,
+            requests,
+            free_flows: FreeFlows::default(),
+            journals,
+            stop: Stop::default(),
+            notices: Mutex::default(),
+        }
+    }
+
+    fn tell(&self, notice: Option<&str>) {
+        let mut notices = self.notices.lock().unwrap_or_else(PoisonError::into_inner);
+        notices.extend(notice.map(str::to_string));
     }
 
     /// One in which no run begins any more once `stop` is requested.

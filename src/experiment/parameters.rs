@@ -5,6 +5,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::{ExperimentError, TuneResult, overrides};
+use crate::files;
 use crate::scenario::{Suite, Target, Tune, Value};
 
 /// What a tune chose, in its order; JSON.
@@ -43,7 +44,7 @@ impl ParameterFile {
 
     pub fn read(path: &Path) -> Result<Self, ExperimentError> {
         let failed = |reason: String| ExperimentError::ParameterFile { path: path.to_owned(), reason };
-        let text = std::fs::read_to_string(path).map_err(|error| failed(error.to_string()))?;
+        let text = files::read_kind(path, &["json"]).map_err(|error| failed(error.to_string()))?;
         serde_json::from_str(&text).map_err(|error| failed(error.to_string()))
     }
 }

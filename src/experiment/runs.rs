@@ -5,10 +5,10 @@ use serde::{Deserialize, Serialize, Serializer};
 
 use super::cases::SavedCase;
 use super::{ExperimentError, Laboratory};
-use crate::judge::aggregate;
+use crate::judge::{aggregate, holds_undefined};
 use crate::metrics::{MetricKind, metric};
 use crate::run::{Outcome, Unwatched, run_case};
-use crate::scenario::{Aggregate, Case, Comparison, MetricReference, WhenUndefined};
+use crate::scenario::{Aggregate, Case, Comparison, MetricReference};
 
 impl Laboratory<'_> {
     /// Runs every case side by side; the outcomes are in the order of the cases.
@@ -75,7 +75,7 @@ impl Laboratory<'_> {
                         margin.unwrap_or(-1.0).min(-f64::MIN_POSITIVE)
                     });
                 }
-                None if constraint.when_undefined == WhenUndefined::Passes => {}
+                None if holds_undefined(constraint, false) => {}
                 None => return None,
             }
         }

@@ -9,6 +9,7 @@ use super::cases::{SavedCase, SavedSet};
 use super::journal::Record;
 use super::runs::CaseRun;
 use super::{ExperimentError, Laboratory, Progress, overrides};
+use crate::judge::holds_undefined;
 use crate::judge::statistics::mean;
 use crate::optimise::{
     self, Definition, Evaluation, InitialDesign, Measurement, Method, Optimiser, Proposal, SlicePoint,
@@ -16,7 +17,7 @@ use crate::optimise::{
 };
 use crate::plan::{self, derive_seed};
 use crate::run::Outcome;
-use crate::scenario::{self, Assignment, Budget, Case, Goal, Individual, Scenario, Search, WhenUndefined};
+use crate::scenario::{self, Assignment, Budget, Case, Goal, Individual, Scenario, Search};
 
 /// Runs with fresh seeds that tell how much of a best value was luck.
 const FRESH_RUNS: u32 = 20;
@@ -222,6 +223,7 @@ impl Hunt<'_> {
         let inputs = (suite.seed, &name, self.scenario, self.search, group);
         let mut record =
             Record::open(self.laboratory.journals.as_deref(), &name, &inputs, &definition, batch)?;
+        self.laboratory.tell(record.notice());
         let mut optimiser = Optimiser::new(definition)?;
         optimise::try_run(&mut optimiser, batch, record.journal(), |proposal| {
             self.evaluate(&name, group, proposal)
@@ -270,7 +272,8 @@ impl Hunt<'_> {
         overrides::apply(&mut scenario, &overrides::settings(&self.search.over, point))?;
         let fixed = overrides::assignments(&self.search.over, point);
         let mut cases = Vec::new();
-        for combination in plan::combinations(self.laboratory.suite.seed, &scenario) {
+        let seed = self.laboratory.suite.seed;
+        for combination in plan::combinations(seed, &scenario, plan::variables(&fixed))? {
             let variation: Vec<Assignment> = [fixed.clone(), combination].concat();
             let labels: String = variation
                 .iter()
@@ -348,7 +351,7 @@ impl Hunt<'_> {
         let Some(keep) = &self.search.keep else { return true };
         match self.laboratory.values(&keep.metric, std::slice::from_ref(outcome))[0] {
             Some(value) => keep.relation.holds(value, keep.constant_bound()),
-            None => keep.when_undefined == WhenUndefined::Passes,
+            None => holds_undefined(keep, false),
         }
     }
 

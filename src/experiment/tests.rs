@@ -79,6 +79,7 @@ fn scenario() -> Scenario {
         horizon: 60.0,
         finish: 60.0,
         end_on_collision: true,
+        written: Default::default(),
         origin: Origin::default(),
     }
 }
@@ -141,6 +142,7 @@ fn suite() -> Suite {
         name: "paper".into(),
         doc: None,
         seed: 11,
+        set: Vec::new(),
         time_limit: None,
         scenarios: vec![scenario()],
         supporting: Vec::new(),

@@ -126,6 +126,7 @@ impl Bench<'_> {
         let inputs = (suite.seed, &suite.scenarios, &suite.supporting, tune, &self.cases);
         let mut record =
             Record::open(self.laboratory.journals.as_deref(), &name, &inputs, &definition, batch)?;
+        self.laboratory.tell(record.notice());
         let mut optimiser = Optimiser::new(definition)?;
         optimise::try_run(&mut optimiser, batch, record.journal(), |proposal| self.evaluate(proposal))?;
         let result = self.conclude(&optimiser)?;

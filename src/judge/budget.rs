@@ -7,7 +7,8 @@ use super::statistics::{self, ConfidenceSequence};
 use super::verdict::Verdict;
 use crate::lang::{Code, Diagnostic, Sources, Span};
 use crate::plan::{self, Outline};
-use crate::scenario::{Aggregate, Claim, Criterion, Origin, Relation, Scenario, Suite, constant};
+use crate::run::drawing;
+use crate::scenario::{Aggregate, Claim, Criterion, Origin, People, Relation, Scenario, Suite, constant};
 
 /// What it takes for a claim to pass.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -22,8 +23,8 @@ enum Needed {
 /// without confidence, and for spreads, whose intervals know no such number.
 ///
 /// It asks the same bounds as the verdict does, so that both always agree.
-fn runs_needed(claim: &Claim, bounds: Bounds) -> Option<Needed> {
-    let needed = match claim {
+fn runs_needed(criterion: &Criterion, bounds: Bounds) -> Option<Needed> {
+    let needed = match &criterion.claim {
         Claim::Runs { share, confidence, .. } => {
             share_needs(Relation::GreaterOrEqual, (*share)?, (*confidence)?, bounds)
         }
@@ -33,8 +34,11 @@ fn runs_needed(claim: &Claim, bounds: Bounds) -> Option<Needed> {
                 Aggregate::Rate(_) => share_needs(*relation, constant(bound), confidence, bounds),
                 Aggregate::Median(_) => quantile_needs(*relation, 0.5, confidence, bounds),
                 Aggregate::Quantile(level, _) => quantile_needs(*relation, *level, confidence, bounds),
-                // One value has no spread, and with it no interval of its mean.
-                Aggregate::Mean(_) => Some(2),
+                Aggregate::Mean(_) => match criterion.reach.limits {
+                    Some(limits) => mean_needs(*relation, constant(bound), limits, confidence),
+                    // One value has no spread, and with it no interval of its mean.
+                    None => Some(2),
+                },
                 Aggregate::Std(_) => return None,
                 Aggregate::Min(_) | Aggregate::Max(_) | Aggregate::Count(_) => None,
             }
@@ -51,13 +55,28 @@ fn share_needs(relation: Relation, bound: f64, confidence: f64, bounds: Bounds) 
         Relation::Equal | Relation::NotEqual => return None,
     };
     let passes = |runs: u64| {
-        let holding = if all_hold { runs as usize } else { 0 };
-        let interval = bounds.of_share(holding, runs as usize, confidence);
+        let whose: Vec<usize> = (0..runs as usize * 2).map(|run| run / 2).collect();
+        let (held, bounds) = match bounds {
+            // Two runs each stand for any number but one.
+            Bounds::People(_) => (vec![all_hold; runs as usize * 2], Bounds::People(&whose)),
+            other => (vec![all_hold; runs as usize], other),
+        };
+        let interval = bounds.of_share(&held, confidence);
         confidence::decide(relation, interval, bound) == Verdict::Passed
     };
     let near = all_alike_need(if all_hold { bound } else { 1.0 - bound }, confidence, bounds)?;
     // A strict relation, or rounding, may take one run more than the formula.
     (near.saturating_sub(1).max(1)..=near + 1).find(|runs| passes(*runs))
+}
+
+/// The fewest runs that show the mean if all values are at the end of the limits that is farthest from its bound.
+fn mean_needs(relation: Relation, bound: f64, (low, high): (f64, f64), confidence: f64) -> Option<u64> {
+    let distance = match relation {
+        Relation::Greater | Relation::GreaterOrEqual => bound - low,
+        Relation::Less | Relation::LessOrEqual => high - bound,
+        Relation::Equal | Relation::NotEqual => return None,
+    };
+    statistics::runs_for_mean(distance / (high - low), confidence)
 }
 
 /// The fewest values of which the extreme one bounds the quantile.
@@ -73,6 +92,7 @@ fn quantile_needs(relation: Relation, level: f64, confidence: f64, bounds: Bound
 fn all_alike_need(share: f64, confidence: f64, bounds: Bounds) -> Option<u64> {
     match bounds {
         Bounds::Fixed => statistics::runs_needed(share, confidence),
+        Bounds::People(_) => statistics::runs_for_mean(share, confidence),
         Bounds::Sequential => ConfidenceSequence { confidence }.runs_needed(share),
     }
 }
@@ -90,12 +110,32 @@ pub fn examine_criteria(suite: &Suite, sources: &Sources) -> Vec<Diagnostic> {
         .collect();
     for (scenario, trials) in &outlines {
         let mut said: Vec<(&Criterion, Needed, Vec<&Outline>)> = Vec::new();
+        let without_chance = without_chance(suite, scenario);
+        let people = plan::select_people(suite.seed, scenario).map_or(1, |people| people.len());
+        let mut certain: Vec<(&Criterion, Vec<&Outline>)> = Vec::new();
         for trial in trials {
             for criterion in &trial.criteria {
                 applying.insert(&criterion.origin);
-                let bounds = if trial.rounds.is_some() { Bounds::Sequential } else { Bounds::Fixed };
-                let Some(needed) = runs_needed(&criterion.claim, bounds) else { continue };
-                if matches!(needed, Needed::Runs(needed) if needed <= trial.runs as u64) {
+                let all_people = criterion.reach.people == Some(People::All);
+                if criterion.claim.confidence().is_some()
+                    && !all_people
+                    && without_chance.contains(&trial.key)
+                {
+                    match certain.iter_mut().find(|(known, _)| known.origin == criterion.origin) {
+                        Some((_, trials)) => trials.push(trial),
+                        None => certain.push((criterion, vec![trial])),
+                    }
+                    continue;
+                }
+                let bounds = match trial.rounds {
+                    Some(_) => Bounds::Sequential,
+                    // Each run of another person, whose shares are bounded by betting unless there is one run each.
+                    None if all_people && trial.runs > people => Bounds::People(&[]),
+                    None => Bounds::Fixed,
+                };
+                let Some(needed) = runs_needed(criterion, bounds) else { continue };
+                let units = if all_people { people } else { trial.runs };
+                if matches!(needed, Needed::Runs(needed) if needed <= units as u64) {
                     continue;
                 }
                 let same = said.iter_mut().find(|(known, known_needed, _)| {
@@ -107,12 +147,35 @@ pub fn examine_criteria(suite: &Suite, sources: &Sources) -> Vec<Diagnostic> {
                 }
             }
         }
+        for (criterion, trials_without) in certain {
+            found.push(leaves_nothing_to_chance(
+                scenario,
+                criterion,
+                &trials_without,
+                trials.len(),
+                people,
+                sources,
+            ));
+        }
         for (criterion, needed, short) in said {
+            let units = (criterion.reach.people == Some(People::All)).then_some(people);
+            if let (Some(people), Needed::Runs(needed)) = (units, needed) {
+                found.push(too_few_people(
+                    scenario,
+                    criterion,
+                    needed,
+                    people,
+                    &short,
+                    trials.len(),
+                    sources,
+                ));
+                continue;
+            }
             found.push(never_passes(scenario, criterion, needed, &short, trials.len(), sources));
         }
     }
     for (scenario, trials) in &outlines {
-        let decides = |criterion: &Criterion| confidence_of(&criterion.claim).is_some();
+        let decides = |criterion: &Criterion| criterion.claim.confidence().is_some();
         if let Some(budget) = &scenario.runs
             && !trials.iter().flat_map(|trial| &trial.criteria).any(decides)
         {
@@ -151,13 +214,57 @@ pub fn examine_criteria(suite: &Suite, sources: &Sources) -> Vec<Diagnostic> {
 
 /// Whether it takes the trials to know if a criterion can pass or applies.
 fn depends_on_trials(criterion: &Criterion) -> bool {
-    confidence_of(&criterion.claim).is_some() || !criterion.when.is_empty()
+    criterion.claim.confidence().is_some() || !criterion.when.is_empty()
 }
 
-fn confidence_of(claim: &Claim) -> Option<f64> {
-    match claim {
-        Claim::Runs { confidence, .. } | Claim::Aggregate { confidence, .. } => *confidence,
+/// The keys of a scenario's trials in which nothing can be drawn; none of a scenario that cannot be planned.
+fn without_chance(suite: &Suite, scenario: &Scenario) -> HashSet<String> {
+    if !scenario.criteria.iter().any(|criterion| criterion.claim.confidence().is_some()) {
+        return HashSet::new();
     }
+    let trials = plan::probe_scenario(suite, scenario).unwrap_or_default();
+    let certain = |trial: &plan::Trial| trial.cases.iter().all(|case| drawing(&case.world).is_empty());
+    trials.into_iter().filter(certain).map(|trial| trial.key).collect()
+}
+
+fn leaves_nothing_to_chance(
+    scenario: &Scenario,
+    criterion: &Criterion,
+    without: &[&Outline],
+    trials: usize,
+    people: usize,
+    sources: &Sources,
+) -> Diagnostic {
+    let message =
+        format!("`{}` states a confidence, but nothing is left to chance: all runs are one", criterion.text);
+    let hint = if people > 1 {
+        "say `of all people` if they stand for others, or leave out the confidence".to_string()
+    } else {
+        format!(
+            "leave out the confidence, or let runs of scenario `{}` differ: by a model that draws, noise, people",
+            scenario.name
+        )
+    };
+    let diagnostic = at(Code::WithoutChance, &criterion.origin, message, sources)
+        .label("nothing to be sure of")
+        .hint(hint);
+    in_trials(diagnostic, scenario, without, trials)
+}
+
+fn too_few_people(
+    scenario: &Scenario,
+    criterion: &Criterion,
+    needed: u64,
+    people: usize,
+    short: &[&Outline],
+    trials: usize,
+    sources: &Sources,
+) -> Diagnostic {
+    let message = format!("`{}` needs at least {needed} people; this trial has {people}", criterion.text);
+    let diagnostic = at(Code::TooFewRuns, &criterion.origin, message, sources)
+        .label("can never pass")
+        .hint("take more `individuals`, or claim less, or at less confidence");
+    in_trials(diagnostic, scenario, short, trials)
 }
 
 fn never_passes(
@@ -198,7 +305,12 @@ fn never_passes(
         .label("can never pass")
         .hint("claim a little less, such as 99 % instead of 100 %, or leave out the confidence"),
     };
-    match short {
+    in_trials(diagnostic, scenario, short, trials)
+}
+
+/// With the trials that it is about, of so many in all.
+fn in_trials(diagnostic: Diagnostic, scenario: &Scenario, about: &[&Outline], trials: usize) -> Diagnostic {
+    match about {
         [only] => diagnostic.note(format!("in {}", only.key)),
         all if all.len() == trials => {
             diagnostic.note(format!("in each of the {trials} trials of scenario `{}`", scenario.name))
@@ -255,6 +367,18 @@ mod tests {
     }
 
     #[test]
+    fn means_need_as_many_runs_as_their_limits_are_wide() {
+        let needs = |relation, bound| mean_needs(relation, bound, (0.0, 60.0), 0.95);
+        // 4.7 s of 60 s are about as far from the end as 92 % are from all.
+        let needed = needs(Relation::LessOrEqual, 4.8).unwrap();
+        assert!((36..=60).contains(&needed), "{needed}");
+        assert_eq!(needs(AT_LEAST, 55.2), Some(needed));
+        assert_eq!(needs(AT_LEAST, 60.0), None);
+        assert_eq!(needs(Relation::LessOrEqual, 60.0), Some(1));
+        assert!(needs(Relation::LessOrEqual, 0.001).unwrap() > 100_000);
+    }
+
+    #[test]
     fn what_no_number_of_runs_shows() {
         assert_eq!(share(AT_LEAST, 1.0, 0.95), None);
         assert_eq!(share(Relation::LessOrEqual, 0.0, 0.95), None);
@@ -273,7 +397,8 @@ mod tests {
                 let verdict = |runs: u64, holding: u64| {
                     confidence::decide(
                         AT_LEAST,
-                        Bounds::Fixed.of_share(holding as usize, runs as usize, confidence),
+                        Bounds::Fixed
+                            .of_share(&(0..runs).map(|run| run < holding).collect::<Vec<_>>(), confidence),
                         least,
                     )
                 };

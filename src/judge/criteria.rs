@@ -3,14 +3,17 @@
 use serde::Serialize;
 
 use super::confidence::{self, Bounds};
+use super::horizon::{self, Horizon};
 use super::nearest::{WorstRun, nearest};
+use super::seen::Seen;
 use super::statistics;
 use super::stopping::Stopping;
 use super::vacuity::{self, Vacuity};
 use super::verdict::Verdict;
 use crate::run::{Outcome, Requests};
 use crate::scenario::{
-    Aggregate, Claim, Comparison, Criterion, MetricReference, Origin, Relation, WhenUndefined, constant,
+    Aggregate, Claim, Comparison, Criterion, Individual, MetricReference, Origin, People, Relation,
+    WhenUndefined, constant,
 };
 
 /// A trial's verdict: the worst of its findings.
@@ -21,6 +24,9 @@ pub struct TrialVerdict {
     /// Where runs were added until the criteria were decided: how many it took and why there were no more.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stopping: Option<Stopping>,
+    /// What the horizon cut off, if it ended any of the runs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub horizon: Option<Horizon>,
 }
 
 /// What a finding's `observed` and `bound` are.
@@ -35,6 +41,14 @@ pub enum Measure {
     Count,
     /// An aggregate in the metric's own unit.
     Value,
+}
+
+/// Whom a finding speaks of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Regarding {
+    pub whom: People,
+    /// How many walked.
+    pub people: usize,
 }
 
 /// One criterion's verdict and what it rests on.
@@ -52,14 +66,29 @@ pub struct Finding {
     pub holding: usize,
     /// Runs in which the metric does not exist.
     pub undefined: usize,
-    /// The aggregate's value or the share of runs; `None` if no run gives one.
+    /// Runs that the horizon ended before the metric was decided: each counts as the worst that it could still have come to.
+    pub cut_off: usize,
+    /// The aggregate's value or the share of runs; `None` if no run gives one. Infinite where runs that have none decide.
     pub observed: Option<f64>,
     /// What it was compared to.
     pub bound: f64,
     /// Signed distance from failing in the unit of what was compared; negative when failing.
     pub margin: Option<f64>,
-    /// Interval of the estimate at the stated confidence.
+    /// Bounds on the estimate, each by itself at the stated confidence.
     pub interval: Option<(f64, f64)>,
+    /// The stated confidence (0..1).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub confidence: Option<f64>,
+    /// A confidence is stated, but all runs (and there are many) are the same bit for bit: what chance there is changed
+    /// nothing, so that they may be worth no more than one.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub alike: bool,
+    /// The bounds hold at about the stated confidence only: the metric has no limits that they could rest on.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub approximate: bool,
+    /// Whom it speaks of, where a confidence is stated and the runs are of several people.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub people: Option<Regarding>,
     /// The runs that speak most against the criterion, worst first.
     pub worst: Vec<WorstRun>,
     /// Where no run speaks against it, the one nearest to that.
@@ -81,8 +110,23 @@ impl TrialVerdict {
     /// Of a trial whose runs were fixed beforehand.
     pub(super) fn of(mut findings: Vec<Finding>, criteria: &[Criterion], outcomes: &[Outcome]) -> Self {
         vacuity::mark(&mut findings, criteria, outcomes);
+        let horizon = Horizon::of(outcomes);
+        horizon::mark(&mut findings, criteria, horizon.as_ref());
+        mark_alike(&mut findings, outcomes);
         let verdict = findings.iter().map(|finding| finding.verdict).max().unwrap_or(Verdict::Passed);
-        Self { verdict, findings, stopping: None }
+        Self { verdict, findings, stopping: None, horizon }
+    }
+}
+
+/// So many runs are the same by chance in one of twenty experiments at most, where one in seven would be another.
+const BEYOND_COINCIDENCE: usize = 20;
+
+/// Marks the findings with confidence whose runs are all the same.
+fn mark_alike(findings: &mut [Finding], outcomes: &[Outcome]) {
+    let same = |pair: &[Outcome]| pair[0].fingerprint == pair[1].fingerprint;
+    let alike = outcomes.len() >= BEYOND_COINCIDENCE && outcomes.windows(2).all(same);
+    for finding in findings.iter_mut().filter(|finding| finding.confidence.is_some()) {
+        finding.alike = alike;
     }
 }
 
@@ -91,12 +135,48 @@ impl TrialVerdict {
 pub(super) struct Evidence<'a> {
     pub outcomes: &'a [Outcome],
     pub requests: &'a Requests,
-    pub bounds: Bounds,
+    pub bounds: Bounds<'a>,
+}
+
+/// Whose run each is, by number in order of appearance; runs of nobody in particular are all of one.
+fn whose(outcomes: &[Outcome]) -> Vec<usize> {
+    let mut known: Vec<&[Individual]> = Vec::new();
+    outcomes
+        .iter()
+        .map(|outcome| {
+            let same = |people: &&[Individual]| {
+                people.len() == outcome.individuals.len()
+                    && people.iter().zip(&outcome.individuals).all(|(one, other)| {
+                        (&one.pedestrian, &one.population, one.number)
+                            == (&other.pedestrian, &other.population, other.number)
+                    })
+            };
+            known.iter().position(same).unwrap_or_else(|| {
+                known.push(&outcome.individuals);
+                known.len() - 1
+            })
+        })
+        .collect()
 }
 
 /// One criterion against the evidence.
 pub(super) fn find(criterion: &Criterion, evidence: &Evidence) -> Finding {
-    let Evidence { outcomes, requests, bounds } = *evidence;
+    if criterion.claim.confidence().is_none() {
+        return found(criterion, evidence);
+    }
+    let whose = whose(evidence.outcomes);
+    let people = whose.iter().max().map_or(0, |last| last + 1);
+    let named = evidence.outcomes.iter().any(|outcome| !outcome.individuals.is_empty());
+    let whom = criterion.reach.people.unwrap_or(People::These);
+    let bounds = if whom == People::All { Bounds::People(&whose) } else { evidence.bounds };
+    Finding {
+        people: named.then_some(Regarding { whom, people }),
+        ..found(criterion, &Evidence { bounds, ..*evidence })
+    }
+}
+
+fn found(criterion: &Criterion, evidence: &Evidence) -> Finding {
+    let Evidence { outcomes, bounds, .. } = *evidence;
     match &criterion.claim {
         Claim::Runs { comparison, share, confidence } => {
             runs(criterion, comparison, *share, *confidence, evidence)
@@ -105,47 +185,120 @@ pub(super) fn find(criterion: &Criterion, evidence: &Evidence) -> Finding {
             let bound = constant(bound);
             match aggregate {
                 Aggregate::Rate(comparison) => {
-                    let held = holding(comparison, outcomes, requests);
+                    let held = holding(comparison, bounded_above(*relation), evidence);
                     let rate = held.count as f64 / outcomes.len() as f64;
                     let finding = against(criterion, Measure::Share, *relation, bound, Some(rate), &held);
-                    let finding = with_confidence_in_share(finding, *relation, *confidence, bounds);
+                    let finding = with_confidence_in_share(finding, *relation, *confidence, &held, bounds);
+                    let finding = exactly(finding, *relation, outcomes.len() as f64, comparison, evidence);
                     with_worst_of_rate(finding, comparison, *relation, &held, evidence)
                 }
                 Aggregate::Count(comparison) => {
-                    let held = holding(comparison, outcomes, requests);
+                    let held = holding(comparison, bounded_above(*relation), evidence);
                     let count = held.count as f64;
                     let finding = against(criterion, Measure::Count, *relation, bound, Some(count), &held);
+                    let finding = exactly(finding, *relation, 1.0, comparison, evidence);
                     with_worst_of_rate(finding, comparison, *relation, &held, evidence)
                 }
-                Aggregate::Mean(metric)
-                | Aggregate::Median(metric)
-                | Aggregate::Min(metric)
-                | Aggregate::Max(metric)
-                | Aggregate::Std(metric)
-                | Aggregate::Quantile(_, metric) => {
-                    let values = values(metric, outcomes, requests);
-                    let defined: Vec<f64> = values.iter().copied().flatten().collect();
-                    let undefined = values.len() - defined.len();
-                    let held = Held { count: defined.len(), undefined, values };
-                    let observed = aggregate_of(aggregate, defined.clone());
-                    let mut finding = against(criterion, Measure::Value, *relation, bound, observed, &held);
-                    if let (Some(confidence), Some(_)) = (confidence, observed) {
-                        let seed = outcomes.first().map_or(0, |outcome| outcome.seed);
-                        let interval = bounds.of_values(aggregate, &defined, *confidence, seed);
-                        finding.interval = interval.map(|interval| (interval.low, interval.high));
-                        finding.verdict = interval.map_or(Verdict::Inconclusive, |interval| {
-                            confidence::decide(*relation, interval, bound)
-                        });
-                    }
-                    if observed.is_none() && *when_undefined == WhenUndefined::Passes {
-                        finding.verdict = Verdict::Passed;
-                    }
-                    finding.worst = nearest(metric, (*relation, bound), &held.values, evidence, |_| true).0;
-                    finding
-                }
+                Aggregate::Mean(_)
+                | Aggregate::Median(_)
+                | Aggregate::Min(_)
+                | Aggregate::Max(_)
+                | Aggregate::Std(_)
+                | Aggregate::Quantile(..) => of_values(
+                    criterion,
+                    aggregate,
+                    (*relation, bound),
+                    *confidence,
+                    *when_undefined,
+                    evidence,
+                ),
             }
         }
     }
+}
+
+/// An aggregate of the metric's values against a bound.
+///
+/// Runs without a value, and those that the horizon cut off, count as what speaks most against the criterion, which ranks
+/// take exactly; where nothing bounds that, a mean or a spread is not known.
+fn of_values(
+    criterion: &Criterion,
+    aggregate: &Aggregate,
+    (relation, bound): (Relation, f64),
+    confidence: Option<f64>,
+    when_undefined: WhenUndefined,
+    evidence: &Evidence,
+) -> Finding {
+    let metric = aggregate.metric();
+    let seen = seen(metric, evidence);
+    let counted: Vec<Option<f64>> = seen.iter().map(|one| one.worst(&metric.name, relation)).collect();
+    let worst: Vec<f64> = counted.iter().copied().flatten().collect();
+    let held = Held { count: seen.iter().filter(|one| one.is_value()).count(), against: Vec::new(), seen };
+    let by_rank = !matches!(aggregate, Aggregate::Mean(_) | Aggregate::Std(_));
+    let known = by_rank || worst.iter().all(|value| value.is_finite());
+    // Which of the values that are possible is the worst for a spread, nobody knows.
+    let undecided = held.cut_off() > 0
+        && (matches!(relation, Relation::Equal | Relation::NotEqual)
+            || matches!(aggregate, Aggregate::Std(_)));
+    let observed = if known {
+        aggregate_of(aggregate, worst)
+    } else {
+        aggregate_of(aggregate, held.seen.iter().filter_map(|one| one.value()).collect())
+    };
+    let mut finding = against(criterion, Measure::Value, relation, bound, observed, &held);
+    if let (Some(confidence), Some(_)) = (confidence, observed) {
+        let seed = evidence.outcomes.first().map_or(0, |outcome| outcome.seed);
+        let limits = criterion.reach.limits;
+        let interval =
+            known.then(|| evidence.bounds.of_values(aggregate, &counted, limits, confidence, seed)).flatten();
+        finding.approximate = matches!(aggregate, Aggregate::Mean(_)) && limits.is_none();
+        finding.interval = interval.map(|interval| (interval.low, interval.high));
+        finding.verdict =
+            interval.map_or(Verdict::Inconclusive, |interval| confidence::decide(relation, interval, bound));
+    }
+    if undecided || !known {
+        let best: Option<Vec<f64>> = held.seen.iter().map(|one| one.best(relation)).collect();
+        let best = best
+            .filter(|_| !undecided && confidence.is_none())
+            .and_then(|best| aggregate_of(aggregate, best));
+        // Where even the best that is possible is not good enough, nothing is open.
+        let failed = best.is_some_and(|best| !relation.holds(best, bound));
+        finding.verdict = if failed { Verdict::Failed } else { Verdict::Inconclusive };
+        finding.margin = None;
+    }
+    if observed.is_none() && when_undefined == WhenUndefined::Passes && held.cut_off() == 0 {
+        finding.verdict = Verdict::Passed;
+    }
+    let values = held.values();
+    let cut_off = |index: usize| held.seen[index].is_open();
+    finding.worst = nearest(metric, (relation, bound), &values, evidence, cut_off, |_| true).0;
+    finding
+}
+
+/// That the number of runs that hold, by `unit`, is exactly something or not is only decided where no run is left of which
+/// nobody can know.
+fn exactly(
+    finding: Finding,
+    relation: Relation,
+    unit: f64,
+    comparison: &Comparison,
+    evidence: &Evidence,
+) -> Finding {
+    if !matches!(relation, Relation::Equal | Relation::NotEqual) {
+        return finding;
+    }
+    let number = |unknown| holding(comparison, unknown, evidence).count as f64 / unit;
+    let (least, most) = (number(false), number(true));
+    let possible = least <= finding.bound && finding.bound <= most;
+    if least == most || !possible {
+        return finding;
+    }
+    Finding { verdict: Verdict::Inconclusive, ..finding }
+}
+
+/// Whether a claim would rather have a comparison not hold.
+pub(super) fn bounded_above(relation: Relation) -> bool {
+    matches!(relation, Relation::Less | Relation::LessOrEqual)
 }
 
 /// Where a confidence is stated, the verdict rests on the bounds of the share and not on the share that was seen.
@@ -153,10 +306,11 @@ fn with_confidence_in_share(
     finding: Finding,
     relation: Relation,
     confidence: Option<f64>,
+    held: &Held,
     bounds: Bounds,
 ) -> Finding {
     let Some(confidence) = confidence else { return finding };
-    let interval = bounds.of_share(finding.holding, finding.runs, confidence);
+    let interval = bounds.of_share(&held.against, confidence);
     Finding {
         verdict: confidence::decide(relation, interval, finding.bound),
         interval: Some((interval.low, interval.high)),
@@ -167,12 +321,13 @@ fn with_confidence_in_share(
 /// An aggregate over runs; `None` where it does not exist. For rates and counts a run whose metric does not exist counts
 /// as its comparison says.
 pub fn aggregate(aggregate: &Aggregate, outcomes: &[Outcome], requests: &Requests) -> Option<f64> {
+    let evidence = Evidence { outcomes, requests, bounds: Bounds::Fixed };
     match aggregate {
         Aggregate::Rate(comparison) => {
-            let held = holding(comparison, outcomes, requests);
-            (!outcomes.is_empty()).then(|| held.count as f64 / outcomes.len() as f64)
+            let held = holding(comparison, false, &evidence).count;
+            (!outcomes.is_empty()).then(|| held as f64 / outcomes.len() as f64)
         }
-        Aggregate::Count(comparison) => Some(holding(comparison, outcomes, requests).count as f64),
+        Aggregate::Count(comparison) => Some(holding(comparison, false, &evidence).count as f64),
         _ => aggregate_of(
             aggregate,
             values(aggregate.metric(), outcomes, requests).into_iter().flatten().collect(),
@@ -180,11 +335,26 @@ pub fn aggregate(aggregate: &Aggregate, outcomes: &[Outcome], requests: &Request
     }
 }
 
-/// The metric of every run and in how many runs a comparison over it holds.
+/// What every run says of a metric, and in how many runs a comparison over it holds.
 struct Held {
     count: usize,
-    undefined: usize,
-    values: Vec<Option<f64>>,
+    /// Whether the comparison holds, run by run; empty where there is none.
+    against: Vec<bool>,
+    seen: Vec<Seen>,
+}
+
+impl Held {
+    fn undefined(&self) -> usize {
+        self.seen.iter().filter(|one| matches!(one, Seen::Undefined)).count()
+    }
+
+    fn cut_off(&self) -> usize {
+        self.seen.iter().filter(|one| one.is_open()).count()
+    }
+
+    fn values(&self) -> Vec<Option<f64>> {
+        self.seen.iter().map(|one| one.so_far()).collect()
+    }
 }
 
 fn runs(
@@ -194,28 +364,30 @@ fn runs(
     confidence: Option<f64>,
     evidence: &Evidence,
 ) -> Finding {
-    let Evidence { outcomes, requests, bounds } = *evidence;
-    let held = holding(comparison, outcomes, requests);
+    let Evidence { outcomes, bounds, .. } = *evidence;
+    let held = holding(comparison, false, evidence);
     let bound = comparison.constant_bound();
     let rate = held.count as f64 / outcomes.len() as f64;
     let mut finding = match share {
         Some(share) => {
             let finding =
                 against(criterion, Measure::Share, Relation::GreaterOrEqual, share, Some(rate), &held);
-            with_confidence_in_share(finding, Relation::GreaterOrEqual, confidence, bounds)
+            with_confidence_in_share(finding, Relation::GreaterOrEqual, confidence, &held, bounds)
         }
         None => against(criterion, Measure::EveryRun, Relation::GreaterOrEqual, 1.0, Some(rate), &held),
     };
     if share.is_none() {
         // The run nearest to failing says more than the share of runs.
-        let margins =
-            held.values.iter().flatten().filter_map(|value| comparison.relation.margin(*value, bound));
+        let margins = held.seen.iter().filter_map(|one| {
+            comparison.relation.margin(one.worst(&comparison.metric.name, comparison.relation)?, bound)
+        });
+        let margins = margins.filter(|margin| margin.is_finite());
         finding.margin = margins.reduce(f64::min);
     }
     let wanted = (comparison.relation, bound);
-    let (worst, closest) = nearest(&comparison.metric, wanted, &held.values, evidence, |value| {
-        !comparison_holds(comparison, bound, value)
-    });
+    let cut_off = |index: usize| held.seen[index].is_open();
+    let (worst, closest) =
+        nearest(&comparison.metric, wanted, &held.values(), evidence, cut_off, |index| !held.against[index]);
     Finding { worst, closest, ..finding }
 }
 
@@ -228,10 +400,12 @@ fn with_worst_of_rate(
     evidence: &Evidence,
 ) -> Finding {
     let bound = comparison.constant_bound();
-    let too_many_hold = matches!(relation, Relation::Less | Relation::LessOrEqual);
-    let against = |value: Option<f64>| comparison_holds(comparison, bound, value) == too_many_hold;
+    let too_many_hold = bounded_above(relation);
+    let against = |index: usize| held.against[index] == too_many_hold;
+    let cut_off = |index: usize| held.seen[index].is_open();
     let direction = if too_many_hold { comparison.relation.opposite() } else { comparison.relation };
-    let (worst, closest) = nearest(&comparison.metric, (direction, bound), &held.values, evidence, against);
+    let (worst, closest) =
+        nearest(&comparison.metric, (direction, bound), &held.values(), evidence, cut_off, against);
     Finding { worst, closest, ..finding }
 }
 
@@ -251,43 +425,42 @@ fn against(
         verdict: if holds { Verdict::Passed } else { Verdict::Failed },
         metric: criterion.claim.metric().name.clone(),
         measure,
-        runs: held.values.len(),
+        runs: held.seen.len(),
         holding: held.count,
-        undefined: held.undefined,
+        undefined: held.undefined(),
+        cut_off: held.cut_off(),
         observed,
         bound,
         margin: observed.and_then(|value| relation.margin(value, bound)),
         interval: None,
+        confidence: criterion.claim.confidence(),
+        alike: false,
+        approximate: false,
+        people: None,
         worst: Vec::new(),
         closest: None,
         vacuous: None,
     }
 }
 
-fn holding(comparison: &Comparison, outcomes: &[Outcome], requests: &Requests) -> Held {
-    let bound = comparison.constant_bound();
-    let values = values(&comparison.metric, outcomes, requests);
-    Held {
-        count: values.iter().filter(|value| comparison_holds(comparison, bound, **value)).count(),
-        undefined: values.iter().filter(|value| value.is_none()).count(),
-        values,
-    }
+/// `unknown` says whether the comparison counts as holding where nobody can know.
+fn holding(comparison: &Comparison, unknown: bool, evidence: &Evidence) -> Held {
+    let seen = seen(&comparison.metric, evidence);
+    let against: Vec<bool> = seen.iter().map(|one| one.holds(comparison, unknown)).collect();
+    Held { count: against.iter().filter(|holds| **holds).count(), against, seen }
 }
 
-/// Whether a comparison holds for a metric's value, which may not exist.
-pub fn holds(comparison: &Comparison, value: Option<f64>) -> bool {
-    comparison_holds(comparison, comparison.constant_bound(), value)
+fn seen(metric: &MetricReference, evidence: &Evidence) -> Vec<Seen> {
+    let index = index_of(metric, evidence.requests);
+    evidence.outcomes.iter().map(|outcome| Seen::of(outcome, index)).collect()
 }
 
-fn comparison_holds(comparison: &Comparison, bound: f64, value: Option<f64>) -> bool {
-    match value {
-        Some(value) => comparison.relation.holds(value, bound),
-        None => comparison.when_undefined == WhenUndefined::Passes,
-    }
+fn index_of(metric: &MetricReference, requests: &Requests) -> usize {
+    requests.index(metric).expect("every criterion's metric was requested before the runs")
 }
 
 fn values(metric: &MetricReference, outcomes: &[Outcome], requests: &Requests) -> Vec<Option<f64>> {
-    let index = requests.index(metric).expect("every criterion's metric was requested before the runs");
+    let index = index_of(metric, requests);
     outcomes.iter().map(|outcome| outcome.metrics[index]).collect()
 }
 

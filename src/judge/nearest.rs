@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
-use super::criteria::{Evidence, holds};
+use super::criteria::Evidence;
 use super::per_run::PerRun;
+use super::seen::Seen;
 use crate::metrics;
 use crate::run::{Critical, Outcome, Requests};
 use crate::scenario::{Claim, MetricReference, Relation};
@@ -19,6 +20,9 @@ pub struct WorstRun {
     /// Signed distance of the value from speaking against the criterion, in the metric's unit; negative where it does.
     /// `None` where there is no distance: of flags, words, and values that do not exist.
     pub margin: Option<f64>,
+    /// Whether the horizon ended the run before the metric was decided; the value is then that of what was seen so far.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub cut_off: bool,
     /// When and for whom it was that; `None` where nobody asked or there is nothing to say.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub critical: Option<Critical>,
@@ -34,7 +38,8 @@ pub(super) fn nearest(
     (relation, bound): (Relation, f64),
     values: &[Option<f64>],
     evidence: &Evidence,
-    speaks_against: impl Fn(Option<f64>) -> bool,
+    cut_off: impl Fn(usize) -> bool,
+    speaks_against: impl Fn(usize) -> bool,
 ) -> (Vec<WorstRun>, Option<WorstRun>) {
     let smaller_is_worse = match relation {
         Relation::Greater | Relation::GreaterOrEqual => true,
@@ -49,24 +54,29 @@ pub(super) fn nearest(
         Some(value) => value,
     };
     let index = evidence.requests.index(metric);
-    let run = |(value, outcome): (&Option<f64>, &Outcome)| {
+    let run = |(place, (value, outcome)): (usize, (&Option<f64>, &Outcome))| {
         let critical = index.and_then(|index| outcome.critical.get(index));
         WorstRun {
             key: outcome.key.clone(),
             value: *value,
-            margin: value.and_then(|value| relation.margin(value, bound)),
+            margin: value.and_then(|value| relation.margin(value, bound)).filter(|_| !cut_off(place)),
+            cut_off: cut_off(place),
             critical: critical.filter(|one| **one != Critical::default()).cloned(),
         }
     };
-    let all = || values.iter().zip(evidence.outcomes);
-    let mut against: Vec<_> = all().filter(|(value, _)| speaks_against(**value)).collect();
+    let all = || values.iter().zip(evidence.outcomes).enumerate();
+    let mut against: Vec<_> = all().filter(|(place, _)| speaks_against(*place)).collect();
     if against.is_empty() {
         let margin = |value: &Option<f64>| value.and_then(|value| relation.margin(value, bound));
-        let near = all().filter_map(|one| Some((margin(one.0)?, one)));
+        let near = all().filter_map(|one| Some((margin(one.1.0).filter(|_| !cut_off(one.0))?, one)));
         let nearest = near.min_by(|(left, _), (right, _)| left.total_cmp(right));
         return (Vec::new(), nearest.map(|(_, one)| run(one)));
     }
-    against.sort_by(|left, right| badness(*right.0).total_cmp(&badness(*left.0)));
+    // Who was cut off is worse than what it shows.
+    let badness = |(place, (value, _)): &(usize, (&Option<f64>, &Outcome))| {
+        if cut_off(*place) { f64::INFINITY } else { badness(**value) }
+    };
+    against.sort_by(|left, right| badness(right).total_cmp(&badness(left)));
     against.truncate(WORST_RUNS);
     (against.into_iter().map(run).collect(), None)
 }
@@ -82,6 +92,9 @@ pub struct RunStanding {
     pub time: Option<f64>,
     pub vehicle: Option<Arc<str>>,
     pub pedestrian: Option<Arc<str>>,
+    /// Another vehicle or a box that the vehicle touches.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub other: Option<Arc<str>>,
 }
 
 impl PerRun {
@@ -95,11 +108,14 @@ impl PerRun {
         let critical = index.and_then(|index| outcome.critical.get(index)).cloned().unwrap_or_default();
         RunStanding {
             criterion: self.criterion.text.clone(),
-            holds: holds(comparison, value),
-            margin: value.and_then(|value| comparison.relation.margin(value, comparison.constant_bound())),
+            holds: index.is_some_and(|index| Seen::of(outcome, index).holds(comparison, false)),
+            margin: value
+                .filter(|_| index.is_some_and(|index| Seen::of(outcome, index).is_value()))
+                .and_then(|value| comparison.relation.margin(value, comparison.constant_bound())),
             time: critical.time,
             vehicle: critical.vehicle,
             pedestrian: critical.pedestrian,
+            other: critical.other,
         }
     }
 }

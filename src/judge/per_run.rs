@@ -1,5 +1,6 @@
 //! What a criterion over many runs says of a single one.
 
+use crate::metrics::{self, Absence};
 use crate::scenario::{Aggregate, Claim, Comparison, Criterion, Relation, WhenUndefined};
 
 /// A criterion as it bears on one run.
@@ -41,8 +42,12 @@ pub fn per_run(criterion: &Criterion) -> Option<PerRun> {
                         metric: metric.clone(),
                         relation: *relation,
                         bound: bound.clone(),
-                        // An aggregate leaves out the runs in which its metric does not exist.
-                        when_undefined: WhenUndefined::Passes,
+                        // An aggregate leaves out the runs in which its metric does not exist, unless that is worse than
+                        // any value.
+                        when_undefined: match metrics::metric(&metric.name).map(|metric| metric.absence) {
+                            Some(Absence::Bad) => WhenUndefined::AsDeclared,
+                            _ => WhenUndefined::Passes,
+                        },
                     };
                     (comparison, decisive)
                 }
@@ -63,6 +68,7 @@ fn negated(comparison: &Comparison) -> Comparison {
         when_undefined: match comparison.when_undefined {
             WhenUndefined::Passes => WhenUndefined::Fails,
             WhenUndefined::Fails => WhenUndefined::Passes,
+            WhenUndefined::AsDeclared => WhenUndefined::AsDeclared,
         },
     }
 }
@@ -70,7 +76,7 @@ fn negated(comparison: &Comparison) -> Comparison {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::{Expression, MetricReference, Origin, Settings, Value};
+    use crate::scenario::{Expression, MetricReference, Origin, Reach, Settings, Value};
 
     fn metric(name: &str) -> MetricReference {
         MetricReference { name: name.into(), settings: Settings::default(), pair: None }
@@ -81,7 +87,13 @@ mod tests {
     }
 
     fn wanted(claim: Claim) -> Option<(Comparison, bool)> {
-        let criterion = Criterion { claim, when: Vec::new(), text: String::new(), origin: Origin::default() };
+        let criterion = Criterion {
+            claim,
+            when: Vec::new(),
+            text: String::new(),
+            reach: Reach::default(),
+            origin: Origin::default(),
+        };
         let PerRun { criterion, decisive } = per_run(&criterion)?;
         match criterion.claim {
             Claim::Runs { comparison, share: None, confidence: None } => Some((comparison, decisive)),

@@ -16,6 +16,8 @@ pub enum Vacuity {
     NobodyAppeared,
     /// In no run did one of them come into a vehicle's lane.
     NobodyEntered,
+    /// In some run time was up with somebody on a collision course: what would have come was not seen.
+    CutOff,
 }
 
 /// Metrics that say who goes: a criterion about one of them declares what is expected, staying at the kerb included.
@@ -57,7 +59,9 @@ mod tests {
     use super::*;
     use crate::judge::judge;
     use crate::run::Requests;
-    use crate::scenario::{Claim, Comparison, MetricReference, Origin, Relation, Settings, WhenUndefined};
+    use crate::scenario::{
+        Claim, Comparison, MetricReference, Origin, Reach, Relation, Settings, WhenUndefined,
+    };
     use crate::sim::{Ending, StopReason};
     use std::time::Duration;
 
@@ -70,7 +74,13 @@ mod tests {
         let when_undefined = WhenUndefined::Passes;
         let comparison = Comparison { metric, relation, bound: bound.into(), when_undefined };
         let claim = Claim::Runs { comparison, share: None, confidence: None };
-        Criterion { claim, when: Vec::new(), text: name.into(), origin: Origin::default() }
+        Criterion {
+            claim,
+            when: Vec::new(),
+            text: name.into(),
+            reach: Reach::default(),
+            origin: Origin::default(),
+        }
     }
 
     /// One run in which every metric is `value`.
@@ -85,6 +95,7 @@ mod tests {
             metrics: requests.iter().map(|_| value).collect(),
             critical: Vec::new(),
             presences: presences.iter().map(presence).collect(),
+            cut_off: Default::default(),
             fingerprint: 0,
             wall_time: Duration::ZERO,
         }

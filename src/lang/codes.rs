@@ -52,8 +52,9 @@ impl fmt::Display for Code {
 codes! {
     // Syntax
     UnclosedBracket = "E0101", "a bracket is never closed",
-        "Every `{`, `[` and `(` needs its partner. Nothing else in the file is checked until brackets match, because \
-         every later message could be wrong.";
+        "Every `{`, `[` and `(` needs its partner. Where a brace is missing, indentation tells which block it belongs to, and the \
+         rest of the file is checked as if it stood there; otherwise nothing else in the file is checked until brackets match, \
+         because every later message could be wrong.";
     MismatchedBracket = "E0102", "a bracket is closed by another kind",
         "`{` is closed by `}`, `[` by `]` and `(` by `)`, the one opened last first.";
     UnopenedBracket = "E0103", "a closing bracket without an opening one",
@@ -97,7 +98,8 @@ codes! {
     FileTooLarge = "E0204", "a file is too large",
         "Files may have 16 MiB. Split the file; a suite collects scenarios from many files by a pattern.";
     UnknownFileKind = "E0205", "a file's name does not say what it is",
-        "Scenario files end in `.scn` or `.yaml`, suites in `.suite`.";
+        "Scenario files end in `.scn` or `.yaml`, suites in `.suite`. No other file is opened by `use` or `scenarios`, and \
+         none that a link under such a name leads to: a project from somebody else is not to read whatever it likes.";
     NothingMatches = "E0206", "a pattern matches no file",
         "A pattern under `scenarios` must match at least one file, otherwise a suite would silently test nothing. \
          Patterns are relative to the suite's file; `*` matches within a folder, `**` over folders.";
@@ -132,6 +134,11 @@ codes! {
     UnknownMetric = "E0311", "there is no such metric",
         "`scenario-runner models` lists every metric. A criterion over a metric that does not exist would never be \
          checked, so it is an error.";
+    UnknownSolid = "E0530", "there is nothing of this name that a vehicle could touch",
+        "`collision(av, walker)` is about one vehicle and one pedestrian, one other vehicle or one box of the road, by the \
+         names after `pedestrian`, `vehicle`, `box` or `parked`. `collision(av)` is about whatever it touches.";
+    TouchesItself = "E0531", "a vehicle is asked to touch itself",
+        "A collision is between a vehicle and something else: a pedestrian, another vehicle or a box of the road.";
     UnknownVariation = "E0312", "the scenario does not vary this",
         "`when` restricts a criterion to some values of a variation, which must be declared by `vary`. A scenario that varies \
          a name anew replaces the whole `vary together` that it stood in, so that the other names need values again.";
@@ -216,6 +223,15 @@ codes! {
     CannotBeBuilt = "E0519", "a model cannot be what a scenario asks of it",
         "Every setting by itself is fine, but the model refuses them together or does not fit the scenario: a time step that \
          is no multiple of the simulation's, a lower limit above the upper one, a controller for one lane on a road with two.";
+    UnmeantModel = "E0525", "a number with one published value is varied",
+        "Some numbers of a model are no free choice. The noise and the filters of `commotions` are per time step, so that with \
+         another `dt` than the published one (25 ms for variants with noise, 100 ms for those without) it is another model, \
+         which nobody fitted to people: collisions were seen to go from 0 % to 29 % in one scenario. A variation, search, tune \
+         or condition over it is refused, unless the settings of the model say `another_model: true`.";
+    UnknownSetting = "E0550", "nothing has the name that is to be set",
+        "`--set NAME=VALUE` sets what files give a name: a variation (`tta=4s`), a `let`, a template's parameter, a statement \
+         about a road user (`av.speed=40km/h`, `walker.along=1m`), a parameter of what drives or walks \
+         (`av.controller.braking_distance=5m`), or `step`, `horizon`, `finish`, `seed` and `repeat` of scenarios.";
     // Criteria
     NoNumber = "E0601", "an aggregate needs a quantity",
         "Means and quantiles exist of quantities. Of truth values and words, take the `rate(…)` or `count(…)`.";
@@ -225,9 +241,10 @@ codes! {
     BadNo = "E0603", "`no` before something that is not true or false",
         "`no` takes a metric that is true or false, such as `collision`.";
     BadShare = "E0604", "a share is not between 0 and 1",
-        "Shares, quantile levels and confidences lie between 0 % and 100 %.";
+        "Shares and quantile levels lie between 0 % and 100 %, confidences above 50 %: at 50 % a claim that is false passes as \
+         often as not.";
     RepeatedModifier = "E0605", "a criterion says something twice",
-        "`in … of runs`, `undefined …`, `with … confidence` and `when` may each stand once.";
+        "`in … of runs`, `undefined …`, `with … confidence`, `of … people` and `when` may each stand once.";
     BadModifier = "E0606", "a part of a criterion has no meaning here",
         "`in 80 % of runs` belongs to a comparison of every single run, not to an aggregate over runs; a confidence \
          needs a share or an aggregate, because a claim about every run is either true or false. Counts and \
@@ -243,17 +260,29 @@ codes! {
     NeverApplies = "E0610", "a criterion never applies",
         "The condition after `when` holds for no run, so the criterion would pass without being checked.";
     TooFewRuns = "E0611", "a criterion that its runs can never show",
-        "A criterion with stated confidence passes only if its runs leave no reasonable doubt. Even if every run goes \
-         well, that takes a number of them: 95 % of runs at 95 % confidence need 59, 99 % need 299, 99.9 % need 2995, \
-         and the 95 % quantile needs 59 for an upper bound. With fewer the criterion could only be inconclusive or fail. \
+        "A criterion with stated confidence passes only if luck would seldom let it pass if it were false. Even if every run \
+         goes well, that takes a number of runs: 95 % of runs at 95 % confidence need 59, 99 % need 299, 99.9 % need 2995, \
+         and the 95 % quantile needs 59 for an upper bound. A mean needs the more, the closer its bound is to an end of what its \
+         metric can be: one run in a thousand that takes a minute moves the mean by 60 ms. With fewer the criterion could only be inconclusive or fail. \
          Say `repeat` (or a larger second number after `runs`) for more runs, or claim less. Where runs are added until \
          the criteria are decided it takes more, because one looks often: 88, 449 and 4512 for those shares. That all runs hold, or that a share is exactly so large, no number of \
          runs shows.";
-    NotSequential = "E0612", "a mean cannot be decided while runs are added",
+    NotSequential = "E0612", "a mean without limits cannot be decided while runs are added",
         "With `runs 50 .. 2000` the runs are looked at again and again until the criteria are decided. An ordinary \
          interval looked at often enough is wrong sooner or later, so bounds are used that hold however often one looks. \
-         For shares, rates, medians and quantiles there are such bounds; for means and spreads of metrics that are not \
-         bounded there are none. Fix the number of runs with `repeat`, or claim something of a median or quantile.";
+         For shares, rates, medians and quantiles there are such bounds, and for means of metrics with limits, such as times \
+         within the run (`scenario-runner models NAME` says which); for means of others and for spreads there are none. Fix \
+         the number of runs with `repeat`, or claim something of a median or quantile.";
+    WithoutChance = "E0613", "a confidence where nothing is left to chance",
+        "A confidence says how seldom chance alone would let a claim pass that is false. Where no model, controller or \
+         perception draws anything, every run of a trial is the same bit for bit, and a thousand of them say no more than \
+         one. Leave out the confidence (and `repeat`), or vary what may differ between runs: a model of a pedestrian who \
+         decides by chance, noise in `sees`, or people taken from a population.";
+    BadPeople = "E0614", "a criterion speaks of people who are not there",
+        "`of these people` says that a confidence is about the people who walk in the runs, `of all people` that it is about \
+         everybody in the population whom they were taken from: then each person counts once, however many runs it has. Both \
+         need `individuals` in the scenario and a confidence; `of all people` needs several people and their number to be \
+         fixed: runs that are added (`runs 50 .. 2000`) are of the same people.";
     // Suites
     EmptySuite = "E0701", "a suite has no scenarios",
         "A suite without scenarios would pass without testing anything.";
@@ -323,6 +352,9 @@ codes! {
     UnusedName = "W0901", "a name is never used",
         "A `let` inside a scenario or a variation that no value refers to has no effect, except that a variation \
          repeats the runs. Perhaps another name was meant.";
+    BlockedLane = "W0925", "a box stands in a vehicle's lane",
+        "The vehicle cannot pass: it stops, or runs into the box. Where that is what the scenario is about, say so with a \
+         criterion that names the box, such as `no collision(av, van)`, or with `tags blocked_lane`.";
     NoCriteria = "W0902", "a scenario expects nothing",
         "Without `expect` a scenario passes whatever happens. Add criteria to it or to the suite; where a search, tune, \
          evaluate or statement is about its runs, it needs none.";
@@ -332,4 +364,16 @@ codes! {
     NothingToDecide = "W0904", "runs are added until nothing is decided",
         "`runs 50 .. 2000` adds runs until every criterion with stated confidence is decided. Here no criterion states \
          one, so there are always as many runs as the first number says: `repeat` says that more plainly.";
+    AnotherModel = "W0913", "a model is another one than was published",
+        "A number of a model is not the one that was published beside its other settings, such as a `dt` of `commotions` that \
+         is not 25 ms with noise or 100 ms without. Noise and filters are per time step, so nobody fitted what comes of it to \
+         people. Every report and baseline names it. `another_model: true` lets it be varied and searched, and changes \
+         nothing about this.";
+    CollisionsUnguarded = "W0935", "a gate says nothing of collisions",
+        "`no metric worse by more than 5 %` is about quantities: 5 % of what is true or false would be 5 points of its rate. \
+         Collisions need a rule of their own, `collision not worse` or `no new collision`. Without one only those are \
+         noticed that happen in a scenario in which the baseline has none, on the same seeds.";
+    SetAside = "W0955", "a criterion applies to no run with the values that were set",
+        "With `--set tta=4s`, a criterion `when tta >= 14 s` has nothing to say. It is left out; a run to which no criterion \
+         applies is refused.";
 }

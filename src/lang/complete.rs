@@ -13,7 +13,7 @@ use super::lexer::{self, Token, TokenKind};
 use super::syntax_error::goes_on_with;
 use super::tree::{Node, Rule};
 use super::units;
-use crate::metrics::METRICS;
+use crate::metrics::{METRICS, Scope, metric};
 use crate::scenario::{Declaration, ParameterKind};
 use crate::{pedestrian, vehicle};
 
@@ -195,7 +195,11 @@ impl Place<'_> {
 
     /// The names that statements of those kinds give here, each with the statement's first line.
     fn names(&self, files: &Files, file: FileId, kinds: &[Rule]) -> Vec<Proposal> {
-        let nodes = self.scenarios(files, file).into_iter().flat_map(Node::descendants);
+        let mut roads: Vec<_> = files.names(file).roads.iter().collect();
+        roads.retain(|_| kinds.contains(&Rule::obstacle));
+        roads.sort_by_key(|(name, _)| name.as_str());
+        let roads = roads.into_iter().map(|(_, road)| files.tree(road.file).node(road.node));
+        let nodes = self.scenarios(files, file).into_iter().chain(roads).flat_map(Node::descendants);
         nodes
             .filter(|node| kinds.contains(&node.rule()))
             .filter_map(|node| {
@@ -224,6 +228,7 @@ impl Place<'_> {
 /// The kinds of statements that give the names that could follow; `None` where a metric could.
 fn named(statement: &[&str]) -> Option<&'static [Rule]> {
     const USERS: &[Rule] = &[Rule::vehicle, Rule::pedestrian];
+    const SOLIDS: &[Rule] = &[Rule::vehicle, Rule::pedestrian, Rule::obstacle];
     const VARIED: &[Rule] = &[Rule::vary, Rule::varied];
     const TARGETS: &[Rule] = &[Rule::vary, Rule::varied, Rule::vehicle, Rule::pedestrian];
     let mut depth = 0;
@@ -236,6 +241,7 @@ fn named(statement: &[&str]) -> Option<&'static [Rule]> {
         (_, Some("time_to_arrival")) => Some(&[Rule::vehicle]),
         (_, Some("chosen")) | (Some("over"), None) => Some(TARGETS),
         (_, Some(call)) if AGGREGATES.iter().any(|(word, _)| *word == call) => None,
+        (_, Some(call)) if metric(call).is_some_and(|known| known.scope == Scope::Contact) => Some(SOLIDS),
         (_, Some(_)) => Some(USERS),
         (Some("minimise" | "maximise" | "keep" | "subject" | "measure"), None) => None,
         _ => Some(VARIED),
@@ -436,6 +442,12 @@ mod tests {
         assert_eq!(inside("  pedestrian other {\n    from "), ["near", "far"]);
         assert_eq!(inside("  vehicle other {\n    speed "), ["tta", "pace"]);
         assert_eq!(inside("  expect {\n    pet(av, "), ["av", "walker"]);
+        let on_road = |more: &str| {
+            let road =
+                "road street {\n  parked van { along: 0 m, across: 0 m, length: 1 m, width: 1 m }\n}\n";
+            words(&format!("{road}{}{more}", text.trim_end().trim_end_matches('}')))
+        };
+        assert_eq!(on_road("  expect {\n    collision(av, "), ["av", "walker", "van"]);
         assert_eq!(inside("  expect {\n    pet >= 1 s when "), ["tta"]);
         assert!(inside("  expect {\n    pet >= 1 s ").contains(&"when".to_string()));
         assert!(inside("  expect {\n    quantile(95 %, ").contains(&"pet".to_string()));

@@ -93,9 +93,18 @@ impl Diagnostic {
 
 /// The name nearest to what was written, if any is near enough to be meant.
 pub fn nearest<'a>(found: &str, valid: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    /// Comparing takes time and memory by the product of two lengths; nobody mistypes a name of this many bytes.
+    const LONGEST: usize = 100;
+    /// Comparing every unknown name with every known one takes for ever in a text of a megabyte.
+    const MOST: usize = 1000;
+    if found.len() > LONGEST {
+        return None;
+    }
     let lower = found.to_lowercase();
     valid
         .into_iter()
+        .filter(|name| name.len() <= LONGEST)
+        .take(MOST)
         .map(|name| (strsim::damerau_levenshtein(&lower, &name.to_lowercase()), name))
         .filter(|(distance, name)| *distance <= name.len().max(found.len()).div_ceil(3))
         .min_by_key(|(distance, name)| (*distance, *name))

@@ -6,14 +6,19 @@ use std::sync::Arc;
 
 use super::codes::Code;
 use super::diagnostic::{Diagnostic, Severity};
+use super::overrides::{self, Edit, Override, Overrides};
 use super::source::{SourceId, Sources, Span};
 use super::suite::{self, FileKind};
 use super::tree::{Node, NodeIndex, Rule, Tree};
 use super::value::{self, Binding, Scope, unquote};
 use super::yaml;
+use crate::files::{ReadError, check_kind, read_bytes};
 
 /// Larger files are refused.
 pub const LARGEST_FILE: usize = 16 << 20;
+
+/// Of all files together that make up a text while it is edited, bytes: checking takes up to 200 times as much memory.
+const LARGEST_WHILE_EDITED: usize = 3 << 20;
 
 /// A file that was read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -55,9 +60,20 @@ pub struct Files {
     overlays: HashMap<PathBuf, Arc<str>>,
     /// The files being read, with the `use` that led to each.
     reading: Vec<(PathBuf, Option<Span>)>,
+    /// Values that are set from outside.
+    pub overrides: Overrides,
+    /// Where they stand in the texts.
+    pub set: Vec<Span>,
+    /// Of all texts, bytes.
+    size: usize,
 }
 
 impl Files {
+    /// None yet; in all of them these values will be set.
+    pub fn with_set(set: &[Override]) -> Self {
+        Self { overrides: Overrides::new(set), ..Self::default() }
+    }
+
     /// Lets `text` stand for the file at `path`.
     pub fn overlay(&mut self, path: &Path, text: impl Into<Arc<str>>) {
         self.overlays.insert(identity(path), text.into());
@@ -98,8 +114,17 @@ impl Files {
         }
         self.by_path.insert(identity.clone(), None);
         let name = path.display().to_string();
-        let source = match self.read(path, &identity) {
-            Ok(text) => self.sources.add(name, text),
+        let read = self.read(path, &identity).and_then(|text| self.within_bounds(path, text));
+        let source = match read {
+            Ok(text) => match suite::file_kind(path) {
+                Some(FileKind::Yaml) => self.sources.add(name, text),
+                _ => {
+                    let (text, edits) = self.with_values(&text);
+                    let source = self.sources.add(name, text);
+                    self.mark(source, &edits);
+                    source
+                }
+            },
             Err((code, message, hint, before)) => {
                 let (span, label) = match (asked, before) {
                     (Some(asked), None) => (asked, "named here"),
@@ -119,7 +144,12 @@ impl Files {
         let file = match suite::file_kind(path) {
             Some(FileKind::Yaml) => match yaml::to_scn(source, &text) {
                 Ok(yaml::Translation { text, places }) => {
-                    let translation = self.sources.add_translation(text, source, places);
+                    let (text, edits) = self.with_values(&text);
+                    let lengths: Vec<_> =
+                        edits.iter().map(|edit| (edit.range.clone(), edit.text.len())).collect();
+                    let places = places.edited(&lengths);
+                    let translation = self.sources.add_translation(text.to_string(), source, places);
+                    self.mark(translation, &edits);
                     Some(self.add(translation, path, report))
                 }
                 Err(diagnostics) => {
@@ -134,36 +164,47 @@ impl Files {
         file
     }
 
+    /// A text with the values that are set in it, and what was changed. One that cannot be read stays as it is.
+    fn with_values(&mut self, text: &str) -> (Arc<str>, Vec<Edit>) {
+        if self.overrides.is_empty() {
+            return (text.into(), Vec::new());
+        }
+        let (tree, unreadable) = Tree::parse(SourceId(u32::MAX), text.into());
+        if !unreadable.is_empty() {
+            return (text.into(), Vec::new());
+        }
+        let edits = self.overrides.edits(&tree);
+        (overrides::apply(text, &edits).into(), edits)
+    }
+
+    fn mark(&mut self, source: SourceId, edits: &[Edit]) {
+        let mut shift = 0isize;
+        for edit in edits {
+            let start = edit.range.start.saturating_add_signed(shift);
+            self.set.push(Span::new(source, start, start + edit.text.len()));
+            shift += edit.text.len() as isize - edit.range.len() as isize;
+        }
+    }
+
     /// The text, or code, message, hint and the part that could be read.
     fn read(&self, path: &Path, identity: &Path) -> Result<Arc<str>, (Code, String, String, Option<String>)> {
         let shown = path.display();
         if let Some(text) = self.overlays.get(identity) {
             return Ok(text.clone());
         }
-        let too_large = |size: u64| {
-            let message = format!("`{shown}` has {size} bytes, more than {LARGEST_FILE}");
-            (Code::FileTooLarge, message, "split it into several files".to_string(), None)
-        };
-        if let Ok(metadata) = std::fs::metadata(path) {
-            // A device or pipe might never end.
-            if !metadata.is_file() {
-                let message = format!("cannot read `{shown}`: it is no regular file");
-                return Err((Code::UnreadableFile, message, "name a file that holds text".to_string(), None));
-            }
-            if metadata.len() > LARGEST_FILE as u64 {
-                return Err(too_large(metadata.len()));
-            }
-        }
-        let bytes = std::fs::read(path).map_err(|error| {
-            let hint = match error.kind() {
-                std::io::ErrorKind::NotFound => neighbour(path),
-                _ => "it must be a file that may be read".to_string(),
+        let read = check_kind(path, &suite::ENDINGS).and_then(|()| read_bytes(path, LARGEST_FILE as u64));
+        let bytes = read.map_err(|error| {
+            let (code, hint) = match &error {
+                ReadError::OtherKind { .. } => (
+                    Code::UnknownFileKind,
+                    "scenario files end in `.scn` or `.yaml`, suites in `.suite`".to_string(),
+                ),
+                ReadError::TooLarge { .. } => (Code::FileTooLarge, "split it into several files".to_string()),
+                error if error.is_missing() => (Code::UnreadableFile, neighbour(path)),
+                _ => (Code::UnreadableFile, "it must be a regular file that may be read".to_string()),
             };
-            (Code::UnreadableFile, format!("cannot read `{shown}`: {error}"), hint, None)
+            (code, format!("cannot read `{shown}`: {error}"), hint, None)
         })?;
-        if bytes.len() > LARGEST_FILE {
-            return Err(too_large(bytes.len() as u64));
-        }
         String::from_utf8(bytes).map(Arc::from).map_err(|error| {
             let valid = error.utf8_error().valid_up_to();
             let before = String::from_utf8_lossy(&error.as_bytes()[..valid]).into_owned();
@@ -171,6 +212,24 @@ impl Files {
                 format!("`{shown}` is not UTF-8 text: byte {valid} is 0x{:02x}", error.as_bytes()[valid]);
             (Code::NotUtf8, message, "save the file as UTF-8".to_string(), Some(before))
         })
+    }
+
+    /// The text, unless it stands among so much that it is not checked while it is edited.
+    fn within_bounds(
+        &mut self,
+        path: &Path,
+        text: Arc<str>,
+    ) -> Result<Arc<str>, (Code, String, String, Option<String>)> {
+        self.size += text.len();
+        if self.overlays.is_empty() || self.size <= LARGEST_WHILE_EDITED {
+            return Ok(text);
+        }
+        let message = format!(
+            "with `{}` these files have {} bytes, more than the {LARGEST_WHILE_EDITED} that are checked while edited",
+            path.display(),
+            self.size
+        );
+        Err((Code::FileTooLarge, message, "run `scenario-runner check` on the file".to_string(), None))
     }
 
     fn circle(&self, first: usize, path: &Path, asked: Span) -> Diagnostic {

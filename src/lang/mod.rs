@@ -6,6 +6,7 @@
 mod assist;
 mod blocks;
 mod check;
+mod closing;
 mod codes;
 mod complete;
 mod consequences;
@@ -14,6 +15,7 @@ mod files;
 pub mod filter;
 mod format;
 mod lexer;
+mod overrides;
 mod print;
 mod render;
 mod settings;
@@ -39,6 +41,7 @@ pub use diagnostic::{Diagnostic, Label, Severity, nearest};
 pub use files::LARGEST_FILE;
 pub use format::format;
 pub use lexer::{DEEPEST_NESTING, Token, TokenKind};
+pub use overrides::Override;
 pub use render::{Style, count, render, render_all};
 pub use source::{Location, Source, SourceId, Sources, Span};
 pub use suite::DEFAULT_SEED;
@@ -47,7 +50,10 @@ pub use units::{UNITS, Unit};
 pub use write::{quantity, write_comparison, write_scenario};
 pub use yaml::schema as yaml_schema;
 
-use crate::scenario::{Dimension, Expression, Origin, Suite, Value};
+use pest::Parser;
+use tree::Grammar;
+
+use crate::scenario::{Dimension, Expression, Notation, Origin, Suite, Value};
 use files::Files;
 use value::{Binding, Kind, Typed};
 
@@ -120,11 +126,30 @@ pub fn load(path: &Path) -> Result<Loaded, Failure> {
     load_with(path, Files::default())
 }
 
+/// As [`load`], with values that are set from outside, in this file and all it uses.
+pub fn load_set(path: &Path, set: &[Override]) -> Result<Loaded, Failure> {
+    load_with(path, Files::with_set(set))
+}
+
 /// As [`load`], for a text that stands for the file at `path`; files it uses are read from disk.
 pub fn check(path: &Path, text: &str) -> Result<Loaded, Failure> {
     let mut files = Files::default();
     files.overlay(path, text);
     load_with(path, files)
+}
+
+/// The unit of that dimension that a criterion is written with: `km/h` in `impact_speed <= 20 km/h`.
+pub fn unit_in(criterion: &str, dimension: Dimension) -> Option<Notation> {
+    let pairs = Grammar::parse(Rule::criterion, criterion).ok()?;
+    let units = pairs.flatten().filter(|pair| pair.as_rule() == Rule::unit);
+    let mut units = units.filter_map(|pair| units::unit_of(pair.as_str()));
+    units.find(|unit| unit.dimension == dimension).map(Unit::notation)
+}
+
+/// What the suite in a text says of itself, as far as it can be read.
+pub fn suite_doc(text: &str) -> Option<String> {
+    let (tree, _) = Tree::parse(Sources::default().add("", ""), text.into());
+    check::doc(tree.root().child(Rule::suite)?.child(Rule::suite_block)?)
 }
 
 /// Everything that is to be said about a file, which may be there only to be used by others; `text` stands for what is
@@ -171,6 +196,7 @@ fn load_with(path: &Path, mut files: Files) -> Result<Loaded, Failure> {
         files.trace(root, &mut report);
     }
     consequences::remove(&files, &mut report);
+    say_what_is_set(&mut files, &mut report);
     for label in report.iter_mut().flat_map(|diagnostic| &mut diagnostic.labels) {
         label.span = files.sources.resolve(label.span);
     }
@@ -181,10 +207,47 @@ fn load_with(path: &Path, mut files: Files) -> Result<Loaded, Failure> {
     if let Some(last) = report.last_mut().filter(|_| more > 0) {
         last.notes.push(format!("at least {more} more findings are not shown"));
     }
+    let mut set: Vec<String> = files.overrides.all().iter().map(ToString::to_string).collect();
+    set.sort();
+    let suite = suite.map(|suite| Suite { set, ..suite });
     let sources = files.sources;
     match suite {
         Some(suite) if !failed => Ok(Loaded { suite, warnings: report, sources }),
         _ => Err(Failure { diagnostics: report, sources }),
+    }
+}
+
+/// Findings about values that are set from outside: those that nothing has the name of, and those that are wrong.
+fn say_what_is_set(files: &mut Files, report: &mut Vec<Diagnostic>) {
+    for finding in report.iter_mut() {
+        let at = finding.span();
+        let own = files.set.iter().filter(|set| {
+            set.source == at.source && set.start < at.end.max(at.start + 1) && at.start < set.end
+        });
+        let text: String = own.map(|set| files.sources.text(*set)).collect();
+        for one in files.overrides.all().iter().filter(|one| text.contains(&one.value)) {
+            finding.notes.push(format!("`{one}` is set on the command line"));
+        }
+    }
+    // What could not be read may well have the name.
+    let unread =
+        |finding: &Diagnostic| ["E01", "E02"].iter().any(|group| finding.code.name().starts_with(group));
+    if report.iter().any(unread) {
+        return;
+    }
+    let (unknown, known) = files.overrides.unknown();
+    for one in unknown {
+        let text = one.to_string();
+        let source = files.sources.add("the command line", text.as_str());
+        report.push(
+            Diagnostic::new(
+                Code::UnknownSetting,
+                Span::new(source, 0, one.name.len()),
+                format!("there is nothing called `{}` to be set", one.name),
+            )
+            .label("no variation, `let`, parameter or statement has this name")
+            .suggest(&one.name, known.iter().map(String::as_str)),
+        );
     }
 }
 

@@ -4,6 +4,7 @@ use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 
 use super::diagnostic::{Diagnostic, Label, Severity};
 use super::source::{SourceId, Sources};
+use crate::escape::{terminal, terminal_line, terminal_same_bytes};
 
 /// Marks in lines longer than this are shown in a window around them.
 const LONGEST_LINE: usize = 300;
@@ -21,7 +22,7 @@ pub fn render(diagnostic: &Diagnostic, sources: &Sources, style: Style) -> Strin
         Severity::Warning => Level::WARNING,
     };
     let mut group =
-        Group::with_title(level.primary_title(diagnostic.message.as_str()).id(diagnostic.code.name()));
+        Group::with_title(level.primary_title(terminal(&diagnostic.message)).id(diagnostic.code.name()));
     let mut shown: Vec<SourceId> = Vec::new();
     for label in &diagnostic.labels {
         if !shown.contains(&label.span.source) {
@@ -30,10 +31,10 @@ pub fn render(diagnostic: &Diagnostic, sources: &Sources, style: Style) -> Strin
         }
     }
     for note in &diagnostic.notes {
-        group = group.element(Level::NOTE.message(note.as_str()));
+        group = group.element(Level::NOTE.message(terminal(note)));
     }
     for hint in &diagnostic.hints {
-        group = group.element(Level::HELP.message(hint.as_str()));
+        group = group.element(Level::HELP.message(terminal(hint)));
     }
     let renderer = if style.colour { Renderer::styled() } else { Renderer::plain() };
     renderer.render(&[group])
@@ -110,9 +111,9 @@ fn snippets<'a>(
                     end = end.min(floor((span.end + LONGEST_LINE / 2).min(text.text.len())));
                 }
             }
-            let mut snippet = Snippet::source(&text.text[start..end])
+            let mut snippet = Snippet::source(terminal_same_bytes(&text.text[start..end]))
                 .line_start(first_line)
-                .path(text.name.as_str())
+                .path(terminal_line(&text.name))
                 .fold(true);
             for (index, label) in labels {
                 let kind = if index == 0 { AnnotationKind::Primary } else { AnnotationKind::Context };
@@ -121,7 +122,7 @@ fn snippets<'a>(
                 snippet = snippet.annotation(if label.text.is_empty() {
                     mark
                 } else {
-                    mark.label(label.text.as_str())
+                    mark.label(terminal_line(&label.text))
                 });
             }
             snippet

@@ -7,7 +7,9 @@ use super::diagnostic::Diagnostic;
 use super::source::Span;
 use super::tree::{Node, Rule};
 use super::value::{self, Kind, Scope, Typed};
-use crate::scenario::{ChoiceOption, Declaration, Dimension, Expression, ParameterKind, Value};
+use crate::scenario::{
+    ANOTHER_MODEL, ChoiceOption, Declaration, Dimension, Expression, ParameterKind, Value,
+};
 
 /// The settings of a `settings` node (or of none) in the order they are written, each checked against `declaration`.
 pub fn check(
@@ -15,7 +17,7 @@ pub fn check(
     declaration: &Declaration,
     scope: &Scope,
     report: &mut Vec<Diagnostic>,
-) -> Vec<(String, Expression)> {
+) -> Vec<(String, Typed)> {
     let mut settings = Vec::new();
     let mut said: HashMap<&str, Span> = HashMap::new();
     for setting in node.iter().flat_map(|node| node.all(Rule::setting)) {
@@ -39,7 +41,7 @@ pub fn check(
 pub fn check_texts(
     owner: Node,
     node: Option<Node>,
-    settings: &[(String, Expression)],
+    settings: &[(String, Typed)],
     declaration: &Declaration,
     scope: &Scope,
     report: &mut Vec<Diagnostic>,
@@ -56,7 +58,7 @@ pub fn check_texts(
             (name.text() == parameter.name).then(|| setting.child(Rule::expression)).flatten()
         });
         let texts = match said {
-            Some((_, expression)) => value::possible(expression, scope),
+            Some((_, typed)) => value::possible(&typed.expression, scope),
             None => vec![(Value::Word(default.to_string()), None)],
         };
         for (text, varied) in texts {
@@ -87,6 +89,31 @@ pub fn check_texts(
     }
 }
 
+/// Refuses to vary what makes another model than was published, unless the settings say that this is meant.
+pub fn check_published(
+    settings: &[(String, Typed)],
+    declaration: &Declaration,
+    report: &mut Vec<Diagnostic>,
+) {
+    let meant = settings.iter().any(|(name, typed)| {
+        name == ANOTHER_MODEL && typed.expression == Expression::Constant(Value::Flag(true))
+    });
+    for (name, typed) in settings.iter().filter(|_| !meant) {
+        let published = declaration.parameter(name).is_some_and(|parameter| parameter.published.is_some());
+        if published && !matches!(typed.expression, Expression::Constant(_)) {
+            report.push(unmeant(typed.span, &format!("`{name}` of `{}`", declaration.name), "is varied"));
+        }
+    }
+}
+
+/// That `what` is done to something that has one published value.
+pub fn unmeant(span: Span, something: &str, what: &str) -> Diagnostic {
+    let message = format!("{something} {what}, but every value beside the published one is another model");
+    Diagnostic::new(Code::UnmeantModel, span, message).label("has one published value").hint(format!(
+        "leave it as published, or say `{ANOTHER_MODEL}: true` in the model's settings if it is meant"
+    ))
+}
+
 pub fn repeated(name: &str, span: Span, first: Span) -> Diagnostic {
     Diagnostic::new(Code::RepeatedStatement, span, format!("`{name}` is said twice"))
         .label("said again")
@@ -101,11 +128,11 @@ pub fn one(
     declaration: &Declaration,
     scope: &Scope,
     report: &mut Vec<Diagnostic>,
-) -> Option<Expression> {
+) -> Option<Typed> {
     let what = format!("`{}` of `{}`", name.text(), declaration.name);
     if let Some(family) = declaration.presets.filter(|family| family.word == name.text()) {
         let options: Vec<_> = family.presets.iter().map(|preset| preset.name).collect();
-        return choice(given, &what, &options, scope, report);
+        return chosen(given, &what, &options, scope, report);
     }
     let Some(parameter) = declaration.parameter(name.text()) else {
         let known = declaration
@@ -124,10 +151,10 @@ pub fn one(
         );
         return None;
     };
-    let value = match parameter.kind {
+    match parameter.kind {
         ParameterKind::Choice { options, .. } => {
             let options: Vec<_> = options.iter().map(|option: &ChoiceOption| option.name).collect();
-            return choice(given, &what, &options, scope, report);
+            chosen(given, &what, &options, scope, report)
         }
         ParameterKind::Text { .. } => {
             word(given, scope, report).filter(|value| value::expect_kind(value, Kind::Word, &what, report))
@@ -151,8 +178,7 @@ pub fn one(
         }
         ParameterKind::Flag { .. } => value::evaluate(given, scope, report)
             .filter(|value| value::expect_kind(value, Kind::Flag, &what, report)),
-    };
-    value.map(|value| value.expression)
+    }
 }
 
 pub fn not_whole(span: Span, what: &str, found: f64) -> Diagnostic {
@@ -186,10 +212,18 @@ pub fn choice(
     scope: &Scope,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Expression> {
+    chosen(given, what, options, scope, report).map(|value| value.expression)
+}
+
+fn chosen(
+    given: Node,
+    what: &str,
+    options: &[&str],
+    scope: &Scope,
+    report: &mut Vec<Diagnostic>,
+) -> Option<Typed> {
     let value = match lone_word(given) {
-        Some(word) if options.contains(&word) => {
-            return Some(Expression::Constant(Value::Word(word.to_string())));
-        }
+        Some(word) if options.contains(&word) => return Some(Typed::word(word, given.span())),
         _ => word(given, scope, report)?,
     };
     if !value::expect_kind(&value, Kind::Word, what, report) {
@@ -212,5 +246,5 @@ pub fn choice(
             return None;
         }
     }
-    Some(value.expression)
+    Some(value)
 }

@@ -27,6 +27,9 @@ pub enum FileKind {
     Yaml,
 }
 
+/// What names of files end in, without the dot.
+pub const ENDINGS: [&str; 4] = ["scn", "suite", "yaml", "yml"];
+
 /// What the name of a file says about it.
 pub fn file_kind(path: &Path) -> Option<FileKind> {
     match path.extension()?.to_str()? {
@@ -97,6 +100,7 @@ fn bare(files: &Files, file: FileId, path: &Path, report: &mut Vec<Diagnostic>) 
         name: name.into_owned(),
         doc: None,
         seed: DEFAULT_SEED,
+        set: Vec::new(),
         time_limit: None,
         scenarios,
         supporting,
@@ -225,13 +229,18 @@ fn declared(files: &mut Files, file: FileId, path: &Path, report: &mut Vec<Diagn
         })
         .collect();
     if !super::files::has_errors(report) {
+        let before = report.len();
         reject_idle_criteria(files, &criteria, &scenarios, report);
+        if !files.overrides.is_empty() {
+            check::set_aside(&mut report[before..]);
+        }
     }
     check_definitions(files, report);
     Some(Suite {
         name: name.text().to_string(),
         doc: check::doc(block),
         seed: seed?,
+        set: Vec::new(),
         time_limit: match time_limit {
             Some(limit) => Some(limit?),
             None => None,
@@ -256,6 +265,8 @@ fn everybody(scenarios: &[Scenario]) -> check::Cast<'_> {
             .flat_map(|s| &s.pedestrians)
             .map(|person| person.name.as_str())
             .collect(),
+        boxes: scenarios.iter().flat_map(|s| &s.road.boxes).map(|body| body.name.as_str()).collect(),
+        individuals: None,
     }
 }
 

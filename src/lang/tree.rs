@@ -6,6 +6,7 @@ use pest::Parser;
 use pest::iterators::Pair;
 use pest_derive::Parser;
 
+use super::closing;
 use super::diagnostic::Diagnostic;
 use super::lexer::{self, Token};
 use super::source::{SourceId, Span};
@@ -41,7 +42,8 @@ pub struct Node<'t> {
 }
 
 impl Tree {
-    /// Reads `text`. Always gives a tree; without balanced brackets it has no nodes below the file.
+    /// Reads `text`. Always gives a tree. Where braces are missing and indentation tells where, it is the tree of the text with
+    /// them; with brackets that are wrong in another way it has no nodes below the file.
     pub fn parse(source: SourceId, text: Arc<str>) -> (Self, Vec<Diagnostic>) {
         let tokens = lexer::tokens(&text);
         let unbalanced = lexer::balance(source, &text, &tokens);
@@ -51,7 +53,7 @@ impl Tree {
             match Grammar::parse(Rule::file, &text) {
                 Ok(mut pairs) => {
                     if let Some(file) = pairs.next() {
-                        tree.add(file);
+                        tree.add(file, &[]);
                     }
                     let diagnostics = super::syntax_error::explain(&tree);
                     return (tree, diagnostics);
@@ -64,6 +66,25 @@ impl Tree {
                 }
             }
         }
+        if let Some(missing) = closing::missing(&text, &tree.tokens).filter(|missing| !missing.is_empty())
+            && let Ok(mut pairs) = Grammar::parse(Rule::file, &closing::closed(&text, &missing))
+        {
+            let added: Vec<usize> = missing.iter().map(|one| one.at).collect();
+            if let Some(file) = pairs.next() {
+                tree.add(file, &added);
+            }
+            let mut diagnostics = closing::explain(source, &text, &missing);
+            // Of a statement that lacks a brace itself there is nothing to say but that.
+            let is_whole = |finding: &Diagnostic| {
+                let bad = tree.nodes().filter(|node| matches!(node.rule(), Rule::bad | Rule::bad_setting));
+                let (start, end) = (finding.span().start, finding.span().end);
+                let around = bad.map(Node::span).filter(|span| span.start <= start && end <= span.end);
+                !around.into_iter().any(|span| added.iter().any(|at| span.start < *at && *at <= span.end))
+            };
+            let others = super::syntax_error::explain(&tree);
+            diagnostics.extend(others.into_iter().filter(is_whole));
+            return (tree, diagnostics);
+        }
         tree.add_empty_file();
         (tree, unbalanced)
     }
@@ -73,15 +94,21 @@ impl Tree {
         self.nodes = vec![NodeData { rule: Rule::file, start: 0, end, after: 1 }];
     }
 
-    /// Adds a pair and all below it, without the white space that implicit skipping left at ends.
-    fn add(&mut self, pair: Pair<Rule>) {
+    /// Adds a pair and all below it, without the white space that implicit skipping left at ends. The text that it is of has a
+    /// character more than the tree's at each of the places `added`.
+    fn add(&mut self, pair: Pair<Rule>, added: &[usize]) {
         let index = self.nodes.len();
-        let (start, end) = (pair.as_span().start(), pair.as_span().end());
+        let own = |at: usize| {
+            // The one with index `i` stands at `added[i] + i` there.
+            let before = added.iter().enumerate().take_while(|(index, place)| *place + index < at).count();
+            at - before
+        };
+        let (start, end) = (own(pair.as_span().start()), own(pair.as_span().end()));
         let rule = pair.as_rule();
         self.nodes.push(NodeData { rule, start: start as u32, end: end as u32, after: 0 });
         for inner in pair.into_inner() {
             if inner.as_rule() != Rule::EOI {
-                self.add(inner);
+                self.add(inner, added);
             }
         }
         let after = self.nodes.len() as u32;

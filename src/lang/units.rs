@@ -1,6 +1,6 @@
 //! The units of the language.
 
-use crate::scenario::Dimension;
+use crate::scenario::{Dimension, Notation};
 
 /// A unit: a quantity `n` of it is `n * numerator / denominator` in SI units. Two numbers, because most conversions
 /// are exact as a fraction and then round only once.
@@ -16,6 +16,11 @@ pub struct Unit {
 impl Unit {
     pub fn to_si(self, number: f64) -> f64 {
         number * self.numerator / self.denominator
+    }
+
+    /// For showing numbers in it where units are not known.
+    pub fn notation(self) -> Notation {
+        Notation { symbol: self.symbol, numerator: self.numerator, denominator: self.denominator }
     }
 
     /// The number of this unit that is `number` in SI units, up to rounding.

@@ -8,7 +8,8 @@ use super::diagnostic::Diagnostic;
 use super::source::Span;
 use super::tree::{Node, Rule};
 use super::units;
-use crate::scenario::{BinaryOperator, Dimension, Expression, Value, VariedValue};
+use crate::scenario::limits::Limit;
+use crate::scenario::{self, BinaryOperator, Dimension, Expression, Notation, Value, VariedValue};
 
 /// A calculation over variations with more parts than this is refused.
 const MOST_PARTS: usize = 1000;
@@ -26,6 +27,8 @@ pub enum Kind {
 pub struct Typed {
     pub expression: Expression,
     pub kind: Kind,
+    /// The unit it is written in, as far as one can be said to be its own.
+    pub notation: Option<Notation>,
     /// Number of parts of the expression.
     size: usize,
     pub span: Span,
@@ -96,15 +99,15 @@ impl Kind {
 
 impl Typed {
     pub fn constant(value: Value, kind: Kind, span: Span) -> Self {
-        Self { expression: Expression::Constant(value), kind, size: 1, span }
+        Self { expression: Expression::Constant(value), kind, notation: None, size: 1, span }
     }
 
     pub fn word(word: &str, span: Span) -> Self {
         Self::constant(Value::Word(word.to_string()), Kind::Word, span)
     }
 
-    pub fn variable(name: &str, kind: Kind, span: Span) -> Self {
-        Self { expression: Expression::Variable(name.to_string()), kind, size: 1, span }
+    pub fn variable(name: &str, kind: Kind, notation: Option<Notation>, span: Span) -> Self {
+        Self { expression: Expression::Variable(name.to_string()), kind, notation, size: 1, span }
     }
 
     /// The number, if it is one and does not vary.
@@ -231,10 +234,10 @@ pub fn operand(node: Node, scope: &Scope, report: &mut Vec<Diagnostic>) -> Optio
 fn quantity(node: Node, report: &mut Vec<Diagnostic>) -> Option<Typed> {
     let written = node.child(Rule::number)?;
     let number: f64 = written.text().replace('_', "").parse().ok()?;
-    let (number, dimension) = match node.child(Rule::unit) {
-        None => (number, Dimension::NUMBER),
+    let (number, dimension, notation) = match node.child(Rule::unit) {
+        None => (number, Dimension::NUMBER, None),
         Some(symbol) => match units::unit_of(symbol.text()) {
-            Some(unit) => (unit.to_si(number), unit.dimension),
+            Some(unit) => (unit.to_si(number), unit.dimension, Some(unit.notation())),
             None => {
                 let mut diagnostic = Diagnostic::new(
                     Code::UnknownUnit,
@@ -265,7 +268,8 @@ fn quantity(node: Node, report: &mut Vec<Diagnostic>) -> Option<Typed> {
         );
         return None;
     }
-    Some(Typed::constant(Value::Number(number), Kind::Number(dimension), node.span()))
+    let constant = Typed::constant(Value::Number(number), Kind::Number(dimension), node.span());
+    Some(Typed { notation, ..constant })
 }
 
 /// Spellings that people try.
@@ -358,6 +362,9 @@ fn join(left: Typed, operator: BinaryOperator, right: Typed, report: &mut Vec<Di
     let span = left.span.to(right.span);
     let dimension = dimension((left.kind, left.span), operator, (right.kind, right.span), report)?;
     let size = left.size + right.size + 1;
+    // Of two units that are multiplied, one is the result's own only where the other stands for none.
+    let own = |typed: &Typed| typed.notation.filter(|_| typed.kind == Kind::Number(dimension));
+    let notation = own(&left).or(own(&right));
     let constant = matches!(
         (&left.expression, &right.expression),
         (Expression::Constant(Value::Number(_)), Expression::Constant(Value::Number(_)))
@@ -387,7 +394,7 @@ fn join(left: Typed, operator: BinaryOperator, right: Typed, report: &mut Vec<Di
             }
         }
     }
-    Some(Typed { expression, kind: Kind::Number(dimension), size, span })
+    Some(Typed { expression, kind: Kind::Number(dimension), notation, size, span })
 }
 
 /// A text without its quotes.
@@ -476,11 +483,22 @@ pub fn quantity_in(
         if let Value::Number(number) = found
             && !(low..=high).contains(&number)
         {
-            report.push(out_of_range(value.span, what, number, range, dimension, label));
+            report.push(out_of_range(&value, what, number, range, dimension, label));
             return None;
         }
     }
     Some(value)
+}
+
+/// As [`quantity_in`], with one of the limits of a scenario.
+pub fn quantity_within(
+    node: Node,
+    limit: Limit,
+    what: &str,
+    scope: &Scope,
+    report: &mut Vec<Diagnostic>,
+) -> Option<Typed> {
+    quantity_in(node, limit.dimension, limit.range, what, scope, report)
 }
 
 /// As [`quantity_in`], for places where all runs share one value.
@@ -510,26 +528,18 @@ pub fn not_constant<T>(
     None
 }
 
+/// That `value` can be `found`, which is not in range; `varied` says where.
 pub fn out_of_range(
-    span: Span,
+    value: &Typed,
     what: &str,
     found: f64,
-    (low, high): (f64, f64),
+    range: (f64, f64),
     dimension: Dimension,
     varied: Option<String>,
 ) -> Diagnostic {
-    let unit = match dimension.si_unit() {
-        unit if unit.is_empty() => unit,
-        unit => format!(" {unit}"),
-    };
-    let bounds = match (low.is_finite(), high.is_finite() && high < 1e300) {
-        (true, true) => format!("between {low} and {high}{unit}"),
-        (_, true) => format!("at most {high}{unit}"),
-        _ => format!("at least {low}{unit}"),
-    };
-    let found = format!("{found}{unit}");
-    let diagnostic =
-        Diagnostic::new(Code::OutOfRange, span, format!("{what} is {found}, but must be {bounds}"));
+    let (message, bounds) = scenario::out_of_range(what, found, range, dimension, value.notation);
+    let found = scenario::show(found, value.notation, dimension);
+    let diagnostic = Diagnostic::new(Code::OutOfRange, value.span, message);
     match varied {
         Some(varied) => diagnostic.label(format!("{found} where {varied}")),
         None => diagnostic.label("out of range"),

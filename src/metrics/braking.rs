@@ -2,7 +2,7 @@
 
 use super::encounter::lerp;
 use super::sliding::Sliding;
-use super::{Absence, Encounters, Meter, Metric, MetricContext, MetricKind, Scope, Worst};
+use super::{Absence, Encounters, Meter, Metric, MetricContext, MetricKind, Range, Scope, Worst};
 use crate::scenario::{Declaration, Dimension, Parameter};
 use crate::sim::Step;
 
@@ -38,6 +38,7 @@ pub static MAX_DECELERATION: Metric = Metric {
     scope: Scope::Vehicle,
     worst: Worst::Largest,
     absence: Absence::Open,
+    range: Range::SpeedsWithin("window"),
     build: |context| Box::new(MaxDeceleration(Deceleration::new(context))),
 };
 
@@ -80,6 +81,7 @@ pub static SUDDEN_SPEED_CHANGE: Metric = Metric {
     scope: Scope::Vehicle,
     worst: Worst::Largest,
     absence: Absence::Open,
+    range: Range::YesOrNo,
     build: |context| {
         let threshold = context.settings.number("threshold");
         Box::new(SuddenSpeedChange { threshold, deceleration: Deceleration::new(context) })

@@ -3,7 +3,12 @@
 //! The conflict point is where the vehicle's path (the centre line of its lane) and the pedestrian's actual path
 //! cross. A pedestrian who retreats passes the line several times, each time at a conflict point of its own.
 
-use super::{Absence, Encounters, Meter, Metric, MetricContext, MetricKind, Passing, Scope, Visit, Worst};
+use super::encounter::along;
+use super::passage::Reached;
+use super::{
+    Absence, Encounter, Encounters, End, Meter, Metric, MetricContext, MetricKind, Open, Passing, Range,
+    Scope, Visit, Worst, difference,
+};
 use crate::scenario::{ChoiceOption, Declaration, Dimension, Parameter};
 
 const ZERO_ON_COLLISION: Parameter = Parameter::flag(
@@ -26,6 +31,7 @@ pub static PET: Metric = Metric {
     scope: Scope::Pair,
     worst: Worst::Smallest,
     absence: Absence::Open,
+    range: Range::WithinRun,
     build: |context| Box::new(Pet { pair: pair(context), zero_on_collision: zero_on_collision(context) }),
 };
 
@@ -43,7 +49,7 @@ impl Pet {
         }
         let between = |passing: &Passing| {
             let vehicle = encounters.passage(self.pair.0).reached(passing.place).time()?;
-            Some(((vehicle - passing.time).abs(), vehicle.max(passing.time)))
+            Some((difference(vehicle, passing.time).abs(), vehicle.max(passing.time)))
         };
         encounter.passings.iter().filter_map(between).reduce(smaller)
     }
@@ -54,9 +60,40 @@ impl Meter for Pet {
         self.closest(encounters).map(|(time, _)| time)
     }
 
+    fn open(&self, encounters: &Encounters, end: &End) -> Option<Open> {
+        let encounter = encounters.pair(self.pair.0, self.pair.1);
+        let passage = encounters.passage(self.pair.0);
+        let coming = |place: f64, since: f64| match passage.reached(place) {
+            Reached::NotYet => Some(end.time - since),
+            Reached::At(_) | Reached::BeforeStart => None,
+        };
+        let low = match encounter.final_passing() {
+            Some(passing) => coming(passing.place, passing.time)?,
+            // Who passes later passes where it is now, for all that is known.
+            None => match passage.reached(here(self.pair, end)) {
+                Reached::NotYet => 0.0,
+                Reached::At(time) => end.time - time,
+                Reached::BeforeStart => return None,
+            },
+        };
+        still_open(encounter, low, self.value(encounters))
+    }
+
     fn instant(&self, encounters: &Encounters) -> Option<f64> {
         self.closest(encounters).map(|(_, instant)| instant)
     }
+}
+
+/// Where the pedestrian stands when time is up, along the vehicle's lane, m.
+fn here((vehicle, pedestrian): (usize, usize), end: &End) -> f64 {
+    along(&end.state.vehicles[vehicle], &end.state.pedestrians[pedestrian])
+}
+
+/// A time between two of which one has yet to come, at least `low`, unless a smaller one was seen or they have met.
+fn still_open(encounter: &Encounter, low: f64, value: Option<f64>) -> Option<Open> {
+    let high = value.unwrap_or(f64::INFINITY);
+    let open = encounter.appeared.is_some() && encounter.contact.is_none() && low < high;
+    open.then_some(Open { low, high })
 }
 
 /// The first of the smaller values.
@@ -79,6 +116,7 @@ pub static PET_AREA: Metric = Metric {
     scope: Scope::Pair,
     worst: Worst::Smallest,
     absence: Absence::Open,
+    range: Range::WithinRun,
     build: |context| {
         let half_length = context.world.vehicles[context.vehicle].length / 2.0;
         let zero_on_collision = zero_on_collision(context);
@@ -104,7 +142,7 @@ impl PetArea {
             let enters = passage.reached(visit.low - self.half_length).moment();
             let leaves = passage.reached(visit.high + self.half_length).moment();
             let was_there = enters < f64::INFINITY && leaves > f64::NEG_INFINITY;
-            let time = (enters - visit.to).max(visit.from - leaves).max(0.0);
+            let time = difference(enters, visit.to).max(difference(visit.from, leaves)).max(0.0);
             was_there.then(|| (time, enters.max(visit.from)))
         };
         encounter.visits.iter().filter_map(between).reduce(smaller)
@@ -114,6 +152,24 @@ impl PetArea {
 impl Meter for PetArea {
     fn value(&self, encounters: &Encounters) -> Option<f64> {
         self.closest(encounters).map(|(time, _)| time)
+    }
+
+    fn open(&self, encounters: &Encounters, end: &End) -> Option<Open> {
+        let encounter = encounters.pair(self.pair.0, self.pair.1);
+        let passage = encounters.passage(self.pair.0);
+        let low = match (encounter.final_passing(), encounter.visits.last()) {
+            (Some(_), Some(visit)) => match passage.reached(visit.low - self.half_length) {
+                Reached::NotYet if visit.to < f64::INFINITY => end.time - visit.to,
+                Reached::NotYet => 0.0,
+                Reached::At(_) | Reached::BeforeStart => return None,
+            },
+            _ => match passage.reached(here(self.pair, end) + self.half_length) {
+                Reached::NotYet => 0.0,
+                Reached::At(time) => end.time - time,
+                Reached::BeforeStart => return None,
+            },
+        };
+        still_open(encounter, low, self.value(encounters))
     }
 
     fn instant(&self, encounters: &Encounters) -> Option<f64> {
@@ -139,6 +195,7 @@ pub static PASSED_FIRST: Metric = Metric {
     scope: Scope::Pair,
     worst: Worst::Largest,
     absence: Absence::Open,
+    range: Range::Unlimited,
     build: |context| Box::new(PassedFirst(Order::new(context))),
 };
 
@@ -147,6 +204,10 @@ struct PassedFirst(Order);
 impl Meter for PassedFirst {
     fn value(&self, encounters: &Encounters) -> Option<f64> {
         Some(self.0.first(encounters).0)
+    }
+
+    fn open(&self, encounters: &Encounters, _: &End) -> Option<Open> {
+        self.0.is_open(encounters).then_some(Open { low: PEDESTRIAN, high: VEHICLE })
     }
 
     fn instant(&self, encounters: &Encounters) -> Option<f64> {
@@ -167,6 +228,7 @@ pub static GAP_ACCEPTED: Metric = Metric {
     scope: Scope::Pair,
     worst: Worst::Smallest,
     absence: Absence::Open,
+    range: Range::YesOrNo,
     build: |context| Box::new(GapAccepted(Order::new(context))),
 };
 
@@ -180,6 +242,10 @@ impl Meter for GapAccepted {
             VEHICLE => Some(0.0),
             _ => collided.then_some(0.0),
         }
+    }
+
+    fn open(&self, encounters: &Encounters, _: &End) -> Option<Open> {
+        self.0.is_open(encounters).then_some(Open { low: 0.0, high: 1.0 })
     }
 
     fn instant(&self, encounters: &Encounters) -> Option<f64> {
@@ -201,6 +267,12 @@ impl Order {
         let sign = context.world.road.lanes[lane].direction.sign();
         let start = context.world.pedestrians[context.pedestrian].start.x;
         Self { pair: pair(context), expected_place: sign * start }
+    }
+
+    /// Whether somebody is there of whom it is not known yet.
+    fn is_open(&self, encounters: &Encounters) -> bool {
+        let encounter = encounters.pair(self.pair.0, self.pair.1);
+        encounter.appeared.is_some() && encounter.contact.is_none() && self.first(encounters).0 == NOBODY
     }
 
     /// Who, and when, if that was during the run.
@@ -240,6 +312,7 @@ pub static TTA_AT_ENTRY: Metric = Metric {
     scope: Scope::Pair,
     worst: Worst::Smallest,
     absence: Absence::Open,
+    range: Range::Unlimited,
     build: |context| {
         let from_front = context.settings.word("reference") == "front";
         let ahead = if from_front { context.world.vehicles[context.vehicle].length / 2.0 } else { 0.0 };
@@ -256,8 +329,13 @@ struct TtaAtEntry {
 impl Meter for TtaAtEntry {
     fn value(&self, encounters: &Encounters) -> Option<f64> {
         let entry = encounters.pair(self.pair.0, self.pair.1).first_entry?;
-        let distance = entry.distance - self.ahead;
+        let distance = difference(entry.distance, self.ahead);
         (distance >= 0.0 && entry.speed > 0.0).then(|| distance / entry.speed)
+    }
+
+    fn open(&self, encounters: &Encounters, _: &End) -> Option<Open> {
+        let encounter = encounters.pair(self.pair.0, self.pair.1);
+        (encounter.appeared.is_some() && encounter.first_entry.is_none()).then(|| Open::at_least(0.0))
     }
 
     fn instant(&self, encounters: &Encounters) -> Option<f64> {

@@ -1,65 +1,82 @@
-//! How near the footprints come: collision, impact speed, smallest distance.
+//! How near the footprints come: collision and impact speed with anything, smallest distance of a vehicle and a pedestrian.
 
-use super::{Absence, Encounters, Meter, Metric, MetricContext, MetricKind, Scope, Worst};
+use super::{
+    Absence, Contact, Encounters, Meter, Metric, MetricContext, MetricKind, Range, Scope, Worst, difference,
+};
 use crate::scenario::{Declaration, Dimension};
 use crate::sim::geometry::distance;
-use crate::sim::{PedestrianState, Step, VehicleState};
+use crate::sim::{PedestrianState, Solid, Step, VehicleState};
 
 pub static COLLISION: Metric = Metric {
     declaration: Declaration {
         name: "collision",
-        summary: "Whether the two footprints touch at any time.",
-        source: "footprints as in the scenario: the vehicle a rectangle, the pedestrian a disc or rectangle",
+        summary: "Whether the vehicle touches anything solid at any time: a pedestrian, another vehicle or a box.",
+        source: "footprints as in the scenario: vehicles and boxes rectangles, pedestrians discs or rectangles",
         parameters: &[],
         presets: None,
     },
     kind: MetricKind::Flag,
-    scope: Scope::Pair,
+    scope: Scope::Contact,
     worst: Worst::Largest,
     absence: Absence::Open,
-    build: |context| Box::new(Collision { pair: (context.vehicle, context.pedestrian) }),
+    range: Range::YesOrNo,
+    build: |context| Box::new(Collision(Contacted::new(context))),
 };
 
-struct Collision {
-    pair: (usize, usize),
+/// A vehicle and what it may touch; nothing, if it is alone.
+struct Contacted {
+    vehicle: usize,
+    with: Option<Solid>,
 }
+
+impl Contacted {
+    fn new(context: &MetricContext) -> Self {
+        Self { vehicle: context.vehicle, with: context.with }
+    }
+
+    fn contact(&self, encounters: &Encounters) -> Option<Contact> {
+        encounters.contact(self.vehicle, self.with?)
+    }
+}
+
+struct Collision(Contacted);
 
 impl Meter for Collision {
     fn value(&self, encounters: &Encounters) -> Option<f64> {
-        Some(f64::from(encounters.pair(self.pair.0, self.pair.1).contact.is_some()))
+        Some(f64::from(self.0.contact(encounters).is_some()))
     }
 
     fn instant(&self, encounters: &Encounters) -> Option<f64> {
-        encounters.pair(self.pair.0, self.pair.1).contact.map(|contact| contact.time)
+        self.0.contact(encounters).map(|contact| contact.time)
     }
 }
 
 pub static IMPACT_SPEED: Metric = Metric {
     declaration: Declaration {
         name: "impact_speed",
-        summary: "Relative speed of the two when their footprints first touch; undefined without collision.",
+        summary: "Relative speed of the vehicle and what it touches (a pedestrian, another vehicle or a box) when their \
+                  footprints first touch; undefined without collision.",
         source: "length of the difference of the velocities at that moment",
         parameters: &[],
         presets: None,
     },
     kind: MetricKind::Quantity(Dimension::SPEED),
-    scope: Scope::Pair,
+    scope: Scope::Contact,
     worst: Worst::Largest,
     absence: Absence::Good,
-    build: |context| Box::new(ImpactSpeed { pair: (context.vehicle, context.pedestrian) }),
+    range: Range::TwoSpeeds,
+    build: |context| Box::new(ImpactSpeed(Contacted::new(context))),
 };
 
-struct ImpactSpeed {
-    pair: (usize, usize),
-}
+struct ImpactSpeed(Contacted);
 
 impl Meter for ImpactSpeed {
     fn value(&self, encounters: &Encounters) -> Option<f64> {
-        encounters.pair(self.pair.0, self.pair.1).contact.map(|contact| contact.relative_speed)
+        self.0.contact(encounters).map(|contact| contact.relative_speed)
     }
 
     fn instant(&self, encounters: &Encounters) -> Option<f64> {
-        encounters.pair(self.pair.0, self.pair.1).contact.map(|contact| contact.time)
+        self.0.contact(encounters).map(|contact| contact.time)
     }
 }
 
@@ -75,6 +92,7 @@ pub static MIN_DISTANCE: Metric = Metric {
     scope: Scope::Pair,
     worst: Worst::Smallest,
     absence: Absence::Open,
+    range: Range::Unlimited,
     build: |context| Box::new(MinDistance::new(context)),
 };
 
@@ -128,7 +146,7 @@ impl Meter for MinDistance {
     fn value(&self, encounters: &Encounters) -> Option<f64> {
         match encounters.pair(self.pair.0, self.pair.1).contact {
             Some(_) => Some(0.0),
-            None => self.smallest.map(|smallest| smallest.distance),
+            None => self.smallest.map(|smallest| difference(smallest.distance, 0.0)),
         }
     }
 

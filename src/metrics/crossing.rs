@@ -1,9 +1,11 @@
 //! How the pedestrian crosses: when it sets off, how long it is in the lane, what waiting costs it.
 
-use super::encounter::{rising, velocity_inside};
-use super::{Absence, Encounters, Meter, Metric, MetricContext, MetricKind, Scope, Worst};
+use super::encounter::rising;
+use super::{
+    Absence, Encounters, End, Meter, Metric, MetricContext, MetricKind, Open, Range, Scope, Worst, difference,
+};
 use crate::scenario::{Declaration, Dimension, Parameter};
-use crate::sim::Step;
+use crate::sim::{Step, velocity_inside};
 
 pub static CROSSING_INITIATION_TIME: Metric = Metric {
     declaration: Declaration {
@@ -24,6 +26,7 @@ pub static CROSSING_INITIATION_TIME: Metric = Metric {
     scope: Scope::Pedestrian,
     worst: Worst::Largest,
     absence: Absence::Bad,
+    range: Range::WithinRun,
     build: |context| {
         let threshold = context.settings.number("speed");
         let pedestrian = context.pedestrian;
@@ -50,12 +53,17 @@ impl Meter for InitiationTime {
         let (before, after) = (speed(0.0), speed(1.0));
         let part = if before > self.threshold { Some(0.0) } else { rising(before, after, self.threshold) };
         if after > self.threshold || before > self.threshold {
-            self.moved = part.map(|part| step.time + part * step.duration - appeared);
+            self.moved = part.map(|part| difference(step.time + part * step.duration, appeared));
         }
     }
 
     fn value(&self, _: &Encounters) -> Option<f64> {
         self.moved
+    }
+
+    fn open(&self, _: &Encounters, end: &End) -> Option<Open> {
+        let appeared = self.appeared.filter(|_| self.moved.is_none())?;
+        Some(Open::at_least(end.time - appeared))
     }
 
     fn instant(&self, _: &Encounters) -> Option<f64> {
@@ -76,6 +84,7 @@ pub static CROSSING_DURATION: Metric = Metric {
     scope: Scope::Pair,
     worst: Worst::Largest,
     absence: Absence::Bad,
+    range: Range::WithinRun,
     build: |context| Box::new(CrossingDuration { pair: (context.vehicle, context.pedestrian) }),
 };
 
@@ -86,7 +95,13 @@ struct CrossingDuration {
 impl Meter for CrossingDuration {
     fn value(&self, encounters: &Encounters) -> Option<f64> {
         let crossing = encounters.pair(self.pair.0, self.pair.1).crossing?;
-        Some(crossing.left - crossing.entered)
+        Some(difference(crossing.left, crossing.entered))
+    }
+
+    fn open(&self, encounters: &Encounters, _: &End) -> Option<Open> {
+        let encounter = encounters.pair(self.pair.0, self.pair.1);
+        // Who turns back may come again and cross as fast as ever.
+        (encounter.appeared.is_some() && encounter.crossing.is_none()).then(|| Open::at_least(0.0))
     }
 
     fn instant(&self, encounters: &Encounters) -> Option<f64> {
@@ -98,7 +113,8 @@ pub static PEDESTRIAN_DELAY: Metric = Metric {
     declaration: Declaration {
         name: "pedestrian_delay",
         summary: "Time from appearance to the far edge of the vehicle's lane beyond that of a free walk straight towards \
-                  the goal; negative if it hurries, undefined if it never gets across.",
+                  the goal. Negative is time saved, by going faster than its free speed or by a shorter way than the \
+                  straight one to the goal; 0 is as if nobody else were there. Undefined if it never gets across.",
         source: "free walk at the model's own free speed from the first moment on",
         parameters: &[],
         presets: None,
@@ -107,6 +123,7 @@ pub static PEDESTRIAN_DELAY: Metric = Metric {
     scope: Scope::Pair,
     worst: Worst::Largest,
     absence: Absence::Bad,
+    range: Range::Unlimited,
     build: |context| Box::new(PedestrianDelay::new(context)),
 };
 
@@ -138,7 +155,13 @@ impl PedestrianDelay {
 impl Meter for PedestrianDelay {
     fn value(&self, encounters: &Encounters) -> Option<f64> {
         let encounter = encounters.pair(self.pair.0, self.pair.1);
-        Some(encounter.crossing?.left - encounter.appeared? - self.free_time?)
+        Some(difference(encounter.crossing?.left - encounter.appeared?, self.free_time?))
+    }
+
+    fn open(&self, encounters: &Encounters, end: &End) -> Option<Open> {
+        let encounter = encounters.pair(self.pair.0, self.pair.1);
+        let appeared = encounter.appeared.filter(|_| encounter.crossing.is_none())?;
+        Some(Open::at_least(end.time - appeared - self.free_time?))
     }
 
     fn instant(&self, encounters: &Encounters) -> Option<f64> {

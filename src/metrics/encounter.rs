@@ -5,7 +5,7 @@ use nalgebra::Vector2;
 use super::passage::Passage;
 use crate::scenario::{Shape, World};
 use crate::sim::geometry::first_contact;
-use crate::sim::{PedestrianState, Step, VehicleState};
+use crate::sim::{PedestrianState, Solid, Step, VehicleState};
 
 /// The encounters of every vehicle with every pedestrian of a run.
 pub struct Encounters {
@@ -13,6 +13,8 @@ pub struct Encounters {
     /// Vehicle by vehicle.
     pairs: Vec<Encounter>,
     pedestrians: usize,
+    /// Touches of a vehicle and another or a box, in order.
+    others: Vec<(usize, Solid, Contact)>,
 }
 
 /// What a pedestrian did at all in a run.
@@ -121,6 +123,7 @@ impl Encounters {
             passages: vec![Passage::with_capacity(steps); world.vehicles.len()],
             pairs: (0..world.vehicles.len()).flat_map(|_| (0..pedestrians).map(encounter)).collect(),
             pedestrians,
+            others: Vec::new(),
         }
     }
 
@@ -144,23 +147,33 @@ impl Encounters {
         &self.passages[vehicle]
     }
 
-    /// Notes which footprints touch during the step, and returns the first moment of that, s after its beginning.
-    /// `only_first` leaves out those who would touch later than that.
-    pub fn observe_contacts(&mut self, step: &Step, only_first: bool) -> Option<f64> {
-        let count = self.pedestrians;
-        let moment = |index: usize| contact_inside(step, index / count, index % count);
-        let first = (0..self.pairs.len()).filter_map(moment).reduce(f64::min)?;
-        let last = if only_first { first } else { step.duration };
-        for index in 0..self.pairs.len() {
-            if let Some(moment) = contact_inside(step, index / count, index % count).filter(|m| *m <= last) {
-                self.pairs[index].touch(step, index / count, index % count, moment);
+    /// The first touch of a vehicle and something else.
+    pub fn contact(&self, vehicle: usize, with: Solid) -> Option<Contact> {
+        match with {
+            Solid::Pedestrian(pedestrian) => self.pair(vehicle, pedestrian).contact,
+            _ => {
+                let is_it = |(first, second, _): &&(usize, Solid, Contact)| {
+                    (*first, *second) == (vehicle, with)
+                        || (Solid::Vehicle(*first), *second) == (with, Solid::Vehicle(vehicle))
+                };
+                self.others.iter().find(is_it).map(|(_, _, contact)| *contact)
             }
         }
-        Some(first)
     }
 
-    /// Follows a step; its contacts must have been noted.
+    /// Follows a step.
     pub fn observe(&mut self, step: &Step) {
+        for touch in step.contacts.iter().filter(|touch| touch.begins) {
+            let Solid::Vehicle(vehicle) = touch.first else { continue };
+            let contact = Contact { time: step.time + touch.moment, relative_speed: touch.relative_speed };
+            match touch.second {
+                Solid::Pedestrian(pedestrian) => {
+                    let pair = &mut self.pairs[vehicle * self.pedestrians + pedestrian];
+                    pair.contact.get_or_insert(contact);
+                }
+                other => self.others.push((vehicle, other, contact)),
+            }
+        }
         for (index, passage) in self.passages.iter_mut().enumerate() {
             let (before, after) = (&step.before.vehicles[index], &step.after.vehicles[index]);
             let end = step.time + step.duration;
@@ -188,15 +201,6 @@ impl Encounter {
         self.time_to_collision = first_contact(car, new, new.velocity - car.velocity());
         self.follow_lane(step, (old_car, car), (old, new));
         self.follow_strip(step, car, (old, new));
-    }
-
-    fn touch(&mut self, step: &Step, vehicle: usize, pedestrian: usize, moment: f64) {
-        let (old_car, car) = (&step.before.vehicles[vehicle], &step.after.vehicles[vehicle]);
-        let (old, new) = (&step.before.pedestrians[pedestrian], &step.after.pedestrians[pedestrian]);
-        let part = moment / step.duration;
-        let car_velocity = old_car.velocity().lerp(&car.velocity(), part);
-        let relative_speed = (velocity_inside(step.duration, old, new, part) - car_velocity).norm();
-        self.contact.get_or_insert(Contact { time: step.time + moment, relative_speed });
     }
 
     /// Entering and leaving the lane and passing its centre line, by the pedestrian's centre.
@@ -293,30 +297,6 @@ pub fn half_extent(person: &PedestrianState) -> Vector2<f64> {
             Vector2::new(length * forward + width * sideways, length * sideways + width * forward) / 2.0
         }
     }
-}
-
-/// The moment of first contact as the world loop finds it, so that metrics and stop reason agree.
-fn contact_inside(step: &Step, vehicle: usize, pedestrian: usize) -> Option<f64> {
-    let (old_car, car) = (&step.before.vehicles[vehicle], &step.after.vehicles[vehicle]);
-    let (old, new) = (&step.before.pedestrians[pedestrian], &step.after.pedestrians[pedestrian]);
-    if !old.present {
-        return None;
-    }
-    let moved = (new.position - old.position) - (car.position() - old_car.position());
-    first_contact(old_car, old, moved / step.duration).filter(|moment| *moment <= step.duration)
-}
-
-/// A pedestrian either accelerates evenly over a step or takes its new velocity at once; which of both shows in how
-/// far it came.
-pub fn velocity_inside(
-    duration: f64,
-    old: &PedestrianState,
-    new: &PedestrianState,
-    part: f64,
-) -> Vector2<f64> {
-    let even = (old.velocity + new.velocity) * (duration / 2.0);
-    let accelerates = ((new.position - old.position) - even).norm() <= 1e-9;
-    if accelerates { old.velocity.lerp(&new.velocity, part) } else { new.velocity }
 }
 
 pub fn lerp(from: f64, to: f64, part: f64) -> f64 {

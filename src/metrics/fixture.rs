@@ -2,9 +2,12 @@
 
 use nalgebra::Vector2;
 
-use super::{Encounters, FreeFlow, METRICS, Measurement, Reading};
+use super::{FreeFlow, METRICS, Measurement, Open, Reading};
 use crate::scenario::{Appearance, MetricReference, Settings, Value, World};
-use crate::sim::{Longitudinal, Observer, PedestrianState, Snapshot, Step, VehicleState, fixture};
+use crate::sim::{
+    Contacts, Ending, Longitudinal, Observer, PedestrianState, Snapshot, Step, StopReason, VehicleState,
+    fixture,
+};
 
 /// The world of [`fixture`] at this step and horizon, s.
 pub fn world(step: f64, horizon: f64) -> World {
@@ -66,26 +69,49 @@ pub const FREE_FLOW: FreeFlow = FreeFlow { finish_time: Some(12.0), finish_speed
 pub fn measure(world: &World, requests: &[MetricReference], car: &Profile, walk: &Walk) -> Vec<Reading> {
     let mut measurement = Measurement::new(world, requests, &[FREE_FLOW], &[1.25]);
     let steps = (world.horizon / world.step).round() as usize;
+    let mut contacts = Contacts::new(world);
+    let mut ending = Ending { reason: StopReason::Horizon, time: world.horizon };
     let mut before = snapshot(world, car, walk, 0.0);
     measurement.begin(&before);
     for k in 0..steps {
         let time = k as f64 * world.step;
         let after = snapshot(world, car, walk, (k + 1) as f64 * world.step);
+        contacts.find(&before, &after, world.step);
+        let collision = contacts.collision().filter(|_| world.end_on_collision);
+        if let Some(moment) = collision {
+            contacts.end_at(moment);
+        }
         let step = Step {
             time,
             duration: world.step,
             before: &before,
             after: &after,
+            whole: &after,
             pedestrian_modes: &[""],
             vehicle_modes: &[""],
+            motions: &[],
+            contacts: contacts.found(),
         };
-        measurement.observe(&step);
-        if world.end_on_collision && Encounters::new(world).observe_contacts(&step, true).is_some() {
+        if let Some(moment) = collision {
+            measurement.observe(&Step { duration: moment, after: &step.at(moment), ..step });
+            ending = Ending { reason: StopReason::Collision, time: time + moment };
             break;
         }
+        measurement.observe(&step);
         before = after;
     }
+    measurement.end(&ending, &before);
     measurement.readings()
+}
+
+/// What every metric with its defaults could still come to when time is up.
+pub fn open_of(world: &World, car: &Profile, walk: &Walk) -> impl Fn(&str) -> Option<Open> + use<> {
+    let requests: Vec<_> = METRICS.iter().map(|metric| request(metric.declaration.name, [])).collect();
+    let readings = measure(world, &requests, car, walk);
+    move |name| {
+        let index = requests.iter().position(|request| request.name == name).expect("a metric's name");
+        readings[index].open
+    }
 }
 
 /// The worst values of every metric with its defaults, and a way to look them up.

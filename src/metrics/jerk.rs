@@ -1,7 +1,7 @@
 //! How smoothly the vehicle drives: largest and root mean square jerk.
 
 use super::sliding::Sliding;
-use super::{Absence, Encounters, Meter, Metric, MetricContext, MetricKind, Scope, Worst};
+use super::{Absence, Encounters, Meter, Metric, MetricContext, MetricKind, Range, Scope, Worst};
 use crate::scenario::{Declaration, Dimension, Parameter};
 use crate::sim::Step;
 
@@ -29,6 +29,7 @@ pub static MAX_JERK: Metric = Metric {
     scope: Scope::Vehicle,
     worst: Worst::Largest,
     absence: Absence::Open,
+    range: Range::Unlimited,
     build: |context| Box::new(MaxJerk(Jerk::new(context))),
 };
 
@@ -60,6 +61,7 @@ pub static RMS_JERK: Metric = Metric {
     scope: Scope::Vehicle,
     worst: Worst::Largest,
     absence: Absence::Open,
+    range: Range::Unlimited,
     build: |context| Box::new(RmsJerk(Jerk::new(context))),
 };
 

@@ -1,17 +1,16 @@
 //! All requested metrics of one run at once: the worst over pairs, with whose it was.
 
-use nalgebra::Vector2;
-
-use super::encounter::{Encounters, Presence, lerp, velocity_inside};
-use super::{FreeFlow, Meter, MetricContext, Scope, Worst, metric};
+use super::encounter::{Encounters, Presence};
+use super::{Absence, End, FreeFlow, Meter, MetricContext, Open, Scope, Worst, metric};
 use crate::scenario::{MetricReference, World};
-use crate::sim::{Observer, Snapshot, Step};
+use crate::sim::{Ending, Observer, Snapshot, Solid, Step, StopReason};
 
 /// Meters for every request and every pair of road users that it concerns.
 pub struct Measurement {
     encounters: Encounters,
     requests: Vec<Request>,
-    end_on_collision: bool,
+    /// When and in which state the horizon ended the run.
+    cut_off: Option<(f64, Snapshot)>,
 }
 
 /// What one request came to.
@@ -21,6 +20,8 @@ pub struct Reading {
     pub worst: Option<SubjectValue>,
     /// Everybody that the metric was measured for.
     pub subjects: Vec<SubjectValue>,
+    /// What it could still have come to, if the horizon ended the run before it was decided.
+    pub open: Option<Open>,
 }
 
 /// A metric of one pair, vehicle or pedestrian.
@@ -28,17 +29,22 @@ pub struct Reading {
 pub struct SubjectValue {
     pub vehicle: Option<usize>,
     pub pedestrian: Option<usize>,
+    /// What the vehicle touches, where that is no pedestrian.
+    pub other: Option<Solid>,
     /// `None` when it does not exist in this run.
     pub value: Option<f64>,
     /// When it took that value, s.
     pub instant: Option<f64>,
+    /// As [`Reading::open`].
+    pub open: Option<Open>,
 }
 
-/// Indices of the vehicle and the pedestrian that a metric is measured for.
-type Subject = (Option<usize>, Option<usize>);
+/// Whom a metric is measured for: the index of a vehicle, and with whom or what, or a pedestrian alone.
+type Subject = (Option<usize>, Option<Solid>);
 
 struct Request {
     worst: Worst,
+    absence: Absence,
     meters: Vec<(Subject, Box<dyn Meter>)>,
 }
 
@@ -56,23 +62,25 @@ impl Measurement {
             let settings = metric.declaration.resolve(&reference.settings).expect("settings were checked");
             let subjects = subjects(metric.scope, world)
                 .filter(|subject| concerns(reference, world, *subject))
-                .map(|(vehicle, pedestrian)| {
+                .map(|(vehicle, with)| {
+                    let pedestrian = pedestrian(with);
                     let context = MetricContext {
                         settings: &settings,
                         world,
                         vehicle: vehicle.unwrap_or(0),
                         pedestrian: pedestrian.unwrap_or(0),
+                        with,
                         free_flow: vehicle.and_then(|index| free_flows.get(index).copied()),
                         free_speed: pedestrian.and_then(|index| free_speeds.get(index).copied()),
                     };
-                    ((vehicle, pedestrian), (metric.build)(&context))
+                    ((vehicle, with), (metric.build)(&context))
                 });
-            Request { worst: metric.worst, meters: subjects.collect() }
+            Request { worst: metric.worst, absence: metric.absence, meters: subjects.collect() }
         };
         Self {
             encounters: Encounters::new(world),
             requests: requests.iter().map(meters).collect(),
-            end_on_collision: world.end_on_collision,
+            cut_off: None,
         }
     }
 
@@ -83,32 +91,33 @@ impl Measurement {
 
     /// Every request in order, with whose values they are.
     pub fn readings(&self) -> Vec<Reading> {
-        self.requests.iter().map(|request| request.reading(&self.encounters)).collect()
+        let end = self.cut_off.as_ref().map(|(time, state)| End { time: *time, state });
+        self.requests.iter().map(|request| request.reading(&self.encounters, end.as_ref())).collect()
+    }
+
+    /// Whether a vehicle and something else have touched.
+    pub fn touched(&self, vehicle: usize, with: Solid) -> bool {
+        self.encounters.contact(vehicle, with).is_some()
     }
 
     /// Whether each pedestrian appeared, and came into a vehicle's lane.
     pub fn presences(&self) -> Vec<Presence> {
         self.encounters.presences()
     }
-
-    fn take(&mut self, step: &Step) {
-        self.encounters.observe(step);
-        for (_, meter) in self.requests.iter_mut().flat_map(|request| &mut request.meters) {
-            meter.observe(step, &self.encounters);
-        }
-    }
 }
 
 impl Request {
-    fn reading(&self, encounters: &Encounters) -> Reading {
+    fn reading(&self, encounters: &Encounters, end: Option<&End>) -> Reading {
         let subjects: Vec<_> = self
             .meters
             .iter()
-            .map(|((vehicle, pedestrian), meter)| SubjectValue {
+            .map(|((vehicle, with), meter)| SubjectValue {
                 vehicle: *vehicle,
-                pedestrian: *pedestrian,
+                pedestrian: pedestrian(*with),
+                other: with.filter(|with| !matches!(with, Solid::Pedestrian(_))),
                 value: meter.value(encounters),
                 instant: meter.instant(encounters),
+                open: end.and_then(|end| meter.open(encounters, end)),
             })
             .collect();
         let badness = |subject: &SubjectValue| {
@@ -121,54 +130,78 @@ impl Request {
                 worst = Some((bad, *subject));
             }
         }
-        Reading { worst: worst.map(|(_, subject)| subject), subjects }
+        let worst = worst.map(|(_, subject)| subject);
+        // Where somebody never got to the end, those who did are not the worst of all.
+        let missing = |subject: &&SubjectValue| subject.value.is_none() && subject.open.is_none();
+        let lost = subjects.iter().find(missing).filter(|_| self.absence == Absence::Bad).copied();
+        let open = if lost.is_some() { None } else { self.open(&subjects) };
+        let late = || subjects.iter().find(|subject| subject.open.is_some()).copied();
+        let worst = lost.or(worst).or_else(|| late().filter(|_| open.is_some()));
+        Reading { worst, subjects, open }
+    }
+
+    /// The range of the worst of all, if it is not decided.
+    fn open(&self, subjects: &[SubjectValue]) -> Option<Open> {
+        let ranges = subjects.iter().filter_map(|subject| {
+            subject.open.or(subject.value.map(|value| Open { low: value, high: value }))
+        });
+        let worse = |one: f64, other: f64| match self.worst {
+            Worst::Smallest => one.min(other),
+            Worst::Largest => one.max(other),
+        };
+        let all = ranges
+            .reduce(|one, other| Open { low: worse(one.low, other.low), high: worse(one.high, other.high) });
+        all.filter(|all| subjects.iter().any(|one| one.open.is_some()) && all.low < all.high)
     }
 }
 
 impl Observer for Measurement {
     fn observe(&mut self, step: &Step) {
-        match self.encounters.observe_contacts(step, self.end_on_collision) {
-            Some(moment) if self.end_on_collision => {
-                // Once in a run, its last step; so it may allocate.
-                let after = inside(step, moment);
-                self.take(&Step { duration: moment, after: &after, ..*step });
-            }
-            _ => self.take(step),
+        self.encounters.observe(step);
+        for (_, meter) in self.requests.iter_mut().flat_map(|request| &mut request.meters) {
+            meter.observe(step, &self.encounters);
         }
+    }
+
+    fn end(&mut self, ending: &Ending, last: &Snapshot) {
+        self.cut_off = (ending.reason == StopReason::Horizon).then(|| (ending.time, last.clone()));
+    }
+}
+
+fn pedestrian(with: Option<Solid>) -> Option<usize> {
+    match with {
+        Some(Solid::Pedestrian(index)) => Some(index),
+        _ => None,
     }
 }
 
 /// Whom a metric is measured for in a world.
 fn subjects(scope: Scope, world: &World) -> impl Iterator<Item = Subject> {
-    let indices = |wanted: bool, count: usize| {
-        if wanted { (0..count).map(Some).collect() } else { vec![None] }
+    let vehicles: Vec<Option<usize>> = match scope {
+        Scope::Pedestrian => vec![None],
+        Scope::Pair | Scope::Vehicle | Scope::Contact => (0..world.vehicles.len()).map(Some).collect(),
     };
-    let vehicles: Vec<_> = indices(scope != Scope::Pedestrian, world.vehicles.len());
-    let pedestrians: Vec<_> = indices(scope != Scope::Vehicle, world.pedestrians.len());
-    vehicles
-        .into_iter()
-        .flat_map(move |vehicle| pedestrians.clone().into_iter().map(move |pedestrian| (vehicle, pedestrian)))
+    let with = move |vehicle: Option<usize>| -> Vec<Option<Solid>> {
+        let people = (0..world.pedestrians.len()).map(Solid::Pedestrian);
+        match scope {
+            Scope::Vehicle => vec![None],
+            Scope::Pair | Scope::Pedestrian => people.map(Some).collect(),
+            Scope::Contact => {
+                let cars =
+                    (0..world.vehicles.len()).filter(|other| Some(*other) != vehicle).map(Solid::Vehicle);
+                let boxes = (0..world.road.boxes.len()).map(Solid::Box);
+                let all: Vec<_> = people.chain(cars).chain(boxes).map(Some).collect();
+                // Who is alone touches nothing, which is a value too.
+                if all.is_empty() { vec![None] } else { all }
+            }
+        }
+    };
+    vehicles.into_iter().flat_map(move |vehicle| with(vehicle).into_iter().map(move |with| (vehicle, with)))
 }
 
-fn concerns(reference: &MetricReference, world: &World, (vehicle, pedestrian): Subject) -> bool {
-    reference.pair.as_ref().is_none_or(|(car, person)| {
+fn concerns(reference: &MetricReference, world: &World, (vehicle, with): Subject) -> bool {
+    reference.pair.as_ref().is_none_or(|(car, other)| {
         vehicle.is_none_or(|index| world.vehicles[index].name == *car)
-            && pedestrian.is_none_or(|index| world.pedestrians[index].name == *person)
+            && (other.is_empty() || with.is_none_or(|with| with.name(world) == other))
     })
-}
-
-/// The state `moment` s after the beginning of a step.
-fn inside(step: &Step, moment: f64) -> Snapshot {
-    let part = moment / step.duration;
-    let mut state = step.after.clone();
-    for (car, before) in state.vehicles.iter_mut().zip(&step.before.vehicles) {
-        car.motion.travelled = lerp(before.motion.travelled, car.motion.travelled, part);
-        car.motion.speed = lerp(before.motion.speed, car.motion.speed, part);
-    }
-    for (person, before) in state.pedestrians.iter_mut().zip(&step.before.pedestrians) {
-        let velocity: Vector2<f64> = velocity_inside(step.duration, before, person, part);
-        person.position = before.position.lerp(&person.position, part);
-        person.velocity = velocity;
-    }
-    state
 }

@@ -14,17 +14,21 @@ mod jerk;
 mod measurement;
 mod passage;
 mod proximity;
+mod range;
 mod sliding;
 #[cfg(test)]
 mod tests;
 mod travel;
 
+use serde::{Deserialize, Serialize};
+
 use crate::scenario::{Aggregate, Declaration, Dimension, Settings, World};
-use crate::sim::Step;
+use crate::sim::{Snapshot, Solid, Step};
 
 pub use encounter::{Contact, Encounter, Encounters, Entry, LaneCrossing, Passing, Presence, Visit};
 pub use measurement::{Measurement, Reading, SubjectValue};
 pub use passage::{Passage, Reached};
+pub use range::{Range, limits};
 
 /// A registered metric.
 pub struct Metric {
@@ -34,6 +38,7 @@ pub struct Metric {
     /// Which of several values, one per pair, is the one that counts for the run.
     pub worst: Worst,
     pub absence: Absence,
+    pub range: Range,
     pub build: fn(&MetricContext) -> Box<dyn Meter>,
 }
 
@@ -50,7 +55,10 @@ pub enum MetricKind {
 /// Whom a metric is measured for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scope {
+    /// A vehicle and a pedestrian.
     Pair,
+    /// A vehicle and anything solid: a pedestrian, another vehicle or a box.
+    Contact,
     Vehicle,
     Pedestrian,
 }
@@ -61,7 +69,7 @@ pub enum Worst {
     Largest,
 }
 
-/// What it says of a run that a metric does not exist in it, for comparisons of runs.
+/// What it says of a run that a metric does not exist in it, for criteria and for comparisons of runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Absence {
     /// The danger that it measures never arose.
@@ -80,9 +88,37 @@ pub trait Meter: Send {
     /// The value at the end; `None` when it does not exist in this run.
     fn value(&self, encounters: &Encounters) -> Option<f64>;
 
+    /// What it could still come to where time is up at `end`; `None` where it is decided. Extremes of what was seen so
+    /// far, such as a smallest distance, are decided at any time.
+    fn open(&self, _encounters: &Encounters, _end: &End) -> Option<Open> {
+        None
+    }
+
     /// When it took that value, s: the critical instant. `None` for what has no single one, such as a time lost.
     fn instant(&self, _encounters: &Encounters) -> Option<f64> {
         None
+    }
+}
+
+/// The state in which the horizon ends a run.
+#[derive(Debug, Clone, Copy)]
+pub struct End<'a> {
+    /// s
+    pub time: f64,
+    pub state: &'a Snapshot,
+}
+
+/// Between which values a metric would have come to lie, had its run not been cut off by the horizon.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Open {
+    pub low: f64,
+    /// Infinite where nothing bounds it.
+    pub high: f64,
+}
+
+impl Open {
+    pub fn at_least(low: f64) -> Self {
+        Self { low, high: f64::INFINITY }
     }
 }
 
@@ -96,6 +132,8 @@ pub struct MetricContext<'a> {
     pub vehicle: usize,
     /// Index of the pedestrian; 0 for a metric of vehicles.
     pub pedestrian: usize,
+    /// Whom or what it is measured with, or the pedestrian that it is measured for.
+    pub with: Option<Solid>,
     /// The vehicle's run without pedestrians.
     pub free_flow: Option<FreeFlow>,
     /// The speed at which the pedestrian would walk without traffic, m/s.
@@ -109,6 +147,15 @@ pub struct FreeFlow {
     pub finish_time: Option<f64>,
     /// Its speed there, m/s.
     pub finish_speed: f64,
+}
+
+/// `one` - `other`, two times or two places that were each summed up over many steps: exactly 0 where they differ by the
+/// rounding of such sums only, so that nobody is late by 2e-15 s.
+fn difference(one: f64, other: f64) -> f64 {
+    /// s or m; a thousand times the rounding of an hour at the shortest step.
+    const ROUNDING: f64 = 1e-9;
+    let difference = one - other;
+    if difference.abs() < ROUNDING { 0.0 } else { difference }
 }
 
 /// Every metric there is, by name.

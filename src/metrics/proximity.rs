@@ -1,7 +1,7 @@
 //! How urgent it gets: time to collision and the deceleration that would avoid a crash.
 
 use super::encounter::{along, half_extent};
-use super::{Absence, Encounters, Meter, Metric, MetricContext, MetricKind, Scope, Worst};
+use super::{Absence, Encounters, Meter, Metric, MetricContext, MetricKind, Range, Scope, Worst};
 use crate::scenario::{Declaration, Dimension, Parameter};
 use crate::sim::{PedestrianState, Step, VehicleState};
 
@@ -18,6 +18,7 @@ pub static MIN_TTC: Metric = Metric {
     scope: Scope::Pair,
     worst: Worst::Smallest,
     absence: Absence::Good,
+    range: Range::Unlimited,
     build: |context| {
         Box::new(MinTtc { pair: (context.vehicle, context.pedestrian), smallest: None, instant: 0.0 })
     },
@@ -73,6 +74,7 @@ pub static DRAC: Metric = Metric {
     scope: Scope::Pair,
     worst: Worst::Largest,
     absence: Absence::Good,
+    range: Range::UpTo("ceiling"),
     build: |context| Box::new(Drac::new(context)),
 };
 

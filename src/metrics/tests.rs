@@ -1,6 +1,6 @@
 //! Encounters worked out by hand, for every metric, and what must hold for any encounter.
 
-use super::fixture::{Profile, Walk, measure, measure_all, request, world};
+use super::fixture::{Profile, Walk, measure, measure_all, open_of, request, world};
 use super::*;
 use crate::scenario::{Appearance, Direction, Side, Value};
 use proptest::prelude::*;
@@ -256,6 +256,38 @@ fn a_vehicle_that_stops_for_good() {
             assert_near(name, found(name), expected, 1e-9);
         }
     }
+}
+
+#[test]
+fn what_the_horizon_cuts_off_is_open() {
+    // The pedestrian crosses at once; the car stands at 9 s, 35 m before the crossing, for good.
+    let car = Profile::new(-100.0, 10.0, &[(4.0, 0.0), (5.0, -2.0)]);
+    let found = open_of(&world(0.025, 20.0), &car, &crossing_from(0.0));
+    for (name, low) in [
+        ("pet", 16.0),
+        ("time_lost", 8.0),
+        ("travel_time", 20.0),
+        ("stopped_time", 11.05),
+        ("pet_area", 14.75),
+    ] {
+        let open = found(name).unwrap_or_else(|| panic!("{name} is not open"));
+        assert!((open.low - low).abs() < 1e-6 && open.high == f64::INFINITY, "{name}: {open:?}");
+    }
+    for name in ["collision", "min_distance", "max_deceleration", "crossing_duration", "pedestrian_delay"] {
+        assert_eq!(found(name), None, "{name}");
+    }
+    // The car passes at 10 s, nobody ever goes.
+    let found = open_of(&world(0.025, 30.0), &straight(-100.0), &Walk(vec![(0.0, 0.0, -4.0)]));
+    for (name, low) in [("pet", 20.0), ("crossing_initiation_time", 30.0), ("crossing_duration", 0.0)] {
+        assert!((found(name).unwrap().low - low).abs() < 1e-6, "{name}: {:?}", found(name));
+    }
+    for name in ["passed_first", "gap_accepted", "time_lost", "stopped_time"] {
+        assert_eq!(found(name), None, "{name}");
+    }
+    // Nobody has passed yet.
+    let found = open_of(&world(0.025, 3.0), &straight(-100.0), &crossing_from(0.0));
+    assert_eq!(found("passed_first"), Some(Open { low: 1.0, high: 2.0 }));
+    assert_eq!(found("gap_accepted"), Some(Open { low: 0.0, high: 1.0 }));
 }
 
 #[test]

@@ -1,7 +1,10 @@
 //! What the encounter costs the vehicle: time lost, time taken and time stopped.
 
 use super::encounter::{lerp, rising};
-use super::{Absence, Encounters, FreeFlow, Meter, Metric, MetricContext, MetricKind, Scope, Worst};
+use super::{
+    Absence, Encounters, End, FreeFlow, Meter, Metric, MetricContext, MetricKind, Open, Range, Scope, Worst,
+    difference,
+};
 use crate::scenario::{Declaration, Dimension, Parameter};
 use crate::sim::Step;
 
@@ -25,6 +28,7 @@ pub static TIME_LOST: Metric = Metric {
     scope: Scope::Vehicle,
     worst: Worst::Largest,
     absence: Absence::Bad,
+    range: Range::WithinRun,
     build: |context| Box::new(TimeLost::new(context)),
 };
 
@@ -57,8 +61,13 @@ impl Meter for TimeLost {
     fn value(&self, _: &Encounters) -> Option<f64> {
         let free = self.free_flow?;
         let (time, speed) = self.finish?;
-        let lost = (time - free.finish_time?).max(0.0);
+        let lost = difference(time, free.finish_time?).max(0.0);
         ((speed - free.finish_speed).abs() <= self.tolerance).then_some(lost)
+    }
+
+    fn open(&self, _: &Encounters, end: &End) -> Option<Open> {
+        let free = self.free_flow.and_then(|free| free.finish_time);
+        self.finish.is_none().then(|| Open::at_least(free.map_or(0.0, |free| (end.time - free).max(0.0))))
     }
 }
 
@@ -82,6 +91,7 @@ pub static TRAVEL_TIME: Metric = Metric {
     scope: Scope::Vehicle,
     worst: Worst::Largest,
     absence: Absence::Bad,
+    range: Range::WithinRun,
     build: |context| {
         Box::new(TravelTime { vehicle: context.vehicle, line: context.world.finish, finish: None })
     },
@@ -100,6 +110,10 @@ impl Meter for TravelTime {
 
     fn value(&self, _: &Encounters) -> Option<f64> {
         self.finish
+    }
+
+    fn open(&self, _: &Encounters, end: &End) -> Option<Open> {
+        self.finish.is_none().then(|| Open::at_least(end.time))
     }
 }
 
@@ -122,14 +136,16 @@ pub static STOPPED_TIME: Metric = Metric {
     scope: Scope::Vehicle,
     worst: Worst::Largest,
     absence: Absence::Open,
+    range: Range::WithinRun,
     build: |context| {
         let speed = context.settings.number("speed");
-        Box::new(StoppedTime { vehicle: context.vehicle, speed, total: 0.0 })
+        Box::new(StoppedTime { vehicle: context.vehicle, line: context.world.finish, speed, total: 0.0 })
     },
 };
 
 struct StoppedTime {
     vehicle: usize,
+    line: f64,
     speed: f64,
     total: f64,
 }
@@ -149,5 +165,10 @@ impl Meter for StoppedTime {
 
     fn value(&self, _: &Encounters) -> Option<f64> {
         Some(self.total)
+    }
+
+    fn open(&self, _: &Encounters, end: &End) -> Option<Open> {
+        let under_way = end.state.vehicles[self.vehicle].motion.travelled < self.line;
+        under_way.then(|| Open::at_least(self.total))
     }
 }

@@ -1,16 +1,19 @@
-//! The journal: one line of JSON for each evaluation, flushed, so that a killed run resumes and ends with the same bits.
+//! The journal: one record for each evaluation, so that a killed run resumes and ends with the same bits.
 //!
-//! Resuming replays: the optimiser asks anew, and what the journal holds is told instead of evaluated. The first line is the
-//! run's definition; a last line cut short by a kill is dropped.
+//! Resuming replays: the optimiser asks anew, and what the journal holds is told instead of evaluated.
 
-use super::{Definition, Error, Evaluation, Optimiser, Point, Proposal};
+use std::collections::BTreeMap;
+use std::io;
+use std::path::Path;
+use std::sync::Mutex;
+
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
-use std::fs::{File, OpenOptions};
-use std::io::{Read, Seek, SeekFrom, Write};
-use std::path::{Path, PathBuf};
-use std::sync::Mutex;
+
+use super::{Definition, Error, Evaluation, Optimiser, Point, Proposal};
+use crate::files::{LARGEST_RECORD, Lines, Log, LogError, LogFormat, ReadError};
+
+const FORMAT: LogFormat = LogFormat { name: "scenario-runner journal of evaluations", version: 2 };
 
 /// One evaluation in the journal.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -20,69 +23,60 @@ struct Entry {
     evaluation: Evaluation,
 }
 
-/// The first line: what the evaluations belong to.
+/// What the evaluations belong to.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-struct Header {
-    journal: u32,
+struct Subject {
     /// Points asked for at once: part of what determines the proposals.
     batch: usize,
     definition: Definition,
 }
 
-const VERSION: u32 = 1;
+/// The first line of a journal of version 0.1, which had no checksums.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+struct OldHeader {
+    journal: u32,
+    batch: usize,
+    definition: Definition,
+}
 
 /// An append-only record of one run's evaluations.
 #[derive(Debug)]
 pub struct Journal {
-    path: PathBuf,
-    file: File,
+    log: Log,
     recorded: BTreeMap<u64, Entry>,
+    notice: Option<String>,
 }
 
 impl Journal {
     /// Opens the journal of a run, or starts it when there is none; `batch` is how many points the run asks for at once.
     ///
     /// # Errors
-    /// [`Error::JournalFile`] when it cannot be read or written; [`Error::JournalContent`] when it belongs to another definition
-    /// or a line before the last one is damaged.
+    /// [`Error::Journal`] when it cannot be read or written, is in use, damaged, or belongs to something else;
+    /// [`Error::JournalContent`] when what it holds makes no sense.
     pub fn open(path: &Path, definition: &Definition, batch: usize) -> Result<Self, Error> {
-        let failed = |source| Error::JournalFile { path: path.display().to_string(), source };
-        let mut file = OpenOptions::new()
-            .read(true)
-            .write(true)
-            .create(true)
-            .truncate(false)
-            .open(path)
-            .map_err(failed)?;
-        let mut bytes = Vec::new();
-        file.read_to_end(&mut bytes).map_err(failed)?;
-        let mut journal = Journal { path: path.to_owned(), file, recorded: BTreeMap::new() };
-        let header = Header { journal: VERSION, batch, definition: definition.clone() };
-        let header_text = serde_json::to_vec(&header).map_err(|error| failed(error.into()))?;
-        // What follows the last line break was being written when the run was killed.
-        let whole = bytes.iter().rposition(|&byte| byte == b'\n').map_or(0, |last| last + 1);
-        let mut lines = bytes[..whole].split(|&byte| byte == b'\n').enumerate();
-        let other = "it does not belong to this definition and batch size; delete it or restore them";
-        if whole == 0 && !header_text.starts_with(&bytes) {
-            return Err(journal.damaged(1, other.to_owned()));
-        }
-        if let Some((_, line)) = lines.next().filter(|_| whole > 0)
-            && journal.parse::<Header>(1, line)? != header
-        {
-            return Err(journal.damaged(1, other.to_owned()));
-        }
-        for (index, line) in lines.filter(|(_, line)| !line.is_empty()) {
-            let entry: Entry = journal.parse(index + 1, line)?;
+        let subject = Subject { batch, definition: definition.clone() };
+        let (log, records, notice) = match Log::open(path, FORMAT, &subject) {
+            Ok((log, found)) => (log, found.records, found.notice),
+            Err(error @ LogError::NotALog { .. }) => {
+                let records = old_records(path, &subject, error)?;
+                let log = Log::create(path, FORMAT, &subject, &records)?;
+                let notice = format!(
+                    "{} is from version 0.1 and has no checksums; it is taken over as it is",
+                    path.display()
+                );
+                (log, records, Some(notice))
+            }
+            Err(error) => return Err(error.into()),
+        };
+        let mut journal = Journal { log, recorded: BTreeMap::new(), notice };
+        for (index, record) in records.iter().enumerate() {
+            let line = index + 2;
+            let entry: Entry =
+                serde_json::from_str(record).map_err(|error| journal.damaged(line, error.to_string()))?;
             if journal.recorded.contains_key(&entry.id) {
-                return Err(journal.damaged(index + 1, format!("evaluation {} is recorded twice", entry.id)));
+                return Err(journal.damaged(line, format!("evaluation {} is recorded twice", entry.id)));
             }
             journal.recorded.insert(entry.id, entry);
-        }
-        // Only now, when the file is known to be this run's journal, is it changed.
-        journal.file.set_len(whole as u64).map_err(failed)?;
-        journal.file.seek(SeekFrom::End(0)).map_err(failed)?;
-        if whole == 0 {
-            journal.write(&header)?;
         }
         Ok(journal)
     }
@@ -95,6 +89,11 @@ impl Journal {
     /// Does it hold none?
     pub fn is_empty(&self) -> bool {
         self.recorded.is_empty()
+    }
+
+    /// What to tell whoever resumes from it.
+    pub fn notice(&self) -> Option<&str> {
+        self.notice.as_deref()
     }
 
     /// What was recorded for a proposal, if anything.
@@ -111,36 +110,64 @@ impl Journal {
         }
     }
 
-    /// Appends an evaluation and flushes it to the operating system.
+    /// Appends an evaluation and hands it to the operating system.
     ///
     /// # Errors
-    /// [`Error::JournalFile`] when it cannot be written.
+    /// [`Error::Journal`] when it cannot be written.
     pub fn record(&mut self, proposal: &Proposal, evaluation: &Evaluation) -> Result<(), Error> {
         let Proposal { id, point, .. } = proposal.clone();
         let entry = Entry { id, point, evaluation: evaluation.clone() };
-        self.write(&entry)?;
+        self.log.append(&entry)?;
         self.recorded.insert(id, entry);
         Ok(())
     }
 
-    fn write(&mut self, line: &impl Serialize) -> Result<(), Error> {
-        let write = |file: &mut File| {
-            let mut text = serde_json::to_vec(line)?;
-            text.push(b'\n');
-            file.write_all(&text)?;
-            file.flush()
-        };
-        write(&mut self.file)
-            .map_err(|source| Error::JournalFile { path: self.path.display().to_string(), source })
-    }
-
-    fn parse<T: for<'de> Deserialize<'de>>(&self, line: usize, text: &[u8]) -> Result<T, Error> {
-        serde_json::from_slice(text).map_err(|error| self.damaged(line, error.to_string()))
+    /// It is not needed any more.
+    ///
+    /// # Errors
+    /// When it is there and stays.
+    pub fn remove(self) -> io::Result<()> {
+        self.log.remove()
     }
 
     fn damaged(&self, line: usize, reason: String) -> Error {
-        Error::JournalContent { path: self.path.display().to_string(), line, reason }
+        Error::JournalContent { path: self.log.path().display().to_string(), line, reason }
     }
+}
+
+/// The records of a journal of version 0.1; `otherwise` if it is none of this subject's. A last line without a line break
+/// was being written when the run was killed.
+fn old_records(path: &Path, subject: &Subject, otherwise: LogError) -> Result<Vec<String>, Error> {
+    let failed = |error: ReadError| LogError::Read { path: path.to_owned(), error };
+    let mut lines = Lines::open(path, LARGEST_RECORD).map_err(failed)?;
+    let mut header = None;
+    let mut records = Vec::new();
+    while let Some(line) = lines.next_line().map_err(failed)? {
+        let Some(line) = line.strip_suffix(b"\n") else { break };
+        if header.is_none() {
+            let Ok(first) = serde_json::from_slice::<OldHeader>(line) else { return Err(otherwise.into()) };
+            if (first.journal, first.batch, &first.definition) != (1, subject.batch, &subject.definition) {
+                return Err(LogError::OtherSubject {
+                    path: path.to_owned(),
+                    expected: FORMAT.name,
+                    difference: "its definition or batch size is another one".to_string(),
+                }
+                .into());
+            }
+            header = Some(first);
+        } else if !line.is_empty() {
+            let number = records.len() + 2;
+            let damaged = |error: serde_json::Error| Error::JournalContent {
+                path: path.display().to_string(),
+                line: number,
+                reason: error.to_string(),
+            };
+            // As this version writes it, lest what is not understood is carried on.
+            let entry: Entry = serde_json::from_slice(line).map_err(damaged)?;
+            records.push(serde_json::to_string(&entry).map_err(damaged)?);
+        }
+    }
+    if header.is_some() { Ok(records) } else { Err(otherwise.into()) }
 }
 
 /// Runs an optimiser to its end: asks for `batch` points at a time, evaluates them in parallel on rayon's current pool and

@@ -71,12 +71,8 @@ pub enum Error {
     #[error("the surrogate cannot be fitted: {0}")]
     Surrogate(String),
     /// The journal cannot be read or written.
-    #[error("journal {path}: {source}")]
-    JournalFile {
-        path: String,
-        #[source]
-        source: std::io::Error,
-    },
+    #[error("journal {0}")]
+    Journal(#[from] crate::files::LogError),
     /// The journal holds something else than this run's evaluations.
     #[error("journal {path}, line {line}: {reason}")]
     JournalContent { path: String, line: usize, reason: String },

@@ -115,22 +115,91 @@ fn a_journal_of_another_run_or_a_damaged_one_is_refused_and_left_alone() {
 
     let open =
         |definition: &Definition, batch| Journal::open(&path, definition, batch).unwrap_err().to_string();
-    assert!(open(&Definition { seed: 10, ..definition.clone() }, 1).contains("line 1"));
-    assert!(open(&definition, 2).contains("line 1"));
+    assert!(open(&definition, 1).contains("in use by another process"));
+    drop(journal);
+    assert!(open(&Definition { seed: 10, ..definition.clone() }, 1).contains("`definition` is another one"));
+    assert!(open(&definition, 2).contains("`batch` is another one"));
     fs::write(&path, good.replacen("\"id\":2", "\"id\":1", 1)).unwrap();
-    assert!(open(&definition, 1).contains("line 4: evaluation 1 is recorded twice"));
+    assert!(open(&definition, 1).contains("line 4: its checksum is wrong"));
     fs::write(&path, "someone's only copy of a poem").unwrap();
-    assert!(open(&definition, 1).contains("line 1"));
+    assert!(open(&definition, 1).contains("is no scenario-runner journal"));
     assert_eq!(fs::read_to_string(&path).unwrap(), "someone's only copy of a poem");
 
     // A point that is not the one proposed.
-    let moved: String =
-        good.lines().map(|line| line.replacen("\"point\":[1", "\"point\":[9", 1) + "\n").collect();
-    fs::write(&path, moved).unwrap();
+    fs::write(&path, OLD_JOURNAL.replace("\"point\":[1", "\"point\":[9")).unwrap();
     let mut journal = Journal::open(&path, &definition, 1).unwrap();
     let mut optimiser = Optimiser::new(definition.clone()).unwrap();
     let error = run(&mut optimiser, 1, Some(&mut journal), |proposal| bumpy(&proposal.point)).unwrap_err();
     assert!(error.to_string().contains("another point"), "{error}");
+}
+
+#[test]
+fn no_corruption_of_a_journal_gives_another_result() {
+    let definition = Definition { budget: 22, initial: 10, ..Definition::new(line(), 9) };
+    let expected = text(&finished(&definition, 4));
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.jsonl");
+    let resumed = || -> Result<String, Error> {
+        let mut journal = Journal::open(&path, &definition, 4)?;
+        let mut optimiser = Optimiser::new(definition.clone())?;
+        run(&mut optimiser, 4, Some(&mut journal), |proposal| bumpy(&proposal.point))?;
+        Ok(text(&optimiser))
+    };
+    assert_eq!(resumed().unwrap(), expected);
+    let good = fs::read_to_string(&path).unwrap();
+    let lines: Vec<&str> = good.split_inclusive('\n').collect();
+    let (mut refused, mut went_on) = (0, 0);
+    for number in 0..68 {
+        // Spread over the file, its header and its end among them.
+        let (place, line) = ((number / 4) * (good.len() - 1) / 16, (number / 4) * (lines.len() - 1) / 16);
+        let mut changed = lines.clone();
+        let corrupted = match number % 4 {
+            0 => {
+                let mut bytes = good.clone().into_bytes();
+                bytes[place] ^= 1;
+                bytes
+            }
+            1 => good.as_bytes()[..place].to_vec(),
+            2 => {
+                changed.insert(line, lines[line]);
+                changed.concat().into_bytes()
+            }
+            _ => {
+                changed.swap(line, (line + 1) % lines.len());
+                changed.concat().into_bytes()
+            }
+        };
+        fs::write(&path, corrupted).unwrap();
+        match resumed() {
+            Ok(result) => {
+                went_on += 1;
+                assert_eq!(result, expected, "corruption {number}");
+            }
+            Err(_) => refused += 1,
+        }
+    }
+    assert!(refused >= 30 && went_on >= 17, "{refused} were refused, {went_on} went on");
+}
+
+/// As version 0.1 left it when it was killed: five evaluations, the last one not whole.
+const OLD_JOURNAL: &str = include_str!("../../tests/formats/search_0.1.jsonl");
+
+#[test]
+fn a_journal_of_version_0_1_is_taken_over_with_a_notice() {
+    let definition = Definition { budget: 5, initial: 5, ..Definition::new(line(), 9) };
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.jsonl");
+    fs::write(&path, OLD_JOURNAL).unwrap();
+    assert!(Journal::open(&path, &definition, 2).unwrap_err().to_string().contains("another one"));
+    let mut journal = Journal::open(&path, &definition, 1).unwrap();
+    assert!(journal.notice().unwrap().contains("version 0.1"), "{:?}", journal.notice());
+    assert_eq!(journal.len(), 4);
+    let mut optimiser = Optimiser::new(definition.clone()).unwrap();
+    run(&mut optimiser, 1, Some(&mut journal), |proposal| bumpy(&proposal.point)).unwrap();
+    drop(journal);
+    assert_eq!(text(&optimiser), text(&finished(&definition, 1)));
+    let journal = Journal::open(&path, &definition, 1).unwrap();
+    assert_eq!((journal.len(), journal.notice()), (5, None));
 }
 
 #[test]

@@ -5,9 +5,10 @@
 
 use nalgebra::Vector2;
 
-use super::{PedestrianContext, PedestrianModel};
+use super::{PedestrianContext, PedestrianModel, sum_in_any_order};
 use crate::scenario::{
-    ChoiceOption, Declaration, Dimension, Literal, Parameter, Position, Preset, PresetFamily, Settings,
+    Chance, ChoiceOption, Declaration, Dimension, Literal, Parameter, Position, Preset, PresetFamily,
+    Settings,
 };
 use crate::sim::random::{Agent, Purpose, Stream, stream};
 use crate::sim::{ModelError, Motion, Pedestrian, Scene, VehicleState, geometry};
@@ -235,6 +236,7 @@ pub static CARLA_WALKER: PedestrianModel = PedestrianModel {
         }),
     },
     takes_individuals: false,
+    chance: Chance::Always,
     build,
 };
 
@@ -270,7 +272,13 @@ struct CarlaWalker {
     /// Where it came from and where it was going; a new destination is on one of these pavements.
     ends: [Vector2<f64>; 2],
     goal: Vector2<f64>,
+    /// Whether `goal` is the pavement that it started from.
+    goes_back: bool,
+    /// Whether it stands at `goal`.
+    arrived: bool,
     unstuck: Unstuck,
+    /// Of new destinations and the pauses on the way to them.
+    draws: Stream,
 }
 
 /// The test for being stuck.
@@ -279,7 +287,6 @@ struct Unstuck {
     distance: f64,
     /// Time (s) and place of the last test; `None` while it does not walk.
     last: Option<(f64, Vector2<f64>)>,
-    draws: Stream,
 }
 
 /// The pause before the kerb.
@@ -289,8 +296,17 @@ struct Check {
     distance: f64,
     timeout: f64,
     wait: f64,
+    waits: Waits,
     look_distance: f64,
     look_cosine: f64,
+}
+
+/// How long the pause before the kerb is at least: fixed, or drawn from a mixture.
+struct Waits {
+    fixed: Option<f64>,
+    share: f64,
+    shortest: f64,
+    longest: f64,
 }
 
 /// What vehicles do to a walking pedestrian.
@@ -314,6 +330,9 @@ const LEAST_CLEARANCE: f64 = 0.01;
 /// How far along the road a new destination may be, m.
 const DETOUR: f64 = 20.0;
 
+/// It slows down in proportion to the way that is left and never quite gets there; nearer than this it is there, m.
+const THERE: f64 = 0.05;
+
 /// Absorbs the rounding of summed times, s.
 const TIME_TOLERANCE: f64 = 1e-9;
 
@@ -334,20 +353,21 @@ fn build(context: &PedestrianContext) -> Result<Box<dyn Pedestrian>, ModelError>
     // Draws always happen, and in this order, so that no setting shifts another's.
     let mut draws = stream(context.seed, Agent::Pedestrian(context.index), Purpose::Trait);
     let (waits, wait, snap, side) = (draws.uniform(), draws.uniform(), draws.uniform(), draws.uniform());
-    let between =
-        |low, high, share| settings.number(low) + (settings.number(high) - settings.number(low)) * share;
-    let drawn = if waits < settings.number("kerb_wait_share") {
-        between("kerb_wait_min", "kerb_wait_max", wait)
-    } else {
-        0.0
+    let lengths = Waits {
+        fixed: settings.optional_number("kerb_wait"),
+        share: settings.number("kerb_wait_share"),
+        shortest: settings.number("kerb_wait_min"),
+        longest: settings.number("kerb_wait_max"),
     };
-    let snap = between("snap_min", "snap_max", snap);
+    let (nearest, farthest) = (settings.number("snap_min"), settings.number("snap_max"));
+    let snap = nearest + (farthest - nearest) * snap;
     let before_kerb = (context.world.road.kerb(context.setup.side) - y) * across.y + snap;
     let check = (settings.flag("checks") && way.dot(&across) > 0.0 && before_kerb > 0.0).then(|| Check {
         entry: start + way * ((before_kerb - snap) / way.dot(&across)),
         distance: settings.number("check_distance"),
         timeout: settings.number("check_timeout"),
-        wait: settings.optional_number("kerb_wait").unwrap_or(drawn),
+        wait: lengths.length(waits, wait),
+        waits: lengths,
         look_distance: settings.number("look_distance"),
         look_cosine: settings.number("look_cosine"),
     });
@@ -364,12 +384,14 @@ fn build(context: &PedestrianContext) -> Result<Box<dyn Pedestrian>, ModelError>
         state: State::Wait,
         ends: [start, goal],
         goal,
+        goes_back: false,
+        arrived: false,
         unstuck: Unstuck {
             time: settings.number("stuck_time"),
             distance: settings.number("stuck_distance"),
             last: None,
-            draws: stream(context.seed, Agent::Pedestrian(context.index), Purpose::Decision),
         },
+        draws: stream(context.seed, Agent::Pedestrian(context.index), Purpose::Decision),
     }))
 }
 
@@ -410,31 +432,44 @@ impl Vehicles {
             let blocked = scene.vehicles.iter().any(|vehicle| self.clearance(vehicle, place) < self.radius);
             return Motion::Walk(if blocked { Vector2::zeros() } else { way * speed });
         }
-        let mut drive = Vector2::zeros();
-        let mut neighbours = 0.0;
-        for vehicle in scene.vehicles {
-            let clearance = self.clearance(vehicle, place);
-            let away = place - vehicle.position();
-            if clearance <= 0.0 {
-                let out = away.try_normalize(1e-9).unwrap_or(way);
-                let push = (-clearance).min(self.push_speed * scene.step);
-                return Motion::Pushed { velocity: Vector2::zeros(), displacement: out * push };
-            }
-            if clearance < self.range {
-                let share = clearance / self.range;
-                drive += away * (self.weight * (1.0 - share * share) / clearance.max(LEAST_CLEARANCE));
-                neighbours += 1.0;
-            }
+        let near =
+            scene.vehicles.iter().map(|vehicle| (self.clearance(vehicle, place), place - vehicle.position()));
+        // Of several the one whose margin it is deepest in, in whatever order they come.
+        let order = |one: &(f64, Vector2<f64>), other: &(f64, Vector2<f64>)| {
+            let by_place = one.1.x.total_cmp(&other.1.x).then(one.1.y.total_cmp(&other.1.y));
+            one.0.total_cmp(&other.0).then(by_place)
+        };
+        if let Some((clearance, away)) = near.clone().min_by(order)
+            && clearance <= 0.0
+        {
+            let out = away.try_normalize(1e-9).unwrap_or(way);
+            let push = (-clearance).min(self.push_speed * scene.step);
+            return Motion::Pushed { velocity: Vector2::zeros(), displacement: out * push };
         }
+        let neighbours = near.filter(|(clearance, _)| *clearance < self.range);
+        let drives = neighbours.clone().map(|(clearance, away)| {
+            let share = clearance / self.range;
+            away * (self.weight * (1.0 - share * share) / clearance.max(LEAST_CLEARANCE))
+        });
         let mut velocity = way * speed;
-        if neighbours > 0.0 {
-            velocity += drive / neighbours;
+        let count = neighbours.count();
+        if count > 0 {
+            velocity += sum_in_any_order(drives) / count as f64;
             let squared = velocity.norm_squared();
             if squared > speed * speed {
                 velocity *= speed * speed / squared;
             }
         }
         Motion::Walk(velocity)
+    }
+}
+
+impl Waits {
+    /// The pause (s) that two uniform draws come to.
+    fn length(&self, waits: f64, share: f64) -> f64 {
+        let drawn =
+            if waits < self.share { self.shortest + (self.longest - self.shortest) * share } else { 0.0 };
+        self.fixed.unwrap_or(drawn)
     }
 }
 
@@ -497,8 +532,25 @@ impl CarlaWalker {
         stuck.last = Some((scene.time, place));
         let arrived = (self.goal - place).norm() < self.arrival_distance;
         if !arrived && (place - before).norm() < stuck.distance {
-            let end = self.ends[stuck.draws.index(2)];
-            self.goal = end + Vector2::new(stuck.draws.uniform_in(-DETOUR, DETOUR), 0.0);
+            self.turn(place);
+        }
+    }
+
+    /// Takes a new destination on either pavement; where its way there enters the road, it pauses before the kerb.
+    fn turn(&mut self, place: Vector2<f64>) {
+        let end = self.draws.index(2);
+        self.goes_back = end == 0;
+        self.goal = self.ends[end] + Vector2::new(self.draws.uniform_in(-DETOUR, DETOUR), 0.0);
+        self.state = State::Walk;
+        let Some(check) = self.check.as_mut().filter(|_| !self.goes_back) else { return };
+        let way = self.goal - place;
+        // Every way in leads over the kerb line of the first.
+        let part = (check.entry.y - place.y) / way.y;
+        if part > 0.0 {
+            check.entry = place + way * part;
+            check.wait = check.waits.length(self.draws.uniform(), self.draws.uniform());
+            self.way = way.normalize();
+            self.state = State::Approach;
         }
     }
 }
@@ -516,13 +568,21 @@ impl Pedestrian for CarlaWalker {
         match self.state {
             State::Wait | State::Check(_) | State::Dead => {
                 self.unstuck.last = None;
+                self.arrived = false;
                 Motion::Walk(Vector2::zeros())
             }
             State::WalkAway(direction) => self.vehicles.motion(scene, direction, self.speed),
             State::Approach | State::Walk => {
                 self.turn_if_stuck(scene);
-                let to_goal = self.goal - scene.ego().position;
+                let place = scene.ego().position;
+                if self.goes_back && (self.goal - place).norm() < self.arrival_distance {
+                    // Back on the pavement that it came from it sets out again, as CARLA's do wherever they arrive.
+                    self.turn(place);
+                    self.unstuck.last = None;
+                }
+                let to_goal = self.goal - place;
                 let distance = to_goal.norm();
+                self.arrived = distance < THERE;
                 let way = to_goal.try_normalize(1e-9).unwrap_or_else(Vector2::zeros);
                 let speed = self.speed * (distance / self.arrival_distance).min(1.0);
                 self.vehicles.motion(scene, way, speed)
@@ -533,6 +593,7 @@ impl Pedestrian for CarlaWalker {
     fn mode(&self) -> &'static str {
         match self.state {
             State::Wait => "waiting",
+            State::Approach | State::Walk if self.arrived => "arrived",
             State::Approach => "approaching",
             State::Check(_) => "checking",
             State::Walk => "walking",

@@ -6,7 +6,7 @@ use nalgebra::Vector2;
 
 use super::{PedestrianContext, PedestrianModel};
 use crate::scenario::{
-    ChoiceOption, Declaration, Dimension, Parameter, Position, Road, Side, VehicleReference,
+    Chance, ChoiceOption, Declaration, Dimension, Parameter, Position, Road, Side, VehicleReference,
 };
 use crate::sim::random::{Agent, Purpose, stream};
 use crate::sim::{ModelError, Motion, Pedestrian, Scene, VehicleState};
@@ -75,6 +75,7 @@ pub static INTERCEPTOR: PedestrianModel = PedestrianModel {
         presets: None,
     },
     takes_individuals: false,
+    chance: Chance::If(|settings| settings.number("aim_spread") > 0.0),
     build,
 };
 
@@ -181,9 +182,11 @@ impl Interceptor {
             if self.walks_in {
                 needed = needed.max(distance / WALKING_SPEED + RESERVE);
             }
-            (arrival <= needed).then_some((index, arrival))
+            (arrival <= needed).then_some((index, arrival, distance))
         });
-        arrivals.min_by(|one, other| one.1.total_cmp(&other.1)).map(|(index, _)| index)
+        // Of those that arrive together the one on the nearest lane, in whatever order they come.
+        let first = arrivals.min_by(|one, other| one.1.total_cmp(&other.1).then(one.2.total_cmp(&other.2)));
+        first.map(|(index, ..)| index)
     }
 
     /// The speed that takes it a distance (m) and lets it stop there, at most `limit` (m/s).

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use crate::files::{self, ReadError};
 use crate::scenario::{Declaration, Parameter, Settings, Value};
 
 /// The name of the population that ships.
@@ -77,7 +78,7 @@ pub enum PopulationError {
         /// The file.
         file: PathBuf,
         /// What the system says.
-        error: std::io::Error,
+        error: ReadError,
     },
     /// The name ends neither in `.json` nor in `.csv`.
     #[error("the population `{}` is neither `{STANDARD}` nor a .json or .csv file", file.display())]
@@ -230,7 +231,7 @@ impl Population {
         }
         let file = Path::new(name);
         let text = || {
-            std::fs::read_to_string(file)
+            files::read_kind(file, &["csv", "json"])
                 .map_err(|error| PopulationError::Read { file: file.to_owned(), error })
         };
         match file.extension().and_then(|extension| extension.to_str()) {

@@ -1,7 +1,7 @@
 //! A pedestrian that walks by a fixed script: wait, walk, perhaps stop for a while, go on.
 
 use super::{PedestrianContext, PedestrianModel};
-use crate::scenario::{Declaration, Dimension, Parameter};
+use crate::scenario::{Chance, Declaration, Dimension, Parameter};
 use crate::sim::{ModelError, Motion, Pedestrian, Scene};
 
 const FREE: &str = "free choice";
@@ -39,6 +39,7 @@ pub static SCRIPTED: PedestrianModel = PedestrianModel {
         presets: None,
     },
     takes_individuals: false,
+    chance: Chance::Never,
     build,
 };
 

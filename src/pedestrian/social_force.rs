@@ -5,8 +5,8 @@
 
 use nalgebra::Vector2;
 
-use super::{PedestrianContext, PedestrianModel};
-use crate::scenario::{Declaration, Dimension, Parameter};
+use super::{PedestrianContext, PedestrianModel, sum_in_any_order};
+use crate::scenario::{Chance, Declaration, Dimension, Parameter};
 use crate::sim::random::{Agent, Purpose, Stream, stream};
 use crate::sim::{ModelError, Motion, Pedestrian, Scene, VehicleState};
 
@@ -126,6 +126,11 @@ pub static SOCIAL_FORCE: PedestrianModel = PedestrianModel {
         presets: None,
     },
     takes_individuals: false,
+    chance: Chance::If(|settings| {
+        let drawn_speed = settings.optional_number("desired_speed").is_none()
+            && settings.number("desired_speed_deviation") > 0.0;
+        drawn_speed || settings.number("noise") > 0.0
+    }),
     build,
 };
 
@@ -229,8 +234,8 @@ impl Pedestrian for SocialForce {
         };
         self.mode = "walking";
         let speed = ego.velocity.dot(&way);
-        let repulsion: Vector2<f64> =
-            scene.vehicles.iter().map(|vehicle| self.repulsion.force(vehicle, ego.position, way)).sum();
+        let forces = scene.vehicles.iter().map(|vehicle| self.repulsion.force(vehicle, ego.position, way));
+        let repulsion = sum_in_any_order(forces);
         let mut faster =
             speed + ((self.desired_speed - speed) / self.relaxation_time + repulsion.dot(&way)) * scene.step;
         if self.noise > 0.0 {

@@ -3,7 +3,7 @@
 use nalgebra::Vector2;
 
 use super::{PedestrianContext, PedestrianModel};
-use crate::scenario::{Declaration, Dimension, Parameter, Side, TextError, VehicleReference};
+use crate::scenario::{Chance, Declaration, Dimension, Parameter, Side, TextError, VehicleReference};
 use crate::sim::script::{Action, Quantity, Script, parameters};
 use crate::sim::{ModelError, Motion, Pedestrian, Scene, geometry};
 
@@ -34,6 +34,7 @@ pub static TIMELINE: PedestrianModel = PedestrianModel {
         presets: None,
     },
     takes_individuals: false,
+    chance: Chance::Never,
     build,
 };
 
@@ -79,7 +80,8 @@ fn quantity(scene: &Scene, side: Side, origin: Vector2<f64>, index: usize) -> f6
         .vehicles
         .iter()
         .map(|vehicle| (geometry::distance(vehicle, ego), vehicle.motion.speed))
-        .min_by(|one, other| one.0.total_cmp(&other.0));
+        // Of equally near ones the fastest, in whatever order they come.
+        .min_by(|one, other| one.0.total_cmp(&other.0).then(other.1.total_cmp(&one.1)));
     match QUANTITIES[index].0 {
         "distance" => nearest.map_or(f64::INFINITY, |(distance, _)| distance),
         "vehicle_speed" => nearest.map_or(0.0, |(_, speed)| speed),

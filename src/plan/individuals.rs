@@ -1,11 +1,17 @@
 //! Which individuals of a population a scenario is run with.
 
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::path::Path;
+
+use sha2::{Digest, Sha256};
 
 use super::{PlanError, derive_seed};
 use crate::pedestrian::population::Population as People;
 use crate::pedestrian::{self, population};
-use crate::scenario::{Expression, Individual, Individuals, Pedestrian, Population, Scenario, Value};
+use crate::scenario::{
+    Expression, Individual, Individuals, Pedestrian, Population, Scenario, Settings, Suite, Value,
+};
 use crate::sim::random::Stream;
 
 /// The groups of people that the scenario is run with; one empty group when nobody is an individual.
@@ -43,20 +49,7 @@ fn choose(
     individuals: &Individuals,
 ) -> Result<Vec<Individual>, PlanError> {
     let origin = &individuals.origin;
-    let name = &pedestrian.model.name;
-    let model = pedestrian::model(name).ok_or_else(|| {
-        PlanError::new(&pedestrian.model.origin, format!("there is no pedestrian model called `{name}`"))
-    })?;
-    if !model.takes_individuals {
-        let message = format!("the model `{name}` has no individuals");
-        return Err(PlanError::new(origin, message).with_hint("leave out `individuals`"));
-    }
-    let people =
-        People::read(&individuals.population, &model.declaration, variant(pedestrian)).map_err(|error| {
-            PlanError::new(origin, error.to_string()).with_hint(
-                "take `standard`, the population that ships, or a file as docs/populations.md describes it",
-            )
-        })?;
+    let people = read(pedestrian, individuals)?;
     let numbers: Vec<usize> = match individuals.selection {
         Population::All => (1..=people.len()).collect(),
         Population::Number(number) => vec![number as usize],
@@ -89,6 +82,49 @@ fn choose(
         PlanError::new(origin, message)
             .with_hint(format!("take at most {}, or `individuals all of …`", people.len()))
     })
+}
+
+/// Everybody in the population of a pedestrian.
+fn read(pedestrian: &Pedestrian, individuals: &Individuals) -> Result<People, PlanError> {
+    let origin = &individuals.origin;
+    let name = &pedestrian.model.name;
+    let model = pedestrian::model(name).ok_or_else(|| {
+        PlanError::new(&pedestrian.model.origin, format!("there is no pedestrian model called `{name}`"))
+    })?;
+    if !model.takes_individuals {
+        let message = format!("the model `{name}` has no individuals");
+        return Err(PlanError::new(origin, message).with_hint("leave out `individuals`"));
+    }
+    People::read(&individuals.population, &model.declaration, variant(pedestrian)).map_err(|error| {
+        PlanError::new(origin, error.to_string()).with_hint(
+            "take `standard`, the population that ships, or a file as docs/populations.md describes it",
+        )
+    })
+}
+
+/// The populations of a suite by the names of their files, each with a digest (16 hexadecimal digits) of everybody in
+/// it, drawn or not. How the file is laid out does not matter.
+pub fn populations(suite: &Suite) -> Result<BTreeMap<String, String>, PlanError> {
+    let pedestrians = suite.scenarios.iter().flat_map(|scenario| &scenario.pedestrians);
+    let mut known: BTreeMap<(&str, &str, Option<&str>), Vec<u8>> = BTreeMap::new();
+    for pedestrian in pedestrians {
+        let Some(individuals) = &pedestrian.individuals else { continue };
+        let key = (individuals.population.as_str(), pedestrian.model.name.as_str(), variant(pedestrian));
+        if let Entry::Vacant(place) = known.entry(key) {
+            let people = read(pedestrian, individuals)?;
+            let everybody: Vec<Settings> =
+                (1..=people.len()).filter_map(|number| people.individual(number)).collect();
+            place.insert(serde_json::to_vec(&everybody).expect("plain data serialises"));
+        }
+    }
+    let mut digests: BTreeMap<String, Sha256> = BTreeMap::new();
+    for ((population, ..), everybody) in known {
+        digests.entry(file_name(population)).or_default().update(everybody);
+    }
+    let hexadecimal = |digest: Sha256| -> String {
+        digest.finalize().iter().take(8).map(|byte| format!("{byte:02x}")).collect()
+    };
+    Ok(digests.into_iter().map(|(name, digest)| (name, hexadecimal(digest))).collect())
 }
 
 /// The variant that the scenario asks of the pedestrian's model, if it says so outright.
@@ -180,6 +216,7 @@ mod tests {
             horizon: 60.0,
             finish: 20.0,
             end_on_collision: true,
+            written: Default::default(),
             origin: Origin::default(),
         }
     }

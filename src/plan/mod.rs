@@ -1,6 +1,8 @@
 //! From a checked suite to its trials and cases: variations, individuals, repetitions and seeds.
 
+mod check;
 mod individuals;
+mod overlap;
 mod sampling;
 mod seed;
 mod setup;
@@ -12,6 +14,7 @@ use std::sync::Arc;
 
 use thiserror::Error;
 
+use crate::metrics;
 use crate::scenario::{
     Assignment, Case, Criterion, Expression, Individual, Origin, RunBudget, Scenario, Suite, Value,
 };
@@ -30,6 +33,8 @@ pub struct Plan {
     /// Wall-clock limit per trial in s.
     pub time_limit: Option<f64>,
     pub trials: Vec<Trial>,
+    /// Digests of everybody in the populations, by the names of their files.
+    pub populations: BTreeMap<String, String>,
 }
 
 /// A scenario with one value for each of its variations: what gets a verdict.
@@ -68,16 +73,23 @@ impl Trial {
 
 /// Why a suite cannot be planned; found only once variations have their values.
 #[derive(Debug, Clone, PartialEq, Error)]
-#[error("{message}")]
+#[error("{message}{}", case.as_ref().map(|case| format!(", in {case}")).unwrap_or_default())]
 pub struct PlanError {
     pub message: String,
     pub hint: Option<String>,
-    pub origin: Origin,
+    /// The run or trial whose values are at fault, where it is one's alone.
+    pub case: Option<String>,
+    pub origin: Box<Origin>,
 }
 
 impl PlanError {
     pub fn new(origin: &Origin, message: impl Into<String>) -> Self {
-        Self { message: message.into(), hint: None, origin: origin.clone() }
+        Self { message: message.into(), hint: None, case: None, origin: Box::new(origin.clone()) }
+    }
+
+    /// What was found wrong is so in this run or trial.
+    pub fn in_case(self, key: &str) -> Self {
+        Self { case: self.case.or_else(|| Some(key.to_string())), ..self }
     }
 
     pub fn with_hint(mut self, hint: impl Into<String>) -> Self {
@@ -102,8 +114,16 @@ pub fn plan(suite: &Suite) -> Result<Plan, Vec<PlanError>> {
             Err(error) => errors.push(error),
         }
     }
+    let populations = individuals::populations(suite).unwrap_or_else(|error| {
+        // Unless that is why the scenario could not be planned.
+        if errors.is_empty() {
+            errors.push(error);
+        }
+        BTreeMap::new()
+    });
     if errors.is_empty() {
-        Ok(Plan { suite: suite.name.clone(), seed: suite.seed, time_limit: suite.time_limit, trials })
+        let (suite, seed, time_limit) = (suite.name.clone(), suite.seed, suite.time_limit);
+        Ok(Plan { suite, seed, time_limit, trials, populations })
     } else {
         Err(errors)
     }
@@ -128,7 +148,7 @@ pub fn outline(suite: &Suite, scenario: &Scenario) -> Result<Vec<Outline>, PlanE
 }
 
 fn outline_with(suite: &Suite, scenario: &Scenario, people: usize) -> Result<Vec<Outline>, PlanError> {
-    let variations = Combinations::new(suite.seed, scenario);
+    let mut variations = Combinations::new(suite.seed, scenario, Variables::new())?;
     let rounds = scenario.runs.as_ref().map(|budget| rounds(scenario, budget, people)).transpose()?;
     let runs = rounds.map_or(people.saturating_mul(scenario.repeat as usize), |rounds| rounds.most);
     let all = variations.count().saturating_mul(runs);
@@ -141,7 +161,7 @@ fn outline_with(suite: &Suite, scenario: &Scenario, people: usize) -> Result<Vec
     let mut keys = HashSet::new();
     (0..variations.count())
         .map(|index| {
-            let variation = variations.get(index);
+            let variation = variations.get(index)?;
             let mut key = format!("{}/{}", suite.name, scenario.name);
             for assignment in &variation {
                 key.push_str(&format!("/{}={}", assignment.name, assignment.label));
@@ -150,7 +170,7 @@ fn outline_with(suite: &Suite, scenario: &Scenario, people: usize) -> Result<Vec
                 let message = format!("scenario `{}` has two trials named `{key}`", scenario.name);
                 return Err(PlanError::new(&scenario.origin, message).with_hint("list every value once"));
             }
-            let criteria = criteria(scenario, &variables(&variation))?;
+            let criteria = criteria(scenario, &variables(&variation)).map_err(|error| error.in_case(&key))?;
             Ok(Outline { key, variation, runs, rounds, criteria })
         })
         .collect()
@@ -198,7 +218,10 @@ fn trials(suite: &Suite, scenario: &Scenario, whole: bool) -> Result<Vec<Trial>,
         let variables = variables(&variation);
         let worlds = people
             .iter()
-            .map(|person| Ok(Arc::new(setup::world(scenario, &variables, person)?)))
+            .map(|person| {
+                let world = setup::world(scenario, &variables, person);
+                world.map(Arc::new).map_err(|error| error.in_case(&format!("{key}{}", people_label(person))))
+            })
             .collect::<Result<Vec<_>, PlanError>>()?;
         let case = |who: usize, repetition: u32| {
             let key = format!("{key}{}/rep={repetition}", people_label(&people[who]));
@@ -248,7 +271,8 @@ pub fn concrete_case(
     repetition: u32,
     seed: u64,
 ) -> Result<Case, PlanError> {
-    let world = Arc::new(setup::world(scenario, &variables(&variation), &individuals)?);
+    let world = setup::world(scenario, &variables(&variation), &individuals);
+    let world = Arc::new(world.map_err(|error| error.in_case(&key))?);
     Ok(Case { key, scenario: scenario.name.clone(), variation, individuals, repetition, seed, world })
 }
 
@@ -273,6 +297,9 @@ pub fn criteria(scenario: &Scenario, variables: &Variables) -> Result<Vec<Criter
         }
         if applies {
             let mut criterion = criterion.clone();
+            // The last step may end beyond the horizon.
+            let longest = scenario.horizon + scenario.step;
+            criterion.reach.limits = metrics::limits(criterion.claim.metric(), longest);
             for bound in criterion.claim.bounds_mut() {
                 *bound = Expression::Constant(bound.evaluate(variables).map_err(failed)?);
             }

@@ -2,31 +2,43 @@
 
 use std::collections::HashMap;
 
-use crate::scenario::{Assignment, Distribution, Samples, SamplingScheme, Value, significant};
+use super::Variables;
+use crate::scenario::{
+    Assignment, DistributionError, KnownDistribution, Samples, SamplingScheme, Value, significant,
+};
 use crate::sim::random::{Stream, normal_quantile};
 
-/// One row per sample, one assignment per name.
-pub fn draw(seed: u64, names: &[String], samples: &Samples) -> Vec<Vec<Assignment>> {
+/// One row per sample, one assignment per name. `known` are the variations that distributions may depend on; so they may on
+/// earlier names of their row.
+///
+/// # Errors
+/// If nothing can be drawn from a distribution with the numbers that it has there: its name, and why.
+pub fn draw(
+    seed: u64,
+    names: &[String],
+    samples: &Samples,
+    known: &Variables,
+) -> Result<Vec<Vec<Assignment>>, (String, DistributionError)> {
     let mut drawn: HashMap<Vec<String>, usize> = HashMap::new();
-    design(samples.scheme, samples.count as usize, names.len(), seed)
-        .into_iter()
-        .map(|point| {
-            let mut row: Vec<_> = (0..names.len())
-                .map(|index| {
-                    let (value, label) =
-                        quantile(&samples.distributions[index], point[index], &samples.units[index]);
-                    Assignment { name: names[index].clone(), label, value }
-                })
-                .collect();
-            // Two draws that round to the same words still need names of their own.
-            let copies = drawn.entry(row.iter().map(|one| one.label.clone()).collect()).or_default();
-            *copies += 1;
-            if *copies > 1 {
-                row[0].label += &format!("#{copies}");
-            }
-            row
-        })
-        .collect()
+    let mut known = known.clone();
+    let row = |point: Vec<f64>| {
+        let mut row = Vec::with_capacity(names.len());
+        for (index, name) in names.iter().enumerate() {
+            let distribution = samples.distributions[index].known(&known);
+            let distribution = distribution.map_err(|error| (name.clone(), error))?;
+            let (value, label) = quantile(&distribution, point[index], &samples.units[index]);
+            known.insert(name.clone(), value.clone());
+            row.push(Assignment { name: name.clone(), label, value });
+        }
+        // Two draws that round to the same words still need names of their own.
+        let copies = drawn.entry(row.iter().map(|one| one.label.clone()).collect()).or_default();
+        *copies += 1;
+        if *copies > 1 {
+            row[0].label += &format!("#{copies}");
+        }
+        Ok(row)
+    };
+    design(samples.scheme, samples.count as usize, names.len(), seed).into_iter().map(row).collect()
 }
 
 /// `count` points of the open unit cube.
@@ -66,23 +78,25 @@ fn derive_scramble(seed: u64) -> u32 {
     (seed ^ (seed >> 32)) as u32
 }
 
-fn quantile(distribution: &Distribution, share: f64, unit: &str) -> (Value, String) {
-    let number = match distribution {
-        Distribution::Uniform { low, high } => low + (high - low) * share,
-        Distribution::Normal { mean, standard_deviation } => {
+fn quantile(distribution: &KnownDistribution, share: f64, unit: &str) -> (Value, String) {
+    let number = match *distribution {
+        KnownDistribution::Uniform { low, high } => low + (high - low) * share,
+        KnownDistribution::Normal { mean, standard_deviation } => {
             mean + standard_deviation * normal_quantile(share)
         }
-        Distribution::TruncatedNormal { mean, standard_deviation, low, high } => {
+        KnownDistribution::TruncatedNormal { mean, standard_deviation: 0.0, low, high } => {
+            mean.clamp(low, high)
+        }
+        KnownDistribution::TruncatedNormal { mean, standard_deviation, low, high } => {
             let cumulative = |value: f64| {
                 0.5 * libm::erfc((mean - value) / (standard_deviation * std::f64::consts::SQRT_2))
             };
-            let (below, above) = (cumulative(*low), cumulative(*high));
+            let (below, above) = (cumulative(low), cumulative(high));
             let inside = below + (above - below) * share;
             // Far out in a tail the cumulative distribution is flat, and rounding may leave the interval.
-            (mean + standard_deviation * normal_quantile(inside.clamp(1e-300, 1.0 - 1e-16)))
-                .clamp(*low, *high)
+            (mean + standard_deviation * normal_quantile(inside.clamp(1e-300, 1.0 - 1e-16))).clamp(low, high)
         }
-        Distribution::Choice(options) => {
+        KnownDistribution::Choice(options) => {
             let option = &options[((share * options.len() as f64) as usize).min(options.len() - 1)];
             return (option.value.clone(), option.label.clone());
         }
@@ -93,20 +107,22 @@ fn quantile(distribution: &Distribution, share: f64, unit: &str) -> (Value, Stri
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scenario::Distribution;
 
     fn samples(scheme: SamplingScheme, distribution: Distribution) -> Samples {
         Samples { count: 256, scheme, distributions: vec![distribution], units: vec!["s".into()] }
     }
 
     fn numbers(samples: &Samples) -> Vec<f64> {
-        let rows = draw(3, &["tta".to_string()], samples);
+        let rows = draw(3, &["tta".to_string()], samples, &Variables::new()).unwrap();
         rows.iter().map(|row| row[0].value.as_number().unwrap()).collect()
     }
 
     #[test]
     fn every_scheme_fills_the_range() {
         for scheme in [SamplingScheme::Random, SamplingScheme::LatinHypercube, SamplingScheme::Sobol] {
-            let drawn = numbers(&samples(scheme, Distribution::Uniform { low: 6.0, high: 18.0 }));
+            let drawn =
+                numbers(&samples(scheme, Distribution::Uniform { low: 6.0.into(), high: 18.0.into() }));
             assert_eq!(drawn.len(), 256);
             assert!(drawn.iter().all(|value| (6.0..18.0).contains(value)));
             let mean = drawn.iter().sum::<f64>() / 256.0;
@@ -128,22 +144,28 @@ mod tests {
 
     #[test]
     fn normals_have_their_moments_and_limits() {
-        let normal = Distribution::Normal { mean: 1.3, standard_deviation: 0.2 };
+        let normal = Distribution::Normal { mean: 1.3.into(), standard_deviation: 0.2.into() };
         let drawn = numbers(&samples(SamplingScheme::LatinHypercube, normal));
         let mean = drawn.iter().sum::<f64>() / 256.0;
         let variance = drawn.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / 255.0;
         assert!((mean - 1.3).abs() < 0.005 && (variance.sqrt() - 0.2).abs() < 0.01, "{mean} {variance}");
-        let truncated =
-            Distribution::TruncatedNormal { mean: 1.3, standard_deviation: 0.2, low: 1.2, high: 1.5 };
-        let drawn = numbers(&samples(SamplingScheme::Random, truncated));
+        let truncated = |standard_deviation: f64| Distribution::TruncatedNormal {
+            mean: 1.3.into(),
+            standard_deviation: standard_deviation.into(),
+            low: 1.2.into(),
+            high: 1.5.into(),
+        };
+        let drawn = numbers(&samples(SamplingScheme::Random, truncated(0.2)));
         assert!(drawn.iter().all(|value| (1.2..=1.5).contains(value)));
+        let constant = numbers(&samples(SamplingScheme::Random, truncated(0.0)));
+        assert!(constant.iter().all(|value| *value == 1.3));
     }
 
     #[test]
     fn equal_labels_are_told_apart() {
         let only = crate::scenario::VariedValue { value: Value::Number(1.0), label: "1s".into() };
-        let rows =
-            draw(3, &["tta".to_string()], &samples(SamplingScheme::Random, Distribution::Choice(vec![only])));
+        let samples = samples(SamplingScheme::Random, Distribution::Choice(vec![only]));
+        let rows = draw(3, &["tta".to_string()], &samples, &Variables::new()).unwrap();
         assert_eq!([&rows[0][0].label, &rows[1][0].label, &rows[255][0].label], ["1s", "1s#2", "1s#256"]);
     }
 }

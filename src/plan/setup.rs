@@ -1,5 +1,6 @@
 //! One world of a scenario: expressions evaluated, settings resolved, places worked out.
 
+use super::check::check;
 use super::{PlanError, Variables};
 use crate::pedestrian;
 use crate::scenario::{
@@ -11,7 +12,7 @@ use crate::vehicle::{self, PERCEPTION};
 
 const DEFAULT_SHAPE: Shape = Shape::Disc { radius: 0.25 };
 
-/// The world of `scenario` where the variations have the values `variables`, with these people in it.
+/// The checked world of `scenario` where the variations have the values `variables`, with these people in it.
 pub fn world(scenario: &Scenario, variables: &Variables, people: &[Individual]) -> Result<World, PlanError> {
     let pedestrians = scenario
         .pedestrians
@@ -24,7 +25,7 @@ pub fn world(scenario: &Scenario, variables: &Variables, people: &[Individual]) 
         .enumerate()
         .map(|(index, declared)| vehicle_setup(scenario, declared, index, variables, &pedestrians))
         .collect::<Result<Vec<_>, _>>()?;
-    Ok(World {
+    let world = World {
         road: scenario.road.clone(),
         vehicles,
         pedestrians,
@@ -32,7 +33,9 @@ pub fn world(scenario: &Scenario, variables: &Variables, people: &[Individual]) 
         horizon: scenario.horizon,
         finish: scenario.finish,
         end_on_collision: scenario.end_on_collision,
-    })
+    };
+    check(scenario, &world)?;
+    Ok(world)
 }
 
 fn vehicle_setup(
@@ -79,13 +82,7 @@ fn vehicle_setup(
         Some((length, width)) => (number(length)?, number(width)?),
         None => dynamics.size,
     };
-    positive(length, "length of a vehicle", &declared.origin)?;
-    positive(width, "width of a vehicle", &declared.origin)?;
     let speed = number(&declared.speed)?;
-    if !(0.0..=100.0).contains(&speed) {
-        let message = format!("speed of vehicle `{}` is {speed} m/s, outside 0 .. 100 m/s", declared.name);
-        return Err(PlanError::new(&declared.origin, message).with_hint("keep it within 0 .. 100 m/s"));
-    }
     let start = match &declared.start {
         DeclaredVehicleStart::Distance(distance) => VehicleStart::Distance(number(distance)?),
         DeclaredVehicleStart::TimeToArrival(time) => {
@@ -101,11 +98,6 @@ fn vehicle_setup(
             })?
         }
     };
-    if speed == 0.0 && matches!(start, VehicleStart::TimeToArrival { .. }) {
-        let message = format!("vehicle `{}` stands still, so that it has no time to arrival", declared.name);
-        let hint = "give it a speed, or a place: `start 80 m before crossing`";
-        return Err(PlanError::new(&declared.origin, message).with_hint(hint));
-    }
     let sees = match &declared.sees {
         Some(model) => Some(ModelSetup {
             name: PERCEPTION.name.to_string(),
@@ -177,11 +169,6 @@ fn pedestrian_setup(
     let start =
         Position { x, y: road.lane_centre(own_lane) - sign * number(&declared.start_from_lane_centre)? };
     let goal = Position { x, y: road.kerb(opposite) + sign * number(&declared.goal_beyond_kerb)? };
-    if sign * (goal.y - start.y) <= 0.0 {
-        let message = format!("pedestrian `{}` starts beyond its goal", declared.name);
-        return Err(PlanError::new(&declared.origin, message)
-            .with_hint("a positive distance from the kerb is away from the road"));
-    }
     let shape = match &declared.shape {
         None => DEFAULT_SHAPE,
         Some(DeclaredShape::Disc { radius }) => Shape::Disc { radius: number(radius)? },
@@ -189,13 +176,6 @@ fn pedestrian_setup(
             Shape::Rectangle { length: number(length)?, width: number(width)? }
         }
     };
-    match shape {
-        Shape::Disc { radius } => positive(radius, "radius of a pedestrian", &declared.origin)?,
-        Shape::Rectangle { length, width } => {
-            positive(length, "length of a pedestrian", &declared.origin)?;
-            positive(width, "width of a pedestrian", &declared.origin)?;
-        }
-    }
     let appears = match &declared.appears {
         DeclaredAppearance::At(time) => Appearance::At(number(time)?),
         DeclaredAppearance::TimeToArrival { vehicle, reference, time } => {
@@ -213,7 +193,7 @@ fn pedestrian_setup(
         }
     }
     let settings =
-        model.declaration.resolve(&given).map_err(|error| refused(&declared.model.origin, &error))?;
+        model.declaration.fill_in(&given).map_err(|error| refused(&declared.model.origin, &error))?;
     Ok(PedestrianSetup {
         name: declared.name.clone(),
         model: ModelSetup { name: model_name.to_string(), settings },
@@ -226,21 +206,12 @@ fn pedestrian_setup(
 }
 
 fn resolve(declaration: &Declaration, model: &Model, variables: &Variables) -> Result<Settings, PlanError> {
-    declaration.resolve(&evaluate(model, variables)?).map_err(|error| refused(&model.origin, &error))
+    declaration.fill_in(&evaluate(model, variables)?).map_err(|error| refused(&model.origin, &error))
 }
 
-/// What a declaration refuses although every single value was checked: what several variations come to together.
+/// A name that a declaration does not know; values are checked in the resolved world.
 fn refused(origin: &Origin, error: &SettingError) -> PlanError {
-    let refused = PlanError::new(origin, error.to_string());
-    match error {
-        SettingError::OutOfRange { name, low, high, unit, .. } => refused.with_hint(format!(
-            "let `{name}` stay within {low} .. {high}{unit} for all combinations of values"
-        )),
-        SettingError::WrongType { name, expected, .. } => {
-            refused.with_hint(format!("let `{name}` be {expected} for all combinations of values"))
-        }
-        SettingError::UnknownParameter { .. } | SettingError::UnknownOption { .. } => refused,
-    }
+    PlanError::new(origin, error.to_string())
 }
 
 fn evaluate(model: &Model, variables: &Variables) -> Result<Settings, PlanError> {
@@ -260,13 +231,4 @@ fn name<'a>(model: &'a Model, variables: &'a Variables) -> Result<&'a str, PlanE
 
 fn number(expression: &Expression, variables: &Variables, origin: &Origin) -> Result<f64, PlanError> {
     expression.evaluate_number(variables).map_err(|error| PlanError::new(origin, error.to_string()))
-}
-
-fn positive(value: f64, what: &str, origin: &Origin) -> Result<(), PlanError> {
-    if value > 0.0 {
-        Ok(())
-    } else {
-        Err(PlanError::new(origin, format!("the {what} must be positive, but is {value} m"))
-            .with_hint("let it be above 0 m for all combinations of values"))
-    }
 }

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::format::{count, quantity, share};
 use super::gate::render_reason;
-use super::github::markdown;
+use crate::escape::markdown;
 use crate::judge::baseline::{Baseline, RecordedMetric, RecordedTrial, pair};
 use crate::judge::gate::vehicle_changes;
 use crate::judge::statistics::mean;
@@ -27,6 +27,11 @@ pub fn render_baseline(baseline: &Baseline, form: Form) -> String {
             let drives = format!("{} on {}", vehicle.controller.name, vehicle.dynamics.name);
             let trials = baseline.trials.iter().filter(|trial| trial.vehicles == index).count();
             line(&mut text, form, &format!("{}: {drives} in {trials} trials", vehicle.name));
+        }
+    }
+    for trial in &baseline.trials {
+        for warning in &trial.warnings {
+            line(&mut text, form, &format!("warning: {}: {warning}", trial.key));
         }
     }
     text.push('\n');

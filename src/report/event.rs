@@ -6,7 +6,9 @@ use thiserror::Error;
 
 use super::format::count;
 use super::wording::stopping;
-use super::{BlockReport, RecordedReport, Skip, SuiteIdentity, SuiteReport, TrialReport, TrialState};
+use super::{
+    BlockReport, BlockState, CutBy, RecordedReport, Skip, SuiteIdentity, SuiteReport, TrialReport, TrialState,
+};
 use crate::judge::Verdict;
 use crate::run::Requests;
 
@@ -120,10 +122,15 @@ impl UnitReport<'_> {
             Self::Recorded(recorded) => recorded.remark(),
             Self::Trial(trial) => match (&trial.state, trial.stopping()) {
                 (TrialState::Skipped(skip), _) => format!(": {skip}"),
+                (TrialState::NotFinished(cut), _) => format!(": {cut}"),
                 (_, Some(stopped)) => format!(" ({})", stopping(stopped)),
                 _ => String::new(),
             },
-            Self::Block(block) => block.skip().map(|skip| format!(": {skip}")).unwrap_or_default(),
+            Self::Block(block) => match &block.state {
+                BlockState::Skipped(skip) => format!(": {skip}"),
+                BlockState::NotFinished(cut) => format!(": {cut}"),
+                BlockState::Finished(_) | BlockState::Errored(_) => String::new(),
+            },
         }
     }
 
@@ -150,14 +157,16 @@ impl UnitReport<'_> {
 pub enum Standing {
     Skipped,
     Judged(Verdict),
+    /// It was begun, and cut off.
+    NotFinished(CutBy),
     /// It could not be run to its end.
     Errored,
 }
 
 impl Standing {
-    /// Whether it counts for `--max-fail`: an open question is no failure.
+    /// Whether it counts for `--max-fail`: an open question is no failure, nor is what somebody interrupted.
     pub fn is_failure(self) -> bool {
-        matches!(self, Self::Judged(Verdict::Failed) | Self::Errored)
+        matches!(self, Self::Judged(Verdict::Failed) | Self::NotFinished(CutBy::TimeLimit) | Self::Errored)
     }
 
     /// Of something that was run and has this verdict, if any.

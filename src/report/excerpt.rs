@@ -2,6 +2,7 @@
 
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 
+use crate::escape::{terminal, terminal_line, terminal_same_bytes};
 use crate::scenario::Origin;
 
 /// A titled message that points at one place.
@@ -18,20 +19,20 @@ pub struct Excerpt<'a> {
 impl Excerpt<'_> {
     /// The drawing; without `colour` it is plain text that is the same everywhere.
     pub fn render(&self, colour: bool) -> String {
-        let line = &self.origin.source_line;
+        let line = terminal_same_bytes(&self.origin.source_line);
         let offset = |column: usize| line.char_indices().nth(column).map_or(line.len(), |(index, _)| index);
         let from = offset(self.origin.column.saturating_sub(1));
         let to = offset(self.origin.column.saturating_sub(1) + self.origin.length.max(1)).max(from);
-        let snippet = Snippet::source(line.as_str())
+        let snippet = Snippet::source(line)
             .line_start(self.origin.line.max(1))
-            .path(self.origin.file.as_str())
-            .annotation(AnnotationKind::Primary.span(from..to).label(self.label));
-        let mut group = Group::with_title(Level::ERROR.primary_title(self.title)).element(snippet);
+            .path(terminal_line(&self.origin.file))
+            .annotation(AnnotationKind::Primary.span(from..to).label(terminal_line(self.label)));
+        let mut group = Group::with_title(Level::ERROR.primary_title(terminal(self.title))).element(snippet);
         for note in self.notes {
-            group = group.element(Level::NOTE.message(note.as_str()));
+            group = group.element(Level::NOTE.message(terminal(note)));
         }
         if let Some(help) = self.help {
-            group = group.element(Level::HELP.message(help));
+            group = group.element(Level::HELP.message(terminal(help)));
         }
         let renderer = if colour { Renderer::styled() } else { Renderer::plain() };
         renderer.render(&[group]).to_string()

@@ -3,20 +3,22 @@
 use anstyle::AnsiColor;
 
 use super::excerpt::Excerpt;
-use super::format::{quantity, share};
+use super::format::share;
 use super::replay::{block_command, replay_command};
 use super::table::paint;
-use super::wording::{run_in_words, run_value, stopping};
-use super::{BlockReport, BlockState, SuiteIdentity, TrialState, UnitReport};
+use super::wording::{metric_value, run_in_words, run_value, stopping, whom};
+use super::{BlockReport, BlockState, CutBy, SuiteIdentity, TrialState, UnitReport};
+use crate::escape::terminal;
 use crate::judge::{Finding, Measure, Verdict};
-use crate::metrics;
-use crate::scenario::significant;
 
 /// Why a unit did not pass.
 pub fn explain(suite: &SuiteIdentity, report: &UnitReport, colour: bool) -> String {
     let render = |state: &TrialState| match state {
+        TrialState::NotFinished(cut) if cut.by() == CutBy::TimeLimit => {
+            paint("error: ", AnsiColor::Red.on_default().bold(), colour) + &cut.explained()
+        }
         TrialState::Errored(message) => {
-            paint("error: ", AnsiColor::Red.on_default().bold(), colour) + message
+            paint("error: ", AnsiColor::Red.on_default().bold(), colour) + &terminal(message)
         }
         state => render_failure(suite, state, colour),
     };
@@ -30,8 +32,9 @@ pub fn explain(suite: &SuiteIdentity, report: &UnitReport, colour: bool) -> Stri
 /// Every finding that is not passed, drawn at its place, with the worst runs and how to replay them.
 pub fn render_failure(suite: &SuiteIdentity, state: &TrialState, colour: bool) -> String {
     match state {
-        TrialState::Skipped(reason) => reason.to_string(),
-        TrialState::Errored(message) => message.clone(),
+        TrialState::Skipped(reason) => terminal(&reason.to_string()),
+        TrialState::Errored(message) => terminal(message),
+        TrialState::NotFinished(cut) => terminal(&cut.explained()),
         TrialState::Judged(judged) => {
             let bad = judged.findings.iter().filter(|finding| finding.verdict != Verdict::Passed);
             let drawings = bad.map(|finding| render_finding(suite, finding, colour));
@@ -46,7 +49,8 @@ pub fn render_failure(suite: &SuiteIdentity, state: &TrialState, colour: bool) -
 pub fn render_block_failure(suite: &SuiteIdentity, report: &BlockReport, colour: bool) -> String {
     let block = format!("`{} {}`", report.block.kind(), report.block.name());
     let title = match &report.state {
-        BlockState::Skipped(reason) => return reason.to_string(),
+        BlockState::Skipped(reason) => return terminal(&reason.to_string()),
+        BlockState::NotFinished(cut) => return terminal(&cut.explained()),
         BlockState::Errored(message) => format!("{block} could not be run: {message}"),
         BlockState::Finished(result) => match result.failure() {
             Some(reason) => format!("{block} failed: {reason}"),
@@ -58,7 +62,8 @@ pub fn render_block_failure(suite: &SuiteIdentity, report: &BlockReport, colour:
     Excerpt { title: &title, origin, label: "", notes: &[], help: Some(&again) }.render(colour)
 }
 
-fn render_finding(suite: &SuiteIdentity, finding: &Finding, colour: bool) -> String {
+/// A finding that is not passed, drawn at its place.
+pub(super) fn render_finding(suite: &SuiteIdentity, finding: &Finding, colour: bool) -> String {
     let title = title(finding);
     let mut notes = Vec::new();
     if finding.undefined > 0 {
@@ -67,15 +72,13 @@ fn render_finding(suite: &SuiteIdentity, finding: &Finding, colour: bool) -> Str
             finding.metric, finding.undefined, finding.runs
         ));
     }
-    if let Some((low, high)) = finding.interval {
-        let show = |bound: f64| match finding.measure {
-            Measure::Share | Measure::EveryRun => share(bound),
-            _ if bound.is_infinite() => "anywhere".to_string(),
-            _ => metrics::metric(&finding.metric)
-                .map_or_else(|| significant(bound, 4), |metric| quantity(metric, Some(bound))),
-        };
-        notes.push(format!("at the stated confidence it lies between {} and {}", show(low), show(high)));
+    if finding.cut_off > 0 {
+        notes.push(format!(
+            "the horizon ended {} of {} runs before `{}` was decided; each counts as the worst that could still have come",
+            finding.cut_off, finding.runs, finding.metric
+        ));
     }
+    notes.extend(bounds(finding));
     let runs = finding.worst.iter().chain(&finding.closest);
     notes.extend(runs.map(|run| format!("{}  {}", run_in_words(finding, run), run.key)));
     let replay = finding.worst.first().map(|run| format!("replay: {}", replay_command(suite, &run.key)));
@@ -83,6 +86,34 @@ fn render_finding(suite: &SuiteIdentity, finding: &Finding, colour: bool) -> Str
         finding.worst.first().map_or_else(String::new, |run| format!("worst: {}", run_value(finding, run)));
     Excerpt { title: &title, origin: &finding.origin, label: &label, notes: &notes, help: replay.as_deref() }
         .render(colour)
+}
+
+/// What is known at the stated confidence: the side that decides or, where neither does, each by itself.
+fn bounds(finding: &Finding) -> Option<String> {
+    let ((low, high), confidence) = (finding.interval?, finding.confidence?);
+    let show = |bound: f64| match finding.measure {
+        Measure::Share | Measure::EveryRun => share(bound),
+        _ => metric_value(finding, Some(bound)),
+    };
+    let least = low.is_finite().then(|| format!("at least {}", show(low)));
+    let most = high.is_finite().then(|| format!("at most {}", show(high)));
+    let at = format!("{} {}", if finding.approximate { "about" } else { "at" }, share(confidence));
+    let whom = whom(finding).map_or_else(String::new, |whom| format!(" {whom}"));
+    let both = format!("both at {}", share(2.0 * confidence - 1.0));
+    Some(match (least, most) {
+        (None, None) => format!("{at} confidence nothing bounds it{whom}"),
+        // A failing claim is refuted by the end that is nearer to its bound.
+        (Some(least), _) if finding.verdict == Verdict::Failed && low >= finding.bound => {
+            format!("{at} confidence it is {least}{whom}")
+        }
+        (_, Some(most)) if finding.verdict == Verdict::Failed => {
+            format!("{at} confidence it is {most}{whom}")
+        }
+        (Some(least), Some(most)) => {
+            format!("{at} confidence it is {least}, {at} it is {most}, {both}{whom}")
+        }
+        (Some(one), None) | (None, Some(one)) => format!("{at} confidence it is {one}{whom}"),
+    })
 }
 
 fn title(finding: &Finding) -> String {
@@ -107,9 +138,11 @@ fn title(finding: &Finding) -> String {
         }
         Measure::Count => format!("`{criterion}` {verb}: {observed} of {} runs", finding.runs),
         Measure::Value => {
-            let text = metrics::metric(&finding.metric)
-                .map_or_else(|| significant(observed, 4), |metric| quantity(metric, Some(observed)));
-            format!("`{criterion}` {verb}: {text} over {} runs", finding.runs)
+            let text = metric_value(finding, Some(observed));
+            // Only those with a value are in it.
+            let (with, all) = (finding.holding, finding.runs);
+            let of = if with == all { String::new() } else { format!(" of {all}") };
+            format!("`{criterion}` {verb}: {text} over {with}{of} runs")
         }
     }
 }

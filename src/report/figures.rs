@@ -1,10 +1,10 @@
 //! The charts of a suite's report: which there are, and their data out of trials and recorded runs.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::chart::{
     Dot, Entry, First, Found, Individuals, Path, Paths, Quantity, Rate, RateSeries, Rates, Rows, Rule, Strip,
-    Strips, first_legend, with_room,
+    Strips, first_legend, is_drawn, with_room,
 };
 use super::recording::Recording;
 use super::variable::Variable;
@@ -30,10 +30,12 @@ const FLAGS: [&str; 3] = ["collision", "gap_accepted", "sudden_speed_change"];
 const QUANTITIES: [&str; 1] = ["pet"];
 /// With more trials than this, distributions per trial become a scatter over the variation.
 const MOST_STRIPS: usize = 12;
+/// More points in one chart cannot be told apart.
+const MOST_POINTS: usize = 1000;
 /// More scenarios than this stand below each other, where there is room for their names.
 const MOST_BESIDE: usize = 6;
-const STRIPS_NOTE: &str = "Boxes show median and quartiles; beyond 120 runs a violin stands for the middle 90 %. A \
-                           fraction above a column counts the runs in which the value exists.";
+const STRIPS_NOTE: &str = "Boxes show median and quartiles; beyond 120 runs a violin stands for all, and marks for those \
+                           outside the middle 90 %, at most 60 at each end. A fraction above a column counts the runs in which the value exists.";
 /// More lines in one chart cannot be told apart.
 const MOST_SERIES: usize = super::chart::LOOKS;
 
@@ -131,9 +133,13 @@ impl Data<'_> {
 
     fn strip(&self, name: String, trials: &[&TrialReport], index: usize) -> Strip {
         let outcomes = || trials.iter().flat_map(|trial| &trial.outcomes);
+        let mut values: Vec<f64> = outcomes().filter_map(|outcome| outcome.metrics[index]).collect();
+        values.sort_by(f64::total_cmp);
         let dot = |outcome: &Outcome| {
-            let (first, name) = (self.first(outcome), outcome.key.clone());
-            outcome.metrics[index].map(|value| Dot { value, first, name })
+            let value = outcome.metrics[index]?;
+            // Only what is drawn is pointed at.
+            let name = if is_drawn(&values, value) { outcome.key.clone() } else { String::new() };
+            Some(Dot { value, first: self.first(outcome), name })
         };
         let dots: Vec<Dot> = outcomes().filter_map(dot).collect();
         Strip { name, undefined: outcomes().count() - dots.len(), dots }
@@ -277,7 +283,7 @@ impl Data<'_> {
         let variable = self.variable.as_ref()?;
         let metric = metrics::metric(&self.reference(index).name)?;
         let mut charts = Vec::new();
-        let mut tied = 0;
+        let (mut tied, mut left_out) = (0, 0);
         for (name, trials) in &self.scenarios {
             let mut found: Vec<Found> = Vec::new();
             let mut people: BTreeMap<String, Vec<Found>> = BTreeMap::new();
@@ -303,6 +309,7 @@ impl Data<'_> {
             if found.is_empty() {
                 continue;
             }
+            left_out += thin_out(&mut found, metric.worst);
             charts.push(Individuals {
                 title: name.to_string(),
                 x: variable.quantity.clone(),
@@ -328,6 +335,12 @@ impl Data<'_> {
             note +=
                 &format!(" {tied} individuals have none: theirs is equally bad at several values of {x}.");
         }
+        if left_out > 0 {
+            note += &format!(
+                " {left_out} more are not drawn: of every scenario there are the worst {} and others evenly.",
+                MOST_POINTS / 2
+            );
+        }
         (!charts.is_empty()).then(|| Figure {
             title: format!("{} against {x}", self.quantity(index).name),
             note,
@@ -338,11 +351,13 @@ impl Data<'_> {
 
     /// Figure (c): trajectories in the distance-distance plane, one panel per scenario.
     fn courses(&self, recordings: &[Recording]) -> Option<Figure> {
+        let drawn: BTreeSet<&str> = recordings.iter().map(|one| one.case.key.as_str()).collect();
         let outcomes: BTreeMap<&str, &Outcome> = self
             .report
             .trials
             .iter()
             .flat_map(|trial| &trial.outcomes)
+            .filter(|outcome| drawn.contains(outcome.key.as_str()))
             .map(|outcome| (outcome.key.as_str(), outcome))
             .collect();
         let mut charts = Vec::new();
@@ -377,6 +392,32 @@ impl Data<'_> {
             panels: charts.iter().map(Paths::to_svg).collect(),
         })
     }
+}
+
+/// Leaves as many points as a person can tell apart: the worst, and of the others every so-manieth. Returns how many went.
+fn thin_out(points: &mut Vec<Found>, worst: Worst) -> usize {
+    let all = points.len();
+    if all <= MOST_POINTS {
+        return 0;
+    }
+    let badness = |index: &usize| {
+        let y = points[*index].y;
+        if worst == Worst::Smallest { y } else { -y }
+    };
+    let mut order: Vec<usize> = (0..all).collect();
+    order.sort_by(|left, right| badness(left).total_cmp(&badness(right)));
+    let mut rest = order.split_off(MOST_POINTS / 2);
+    // In the order of the runs, which is that of the variations.
+    rest.sort_unstable();
+    let wanted = MOST_POINTS - order.len();
+    order.extend((0..wanted).map(|place| rest[place * rest.len() / wanted]));
+    let kept: BTreeSet<usize> = order.into_iter().collect();
+    let mut index = 0;
+    points.retain(|_| {
+        index += 1;
+        kept.contains(&(index - 1))
+    });
+    all - points.len()
 }
 
 /// Strips side by side on one scale.
@@ -415,4 +456,26 @@ fn worst(runs: Vec<Found>, worst: Worst) -> Option<Found> {
     let mut worst = runs.into_iter().filter(|run| badness(run) == most);
     let first = worst.next()?;
     worst.all(|other| other.x == first.x).then_some(first)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thinned_points_keep_the_worst_and_say_how_many_go() {
+        let point = |index: usize| Found {
+            x: index as f64,
+            y: ((index * 7919) % 10_007) as f64,
+            first: First::Neither,
+            name: String::new(),
+        };
+        let mut points: Vec<Found> = (0..10_000).map(point).collect();
+        let worst = |points: &[Found]| points.iter().map(|one| one.y).fold(f64::INFINITY, f64::min);
+        let least = worst(&points);
+        assert_eq!(thin_out(&mut points, Worst::Smallest), 10_000 - MOST_POINTS);
+        assert_eq!((points.len(), worst(&points)), (MOST_POINTS, least));
+        assert!(points.is_sorted_by(|left, right| left.x < right.x), "in their order");
+        assert_eq!(thin_out(&mut points, Worst::Largest), 0);
+    }
 }

@@ -2,6 +2,8 @@
 
 use serde_json::{Value, json};
 
+use super::Repository;
+use crate::escape::{github_data, github_property};
 use crate::lang::{Code, Diagnostic, Location, Severity, Sources, Span};
 
 /// Diagnostics with the texts they are about.
@@ -68,8 +70,8 @@ pub fn json(findings: &Findings) -> String {
     format!("{:#}\n", json!({ "version": 1, "diagnostics": diagnostics }))
 }
 
-/// One workflow command a line, such as `::error file=…,line=…::message`.
-pub fn github(findings: &Findings) -> String {
+/// One workflow command a line, such as `::error file=…,line=…::message`, with files from the root of the repository on.
+pub fn github(findings: &Findings, repository: &Repository) -> String {
     let mut text = String::new();
     for (found, sources) in each(findings) {
         let Region { file, from, to } = region(sources, found.span());
@@ -81,30 +83,20 @@ pub fn github(findings: &Findings) -> String {
         text.push_str(&format!(
             "::{} file={},line={},endLine={},col={},endColumn={},title={}::{}\n",
             level(found.severity),
-            property(file),
+            github_property(&repository.path(file)),
             from.line,
             to.line,
             from.column,
             to.column,
             found.code.name(),
-            data(&message.join("\n")),
+            github_data(&message.join("\n")),
         ));
     }
     text
 }
 
-/// GitHub's escapes for text after `::`.
-pub(super) fn data(text: &str) -> String {
-    text.replace('%', "%25").replace('\r', "%0D").replace('\n', "%0A")
-}
-
-/// GitHub's escapes for the value of a property.
-pub(super) fn property(text: &str) -> String {
-    data(text).replace(':', "%3A").replace(',', "%2C")
-}
-
-/// A SARIF 2.1.0 log with one run.
-pub fn sarif(findings: &Findings) -> String {
+/// A SARIF 2.1.0 log with one run; files are named from the root of the repository on.
+pub fn sarif(findings: &Findings, repository: &Repository) -> String {
     let rules: Vec<Value> = Code::ALL
         .iter()
         .map(|code| {
@@ -119,7 +111,7 @@ pub fn sarif(findings: &Findings) -> String {
     let place = |sources: &Sources, span: Span| {
         let Region { file, from, to } = region(sources, span);
         json!({
-            "artifactLocation": { "uri": uri_path(file) },
+            "artifactLocation": { "uri": uri_path(&repository.path(file)) },
             "region": {
                 "startLine": from.line, "startColumn": from.column, "endLine": to.line, "endColumn": to.column,
             },

@@ -1,7 +1,7 @@
 //! A made-up session for the tests of every format: two scenarios, three times to arrival, a few runs each.
 
 mod blocks;
-mod gate;
+pub mod gate;
 mod trials;
 
 use std::time::{Duration, SystemTime};
@@ -12,7 +12,7 @@ pub use trials::person;
 use trials::{course, trial, word};
 
 use super::{
-    BlockReport, BlockState, Chosen, RecordedReport, RecordedState, Recording, Rerun, Skip, Stopping,
+    BlockReport, BlockState, Chosen, Cut, RecordedReport, RecordedState, Recording, Rerun, Skip, Stopping,
     SuiteIdentity, SuiteReport, TrialReport, TrialState,
 };
 use crate::corpus::Recorded;
@@ -32,6 +32,9 @@ pub struct Session {
     recorded: Recorded,
     gate: Gate,
     pub requests: Requests,
+    /// The suite's name and file.
+    suite: String,
+    file: String,
 }
 
 impl Session {
@@ -45,7 +48,46 @@ impl Session {
         let mut requests = Requests::default();
         trials.iter().for_each(|trial: &Trial| requests.include(&trial.criteria));
         let (search, tune) = blocks();
-        Self { recorded: recorded(&trials[0].cases[1]), trials, search, tune, gate: gate::gate(), requests }
+        Self {
+            recorded: recorded(&trials[0].cases[1]),
+            trials,
+            search,
+            tune,
+            gate: gate::gate(),
+            requests,
+            suite: "zebra".into(),
+            file: "suites/zebra.suite".into(),
+        }
+    }
+
+    /// The same session with names, files, words and texts that end in `text`.
+    pub fn with_names(text: &str) -> Self {
+        let mut session = Self::new();
+        let name = |name: &mut String| name.push_str(text);
+        for trial in &mut session.trials {
+            let key = std::mem::take(&mut trial.key);
+            trial.key = format!("{key}{text}");
+            trial.doc.iter_mut().chain(&mut trial.tags).for_each(name);
+            name(&mut trial.scenario);
+            for case in &mut trial.cases {
+                case.key = case.key.replace(&key, &trial.key);
+                name(&mut case.scenario);
+                for one in &mut case.variation {
+                    [&mut one.name, &mut one.label].into_iter().for_each(name);
+                }
+            }
+            for criterion in &mut trial.criteria {
+                let origin = &mut criterion.origin;
+                [&mut criterion.text, &mut origin.file, &mut origin.source_line].into_iter().for_each(name);
+            }
+            name(&mut trial.origin.file);
+        }
+        let recorded = &mut session.recorded;
+        [&mut recorded.key, &mut recorded.scenario].into_iter().chain(&mut recorded.against).for_each(name);
+        [&mut session.search.name, &mut session.tune.name, &mut session.gate.name].into_iter().for_each(name);
+        session.gate.rules.iter_mut().for_each(|rule| name(&mut rule.text));
+        [&mut session.suite, &mut session.file].into_iter().for_each(name);
+        session
     }
 
     /// One trial of every state: the last two are an error and a skipped one. The second was run until it
@@ -74,14 +116,40 @@ impl Session {
             TrialReport { trial, outcomes, state, wall_time: Duration::from_millis(250) }
         });
         SuiteReport {
-            identity: SuiteIdentity { suite: "zebra", file: "suites/zebra.suite", seed: u64::MAX },
+            identity: SuiteIdentity { suite: &self.suite, file: &self.file, seed: u64::MAX, set: &[] },
             started: SystemTime::UNIX_EPOCH + Duration::from_secs(1_795_250_000),
             wall_time: Duration::from_millis(1500),
             recorded: self.reruns(),
             trials: trials.collect(),
             blocks: self.blocks(),
             gates: gate::reports(&self.gate),
+            interrupted: false,
         }
+    }
+
+    /// A session that somebody interrupted: a trial is finished, one was cut off by the time limit, one by the
+    /// interruption, and a search with it; the rest has not begun.
+    pub fn interrupted(&self) -> SuiteReport<'_> {
+        let mut report = self.report();
+        let skip = || Skip::Stopped(Stopping::Interrupted);
+        report.trials[1].outcomes.clear();
+        let limit = Duration::from_secs(10);
+        report.trials[1].state = TrialState::NotFinished(Cut::TimeLimit { limit, finished: 3, runs: 6 });
+        report.trials[2].outcomes.clear();
+        report.trials[2].state = TrialState::NotFinished(Cut::Trial { finished: 5, runs: 6 });
+        for trial in &mut report.trials[3..] {
+            trial.outcomes.clear();
+            trial.state = TrialState::Skipped(skip());
+        }
+        let words = "interrupted; the same command goes on from here".to_string();
+        report.blocks[0].state = BlockState::NotFinished(Cut::Block(words));
+        for block in &mut report.blocks[1..] {
+            block.state = BlockState::Skipped(skip());
+        }
+        report.recorded.clear();
+        report.gates.clear();
+        report.interrupted = true;
+        report
     }
 
     /// A run that still fails, one that does not, and one that cannot be run any more.
@@ -168,6 +236,7 @@ impl Session {
                 metrics: self.requests.iter().map(value).collect(),
                 critical: self.requests.iter().map(|_| critical(run)).collect(),
                 presences: vec![("walker".into(), Presence { appeared: true, entered: true })],
+                cut_off: Default::default(),
                 fingerprint: 0x0123_4567_89ab_cdef,
                 wall_time: Duration::from_millis(3),
             }
@@ -178,7 +247,8 @@ impl Session {
 
 /// Half a second later in every run.
 fn critical(run: f64) -> Critical {
-    Critical { time: Some(7.25 + run / 2.0), vehicle: Some("av".into()), pedestrian: Some("walker".into()) }
+    let (vehicle, pedestrian) = (Some("av".into()), Some("walker".into()));
+    Critical { time: Some(7.25 + run / 2.0), vehicle, pedestrian, other: None }
 }
 
 fn recorded(case: &Case) -> Recorded {

@@ -14,7 +14,12 @@ pub fn quantity(metric: &Metric, value: Option<f64>) -> String {
 }
 
 /// A number in a coherent SI unit with four significant digits, such as `8.333 m/s`.
+///
+/// Infinite where runs decide that never came to a value: `∞`.
 pub fn with_unit(value: f64, dimension: Dimension) -> String {
+    if value.is_infinite() {
+        return if value > 0.0 { "∞" } else { "-∞" }.to_string();
+    }
     let unit = dimension.si_unit();
     let number = significant(value, 4);
     if unit.is_empty() { number } else { format!("{number} {unit}") }

@@ -6,15 +6,21 @@ use anstyle::{AnsiColor, Style};
 
 use super::format::{count, quantity, share};
 use super::replay::replay_command;
+use super::table::paint;
 use super::{Excerpt, GateReport, GateState, SuiteIdentity, SuiteReport};
+use crate::escape::{terminal, terminal_line};
 use crate::judge::Verdict;
 use crate::judge::baseline::{Incompatible, Part};
-use crate::judge::gate::{ChangedRun, Check, CheckOutcome, GateVerdict, Power, Subject};
+use crate::judge::gate::{
+    BlindPlace, ChangedRun, Check, CheckOutcome, GateVerdict, Power, Subject, TrialChange,
+};
 use crate::metrics;
 use crate::scenario::significant;
 
 /// More runs than this are counted, not named.
 pub const MOST_RUNS_NAMED: usize = 5;
+/// Comparisons of which the trial is named that got worse though all together did not.
+const MOST_TRIALS_NAMED: usize = 5;
 
 const STRING: &str = "writing to a string cannot fail";
 
@@ -22,10 +28,9 @@ const STRING: &str = "writing to a string cannot fail";
 pub type Replay<'a> = &'a dyn Fn(&str) -> Option<String>;
 
 /// A gate with its verdict, a table of comparisons and what happened in those that regressed. Unless `all`, comparisons
-/// that held are counted only.
+/// that held or are the same are counted only.
 pub fn render_gate(verdict: &GateVerdict, replay: Replay, all: bool, colour: bool) -> String {
-    let paint =
-        |text: &str, style: Style| if colour { format!("{style}{text}{style:#}") } else { text.to_string() };
+    let paint = |text: &str, style: Style| paint(&terminal_line(text), style, colour);
     let mut text = String::new();
     let mark = format!("{} {}", outcome_mark(verdict.verdict), outcome_word(verdict.verdict));
     writeln!(
@@ -36,12 +41,12 @@ pub fn render_gate(verdict: &GateVerdict, replay: Replay, all: bool, colour: boo
     )
     .expect(STRING);
     for line in context(verdict) {
-        writeln!(text, "  {line}").expect(STRING);
+        writeln!(text, "  {}", terminal(&line)).expect(STRING);
     }
-    let shown: Vec<&Check> =
-        verdict.checks.iter().filter(|check| all || check.outcome != CheckOutcome::Held).collect();
+    let shown: Vec<&Check> = verdict.checks.iter().filter(|check| all || !check.outcome.is_fine()).collect();
     let mut place = "";
-    let rows: Vec<(&Check, [String; 6])> = shown.iter().map(|check| (*check, cells(check))).collect();
+    let rows: Vec<(&Check, [String; 6])> =
+        shown.iter().map(|check| (*check, cells(check).map(|cell| terminal_line(&cell)))).collect();
     let widths: [usize; 6] = std::array::from_fn(|column| {
         let cells = rows.iter().map(|(_, row)| row[column].chars().count());
         cells.chain([HEADINGS[column].chars().count()]).max().unwrap_or(0)
@@ -59,7 +64,7 @@ pub fn render_gate(verdict: &GateVerdict, replay: Replay, all: bool, colour: boo
     for check in shown.iter().filter(|check| check.outcome == CheckOutcome::Regressed) {
         writeln!(text, "\n  {}", paint(&sentence(check), AnsiColor::Red.on_default())).expect(STRING);
         for line in flips(check, replay) {
-            writeln!(text, "      {line}").expect(STRING);
+            writeln!(text, "      {}", terminal_line(&line)).expect(STRING);
         }
     }
     text
@@ -94,18 +99,24 @@ pub fn render_gate_report(suite: &SuiteIdentity, gate: &GateReport, colour: bool
             };
             excerpt.render(colour) + "\n"
         }
-        GateState::Skipped(message) => format!("gate {} is not judged: {message}\n", gate.gate.name),
+        GateState::NotJudged(why) => {
+            format!("gate {} is NOT JUDGED: {}\n", terminal_line(&gate.gate.name), terminal(&why.to_string()))
+        }
     }
 }
 
 /// Everything about a gate that is not about a single comparison, a sentence each.
 pub fn context(verdict: &GateVerdict) -> Vec<String> {
     let mut lines = vec![format!(
-        "{} over {}: {} regressed, {} held, {} not shown either way",
+        "{} over {}: {} regressed, {} held, {}{} not shown either way",
         count(verdict.checks.len(), "comparison"),
         count(verdict.runs, "run"),
         verdict.count(CheckOutcome::Regressed),
         verdict.count(CheckOutcome::Held),
+        match verdict.count(CheckOutcome::Same) {
+            0 => String::new(),
+            same => format!("{same} the same, "),
+        },
         verdict.count(CheckOutcome::NotShown),
     )];
     lines.push(match (verdict.nothing_changed, verdict.same_seeds, verdict.same_people) {
@@ -123,18 +134,35 @@ pub fn context(verdict: &GateVerdict) -> Vec<String> {
     if !verdict.changes.is_empty() {
         lines.push(format!("tested: {}", verdict.changes.join(", ")));
     }
-    for rule in &verdict.blind_rules {
-        lines.push(format!("`{rule}` could not have failed: {}", why_blind(verdict, rule)));
-    }
+    lines.extend(blindness(verdict));
+    lines.extend(cancelled(verdict));
     for new in [&verdict.new_trials, &verdict.new_metrics] {
         if !new.is_empty() {
             lines.push(format!("not compared, since the base lacks them: {}", some(new)));
         }
     }
+    if !verdict.unnamed_flags.is_empty() {
+        let first = &verdict.unnamed_flags[0];
+        lines.push(format!(
+            "not compared, since what is true or false needs a rule of its own, such as `{first} not worse`: {}",
+            verdict.unnamed_flags.join(", ")
+        ));
+    }
     if !verdict.without_values.is_empty() {
         lines.push(format!("not compared, since no run has them: {}", verdict.without_values.join(", ")));
     }
     lines
+}
+
+/// What could not have failed, and why, a sentence each.
+pub fn blindness(verdict: &GateVerdict) -> Vec<String> {
+    let rules = verdict.blind_rules.iter();
+    let rules = rules.map(|rule| format!("`{rule}` could not have failed: {}", why_blind(verdict, rule)));
+    let places = verdict.blind_places.iter().map(|BlindPlace { rule, scenario, units, needed }| {
+        let why = too_few(verdict, *units, *needed);
+        format!("`{rule}` could not have failed in {scenario}, where something changed: {why}")
+    });
+    rules.chain(places).collect()
 }
 
 fn why_blind(verdict: &GateVerdict, rule: &str) -> String {
@@ -144,12 +172,61 @@ fn why_blind(verdict: &GateVerdict, rule: &str) -> String {
         _ => None,
     });
     match needed.max() {
-        Some((needed, units)) => format!(
-            "{units} runs show nothing among {} comparisons; it takes {needed} or more (`repeat`)",
-            verdict.family
-        ),
+        Some((needed, units)) => too_few(verdict, units, needed),
+        None if rule.starts_with("no new ") && !verdict.same_seeds => {
+            "the seeds differ, and only of a run on the same seed can be said that something in it is new"
+                .to_string()
+        }
         None => "it compares nothing".to_string(),
     }
+}
+
+fn too_few(verdict: &GateVerdict, units: usize, needed: usize) -> String {
+    if needed == 0 {
+        return "nobody can say which way is worse".to_string();
+    }
+    format!(
+        "{} nothing among {}; it takes {needed} or more (`repeat`)",
+        if units == 1 { "1 run shows".to_string() } else { format!("{units} runs show") },
+        count(verdict.family, "comparison"),
+    )
+}
+
+/// Trials that got worse by more than is tolerated over all trials, though the comparison over all of them does not say
+/// so: those that got better may hide them.
+fn cancelled(verdict: &GateVerdict) -> Vec<String> {
+    let hidden = verdict.checks.iter().filter(|check| check.outcome != CheckOutcome::Regressed);
+    let mut hidden: Vec<(f64, &Check, &TrialChange)> = hidden
+        .filter_map(|check| {
+            let trial = check.worst_trial.as_ref()?;
+            let beyond = trial.worse_by - check.tolerance;
+            let scale = if check.base == 0.0 { trial.worse_by } else { check.base.abs() };
+            (beyond > 1e-6 * check.tolerance && trial.worse_by > 0.0).then_some((
+                beyond / scale,
+                check,
+                trial,
+            ))
+        })
+        .collect();
+    hidden.sort_by(|one, other| other.0.total_cmp(&one.0));
+    let more = hidden.len().saturating_sub(MOST_TRIALS_NAMED);
+    let line = |(_, check, trial): &(f64, &Check, &TrialChange)| {
+        format!(
+            "worse in one trial, if not over all: {} in {}, {} -> {} (over all of {}: {} -> {})",
+            label(check),
+            trial.key,
+            show(check, trial.base),
+            show(check, trial.candidate),
+            check.place,
+            show(check, check.base),
+            show(check, check.candidate),
+        )
+    };
+    let mut lines: Vec<String> = hidden.iter().take(MOST_TRIALS_NAMED).map(line).collect();
+    if more > 0 {
+        lines.push(format!("and {more} more comparisons are worse in one trial than over all of them"));
+    }
+    lines
 }
 
 /// A comparison in cells, after [`HEADINGS`].
@@ -172,7 +249,8 @@ pub fn cells(check: &Check) -> [String; 6] {
 pub fn label(check: &Check) -> String {
     match check.subject {
         Subject::Existence => format!("{} exists", check.label),
-        _ => check.label.clone(),
+        Subject::New => format!("new {}", check.label),
+        Subject::Mean | Subject::Rate => check.label.clone(),
     }
 }
 
@@ -189,6 +267,14 @@ pub fn caught(check: &Check) -> String {
 
 /// A regression in a sentence.
 pub fn sentence(check: &Check) -> String {
+    if check.subject == Subject::New {
+        return format!(
+            "{} in {}: {} that had none on the same seed; that needs no statistics",
+            label(check),
+            check.place,
+            count(check.worse_runs.len(), "run"),
+        );
+    }
     let why = match check.adjusted_p_value {
         None => "there is no chance in it".to_string(),
         Some(p) => format!("p = {} after Holm's correction", significant(p, 2)),
@@ -253,6 +339,13 @@ pub fn render_reason(reason: &Incompatible) -> String {
         Incompatible::Runs(trials) => {
             format!("there are other runs (`repeat` or individuals) {}", in_trials(trials))
         }
+        Incompatible::Populations(names) => {
+            format!("the people of {} are not those of the base, whoever is drawn from them", some(names))
+        }
+        Incompatible::PopulationsUnknown => {
+            "the seeds and so the people differ, and the base does not say which population its own came from"
+                .to_string()
+        }
         Incompatible::Part { part, trials } => {
             let what = match part {
                 Part::Road => "the road differs",
@@ -280,7 +373,7 @@ fn show(check: &Check, value: f64) -> String {
     match check.subject {
         Subject::Mean => metrics::metric(&check.metric)
             .map_or_else(|| significant(value, 4), |metric| quantity(metric, Some(value))),
-        Subject::Rate | Subject::Existence => share(value),
+        Subject::Rate | Subject::Existence | Subject::New => share(value),
     }
 }
 
@@ -300,7 +393,9 @@ fn amount(check: &Check, size: f64) -> String {
             format!("{} %", significant(100.0 * size / check.base.abs(), 3))
         }
         Subject::Mean => show(check, size),
-        Subject::Rate | Subject::Existence => format!("{} points", significant(100.0 * size, 3)),
+        Subject::Rate | Subject::Existence | Subject::New => {
+            format!("{} points", significant(100.0 * size, 3))
+        }
     }
 }
 
@@ -318,6 +413,7 @@ pub fn outcome_mark(verdict: Verdict) -> &'static str {
 
 pub fn check_mark(outcome: CheckOutcome) -> &'static str {
     match outcome {
+        CheckOutcome::Same => "=",
         CheckOutcome::Held => "✓",
         CheckOutcome::NotShown => "?",
         CheckOutcome::Regressed => "✗",
@@ -334,7 +430,7 @@ fn verdict_style(verdict: Verdict) -> Style {
 
 fn check_style(outcome: CheckOutcome) -> Style {
     match outcome {
-        CheckOutcome::Held => AnsiColor::Green.on_default(),
+        CheckOutcome::Same | CheckOutcome::Held => AnsiColor::Green.on_default(),
         CheckOutcome::NotShown => Style::new(),
         CheckOutcome::Regressed => AnsiColor::Red.on_default(),
     }
@@ -347,4 +443,42 @@ fn drawn(cells: &[String; 6], widths: &[usize; 6], mark: &str) -> String {
         write!(line, "  {cell:>width$}").expect(STRING);
     }
     line.trim_end().to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::fixture::gate::{compared, gate};
+
+    #[test]
+    fn a_trial_that_got_worse_is_named_though_the_others_hide_it() {
+        let mut verdict = compared(&gate(), 0.0);
+        assert!(!context(&verdict).iter().any(|line| line.contains("in one trial")));
+        let hidden = |worse_by: f64| {
+            let (key, base) = ("walker/tta=6s".to_string(), 3.0);
+            Some(TrialChange { key, base, candidate: base - worse_by, worse_by })
+        };
+        verdict.checks[0].worst_trial = hidden(1.0);
+        let said = context(&verdict);
+        let said = said.iter().find(|line| line.contains("in one trial")).unwrap();
+        let start = "worse in one trial, if not over all: pet in walker/tta=6s, 3 s -> 2 s (over all of ";
+        assert!(said.starts_with(start), "{said}");
+        // What is tolerated over all trials is so in one.
+        verdict.checks[0].worst_trial = hidden(verdict.checks[0].tolerance);
+        assert!(!context(&verdict).iter().any(|line| line.contains("in one trial")));
+    }
+
+    #[test]
+    fn where_a_rule_sees_nothing_is_said() {
+        let mut verdict = compared(&gate(), 0.0);
+        let (rule, scenario) = (verdict.rules[0].clone(), "late_person".to_string());
+        verdict.blind_places.push(BlindPlace { rule: rule.clone(), scenario, units: 6, needed: 11 });
+        let said = blindness(&verdict);
+        let start =
+            format!("`{rule}` could not have failed in late_person, where something changed: 6 runs show");
+        assert!(
+            said[0].starts_with(&start) && said[0].ends_with("it takes 11 or more (`repeat`)"),
+            "{said:?}"
+        );
+    }
 }

@@ -5,13 +5,13 @@ use std::fmt::Write;
 use super::gate::{
     HEADINGS, MOST_RUNS_NAMED, Replay, cells, changed, check_mark, context, outcome_word, sentence,
 };
-use super::github::markdown;
+use crate::escape::{markdown, markdown_code};
 use crate::judge::Verdict;
 use crate::judge::gate::{Check, CheckOutcome, GateVerdict};
 
 const STRING: &str = "writing to a string cannot fail";
 
-/// A section: the verdict, a table of what did not hold, and what held folded away.
+/// A section: the verdict, a table of what did not hold, and what held or is the same folded away.
 pub fn gate_markdown(verdict: &GateVerdict, replay: Replay) -> String {
     let sign = match verdict.verdict {
         Verdict::Passed => "✅",
@@ -26,14 +26,15 @@ pub fn gate_markdown(verdict: &GateVerdict, replay: Replay) -> String {
     let of = |wanted: &dyn Fn(CheckOutcome) -> bool| -> Vec<&Check> {
         verdict.checks.iter().filter(|check| wanted(check.outcome)).collect()
     };
-    table(&mut text, &of(&|outcome| outcome != CheckOutcome::Held));
+    table(&mut text, &of(&|outcome| !outcome.is_fine()));
     for check in of(&|outcome| outcome == CheckOutcome::Regressed) {
         writeln!(text, "**{}**\n", markdown(&sentence(check))).expect(STRING);
         runs(&mut text, check, replay);
     }
-    let held = of(&|outcome| outcome == CheckOutcome::Held);
+    let held = of(&|outcome| outcome.is_fine());
     if !held.is_empty() {
-        writeln!(text, "<details><summary>{} that held</summary>\n", held.len()).expect(STRING);
+        writeln!(text, "<details><summary>{} that held or are the same</summary>\n", held.len())
+            .expect(STRING);
         table(&mut text, &held);
         text.push_str("</details>\n");
     }
@@ -61,7 +62,7 @@ fn runs(text: &mut String, check: &Check, replay: Replay) {
         writeln!(text, "- {}", markdown(&changed(check, run))).expect(STRING);
     }
     if let Some(command) = check.worse_runs.first().and_then(|run| replay(&run.key)) {
-        writeln!(text, "\n`{command}`").expect(STRING);
+        writeln!(text, "\n{}", markdown_code(&command)).expect(STRING);
     }
     text.push('\n');
 }

@@ -4,19 +4,25 @@ use std::fmt::Write;
 
 use super::digest::Digest;
 use super::experiment::render_block;
-use super::failure::{render_block_failure, render_failure};
+use super::failure::{render_block_failure, render_failure, render_finding};
 use super::figures::{scenarios, short_name};
-use super::findings::{data, property};
 use super::gate::render_gate_report;
 use super::gate_markdown::gate_markdown;
+use super::groups::groups;
 use super::replay::{block_command, replay_command};
-use super::wording::{closest_calls, nearest_run, observed, stopping, untested, verdict_mark, verdict_word};
+use super::wording::{
+    closest_calls, interruption, nearest_run, observed, stopping, trial_warnings, untested, verdict_mark,
+    verdict_word,
+};
 use super::{
-    BlockReport, BlockState, GateReport, GateState, RecordedReport, Standing, SuiteReport, TrialReport,
-    TrialState,
+    BlockReport, BlockState, CutBy, GateReport, GateState, NotJudged, RecordedReport, Repository, Standing,
+    SuiteReport, TrialReport, TrialState,
+};
+use crate::escape::{
+    github_data, github_property, html, markdown, markdown_code, markdown_fenced, terminal_line,
 };
 use crate::judge::Verdict;
-use crate::run::Requests;
+use crate::run::{Requests, departures};
 use crate::scenario::Origin;
 
 /// GitHub shows ten annotations of a kind per step, so a criterion has one for all the trials it failed in.
@@ -31,11 +37,13 @@ struct Annotation {
 const MOST_SUMMARY_BYTES: usize = 900_000;
 /// More trials are only counted in an annotation.
 const MOST_TRIALS_NAMED: usize = 5;
-/// Trials whose failures are written out in full.
+/// Failures of one cause that are written out in full, and trials that could not be run.
 const MOST_FAILURES: usize = 20;
+/// Trials that are named where one of them stands for all.
+const MOST_TRIALS_IN_GROUP: usize = 50;
 
-/// Workflow commands such as `::error file=…,line=…::message`, one a line.
-pub fn annotations(reports: &[SuiteReport]) -> String {
+/// Workflow commands such as `::error file=…,line=…::message`, one a line; files from the root of the repository on.
+pub fn annotations(reports: &[SuiteReport], repository: &Repository) -> String {
     let mut annotations: Vec<Annotation> = Vec::new();
     let mut add = |level, origin, title: String, said: String| match annotations
         .iter_mut()
@@ -52,15 +60,14 @@ pub fn annotations(reports: &[SuiteReport]) -> String {
         for (key, origin, state) in recorded.chain(trials) {
             match state {
                 TrialState::Skipped(_) => {}
+                // Those that somebody interrupted are counted once for the suite.
+                TrialState::NotFinished(cut) if cut.by() == CutBy::Interrupted => {}
+                TrialState::NotFinished(cut) => {
+                    let origin = origin.cloned().unwrap_or_else(|| beginning(report));
+                    add("error", origin, "not finished".to_string(), format!("{key}: {}", cut.explained()));
+                }
                 TrialState::Errored(message) => {
-                    let file = || report.identity.file.to_string();
-                    let origin = origin.cloned();
-                    let origin = origin.unwrap_or_else(|| Origin {
-                        file: file(),
-                        line: 1,
-                        column: 1,
-                        ..Origin::default()
-                    });
+                    let origin = origin.cloned().unwrap_or_else(|| beginning(report));
                     add("error", origin, "could not run".to_string(), message);
                 }
                 TrialState::Judged(judged) => {
@@ -81,10 +88,16 @@ pub fn annotations(reports: &[SuiteReport]) -> String {
             }
         }
     }
+    for trial in reports.iter().flat_map(|report| &report.trials).filter(|trial| !trial.skipped()) {
+        for said in departures(trial.trial) {
+            let title = "another model than was published".to_string();
+            add("warning", trial.trial.origin.clone(), title, format!("{}: {said}", trial.trial.key));
+        }
+    }
     for (report, block) in reports.iter().flat_map(|one| one.blocks.iter().map(move |block| (one, block))) {
         let title = format!("{} {}", block.block.kind(), block.block.name());
         let (said, what) = match &block.state {
-            BlockState::Skipped(_) => continue,
+            BlockState::Skipped(_) | BlockState::NotFinished(_) => continue,
             BlockState::Errored(message) => ("could not run", message.clone()),
             BlockState::Finished(result) => match result.failure() {
                 Some(reason) => ("failed", reason),
@@ -96,7 +109,8 @@ pub fn annotations(reports: &[SuiteReport]) -> String {
     }
     for (report, gate) in reports.iter().flat_map(|one| one.gates.iter().map(move |gate| (one, gate))) {
         let (level, what) = match &gate.state {
-            GateState::Skipped(_) => continue,
+            GateState::NotJudged(NotJudged::NotSelected) => continue,
+            GateState::NotJudged(_) => ("warning", "is not judged"),
             GateState::Refused(_) => ("error", "cannot be judged"),
             GateState::Judged(verdict) => match verdict.verdict {
                 Verdict::Passed => continue,
@@ -106,6 +120,10 @@ pub fn annotations(reports: &[SuiteReport]) -> String {
         };
         let said = render_gate_report(&report.identity, gate, false);
         add(level, gate.gate.origin.clone(), format!("gate {} {what}", gate.gate.name), said);
+    }
+    for report in reports.iter().filter(|report| report.interrupted) {
+        let title = format!("suite {} interrupted", report.identity.suite);
+        add("error", beginning(report), title, interruption(report));
     }
     let mut text = String::new();
     for Annotation { level, origin, title, trials } in annotations {
@@ -118,15 +136,20 @@ pub fn annotations(reports: &[SuiteReport]) -> String {
         writeln!(
             text,
             "::{level} file={},line={},col={},endColumn={end},title={}::{}",
-            property(&origin.file),
+            github_property(&repository.path(&origin.file)),
             origin.line,
             origin.column,
-            property(&title),
-            data(&message),
+            github_property(&title),
+            github_data(&message),
         )
         .expect("writing to a string cannot fail");
     }
     text
+}
+
+/// Where a suite is said to have failed of which no line is to blame.
+fn beginning(report: &SuiteReport) -> Origin {
+    Origin { file: report.identity.file.to_string(), line: 1, column: 1, ..Origin::default() }
 }
 
 /// The summary of a step in GitHub's Markdown.
@@ -149,8 +172,9 @@ pub fn step_summary(reports: &[SuiteReport], requests: &Requests) -> String {
                         markdown(&refusal.help)
                     )
                 }
-                GateState::Skipped(message) => {
-                    format!("### {}: not judged\n\n{}\n", markdown(&gate.gate.name), markdown(message))
+                GateState::NotJudged(why) => {
+                    let (gate, why) = (markdown(&gate.gate.name), markdown(&why.to_string()));
+                    format!("### ❔ {gate}: not judged\n\n{why}\n")
                 }
             };
             text.push('\n');
@@ -182,18 +206,25 @@ fn suite_summary(text: &mut String, report: &SuiteReport, requests: &Requests) {
         (count(Standing::Judged(Verdict::Failed)), "❌ failed"),
         (count(Standing::Judged(Verdict::Inconclusive)), "❔ inconclusive"),
         (count(Standing::Errored), "💥 could not run"),
+        (
+            count(Standing::NotFinished(CutBy::Interrupted)) + count(Standing::NotFinished(CutBy::TimeLimit)),
+            "⏹ not finished",
+        ),
     ];
-    let said: Vec<_> = counts
+    let mut said: Vec<_> = counts
         .iter()
         .filter(|(number, _)| *number > 0)
         .map(|(number, word)| format!("{number} {word}"))
         .collect();
     let identity = &report.identity;
+    if report.interrupted {
+        said.push(format!("⏹ {}", interruption(report)));
+    }
     line(format!("## {}: {}\n", markdown(identity.suite), said.join(", ")));
     line(format!(
-        "`{}`, seed {}, {} trials, {runs} runs, {:.1} s, scenario-runner {}\n",
-        identity.file,
-        identity.seed,
+        "{}, {}, {} trials, {runs} runs, {:.1} s, scenario-runner {}\n",
+        markdown_code(identity.file),
+        markdown(&identity.seed_words()),
         report.trials.iter().filter(|trial| !trial.skipped()).count(),
         report.wall_time.as_secs_f64(),
         env!("CARGO_PKG_VERSION"),
@@ -216,11 +247,12 @@ fn suite_summary(text: &mut String, report: &SuiteReport, requests: &Requests) {
         line(rule);
         for trial in &trials {
             let mut mark = match trial.verdict() {
+                None if matches!(trial.state, TrialState::NotFinished(_)) => "⏹ not finished".to_string(),
                 None => "💥 error".to_string(),
                 Some(verdict) => format!("{} {}", verdict_mark(verdict), verdict_word(verdict)),
             };
             if let Some(stopped) = trial.stopping() {
-                mark += &format!("<br><sub>{}</sub>", stopping(stopped));
+                mark += &format!("<br><sub>{}</sub>", markdown(&stopping(stopped)));
             }
             let mut row = format!("| {} | {mark} |", markdown(&short_name(trial)));
             for (index, metric, _) in &columns {
@@ -233,7 +265,7 @@ fn suite_summary(text: &mut String, report: &SuiteReport, requests: &Requests) {
         let calls = closest_calls(&trials);
         let warnings = trials.iter().flat_map(|trial| {
             let key = &trial.trial.key;
-            untested(trial.findings()).into_iter().map(move |warning| format!("⚠️ {key}: {warning}"))
+            trial_warnings(trial).into_iter().map(move |warning| format!("⚠️ {key}: {warning}"))
         });
         let notes: Vec<_> = calls.into_iter().chain(warnings).collect();
         notes.iter().for_each(|note| line(format!("- {}", markdown(note))));
@@ -241,20 +273,49 @@ fn suite_summary(text: &mut String, report: &SuiteReport, requests: &Requests) {
             line(String::new());
         }
     }
-    let failed = |trial: &&TrialReport| !trial.skipped() && trial.verdict() != Some(Verdict::Passed);
-    for trial in report.trials.iter().filter(failed).take(MOST_FAILURES) {
-        line(format!("<details><summary>{}</summary>\n", html(&trial.trial.key)));
-        line("~~~~text".into());
-        line(render_failure(identity, &trial.state, false));
-        line("~~~~\n".into());
-        line("</details>\n".into());
-    }
-    let more = report.trials.iter().filter(failed).count().saturating_sub(MOST_FAILURES);
-    if more > 0 {
-        line(format!("and {more} more that did not pass\n"));
-    }
+    failures_summary(text, report);
     blocks_summary(text, report);
     recorded_summary(text, report);
+}
+
+/// What did not hold, a cause at a time, worst first; then what could not be run.
+fn failures_summary(text: &mut String, report: &SuiteReport) {
+    let identity = &report.identity;
+    let groups = groups(report);
+    let errors: Vec<_> = report
+        .trials
+        .iter()
+        .filter(|trial| matches!(trial.state, TrialState::Errored(_) | TrialState::NotFinished(_)))
+        .collect();
+    for group in groups.iter().take(MOST_FAILURES) {
+        let title = match group.trials[..] {
+            [only] => format!("{only}: {}", group.criterion),
+            _ => format!("{}/{}: {} {}", identity.suite, group.scenario, group.criterion, group.in_words()),
+        };
+        let mut body = render_finding(identity, group.worst.1, false);
+        if group.trials.len() > 1 {
+            let others: Vec<_> = group.trials.iter().filter(|key| **key != group.worst.0).copied().collect();
+            let named = others.iter().take(MOST_TRIALS_IN_GROUP).map(|key| format!("\n  {key}"));
+            body += &format!("\n\nthis is {}; the others are{}", group.worst.0, named.collect::<String>());
+            if others.len() > MOST_TRIALS_IN_GROUP {
+                body += &format!("\n  and {} more", others.len() - MOST_TRIALS_IN_GROUP);
+            }
+        }
+        folded(text, &title, &body);
+    }
+    for trial in errors.iter().take(MOST_FAILURES) {
+        folded(text, &trial.trial.key, &render_failure(identity, &trial.state, false));
+    }
+    let more = groups.len().saturating_sub(MOST_FAILURES) + errors.len().saturating_sub(MOST_FAILURES);
+    if more > 0 {
+        text.push_str(&format!("and {more} more that did not pass\n\n"));
+    }
+}
+
+fn folded(text: &mut String, title: &str, body: &str) {
+    text.push_str(&format!("<details><summary>{}</summary>\n\n", html(&terminal_line(title))));
+    text.push_str(&markdown_fenced(body));
+    text.push_str("\n</details>\n\n");
 }
 
 /// Every run that failed before, with what is to be said of it now.
@@ -267,6 +328,7 @@ fn recorded_summary(text: &mut String, report: &SuiteReport) {
         let mark = match one.standing() {
             Standing::Judged(verdict) => verdict_mark(verdict),
             Standing::Errored => "💥",
+            Standing::NotFinished(_) => "⏹",
             Standing::Skipped => "–",
         };
         writeln!(text, "- {mark} {}", markdown(&format!("{}{}", one.key, one.remark())))
@@ -279,6 +341,7 @@ fn recorded_summary(text: &mut String, report: &SuiteReport) {
 fn blocks_summary(text: &mut String, report: &SuiteReport) {
     for block in report.blocks.iter().filter(|block| !block.skipped()) {
         let mark = match block.verdict() {
+            None if matches!(block.state, BlockState::NotFinished(_)) => "⏹",
             None => "💥",
             Some(verdict) => verdict_mark(verdict),
         };
@@ -288,33 +351,12 @@ fn blocks_summary(text: &mut String, report: &SuiteReport) {
             [failure.trim_end(), result.trim_end()].into_iter().filter(|part| !part.is_empty()).collect();
         writeln!(
             text,
-            "<details><summary>{mark} {}</summary>\n\n~~~~text\n{}\n~~~~\n\n</details>\n",
-            html(&block.key),
-            said.join("\n\n"),
+            "<details><summary>{mark} {}</summary>\n\n{}\n</details>\n",
+            html(&terminal_line(&block.key)),
+            markdown_fenced(&said.join("\n\n")),
         )
         .expect("writing to a string cannot fail");
     }
-}
-
-/// Text inside an HTML element, where Markdown's escapes do not count.
-fn html(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
-}
-
-/// Text in which nothing means more than it says.
-pub(super) fn markdown(text: &str) -> String {
-    let mut plain = String::with_capacity(text.len());
-    for letter in text.chars() {
-        match letter {
-            '<' => plain.push_str("&lt;"),
-            '>' => plain.push_str("&gt;"),
-            '&' => plain.push_str("&amp;"),
-            '\n' | '\r' => plain.push(' '),
-            '\\' | '`' | '*' | '_' | '|' | '~' | '[' | ']' | '#' => plain.extend(['\\', letter]),
-            _ => plain.push(letter),
-        }
-    }
-    plain
 }
 
 #[cfg(test)]
@@ -325,7 +367,8 @@ mod tests {
     #[test]
     fn one_annotation_per_criterion() {
         let session = Session::new();
-        insta::assert_snapshot!(annotations(&[session.report()]));
+        let repository = Repository::around(std::path::Path::new(env!("CARGO_MANIFEST_DIR")));
+        insta::assert_snapshot!(annotations(&[session.report()], &repository));
     }
 
     #[test]

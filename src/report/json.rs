@@ -1,72 +1,154 @@
 //! Results as JSON, for programs. The same suite and seed give the same file on every machine, but for the times.
 
-use serde::Serialize;
+use std::io::{self, Write};
+use std::rc::Rc;
+
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
 use serde_json::{Map, Value, json};
 
+use super::wording::trial_warnings;
 use super::{
     BlockReport, BlockState, GateReport, GateState, RecordedReport, RecordedState, SuiteReport, TrialReport,
     TrialState,
 };
 use crate::judge::per_run;
 use crate::run::{Outcome, Requests};
+use crate::scenario::Assignment;
 
 /// Version of the layout; raised when a reader would have to change.
 const LAYOUT: u32 = 1;
 
-/// Everything as pretty-printed JSON with a final line end.
-pub fn to_json(reports: &[SuiteReport], requests: &Requests) -> String {
-    let value = json!({
-        "layout": LAYOUT,
-        "tool": { "name": env!("CARGO_PKG_NAME"), "version": env!("CARGO_PKG_VERSION") },
-        "suites": reports.iter().map(|report| suite_value(report, requests)).collect::<Vec<_>>(),
-    });
-    let mut text = serde_json::to_string_pretty(&value).expect("a tree of plain values serialises");
-    text.push('\n');
-    text
+/// Writes everything as pretty-printed JSON with a final line end, a run at a time: nothing but what is being written is
+/// held.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write_json(reports: &[SuiteReport], requests: &Requests, mut out: impl Write) -> io::Result<()> {
+    let document = Object {
+        members: members(json!({
+            "layout": LAYOUT,
+            "tool": { "name": env!("CARGO_PKG_NAME"), "version": env!("CARGO_PKG_VERSION") },
+        })),
+        lists: vec![("suites", list(reports, move |report| Item::Object(suite_object(report, requests))))],
+    };
+    serde_json::to_writer_pretty(&mut out, &document)?;
+    out.write_all(b"\n")
 }
 
-fn suite_value(report: &SuiteReport, requests: &Requests) -> Value {
-    json!({
+/// An object, some of whose members are lists too long to be held; members come in the order of their names.
+struct Object<'v> {
+    members: Map<String, Value>,
+    lists: Vec<(&'static str, List<'v>)>,
+}
+
+/// Makes its items when they are written.
+type List<'v> = Box<dyn Fn() -> Box<dyn Iterator<Item = Item<'v>> + 'v> + 'v>;
+
+enum Item<'v> {
+    Value(Value),
+    Object(Object<'v>),
+}
+
+fn list<'v, T>(items: &'v [T], item: impl Fn(&'v T) -> Item<'v> + Clone + 'v) -> List<'v> {
+    Box::new(move || Box::new(items.iter().map(item.clone())))
+}
+
+fn members(object: Value) -> Map<String, Value> {
+    match object {
+        Value::Object(members) => members,
+        _ => unreachable!("it was made as an object"),
+    }
+}
+
+impl Serialize for Object<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut names: Vec<&str> = self.members.keys().map(String::as_str).collect();
+        names.extend(self.lists.iter().map(|(name, _)| *name));
+        names.sort_unstable();
+        let mut map = serializer.serialize_map(Some(names.len()))?;
+        for name in names {
+            match self.lists.iter().find(|(list, _)| *list == name) {
+                Some((_, list)) => map.serialize_entry(name, &Each(list))?,
+                None => map.serialize_entry(name, &self.members[name])?,
+            }
+        }
+        map.end()
+    }
+}
+
+impl Serialize for Item<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Value(value) => value.serialize(serializer),
+            Self::Object(object) => object.serialize(serializer),
+        }
+    }
+}
+
+struct Each<'l, 'v>(&'l List<'v>);
+
+impl Serialize for Each<'_, '_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq((self.0)())
+    }
+}
+
+fn suite_object<'v>(report: &'v SuiteReport, requests: &'v Requests) -> Object<'v> {
+    let mut own = members(json!({
         "suite": report.identity.suite,
         "file": report.identity.file,
         "seed": report.identity.seed,
         "wall_time_s": report.wall_time.as_secs_f64(),
-        "recorded": report.recorded.iter().map(|one| recorded_value(one, requests)).collect::<Vec<_>>(),
-        "trials": report.trials.iter().map(|trial| trial_value(trial, requests)).collect::<Vec<_>>(),
-        "blocks": report.blocks.iter().map(block_value).collect::<Vec<_>>(),
-        "gates": report.gates.iter().map(gate_value).collect::<Vec<_>>(),
-    })
+        "interrupted": report.interrupted,
+    }));
+    if !report.identity.set.is_empty() {
+        own.insert("set".into(), json!(report.identity.set));
+    }
+    Object {
+        members: own,
+        lists: vec![
+            ("recorded", list(&report.recorded, move |one| Item::Value(recorded_value(one, requests)))),
+            ("trials", list(&report.trials, move |trial| Item::Object(trial_object(trial, requests)))),
+            ("blocks", list(&report.blocks, |block| Item::Value(block_value(block)))),
+            ("gates", list(&report.gates, |gate| Item::Value(gate_value(gate)))),
+        ],
+    }
 }
 
-fn trial_value(report: &TrialReport, requests: &Requests) -> Value {
-    let variation: Map<_, _> = report
-        .trial
-        .cases
-        .first()
-        .into_iter()
-        .flat_map(|case| &case.variation)
-        .map(|assignment| (assignment.name.clone(), plain(&assignment.value)))
-        .collect();
-    let criteria: Vec<_> = report.trial.criteria.iter().filter_map(per_run).collect();
-    let run = |outcome: &Outcome| {
+/// Values by the name of the variation.
+pub(super) fn variation_value(variation: &[Assignment]) -> Value {
+    let values = variation.iter().map(|assignment| (assignment.name.clone(), plain(&assignment.value)));
+    Value::Object(values.collect())
+}
+
+fn trial_object<'v>(report: &'v TrialReport, requests: &'v Requests) -> Object<'v> {
+    let variation = report.trial.cases.first().map_or(&[][..], |case| &case.variation);
+    let criteria: Rc<Vec<_>> = Rc::new(report.trial.criteria.iter().filter_map(per_run).collect());
+    let run = move |outcome: &Outcome| {
         let mut value = outcome_value(outcome, requests);
         let standings: Vec<_> = criteria.iter().map(|one| one.standing(outcome, requests)).collect();
         value["criteria"] = plain(&standings);
-        value
+        Item::Value(value)
     };
-    let mut value = json!({
+    let mut fields = members(json!({
         "key": report.trial.key,
         "scenario": report.trial.scenario,
         "tags": report.trial.tags,
-        "variation": variation,
+        "variation": variation_value(variation),
         "wall_time_s": report.wall_time.as_secs_f64(),
-        "runs": report.outcomes.iter().map(run).collect::<Vec<_>>(),
-    });
-    let fields = value.as_object_mut().expect("it was made as an object");
+    }));
+    let warnings = trial_warnings(report);
+    if !warnings.is_empty() {
+        fields.insert("warnings".into(), warnings.into());
+    }
     match &report.state {
         TrialState::Judged(judged) => {
             fields.insert("verdict".into(), plain(&judged.verdict));
             fields.insert("findings".into(), plain(&judged.findings));
+            if let Some(horizon) = &judged.horizon {
+                fields.insert("horizon".into(), plain(horizon));
+            }
             if let Some(stopping) = &judged.stopping {
                 fields.insert("stopping".into(), plain(stopping));
             }
@@ -75,12 +157,17 @@ fn trial_value(report: &TrialReport, requests: &Requests) -> Value {
             fields.insert("verdict".into(), "error".into());
             fields.insert("message".into(), message.as_str().into());
         }
+        TrialState::NotFinished(cut) => {
+            fields.insert("verdict".into(), "not_finished".into());
+            fields.insert("message".into(), cut.to_string().into());
+            fields.insert("cut_by".into(), plain(&cut.by()));
+        }
         TrialState::Skipped(reason) => {
             fields.insert("verdict".into(), "skipped".into());
             fields.insert("message".into(), reason.to_string().into());
         }
     }
-    value
+    Object { members: fields, lists: vec![("runs", list(&report.outcomes, run))] }
 }
 
 fn recorded_value(report: &RecordedReport, requests: &Requests) -> Value {
@@ -120,6 +207,8 @@ fn gate_value(report: &GateReport) -> Value {
     match &report.state {
         GateState::Judged(verdict) => {
             fields.insert("verdict".into(), plain(&verdict.verdict));
+            // With what holds unless the gate says otherwise.
+            fields.insert("rules".into(), plain(&verdict.rules));
             fields.insert("result".into(), plain(verdict));
         }
         GateState::Refused(refusal) => {
@@ -128,9 +217,9 @@ fn gate_value(report: &GateReport) -> Value {
             fields.insert("reasons".into(), refusal.reasons.clone().into());
             fields.insert("help".into(), refusal.help.as_str().into());
         }
-        GateState::Skipped(message) => {
-            fields.insert("verdict".into(), "skipped".into());
-            fields.insert("message".into(), message.as_str().into());
+        GateState::NotJudged(why) => {
+            fields.insert("verdict".into(), "not_judged".into());
+            fields.insert("message".into(), why.to_string().into());
         }
     }
     value
@@ -151,6 +240,10 @@ fn block_value(report: &BlockReport) -> Value {
             (if failure.is_some() { "failed" } else { "passed" }, failure)
         }
         BlockState::Errored(message) => ("error", Some(message.clone())),
+        BlockState::NotFinished(cut) => {
+            fields.insert("cut_by".into(), plain(&cut.by()));
+            ("not_finished", Some(cut.to_string()))
+        }
         BlockState::Skipped(reason) => ("skipped", Some(reason.to_string())),
     };
     fields.insert("verdict".into(), verdict.into());
@@ -160,23 +253,30 @@ fn block_value(report: &BlockReport) -> Value {
     value
 }
 
-fn outcome_value(outcome: &Outcome, requests: &Requests) -> Value {
+pub(super) fn outcome_value(outcome: &Outcome, requests: &Requests) -> Value {
     let metrics: Map<_, _> = requests
         .iter()
         .zip(&outcome.metrics)
         .map(|(reference, value)| (reference.label(), value.map_or(Value::Null, Value::from)))
         .collect();
-    json!({
+    let open = requests.iter().zip(&outcome.cut_off.open);
+    let open = open.filter_map(|(reference, open)| Some((reference.label(), plain(&(*open)?))));
+    let open: Map<_, _> = open.collect();
+    let mut value = json!({
         "key": outcome.key,
         "seed": outcome.seed,
         "individuals": outcome.individuals,
         "ending": outcome.ending,
         "metrics": metrics,
         "fingerprint": format!("{:016x}", outcome.fingerprint),
-    })
+    });
+    if !open.is_empty() {
+        value["open"] = open.into();
+    }
+    value
 }
 
-fn plain(value: &impl Serialize) -> Value {
+pub(super) fn plain(value: &impl Serialize) -> Value {
     serde_json::to_value(value).expect("plain data serialises")
 }
 
@@ -188,10 +288,23 @@ mod tests {
     use crate::report::schema::violations;
     use crate::scenario::Standing;
 
+    fn text(report: SuiteReport, requests: &Requests) -> String {
+        let mut text = Vec::new();
+        write_json(&[report], requests, &mut text).expect("there is room");
+        String::from_utf8(text).expect("it is text")
+    }
+
     fn results() -> Value {
         let session = Session::new();
-        let text = to_json(&[session.report()], &session.requests);
-        serde_json::from_str(&text).expect("it is JSON")
+        serde_json::from_str(&text(session.report(), &session.requests)).expect("it is JSON")
+    }
+
+    #[test]
+    fn what_is_written_in_pieces_is_what_is_written_at_once() {
+        let session = Session::new();
+        let text = text(session.report(), &session.requests);
+        let value: Value = serde_json::from_str(&text).expect("it is JSON");
+        assert_eq!(text, serde_json::to_string_pretty(&value).expect("plain data serialises") + "\n");
     }
 
     fn schema() -> Value {
@@ -210,7 +323,7 @@ mod tests {
         let TrialState::Judged(judged) = &mut report.trials[0].state else { panic!("it was judged") };
         judged.findings[0].interval = Some((f64::NEG_INFINITY, 1.5));
         judged.findings[1].interval = Some((0.5, f64::INFINITY));
-        let results: Value = serde_json::from_str(&to_json(&[report], &session.requests)).unwrap();
+        let results: Value = serde_json::from_str(&text(report, &session.requests)).unwrap();
         let findings = results.pointer("/suites/0/trials/0/findings").unwrap();
         assert_eq!(
             (&findings[0]["interval"], &findings[1]["interval"]),

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::format::with_unit;
-use crate::metrics::METRICS;
+use crate::metrics::{METRICS, MetricKind, metric};
 use crate::pedestrian::MODELS;
 use crate::scenario::{Declaration, Dimension, Parameter, ParameterKind};
 use crate::vehicle::{CONTROLLERS, DYNAMICS, PERCEPTION};
@@ -46,9 +46,21 @@ pub fn render_model(name: &str) -> Option<String> {
         .into_iter()
         .flat_map(|(kind, declarations)| declarations.into_iter().map(move |one| (kind, one)))
         .filter(|(_, one)| one.name == name)
-        .map(|(kind, one)| render_declaration(kind, one))
+        .map(|(kind, one)| render_declaration(kind, one) + &render_range(one.name))
         .collect();
     (!found.is_empty()).then(|| found.join("\n"))
+}
+
+/// Between what limits a metric lies; nothing for anything else.
+fn render_range(name: &str) -> String {
+    let Some(metric) = metric(name) else { return String::new() };
+    match (metric.range.in_words(), metric.kind) {
+        (Some(range), _) => format!("\n  range: {range}\n"),
+        (None, MetricKind::Quantity(_)) => {
+            "\n  range: not limited, so that bounds on its mean are approximate\n".to_string()
+        }
+        (None, _) => String::new(),
+    }
 }
 
 fn render_declaration(kind: &str, one: &Declaration) -> String {

@@ -55,7 +55,7 @@ impl<'a> Recording<'a> {
             for sample in moment {
                 let speed = sample.velocity.norm();
                 if speed > STANDING {
-                    headings[sample.who] = sample.velocity.y.atan2(sample.velocity.x);
+                    headings[sample.who] = libm::atan2(sample.velocity.y, sample.velocity.x);
                 } else if sample.who < cars {
                     let lane = case.world.vehicles[sample.who].lane;
                     headings[sample.who] = if case.world.road.lanes[lane].direction.sign() < 0.0 {
@@ -137,5 +137,5 @@ fn conflict_place(person: &PedestrianSetup, lane: f64) -> Option<f64> {
 }
 
 fn initial_heading(person: &PedestrianSetup) -> f64 {
-    (person.goal.y - person.start.y).atan2(person.goal.x - person.start.x)
+    libm::atan2(person.goal.y - person.start.y, person.goal.x - person.start.x)
 }

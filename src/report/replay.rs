@@ -5,19 +5,32 @@ use std::path::Path;
 
 use super::SuiteIdentity;
 use super::format::{quantity, with_unit};
+use super::shrunk::run_words;
+use crate::judge::per_run;
 use crate::metrics;
 use crate::run::{Outcome, Requests};
-use crate::scenario::{Case, Dimension};
+use crate::scenario::{Assignment, Case, Criterion, Dimension, Scenario, Value, Written, show};
 use crate::sim::{Event, Happening, StopReason};
 
 /// What to type to see one run again.
 pub fn replay_command(suite: &SuiteIdentity, key: &str) -> String {
-    format!("scenario-runner replay '{key}' {} --seed {}", suite.file, suite.seed)
+    format!("scenario-runner replay '{key}' {} --seed {}{}", suite.file, suite.seed, set_options(suite.set))
+}
+
+/// What to type to set the same values again, with a space before each.
+pub fn set_options(set: &[String]) -> String {
+    let option = |one: &String| match one.split_once('=') {
+        Some(("repeat", times)) => format!(" --repeat {times}"),
+        // Within single quotes a shell leaves everything alone but the quote itself.
+        _ => format!(" --set '{}'", one.replace('\'', r"'\''")),
+    };
+    set.iter().map(option).collect()
 }
 
 /// What to type to run one block again, with whatever it builds on.
 pub fn block_command(suite: &SuiteIdentity, key: &str) -> String {
-    format!("scenario-runner {} '{key}' --exact --seed {}", suite.file, suite.seed)
+    let set = set_options(suite.set);
+    format!("scenario-runner {} '{key}' --exact --seed {}{set}", suite.file, suite.seed)
 }
 
 /// What to type to record a suite's baseline.
@@ -25,8 +38,50 @@ pub fn record_command(file: &str, baseline: &Path) -> String {
     format!("scenario-runner baseline save {file} --out {}", baseline.display())
 }
 
+/// The values that a case has of its own, in the units that they are written in: what its scenario varies.
+pub fn case_values(case: &Case, scenario: &Scenario) -> Vec<(String, String)> {
+    let shown = |one: &Assignment| match (&one.value, scenario.written.get(&one.name)) {
+        (Value::Number(si), Some(Written { notation: Some(unit), .. })) => {
+            show(*si, Some(*unit), Dimension::NUMBER)
+        }
+        _ => one.label.clone(),
+    };
+    case.variation.iter().map(|one| (one.name.clone(), shown(one))).collect()
+}
+
+/// How a run stands to what is asked of it, a line each, what it fails first: the criterion, with the bound, and the run's value,
+/// its distance from the bound, when and for whom.
+pub fn replay_reasons(criteria: &[Criterion], outcome: &Outcome, requests: &Requests) -> Vec<String> {
+    let mut lines: Vec<(u8, String)> = Vec::new();
+    for one in criteria.iter().filter_map(per_run) {
+        let words = run_words(&one, outcome, requests);
+        let (rank, verb) = match (one.standing(outcome, requests).holds, one.decisive) {
+            (false, true) => (0, "FAILS"),
+            // Other runs of the trial may outweigh it.
+            (false, false) => (1, "speaks against"),
+            (true, _) => (2, "fulfils"),
+        };
+        lines.push((rank, format!("{verb} `{}`: {words}", one.criterion.text)));
+    }
+    lines.sort_by_key(|(rank, _)| *rank);
+    lines.into_iter().map(|(_, line)| line).collect()
+}
+
+/// What stands before the course of a run: the values that it has, and how it stands to what is asked of it.
+#[derive(Debug, Clone, Default)]
+pub struct ReplayIntroduction {
+    pub values: Vec<(String, String)>,
+    pub reasons: Vec<String>,
+}
+
 /// The course of one run in words: who it is about, the events in order of time, every metric.
-pub fn render_replay(case: &Case, outcome: &Outcome, events: &[Event], requests: &Requests) -> String {
+pub fn render_replay(
+    case: &Case,
+    introduction: &ReplayIntroduction,
+    outcome: &Outcome,
+    events: &[Event],
+    requests: &Requests,
+) -> String {
     let mut text = String::new();
     let mut line = |content: String| {
         text.push_str(content.trim_end());
@@ -34,6 +89,9 @@ pub fn render_replay(case: &Case, outcome: &Outcome, events: &[Event], requests:
     };
     line(case.key.clone());
     line(format!("  seed         {}", case.seed));
+    for (name, value) in &introduction.values {
+        line(format!("  {name:<12} {value}"));
+    }
     for person in &case.individuals {
         let parameters: Vec<_> =
             person.parameters.0.iter().map(|(name, value)| format!("{name} {value}")).collect();
@@ -41,6 +99,10 @@ pub fn render_replay(case: &Case, outcome: &Outcome, events: &[Event], requests:
         line(format!("               {}", parameters.join(", ")));
     }
     line(String::new());
+    if !introduction.reasons.is_empty() {
+        introduction.reasons.iter().for_each(|reason| line(format!("  {reason}")));
+        line(String::new());
+    }
     let width = events.iter().map(|event| event.who.chars().count()).max().unwrap_or(0);
     for event in events {
         line(format!("  {:>8.3} s  {:<width$}  {}", event.time, event.who, describe(&event.what)));
@@ -84,6 +146,9 @@ pub fn describe(what: &Happening) -> String {
         Happening::PassesFinishLine { speed: at } => format!("passes the finish line at {}", speed(*at)),
         Happening::Collides { with, relative_speed } => {
             format!("COLLIDES with {with} at a relative speed of {}", speed(*relative_speed))
+        }
+        Happening::Touches { with, relative_speed } => {
+            format!("touches {with} at a relative speed of {}", speed(*relative_speed))
         }
     }
 }

@@ -9,6 +9,9 @@ use crate::run::{Outcome, Requests};
 use crate::scenario::{Claim, significant};
 use crate::shrink::{Knob, Move, Shrunk, requests};
 
+/// What the second line of such a file says, before the version: by this it is known again.
+pub const SHRUNK_BY: &str = "as a scenario of its own, by `scenario-runner shrink`";
+
 /// How a run stands to a criterion: `pet 0.83 s (-0.67 s) at 7.33 s, av and walker`.
 pub fn run_words(criterion: &PerRun, outcome: &Outcome, requests: &Requests) -> String {
     let judged = judge(std::slice::from_ref(&criterion.criterion), std::slice::from_ref(outcome), requests);
@@ -18,7 +21,8 @@ pub fn run_words(criterion: &PerRun, outcome: &Outcome, requests: &Requests) -> 
         None => {
             let index = requests.index(criterion.criterion.claim.metric());
             let value = index.and_then(|index| outcome.metrics[index]);
-            run_value(finding, &WorstRun { key: String::new(), value, margin: None, critical: None })
+            let run = WorstRun { key: String::new(), value, margin: None, cut_off: false, critical: None };
+            run_value(finding, &run)
         }
     }
 }
@@ -40,8 +44,8 @@ pub fn shrunk_file(shrunk: &Shrunk, criterion: &PerRun, suite: &SuiteIdentity) -
         unreachable!("what is wanted of each run is a comparison")
     };
     let mut remarks = vec![
-        format!("The run `{}` of {} (seed {})", place.key, suite.file, suite.seed),
-        format!("as a scenario of its own, by `scenario-runner shrink` {}.", env!("CARGO_PKG_VERSION")),
+        format!("The run `{}` of {} ({})", place.key, suite.file, suite.seed_words()),
+        format!("{SHRUNK_BY} {}.", env!("CARGO_PKG_VERSION")),
         String::new(),
     ];
     remarks.extend(story(shrunk, criterion));

@@ -12,9 +12,6 @@ pub enum Skip {
     /// It had not begun when that happened.
     #[error("{0}")]
     Stopped(Stopping),
-    /// Interrupted while it was under way; in words, with what is left of it.
-    #[error("{0}")]
-    CutOff(String),
     /// A recorded run that the files have nothing for any more; in words.
     #[error("{0}")]
     Stale(String),
@@ -29,6 +26,7 @@ impl Skip {
         let happened = match standing {
             Standing::Judged(_) => "failed",
             Standing::Errored => "could not be run",
+            Standing::NotFinished(_) => "was not finished",
             Standing::Skipped => "was not run",
         };
         Self::Needs { key: key.to_string(), happened }

@@ -6,6 +6,7 @@ use super::digest::Digest;
 use super::figures::{scenarios, short_name};
 use super::wording::{closest_calls, verdict_mark, verdict_word};
 use super::{SuiteReport, TrialReport, TrialState};
+use crate::escape::{terminal, terminal_line};
 use crate::judge::Verdict;
 use crate::metrics::{self, Metric};
 use crate::run::Requests;
@@ -64,8 +65,8 @@ fn table(title: &str, trials: &[&TrialReport], requests: &Requests, colour: bool
     let headings = columns.iter().map(|(_, metric, label)| Digest::heading(metric, label));
     let (above, below): (Vec<_>, Vec<_>) = headings.unzip();
     let heading = |name: String, style: Style, labels: Vec<String>| -> Vec<Cell> {
-        let labels = labels.into_iter().map(|label| Cell { text: label, style });
-        [Cell { text: name, style }, Cell::empty()].into_iter().chain(labels).collect()
+        let labels = labels.iter().map(|label| Cell::new(label, style));
+        [Cell::new(&name, style), Cell::empty()].into_iter().chain(labels).collect()
     };
     lines.push(heading(names.join(", "), plain.bold(), above));
     lines.push(heading(String::new(), muted, below));
@@ -77,7 +78,7 @@ fn table(title: &str, trials: &[&TrialReport], requests: &Requests, colour: bool
         .map(|column| lines.iter().map(|line| line[column].text.chars().count()).max().unwrap_or(0))
         .collect();
     let bold = |text: &str| paint(text, plain.bold(), colour);
-    let mut text = format!("{}\n", bold(title));
+    let mut text = format!("{}\n", bold(&terminal_line(title)));
     for line in lines {
         let mut drawn = String::from(" ");
         for (column, (cell, width)) in line.iter().zip(&widths).enumerate() {
@@ -112,6 +113,10 @@ struct Cell {
 }
 
 impl Cell {
+    fn new(text: &str, style: Style) -> Self {
+        Self { text: terminal_line(text), style }
+    }
+
     fn empty() -> Self {
         Self { text: String::new(), style: Style::new() }
     }
@@ -123,14 +128,17 @@ fn row(trial: &TrialReport, columns: &[Column], requests: &Requests) -> Vec<Cell
     let verdict = trial.verdict();
     let (mark, style) = match verdict {
         Some(verdict) => (format!("{} {}", verdict_mark(verdict), verdict_word(verdict)), style(verdict)),
+        None if matches!(trial.state, TrialState::NotFinished(_)) => {
+            ("⏹ not finished".into(), style(Verdict::Failed))
+        }
         None => ("! error".into(), style(Verdict::Failed)),
     };
-    let name = super::chart::shortened(&name, WIDEST_LABEL);
-    let mut cells = vec![Cell { text: name, style: Style::new() }, Cell { text: mark, style }];
+    let name = super::chart::shortened(&terminal_line(&name), WIDEST_LABEL);
+    let mut cells = vec![Cell::new(&name, Style::new()), Cell::new(&mark, style)];
     for (index, metric, _) in columns {
         let text = Digest::new(metric, &trial.outcomes, *index).short();
         let bad = worst(trial, *index, requests).filter(|verdict| *verdict != Verdict::Passed);
-        cells.push(Cell { text, style: bad.map_or(Style::new(), self::style) });
+        cells.push(Cell::new(&text, bad.map_or(Style::new(), self::style)));
     }
     cells
 }
@@ -152,8 +160,10 @@ pub(super) fn style(verdict: Verdict) -> Style {
     }
 }
 
+/// Text in a style, with nothing in it that a terminal would obey.
 pub(super) fn paint(text: &str, style: Style, colour: bool) -> String {
-    if colour && !text.is_empty() { format!("{style}{text}{style:#}") } else { text.to_string() }
+    let text = terminal(text);
+    if colour && !text.is_empty() { format!("{style}{text}{style:#}") } else { text }
 }
 
 #[cfg(test)]

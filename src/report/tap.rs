@@ -7,8 +7,9 @@ use super::experiment::render_block;
 use super::failure::{render_block_failure, render_failure};
 use super::gate::render_gate_report;
 use super::replay::{block_command, replay_command};
-use super::wording::{in_words, stopping, untested, verdict_word};
-use super::{BlockReport, BlockState, GateReport, GateState, SuiteReport, TrialState};
+use super::wording::{in_words, interruption, stopping, trial_warnings, verdict_word, warnings};
+use super::{BlockReport, BlockState, GateReport, GateState, NotJudged, SuiteReport, TrialState};
+use crate::escape::{tap_description, tap_text, terminal_line, yaml_quoted};
 use crate::judge::{Finding, TrialVerdict, Verdict};
 
 /// The report as TAP. An inconclusive trial is `not ok`, and its block says so.
@@ -23,18 +24,25 @@ pub fn to_tap(reports: &[SuiteReport]) -> String {
         let identity = &report.identity;
         line(
             &mut text,
-            &format!("# suite {}, file {}, seed {}", identity.suite, identity.file, identity.seed),
+            &format!(
+                "# suite {}, file {}, {}",
+                terminal_line(identity.suite),
+                terminal_line(identity.file),
+                terminal_line(&identity.seed_words())
+            ),
         );
         for recorded in &report.recorded {
             number += 1;
             let (state, time) = (&recorded.trial_state(), recorded.wall_time);
-            let point = Point { key: &recorded.key, state, runs: 1, time };
+            let warnings = warnings(state);
+            let point = Point { key: &recorded.key, state, runs: 1, time, warnings };
             point.write(&mut text, number, report);
         }
         for trial in &report.trials {
             number += 1;
             let (runs, time) = (trial.outcomes.len(), trial.wall_time);
-            let point = Point { key: &trial.trial.key, state: &trial.state, runs, time };
+            let (key, warnings) = (&trial.trial.key, trial_warnings(trial));
+            let point = Point { key, state: &trial.state, runs, time, warnings };
             point.write(&mut text, number, report);
         }
         for block in &report.blocks {
@@ -46,6 +54,10 @@ pub fn to_tap(reports: &[SuiteReport]) -> String {
             gate_point(&mut text, number, report, gate);
         }
     }
+    for report in reports.iter().filter(|report| report.interrupted) {
+        // Whoever reads this takes the whole for failed, even if nothing was under way.
+        line(&mut text, &format!("Bail out! suite {} {}", report.identity.suite, interruption(report)));
+    }
     text
 }
 
@@ -55,26 +67,31 @@ struct Point<'p> {
     state: &'p TrialState,
     runs: usize,
     time: Duration,
+    warnings: Vec<String>,
 }
 
 impl Point<'_> {
     fn write(&self, text: &mut String, number: usize, report: &SuiteReport) {
-        let name = escaped(self.key);
+        let name = tap_description(self.key);
         let verdict = match self.state {
             TrialState::Skipped(reason) => {
                 return line(
                     text,
-                    &format!("ok {number} - {name} # SKIP {}", escaped(&one_line(&reason.to_string()))),
+                    &format!("ok {number} - {name} # SKIP {}", tap_description(&reason.to_string())),
                 );
             }
             TrialState::Judged(judged) => Some(judged.verdict),
-            TrialState::Errored(_) => None,
+            TrialState::Errored(_) | TrialState::NotFinished(_) => None,
+        };
+        let severity = match self.state {
+            TrialState::NotFinished(_) => "not finished",
+            _ => verdict.map_or("error", verdict_word),
         };
         let passed = verdict == Some(Verdict::Passed);
         line(text, &format!("{} {number} - {name}", if passed { "ok" } else { "not ok" }));
         line(text, "  ---");
         if !passed {
-            field(text, "severity", verdict.map_or("error", verdict_word));
+            field(text, "severity", severity);
         }
         field(text, "runs", self.runs);
         if let TrialState::Judged(TrialVerdict { stopping: Some(stopped), .. }) = self.state {
@@ -87,16 +104,15 @@ impl Point<'_> {
             if !said.is_empty() {
                 block(text, "criteria", &said.join("\n"));
             }
-            let warnings = untested(&judged.findings);
-            if !warnings.is_empty() {
-                block(text, "warning", &warnings.join("\n"));
-            }
+        }
+        if !self.warnings.is_empty() {
+            block(text, "warning", &self.warnings.join("\n"));
         }
         if !passed {
             if let TrialState::Judged(judged) = self.state {
                 let bad = judged.findings.iter().filter(|finding| finding.verdict != Verdict::Passed);
                 if let Some(run) = bad.flat_map(|finding| &finding.worst).next() {
-                    field(text, "replay", quoted(&replay_command(&report.identity, &run.key)));
+                    field(text, "replay", yaml_quoted(&replay_command(&report.identity, &run.key)));
                 }
             }
             block(text, "message", &render_failure(&report.identity, self.state, false));
@@ -106,22 +122,23 @@ impl Point<'_> {
 }
 
 fn block_point(text: &mut String, number: usize, report: &SuiteReport, block: &BlockReport) {
-    let name = escaped(&block.key);
+    let name = tap_description(&block.key);
     if let BlockState::Skipped(reason) = &block.state {
-        return line(
-            text,
-            &format!("ok {number} - {name} # SKIP {}", escaped(&one_line(&reason.to_string()))),
-        );
+        return line(text, &format!("ok {number} - {name} # SKIP {}", tap_description(&reason.to_string())));
     }
     let passed = block.verdict() == Some(Verdict::Passed);
     line(text, &format!("{} {number} - {name}", if passed { "ok" } else { "not ok" }));
     line(text, "  ---");
     if !passed {
-        field(text, "severity", block.verdict().map_or("error", verdict_word));
+        let severity = match &block.state {
+            BlockState::NotFinished(_) => "not finished",
+            _ => block.verdict().map_or("error", verdict_word),
+        };
+        field(text, "severity", severity);
     }
     field(text, "duration_ms", block.wall_time.as_millis());
     if !passed {
-        field(text, "replay", quoted(&block_command(&report.identity, &block.key)));
+        field(text, "replay", yaml_quoted(&block_command(&report.identity, &block.key)));
         self::block(text, "message", &render_block_failure(&report.identity, block, false));
     }
     if let Some(result) = block.result() {
@@ -131,10 +148,12 @@ fn block_point(text: &mut String, number: usize, report: &SuiteReport, block: &B
 }
 
 fn gate_point(text: &mut String, number: usize, report: &SuiteReport, gate: &GateReport) {
-    let name = escaped(&gate.key);
+    let name = tap_description(&gate.key);
     let (passed, severity) = match &gate.state {
-        GateState::Skipped(reason) => {
-            return line(text, &format!("ok {number} - {name} # SKIP {}", escaped(&one_line(reason))));
+        GateState::NotJudged(NotJudged::Broken(_)) => (false, "error"),
+        GateState::NotJudged(why) => {
+            let why = tap_description(&why.to_string());
+            return line(text, &format!("ok {number} - {name} # SKIP not judged: {why}"));
         }
         GateState::Refused(_) => (false, "error"),
         GateState::Judged(verdict) => (verdict.verdict == Verdict::Passed, verdict_word(verdict.verdict)),
@@ -149,7 +168,7 @@ fn gate_point(text: &mut String, number: usize, report: &SuiteReport, gate: &Gat
 }
 
 fn line(text: &mut String, content: &str) {
-    text.push_str(&one_line(content));
+    text.push_str(content);
     text.push('\n');
 }
 
@@ -161,23 +180,9 @@ fn field(text: &mut String, name: &str, value: impl std::fmt::Display) {
 /// readers that take the first line without indentation for the end.
 fn block(text: &mut String, name: &str, content: &str) {
     writeln!(text, "  {name}: |2-").expect("writing to a string cannot fail");
-    for content in content.lines() {
+    for content in tap_text(content).lines() {
         writeln!(text, "    {}", content.trim_end()).expect("writing to a string cannot fail");
     }
-}
-
-/// A double-quoted YAML scalar: YAML takes every JSON string.
-fn quoted(text: &str) -> String {
-    serde_json::Value::from(text).to_string()
-}
-
-/// `#` would begin a directive.
-fn escaped(text: &str) -> String {
-    text.replace('\\', "\\\\").replace('#', "\\#")
-}
-
-fn one_line(text: &str) -> String {
-    text.replace(['\n', '\r'], " ")
 }
 
 #[cfg(test)]

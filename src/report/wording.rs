@@ -2,12 +2,14 @@
 
 use std::collections::HashSet;
 
-use super::TrialReport;
 use super::chart::Rule;
-use super::format::{quantity, share};
-use crate::judge::{Finding, Measure, Reason, Stopping, Vacuity, Verdict, WorstRun};
+use super::format::{count, quantity, share};
+use super::{BlockReport, RecordedReport, Skip, Standing, SuiteReport, TrialReport, TrialState};
+use crate::judge::{Finding, Horizon, Measure, Reason, Regarding, Stopping, Vacuity, Verdict, WorstRun};
+use crate::lang;
 use crate::metrics::{self, MetricKind};
-use crate::scenario::{Comparison, Relation, significant};
+use crate::run::{OnCourse, departures};
+use crate::scenario::{Comparison, People, Relation, significant};
 
 /// What was found: `holds in 18 of 20 runs`, `85 %`, `1.62 s`; `–` if no run has a value.
 pub fn observed(finding: &Finding) -> String {
@@ -38,7 +40,21 @@ pub fn interval(finding: &Finding) -> Option<String> {
         Measure::Count => significant(value, 4),
         Measure::Value => in_unit(finding, value),
     };
-    Some(format!("[{}, {}]", show(low), show(high)))
+    let mut text = format!("[{}, {}]", show(low), show(high));
+    if finding.approximate {
+        text = format!("approximately {text}");
+    }
+    Some(text + &whom(finding).map_or_else(String::new, |whom| format!(" {whom}")))
+}
+
+/// Whom a finding with confidence speaks of, where people walk who are somebody: `of these 5 people`.
+pub fn whom(finding: &Finding) -> Option<String> {
+    let Regarding { whom, people } = finding.people?;
+    Some(match (whom, people) {
+        (People::These, 1) => "of this person".to_string(),
+        (People::These, _) => format!("of these {people} people"),
+        (People::All, _) => format!("of all people, from {people} of them"),
+    })
 }
 
 /// How far from failing, with its sign: `+0.12 s`, `-5 points`.
@@ -93,11 +109,20 @@ pub fn comparison_rule(comparison: &Comparison) -> Rule {
 pub fn in_words(finding: &Finding) -> String {
     let parts = [
         Some(format!("{}: {}", verdict_word(finding.verdict), observed(finding))),
+        missing(finding),
         interval(finding),
         margin(finding).map(|margin| format!("margin {margin}")),
         nearest_run(finding),
     ];
     parts.into_iter().flatten().collect::<Vec<_>>().join(", ")
+}
+
+/// In how many runs there was no value, and why: `undefined in 2 runs, cut off in 3 runs`.
+pub fn missing(finding: &Finding) -> Option<String> {
+    let parts = [(finding.undefined, "undefined"), (finding.cut_off, "cut off")];
+    let parts = parts.iter().filter(|(runs, _)| *runs > 0);
+    let said: Vec<_> = parts.map(|(runs, what)| format!("{what} in {}", count(*runs, "run"))).collect();
+    (!said.is_empty()).then(|| said.join(", "))
 }
 
 /// The run that speaks most against the criterion, or else comes nearest to that:
@@ -117,10 +142,26 @@ pub fn run_in_words(finding: &Finding, run: &WorstRun) -> String {
 
 /// `pet 0.83 s`
 pub fn run_value(finding: &Finding, run: &WorstRun) -> String {
-    metrics::metric(&finding.metric).map_or_else(
-        || "?".to_string(),
-        |metric| format!("{} {}", finding.metric, quantity(metric, run.value)),
-    )
+    let so_far = if run.cut_off { " when time was up" } else { "" };
+    match metrics::metric(&finding.metric) {
+        Some(_) => format!("{} {}{so_far}", finding.metric, metric_value(finding, run.value)),
+        None => "?".to_string(),
+    }
+}
+
+/// A value of the finding's metric as [`quantity`] gives it, but in the unit that the criterion is written in.
+pub fn metric_value(finding: &Finding, value: Option<f64>) -> String {
+    let Some(metric) = metrics::metric(&finding.metric) else {
+        return value.map_or_else(|| "?".to_string(), |value| significant(value, 4));
+    };
+    let unit = match metric.kind {
+        MetricKind::Quantity(dimension) => lang::unit_in(&finding.criterion, dimension),
+        MetricKind::Flag | MetricKind::Category(_) => None,
+    };
+    match (unit, value) {
+        (Some(unit), Some(value)) => format!("{} {}", significant(unit.of_si(value), 4), unit.symbol),
+        _ => quantity(metric, value),
+    }
 }
 
 /// Of the criteria that no run of these trials speaks against, the run that comes nearest to it:
@@ -151,8 +192,11 @@ pub fn closest_calls(trials: &[&TrialReport]) -> Vec<String> {
 /// When and for whom a run's metric was what it was: ` at 7.33 s, av and walker`, ` of av`, or nothing.
 fn critical(run: &WorstRun) -> String {
     let Some(critical) = &run.critical else { return String::new() };
-    let who: Vec<&str> =
-        [&critical.vehicle, &critical.pedestrian].into_iter().flatten().map(|name| &**name).collect();
+    let who: Vec<&str> = [&critical.vehicle, &critical.pedestrian, &critical.other]
+        .into_iter()
+        .flatten()
+        .map(|name| &**name)
+        .collect();
     match (critical.time, who.join(" and ")) {
         (Some(time), who) if who.is_empty() => format!(" at {time:.2} s"),
         (Some(time), who) => format!(" at {time:.2} s, {who}"),
@@ -171,12 +215,23 @@ pub fn stopping(stopping: &Stopping) -> String {
     }
 }
 
-/// The criteria of a trial that passed without being put to the test, to be warned of:
+/// Everything about a trial that is to be warned of, in every report: how its runs went, and models in it that are others
+/// than were published.
+pub fn trial_warnings(trial: &TrialReport) -> Vec<String> {
+    let mut said = warnings(&trial.state);
+    if !trial.skipped() {
+        said.extend(departures(trial.trial));
+    }
+    said
+}
+
+/// The criteria of a trial that passed without being put to the test, or whose confidence rests on equal runs, to be warned of:
 /// `\`pet >= 1.5 s\` passed untested: nobody came into a vehicle's lane in any of 20 runs`.
 pub fn untested(findings: &[Finding]) -> Vec<String> {
     let reasons = [
         (Vacuity::NobodyAppeared, "no pedestrian appeared"),
         (Vacuity::NobodyEntered, "no pedestrian came into a vehicle's lane"),
+        (Vacuity::CutOff, ""),
     ];
     let said = reasons.iter().filter_map(|(reason, what)| {
         let vacuous: Vec<_> = findings.iter().filter(|one| one.vacuous == Some(*reason)).collect();
@@ -184,13 +239,73 @@ pub fn untested(findings: &[Finding]) -> Vec<String> {
         // What a scenario and a claim about it both state is still one criterion.
         let mut named = HashSet::new();
         criteria.retain(|criterion| named.insert(criterion.clone()));
+        if *reason == Vacuity::CutOff {
+            vacuous.first()?;
+            let criteria = criteria.join(", ");
+            return Some(format!("{criteria} passed, but time was up with somebody on a collision course"));
+        }
         let runs = match vacuous.first()?.runs {
             1 => "the run".to_string(),
             runs => format!("any of {runs} runs"),
         };
         Some(format!("{} passed untested: {what} in {runs}", criteria.join(", ")))
     });
-    said.collect()
+    said.chain(alike(findings)).collect()
+}
+
+/// The criteria with a confidence that rests on runs of which none is another.
+fn alike(findings: &[Finding]) -> Option<String> {
+    let mut criteria: Vec<_> =
+        findings.iter().filter(|one| one.alike).map(|one| format!("`{}`", one.criterion)).collect();
+    criteria.dedup();
+    let runs = findings.iter().find(|one| one.alike)?.runs;
+    Some(format!(
+        "{} rests on {runs} runs that are the same bit for bit: if chance changes nothing in them, they are worth no \
+         more than one",
+        criteria.join(", ")
+    ))
+}
+
+/// What is to be warned of in a trial: criteria that passed untested, runs that the horizon ended too early.
+pub fn warnings(state: &TrialState) -> Vec<String> {
+    let TrialState::Judged(judged) = state else { return Vec::new() };
+    let mut warnings = untested(&judged.findings);
+    if let Some(horizon) = &judged.horizon {
+        warnings.extend(horizon_in_words(horizon));
+    }
+    warnings
+}
+
+/// Runs that a line names.
+const MOST_NAMED: usize = 3;
+
+/// `2 of 20 runs ended at the horizon; walker had not arrived in zebra/walk/rep=3, zebra/walk/rep=7`, and who was about to
+/// touch.
+fn horizon_in_words(horizon: &Horizon) -> Vec<String> {
+    let Horizon { runs, of, stranded, on_course } = horizon;
+    let list = |said: Vec<String>, all: usize| match all.saturating_sub(MOST_NAMED) {
+        0 => said.join(", "),
+        more => format!("{} and {more} more", said.join(", ")),
+    };
+    let ended = format!("{runs} of {} ended at the horizon", count(*of, "run"));
+    let named = stranded.iter().take(MOST_NAMED);
+    let named: Vec<_> = named.map(|run| format!("{} in {}", run.who.join(" and "), run.key)).collect();
+    let mut lines = vec![if named.is_empty() {
+        ended
+    } else {
+        let runs = count(stranded.len(), "run");
+        format!("{ended}; not hit and not arrived in {runs}: {}", list(named, stranded.len()))
+    }];
+    if !on_course.is_empty() {
+        let said = on_course.iter().take(MOST_NAMED).map(|run| {
+            let OnCourse { vehicle, with, time } = &run.course;
+            format!("{vehicle} and {with} {} s before they touch in {}", significant(*time, 3), run.key)
+        });
+        let runs = count(on_course.len(), "run");
+        let said = list(said.collect(), on_course.len());
+        lines.push(format!("{runs} ended at the horizon on a collision course: {said}"));
+    }
+    lines
 }
 
 /// One word.
@@ -215,10 +330,22 @@ pub fn verdict_mark(verdict: Verdict) -> &'static str {
 fn in_unit(finding: &Finding, value: f64) -> String {
     match metrics::metric(&finding.metric) {
         Some(metric) if matches!(metric.kind, metrics::MetricKind::Quantity(_)) => {
-            quantity(metric, Some(value))
+            metric_value(finding, Some(value))
         }
         _ => significant(value, 4),
     }
+}
+
+/// How far a suite came that somebody interrupted.
+pub fn interruption(report: &SuiteReport) -> String {
+    let count = |wanted: &dyn Fn(&Standing) -> bool| report.standings().filter(wanted).count();
+    let not_finished = count(&|one| matches!(one, Standing::NotFinished(_)));
+    let not_run = report.trials.iter().filter_map(TrialReport::skip);
+    let not_run = not_run.chain(report.blocks.iter().filter_map(BlockReport::skip));
+    let not_run = not_run.chain(report.recorded.iter().filter_map(RecordedReport::skip));
+    let not_run = not_run.filter(|skip| matches!(skip, Skip::Stopped(_) | Skip::Needs { .. })).count();
+    let finished = count(&|one| matches!(one, Standing::Judged(_) | Standing::Errored));
+    format!("interrupted: {finished} finished, {not_finished} not finished, {not_run} not run")
 }
 
 #[cfg(test)]

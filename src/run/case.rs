@@ -4,16 +4,30 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::build::{RunError, road_users};
+use super::cut_off::cut_off;
 use super::free_flow::FreeFlows;
 use super::outcome::{Critical, Outcome, Requests};
+use super::panic::in_case;
 use crate::metrics::{Measurement, Reading};
-use crate::scenario::Case;
-use crate::sim::{Fingerprint, Observer, Snapshot, Step, simulate};
+use crate::scenario::{Case, World};
+use crate::sim::{Ending, Fingerprint, Observer, Snapshot, Step, StopReason, simulate};
 
 /// Runs one case and reads the requested metrics off it. `watcher` sees every step and changes nothing.
 ///
 /// A pure function of the case, but for the wall time it notes.
+///
+/// # Panics
+/// With a [`Panicked`](super::Panicked) that names the case, if a model does.
 pub fn run_case(
+    case: &Case,
+    requests: &Requests,
+    free_flows: &FreeFlows,
+    watcher: &mut dyn Observer,
+) -> Result<Outcome, RunError> {
+    in_case(&case.key, || run(case, requests, free_flows, watcher))
+}
+
+fn run(
     case: &Case,
     requests: &Requests,
     free_flows: &FreeFlows,
@@ -26,10 +40,13 @@ pub fn run_case(
     let mut observers = Observers {
         measurement: Measurement::new(&case.world, requests.as_slice(), &flows, &free_speeds),
         fingerprint: Fingerprint::default(),
+        last: None,
         watcher,
     };
     let ending = simulate(&case.world, &mut users, &mut observers);
     let readings = observers.measurement.readings();
+    let at_horizon = observers.last.as_ref().filter(|_| ending.reason == StopReason::Horizon);
+    let cut_off = at_horizon.map(|last| cut_off(&case.world, last, &observers.measurement, &readings));
     let pedestrians = names(case.world.pedestrians.iter().map(|one| &one.name));
     let vehicles = names(case.world.vehicles.iter().map(|car| &car.name));
     Ok(Outcome {
@@ -38,8 +55,9 @@ pub fn run_case(
         individuals: case.individuals.clone(),
         ending,
         metrics: readings.iter().map(|reading| reading.worst?.value).collect(),
-        critical: critical(&vehicles, &pedestrians, &readings),
+        critical: critical(&case.world, &vehicles, &pedestrians, &readings),
         presences: pedestrians.into_iter().zip(observers.measurement.presences()).collect(),
+        cut_off: cut_off.unwrap_or_default(),
         fingerprint: observers.fingerprint.value(),
         wall_time: begun.elapsed(),
     })
@@ -50,12 +68,18 @@ fn names<'a>(names: impl Iterator<Item = &'a String>) -> Vec<Arc<str>> {
 }
 
 /// When and for whom the readings are what they are.
-fn critical(vehicles: &[Arc<str>], pedestrians: &[Arc<str>], readings: &[Reading]) -> Vec<Critical> {
+fn critical(
+    world: &World,
+    vehicles: &[Arc<str>],
+    pedestrians: &[Arc<str>],
+    readings: &[Reading],
+) -> Vec<Critical> {
     let of = |reading: &Reading| match reading.worst {
         Some(worst) => Critical {
             time: worst.instant,
             vehicle: worst.vehicle.map(|index| vehicles[index].clone()),
             pedestrian: worst.pedestrian.map(|index| pedestrians[index].clone()),
+            other: worst.other.map(|other| other.name(world).into()),
         },
         None => Critical::default(),
     };
@@ -72,6 +96,7 @@ impl Observer for Unwatched {
 struct Observers<'a> {
     measurement: Measurement,
     fingerprint: Fingerprint,
+    last: Option<Snapshot>,
     watcher: &'a mut dyn Observer,
 }
 
@@ -86,5 +111,12 @@ impl Observer for Observers<'_> {
         self.measurement.observe(step);
         self.fingerprint.observe(step);
         self.watcher.observe(step);
+    }
+
+    fn end(&mut self, ending: &Ending, last: &Snapshot) {
+        self.measurement.end(ending, last);
+        self.fingerprint.end(ending, last);
+        self.watcher.end(ending, last);
+        self.last = Some(last.clone());
     }
 }

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
-use crate::metrics::{METRICS, Presence};
+use crate::metrics::{METRICS, Open, Presence};
 use crate::scenario::{Criterion, Individual, MetricReference, Settings};
 use crate::sim::Ending;
 
@@ -24,11 +24,34 @@ pub struct Outcome {
     /// What each pedestrian did at all. Left out of stored results.
     #[serde(skip)]
     pub presences: Vec<(Arc<str>, Presence)>,
+    /// What the horizon cut off. Left out of stored results.
+    #[serde(skip)]
+    pub cut_off: CutOff,
     /// See [`crate::sim::Fingerprint`].
     pub fingerprint: u64,
     /// Left out of stored results, which are the same on every machine.
     #[serde(skip)]
     pub wall_time: Duration,
+}
+
+/// What was going on when the horizon ended a run; nothing, where it ended otherwise.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct CutOff {
+    /// As many as there are metrics, or none if all were decided: what those could still have come to that were not.
+    pub open: Vec<Option<Open>>,
+    /// Who was there, had not been hit, and had not arrived: pedestrians beyond all lanes, vehicles at the finish line.
+    pub stranded: Vec<Arc<str>>,
+    /// Who would have touched first.
+    pub on_course: Option<OnCourse>,
+}
+
+/// A vehicle and something else that would have touched, had both moved on as they did.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct OnCourse {
+    pub vehicle: Arc<str>,
+    pub with: Arc<str>,
+    /// From the end of the run to their contact, s.
+    pub time: f64,
 }
 
 /// The critical instant of a metric in a run.
@@ -39,6 +62,9 @@ pub struct Critical {
     /// Whose value it is: a vehicle's, a pedestrian's or a pair's.
     pub vehicle: Option<Arc<str>>,
     pub pedestrian: Option<Arc<str>>,
+    /// Another vehicle or a box that the vehicle touches.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub other: Option<Arc<str>>,
 }
 
 /// The metrics that are read off every run of a suite: each with its defaults, and what criteria ask for besides.

@@ -12,8 +12,8 @@ pub struct Obstacle {
     pub stage: Stage,
     pub message: String,
     pub hint: Option<String>,
-    /// The first run that meets it, such as `zebra/x/tta=6s/rep=1`, and how many of those tried meet it too; not
-    /// known where no run could be planned.
+    /// The first run or trial that meets it, such as `zebra/x/tta=6s/rep=1`, and how many of those tried meet it too;
+    /// none where it is about the whole scenario.
     pub met: Option<(String, usize)>,
     pub origin: Origin,
 }
@@ -31,8 +31,9 @@ pub fn rehearse(suite: &Suite) -> Vec<Obstacle> {
     for scenario in &suite.scenarios {
         match plan::probe_scenario(suite, scenario) {
             Ok(trials) => obstacles.extend(refusals(scenario, trials.iter().flat_map(|trial| &trial.cases))),
-            Err(PlanError { message, hint, origin }) => {
-                obstacles.push(Obstacle { stage: Stage::Planning, message, hint, met: None, origin });
+            Err(PlanError { message, hint, case, origin }) => {
+                let met = case.map(|key| (key, 1));
+                obstacles.push(Obstacle { stage: Stage::Planning, message, hint, met, origin: *origin });
             }
         }
     }

@@ -20,8 +20,8 @@ use crate::sim::Trace;
 pub enum TrialError {
     #[error("{key}: {error}")]
     Run { key: String, error: RunError },
-    #[error("{}: time limit of {} s exceeded after {finished} of {runs} runs", .key, .limit.as_secs_f64())]
-    TimeLimit { key: String, limit: Duration, finished: usize, runs: usize },
+    #[error("time limit of {} s exceeded after {finished} of {runs} runs", .limit.as_secs_f64())]
+    TimeLimit { limit: Duration, finished: usize, runs: usize },
     #[error("interrupted after {finished} of {runs} runs")]
     Stopped { finished: usize, runs: usize },
 }
@@ -115,7 +115,7 @@ impl<'a> SharedTrial<'a> {
             } else if stop.is_requested() {
                 return Err(TrialError::Stopped { finished, runs });
             } else if let Some(limit) = time_limit.filter(|limit| begun.elapsed() > *limit) {
-                return Err(TrialError::TimeLimit { key: self.trial.key.clone(), limit, finished, runs });
+                return Err(TrialError::TimeLimit { limit, finished, runs });
             } else if let Some(index) = self.begin() {
                 self.run(index, &run);
             } else {
@@ -190,6 +190,7 @@ mod tests {
             metrics: Vec::new(),
             critical: Vec::new(),
             presences: Vec::new(),
+            cut_off: Default::default(),
             fingerprint: 0,
             wall_time: Duration::ZERO,
         }

@@ -27,7 +27,28 @@ pub struct Criterion {
     pub when: Vec<VariationCondition>,
     /// The criterion in canonical words, such as `pet >= 1.5 s in 80 % of runs`.
     pub text: String,
+    #[serde(default)]
+    pub reach: Reach,
     pub origin: Origin,
+}
+
+/// How far a criterion with confidence reaches beyond its runs.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct Reach {
+    /// Whom it speaks of, if it says so.
+    pub people: Option<People>,
+    /// Between what limits its metric lies in its scenario, in the metric's unit. Worked out when it is planned.
+    pub limits: Option<(f64, f64)>,
+}
+
+/// Whom a criterion speaks of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum People {
+    /// Those who walk in its runs, as often as one likes.
+    These,
+    /// All people whom they were taken from.
+    All,
 }
 
 /// A condition on a variation's value, such as `tta >= 18 s`.
@@ -83,7 +104,10 @@ pub struct Comparison {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum WhenUndefined {
+    /// What the metric says of itself: better than any value, worse than any, or, where neither is sure, whatever speaks
+    /// against the criterion.
     #[default]
+    AsDeclared,
     Fails,
     Passes,
 }
@@ -94,7 +118,8 @@ pub struct MetricReference {
     /// Given parameters only; the metric's declaration has the defaults.
     #[serde(default)]
     pub settings: Settings,
-    /// Restricts to one vehicle and one pedestrian by name; otherwise the worst pair counts.
+    /// Restricts to one vehicle and one pedestrian by name; otherwise the worst pair counts. Of a vehicle and what it
+    /// touches, the second may also be a vehicle or a box, or empty: whatever it touches.
     #[serde(default)]
     pub pair: Option<(String, String)>,
 }
@@ -181,7 +206,26 @@ impl Claim {
         }
     }
 
+    /// The confidence that it states.
+    pub fn confidence(&self) -> Option<f64> {
+        match self {
+            Self::Runs { confidence, .. } | Self::Aggregate { confidence, .. } => *confidence,
+        }
+    }
+
     /// Every bound in the claim, for evaluation.
+    /// Everything that it compares to.
+    pub fn bounds(&self) -> Vec<&Expression> {
+        match self {
+            Self::Runs { comparison, .. } => vec![&comparison.bound],
+            Self::Aggregate { aggregate, bound, .. } => match aggregate {
+                Aggregate::Rate(comparison) | Aggregate::Count(comparison) => vec![&comparison.bound, bound],
+                _ => vec![bound],
+            },
+        }
+    }
+
+    /// As [`Self::bounds`].
     pub fn bounds_mut(&mut self) -> Vec<&mut Expression> {
         match self {
             Self::Runs { comparison, .. } => vec![&mut comparison.bound],
@@ -199,7 +243,8 @@ impl MetricReference {
     /// The name that reports give it: `pet`, `max_deceleration(window=0.5)` or `pet(av, walker)`.
     pub fn label(&self) -> String {
         let settings = self.settings.0.iter().map(|(name, value)| format!("{name}={value}"));
-        let pair = self.pair.iter().flat_map(|(vehicle, pedestrian)| [vehicle.clone(), pedestrian.clone()]);
+        let pair = self.pair.iter().flat_map(|(vehicle, other)| [vehicle.clone(), other.clone()]);
+        let pair = pair.filter(|name| !name.is_empty());
         let inside: Vec<_> = pair.chain(settings).collect();
         if inside.is_empty() { self.name.clone() } else { format!("{}({})", self.name, inside.join(", ")) }
     }

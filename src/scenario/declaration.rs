@@ -19,6 +19,27 @@ pub struct Declaration {
     pub presets: Option<PresetFamily>,
 }
 
+/// Whether a registered thing can draw from the run's random streams, so that its run may differ from one under another
+/// seed. Where that is not sure, it can.
+#[derive(Debug, Clone, Copy)]
+pub enum Chance {
+    Never,
+    /// Whatever its settings.
+    Always,
+    /// Where this holds for its settings, resolved against its declaration.
+    If(fn(&Settings) -> bool),
+}
+
+impl Chance {
+    pub fn possible(self, settings: &Settings) -> bool {
+        match self {
+            Self::Never => false,
+            Self::Always => true,
+            Self::If(holds) => holds(settings),
+        }
+    }
+}
+
 /// Named sets of defaults, chosen by one word such as `profile: aggressive`.
 #[derive(Debug, Clone, Copy)]
 pub struct PresetFamily {
@@ -61,6 +82,29 @@ pub struct Parameter {
     pub doc: &'static str,
     pub source: &'static str,
     pub kind: ParameterKind,
+    /// The one value that was published beside the other settings, for a number that is no free choice: with another the
+    /// model is another one, which nobody fitted to anything.
+    pub published: Option<Published>,
+}
+
+/// Takes resolved settings.
+pub type Published = fn(&Settings) -> f64;
+
+/// The flag by which settings say that a number beside the published ones is meant.
+pub const ANOTHER_MODEL: &str = "another_model";
+
+/// A setting that makes another model than was published.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[error(
+    "`{parameter}` of `{owner}` is {found}{unit} where {published}{unit} was published, which makes it another model"
+)]
+pub struct Departure {
+    pub owner: &'static str,
+    pub parameter: &'static str,
+    pub found: f64,
+    pub published: f64,
+    /// With a space before it; empty for plain numbers.
+    pub unit: String,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -134,7 +178,7 @@ impl Parameter {
         source: &'static str,
     ) -> Self {
         let kind = ParameterKind::Number { dimension, default: Some(default), range };
-        Self { name, doc, source, kind }
+        Self { name, doc, source, kind, published: None }
     }
 
     /// A number that may stay absent.
@@ -146,7 +190,7 @@ impl Parameter {
         source: &'static str,
     ) -> Self {
         let kind = ParameterKind::Number { dimension, default: None, range };
-        Self { name, doc, source, kind }
+        Self { name, doc, source, kind, published: None }
     }
 
     pub const fn whole(
@@ -156,11 +200,11 @@ impl Parameter {
         doc: &'static str,
         source: &'static str,
     ) -> Self {
-        Self { name, doc, source, kind: ParameterKind::Whole { default, range } }
+        Self { name, doc, source, kind: ParameterKind::Whole { default, range }, published: None }
     }
 
     pub const fn flag(name: &'static str, default: bool, doc: &'static str, source: &'static str) -> Self {
-        Self { name, doc, source, kind: ParameterKind::Flag { default } }
+        Self { name, doc, source, kind: ParameterKind::Flag { default }, published: None }
     }
 
     pub const fn choice(
@@ -170,7 +214,7 @@ impl Parameter {
         doc: &'static str,
         source: &'static str,
     ) -> Self {
-        Self { name, doc, source, kind: ParameterKind::Choice { default, options } }
+        Self { name, doc, source, kind: ParameterKind::Choice { default, options }, published: None }
     }
 
     pub const fn text(
@@ -180,7 +224,12 @@ impl Parameter {
         doc: &'static str,
         source: &'static str,
     ) -> Self {
-        Self { name, doc, source, kind: ParameterKind::Text { default, check } }
+        Self { name, doc, source, kind: ParameterKind::Text { default, check }, published: None }
+    }
+
+    /// The same, published with the value that `published` says.
+    pub const fn published_with(self, published: Published) -> Self {
+        Self { published: Some(published), ..self }
     }
 
     /// The value it has when nobody says otherwise.
@@ -274,8 +323,40 @@ impl Declaration {
         self.presets?.presets.iter().find(|preset| preset.name == name)
     }
 
+    /// Whatever of resolved `settings` makes another model than was published.
+    pub fn departures(&self, settings: &Settings) -> Vec<Departure> {
+        let departure = |parameter: &Parameter| {
+            let (published, found) =
+                (parameter.published?(settings), settings.optional_number(parameter.name)?);
+            let unit = match parameter.kind {
+                ParameterKind::Number { dimension, .. } if dimension != Dimension::NUMBER => {
+                    format!(" {}", dimension.si_unit())
+                }
+                _ => String::new(),
+            };
+            let differs = (found - published).abs() > 1e-9 * published.abs();
+            differs.then_some(Departure {
+                owner: self.name,
+                parameter: parameter.name,
+                found,
+                published,
+                unit,
+            })
+        };
+        self.parameters.iter().filter_map(departure).collect()
+    }
+
     /// Fills in every parameter: defaults, then the chosen preset, then `given`. Every value is checked.
     pub fn resolve(&self, given: &Settings) -> Result<Settings, SettingError> {
+        let resolved = self.fill_in(given)?;
+        for parameter in self.parameters {
+            given.get(parameter.name).map_or(Ok(()), |value| parameter.check(self.name, value))?;
+        }
+        Ok(resolved)
+    }
+
+    /// As [`Self::resolve`], but values are not checked; names are.
+    pub fn fill_in(&self, given: &Settings) -> Result<Settings, SettingError> {
         let mut resolved = Settings::default();
         for parameter in self.parameters {
             if let Some(value) = parameter.default_value() {
@@ -303,10 +384,9 @@ impl Declaration {
             if self.presets.is_some_and(|family| family.word == name) {
                 continue;
             }
-            let parameter = self
-                .parameter(name)
-                .ok_or_else(|| SettingError::UnknownParameter { owner: self.name, name: name.clone() })?;
-            parameter.check(self.name, value)?;
+            if self.parameter(name).is_none() {
+                return Err(SettingError::UnknownParameter { owner: self.name, name: name.clone() });
+            }
             resolved.set(name.clone(), value.clone());
         }
         Ok(resolved)

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Criterion, Evaluate, EvaluationError, Expression, Gate, Origin, Road, Search, Side, Statement, Tune,
-    Value, VehicleReference,
+    Criterion, Distribution, Evaluate, EvaluationError, Expression, Gate, Origin, Road, Search, Side,
+    Statement, Tune, Value, VehicleReference, Written,
 };
 
 /// A suite: scenarios and what holds for all of them. A bare `.scn` file becomes a suite named after the file.
@@ -15,6 +15,9 @@ pub struct Suite {
     pub name: String,
     pub doc: Option<String>,
     pub seed: u64,
+    /// What was set from outside and is not as the files say: `av.speed=40km/h`, sorted.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub set: Vec<String>,
     /// Wall-clock limit per trial in s.
     pub time_limit: Option<f64>,
     /// In the order of files and of declaration within a file; names are unique.
@@ -62,6 +65,9 @@ pub struct Scenario {
     /// Distance of the finish line behind the crossing's middle in m.
     pub finish: f64,
     pub end_on_collision: bool,
+    /// How its numbers were written, by name: `av.speed`, `av.controller.braking_distance`, `tta`. For messages only.
+    #[serde(skip)]
+    pub written: BTreeMap<String, Written>,
     pub origin: Origin,
 }
 
@@ -206,15 +212,6 @@ pub enum SamplingScheme {
     Sobol,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Distribution {
-    Uniform { low: f64, high: f64 },
-    Normal { mean: f64, standard_deviation: f64 },
-    TruncatedNormal { mean: f64, standard_deviation: f64, low: f64, high: f64 },
-    Choice(Vec<VariedValue>),
-}
-
 impl Model {
     /// The name where variations have the values `variables`.
     ///
@@ -250,6 +247,16 @@ impl Variation {
                 Distribution::Choice(options) => Some(options.iter().map(|option| &option.value).collect()),
                 _ => None,
             },
+        }
+    }
+
+    /// The names of other variations, or of earlier ones within it, that its values depend on.
+    pub fn depends_on(&self) -> Vec<&str> {
+        match self {
+            Self::Grid { .. } => Vec::new(),
+            Self::Sampled { samples, .. } => {
+                samples.distributions.iter().flat_map(Distribution::variables).collect()
+            }
         }
     }
 

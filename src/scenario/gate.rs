@@ -18,7 +18,7 @@ pub struct Gate {
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct GateRule {
-    /// `None`: every metric that the suite measures and no other rule of the gate names.
+    /// `None`: every quantity that the suite measures and no other rule of the gate names.
     pub metric: Option<MetricReference>,
     pub tolerance: Tolerance,
     /// Confidence (0..1) with which it must be shown that the tolerance is kept.
@@ -32,8 +32,13 @@ pub struct GateRule {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Tolerance {
-    /// A share of the baseline's value; of metrics that are true or false, a difference of rates.
+    /// A share of the baseline's mean; of metrics that are true or false, a difference of rates.
     Relative(f64),
     /// In the metric's SI unit.
     Absolute(f64),
+    /// No run may have it that had not on the same seed; of metrics that are true or false only, and without statistics.
+    NoneNew {
+        /// Only in scenarios in which no run of the base has it.
+        where_none_was: bool,
+    },
 }

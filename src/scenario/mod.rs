@@ -9,9 +9,12 @@ mod criterion;
 mod declaration;
 mod declared;
 mod dimension;
+mod distribution;
 mod evaluate;
 mod expression;
 mod gate;
+pub mod limits;
+mod notation;
 mod optimisation;
 mod road;
 mod statement;
@@ -22,21 +25,23 @@ pub use case::{
     VehicleSetup, VehicleStart, World,
 };
 pub use criterion::{
-    Aggregate, Claim, Comparison, Criterion, MetricReference, Origin, Relation, VariationCondition,
-    WhenUndefined, constant,
+    Aggregate, Claim, Comparison, Criterion, MetricReference, Origin, People, Reach, Relation,
+    VariationCondition, WhenUndefined, constant,
 };
 pub use declaration::{
-    ChoiceOption, Declaration, Literal, Parameter, ParameterKind, Preset, PresetFamily, SettingError,
-    TextCheck, TextError,
+    ANOTHER_MODEL, Chance, ChoiceOption, Declaration, Departure, Literal, Parameter, ParameterKind, Preset,
+    PresetFamily, Published, SettingError, TextCheck, TextError,
 };
 pub use declared::{
-    DeclaredAppearance, DeclaredShape, DeclaredVehicleStart, Distribution, Individuals, Model, Pedestrian,
-    Population, RunBudget, Samples, SamplingScheme, Scenario, Suite, Variation, VariedValue, Vehicle,
+    DeclaredAppearance, DeclaredShape, DeclaredVehicleStart, Individuals, Model, Pedestrian, Population,
+    RunBudget, Samples, SamplingScheme, Scenario, Suite, Variation, VariedValue, Vehicle,
 };
 pub use dimension::Dimension;
+pub use distribution::{Distribution, DistributionError, KnownDistribution};
 pub use evaluate::{Condition, Evaluate, Measure, ParameterSet};
 pub use expression::{BinaryOperator, EvaluationError, Expression};
 pub use gate::{Gate, GateRule, Tolerance};
+pub use notation::{Notation, Written, out_of_range, show};
 pub use optimisation::{
     Budget, CaseSet, Goal, InitialDesign, Method, Objective, Part, Range, RangeValues, SampleSize, Search,
     Target, Tune,

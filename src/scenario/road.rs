@@ -65,9 +65,12 @@ pub enum CrossingKind {
     Signalised { cycle: f64, pedestrian_green_from: f64, pedestrian_green: f64 },
 }
 
-/// A rectangle aligned with the road that blocks the view, such as a parked car.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+/// A rectangle aligned with the road that blocks the view and the way, such as a parked car.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Body {
+    /// By which criteria and reports speak of it. It decides nothing in a run, so it is no part of what identifies one.
+    #[serde(default, skip_serializing)]
+    pub name: String,
     /// Centre in m.
     pub x: f64,
     pub y: f64,

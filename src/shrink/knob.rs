@@ -1,9 +1,9 @@
 //! What of a case can be moved, and where it is declared to be: its nominal value.
 
 use crate::pedestrian;
-use crate::plan::{PlanError, concrete_case};
+use crate::plan::{PlanError, Variables, concrete_case, variables};
 use crate::scenario::{
-    Assignment, Case, Dimension, Distribution, Individual, ParameterKind, Scenario, Value, Variation,
+    Assignment, Case, Dimension, Individual, KnownDistribution, ParameterKind, Scenario, Value, Variation,
     VariedValue,
 };
 
@@ -79,7 +79,8 @@ pub fn knobs(place: &Place) -> Vec<Knob> {
     let mut found = Vec::new();
     for (index, assignment) in place.variation.iter().enumerate() {
         let varied = place.scenario.variations.iter().find_map(|variation| {
-            nominal(variation, &assignment.name).filter(|_| assignment.value.as_number().is_some())
+            nominal(variation, &assignment.name, &variables(&place.variation))
+                .filter(|_| assignment.value.as_number().is_some())
         });
         found.extend(varied.map(|(nominal, why)| Knob {
             name: assignment.name.clone(),
@@ -117,7 +118,7 @@ pub fn knobs(place: &Place) -> Vec<Knob> {
 }
 
 /// The middle of what a variation gives a name, and what that is.
-fn nominal(variation: &Variation, name: &str) -> Option<(f64, &'static str)> {
+fn nominal(variation: &Variation, name: &str, values: &Variables) -> Option<(f64, &'static str)> {
     let index = variation.names().iter().position(|varied| varied == name)?;
     let of_list = |values: Vec<&VariedValue>| {
         let numbers: Option<Vec<f64>> = values.iter().map(|one| one.value.as_number()).collect();
@@ -128,15 +129,15 @@ fn nominal(variation: &Variation, name: &str) -> Option<(f64, &'static str)> {
             of_list(rows.iter().map(|row| &row[0]).collect())
         }
         Variation::Grid { .. } => None,
-        Variation::Sampled { samples, .. } => match &samples.distributions[index] {
-            Distribution::Uniform { low, high } => {
+        Variation::Sampled { samples, .. } => match samples.distributions[index].known(values).ok()? {
+            KnownDistribution::Uniform { low, high } => {
                 Some((low + (high - low) / 2.0, "the middle of its range"))
             }
-            Distribution::Normal { mean, .. } => Some((*mean, "its mean")),
-            Distribution::TruncatedNormal { mean, low, high, .. } => {
-                Some((mean.clamp(*low, *high), "its most likely value"))
+            KnownDistribution::Normal { mean, .. } => Some((mean, "its mean")),
+            KnownDistribution::TruncatedNormal { mean, low, high, .. } => {
+                Some((mean.clamp(low, high), "its most likely value"))
             }
-            Distribution::Choice(options) => of_list(options.iter().collect()),
+            KnownDistribution::Choice(options) => of_list(options.iter().collect()),
         },
     }
 }
@@ -150,7 +151,7 @@ fn median(mut numbers: Vec<f64>) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::{Samples, SamplingScheme};
+    use crate::scenario::{Distribution, Samples, SamplingScheme};
 
     fn grid(names: &[&str], values: &[Value]) -> Variation {
         let row = |value: &Value| {
@@ -173,7 +174,7 @@ mod tests {
     }
 
     fn middle(variation: &Variation) -> Option<f64> {
-        nominal(variation, "tta").map(|(nominal, _)| nominal)
+        nominal(variation, "tta", &Variables::new()).map(|(nominal, _)| nominal)
     }
 
     #[test]
@@ -191,10 +192,12 @@ mod tests {
 
     #[test]
     fn distributions_have_their_middle() {
-        assert_eq!(middle(&sampled(Distribution::Uniform { low: 2.0, high: 5.0 })), Some(3.5));
-        let normal = Distribution::Normal { mean: 7.0, standard_deviation: 2.0 };
+        assert_eq!(middle(&sampled(Distribution::Uniform { low: 2.0.into(), high: 5.0.into() })), Some(3.5));
+        let normal = Distribution::Normal { mean: 7.0.into(), standard_deviation: 2.0.into() };
         assert_eq!(middle(&sampled(normal)), Some(7.0));
-        let cut = Distribution::TruncatedNormal { mean: 7.0, standard_deviation: 2.0, low: 1.0, high: 6.0 };
+        let (mean, standard_deviation) = (7.0.into(), 2.0.into());
+        let cut =
+            Distribution::TruncatedNormal { mean, standard_deviation, low: 1.0.into(), high: 6.0.into() };
         assert_eq!(middle(&sampled(cut)), Some(6.0));
     }
 }

@@ -4,6 +4,7 @@ use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use super::schedule::Schedule;
 use super::state::{Longitudinal, PedestrianState, VehicleState};
 use crate::scenario::{Position, Road, Shape};
 
@@ -56,10 +57,8 @@ pub enum Motion {
 
 /// An automated vehicle's controller. What goes in and out is plain data, so that it may live in another process.
 pub trait Controller: Send {
-    /// Time between decisions in s; the command is held in between. `None`: every simulation step.
-    fn period(&self) -> Option<f64> {
-        None
-    }
+    /// When it decides; the command is held in between.
+    fn schedule(&self) -> Schedule;
 
     /// Time that it needs in free flow until its filters and the vehicle are in steady cruise, s.
     fn settling_time(&self) -> f64 {

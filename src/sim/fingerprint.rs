@@ -1,4 +1,6 @@
 //! A run's fingerprint: a number that changes when any bit of its course changes.
+//!
+//! It is made of the states after whole steps of the simulation, also where the run ends inside the last of them.
 
 use super::observer::{Observer, Step};
 
@@ -25,11 +27,11 @@ impl Fingerprint {
 
 impl Observer for Fingerprint {
     fn observe(&mut self, step: &Step) {
-        for car in &step.after.vehicles {
+        for car in &step.whole.vehicles {
             self.mix(car.motion.travelled);
             self.mix(car.motion.speed);
         }
-        for person in &step.after.pedestrians {
+        for person in &step.whole.pedestrians {
             self.mix(person.position.x);
             self.mix(person.position.y);
             self.mix(person.velocity.y);

@@ -1,13 +1,16 @@
 //! One run: clock, kinematics, collision and observation, and the seams that road users plug into.
 
 mod agent;
+mod contact;
 mod fingerprint;
 #[cfg(test)]
 pub mod fixture;
 pub mod geometry;
 mod observer;
 pub mod random;
+mod schedule;
 pub mod script;
+mod start;
 mod state;
 mod timeline;
 mod trace;
@@ -17,9 +20,12 @@ pub use agent::{
     Command, Controller, Dynamics, EgoState, ModelError, Motion, Observation, Pedestrian, RoadView, Scene,
     SeenPedestrian, SeenVehicle,
 };
+pub use contact::{Contacts, Solid, Touch};
 pub use fingerprint::Fingerprint;
 pub use observer::{Ending, Observer, Step, StopReason};
-pub use state::{Longitudinal, PedestrianState, Snapshot, VehicleState};
+pub use schedule::Schedule;
+pub use start::{blocked_lanes, collision_course, overlaps};
+pub use state::{Longitudinal, PedestrianState, Snapshot, VehicleState, velocity_inside};
 pub use timeline::{Event, Happening, Timeline};
-pub use trace::{Sample, Trace};
-pub use world::{Driven, RoadUsers, simulate};
+pub use trace::{Mark, Sample, Trace};
+pub use world::{Driven, RoadUsers, has_arrived, simulate};

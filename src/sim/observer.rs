@@ -2,7 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::state::Snapshot;
+use super::agent::Motion;
+use super::contact::Touch;
+use super::state::{Snapshot, velocity_inside};
 
 /// Follows a run. Nothing it does can change the run.
 pub trait Observer {
@@ -11,6 +13,9 @@ pub trait Observer {
 
     /// Called after every step.
     fn observe(&mut self, step: &Step);
+
+    /// Called once, with the state in which the run ends.
+    fn end(&mut self, _ending: &Ending, _last: &Snapshot) {}
 }
 
 /// One step: between the two states positions change smoothly; event times inside are interpolated linearly.
@@ -22,10 +27,35 @@ pub struct Step<'a> {
     pub duration: f64,
     pub before: &'a Snapshot,
     pub after: &'a Snapshot,
+    /// The state at the end of the simulation's own step: `after`, but for the last step of a run that ends inside it.
+    pub whole: &'a Snapshot,
     /// What each pedestrian's model was up to during the step.
     pub pedestrian_modes: &'a [&'static str],
     /// What each vehicle's controller was up to during the step.
     pub vehicle_modes: &'a [&'static str],
+    /// How each pedestrian that is present moves.
+    pub motions: &'a [Motion],
+    /// Who touches whom during the step.
+    pub contacts: &'a [Touch],
+}
+
+impl Step<'_> {
+    /// The state `moment` s after the beginning of the step.
+    pub fn at(&self, moment: f64) -> Snapshot {
+        let part = moment / self.duration;
+        let between = |from: f64, to: f64| from + part * (to - from);
+        let mut state = self.after.clone();
+        for (car, before) in state.vehicles.iter_mut().zip(&self.before.vehicles) {
+            car.motion.travelled = between(before.motion.travelled, car.motion.travelled);
+            car.motion.speed = between(before.motion.speed, car.motion.speed);
+        }
+        for (person, before) in state.pedestrians.iter_mut().zip(&self.before.pedestrians) {
+            let velocity = velocity_inside(self.duration, before, person, part);
+            person.position = before.position.lerp(&person.position, part);
+            person.velocity = velocity;
+        }
+        state
+    }
 }
 
 /// How a run ended.
@@ -41,7 +71,7 @@ pub struct Ending {
 pub enum StopReason {
     /// Every vehicle passed the finish line and every pedestrian is across.
     Completed,
-    /// Two footprints met and the scenario ends on collision.
+    /// A vehicle touched something and the scenario ends on collision.
     Collision,
     /// Time was up.
     Horizon,

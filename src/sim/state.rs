@@ -79,3 +79,16 @@ pub struct Snapshot {
     pub vehicles: Vec<VehicleState>,
     pub pedestrians: Vec<PedestrianState>,
 }
+
+/// A pedestrian either accelerates evenly over a step of `duration` s or takes its new velocity at once; which of both
+/// shows in how far it came. The velocity after `part` of the step, m/s.
+pub fn velocity_inside(
+    duration: f64,
+    old: &PedestrianState,
+    new: &PedestrianState,
+    part: f64,
+) -> Vector2<f64> {
+    let even = (old.velocity + new.velocity) * (duration / 2.0);
+    let accelerates = ((new.position - old.position) - even).norm() <= 1e-9;
+    if accelerates { old.velocity.lerp(&new.velocity, part) } else { new.velocity }
+}

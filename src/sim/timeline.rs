@@ -2,9 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::geometry::first_contact;
+use super::contact::Solid;
 use super::observer::{Observer, Step};
-use super::state::{PedestrianState, VehicleState};
+use super::state::VehicleState;
 use crate::scenario::{Road, Side, World};
 
 /// One thing that happened. Times in s, speeds in m/s.
@@ -39,8 +39,13 @@ pub enum Happening {
     PassesFinishLine {
         speed: f64,
     },
-    /// Footprints meet.
+    /// A vehicle and something else, whoever of the two it is about, begin to touch.
     Collides {
+        with: String,
+        relative_speed: f64,
+    },
+    /// A pedestrian begins to touch another, or a box: no collision.
+    Touches {
         with: String,
         relative_speed: f64,
     },
@@ -55,7 +60,6 @@ pub struct Timeline<'a> {
     vehicle_modes: Vec<&'static str>,
     braking: Vec<bool>,
     walking: Vec<bool>,
-    in_contact: Vec<bool>,
     appeared: Vec<bool>,
 }
 
@@ -72,7 +76,6 @@ impl<'a> Timeline<'a> {
             vehicle_modes: vec![""; cars],
             braking: vec![false; cars],
             walking: vec![false; people],
-            in_contact: vec![false; cars * people],
             appeared: vec![false; people],
         }
     }
@@ -140,18 +143,22 @@ impl<'a> Timeline<'a> {
                 self.add(step.time + part * step.duration, name, what);
             }
         }
-        for (car_index, car) in step.before.vehicles.iter().enumerate() {
-            let moved = relative_movement(before, after, car, &step.after.vehicles[car_index]);
-            let contact = first_contact(car, before, moved / step.duration).filter(|t| *t <= step.duration);
-            let slot = car_index * world.pedestrians.len() + index;
-            if let Some(moment) = contact.filter(|_| !self.in_contact[slot]) {
-                let with = world.vehicles[car_index].name.clone();
-                let apart = |person: &PedestrianState, car: &VehicleState| person.velocity - car.velocity();
-                let (first, last) = (apart(before, car), apart(after, &step.after.vehicles[car_index]));
-                let relative_speed = first.lerp(&last, moment / step.duration).norm();
-                self.add(step.time + moment, name, Happening::Collides { with, relative_speed });
-            }
-            self.in_contact[slot] = contact.is_some();
+    }
+
+    /// Told of the pedestrian, or else of the vehicle that comes first.
+    fn follow_contacts(&mut self, step: &Step) {
+        for touch in step.contacts.iter().filter(|touch| touch.begins) {
+            let (who, with) = match (touch.first, touch.second) {
+                (car @ Solid::Vehicle(_), person @ Solid::Pedestrian(_)) => (person, car),
+                other => other,
+            };
+            let (with, relative_speed) = (with.name(self.world).to_string(), touch.relative_speed);
+            let what = if touch.is_collision() {
+                Happening::Collides { with, relative_speed }
+            } else {
+                Happening::Touches { with, relative_speed }
+            };
+            self.add(step.time + touch.moment, who.name(self.world), what);
         }
     }
 }
@@ -170,16 +177,8 @@ impl Observer for Timeline<'_> {
                 self.follow_pedestrian(step, index);
             }
         }
+        self.follow_contacts(step);
     }
-}
-
-fn relative_movement(
-    before: &PedestrianState,
-    after: &PedestrianState,
-    car_before: &VehicleState,
-    car_after: &VehicleState,
-) -> nalgebra::Vector2<f64> {
-    (after.position - before.position) - (car_after.position() - car_before.position())
 }
 
 /// The lines across a pedestrian's way that are worth telling of.

@@ -2,6 +2,8 @@
 
 use nalgebra::Vector2;
 
+use super::agent::Motion;
+use super::contact::Solid;
 use super::observer::{Observer, Step};
 use super::state::Snapshot;
 
@@ -21,11 +23,30 @@ pub struct Sample {
     pub mode: &'static str,
 }
 
-/// Records every state of every road user that is present.
+/// What makes a sample more than one of many.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Mark {
+    /// It is the first of its road user, who was nowhere before.
+    Appears,
+    /// Its road user was displaced in the step before it, besides walking.
+    Jumps,
+    /// It is the moment at which the road user begins to touch something.
+    Touches(Solid),
+}
+
+/// Records every state of every road user that is present: after every step, and at every moment inside one at which two
+/// bodies begin to touch. The last is that of the moment at which the run ends.
 #[derive(Debug, Default)]
 pub struct Trace {
     pub samples: Vec<Sample>,
+    /// By index of the sample, in order.
+    pub marks: Vec<(usize, Mark)>,
+    /// Which pedestrians have a sample already.
+    seen: Vec<bool>,
 }
+
+/// Moments that are nearer than this are the same, s.
+const SAME: f64 = 1e-9;
 
 impl Trace {
     fn record(&mut self, time: f64, state: &Snapshot, modes: impl Fn(usize) -> &'static str) {
@@ -38,15 +59,57 @@ impl Trace {
             acceleration: car.motion.acceleration,
             mode: modes(who),
         }));
-        let present = state.pedestrians.iter().enumerate().filter(|(_, person)| person.present);
-        self.samples.extend(present.map(|(index, person)| Sample {
+        for index in 0..state.pedestrians.len() {
+            if state.pedestrians[index].present {
+                self.record_pedestrian(time, state, index, modes(cars + index));
+            }
+        }
+    }
+
+    fn record_pedestrian(&mut self, time: f64, state: &Snapshot, index: usize, mode: &'static str) {
+        let person = &state.pedestrians[index];
+        self.samples.push(Sample {
             time,
-            who: cars + index,
+            who: state.vehicles.len() + index,
             position: person.position,
             velocity: person.velocity,
             acceleration: person.acceleration.dot(&person.heading),
-            mode: modes(cars + index),
-        }));
+            mode,
+        });
+    }
+
+    /// Those who are there from the beginning of this step on.
+    fn record_new(&mut self, step: &Step) {
+        self.seen.resize(step.before.pedestrians.len(), false);
+        let last = self.samples.last().map(|sample| sample.time);
+        // The same moment is the same to the last bit, so that rows of one moment are known by their time.
+        let time = last.filter(|last| (last - step.time).abs() < SAME).unwrap_or(step.time);
+        for index in 0..self.seen.len() {
+            if step.before.pedestrians[index].present && !self.seen[index] {
+                self.seen[index] = true;
+                self.marks.push((self.samples.len(), Mark::Appears));
+                self.record_pedestrian(time, step.before, index, step.pedestrian_modes[index]);
+            }
+        }
+    }
+
+    /// Marks the samples of the two that touch `moment` s after the beginning of the step, which were the last recorded.
+    fn mark_contacts(&mut self, step: &Step, moment: f64) {
+        let cars = step.before.vehicles.len();
+        let Some(time) = self.samples.last().map(|sample| sample.time) else { return };
+        for touch in step.contacts.iter().filter(|touch| touch.begins && touch.moment == moment) {
+            for (one, other) in [(touch.first, touch.second), (touch.second, touch.first)] {
+                let who = match one {
+                    Solid::Vehicle(index) => index,
+                    Solid::Pedestrian(index) => cars + index,
+                    Solid::Box(_) => continue,
+                };
+                let recent = self.samples.iter().rev().take_while(|sample| sample.time == time);
+                if let Some(back) = recent.into_iter().position(|sample| sample.who == who) {
+                    self.marks.push((self.samples.len() - 1 - back, Mark::Touches(other)));
+                }
+            }
+        }
     }
 }
 
@@ -57,8 +120,40 @@ impl Observer for Trace {
 
     fn observe(&mut self, step: &Step) {
         let cars = step.vehicle_modes.len();
-        self.record(step.time + step.duration, step.after, |who| {
+        let mode = |who: usize| {
             if who < cars { step.vehicle_modes[who] } else { step.pedestrian_modes[who - cars] }
-        });
+        };
+        let known = self.marks.len();
+        self.record_new(step);
+        let mut moments: Vec<f64> =
+            step.contacts.iter().filter(|touch| touch.begins).map(|touch| touch.moment).collect();
+        moments.sort_by(f64::total_cmp);
+        moments.dedup();
+        for moment in &moments {
+            // At the end of a step there is a row in any case, at its beginning there is one already.
+            let (first, last) = (*moment < SAME, step.duration - *moment < SAME && step.duration > 0.0);
+            if !first && !last {
+                self.record(step.time + moment, &step.at(*moment), mode);
+            }
+            if !last {
+                self.mark_contacts(step, *moment);
+            }
+        }
+        if step.duration > 0.0 {
+            let first = self.samples.len();
+            self.record(step.time + step.duration, step.after, mode);
+            for (index, sample) in self.samples.iter().enumerate().skip(first) {
+                let motion = sample.who.checked_sub(cars).and_then(|person| step.motions.get(person));
+                if matches!(motion, Some(Motion::Pushed { displacement, .. }) if displacement.norm() > 0.0) {
+                    self.marks.push((index, Mark::Jumps));
+                }
+            }
+            for moment in moments.into_iter().filter(|moment| step.duration - *moment < SAME) {
+                self.mark_contacts(step, moment);
+            }
+        }
+        if self.marks.len() > known {
+            self.marks.sort_by_key(|(index, _)| *index);
+        }
     }
 }

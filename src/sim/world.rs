@@ -6,8 +6,9 @@ use super::agent::{
     Command, Controller, Dynamics, EgoState, Motion, Observation, Pedestrian, RoadView, Scene,
     SeenPedestrian, SeenVehicle,
 };
-use super::geometry::first_contact;
+use super::contact::{Contacts, Solid};
 use super::observer::{Ending, Observer, Step, StopReason};
+use super::schedule::Schedule;
 use super::state::{Longitudinal, PedestrianState, Snapshot, VehicleState};
 use crate::scenario::{
     Appearance, Direction, PedestrianSetup, Road, Side, VehicleReference, VehicleSetup, VehicleStart, World,
@@ -43,54 +44,100 @@ pub fn simulate(world: &World, users: &mut RoadUsers, observer: &mut dyn Observe
     for index in 0..steps {
         let time = index as f64 * world.step;
         run.decide(time, users);
-        let contact = run.advance(users);
-        observer.observe(&Step {
+        run.advance(time, (index + 1) as f64 * world.step, users);
+        let collision = run.contacts.collision().filter(|_| world.end_on_collision);
+        if let Some(moment) = collision {
+            run.contacts.end_at(moment);
+        }
+        let step = Step {
             time,
             duration: world.step,
             before: &run.now,
             after: &run.next,
+            whole: &run.next,
             pedestrian_modes: &run.pedestrian_modes,
             vehicle_modes: &run.vehicle_modes,
-        });
-        std::mem::swap(&mut run.now, &mut run.next);
-        if let Some(moment) = contact.filter(|_| world.end_on_collision) {
-            return Ending { reason: StopReason::Collision, time: time + moment };
+            motions: &run.motions,
+            contacts: run.contacts.found(),
+        };
+        if let Some(moment) = collision {
+            // Once in a run, its last step; so it may allocate.
+            let after = step.at(moment);
+            observer.observe(&Step { duration: moment, after: &after, ..step });
+            let ending = Ending { reason: StopReason::Collision, time: time + moment };
+            observer.end(&ending, &after);
+            return ending;
         }
+        observer.observe(&step);
+        std::mem::swap(&mut run.now, &mut run.next);
         if run.is_complete() {
-            return Ending { reason: StopReason::Completed, time: (index + 1) as f64 * world.step };
+            let ending = Ending { reason: StopReason::Completed, time: (index + 1) as f64 * world.step };
+            observer.end(&ending, &run.now);
+            return ending;
         }
     }
-    Ending { reason: StopReason::Horizon, time: steps as f64 * world.step }
+    let ending = Ending { reason: StopReason::Horizon, time: steps as f64 * world.step };
+    observer.end(&ending, &run.now);
+    ending
+}
+
+/// Whether a vehicle has passed the finish line, or a pedestrian every vehicle's lane. Boxes are where they are.
+pub fn has_arrived(world: &World, state: &Snapshot, who: Solid) -> bool {
+    match who {
+        Solid::Vehicle(index) => state.vehicles[index].motion.travelled >= world.finish,
+        Solid::Pedestrian(index) => {
+            let (person, sign) = (&state.pedestrians[index], world.pedestrians[index].side.walking_sign());
+            let half_lane = world.road.lane_width / 2.0;
+            let beyond = |car: &VehicleState| sign * (person.position.y - car.lane_centre) >= half_lane;
+            person.present && state.vehicles.iter().all(beyond)
+        }
+        Solid::Box(_) => true,
+    }
 }
 
 struct Run<'a> {
     world: &'a World,
     now: Snapshot,
     next: Snapshot,
+    /// Where everybody is at a decision inside a step.
+    between: Snapshot,
     drivers: Vec<Driver>,
     /// Unit vectors from start to goal.
     ways: Vec<Vector2<f64>>,
     motions: Vec<Motion>,
     pedestrian_modes: Vec<&'static str>,
     vehicle_modes: Vec<&'static str>,
+    contacts: Contacts,
 }
 
 /// The state of one vehicle's control loop.
 struct Driver {
     observation: Observation,
     command: Command,
-    period: Option<f64>,
+    schedule: Schedule,
     decisions: u64,
+    /// Moment of the next decision, s.
+    next: f64,
 }
 
 impl Driver {
     fn is_due(&self, time: f64) -> bool {
-        self.period.is_none_or(|period| time >= self.decisions as f64 * period - TIME_TOLERANCE)
+        time >= self.next - TIME_TOLERANCE
+    }
+
+    /// The moment of its next decision if it lies before `end` (s), which is where the next step asks by itself.
+    fn due_before(&self, end: f64) -> Option<f64> {
+        (self.next < end - TIME_TOLERANCE).then_some(self.next)
     }
 
     fn decide(&mut self, controller: &mut dyn Controller) {
         self.command = controller.act(&self.observation);
-        self.decisions += 1;
+        self.count_from(self.decisions + 1);
+    }
+
+    fn count_from(&mut self, decisions: u64) {
+        self.decisions = decisions;
+        self.next = self.schedule.moment(decisions);
     }
 }
 
@@ -103,11 +150,13 @@ impl<'a> Run<'a> {
             world,
             now: Snapshot { vehicles: Vec::new(), pedestrians },
             next: Snapshot { vehicles: Vec::new(), pedestrians: Vec::new() },
+            between: Snapshot { vehicles: Vec::new(), pedestrians: Vec::new() },
             drivers,
             motions: vec![Motion::Walk(Vector2::zeros()); ways.len()],
             ways,
             pedestrian_modes: vec![""; world.pedestrians.len()],
             vehicle_modes: vec![""; world.vehicles.len()],
+            contacts: Contacts::new(world),
         };
         for ((setup, driver), driven) in world.vehicles.iter().zip(&mut run.drivers).zip(&mut users.vehicles)
         {
@@ -115,6 +164,7 @@ impl<'a> Run<'a> {
             run.now.vehicles.push(placed(world, setup, settled));
         }
         run.next.clone_from(&run.now);
+        run.between.clone_from(&run.now);
         run
     }
 
@@ -130,13 +180,8 @@ impl<'a> Run<'a> {
                     }
                 };
         }
-        for (index, driver) in self.drivers.iter_mut().enumerate() {
-            if driver.is_due(time) {
-                driver.see(time, index, &self.now, &self.world.road);
-                driver.decide(&mut *users.vehicles[index].controller);
-                self.vehicle_modes[index] = users.vehicles[index].controller.mode();
-            }
-        }
+        let road = &self.world.road;
+        ask_drivers(&mut self.drivers, &mut self.vehicle_modes, users, time, &self.now, road);
         for (index, pedestrian) in users.pedestrians.iter_mut().enumerate() {
             if self.now.pedestrians[index].present {
                 self.motions[index] = pedestrian.act(&Scene {
@@ -153,54 +198,62 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Moves everything by one step into `next`; the moment within the step of the first contact, if any, in s.
-    fn advance(&mut self, users: &mut RoadUsers) -> Option<f64> {
+    /// Moves everything by one step, from `time` to `end` (s), into `next` and finds who touches whom on the way.
+    fn advance(&mut self, time: f64, end: f64, users: &mut RoadUsers) {
         let step = self.world.step;
         // Field by field, as the derived `clone_from` of the whole would allocate anew.
         self.next.vehicles.clone_from(&self.now.vehicles);
-        self.next.pedestrians.clone_from(&self.now.pedestrians);
+        self.drive(time, end, users);
+        self.walk(step);
+        self.contacts.find(&self.now, &self.next, step);
+    }
+
+    /// Moves the vehicles of `next` from `time` to `end` (s), asking controllers whose moment lies in between.
+    fn drive(&mut self, time: f64, end: f64, users: &mut RoadUsers) {
+        let step = self.world.step;
+        let mut driven = 0.0;
+        while let Some(moment) =
+            self.drivers.iter().filter_map(|driver| driver.due_before(end)).reduce(f64::min)
+        {
+            self.drive_on(moment - time - driven, users);
+            driven = moment - time;
+            self.walk(driven);
+            self.between.vehicles.clone_from(&self.next.vehicles);
+            self.between.pedestrians.clone_from(&self.next.pedestrians);
+            let (drivers, modes) = (&mut self.drivers, &mut self.vehicle_modes);
+            ask_drivers(drivers, modes, users, moment, &self.between, &self.world.road);
+        }
+        self.drive_on(step - driven, users);
+        if driven > 0.0 {
+            for (before, after) in self.now.vehicles.iter().zip(&mut self.next.vehicles) {
+                after.motion.acceleration = (after.motion.speed - before.motion.speed) / step;
+            }
+        }
+    }
+
+    fn drive_on(&mut self, duration: f64, users: &mut RoadUsers) {
         for ((state, driver), driven) in
             self.next.vehicles.iter_mut().zip(&self.drivers).zip(&mut users.vehicles)
         {
-            driven.dynamics.advance(&mut state.motion, driver.command, step);
+            driven.dynamics.advance(&mut state.motion, driver.command, duration);
         }
+    }
+
+    /// Puts the pedestrians of `next` where they are `duration` s after those of `now`.
+    fn walk(&mut self, duration: f64) {
+        self.next.pedestrians.clone_from(&self.now.pedestrians);
         for (index, state) in self.next.pedestrians.iter_mut().enumerate() {
             if state.present {
-                walk(state, self.motions[index], self.ways[index], step);
+                walk(state, self.motions[index], self.ways[index], duration, self.world.step);
             }
         }
-        let mut first: Option<f64> = None;
-        for (old_car, new_car) in self.now.vehicles.iter().zip(&self.next.vehicles) {
-            for (old, new) in self.now.pedestrians.iter().zip(&self.next.pedestrians) {
-                if !old.present {
-                    continue;
-                }
-                let moved = (new.position - old.position) - (new_car.position() - old_car.position());
-                if let Some(moment) =
-                    first_contact(old_car, old, moved / step).filter(|moment| *moment <= step)
-                {
-                    first = Some(first.map_or(moment, |earlier| earlier.min(moment)));
-                }
-            }
-        }
-        first
     }
 
     /// Whether every vehicle has passed the finish line and every pedestrian every vehicle's lane.
     fn is_complete(&self) -> bool {
-        let half_lane = self.world.road.lane_width / 2.0;
-        let finished = |car: &VehicleState| car.motion.travelled >= self.world.finish;
-        let across = |(state, setup): (&PedestrianState, &PedestrianSetup)| {
-            let sign = setup.side.walking_sign();
-            state.present
-                && self
-                    .now
-                    .vehicles
-                    .iter()
-                    .all(|car| sign * (state.position.y - car.lane_centre) >= half_lane)
-        };
-        self.now.vehicles.iter().all(finished)
-            && self.now.pedestrians.iter().zip(&self.world.pedestrians).all(across)
+        let vehicles = (0..self.now.vehicles.len()).map(Solid::Vehicle);
+        let mut everybody = vehicles.chain((0..self.now.pedestrians.len()).map(Solid::Pedestrian));
+        everybody.all(|who| has_arrived(self.world, &self.now, who))
     }
 }
 
@@ -235,27 +288,40 @@ impl Driver {
             pedestrians: Vec::with_capacity(world.pedestrians.len()),
             vehicles: Vec::with_capacity(world.vehicles.len()),
         };
-        Self { observation, command: Command::Acceleration(0.0), period: None, decisions: 0 }
+        let schedule = Schedule::every(world.step);
+        Self { observation, command: Command::Acceleration(0.0), schedule, decisions: 0, next: 0.0 }
     }
 
     /// Drives in free flow until time 0; the motion it has settled to, with `travelled` at 0.
     fn settle(&mut self, world: &World, setup: &VehicleSetup, driven: &mut Driven) -> Longitudinal {
         let mut motion = Longitudinal { travelled: 0.0, speed: setup.speed, acceleration: 0.0 };
-        self.period = driven.controller.period();
+        self.schedule = driven.controller.schedule();
         let steps = (driven.controller.settling_time() / world.step).ceil() as u64;
         for index in 0..steps {
-            if self.is_due(index as f64 * world.step) {
-                self.observation.time = (index as f64 - steps as f64) * world.step;
-                self.observation.ego.distance_to_crossing = FAR_AWAY;
-                self.observation.ego.speed = motion.speed;
-                self.observation.ego.acceleration = motion.acceleration;
-                self.decide(&mut *driven.controller);
+            let begin = index as f64 * world.step;
+            if self.is_due(begin) {
+                self.decide_far_away((index as f64 - steps as f64) * world.step, &motion, driven);
             }
-            driven.dynamics.advance(&mut motion, self.command, world.step);
+            let mut done = 0.0;
+            while let Some(moment) = self.due_before((index + 1) as f64 * world.step) {
+                driven.dynamics.advance(&mut motion, self.command, moment - begin - done);
+                done = moment - begin;
+                self.decide_far_away(moment - steps as f64 * world.step, &motion, driven);
+            }
+            driven.dynamics.advance(&mut motion, self.command, world.step - done);
         }
-        self.decisions = 0;
+        self.count_from(0);
         motion.travelled = 0.0;
         motion
+    }
+
+    /// A decision in free flow, `time` (s) being negative: that much before the start.
+    fn decide_far_away(&mut self, time: f64, motion: &Longitudinal, driven: &mut Driven) {
+        self.observation.time = time;
+        self.observation.ego.distance_to_crossing = FAR_AWAY;
+        self.observation.ego.speed = motion.speed;
+        self.observation.ego.acceleration = motion.acceleration;
+        self.decide(&mut *driven.controller);
     }
 
     /// Fills the observation with the states of `now` as the ego sees them.
@@ -291,12 +357,31 @@ impl Driver {
     }
 }
 
-fn way(setup: &PedestrianSetup) -> Vector2<f64> {
+/// Asks every controller whose moment is `time` (s) what it does from now on, everybody being where `now` says.
+fn ask_drivers(
+    drivers: &mut [Driver],
+    modes: &mut [&'static str],
+    users: &mut RoadUsers,
+    time: f64,
+    now: &Snapshot,
+    road: &Road,
+) {
+    for (index, driver) in drivers.iter_mut().enumerate() {
+        if driver.is_due(time) {
+            let controller = &mut *users.vehicles[index].controller;
+            driver.see(time, index, now, road);
+            driver.decide(controller);
+            modes[index] = controller.mode();
+        }
+    }
+}
+
+pub(super) fn way(setup: &PedestrianSetup) -> Vector2<f64> {
     let way = Vector2::new(setup.goal.x - setup.start.x, setup.goal.y - setup.start.y);
     way.try_normalize(0.0).unwrap_or_else(|| Vector2::new(0.0, setup.side.walking_sign()))
 }
 
-fn waiting_outside((setup, way): (&PedestrianSetup, &Vector2<f64>)) -> PedestrianState {
+pub(super) fn waiting_outside((setup, way): (&PedestrianSetup, &Vector2<f64>)) -> PedestrianState {
     PedestrianState {
         position: Vector2::new(setup.start.x, setup.start.y),
         velocity: Vector2::zeros(),
@@ -308,7 +393,7 @@ fn waiting_outside((setup, way): (&PedestrianSetup, &Vector2<f64>)) -> Pedestria
 }
 
 /// Puts a settled vehicle where its setup wants it at time 0.
-fn placed(world: &World, setup: &VehicleSetup, settled: Longitudinal) -> VehicleState {
+pub(super) fn placed(world: &World, setup: &VehicleSetup, settled: Longitudinal) -> VehicleState {
     let direction = world.road.lanes[setup.lane].direction;
     let travelled = match setup.start {
         VehicleStart::Distance(distance) => -distance,
@@ -329,23 +414,23 @@ fn placed(world: &World, setup: &VehicleSetup, settled: Longitudinal) -> Vehicle
     }
 }
 
-/// Moves a pedestrian by one step.
-fn walk(state: &mut PedestrianState, motion: Motion, way: Vector2<f64>, step: f64) {
+/// Moves a pedestrian by the first `duration` s of a step.
+fn walk(state: &mut PedestrianState, motion: Motion, way: Vector2<f64>, duration: f64, step: f64) {
     match motion {
         Motion::Accelerate(acceleration) => {
             let speed = state.velocity.dot(&way).max(0.0);
-            let distance = (step * speed + acceleration * (step * step) / 2.0).max(0.0);
+            let distance = (duration * speed + acceleration * (duration * duration) / 2.0).max(0.0);
             state.position += way * distance;
-            state.velocity = way * (speed + acceleration * step).max(0.0);
+            state.velocity = way * (speed + acceleration * duration).max(0.0);
             state.acceleration = way * acceleration;
         }
         Motion::Walk(velocity) => {
-            state.position += velocity * step;
+            state.position += velocity * duration;
             state.acceleration = (velocity - state.velocity) / step;
             state.velocity = velocity;
         }
         Motion::Pushed { velocity, displacement } => {
-            state.position += velocity * step + displacement;
+            state.position += velocity * duration + displacement * (duration / step);
             state.acceleration = (velocity - state.velocity) / step;
             state.velocity = velocity;
         }
@@ -376,6 +461,10 @@ mod tests {
     struct Coasting;
 
     impl Controller for Coasting {
+        fn schedule(&self) -> Schedule {
+            Schedule::every(0.025)
+        }
+
         fn act(&mut self, _: &Observation) -> Command {
             Command::Acceleration(0.0)
         }

@@ -5,9 +5,9 @@
 //! time to collision below 2 s or too near for the driver to stop later.
 
 use super::hazard::{Ramp, collision_course, keep_speed};
-use super::{CommandKind, ControllerContext, ControllerModel};
-use crate::scenario::{Declaration, Dimension, Parameter};
-use crate::sim::{Command, Controller, ModelError, Observation, SeenPedestrian};
+use super::{CommandKind, ControllerContext, ControllerModel, PERIOD};
+use crate::scenario::{Chance, Declaration, Dimension, Parameter};
+use crate::sim::{Command, Controller, ModelError, Observation, Schedule, SeenPedestrian};
 
 const R157: &str =
     "UN R157 annex 3 (annex 4 appendix 3 of the original version), performance model of a careful driver";
@@ -98,15 +98,18 @@ pub static CAREFUL_HUMAN: ControllerModel = ControllerModel {
                 "Acceleration back to the wanted speed.",
                 FREE,
             ),
+            PERIOD,
         ],
         presets: None,
     },
     default_dynamics: "ideal",
     gives: CommandKind::Acceleration,
+    chance: Chance::Never,
     build,
 };
 
 struct CarefulHuman {
+    period: f64,
     risk_evaluation: f64,
     reaction_delay: f64,
     deceleration: f64,
@@ -134,6 +137,7 @@ enum State {
 fn build(context: &ControllerContext) -> Result<Box<dyn Controller>, ModelError> {
     let settings = context.settings;
     Ok(Box::new(CarefulHuman {
+        period: settings.number("period"),
         risk_evaluation: settings.number("risk_evaluation"),
         reaction_delay: settings.number("reaction_delay"),
         deceleration: settings.number("deceleration"),
@@ -212,6 +216,10 @@ impl CarefulHuman {
 }
 
 impl Controller for CarefulHuman {
+    fn schedule(&self) -> Schedule {
+        Schedule::every(self.period)
+    }
+
     fn act(&mut self, observation: &Observation) -> Command {
         let now = observation.time;
         let duration = now - self.last_time.replace(now).unwrap_or(now);

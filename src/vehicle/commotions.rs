@@ -1,12 +1,13 @@
 //! The COMMOTIONS model as a driver: a vehicle that negotiates with pedestrians as a person at the wheel would.
 
 use super::{CommandKind, ControllerContext, ControllerModel};
-use crate::pedestrian::commotions::model::{Bodies, Person, extent, seed_of_meeting};
+use crate::pedestrian::commotions::model::{Bodies, Person, extent};
 use crate::pedestrian::commotions::parameters::PARAMETERS;
-use crate::pedestrian::commotions::{Agent, Encounter, Rules, State};
-use crate::scenario::Declaration;
+use crate::pedestrian::commotions::state::{Body, Control};
+use crate::pedestrian::commotions::{Agent, Conflict, Rules, Sight, State};
+use crate::scenario::{Chance, Declaration};
 use crate::sim::random::{self, Purpose, Stream};
-use crate::sim::{Command, Controller, ModelError, Observation, SeenPedestrian};
+use crate::sim::{Command, Controller, EgoState, ModelError, Observation, Schedule, SeenPedestrian};
 
 /// The registry entry.
 pub static COMMOTIONS: ControllerModel = ControllerModel {
@@ -19,82 +20,152 @@ pub static COMMOTIONS: ControllerModel = ControllerModel {
     },
     default_dynamics: "ideal",
     gives: CommandKind::Acceleration,
+    chance: Chance::Always,
     build,
 };
 
 fn build(context: &ControllerContext) -> Result<Box<dyn Controller>, ModelError> {
     let person = Person::from_settings(context.settings, &context.world.road, context.world.step)?;
-    let meetings = context
-        .world
-        .pedestrians
-        .iter()
-        .enumerate()
-        .map(|(index, pedestrian)| {
-            let bodies = Bodies {
-                pedestrian: extent(pedestrian.shape),
-                vehicle: (context.setup.length, context.setup.width),
-            };
-            let encounter = Encounter { own: bodies.vehicle(), other: bodies.pedestrian(), dt: person.dt };
-            let agent = random::Agent::Vehicle(context.index);
-            Meeting {
-                agent: Agent::new(&person.variant, &person.parameters, &encounter),
-                draws: random::stream(seed_of_meeting(context.seed, index), agent, Purpose::Perception),
-                half_extent: encounter.own.half_extent,
-                direction: None,
-                acceleration: 0.0,
-                passed: false,
-            }
-        })
-        .collect();
+    let vehicle = (context.setup.length, context.setup.width);
+    let bodies = context.world.pedestrians.iter().map(|pedestrian| {
+        let bodies = Bodies { pedestrian: extent(pedestrian.shape), vehicle };
+        (bodies.vehicle(), bodies.pedestrian())
+    });
+    let agent = random::Agent::Vehicle(context.index);
     Ok(Box::new(Driver {
-        meetings,
+        agent: Agent::among(
+            &person.variant,
+            &person.parameters,
+            Control::Acceleration,
+            person.dt,
+            bodies.clone(),
+        ),
+        sights: Vec::with_capacity(bodies.len()),
+        meetings: bodies.map(|(own, other)| Meeting { own, other, seen: None }).collect(),
+        draws: random::stream(context.seed, agent, Purpose::Perception),
+        acceleration: 0.0,
         period: person.dt,
         entry_inhibited_until: context.settings.number("entry_inhibited_until"),
     }))
 }
 
-/// The driver's encounter with one pedestrian.
+/// Above this speed (m/s) somebody walks; below, what is seen may be noise.
+const WALKING: f64 = 0.5;
+
+/// What a driver knows of one pedestrian.
 struct Meeting {
-    agent: Agent,
-    draws: Stream,
-    half_extent: f64,
-    /// Which way the pedestrian crosses: +1 to the left, −1 to the right.
-    direction: Option<f64>,
-    /// What this encounter asks for (m/s²).
-    acceleration: f64,
-    passed: bool,
+    own: Body,
+    other: Body,
+    seen: Option<Seen>,
 }
 
-impl Meeting {
-    fn step(&mut self, seen: &SeenPedestrian, observation: &Observation, rules: &Rules) {
-        // Who stands beside the lane means to cross it.
-        let direction = *self.direction.get_or_insert_with(|| {
-            let towards_the_lane = if seen.position.y > 0.0 { -1.0 } else { 1.0 };
-            if seen.velocity.y == 0.0 { towards_the_lane } else { seen.velocity.y.signum() }
-        });
-        let ego = &observation.ego;
-        let own = State { distance: seen.position.x, speed: ego.speed, acceleration: ego.acceleration };
-        let other = State {
-            distance: -direction * seen.position.y,
-            speed: (direction * seen.velocity.y).max(0.0),
-            acceleration: direction * seen.acceleration.y,
-        };
-        self.acceleration = self.agent.step(&own, &other, rules, &mut self.draws).acceleration;
-        self.passed = own.distance < -self.half_extent;
+/// What was seen of a pedestrian.
+#[derive(Clone, Copy)]
+struct Seen {
+    /// Which way it crosses: +1 to the left, −1 to the right.
+    direction: f64,
+    /// Where its way crosses the lane, from the middle of the crossing on (m).
+    line: f64,
+    /// From the vehicle's centre to there (m), also while it is out of sight.
+    ahead: f64,
+    /// Its state when it was last in sight.
+    state: State,
+    /// Whether it is in sight now.
+    now: bool,
+    /// Whether it walks, and not towards the lane.
+    elsewhere: bool,
+}
+
+impl Seen {
+    fn new(pedestrian: &SeenPedestrian, ego: &EgoState, before: Option<Self>) -> Self {
+        let SeenPedestrian { position, velocity, acceleration, .. } = pedestrian;
+        let direction = before.map_or_else(
+            || {
+                // Who stands beside the lane means to cross it.
+                let towards_the_lane = if position.y > 0.0 { -1.0 } else { 1.0 };
+                if velocity.y == 0.0 { towards_the_lane } else { velocity.y.signum() }
+            },
+            |before| before.direction,
+        );
+        let across = direction * velocity.y;
+        Self {
+            direction,
+            line: position.x - ego.distance_to_crossing,
+            ahead: position.x,
+            state: State {
+                distance: -direction * position.y,
+                speed: across.max(0.0),
+                acceleration: direction * acceleration.y,
+            },
+            now: true,
+            elsewhere: across <= 0.0 && velocity.norm() > WALKING,
+        }
     }
 }
 
-/// A driver among pedestrians. The model is one of two road users; with more pedestrians the most cautious of the
-/// answers counts. With nobody in sight the speed is kept.
+impl Meeting {
+    /// How the conflict with a pedestrian that was seen stands.
+    fn conflict(&self, seen: &Seen) -> Conflict {
+        if self.is_past(seen) {
+            Conflict::Over
+        } else if !seen.now {
+            Conflict::Remembered
+        } else if seen.state.distance <= -self.other.half_extent {
+            Conflict::Over
+        } else if seen.elsewhere && !self.other.occupies(seen.state.distance) {
+            Conflict::Dormant
+        } else {
+            Conflict::Open
+        }
+    }
+
+    /// Whether the vehicle has left the conflict space.
+    fn is_past(&self, seen: &Seen) -> bool {
+        seen.ahead < -self.own.half_extent
+    }
+}
+
+/// A driver among pedestrians. With nobody in sight the speed is kept.
 struct Driver {
+    agent: Agent,
     meetings: Vec<Meeting>,
+    /// Those of this step.
+    sights: Vec<Sight>,
+    draws: Stream,
+    /// What was decided last (m/s²).
+    acceleration: f64,
     period: f64,
     entry_inhibited_until: f64,
 }
 
+impl Driver {
+    /// Takes down who is in sight now, and how far ahead those are who are not.
+    fn look(&mut self, observation: &Observation) {
+        let ego = &observation.ego;
+        for seen in self.meetings.iter_mut().filter_map(|meeting| meeting.seen.as_mut()) {
+            seen.ahead = seen.line + ego.distance_to_crossing;
+            seen.now = false;
+        }
+        for pedestrian in &observation.pedestrians {
+            if let Some(meeting) = self.meetings.get_mut(pedestrian.id) {
+                meeting.seen = Some(Seen::new(pedestrian, ego, meeting.seen));
+            }
+        }
+        self.sights.clear();
+        for (other, meeting) in self.meetings.iter().enumerate() {
+            if let Some(seen) = &meeting.seen {
+                let own = State { distance: seen.ahead, speed: ego.speed, acceleration: ego.acceleration };
+                let (state, conflict) = (seen.state, meeting.conflict(seen));
+                // People walk in no lanes and overtake each other: everybody is the next on a path of their own.
+                self.sights.push(Sight { other, path: other, own, state, conflict });
+            }
+        }
+    }
+}
+
 impl Controller for Driver {
-    fn period(&self) -> Option<f64> {
-        Some(self.period)
+    fn schedule(&self) -> Schedule {
+        Schedule::every(self.period)
     }
 
     fn act(&mut self, observation: &Observation) -> Command {
@@ -102,20 +173,16 @@ impl Controller for Driver {
             pedestrian_priority: observation.road.pedestrian_priority,
             entry_inhibited: observation.time < self.entry_inhibited_until,
         };
-        for seen in &observation.pedestrians {
-            if let Some(meeting) = self.meetings.get_mut(seen.id) {
-                meeting.step(seen, observation, &rules);
-            }
+        self.look(observation);
+        // With nobody to decide about, what was decided last goes on.
+        if let Some(decision) = self.agent.step_among(&self.sights, &rules, &mut self.draws) {
+            self.acceleration = decision.acceleration;
         }
-        let met = self.meetings.iter().filter(|meeting| meeting.direction.is_some() && !meeting.passed);
-        Command::Acceleration(met.map(|meeting| meeting.acceleration).reduce(f64::min).unwrap_or(0.0))
+        Command::Acceleration(self.acceleration)
     }
 
     fn mode(&self) -> &'static str {
-        if self.meetings.iter().any(|meeting| meeting.direction.is_some() && !meeting.passed) {
-            "negotiating"
-        } else {
-            ""
-        }
+        let met = |meeting: &Meeting| meeting.seen.is_some_and(|seen| !meeting.is_past(&seen));
+        if self.meetings.iter().any(met) { "negotiating" } else { "" }
     }
 }

@@ -1,9 +1,9 @@
 //! A vehicle that brakes once, with a constant deceleration, to standstill.
 
 use super::hazard::keep_speed;
-use super::{CommandKind, ControllerContext, ControllerModel};
-use crate::scenario::{Declaration, Dimension, Parameter};
-use crate::sim::{Command, Controller, ModelError, Observation};
+use super::{CommandKind, ControllerContext, ControllerModel, PERIOD};
+use crate::scenario::{Chance, Declaration, Dimension, Parameter};
+use crate::sim::{Command, Controller, ModelError, Observation, Schedule};
 
 const FREE: &str = "free choice";
 
@@ -29,15 +29,18 @@ pub static CONSTANT_DECELERATION: ControllerModel = ControllerModel {
                 "Brakes when the front is this far before the middle of the crossing.",
                 FREE,
             ),
+            PERIOD,
         ],
         presets: None,
     },
     default_dynamics: "ideal",
     gives: CommandKind::Acceleration,
+    chance: Chance::Never,
     build,
 };
 
 struct ConstantDeceleration {
+    period: f64,
     deceleration: f64,
     time: f64,
     distance: f64,
@@ -54,6 +57,7 @@ fn build(context: &ControllerContext) -> Result<Box<dyn Controller>, ModelError>
         ));
     }
     Ok(Box::new(ConstantDeceleration {
+        period: settings.number("period"),
         deceleration: settings.number("deceleration"),
         time: time.unwrap_or(f64::INFINITY),
         distance: distance.unwrap_or(f64::NEG_INFINITY),
@@ -62,6 +66,10 @@ fn build(context: &ControllerContext) -> Result<Box<dyn Controller>, ModelError>
 }
 
 impl Controller for ConstantDeceleration {
+    fn schedule(&self) -> Schedule {
+        Schedule::every(self.period)
+    }
+
     fn act(&mut self, observation: &Observation) -> Command {
         let ego = &observation.ego;
         self.braking = self.braking

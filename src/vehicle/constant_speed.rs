@@ -1,38 +1,48 @@
 //! A vehicle that keeps its speed, whatever happens.
 
-use super::{CommandKind, ControllerContext, ControllerModel};
-use crate::scenario::{Declaration, Dimension, Parameter};
-use crate::sim::{Command, Controller, ModelError, Observation};
+use super::{CommandKind, ControllerContext, ControllerModel, PERIOD};
+use crate::scenario::{Chance, Declaration, Dimension, Parameter};
+use crate::sim::{Command, Controller, ModelError, Observation, Schedule};
 
 pub static CONSTANT_SPEED: ControllerModel = ControllerModel {
     declaration: Declaration {
         name: "constant_speed",
         summary: "Keeps its speed whatever happens; the vehicle that only a pedestrian can avoid.",
         source: "none needed",
-        parameters: &[Parameter::number(
-            "gain",
-            Dimension::FREQUENCY,
-            1.0,
-            (0.0, 100.0),
-            "Acceleration per speed error, for dynamics that drift off the wanted speed.",
-            "free choice",
-        )],
+        parameters: &[
+            Parameter::number(
+                "gain",
+                Dimension::FREQUENCY,
+                1.0,
+                (0.0, 100.0),
+                "Acceleration per speed error, for dynamics that drift off the wanted speed.",
+                "free choice",
+            ),
+            PERIOD,
+        ],
         presets: None,
     },
     default_dynamics: "ideal",
     gives: CommandKind::Acceleration,
+    chance: Chance::Never,
     build,
 };
 
 struct ConstantSpeed {
+    period: f64,
     gain: f64,
 }
 
 fn build(context: &ControllerContext) -> Result<Box<dyn Controller>, ModelError> {
-    Ok(Box::new(ConstantSpeed { gain: context.settings.number("gain") }))
+    let settings = context.settings;
+    Ok(Box::new(ConstantSpeed { period: settings.number("period"), gain: settings.number("gain") }))
 }
 
 impl Controller for ConstantSpeed {
+    fn schedule(&self) -> Schedule {
+        Schedule::every(self.period)
+    }
+
     fn act(&mut self, observation: &Observation) -> Command {
         Command::Acceleration(self.gain * (observation.cruise_speed - observation.ego.speed))
     }

@@ -1,9 +1,9 @@
 //! Intelligent-driver cruise with automatic emergency braking for pedestrians.
 
 use super::hazard::{Hazard, Ramp, collision_course};
-use super::{CommandKind, ControllerContext, ControllerModel};
-use crate::scenario::{ChoiceOption, Declaration, Dimension, Parameter};
-use crate::sim::{Command, Controller, ModelError, Observation, SeenPedestrian};
+use super::{CommandKind, ControllerContext, ControllerModel, PERIOD};
+use crate::scenario::{Chance, ChoiceOption, Declaration, Dimension, Parameter};
+use crate::sim::{Command, Controller, ModelError, Observation, Schedule, SeenPedestrian};
 
 const IDM: &str = "Treiber & Kesting, Traffic Flow Dynamics (2013), table 11.2, city traffic";
 const ROSEN: &str = "Rosén et al., Accident Analysis & Prevention 42 (2010)";
@@ -133,15 +133,18 @@ pub static IDM_AEB: ControllerModel = ControllerModel {
                 "Time that it stands with a clear way before it drives on.",
                 ASSUMED,
             ),
+            PERIOD,
         ],
         presets: None,
     },
     default_dynamics: "ideal",
     gives: CommandKind::Acceleration,
+    chance: Chance::Never,
     build,
 };
 
 struct IdmAeb {
+    period: f64,
     idm: Idm,
     trigger: f64,
     deceleration: f64,
@@ -172,6 +175,7 @@ struct Idm {
 fn build(context: &ControllerContext) -> Result<Box<dyn Controller>, ModelError> {
     let settings = context.settings;
     Ok(Box::new(IdmAeb {
+        period: settings.number("period"),
         idm: Idm {
             headway: settings.number("time_headway"),
             minimum_gap: settings.number("minimum_gap"),
@@ -253,6 +257,10 @@ impl IdmAeb {
 }
 
 impl Controller for IdmAeb {
+    fn schedule(&self) -> Schedule {
+        Schedule::every(self.period)
+    }
+
     fn act(&mut self, observation: &Observation) -> Command {
         let duration =
             observation.time - self.last_time.replace(observation.time).unwrap_or(observation.time);

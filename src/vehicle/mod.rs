@@ -15,10 +15,21 @@ mod test_track;
 mod timeline;
 mod yielding;
 
-use crate::scenario::{Declaration, Settings, VehicleSetup, World};
+use crate::scenario::{Chance, Declaration, Dimension, Parameter, Settings, VehicleSetup, World};
 use crate::sim::{Controller, Dynamics, ModelError};
 
-pub use perception::{PERCEPTION, with_perception};
+pub use perception::{PERCEPTION, PERCEPTION_CHANCE, with_perception};
+
+/// How often a controller decides for which no period was published. Declared by each of them, so that their results
+/// do not depend on the simulation step.
+const PERIOD: Parameter = Parameter::number(
+    "period",
+    Dimension::TIME,
+    0.025,
+    (0.001, 1.0),
+    "Time between decisions; the command is held in between.",
+    "free choice: 40 Hz; nothing published",
+);
 
 /// A registered controller.
 pub struct ControllerModel {
@@ -26,6 +37,7 @@ pub struct ControllerModel {
     /// The dynamics of a vehicle that declares none.
     pub default_dynamics: &'static str,
     pub gives: CommandKind,
+    pub chance: Chance,
     pub build: fn(&ControllerContext) -> Result<Box<dyn Controller>, ModelError>,
 }
 

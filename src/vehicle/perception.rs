@@ -3,11 +3,16 @@
 use nalgebra::Vector2;
 
 use super::ControllerContext;
-use crate::scenario::{Body, Declaration, Dimension, Parameter, Settings};
+use crate::scenario::{Body, Chance, Declaration, Dimension, Parameter, Settings};
 use crate::sim::random::{Agent, Purpose, Stream, stream};
-use crate::sim::{Command, Controller, ModelError, Observation, SeenPedestrian, SeenVehicle};
+use crate::sim::{Command, Controller, ModelError, Observation, Schedule, SeenPedestrian, SeenVehicle};
 
 const FREE: &str = "free choice";
+
+/// Perception draws where it loses or blurs what it sees.
+pub static PERCEPTION_CHANCE: Chance = Chance::If(|settings| {
+    ["dropout", "position_noise", "velocity_noise"].iter().any(|name| settings.number(name) > 0.0)
+});
 
 /// What `sees { … }` takes. A vehicle without it sees everything at once and exactly, through boxes too.
 pub const PERCEPTION: Declaration = Declaration {
@@ -97,9 +102,10 @@ pub fn with_perception(
     let lane = context.world.road.lanes[context.setup.lane].direction.sign();
     let centre = context.world.road.lane_centre(context.setup.lane);
     let boxes = if settings.flag("occlusion") { context.world.road.boxes.as_slice() } else { &[] };
-    let boxes = boxes.iter().map(|body| Body { x: lane * body.x, y: lane * (body.y - centre), ..*body });
+    let boxes =
+        boxes.iter().map(|body| Body { x: lane * body.x, y: lane * (body.y - centre), ..body.clone() });
     let latency = settings.number("latency");
-    let interval = controller.period().unwrap_or(context.world.step).max(context.world.step);
+    let interval = controller.schedule().shortest();
     let frames = (latency / interval).ceil() as usize + 2;
     let (pedestrians, vehicles) = (context.world.pedestrians.len(), context.world.vehicles.len());
     let frame = || Frame {
@@ -265,8 +271,8 @@ impl Perceiving {
 }
 
 impl Controller for Perceiving {
-    fn period(&self) -> Option<f64> {
-        self.controller.period()
+    fn schedule(&self) -> Schedule {
+        self.controller.schedule()
     }
 
     fn settling_time(&self) -> f64 {
@@ -315,8 +321,8 @@ mod tests {
     struct Witness(Arc<Mutex<Vec<Observation>>>);
 
     impl Controller for Witness {
-        fn period(&self) -> Option<f64> {
-            Some(0.1)
+        fn schedule(&self) -> Schedule {
+            Schedule::every(0.1)
         }
 
         fn act(&mut self, observation: &Observation) -> Command {
@@ -402,7 +408,7 @@ mod tests {
 
     #[test]
     fn a_parked_van_hides() {
-        let van = Body { x: -5.0, y: -3.0, length: 6.0, width: 2.0 };
+        let van = Body { name: "van".into(), x: -5.0, y: -3.0, length: 6.0, width: 2.0 };
         let seen = shown(&[], vec![van], 40, 1);
         // Seen from afar the line of sight passes the van's corner at (-2, -2) once the pedestrian is beyond it.
         for (k, seen) in seen.iter().enumerate() {

@@ -40,7 +40,7 @@ pub struct Track {
     pub step: f64,
     time: f64,
     command: Command,
-    next_decision: f64,
+    decisions: u64,
 }
 
 impl Track {
@@ -82,7 +82,7 @@ impl Track {
             step: 0.025,
             time: 0.0,
             command: Command::Acceleration(0.0),
-            next_decision: 0.0,
+            decisions: 0,
         }
     }
 
@@ -136,9 +136,9 @@ impl Track {
     }
 
     pub fn advance(&mut self) -> Sample {
-        if self.time >= self.next_decision - 1e-9 {
+        if self.time >= self.controller.schedule().moment(self.decisions) - 1e-9 {
             self.command = self.decide();
-            self.next_decision += self.controller.period().unwrap_or(self.step);
+            self.decisions += 1;
         }
         self.dynamics.advance(&mut self.motion, self.command, self.step);
         self.time += self.step;

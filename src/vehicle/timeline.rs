@@ -1,17 +1,17 @@
 //! A vehicle that drives by a scripted timeline.
 
 use super::hazard::{half_size, keep_speed};
-use super::{CommandKind, ControllerContext, ControllerModel};
-use crate::scenario::{Declaration, Dimension, Parameter, TextError};
+use super::{CommandKind, ControllerContext, ControllerModel, PERIOD};
+use crate::scenario::{Chance, Declaration, Dimension, Parameter, TextError};
 use crate::sim::script::{Action, Quantity, Script, parameters};
-use crate::sim::{Command, Controller, ModelError, Observation};
+use crate::sim::{Command, Controller, ModelError, Observation, Schedule};
 
 pub static TIMELINE: ControllerModel = ControllerModel {
     declaration: Declaration {
         name: "timeline",
         summary: "Drives by scripted steps; `when` compares distance, distance_to_crossing, time_to_arrival or speed.",
         source: "conditions and actions after ASAM OpenSCENARIO",
-        parameters: &parameters::<2, 19>(
+        parameters: &parameters::<3, 20>(
             check,
             [
                 Parameter::number(
@@ -30,12 +30,14 @@ pub static TIMELINE: ControllerModel = ControllerModel {
                     "Deceleration of `speed` and `stop`.",
                     "free choice",
                 ),
+                PERIOD,
             ],
         ),
         presets: None,
     },
     default_dynamics: "ideal",
     gives: CommandKind::Acceleration,
+    chance: Chance::Never,
     build,
 };
 
@@ -53,6 +55,7 @@ fn check(steps: &str, given: &dyn Fn(&str) -> bool) -> Vec<TextError> {
 }
 
 struct ByTimeline {
+    period: f64,
     script: Script,
     acceleration: f64,
     deceleration: f64,
@@ -62,6 +65,7 @@ struct ByTimeline {
 fn build(context: &ControllerContext) -> Result<Box<dyn Controller>, ModelError> {
     let settings = context.settings;
     Ok(Box::new(ByTimeline {
+        period: settings.number("period"),
         script: Script::from_settings(settings, "timeline", QUANTITIES)?,
         acceleration: settings.number("acceleration"),
         deceleration: settings.number("deceleration"),
@@ -86,6 +90,10 @@ fn quantity(observation: &Observation, index: usize) -> f64 {
 }
 
 impl Controller for ByTimeline {
+    fn schedule(&self) -> Schedule {
+        Schedule::every(self.period)
+    }
+
     fn act(&mut self, observation: &Observation) -> Command {
         if let Some(action) = self.script.due(observation.time, |index| quantity(observation, index)) {
             self.action = action;

@@ -1,9 +1,9 @@
 //! A driver who yields: stops before a zebra for anybody at or near the kerb.
 
 use super::hazard::{collision_course, keep_speed};
-use super::{CommandKind, ControllerContext, ControllerModel};
-use crate::scenario::{Declaration, Dimension, Parameter};
-use crate::sim::{Command, Controller, ModelError, Observation, SeenPedestrian};
+use super::{CommandKind, ControllerContext, ControllerModel, PERIOD};
+use crate::scenario::{Chance, Declaration, Dimension, Parameter};
+use crate::sim::{Command, Controller, ModelError, Observation, Schedule, SeenPedestrian};
 
 const RULE: &str =
     "Vienna Convention on Road Traffic (1968), article 21: give way to pedestrians at crossings";
@@ -98,15 +98,18 @@ pub static YIELDING: ControllerModel = ControllerModel {
                 "Acceleration back to the wanted speed.",
                 FREE,
             ),
+            PERIOD,
         ],
         presets: None,
     },
     default_dynamics: "ideal",
     gives: CommandKind::Acceleration,
+    chance: Chance::Never,
     build,
 };
 
 struct Yielding {
+    period: f64,
     requires_priority: bool,
     kerb_distance: f64,
     along_margin: f64,
@@ -146,6 +149,7 @@ fn build(context: &ControllerContext) -> Result<Box<dyn Controller>, ModelError>
         ));
     }
     Ok(Box::new(Yielding {
+        period: settings.number("period"),
         requires_priority: settings.flag("requires_priority"),
         kerb_distance: settings.number("kerb_distance"),
         along_margin: settings.number("along_margin"),
@@ -227,6 +231,10 @@ impl Yielding {
 }
 
 impl Controller for Yielding {
+    fn schedule(&self) -> Schedule {
+        Schedule::every(self.period)
+    }
+
     fn act(&mut self, observation: &Observation) -> Command {
         self.follow(observation);
         self.update_patience(observation);

@@ -8,7 +8,8 @@ use scenario_runner::scenario::{
     VehicleReference, VehicleSetup, VehicleStart, World,
 };
 use scenario_runner::sim::{
-    Command, Controller, Driven, Ending, Observation, Observer, RoadUsers, Step, StopReason, simulate,
+    Command, Controller, Driven, Ending, Observation, Observer, RoadUsers, Schedule, Step, StopReason,
+    simulate,
 };
 use scenario_runner::vehicle;
 
@@ -28,6 +29,10 @@ pub enum Car {
 }
 
 impl Controller for Car {
+    fn schedule(&self) -> Schedule {
+        Schedule::every(0.02)
+    }
+
     fn act(&mut self, seen: &Observation) -> Command {
         let Self::Brakes { at } = *self else { return Command::Acceleration(0.0) };
         let bumper = seen.ego.distance_to_crossing - seen.ego.length / 2.0;

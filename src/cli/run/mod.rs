@@ -1,16 +1,15 @@
 //! `scenario-runner FILES`: runs suites, reports every trial and block, writes the reports that were asked for.
 
+mod hints;
 mod output;
 mod partition;
 mod remember;
 mod select;
 mod watch;
 
-use std::env;
-use std::fs;
-use std::io::{self, IsTerminal};
+use std::collections::BTreeSet;
 use std::num::NonZeroUsize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::thread;
 
@@ -19,18 +18,21 @@ use clap::{Args, ValueEnum};
 
 pub use self::remember::LastRun;
 use super::interrupt::stop_on_interrupt;
-use super::{Exit, filter, load, store};
+use super::set::SetArguments;
+use super::{Exit, filter, load, measured, store};
+use crate::console::{Output, stderr, stdout};
 use crate::dispatch::{self, Orders, Unit, Workshop, dispatch, judge_gates};
+use crate::escape::terminal_line;
+use crate::files;
 use crate::judge::Verdict;
 use crate::report::{
-    BlockReport, GateReport, Live, RecordedReport, Standing, StatusLevel, SuiteReport, Terminal, TrialReport,
-    render_gates,
+    GateReport, GateState, Live, NotJudged, Standing, StatusLevel, SuiteReport, Terminal, render_gates,
 };
 
 #[derive(Debug, Args)]
 pub struct RunArguments {
     /// Suites (.suite) and scenarios (.scn, .yaml) to run; any other word selects trials and blocks whose name contains it.
-    #[arg(required = true, value_name = "FILE|FILTER")]
+    #[arg(value_name = "FILE|FILTER")]
     words: Vec<String>,
 
     #[command(flatten)]
@@ -60,6 +62,9 @@ pub struct RunArguments {
     /// Replaces the seed of every suite.
     #[arg(long, value_name = "SEED")]
     seed: Option<u64>,
+
+    #[command(flatten)]
+    set: SetArguments,
 
     /// Where a search or tune that is cut off leaves its journal, from which the same command goes on.
     #[arg(long, value_name = "DIR", default_value = super::JOURNAL)]
@@ -101,11 +106,9 @@ pub enum Colour {
 
 impl Colour {
     /// Whether to colour what goes to `stream`.
-    pub fn wanted(self, stream: &impl IsTerminal) -> bool {
+    pub fn wanted(self, stream: Output) -> bool {
         match self {
-            Self::Auto => {
-                stream.is_terminal() && env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
-            }
+            Self::Auto => stream.takes_colour(),
             Self::Always => true,
             Self::Never => false,
         }
@@ -160,28 +163,43 @@ impl ValueEnum for StatusLevel {
 pub fn run(arguments: RunArguments) -> Exit {
     let (files, filters): (Vec<_>, Vec<_>) =
         arguments.words.iter().partition(|word| load::names_a_file(word));
+    if arguments.words.is_empty() {
+        return hints::project();
+    }
+    let command = arguments.words.first().and_then(|word| hints::command(word));
+    if (files.is_empty() || filters.len() > 1)
+        && let Some(near) = &command
+    {
+        writeln!(stderr(), "error: there is no command `{}`", arguments.words[0]);
+        writeln!(stderr(), "help: did you mean `{near}`?");
+        return Exit::Usage;
+    }
     if files.is_empty() {
-        eprintln!("error: no suite or scenario is named");
-        eprintln!("help: name a file, as in `scenario-runner suites/zebra.suite`");
+        writeln!(stderr(), "error: no suite or scenario is named");
+        writeln!(stderr(), "help: name a file, as in `scenario-runner suites/zebra.suite`");
         return Exit::Usage;
     }
     if filters.len() > 1 {
         let filters: Vec<_> = filters.iter().map(|filter| format!("`{filter}`")).collect();
-        eprintln!("error: more than one filter: {}", filters.join(", "));
-        eprintln!(
+        writeln!(stderr(), "error: more than one filter: {}", filters.join(", "));
+        writeln!(
+            stderr(),
             "help: files end in .suite, .scn or .yaml; give one filter, and use --skip to leave trials out"
         );
         return Exit::Usage;
     }
-    let colour = arguments.color.wanted(&io::stderr());
+    let colour = arguments.color.wanted(stderr());
     let expressions = match arguments.select.expressions.read(colour) {
         Ok(expressions) => expressions,
         Err(exit) => return exit,
     };
-    let suites = match load::load_all(&files, arguments.seed, colour) {
+    let suites = match load::load_all(&files, arguments.seed, &arguments.set, colour) {
         Ok(suites) => suites,
         Err(exit) => return exit,
     };
+    let baselines: BTreeSet<&str> =
+        suites.iter().flat_map(|suite| &suite.suite.gates).map(|gate| gate.baseline.as_str()).collect();
+    baselines.into_iter().for_each(|path| measured::warn_of_unchecked(Path::new(path)));
     let units = dispatch::units(&suites);
     let mut last = LastRun::read();
     let subjects = select::subjects(&suites, &units);
@@ -190,48 +208,59 @@ pub fn run(arguments: RunArguments) -> Exit {
     let asked = select::select(&units, &subjects, &expressions, word, &arguments.select, &last.failed);
     let chosen = dispatch::with_needs(&units, asked);
     if !chosen.contains(&true) && arguments.select.last_failed {
-        println!("nothing of this failed when it was last run");
+        writeln!(stdout(), "nothing of this failed when it was last run");
         return Exit::Success;
     }
     if !chosen.contains(&true) {
-        return nothing_selected(arguments.no_tests);
+        let keys: Vec<&str> = units.iter().map(|unit| &*unit.key).collect();
+        let hints = hints::selection(
+            word,
+            arguments.select.exact,
+            command.filter(|_| word == Some(&arguments.words[0])),
+            &keys,
+        );
+        return nothing_selected(arguments.no_tests, word, &hints);
     }
     if arguments.list {
         return list(&units, &chosen);
     }
     if let Some(folder) = &arguments.trace
-        && let Err(error) = fs::create_dir_all(folder)
+        && let Err(error) = files::make_folder(folder)
     {
-        eprintln!("error: cannot create the folder {}: {error}", folder.display());
+        writeln!(stderr(), "error: cannot create the folder {}: {error}", folder.display());
         return Exit::Output;
     }
     let threads = threads(arguments.test_threads);
     let stop = stop_on_interrupt();
-    store::prepare(&arguments.journal);
+    if let Err(exit) = store::prepare(&arguments.journal) {
+        return exit;
+    }
     let watcher = arguments.trace.as_deref().map(watch::Traces::new);
     let watch = watcher.as_ref().map(|traces| |case: &_, trace: &_| traces.save(case, trace));
     let mut workshop = Workshop::new(&suites, Some(arguments.journal.clone()), &stop);
     if let Some(watch) = &watch {
         workshop = workshop.watched_by(watch);
     }
-    let colour = arguments.color.wanted(&io::stdout());
+    let colour = arguments.color.wanted(stdout());
     let live = super::shows_progress(arguments.no_progress).then(Live::new);
     let mut terminal = Terminal::new(arguments.status_level, colour, live);
     let max_failures = if arguments.fail_fast { Some(1) } else { arguments.max_fail.0 };
     let orders = Orders { chosen: &chosen, first: &[], threads, max_failures };
     let mut reports = dispatch(&workshop, &units, &orders, &mut terminal);
     judge_gates(&workshop, &mut reports, arguments.baseline_lenient);
-    // A closed pipe is the reader's choice, not an error.
-    let _ = io::Write::write_all(&mut io::stdout(), render_gates(&reports, colour).as_bytes());
-    let mut complaints = watcher.as_ref().map(watch::Traces::complaints).unwrap_or_default();
+    stdout().styled(&render_gates(&reports, colour));
+    let mut complaints = watcher.as_ref().map(watch::Traces::finish).unwrap_or_default();
     complaints.extend(output::write(&arguments.output, &workshop, &reports));
     complaints.extend(remember::failures(&arguments.remember, &suites, &reports, workshop.requests()));
     last.learn(&reports);
     if let Err(error) = last.write() {
-        eprintln!("warning: cannot remember what failed: {error}");
+        writeln!(stderr(), "warning: cannot remember what failed: {error}");
+    }
+    for notice in workshop.notices() {
+        writeln!(stderr(), "note: {notice}");
     }
     for complaint in &complaints {
-        eprintln!("error: {complaint}");
+        writeln!(stderr(), "error: {complaint}");
     }
     if stop.is_requested() {
         Exit::Interrupted
@@ -244,42 +273,43 @@ pub fn run(arguments: RunArguments) -> Exit {
 
 /// The worst that became of anything. What failed by itself goes before what got worse than it was.
 fn verdict(reports: &[SuiteReport]) -> Exit {
-    let recorded = reports.iter().flat_map(|report| &report.recorded).map(RecordedReport::standing);
-    let trials = reports.iter().flat_map(|report| &report.trials).map(TrialReport::standing);
-    let blocks = reports.iter().flat_map(|report| &report.blocks).map(BlockReport::standing);
     let gates = || reports.iter().flat_map(|report| &report.gates).map(GateReport::standing);
-    let worst = recorded.chain(trials).chain(blocks).max().unwrap_or(Standing::Skipped);
-    if worst.is_failure() {
+    let units = || reports.iter().flat_map(SuiteReport::standings);
+    let broken = |gate: &GateReport| matches!(gate.state, GateState::NotJudged(NotJudged::Broken(_)));
+    if units().any(Standing::is_failure) || reports.iter().flat_map(|report| &report.gates).any(broken) {
         Exit::Failed
     } else if gates().any(|gate| gate == Standing::Judged(Verdict::Failed)) {
         Exit::Regressed
     } else if gates().any(|gate| gate == Standing::Errored) {
         Exit::Baseline
-    } else if gates().chain([worst]).any(|one| one == Standing::Judged(Verdict::Inconclusive)) {
+    } else if reports.iter().flat_map(|report| &report.gates).any(GateReport::is_open) {
+        // What was not looked at has not passed.
+        Exit::Inconclusive
+    } else if gates().chain(units()).any(|one| one == Standing::Judged(Verdict::Inconclusive)) {
         Exit::Inconclusive
     } else {
         Exit::Success
     }
 }
 
-fn nothing_selected(no_tests: NoTests) -> Exit {
+fn nothing_selected(no_tests: NoTests, word: Option<&str>, hints: &[String]) -> Exit {
     let (said, exit) = match no_tests {
         NoTests::Fail => ("error", Exit::NothingSelected),
         NoTests::Warn => ("warning", Exit::Success),
         NoTests::Pass => return Exit::Success,
     };
-    eprintln!("{said}: no trial is selected");
-    eprintln!("help: `--list` shows the names of all trials and blocks");
+    match word {
+        Some(word) => writeln!(stderr(), "{said}: no trial is selected by `{word}`"),
+        None => writeln!(stderr(), "{said}: no trial is selected"),
+    }
+    hints.iter().for_each(|hint| writeln!(stderr(), "help: {hint}"));
+    writeln!(stderr(), "help: `--list` shows the names of all trials and blocks");
     exit
 }
 
 fn list(units: &[Unit], chosen: &[bool]) -> Exit {
-    let mut out = io::stdout().lock();
     for (unit, _) in units.iter().zip(chosen).filter(|(_, chosen)| **chosen) {
-        // A closed pipe is the reader's choice, not an error.
-        if io::Write::write_all(&mut out, format!("{}\n", unit.key).as_bytes()).is_err() {
-            break;
-        }
+        writeln!(stdout(), "{}", terminal_line(&unit.key));
     }
     Exit::Success
 }

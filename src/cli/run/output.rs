@@ -1,8 +1,7 @@
 //! The reports of a session that go elsewhere than to the terminal.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::env;
-use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -10,10 +9,12 @@ use clap::Args;
 use rayon::prelude::*;
 
 use crate::cli::record::record;
+use crate::console::stdout;
 use crate::dispatch::Workshop;
+use crate::files::{WholeFile, append_text};
 use crate::report::{
-    Chosen, Recording, SuiteReport, annotations, choose_runs, step_summary, to_html, to_json, to_junit,
-    to_tap,
+    Chosen, Recording, Repository, SuiteReport, annotations, choose_runs, step_summary, to_html, to_junit,
+    to_tap, write_csv, write_json, write_runs,
 };
 use crate::run::Outcome;
 use crate::scenario::Case;
@@ -39,37 +40,53 @@ pub struct OutputArguments {
     /// Write one HTML file with tables, charts and animations of the worst runs.
     #[arg(long, value_name = "PATH")]
     html: Option<PathBuf>,
+
+    /// Write every run as JSON, one a line (JSON Lines), without times: the same bytes whatever the threads.
+    #[arg(long, value_name = "PATH")]
+    runs: Option<PathBuf>,
+
+    /// Write every run as a row of CSV, for spreadsheets and data frames.
+    #[arg(long, value_name = "PATH")]
+    csv: Option<PathBuf>,
 }
 
 /// Writes whatever was asked for, and returns what could not be written.
 pub fn write(arguments: &OutputArguments, workshop: &Workshop, reports: &[SuiteReport]) -> Vec<String> {
     let mut complaints = Vec::new();
-    let mut write = |path: &Option<PathBuf>, content: &dyn Fn() -> Result<String, String>| {
+    let mut write = |path: &Option<PathBuf>, content: &dyn Fn(&mut dyn Write) -> io::Result<()>| {
         let Some(path) = path else { return };
-        let written = content().and_then(|text| save(path, &text).map_err(|error| error.to_string()));
-        if let Err(error) = written {
-            complaints.push(format!("cannot write {}: {error}", path.display()));
+        match save(path, content) {
+            // Nobody reads it any more, which is the reader's choice.
+            Err(error) if error.kind() == io::ErrorKind::BrokenPipe => {}
+            Err(error) => complaints.push(format!("cannot write {}: {error}", path.display())),
+            Ok(()) => {}
         }
     };
     let requests = workshop.requests();
-    write(&arguments.junit, &|| to_junit(reports, requests).map_err(|error| error.to_string()));
-    write(&arguments.json, &|| Ok(to_json(reports, requests)));
-    write(&arguments.tap, &|| Ok(to_tap(reports)));
-    write(&arguments.html, &|| html(workshop, reports));
+    let repository = Repository::here();
+    write(&arguments.junit, &|out| {
+        let text = to_junit(reports, requests, &repository).map_err(io::Error::other)?;
+        out.write_all(text.as_bytes())
+    });
+    write(&arguments.json, &|out| write_json(reports, requests, out));
+    write(&arguments.tap, &|out| out.write_all(to_tap(reports).as_bytes()));
+    write(&arguments.html, &|out| {
+        out.write_all(html(workshop, reports).map_err(io::Error::other)?.as_bytes())
+    });
+    write(&arguments.runs, &|out| write_runs(reports, requests, out));
+    write(&arguments.csv, &|out| write_csv(reports, requests, out));
     if arguments.github || env::var_os("GITHUB_ACTIONS").is_some_and(|value| value == "true") {
-        complaints.extend(tell_github(workshop, reports));
+        complaints.extend(tell_github(workshop, reports, &repository));
     }
     complaints
 }
 
 /// Annotations go to stdout; the summary goes to the file that GitHub names.
-fn tell_github(workshop: &Workshop, reports: &[SuiteReport]) -> Option<String> {
-    // A closed pipe is the reader's choice, not an error.
-    let _ = io::stdout().write_all(annotations(reports).as_bytes());
+fn tell_github(workshop: &Workshop, reports: &[SuiteReport], repository: &Repository) -> Option<String> {
+    write!(stdout(), "{}", annotations(reports, repository));
     let path = env::var_os("GITHUB_STEP_SUMMARY").filter(|path| !path.is_empty())?;
     let summary = step_summary(reports, workshop.requests());
-    let opened = fs::OpenOptions::new().create(true).append(true).open(&path);
-    let error = opened.and_then(|mut file| file.write_all(summary.as_bytes())).err()?;
+    let error = append_text(Path::new(&path), &summary).err()?;
     Some(format!("cannot write {}: {error}", Path::new(&path).display()))
 }
 
@@ -80,10 +97,12 @@ fn html(workshop: &Workshop, reports: &[SuiteReport]) -> Result<String, String> 
         .enumerate()
         .flat_map(|(suite, report)| choose_runs(report).into_iter().map(move |chosen| (suite, chosen)));
     let chosen: Vec<_> = chosen.collect();
+    let wanted: HashSet<&str> = chosen.iter().map(|(_, chosen)| chosen.key.as_str()).collect();
     let outcomes: HashMap<&str, (&Case, &Outcome)> = reports
         .iter()
         .flat_map(|report| &report.trials)
         .flat_map(|trial| trial.trial.cases.iter().zip(&trial.outcomes))
+        .filter(|(case, _)| wanted.contains(case.key.as_str()))
         .map(|(case, outcome)| (case.key.as_str(), (case, outcome)))
         .collect();
     let again = |(suite, chosen): (usize, Chosen)| {
@@ -95,14 +114,13 @@ fn html(workshop: &Workshop, reports: &[SuiteReport]) -> Result<String, String> 
         }
         Ok((chosen, Recording::new(case, &recorded.trace, recorded.events)))
     };
-    let recordings: Vec<_> = chosen.into_par_iter().map(again).collect::<Result<_, String>>()?;
+    let recordings: Vec<_> = chosen.clone().into_par_iter().map(again).collect::<Result<_, String>>()?;
     Ok(to_html(reports, workshop.requests(), &recordings))
 }
 
-/// Writes a file, making the folders it is to be in.
-fn save(path: &Path, text: &str) -> io::Result<()> {
-    if let Some(folder) = path.parent() {
-        fs::create_dir_all(folder)?;
-    }
-    fs::write(path, text)
+/// Writes a file as a whole, making the folders it is to be in.
+fn save(path: &Path, content: &dyn Fn(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    let mut file = WholeFile::create(path)?;
+    content(&mut file)?;
+    file.commit()
 }

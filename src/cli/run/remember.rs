@@ -1,18 +1,18 @@
 //! What failed, for next time: in files beside the suites if that is wished, and in the folder that nobody commits.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs;
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use clap::Args;
 use serde::{Deserialize, Serialize};
 
 use crate::cli::store;
+use crate::console::stderr;
 use crate::corpus::{Recorded, case_hash, corpus_path, write_corpus};
 use crate::dispatch::Prepared;
 use crate::judge::{Verdict, judge, per_run};
-use crate::report::{Standing, SuiteReport, TrialReport, TrialState, count, with_worst};
+use crate::report::{CutBy, Standing, SuiteReport, TrialReport, TrialState, count, with_worst};
 use crate::run::Requests;
 
 #[derive(Debug, Args)]
@@ -38,6 +38,14 @@ pub fn failures(
     let mut complaints = Vec::new();
     for (suite, report) in suites.iter().zip(reports) {
         let path = corpus_path(Path::new(&suite.file));
+        if !suite.suite.set.is_empty() {
+            // Without the values that were set they could not be run again.
+            if arguments.record_failures || arguments.prune_failures {
+                let set = suite.suite.set.join(", ");
+                complaints.push(format!("{} is left alone: these runs are with {set}", path.display()));
+            }
+            continue;
+        }
         let obsolete: Vec<_> = report.recorded.iter().filter(|one| one.is_obsolete()).collect();
         let known =
             |new: &Recorded| suite.recorded.iter().any(|old| old.key == new.key && old.seed == new.seed);
@@ -52,20 +60,27 @@ pub fn failures(
         }
         if kept != suite.recorded {
             match write_corpus(&path, &kept) {
-                Ok(()) => eprintln!("note: {} now holds {}", path.display(), count(kept.len(), "failure")),
+                Ok(()) => {
+                    writeln!(stderr(), "note: {} now holds {}", path.display(), count(kept.len(), "failure"))
+                }
                 Err(error) => complaints.push(error.to_string()),
             }
         }
         if !arguments.prune_failures && !obsolete.is_empty() {
             let number = obsolete.len();
-            eprintln!(
+            writeln!(
+                stderr(),
                 "note: {number} of the failures in {} can go; `--prune-failures` takes them out",
                 path.display()
             );
         }
         if !arguments.record_failures && !new.is_empty() {
             let runs = count(new.len(), "failing run");
-            eprintln!("note: `--record-failures` keeps {runs} in {}, to be run first", path.display());
+            writeln!(
+                stderr(),
+                "note: `--record-failures` keeps {runs} in {}, to be run first",
+                path.display()
+            );
         }
     }
     complaints
@@ -100,6 +115,9 @@ fn runs_against(trial: &TrialReport, requests: &Requests) -> Vec<Recorded> {
     records
 }
 
+/// In the program's own folder.
+const LAST_RUN: &str = "last-run.json";
+
 /// What the last sessions left to be run again, with the fingerprints of failing runs.
 #[derive(Debug, Default, Serialize, Deserialize)]
 pub struct LastRun {
@@ -120,12 +138,8 @@ pub struct SeenRun {
 impl LastRun {
     /// What is remembered; nothing if there is no such file or it cannot be understood.
     pub fn read() -> Self {
-        let text = fs::read_to_string(Self::path()).unwrap_or_default();
+        let text = store::read(LAST_RUN).unwrap_or_default();
         serde_json::from_str(&text).unwrap_or_default()
-    }
-
-    fn path() -> PathBuf {
-        Path::new(store::FOLDER).join("last-run.json")
     }
 
     /// The name of a run: a key alone says nothing about the seed.
@@ -139,13 +153,16 @@ impl LastRun {
             let trials = report.trials.iter().map(|one| (one.trial.key.as_str(), one.standing()));
             let blocks = report.blocks.iter().map(|one| (one.key.as_str(), one.standing()));
             let recorded = report.recorded.iter().map(|one| (one.key.as_str(), one.standing()));
-            for (key, standing) in recorded.chain(trials).chain(blocks) {
+            // What was set makes other runs of the same names.
+            let is_as_declared = report.identity.set.is_empty();
+            for (key, standing) in recorded.chain(trials).chain(blocks).filter(|_| is_as_declared) {
                 match standing {
-                    Standing::Skipped => {}
+                    // Nothing new is known of them.
+                    Standing::Skipped | Standing::NotFinished(CutBy::Interrupted) => {}
                     Standing::Judged(Verdict::Passed) => {
                         self.failed.remove(key);
                     }
-                    Standing::Judged(_) | Standing::Errored => {
+                    Standing::Judged(_) | Standing::NotFinished(CutBy::TimeLimit) | Standing::Errored => {
                         self.failed.insert(key.to_string());
                     }
                 }
@@ -178,14 +195,9 @@ impl LastRun {
 
     /// Writes it, if there is or was anything to remember.
     pub fn write(&self) -> io::Result<()> {
-        let path = Self::path();
         if self.failed.is_empty() && self.runs.is_empty() {
-            return match fs::remove_file(path) {
-                Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
-                other => other,
-            };
+            return store::remove(LAST_RUN);
         }
-        store::make()?;
-        fs::write(path, serde_json::to_string_pretty(self).expect("plain data serialises") + "\n")
+        store::write(LAST_RUN, &(serde_json::to_string_pretty(self).expect("plain data serialises") + "\n"))
     }
 }

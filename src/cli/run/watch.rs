@@ -1,10 +1,9 @@
 //! `--trace`: the course of every run in a file of its own.
 
-use std::fs;
-use std::io;
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
+use crate::files::{Batch, WholeFile};
 use crate::report::write_trace;
 use crate::scenario::Case;
 use crate::sim::Trace;
@@ -12,26 +11,33 @@ use crate::sim::Trace;
 /// A folder for the courses of runs.
 pub struct Traces<'a> {
     folder: &'a Path,
+    files: Batch,
     complaints: Mutex<Vec<String>>,
 }
 
 impl<'a> Traces<'a> {
     pub fn new(folder: &'a Path) -> Self {
-        Self { folder, complaints: Mutex::default() }
+        Self { folder, files: Batch::default(), complaints: Mutex::default() }
     }
 
     pub fn save(&self, case: &Case, trace: &Trace) {
         let path = self.folder.join(format!("{}.csv", case.key.replace('/', "__")));
-        let written = fs::File::create(&path)
-            .and_then(|file| write_trace(&case.world, trace, io::BufWriter::new(file)));
+        let written = WholeFile::create(&path).and_then(|mut file| {
+            write_trace(&case.world, trace, &mut file)?;
+            self.files.add(file)
+        });
         if let Err(error) = written {
             let complaint = format!("cannot write {}: {error}", path.display());
             self.complaints.lock().unwrap_or_else(PoisonError::into_inner).push(complaint);
         }
     }
 
-    /// What could not be written.
-    pub fn complaints(&self) -> Vec<String> {
-        std::mem::take(&mut self.complaints.lock().unwrap_or_else(PoisonError::into_inner))
+    /// Puts all files in their places, and says what could not be written.
+    pub fn finish(&self) -> Vec<String> {
+        let mut complaints =
+            std::mem::take(&mut *self.complaints.lock().unwrap_or_else(PoisonError::into_inner));
+        let failed = self.files.finish().into_iter();
+        complaints.extend(failed.map(|(path, error)| format!("cannot write {}: {error}", path.display())));
+        complaints
     }
 }

@@ -1,4 +1,6 @@
 //! Baselines as files: JSON with one line per trial and metric, sorted, the same bytes for the same runs.
+//!
+//! Every trial ends with a checksum of what stands in it, and the file with one of all: nobody edits a number unseen.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -8,9 +10,13 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::{Baseline, Parts, RecordedMetric, RecordedTrial, TestedVehicle};
+use crate::files;
 
 /// Version of the layout; raised when a reader would have to change.
-const LAYOUT: u64 = 1;
+const LAYOUT: u64 = 2;
+
+/// That of version 0.1, without checksums, which is still read.
+const UNCHECKED: u64 = 1;
 
 /// Why a baseline cannot be read.
 #[derive(Debug, Error)]
@@ -41,24 +47,70 @@ impl BaselineError {
 }
 
 impl Baseline {
+    /// Reads the baseline that a file from somebody names: one that ends in `.json`, also behind links.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub fn read_named(path: &Path) -> Result<Self, BaselineError> {
+        match files::check_kind(path, &["json"]) {
+            Err(error) if !error.is_missing() => {
+                Err(BaselineError::Unreadable { path: path.to_owned(), reason: error.to_string() })
+            }
+            _ => Self::read(path),
+        }
+    }
+
+    /// Whether the file is a baseline of version 0.1, which has no checksums.
+    pub fn is_unchecked(path: &Path) -> bool {
+        let layout = files::read_text(path).ok().and_then(|text| serde_json::from_str::<Layout>(&text).ok());
+        layout.is_some_and(|layout| layout.baseline == UNCHECKED)
+    }
+
+    /// Reads a baseline.
+    ///
+    /// # Errors
+    /// If there is none, or if it is not as it was written.
     pub fn read(path: &Path) -> Result<Self, BaselineError> {
-        let text = std::fs::read_to_string(path).map_err(|error| match error.kind() {
-            std::io::ErrorKind::NotFound => BaselineError::Missing { path: path.to_owned() },
-            _ => BaselineError::Unreadable { path: path.to_owned(), reason: error.to_string() },
+        let text = files::read_text(path).map_err(|error| match error {
+            error if error.is_missing() => BaselineError::Missing { path: path.to_owned() },
+            error => BaselineError::Unreadable { path: path.to_owned(), reason: error.to_string() },
         })?;
         let malformed = |reason: String| BaselineError::Malformed { path: path.to_owned(), reason };
         let Layout { baseline: found } =
             serde_json::from_str(&text).map_err(|error| malformed(error.to_string()))?;
-        if found != LAYOUT {
+        if found != LAYOUT && found != UNCHECKED {
             return Err(BaselineError::OtherLayout { path: path.to_owned(), found });
         }
         let file: File = serde_json::from_str(&text).map_err(|error| malformed(error.to_string()))?;
-        file.baseline().map_err(malformed)
+        let (checksum, of_trials) = file.checksums();
+        let baseline = file.baseline().map_err(malformed)?;
+        if found == LAYOUT {
+            baseline.check(checksum.as_deref(), &of_trials).map_err(malformed)?;
+        }
+        Ok(baseline)
+    }
+
+    /// Compares checksums, that of the file and those of its trials by key, with what they ought to be.
+    fn check(&self, whole: Option<&str>, of_trials: &BTreeMap<String, Option<String>>) -> Result<(), String> {
+        let wrong = |what: String| format!("the checksum of {what} is wrong: it is not as it was written");
+        for trial in &self.trials {
+            let stated = of_trials.get(&trial.key).and_then(Option::as_deref);
+            if stated != Some(checksum(&trial_text(self, trial)).as_str()) {
+                return Err(wrong(format!("trial `{}`", trial.key)));
+            }
+        }
+        if whole == Some(checksum(&self.body()).as_str()) { Ok(()) } else { Err(wrong("the file".into())) }
     }
 
     /// The file's text, with a final line end.
     pub fn text(&self) -> String {
-        let mut text = String::from("{\n");
+        let body = self.body();
+        format!("{{\n{body}  \"crc\": {}\n}}\n", json(&checksum(&body)))
+    }
+
+    /// All but the braces and the checksum.
+    fn body(&self) -> String {
+        let mut text = String::new();
         let mut line = |depth: usize, content: &str| {
             writeln!(text, "{:1$}{content}", "", 2 * depth).expect("writing to a string cannot fail");
         };
@@ -66,6 +118,9 @@ impl Baseline {
         line(1, &format!("\"suite\": {},", json(&self.suite)));
         line(1, &format!("\"seed\": {},", self.seed));
         line(1, &format!("\"tool\": {},", json(&self.tool)));
+        if !self.populations.is_empty() {
+            line(1, &format!("\"populations\": {},", json(&self.populations)));
+        }
         line(1, "\"metrics\": [");
         for (index, metric) in self.metrics.iter().enumerate() {
             line(2, &(json(metric) + comma(index, self.metrics.len())));
@@ -82,12 +137,18 @@ impl Baseline {
         line(1, "],");
         line(1, "\"trials\": [");
         for (index, trial) in self.trials.iter().enumerate() {
-            write_trial(&mut line, self, trial, comma(index, self.trials.len()));
+            let content = trial_text(self, trial);
+            let crc = json(&checksum(&content));
+            line(2, &format!("{{\n{content}      \"crc\": {crc}\n    }}{}", comma(index, self.trials.len())));
         }
-        line(1, "]");
-        text.push_str("}\n");
+        line(1, "],");
         text
     }
+}
+
+/// Eight hexadecimal digits.
+fn checksum(text: &str) -> String {
+    format!("{:08x}", crc32fast::hash(text.as_bytes()))
 }
 
 /// One line per parameter, so that a changed one is seen in a difference of two files.
@@ -115,12 +176,22 @@ fn write_vehicle(line: &mut impl FnMut(usize, &str), vehicle: &TestedVehicle, en
     line(3, &format!("}}{end}"));
 }
 
-fn write_trial(line: &mut impl FnMut(usize, &str), baseline: &Baseline, trial: &RecordedTrial, end: &str) {
-    line(2, "{");
+/// A trial's lines, without braces and checksum.
+fn trial_text(baseline: &Baseline, trial: &RecordedTrial) -> String {
+    let mut text = String::new();
+    let mut line = |depth: usize, content: &str| {
+        writeln!(text, "{:1$}{content}", "", 2 * depth).expect("writing to a string cannot fail");
+    };
     line(3, &format!("\"key\": {},", json(&trial.key)));
     line(3, &format!("\"scenario\": {},", json(&trial.scenario)));
     line(3, &format!("\"certain\": {},", trial.certain));
     line(3, &format!("\"fingerprint\": {},", json(&trial.fingerprint)));
+    if let Some(seeds) = &trial.seeds {
+        line(3, &format!("\"seeds\": {},", json(seeds)));
+    }
+    if !trial.warnings.is_empty() {
+        line(3, &format!("\"warnings\": {},", json(&trial.warnings)));
+    }
     line(3, &format!("\"parts\": {},", json(&trial.parts)));
     line(3, &format!("\"vehicles\": {},", trial.vehicles));
     let runs = if *trial.runs == repetitions(trial.runs.len()) {
@@ -137,8 +208,8 @@ fn write_trial(line: &mut impl FnMut(usize, &str), baseline: &Baseline, trial: &
         };
         line(4, &format!("{}: {row}{}", json(&metric.label), comma(index, baseline.metrics.len())));
     }
-    line(3, "}");
-    line(2, &format!("}}{end}"));
+    line(3, "},");
+    text
 }
 
 /// A whole number without its `.0`.
@@ -177,9 +248,14 @@ struct File {
     suite: String,
     seed: u64,
     tool: String,
+    /// Of files from before it was noted: none.
+    #[serde(default)]
+    populations: BTreeMap<String, String>,
     metrics: Vec<RecordedMetric>,
     vehicles: Vec<Vec<TestedVehicle>>,
     trials: Vec<TrialInFile>,
+    #[serde(default)]
+    crc: Option<String>,
 }
 
 #[derive(Deserialize)]
@@ -189,10 +265,16 @@ struct TrialInFile {
     scenario: String,
     certain: bool,
     fingerprint: String,
+    #[serde(default)]
+    seeds: Option<String>,
+    #[serde(default)]
+    warnings: Vec<String>,
     parts: Parts,
     vehicles: usize,
     runs: RunsInFile,
     values: BTreeMap<String, RowInFile>,
+    #[serde(default)]
+    crc: Option<String>,
 }
 
 #[derive(Deserialize)]
@@ -210,10 +292,16 @@ enum RowInFile {
 }
 
 impl File {
+    /// What it states: the checksum of all, and that of each trial by key.
+    fn checksums(&self) -> (Option<String>, BTreeMap<String, Option<String>>) {
+        let trials = self.trials.iter().map(|trial| (trial.key.clone(), trial.crc.clone()));
+        (self.crc.clone(), trials.collect())
+    }
+
     fn baseline(self) -> Result<Baseline, String> {
-        let Self { metrics, vehicles, .. } = self;
-        let mut trials = Vec::with_capacity(self.trials.len());
-        for trial in self.trials {
+        let Self { suite, seed, tool, populations, metrics, vehicles, trials: written, .. } = self;
+        let mut trials = Vec::with_capacity(written.len());
+        for trial in written {
             let key = trial.key.clone();
             let recorded = trial.recorded(&metrics).map_err(|reason| format!("trial `{key}`: {reason}"))?;
             if recorded.vehicles >= vehicles.len() {
@@ -225,7 +313,7 @@ impl File {
         if let Some(twice) = trials.windows(2).find(|pair| pair[0].key == pair[1].key) {
             return Err(format!("trial `{}` stands twice", twice[0].key));
         }
-        Ok(Baseline { suite: self.suite, seed: self.seed, tool: self.tool, metrics, vehicles, trials })
+        Ok(Baseline { suite, seed, tool, populations, metrics, vehicles, trials })
     }
 }
 
@@ -259,6 +347,8 @@ impl TrialInFile {
             scenario: self.scenario,
             certain: self.certain,
             fingerprint: self.fingerprint,
+            seeds: self.seeds,
+            warnings: self.warnings,
             parts: self.parts,
             vehicles: self.vehicles,
             runs,

@@ -4,6 +4,8 @@ mod file;
 mod pairing;
 mod record;
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
 use crate::run::Requests;
@@ -23,6 +25,8 @@ pub struct Baseline {
     pub seed: u64,
     /// The version of scenario-runner that ran it.
     pub tool: String,
+    /// Digests of everybody in the populations that people were drawn from, by the names of their files.
+    pub populations: BTreeMap<String, String>,
     pub metrics: Vec<RecordedMetric>,
     /// The different sets of vehicles that trials have, in the order in which trials first use them.
     pub vehicles: Vec<Vec<TestedVehicle>>,
@@ -68,6 +72,11 @@ pub struct RecordedTrial {
     pub certain: bool,
     /// Changes when any bit of any run's course does; 16 hexadecimal digits.
     pub fingerprint: String,
+    /// Changes when the seed of any run does; 12 hexadecimal digits. Baselines of version 0.1 do not say.
+    pub seeds: Option<String>,
+    /// Models in it that are others than were published, in words.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
     pub parts: Parts,
     /// Index into [`Baseline::vehicles`].
     pub vehicles: usize,

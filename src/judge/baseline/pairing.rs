@@ -39,6 +39,10 @@ pub enum Incompatible {
     MetricDiffers(String),
     /// Trials whose runs are other ones, or more or fewer.
     Runs(Vec<String>),
+    /// Populations that are not what they were, whoever was drawn.
+    Populations(Vec<String>),
+    /// The base does not say what its populations were, and the seeds differ.
+    PopulationsUnknown,
     /// Trials in which something besides what is tested differs.
     Part { part: Part, trials: Vec<String> },
 }
@@ -128,6 +132,7 @@ pub fn pair<'a>(
             reasons.push(Incompatible::Part { part, trials: keys });
         }
     }
+    reasons.extend(other_populations(base, candidate, same_seeds));
     if reasons.is_empty() {
         Ok(Pairing { base, candidate, trials, new_trials, lenient, same_seeds, same_people })
     } else {
@@ -135,12 +140,31 @@ pub fn pair<'a>(
     }
 }
 
+/// People of two populations are not compared, whatever the seed. Under the same seed it shows in the people themselves.
+fn other_populations(base: &Baseline, candidate: &Baseline, same_seeds: bool) -> Option<Incompatible> {
+    if base.populations.is_empty() && !candidate.populations.is_empty() {
+        return (!same_seeds).then_some(Incompatible::PopulationsUnknown);
+    }
+    let gone = base.populations.iter().filter(|(name, digest)| match candidate.populations.get(*name) {
+        Some(now) => now != *digest,
+        None => !candidate.populations.values().any(|now| now == *digest),
+    });
+    let gone: Vec<String> = gone.map(|(name, _)| name.clone()).collect();
+    (!gone.is_empty()).then_some(Incompatible::Populations(gone))
+}
+
 impl Pairing<'_> {
     /// Whether every run took the same course as before, bit for bit.
     pub fn nothing_changed(&self) -> bool {
-        let same = |(base, candidate): &(&RecordedTrial, &RecordedTrial)| {
-            base.fingerprint == candidate.fingerprint && base.values == candidate.values
-        };
-        self.trials.iter().all(same)
+        !self.trials.iter().any(changed)
     }
+
+    /// Whether some run of a scenario took another course.
+    pub fn changed_in(&self, scenario: &str) -> bool {
+        self.trials.iter().filter(|(_, trial)| trial.scenario == scenario).any(changed)
+    }
+}
+
+fn changed((base, candidate): &(&RecordedTrial, &RecordedTrial)) -> bool {
+    base.fingerprint != candidate.fingerprint || base.values != candidate.values
 }

@@ -5,24 +5,16 @@ use sha2::{Digest, Sha256};
 
 use super::{Baseline, Parts, RecordedMetric, RecordedTrial, TestedVehicle};
 use crate::metrics::{self, MetricKind};
-use crate::plan::{Trial, derive_seed};
-use crate::run::{Outcome, Requests, RunError};
-use crate::scenario::{Case, MetricReference, PedestrianSetup, Suite};
+use crate::plan::{Plan, Trial};
+use crate::run::{Outcome, Requests, departures, drawing};
+use crate::scenario::{ANOTHER_MODEL, Case, MetricReference, PedestrianSetup, Suite};
 
 /// Digits of a value that are kept: enough for any comparison, and short enough to read.
 const DIGITS: usize = 9;
 
-/// The baseline of the trials that were run to their end, each with its outcomes in the order of its cases.
-///
-/// `run` runs one case. It is asked to only for trials that have a single run per person, once each with another seed:
-/// whether chance plays a part cannot be seen from one run.
-pub fn record(
-    suite: &str,
-    seed: u64,
-    trials: &[(&Trial, &[Outcome])],
-    requests: &Requests,
-    run: impl Fn(&Case) -> Result<Outcome, RunError>,
-) -> Result<Baseline, RunError> {
+/// The baseline of the trials of a plan that were run to their end, each with its outcomes in the order of its cases.
+pub fn record(plan: &Plan, trials: &[(&Trial, &[Outcome])], requests: &Requests) -> Baseline {
+    let suite = plan.suite.as_str();
     let mut trials = trials.to_vec();
     trials.sort_by(|left, right| left.0.key.cmp(&right.0.key));
     let mut vehicles: Vec<Vec<TestedVehicle>> = Vec::new();
@@ -42,22 +34,25 @@ pub fn record(
         recorded.push(RecordedTrial {
             key: trial.key.strip_prefix(&format!("{suite}/")).unwrap_or(&trial.key).to_string(),
             scenario: trial.scenario.clone(),
-            certain: is_certain(trial, outcomes, &run)?,
+            certain: trial.cases.iter().all(|case| drawing(&case.world).is_empty()),
             fingerprint: hash(&outcomes.iter().map(|outcome| outcome.fingerprint).collect::<Vec<_>>(), 16),
+            seeds: Some(hash(&trial.cases.iter().map(|case| case.seed).collect::<Vec<_>>(), 12)),
+            warnings: departures(trial),
             parts: parts(&trial.cases),
             vehicles: place,
             runs: outcomes.iter().map(label).collect(),
             values: (0..requests.iter().count()).map(row).collect(),
         });
     }
-    Ok(Baseline {
+    Baseline {
         suite: suite.to_string(),
-        seed,
+        seed: plan.seed,
         tool: env!("CARGO_PKG_VERSION").to_string(),
+        populations: plan.populations.clone(),
         metrics: requests.iter().map(metric).collect(),
         vehicles,
         trials: recorded,
-    })
+    }
 }
 
 /// Every metric that is kept of a suite's runs: those there are, and what its criteria and gates are about.
@@ -67,34 +62,6 @@ pub fn measured_metrics(suite: &Suite) -> Requests {
     let rules = suite.gates.iter().flat_map(|gate| &gate.rules);
     rules.filter_map(|rule| rule.metric.as_ref()).for_each(|metric| requests.add(metric));
     requests
-}
-
-/// Whether every person's runs are the same under different seeds.
-fn is_certain(
-    trial: &Trial,
-    outcomes: &[Outcome],
-    run: impl Fn(&Case) -> Result<Outcome, RunError>,
-) -> Result<bool, RunError> {
-    let same =
-        |one: &Outcome, other: &Outcome| one.fingerprint == other.fingerprint && one.metrics == other.metrics;
-    let mut alone = Vec::new();
-    for (case, outcome) in trial.cases.iter().zip(outcomes) {
-        let of_same_people = |other: &&Outcome| other.individuals == outcome.individuals;
-        let first = outcomes.iter().find(of_same_people).expect("it is one of them itself");
-        if !same(first, outcome) {
-            return Ok(false);
-        }
-        if outcomes.iter().filter(of_same_people).count() == 1 {
-            alone.push((case, outcome));
-        }
-    }
-    for (case, outcome) in alone {
-        let again = Case { seed: derive_seed(case.seed, "another"), ..case.clone() };
-        if !same(outcome, &run(&again)?) {
-            return Ok(false);
-        }
-    }
-    Ok(true)
 }
 
 fn metric(reference: &MetricReference) -> RecordedMetric {
@@ -139,10 +106,11 @@ fn parts(cases: &[Case]) -> Parts {
     }
 }
 
-/// A case's pedestrians without what their individuals bring.
+/// A case's pedestrians without what their individuals bring, and without the flag that changes no run.
 fn impersonal(case: &Case) -> Vec<PedestrianSetup> {
     let mut pedestrians = case.world.pedestrians.clone();
     for setup in &mut pedestrians {
+        setup.model.settings.0.remove(ANOTHER_MODEL);
         for person in case.individuals.iter().filter(|person| person.pedestrian == setup.name) {
             setup.model.settings.0.retain(|name, _| !person.parameters.0.contains_key(name));
         }

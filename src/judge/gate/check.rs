@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::measure::{Differences, difference, differences, sign};
+use super::measure::{Differences, TrialChange, difference, differences, sign, worse_by, worst_trial};
 use super::power::{self, Power};
 use super::questions::{About, Place, Question, RunPair};
 use crate::judge::statistics::{MeanChange, rate_change, rate_rise};
@@ -25,7 +25,7 @@ pub struct Check {
     pub outcome: CheckOutcome,
     /// Pairs of runs that are compared.
     pub runs: usize,
-    /// Independent ones among them: runs, or people where the two sides have different people.
+    /// Independent ones among them: runs, or people where there are several.
     pub units: usize,
     /// The mean over the compared runs, or the share of them.
     pub base: f64,
@@ -42,6 +42,8 @@ pub struct Check {
     /// The same after Holm's correction for all comparisons of the gate.
     pub adjusted_p_value: Option<f64>,
     pub power: Power,
+    /// Of several trials the one that got worse by most: over all of them, changes may cancel.
+    pub worst_trial: Option<TrialChange>,
     /// The runs that got worse, the worst first; for flags those that flipped.
     pub worse_runs: Vec<ChangedRun>,
     /// The runs that got better, as above.
@@ -58,17 +60,28 @@ pub enum Subject {
     Rate,
     /// The share of runs in which it exists.
     Existence,
+    /// The runs with a yes that had a no on the same seed.
+    New,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CheckOutcome {
-    /// Shown not to be worse by more than the tolerance, or not changed in any run.
+    /// No run changed.
+    Same,
+    /// Shown not to be worse by more than the tolerance.
     Held,
     /// Neither that nor the opposite is shown.
     NotShown,
     /// Shown to be worse by more than the tolerance.
     Regressed,
+}
+
+impl CheckOutcome {
+    /// Nothing that one has to look at.
+    pub fn is_fine(self) -> bool {
+        matches!(self, Self::Same | Self::Held)
+    }
 }
 
 /// A run whose value is not what it was.
@@ -86,16 +99,18 @@ pub fn measure(question: &Question, family: usize, seed: u64) -> Check {
         About::Mean(_) => Subject::Mean,
         About::Rate(_) => Subject::Rate,
         About::Existence(_) => Subject::Existence,
+        About::New => Subject::New,
     };
     let tolerance = match (question.tolerance, subject) {
         (Tolerance::Relative(share), Subject::Mean) => share * differences.base.abs(),
-        (Tolerance::Relative(share), _) => share,
         // A quantity's tolerance says nothing of how many runs may lack it.
-        (Tolerance::Absolute(_), Subject::Existence) => 0.0,
-        (Tolerance::Absolute(amount), _) => amount,
+        (_, Subject::Existence) => 0.0,
+        (Tolerance::Relative(amount) | Tolerance::Absolute(amount), _) => amount,
+        (Tolerance::NoneNew { .. }, _) => 0.0,
     };
     let (place, certain) = match question.place {
-        Place::Scenario(name) => (name, false),
+        // Whether a run is new needs no statistics.
+        Place::Scenario(name) => (name, question.about == About::New),
         Place::CertainTrial(key) => (key, true),
     };
     let (worse_runs, better_runs) = changed_runs(question);
@@ -118,6 +133,7 @@ pub fn measure(question: &Question, family: usize, seed: u64) -> Check {
         p_value: None,
         adjusted_p_value: None,
         power: Power::None,
+        worst_trial: worst_trial(question),
         worse_runs,
         better_runs,
     };
@@ -176,9 +192,14 @@ impl Check {
 
     /// Once the p-values of all comparisons are adjusted for each other.
     pub fn decide(&mut self, question: &Question) {
-        let unchanged = self.worse_runs.is_empty() && self.better_runs.is_empty();
+        // Between different people no runs belong together, so that none is known to be the same.
+        let same = self.worse_runs.is_empty() && self.better_runs.is_empty() && !question.other_people;
         self.outcome = if question.about == About::Existence(None) {
-            if unchanged { CheckOutcome::Held } else { CheckOutcome::NotShown }
+            if same { CheckOutcome::Same } else { CheckOutcome::NotShown }
+        } else if same {
+            CheckOutcome::Same
+        } else if question.about == About::New {
+            if self.worse_runs.is_empty() { CheckOutcome::Held } else { CheckOutcome::Regressed }
         } else if self.certain {
             let rounding = 1e-6 * self.tolerance;
             if self.worse_by() > self.tolerance + rounding {
@@ -188,7 +209,7 @@ impl Check {
             }
         } else if self.adjusted_p_value.is_some_and(|p| p <= self.level()) {
             CheckOutcome::Regressed
-        } else if (unchanged && !question.by_people) || self.shown_to_hold() {
+        } else if self.shown_to_hold() {
             CheckOutcome::Held
         } else {
             CheckOutcome::NotShown
@@ -206,7 +227,7 @@ impl Check {
 /// Pairs that count.
 fn compared(question: &Question) -> usize {
     match question.about {
-        About::Existence(_) => question.pairs.len(),
+        About::Existence(_) | About::New => question.pairs.len(),
         _ => question.pairs.iter().filter(|pair| pair.base.is_some() && pair.candidate.is_some()).count(),
     }
 }
@@ -214,17 +235,10 @@ fn compared(question: &Question) -> usize {
 /// The runs that got worse and those that got better, the largest changes first; none between different people, whose
 /// runs have nothing to do with each other.
 fn changed_runs(question: &Question) -> (Vec<ChangedRun>, Vec<ChangedRun>) {
-    if question.by_people {
+    if question.other_people {
         return (Vec::new(), Vec::new());
     }
-    let sign = sign(question.about);
-    let worse_by = |pair: &RunPair| match question.about {
-        About::Existence(_) => sign * (f64::from(pair.candidate.is_some()) - f64::from(pair.base.is_some())),
-        _ => match (pair.base, pair.candidate) {
-            (Some(base), Some(candidate)) => sign * difference(base, candidate),
-            _ => 0.0,
-        },
-    };
+    let worse_by = |pair: &RunPair| worse_by(question.about, pair).unwrap_or(0.0);
     let mut changed: Vec<(f64, &RunPair)> =
         question.pairs.iter().map(|pair| (worse_by(pair), pair)).collect();
     changed.retain(|(worse, _)| *worse != 0.0);

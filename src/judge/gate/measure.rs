@@ -2,8 +2,11 @@
 
 use std::collections::BTreeSet;
 
+use serde::Serialize;
+
 use super::questions::{About, Question, RunPair};
 use crate::judge::baseline::TestedVehicle;
+use crate::judge::statistics::mean;
 use crate::scenario::ModelSetup;
 
 /// Which way a quantity gets worse.
@@ -22,7 +25,7 @@ pub struct Event {
 /// The numbers behind a comparison.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Differences {
-    /// One per pair of runs or, between different people, per pair of people.
+    /// One per pair of runs or, where there are several people, per person.
     pub worse: Vec<f64>,
     /// Means over what is compared; events as shares.
     pub base: f64,
@@ -31,11 +34,23 @@ pub struct Differences {
     pub one_sided: Option<(u64, u64)>,
 }
 
+/// What one trial of several came to.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TrialChange {
+    /// Without the suite's name.
+    pub key: String,
+    /// The mean over its runs, or the share of them.
+    pub base: f64,
+    pub candidate: f64,
+    /// Negative if it got better.
+    pub worse_by: f64,
+}
+
 /// Smaller relative differences are rounding, which differs from machine to machine.
 const ROUNDING: f64 = 1e-6;
 
 /// The side of a pair.
-type Side = fn(&RunPair) -> Option<f64>;
+type Side = fn(&RunPair<'_>) -> Option<f64>;
 
 const BASE: Side = |pair| pair.base;
 const CANDIDATE: Side = |pair| pair.candidate;
@@ -45,25 +60,21 @@ pub fn sign(about: About) -> f64 {
     let larger_is_worse = match about {
         About::Mean(direction) => direction.larger_is_worse,
         About::Rate(event) | About::Existence(Some(event)) => event.bad,
-        About::Existence(None) => true,
+        About::Existence(None) | About::New => true,
     };
     if larger_is_worse { 1.0 } else { -1.0 }
 }
 
 pub fn differences(question: &Question) -> Differences {
-    let numbers = |side: Side, pair: &RunPair| match question.about {
-        About::Existence(_) => Some(f64::from(side(pair).is_some())),
-        About::Rate(_) => side(pair).map(|value| f64::from(value != 0.0)),
-        About::Mean(_) => side(pair),
-    };
+    let numbers = |side: Side, pair: &RunPair| number(question.about, side(pair));
     let rows: Vec<(Option<f64>, Option<f64>)> = if question.by_people {
         let people = question.pairs.iter().map(|pair| pair.person).max().map_or(0, |last| last + 1);
-        let mean = |side: Side, person: usize| {
+        let of_person = |side: Side, person: usize| {
             let runs = question.pairs.iter().filter(|pair| pair.person == person);
             let values: Vec<f64> = runs.filter_map(|pair| numbers(side, pair)).collect();
-            crate::judge::statistics::mean(&values)
+            mean(&values)
         };
-        (0..people).map(|person| (mean(BASE, person), mean(CANDIDATE, person))).collect()
+        (0..people).map(|person| (of_person(BASE, person), of_person(CANDIDATE, person))).collect()
     } else {
         question.pairs.iter().map(|pair| (numbers(BASE, pair), numbers(CANDIDATE, pair))).collect()
     };
@@ -83,6 +94,42 @@ pub fn differences(question: &Question) -> Differences {
         worse,
         one_sided,
     }
+}
+
+/// What a run counts as.
+fn number(about: About, value: Option<f64>) -> Option<f64> {
+    match about {
+        About::Existence(_) => Some(f64::from(value.is_some())),
+        About::Rate(_) => value.map(|value| f64::from(value != 0.0)),
+        About::New => Some(f64::from(value.is_some_and(|value| value != 0.0))),
+        About::Mean(_) => value,
+    }
+}
+
+/// By how much a pair got worse, if it can be compared; negative if it got better.
+pub fn worse_by(about: About, pair: &RunPair) -> Option<f64> {
+    let (base, candidate) = number(about, pair.base).zip(number(about, pair.candidate))?;
+    Some(sign(about) * difference(base, candidate))
+}
+
+/// The trial of a comparison that got worse by most; `None` where there is only one.
+pub fn worst_trial(question: &Question) -> Option<TrialChange> {
+    let trials: Vec<&[RunPair]> = question.pairs.chunk_by(|one, next| one.trial == next.trial).collect();
+    if trials.len() < 2 {
+        return None;
+    }
+    let change = |pairs: &&[RunPair]| {
+        let both = pairs
+            .iter()
+            .filter_map(|pair| number(question.about, pair.base).zip(number(question.about, pair.candidate)));
+        let (base, candidate): (Vec<f64>, Vec<f64>) = both.unzip();
+        let (base, candidate) = (mean(&base)?, mean(&candidate)?);
+        let worse_by = sign(question.about) * difference(base, candidate);
+        Some(TrialChange { key: pairs[0].trial.to_string(), base, candidate, worse_by })
+    };
+    let changes = trials.iter().filter_map(change);
+    // The first of equal ones.
+    changes.reduce(|worst, other| if other.worse_by > worst.worse_by { other } else { worst })
 }
 
 /// Candidate minus base, but for rounding.

@@ -14,10 +14,10 @@ use serde::Serialize;
 use super::baseline::{Baseline, Incompatible, Pairing, pair};
 use super::statistics::holm;
 use super::verdict::Verdict;
-use crate::scenario::{Gate, GateRule, Tolerance};
+use crate::scenario::{Gate, GateRule, MetricReference, Settings, Tolerance};
 
 pub use check::{ChangedRun, Check, CheckOutcome, Subject};
-pub use measure::vehicle_changes;
+pub use measure::{TrialChange, vehicle_changes};
 pub use power::Power;
 
 /// What became of a gate.
@@ -32,8 +32,12 @@ pub struct GateVerdict {
     pub rules: Vec<String>,
     /// How many comparisons share the error, because chance plays a part in them.
     pub family: usize,
-    /// Rules none of whose comparisons could have failed, whatever had happened.
+    /// Rules none of whose comparisons could have failed anywhere, whatever had happened.
     pub blind_rules: Vec<String>,
+    /// Scenarios in which a rule that sees elsewhere could not have failed, though something changed there.
+    pub blind_places: Vec<BlindPlace>,
+    /// Metrics that are true or false, about which no rule says anything.
+    pub unnamed_flags: Vec<String>,
     /// Metrics that no run on either side has.
     pub without_values: Vec<String>,
     /// Metrics that are not compared, because the base lacks them.
@@ -50,6 +54,17 @@ pub struct GateVerdict {
     pub changes: Vec<String>,
 }
 
+/// A scenario that a rule does not see.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct BlindPlace {
+    /// What the rule says.
+    pub rule: String,
+    pub scenario: String,
+    /// Independent pairs of runs there are, and how many it takes.
+    pub units: usize,
+    pub needed: usize,
+}
+
 /// The rule that a comparison has where no gate is named: no metric worse by more than this.
 pub fn blanket_rule(tolerance: f64, confidence: f64) -> GateRule {
     let percent = |share: f64| crate::scenario::significant(100.0 * share, 6);
@@ -64,6 +79,48 @@ pub fn blanket_rule(tolerance: f64, confidence: f64) -> GateRule {
         ),
         origin: Default::default(),
     }
+}
+
+/// `collision not worse`, with the confidence of another rule.
+pub fn collision_rule(confidence: f64) -> GateRule {
+    let percent = crate::scenario::significant(100.0 * confidence, 6);
+    GateRule {
+        tolerance: Tolerance::Relative(0.0),
+        confidence,
+        text: format!("{COLLISION} not worse with {percent} % confidence"),
+        ..no_new_collision()
+    }
+}
+
+/// The rule on collisions that holds unless a gate says otherwise: where the base has none, no run may have one.
+fn no_new_collision() -> GateRule {
+    let metric = MetricReference { name: COLLISION.into(), settings: Settings::default(), pair: None };
+    GateRule {
+        metric: Some(metric),
+        tolerance: Tolerance::NoneNew { where_none_was: true },
+        confidence: 1.0,
+        text: "no new collision, where the baseline has none".to_string(),
+        origin: Default::default(),
+    }
+}
+
+const COLLISION: &str = "collision";
+
+/// The rules, and what holds unless they say otherwise.
+fn with_default(rules: &[GateRule], pairing: &Pairing) -> Vec<GateRule> {
+    let default = no_new_collision();
+    // Whoever tolerates more collisions, or none at all, has said so.
+    let says_otherwise = |rule: &GateRule| {
+        let about = rule.metric == default.metric;
+        about && !matches!(rule.tolerance, Tolerance::Relative(0.0) | Tolerance::Absolute(0.0))
+    };
+    let measured = |side: &Baseline| side.metrics.iter().any(|metric| metric.label == COLLISION);
+    let applies = pairing.same_seeds && measured(pairing.base) && measured(pairing.candidate);
+    let mut all = rules.to_vec();
+    if applies && !rules.iter().any(says_otherwise) {
+        all.push(default);
+    }
+    all
 }
 
 impl GateVerdict {
@@ -99,7 +156,9 @@ pub fn judge_rules(
     rules: &[GateRule],
     pairing: &Pairing,
 ) -> Result<GateVerdict, Vec<Incompatible>> {
-    let questions::Questions { asked, without_values, new_metrics } = questions::ask(rules, pairing)?;
+    let rules = &with_default(rules, pairing);
+    let questions::Questions { asked, without_values, new_metrics, unnamed_flags } =
+        questions::ask(rules, pairing)?;
     let family = asked.iter().filter(|question| question.shares_the_error()).count();
     let seed = pairing.candidate.seed;
     let mut checks: Vec<Check> =
@@ -113,14 +172,11 @@ pub fn judge_rules(
         check.decide(question);
     }
     let nothing_changed = pairing.nothing_changed();
-    let sees = |check: &Check| !matches!(check.power, Power::Blind { .. } | Power::None);
-    let can_fail = |rule: usize| checks.iter().any(|check| check.rule == rule && sees(check));
-    let blind = rules.iter().enumerate().filter(|(index, _)| !can_fail(*index));
-    let blind_rules: Vec<String> = blind.map(|(_, rule)| rule.text.clone()).collect();
     let regressed = checks.iter().any(|check| check.outcome == CheckOutcome::Regressed);
+    let (blind_rules, blind_places) = blind(rules, &checks, pairing);
     let verdict = if regressed {
         Verdict::Failed
-    } else if blind_rules.is_empty() || nothing_changed {
+    } else if blind_places.is_empty() && (blind_rules.is_empty() || nothing_changed) {
         Verdict::Passed
     } else {
         Verdict::Inconclusive
@@ -132,6 +188,8 @@ pub fn judge_rules(
         rules: rules.iter().map(|rule| rule.text.clone()).collect(),
         family,
         blind_rules,
+        blind_places,
+        unnamed_flags,
         without_values,
         new_metrics,
         new_trials: pairing.new_trials.iter().map(|key| key.to_string()).collect(),
@@ -141,6 +199,37 @@ pub fn judge_rules(
         nothing_changed,
         changes: changes(pairing),
     })
+}
+
+/// What could not have failed, whatever had happened: rules everywhere, and rules in scenarios that changed. That another
+/// scenario can be seen is no comfort.
+fn blind(rules: &[GateRule], checks: &[Check], pairing: &Pairing) -> (Vec<String>, Vec<BlindPlace>) {
+    let sees = |check: &Check| !matches!(check.power, Power::Blind { .. } | Power::None);
+    let (mut everywhere, mut places) = (Vec::new(), Vec::new());
+    for (index, rule) in rules.iter().enumerate() {
+        let own = || checks.iter().filter(|check| check.rule == index);
+        // What holds by default has nothing to say where it does not apply.
+        if !own().any(sees) && !matches!(rule.tolerance, Tolerance::NoneNew { where_none_was: true }) {
+            everywhere.push(rule.text.clone());
+            continue;
+        }
+        for scenario in pairing.candidate.scenarios() {
+            // Trials without chance stand by themselves and always see.
+            let here = || own().filter(|check| !check.certain && check.place == scenario);
+            if here().next().is_none() || here().any(sees) || !pairing.changed_in(scenario) {
+                continue;
+            }
+            let needed = here().map(|check| (check.needed(), check.units)).max();
+            let (needed, units) = needed.expect("there is a comparison here");
+            places.push(BlindPlace {
+                rule: rule.text.clone(),
+                scenario: scenario.to_string(),
+                units,
+                needed,
+            });
+        }
+    }
+    (everywhere, places)
 }
 
 /// What is tested and differs, once each.

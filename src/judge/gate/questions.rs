@@ -13,9 +13,11 @@ pub struct Question<'a> {
     pub metric: &'a RecordedMetric,
     pub about: About,
     pub place: Place<'a>,
-    pub pairs: Vec<RunPair>,
-    /// Whether pairs are of different people, so that only whole people are independent.
+    pub pairs: Vec<RunPair<'a>>,
+    /// Whether there are several people: then only whole people are independent, whose runs are alike.
     pub by_people: bool,
+    /// Whether pairs are of different people.
+    pub other_people: bool,
 }
 
 /// What of a metric is compared.
@@ -27,12 +29,14 @@ pub enum About {
     Rate(Event),
     /// The share of runs that have it. `None`: neither way is worse for sure.
     Existence(Option<Event>),
+    /// The runs with a yes that had a no on the same seed.
+    New,
 }
 
 /// Where a comparison is made.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Place<'a> {
-    /// All trials of a scenario in which chance plays a part.
+    /// All trials of a scenario in which chance plays a part; for what is new, all of them.
     Scenario(&'a str),
     /// One trial without chance.
     CertainTrial(&'a str),
@@ -40,9 +44,11 @@ pub enum Place<'a> {
 
 /// The same run on both sides.
 #[derive(Debug, Clone, PartialEq)]
-pub struct RunPair {
+pub struct RunPair<'a> {
     /// The candidate's key.
     pub key: String,
+    /// The trial's.
+    pub trial: &'a str,
     /// Number of the person in the scenario, in order of appearance.
     pub person: usize,
     pub base: Option<f64>,
@@ -55,20 +61,29 @@ pub struct Questions<'a> {
     pub without_values: Vec<String>,
     /// Metrics that the base lacks.
     pub new_metrics: Vec<String>,
+    /// Metrics that are true or false, which a rule about every metric leaves out, and no rule names.
+    pub unnamed_flags: Vec<String>,
 }
 
 impl Question<'_> {
     /// Whether chance can make it fail.
     pub fn shares_the_error(&self) -> bool {
-        matches!(self.place, Place::Scenario(_)) && self.about != About::Existence(None)
+        matches!(self.place, Place::Scenario(_)) && !matches!(self.about, About::Existence(None) | About::New)
     }
 }
 
 /// Every comparison that the rules ask for.
 pub fn ask<'a>(rules: &[GateRule], pairing: &Pairing<'a>) -> Result<Questions<'a>, Vec<Incompatible>> {
-    let mut questions = Questions { asked: Vec::new(), without_values: Vec::new(), new_metrics: Vec::new() };
+    let mut questions = Questions {
+        asked: Vec::new(),
+        without_values: Vec::new(),
+        new_metrics: Vec::new(),
+        unnamed_flags: Vec::new(),
+    };
     let mut missing = Vec::new();
-    let named: Vec<&MetricReference> = rules.iter().filter_map(|rule| rule.metric.as_ref()).collect();
+    // What holds by default says nothing where the base has it.
+    let said = rules.iter().filter(|rule| rule.tolerance != Tolerance::NoneNew { where_none_was: true });
+    let named: Vec<&MetricReference> = said.filter_map(|rule| rule.metric.as_ref()).collect();
     for (index, rule) in rules.iter().enumerate() {
         let label = rule.metric.as_ref().map(MetricReference::label);
         missing.extend(
@@ -84,6 +99,11 @@ pub fn ask<'a>(rules: &[GateRule], pairing: &Pairing<'a>) -> Result<Questions<'a
             };
             // Words have no order.
             if !wanted || matches!(metric.kind, MetricKind::Category(_)) {
+                continue;
+            }
+            // So many percent would be so many points of its rate: far too much, and nobody said so.
+            if rule.metric.is_none() && metric.kind == MetricKind::Flag {
+                questions.unnamed_flags.push(recorded.label.clone());
                 continue;
             }
             let Some(base_column) = pairing.base.metrics.iter().position(|one| one.label == recorded.label)
@@ -141,6 +161,17 @@ type TrialPair<'a> = (&'a RecordedTrial, &'a RecordedTrial);
 impl<'a> Asker<'a, '_> {
     fn questions(&self) -> Vec<Question<'a>> {
         let mut asked = Vec::new();
+        if let Tolerance::NoneNew { where_none_was } = self.terms.tolerance {
+            // Under other seeds it is other runs that are paired.
+            if self.pairing.same_seeds {
+                asked.extend(self.pairing.candidate.scenarios().into_iter().filter_map(|scenario| {
+                    let question = self.news(scenario)?;
+                    let was = question.pairs.iter().any(|pair| pair.base.is_some_and(|value| value != 0.0));
+                    (!where_none_was || !was).then_some(question)
+                }));
+            }
+            return asked;
+        }
         for scenario in self.pairing.candidate.scenarios() {
             let of_scenario = |(_, trial): &&TrialPair<'a>| trial.scenario == scenario;
             let trials: Vec<TrialPair<'a>> =
@@ -155,13 +186,32 @@ impl<'a> Asker<'a, '_> {
         asked
     }
 
+    /// What is new in a scenario that both sides have.
+    fn news(&self, scenario: &'a str) -> Option<Question<'a>> {
+        let trials: Vec<TrialPair<'a>> =
+            self.pairing.trials.iter().filter(|(_, trial)| trial.scenario == scenario).copied().collect();
+        let pairs = self.pairs(&trials);
+        (!pairs.is_empty()).then_some(Question {
+            rule: self.rule,
+            confidence: self.terms.confidence,
+            tolerance: self.terms.tolerance,
+            metric: self.recorded,
+            about: About::New,
+            place: Place::Scenario(scenario),
+            pairs,
+            by_people: false,
+            other_people: false,
+        })
+    }
+
     /// The value itself, and whether it exists where it does not exist in every run.
     fn about(&self, place: Place<'a>, trials: &[TrialPair<'a>]) -> Vec<Question<'a>> {
         let pairs = self.pairs(trials);
         let exists = |pair: &RunPair| pair.base.is_some() || pair.candidate.is_some();
         let in_both = |pair: &RunPair| pair.base.is_some() && pair.candidate.is_some();
-        let by_people = trials.iter().any(|(base, candidate)| base.parts.people != candidate.parts.people)
-            && pairs.iter().any(|pair| pair.person > 0);
+        let by_people = pairs.iter().any(|pair| pair.person > 0);
+        let other_people =
+            by_people && trials.iter().any(|(base, candidate)| base.parts.people != candidate.parts.people);
         let question = |about| Question {
             rule: self.rule,
             confidence: self.terms.confidence,
@@ -171,6 +221,7 @@ impl<'a> Asker<'a, '_> {
             place,
             pairs: pairs.clone(),
             by_people,
+            other_people,
         };
         let larger_is_worse = self.metric.worst == Worst::Largest;
         let mut asked = Vec::new();
@@ -190,7 +241,7 @@ impl<'a> Asker<'a, '_> {
         asked
     }
 
-    fn pairs(&self, trials: &[TrialPair]) -> Vec<RunPair> {
+    fn pairs(&self, trials: &[TrialPair<'a>]) -> Vec<RunPair<'a>> {
         let mut people: Vec<&str> = Vec::new();
         let mut pairs = Vec::new();
         for (base, candidate) in trials {
@@ -199,6 +250,7 @@ impl<'a> Asker<'a, '_> {
                 let person = people.iter().position(|known| *known == name).unwrap_or(people.len());
                 pairs.push(RunPair {
                     key: self.pairing.candidate.run_key(candidate, run),
+                    trial: &candidate.key,
                     person,
                     base: base.values[self.columns.0][run],
                     candidate: candidate.values[self.columns.1][run],

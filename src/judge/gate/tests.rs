@@ -1,5 +1,7 @@
 //! Gates over made-up baselines: what regresses, what holds, what cannot be told.
 
+use std::collections::BTreeMap;
+
 use super::*;
 use crate::judge::baseline::{Part, Parts, RecordedMetric, RecordedTrial};
 use crate::scenario::{MetricReference, Settings};
@@ -29,6 +31,8 @@ fn baseline(
         scenario: trial.key.split('/').next().unwrap().to_string(),
         certain: trial.certain,
         fingerprint: String::new(),
+        seeds: None,
+        warnings: Vec::new(),
         parts: Parts {
             road: "road".into(),
             pedestrians: "pedestrians".into(),
@@ -47,6 +51,7 @@ fn baseline(
         suite: "suite".into(),
         seed: 1,
         tool: "0".into(),
+        populations: BTreeMap::new(),
         metrics: metrics
             .iter()
             .map(|name| RecordedMetric {
@@ -92,9 +97,10 @@ fn what_did_not_change_holds() {
     let verdict = judge(&five_percent(), &base, &base.clone());
     assert_eq!(verdict.verdict, Verdict::Passed);
     assert!(
-        verdict.nothing_changed && verdict.checks.iter().all(|check| check.outcome == CheckOutcome::Held)
+        verdict.nothing_changed && verdict.checks.iter().all(|check| check.outcome == CheckOutcome::Same)
     );
-    assert_eq!((verdict.family, verdict.blind_rules.len()), (2, 0));
+    assert_eq!((verdict.family, verdict.blind_rules.len()), (1, 0));
+    assert_eq!(verdict.unnamed_flags, ["collision"]);
 }
 
 #[test]
@@ -211,7 +217,7 @@ fn flags_that_flip_are_named() {
     let colliding = |runs: &'static [usize]| {
         baseline(&["collision"], &trials, move |_, _, run| Some(f64::from(runs.contains(&run))))
     };
-    let verdict = judge(&[blanket_rule(0.0, 0.95)], &colliding(&[9]), &colliding(&[0, 1, 2, 3, 4, 5, 6, 7]));
+    let verdict = judge(&[collision_rule(0.95)], &colliding(&[9]), &colliding(&[0, 1, 2, 3, 4, 5, 6, 7]));
     let check = &verdict.checks[0];
     assert_eq!(check.outcome, CheckOutcome::Regressed);
     assert_eq!((check.worse_runs.len(), check.better_runs.len()), (8, 1));
@@ -260,4 +266,135 @@ fn what_may_not_be_compared_says_why() {
     assert_eq!(pair(&base, &grown, true).unwrap().new_trials, ["walk/x"]);
     let elsewhere = baseline(&["pet"], &[trial("run/fast", 4)], value);
     assert!(matches!(pair(&base, &elsewhere, true).unwrap_err()[..], [Incompatible::NothingInCommon { .. }]));
+}
+
+/// Runs with a collision, by trial; nothing else is measured.
+fn colliding(trials: &[Trial], hit: &'static [(usize, usize)]) -> Baseline {
+    baseline(&["collision", "pet"], trials, move |metric, trial, run| {
+        Some(match metric {
+            "collision" => f64::from(hit.contains(&(trial, run))),
+            // Something differs in every trial, so that nobody can say that nothing changed.
+            _ => 3.0 + if hit.is_empty() { 0.0 } else { 0.001 },
+        })
+    })
+}
+
+#[test]
+fn a_scenario_that_is_not_seen_is_not_passed_because_another_is() {
+    // Five runs show nothing among two comparisons; forty do.
+    let trials = [trial("few/tta=6s", 5), trial("many/tta=6s", 40)];
+    let shifted = |few: f64| {
+        baseline(&["pet", "time_lost"], &trials, move |_, trial, run| {
+            Some(around(run, 1) + if trial == 0 { few } else { 0.001 })
+        })
+    };
+    let verdict = judge(&five_percent(), &shifted(0.0), &shifted(-2.9));
+    assert_eq!(verdict.verdict, Verdict::Inconclusive);
+    assert!(verdict.blind_rules.is_empty());
+    let [place] = &verdict.blind_places[..] else { panic!("{:?}", verdict.blind_places) };
+    assert_eq!((place.scenario.as_str(), place.units), ("few", 5));
+    assert!(place.needed > 5, "{place:?}");
+    // Where nothing changed there is nothing to be seen.
+    let same = judge(&five_percent(), &shifted(0.0), &shifted(0.0));
+    assert_eq!((same.verdict, same.blind_places.len()), (Verdict::Passed, 0));
+}
+
+#[test]
+fn a_new_collision_needs_no_statistics() {
+    let trials = [trial("few/tta=6s", 5), trial("many/tta=6s", 40)];
+    let rules = [five_percent().remove(0), collision_rule(0.95)];
+    // One run of forty-five is nothing that statistics could show.
+    let verdict = judge(&rules, &colliding(&trials, &[]), &colliding(&trials, &[(1, 7)]));
+    assert_eq!(verdict.verdict, Verdict::Failed);
+    let new: Vec<_> = verdict.checks.iter().filter(|check| check.subject == Subject::New).collect();
+    let outcomes: Vec<_> = new.iter().map(|check| (check.place.as_str(), check.outcome)).collect();
+    assert_eq!(outcomes, [("few", CheckOutcome::Same), ("many", CheckOutcome::Regressed)]);
+    assert_eq!(new[1].worse_runs[0].key, "suite/many/tta=6s/rep=8");
+    assert_eq!(verdict.rules[new[1].rule], "no new collision, where the baseline has none");
+    // One that is not new is none.
+    let same = judge(&rules, &colliding(&trials, &[(1, 7)]), &colliding(&trials, &[(1, 7)]));
+    assert_eq!(same.verdict, Verdict::Passed);
+}
+
+#[test]
+fn new_collisions_are_looked_for_by_default_only_where_there_were_none_on_the_same_seeds() {
+    let trials = [trial("quiet/tta=6s", 40), trial("wild/tta=6s", 40)];
+    let base = || colliding(&trials, &[(1, 3)]);
+    let places = |rules: &[GateRule], candidate: &Baseline| -> Vec<String> {
+        let verdict = judge(rules, &base(), candidate);
+        let new = verdict.checks.iter().filter(|check| check.subject == Subject::New);
+        new.map(|check| check.place.clone()).collect()
+    };
+    let candidate = || colliding(&trials, &[(1, 4)]);
+    assert_eq!(places(&five_percent(), &candidate()), ["quiet"]);
+    assert_eq!(places(&[collision_rule(0.95)], &candidate()), ["quiet"]);
+    // Who says so wants it everywhere, and another run that collides is new though there are no more.
+    let asked = [named("collision", Tolerance::NoneNew { where_none_was: false })];
+    assert_eq!(places(&asked, &candidate()), ["quiet", "wild"]);
+    assert_eq!(judge(&asked, &base(), &candidate()).verdict, Verdict::Failed);
+    // Who tolerates some has said so.
+    let tolerant = [named("collision", Tolerance::Absolute(0.02))];
+    assert_eq!(places(&tolerant, &candidate()), [""; 0]);
+    // Under other seeds no run is the same run.
+    let other = Baseline { seed: 2, ..candidate() };
+    assert_eq!(places(&five_percent(), &other), [""; 0]);
+    let verdict = judge(&asked, &base(), &other);
+    assert_eq!((verdict.verdict, verdict.blind_rules.len()), (Verdict::Inconclusive, 1));
+}
+
+#[test]
+fn five_percent_of_what_is_true_or_false_is_not_five_points() {
+    let trials = [trial("walk/tta=6s", 400)];
+    // From 10 % to 13.75 % on the same seeds.
+    let before = baseline(&["collision"], &trials, |_, _, run| Some(f64::from(run < 40)));
+    let now = baseline(&["collision"], &trials, |_, _, run| Some(f64::from(run < 55)));
+    let blanket = judge(&five_percent(), &before, &now);
+    assert_eq!((blanket.checks.len(), &blanket.unnamed_flags[..]), (0, &["collision".to_string()][..]));
+    assert_eq!(blanket.verdict, Verdict::Inconclusive, "a rule that compares nothing has not passed");
+    assert_eq!(judge(&[collision_rule(0.95)], &before, &now).verdict, Verdict::Failed);
+    // Nor is 5 % of a mean a reason to lose the value in 5 % of the runs.
+    let all = baseline(&["time_lost"], &trials, |_, _, run| Some(around(run, 1)));
+    let lost = baseline(&["time_lost"], &trials, |_, _, run| (run >= 16).then(|| around(run, 1)));
+    let verdict = judge(&five_percent(), &all, &lost);
+    assert_eq!(outcome(&verdict, "time_lost", Subject::Existence).outcome, CheckOutcome::Regressed);
+}
+
+#[test]
+fn a_trial_that_got_worse_is_named_though_another_hides_it() {
+    let trials = [trial("walk/tta=6s", 40), trial("walk/tta=9s", 40)];
+    let shifted = |shift: f64| {
+        baseline(&["pet"], &trials, move |_, trial, run| {
+            Some(around(run, 1) + if trial == 0 { -shift } else { shift })
+        })
+    };
+    let verdict = judge(&five_percent(), &shifted(0.0), &shifted(1.0));
+    let check = outcome(&verdict, "pet", Subject::Mean);
+    assert!(check.outcome != CheckOutcome::Regressed && check.worse_by().abs() < 1e-9);
+    let worst = check.worst_trial.as_ref().unwrap();
+    assert_eq!(worst.key, "walk/tta=6s");
+    assert!((worst.worse_by - 1.0).abs() < 1e-9, "{worst:?}");
+}
+
+#[test]
+fn another_population_is_refused_whatever_the_seed() {
+    let value = |_: &str, _: usize, run: usize| Some(around(run, 1));
+    let of = |seed, digests: &[(&str, &str)]| Baseline {
+        seed,
+        populations: digests.iter().map(|(name, digest)| (name.to_string(), digest.to_string())).collect(),
+        ..baseline(&["pet"], &[trial("walk/tta=6s", 4)], value)
+    };
+    let base = of(1, &[("people.csv", "a")]);
+    for seed in [1, 2] {
+        assert!(pair(&base, &of(seed, &[("people.csv", "a")]), false).is_ok());
+        // Its file moved, but the people did not change.
+        assert!(pair(&base, &of(seed, &[("folk.csv", "a")]), false).is_ok());
+        let changed = pair(&base, &of(seed, &[("people.csv", "b")]), false).unwrap_err();
+        assert_eq!(changed, [Incompatible::Populations(vec!["people.csv".to_string()])]);
+        assert!(pair(&base, &of(seed, &[("folk.csv", "b")]), false).is_err());
+    }
+    // A baseline from before populations were noted: on the same seeds their people are compared one by one.
+    let old = of(1, &[]);
+    assert!(pair(&old, &of(1, &[("people.csv", "a")]), false).is_ok());
+    let reasons = pair(&old, &of(2, &[("people.csv", "a")]), false).unwrap_err();
+    assert_eq!(reasons, [Incompatible::PopulationsUnknown]);
 }

@@ -10,7 +10,7 @@ use crate::sim::random::Stream;
 const RESAMPLES: usize = 1999;
 
 /// The mean of all runs there could be. `None` of fewer than two values, or where so few differ that resampling cannot
-/// tell. Values that are all equal give an interval of no width: resampling knows of no other values.
+/// tell, nor where none do: resampling knows of no other values than those it was given.
 ///
 /// At each end the farther of bootstrap-t's and Student's: bootstrap-t is right for skewed values, and a little short
 /// where tails are heavy on both sides. `cargo bench --bench coverage` measures how often it covers; `docs/gates.md` has
@@ -21,7 +21,7 @@ pub fn mean_interval(values: &[f64], confidence: f64, seed: u64) -> Option<Inter
     }
     let estimate = Estimate::of(values);
     if estimate.error == 0.0 {
-        return Some(Interval { low: estimate.value, high: estimate.value });
+        return None;
     }
     let interval = estimate.interval(&estimate.resampled(values, seed), values.len(), confidence);
     (interval.low.is_finite() && interval.high.is_finite()).then_some(interval)
@@ -137,7 +137,7 @@ mod tests {
     #[test]
     fn what_resampling_cannot_tell() {
         assert_eq!(mean_interval(&[1.0], 0.95, 0), None);
-        assert_eq!(mean_interval(&[2.0, 2.0, 2.0], 0.95, 0), Some(Interval { low: 2.0, high: 2.0 }));
+        assert_eq!(mean_interval(&[2.0, 2.0, 2.0], 0.95, 0), None);
         // One value among many that differs: every third resample misses it.
         let mut values = [0.0; 30];
         values[7] = 1.0;

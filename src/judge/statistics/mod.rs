@@ -2,6 +2,7 @@
 //!
 //! Pure functions: the same numbers in give the same numbers out. What is random is drawn from a given seed.
 
+mod betting;
 mod bootstrap;
 mod comparison;
 mod distributions;
@@ -11,6 +12,7 @@ mod proportion;
 mod sequential;
 mod summary;
 
+pub use betting::{MeanWatch, Unit, mean_of_bounded, runs_for_mean};
 pub use bootstrap::{mean_interval, paired_difference};
 pub use comparison::{McNemar, holm, mcnemar};
 pub use distributions::{

@@ -27,7 +27,8 @@ pub fn quantile(sorted: &[f64], level: f64) -> Option<f64> {
     let place = level * last as f64;
     let below = place.floor() as usize;
     let (low, high) = (sorted[below], sorted[(below + 1).min(last)]);
-    Some(low + (place - below as f64) * (high - low))
+    // Values may be infinite, as those of runs that never got to the end.
+    Some(if low == high || place == below as f64 { low } else { low + (place - below as f64) * (high - low) })
 }
 
 /// Bounds on the quantile at `level` of the distribution behind sorted values: two of the values themselves, without

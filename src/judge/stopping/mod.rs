@@ -9,8 +9,9 @@ mod tests;
 use serde::Serialize;
 
 use super::confidence::Bounds;
-use super::criteria::{Evidence, Finding, TrialVerdict, find, holds};
-use super::statistics::{ConfidenceSequence, Decision};
+use super::criteria::{Evidence, Finding, TrialVerdict, bounded_above, find};
+use super::seen::Seen;
+use super::statistics::{ConfidenceSequence, Decision, MeanWatch, Unit};
 use super::verdict::Verdict;
 use crate::plan::{Rounds, Trial};
 use crate::run::{Outcome, Requests};
@@ -48,21 +49,35 @@ pub struct Watch<'a> {
     enough: Option<usize>,
 }
 
-/// A criterion with stated confidence as a claim about the share of runs in which an event happens.
+/// A criterion with stated confidence, followed from run to run.
 struct Test {
     /// Index of the criterion.
     criterion: usize,
-    event: Comparison,
-    /// Runs without a value say nothing, as to a quantile.
-    needs_value: bool,
     /// Index of the metric in the outcomes.
     metric: usize,
+    about: About,
+    /// What was found when it was decided.
+    finding: Option<Finding>,
+}
+
+/// What is followed.
+enum About {
+    /// A claim about the share of runs in which an event happens.
+    Share(Share),
+    /// A claim about the mean of a metric that has limits, and its relation: what a run counts as that has no value.
+    Mean(Box<MeanWatch>, String, Relation),
+}
+
+struct Share {
+    event: Comparison,
+    /// Whether the event counts as having happened where nobody can know.
+    unknown: bool,
+    /// Of a quantile, the relation that is claimed: what a run counts as that has no value.
+    claimed: Option<Relation>,
     share: f64,
     sequence: ConfidenceSequence,
     runs: u64,
     happened: u64,
-    /// What was found when it was decided.
-    finding: Option<Finding>,
 }
 
 impl<'a> Watch<'a> {
@@ -123,14 +138,15 @@ impl<'a> Watch<'a> {
 }
 
 impl Test {
-    /// `None` for a criterion without confidence, and for one that no sequence decides.
+    /// `None` for a criterion without confidence, and for one that cannot be followed.
     fn new(index: usize, criterion: &Criterion, requests: &Requests) -> Option<Self> {
-        let (event, share, needs_value, confidence) = match &criterion.claim {
+        let about = match &criterion.claim {
             Claim::Runs { comparison, share, confidence } => {
-                (comparison.clone(), (*share)?, false, (*confidence)?)
+                About::Share(Share::new(comparison.clone(), (false, None), (*share)?, (*confidence)?))
             }
             Claim::Aggregate { aggregate, relation, bound, confidence, .. } => {
                 let confidence = (*confidence)?;
+                let claimed = *relation;
                 let quantile = |level: f64| {
                     // Whether the quantile is at least so large is a matter of how many values are smaller.
                     let relation = match relation {
@@ -144,45 +160,43 @@ impl Test {
                         bound: bound.clone(),
                         when_undefined: WhenUndefined::Fails,
                     };
-                    (event, level, true, confidence)
+                    About::Share(Share::new(event, (false, Some(claimed)), level, confidence))
                 };
                 match aggregate {
-                    Aggregate::Rate(comparison) => (comparison.clone(), constant(bound), false, confidence),
+                    Aggregate::Rate(comparison) => {
+                        let unknown = bounded_above(*relation);
+                        let share = constant(bound);
+                        About::Share(Share::new(comparison.clone(), (unknown, None), share, confidence))
+                    }
                     Aggregate::Median(_) => quantile(0.5),
                     Aggregate::Quantile(level, _) => quantile(*level),
+                    Aggregate::Mean(metric) => {
+                        let watch = MeanWatch::new(constant(bound), criterion.reach.limits?, confidence);
+                        About::Mean(Box::new(watch), metric.name.clone(), claimed)
+                    }
                     _ => return None,
                 }
             }
         };
-        let metric = requests.index(&event.metric)?;
-        let sequence = ConfidenceSequence { confidence };
-        Some(Self {
-            criterion: index,
-            event,
-            needs_value,
-            metric,
-            share,
-            sequence,
-            runs: 0,
-            happened: 0,
-            finding: None,
-        })
+        let metric = requests.index(criterion.claim.metric())?;
+        Some(Self { criterion: index, metric, about, finding: None })
     }
 
     fn count(&mut self, outcome: &Outcome) {
-        let value = outcome.metrics[self.metric];
-        if value.is_some() || !self.needs_value {
-            self.runs += 1;
-            self.happened += u64::from(holds(&self.event, value));
+        let seen = Seen::of(outcome, self.metric);
+        match &mut self.about {
+            About::Mean(watch, metric, claimed) => watch.take(Unit::of_run(seen.worst(metric, *claimed))),
+            About::Share(share) => share.count(seen),
         }
     }
 
     /// Decides if it can.
     fn look(&mut self, criteria: &[Criterion], evidence: &Evidence) {
-        if self.finding.is_some()
-            || self.runs == 0
-            || self.sequence.decide(self.happened, self.runs, self.share) == Decision::Open
-        {
+        let decided = match &self.about {
+            About::Mean(watch, ..) => watch.decided(),
+            About::Share(share) => share.decided(),
+        };
+        if self.finding.is_some() || !decided {
             return;
         }
         // The interval that is shown decides in the end, so that nothing contradicts it.
@@ -190,5 +204,35 @@ impl Test {
         if finding.verdict != Verdict::Inconclusive {
             self.finding = Some(finding);
         }
+    }
+}
+
+impl Share {
+    fn new(
+        event: Comparison,
+        (unknown, claimed): (bool, Option<Relation>),
+        share: f64,
+        confidence: f64,
+    ) -> Self {
+        let sequence = ConfidenceSequence { confidence };
+        Self { event, unknown, claimed, share, sequence, runs: 0, happened: 0 }
+    }
+
+    fn count(&mut self, seen: Seen) {
+        let happened = match self.claimed {
+            None => Some(seen.holds(&self.event, self.unknown)),
+            Some(claimed) => {
+                let value = seen.worst(&self.event.metric.name, claimed);
+                value.map(|value| self.event.relation.holds(value, self.event.constant_bound()))
+            }
+        };
+        if let Some(happened) = happened {
+            self.runs += 1;
+            self.happened += u64::from(happened);
+        }
+    }
+
+    fn decided(&self) -> bool {
+        self.runs > 0 && self.sequence.decide(self.happened, self.runs, self.share) != Decision::Open
     }
 }

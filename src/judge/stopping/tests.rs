@@ -1,7 +1,7 @@
 //! When trials have enough runs, over made-up outcomes.
 
 use super::*;
-use crate::scenario::{Expression, MetricReference, Origin, Settings};
+use crate::scenario::{Expression, MetricReference, Origin, Reach, Settings};
 use crate::sim::random::Stream;
 use crate::sim::{Ending, StopReason};
 use std::time::Duration;
@@ -19,7 +19,13 @@ fn requests() -> Requests {
 }
 
 fn criterion(claim: Claim) -> Criterion {
-    Criterion { claim, when: Vec::new(), text: "pet".into(), origin: Origin::default() }
+    Criterion {
+        claim,
+        when: Vec::new(),
+        text: "pet".into(),
+        reach: Reach::default(),
+        origin: Origin::default(),
+    }
 }
 
 /// `pet >= bound in … of runs with 95 % confidence`
@@ -74,6 +80,7 @@ fn outcomes(values: impl IntoIterator<Item = Option<f64>>) -> Vec<Outcome> {
         metrics: vec![value],
         critical: Vec::new(),
         presences: Vec::new(),
+        cut_off: Default::default(),
         fingerprint: 0,
         wall_time: Duration::ZERO,
     };

@@ -106,14 +106,8 @@ impl<'s> Claims<'_, 's> {
         }
         let (low, high) = measured.range;
         if !(low..=high).contains(&number) {
-            self.report.push(value::out_of_range(
-                bound.span,
-                what,
-                number,
-                measured.range,
-                bound.dimension,
-                None,
-            ));
+            let dimension = bound.dimension;
+            self.report.push(value::out_of_range(&typed, what, number, measured.range, dimension, None));
             return None;
         }
         Some(())

@@ -11,8 +11,8 @@ use crate::lang::tree::{Node, Rule};
 use crate::lang::value::{self, Kind, Scope};
 use crate::metrics::{METRICS, Metric, MetricKind, Scope as Measured, metric};
 use crate::scenario::{
-    Aggregate, Claim, Comparison, Criterion, Dimension, Expression, MetricReference, Relation, Value,
-    VariationCondition, WhenUndefined,
+    Aggregate, Claim, Comparison, Criterion, Dimension, Expression, MetricReference, People, Reach, Relation,
+    Value, VariationCondition, WhenUndefined,
 };
 
 /// The words for what sums up runs, with what each is.
@@ -31,6 +31,10 @@ pub const AGGREGATES: [(&str, &str); 8] = [
 pub struct Cast<'a> {
     pub vehicles: Vec<&'a str>,
     pub pedestrians: Vec<&'a str>,
+    /// Of the road.
+    pub boxes: Vec<&'a str>,
+    /// Whether people are taken from a population, and if so whether there are several.
+    pub individuals: Option<bool>,
 }
 
 /// Where criteria come from: one of a suite leaves out scenarios that do not vary what its `when` is about.
@@ -63,9 +67,61 @@ pub fn criterion(
         Some(claim) => aggregate_claim(claim, &modifiers, cast, scope, report),
         None => runs_claim(node.child(Rule::condition)?, &modifiers, cast, scope, report),
     };
+    let people = whom(node, claim.as_ref(), cast, report);
     let text = text(node);
+    if !places.files.overrides.is_empty() {
+        set_aside(&mut report[before..]);
+    }
     (report.len() == before && applies).then_some(())?;
-    Some(Criterion { claim: claim?, when, text, origin: places.origin(node.span()) })
+    let reach = Reach { people, limits: None };
+    Some(Criterion { claim: claim?, when, text, reach, origin: places.origin(node.span()) })
+}
+
+/// Whom the criterion says that it speaks of.
+fn whom(node: Node, claim: Option<&Claim>, cast: &Cast, report: &mut Vec<Diagnostic>) -> Option<People> {
+    let said = node.child(Rule::whom)?;
+    let all = said.has(Rule::kw_all);
+    if claim.is_some_and(|claim| claim.confidence().is_none()) {
+        report.push(
+            Diagnostic::new(
+                Code::BadPeople,
+                said.span(),
+                "without a confidence a criterion speaks of the runs that were done and of nobody else",
+            )
+            .label("has no meaning here")
+            .hint("say how sure to be: `with 95 % confidence`, or leave it out"),
+        );
+        return None;
+    }
+    if cast.individuals.is_none() {
+        report.push(
+            Diagnostic::new(
+                Code::BadPeople,
+                said.span(),
+                "nobody in this scenario is somebody from a population",
+            )
+            .label("which people?")
+            .hint("take people from a population, `individuals 20 of standard`, or leave it out"),
+        );
+        return None;
+    }
+    if all && cast.individuals == Some(false) {
+        report.push(
+            Diagnostic::new(Code::BadPeople, said.span(), "one person does not speak for all people")
+                .label("only one walks")
+                .hint("take more people, `individuals 20 of standard`, or say `of these people`"),
+        );
+        return None;
+    }
+    Some(if all { People::All } else { People::These })
+}
+
+/// What was set from outside may well be a value that a criterion says nothing about.
+pub fn set_aside(findings: &mut [Diagnostic]) {
+    for finding in findings.iter_mut().filter(|finding| finding.code == Code::NeverApplies) {
+        (finding.code, finding.severity) = (Code::SetAside, Code::SetAside.severity());
+        finding.hints = vec!["with other values it applies again".to_string()];
+    }
 }
 
 struct Modifiers<'t> {
@@ -75,7 +131,7 @@ struct Modifiers<'t> {
 }
 
 fn modifiers<'t>(node: Node<'t>, scope: &Scope, report: &mut Vec<Diagnostic>) -> Modifiers<'t> {
-    for rule in [Rule::share, Rule::undefined, Rule::confidence, Rule::when] {
+    for rule in [Rule::share, Rule::undefined, Rule::confidence, Rule::whom, Rule::when] {
         let mut said = node.all(rule);
         if let (Some(first), Some(second)) = (said.next(), said.next()) {
             let word = first.text().split_whitespace().next().unwrap_or_default();
@@ -98,22 +154,31 @@ fn modifiers<'t>(node: Node<'t>, scope: &Scope, report: &mut Vec<Diagnostic>) ->
 pub fn undefined(node: Node) -> WhenUndefined {
     match node.child(Rule::undefined) {
         Some(undefined) if undefined.has(Rule::kw_passes) => WhenUndefined::Passes,
-        _ => WhenUndefined::Fails,
+        Some(_) => WhenUndefined::Fails,
+        None => WhenUndefined::AsDeclared,
     }
 }
 
-/// A constant between 0 and 1; `open`: neither of them.
-pub fn share(node: Node, what: &str, open: bool, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<f64> {
+/// A constant between 0 and 1 or, for a confidence, above 1/2 and below 1: at 1/2 a claim would pass by luck as often as
+/// not, and below it bounds change sides.
+pub fn share(
+    node: Node,
+    what: &str,
+    confidence: bool,
+    scope: &Scope,
+    report: &mut Vec<Diagnostic>,
+) -> Option<f64> {
     let value = value::quantity_of(node, Dimension::NUMBER, what, scope, report)?;
     let number = value
         .as_constant_number()
         .or_else(|| value::not_constant(value.span, &value.expression, what, report))?;
-    let fits = if open { number > 0.0 && number < 1.0 } else { (0.0..=1.0).contains(&number) };
+    let fits = if confidence { number > 0.5 && number < 1.0 } else { (0.0..=1.0).contains(&number) };
     if !fits {
+        let least = if confidence { 50 } else { 0 };
         let diagnostic = Diagnostic::new(
             Code::BadShare,
             node.span(),
-            format!("{what} is {} %, but must lie between 0 % and 100 %", number * 100.0),
+            format!("{what} is {} %, but must lie between {least} % and 100 %", number * 100.0),
         )
         .label("out of range");
         report.push(if number > 1.0 && number <= 100.0 {
@@ -434,7 +499,8 @@ pub fn metric_reference(
     Some((MetricReference { name: name.text().to_string(), settings: settings?, pair }, found))
 }
 
-/// The pair that is meant. A metric of one road user has a value with the first of the other kind.
+/// The pair that is meant. A metric of one road user has a value with the first of the other kind; contacts of one
+/// vehicle, with whatever it touches, have no second name.
 fn pair(
     details: Node,
     metric: &Metric,
@@ -463,6 +529,13 @@ fn pair(
         });
         None
     };
+    if let ([vehicle, others @ ..], Measured::Contact) = (names.as_slice(), metric.scope)
+        && others.len() <= 1
+    {
+        let vehicle = known(*vehicle, true)?;
+        let Some(other) = others.first() else { return Some(Some((vehicle, String::new()))) };
+        return Some(Some((vehicle.clone(), solid(*other, &vehicle, cast, report)?)));
+    }
     let first = |names: &[&str]| names.first().map(|name| name.to_string());
     let pair = match (names.as_slice(), metric.scope) {
         ([vehicle, pedestrian], Measured::Pair) => {
@@ -478,6 +551,7 @@ fn pair(
             let name = metric.declaration.name;
             let (whom, example) = match metric.scope {
                 Measured::Pair => ("a vehicle and a pedestrian", format!("{name}(av, walker)")),
+                Measured::Contact => ("a vehicle and what it touches", format!("{name}(av, walker)")),
                 Measured::Vehicle => ("a vehicle", format!("{name}(av)")),
                 Measured::Pedestrian => ("a pedestrian", format!("{name}(walker)")),
             };
@@ -490,6 +564,32 @@ fn pair(
         }
     };
     Some(Some(pair))
+}
+
+/// Anything but `vehicle` that it may touch.
+fn solid(name: Node, vehicle: &str, cast: &Cast, report: &mut Vec<Diagnostic>) -> Option<String> {
+    let all = cast.pedestrians.iter().chain(&cast.vehicles).chain(&cast.boxes).copied();
+    if name.text() == vehicle {
+        report.push(
+            Diagnostic::new(Code::TouchesItself, name.span(), format!("`{vehicle}` never touches itself"))
+                .label("the same vehicle")
+                .hint("name a pedestrian, another vehicle or a box of the road; or nothing, for whatever it touches"),
+        );
+        return None;
+    }
+    if all.clone().any(|known| known == name.text()) {
+        return Some(name.text().to_string());
+    }
+    report.push(
+        Diagnostic::new(
+            Code::UnknownSolid,
+            name.span(),
+            format!("the scenario has no pedestrian, vehicle or box `{}`", name.text()),
+        )
+        .label("nothing of this name")
+        .suggest(name.text(), all.filter(|known| *known != vehicle)),
+    );
+    None
 }
 
 pub fn relation(node: Node) -> Relation {
@@ -603,6 +703,9 @@ pub fn text(node: Node) -> String {
     text += &undefined_text(node);
     if let Some(confidence) = node.child(Rule::confidence).and_then(|node| node.child(Rule::expression)) {
         text += &format!(" with {} confidence", print::expression(confidence));
+    }
+    if let Some(whom) = node.child(Rule::whom) {
+        text += if whom.has(Rule::kw_all) { " of all people" } else { " of these people" };
     }
     let conditions: Vec<_> = node
         .all(Rule::when)

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::Places;
 use super::block::{Layer, missing, reject_repeats};
-use super::experiment::{SummedUp, Takes, summed_up, target};
+use super::experiment::{SummedUp, Takes, reject_unmeant, summed_up, target};
 use super::subject::{Subject, Subjects, case_set};
 use crate::lang::codes::Code;
 use crate::lang::diagnostic::Diagnostic;
@@ -250,6 +250,7 @@ fn given(
                 return None;
             }
             let (target, takes) = target(place, subject, report)?;
+            reject_unmeant(place, &target, &takes, subject.scenario, "is compared", report)?;
             let (Takes::Parameter(declaration, _), Some(parameter)) =
                 (takes, place.child(Rule::setting_name))
             else {
@@ -264,7 +265,7 @@ fn given(
                 );
                 return None;
             };
-            match settings::one(parameter, wanted, &declaration, scope, report)? {
+            match settings::one(parameter, wanted, &declaration, scope, report)?.expression {
                 Expression::Constant(value) => Some((target, value)),
                 varying => value::not_constant(wanted.span(), &varying, "a condition", report),
             }

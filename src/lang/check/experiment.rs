@@ -18,8 +18,9 @@ use crate::lang::value::{self, Kind, Scope};
 use crate::metrics::MetricKind;
 use crate::pedestrian;
 use crate::scenario::{
-    Aggregate, Budget, Comparison, Declaration, Dimension, Expression, Goal, InitialDesign, Method,
-    Objective, ParameterKind, Part, Range, RangeValues, Relation, Search, Target, Tune, Value, Variation,
+    ANOTHER_MODEL, Aggregate, Budget, Comparison, Declaration, Dimension, Expression, Goal, InitialDesign,
+    Method, Objective, ParameterKind, Part, Range, RangeValues, Relation, Scenario, Search, Target, Tune,
+    Value, Variation,
 };
 
 const MOST_EVALUATIONS: u32 = 1_000_000;
@@ -393,6 +394,7 @@ fn range(
     let target_node = node.child(Rule::target)?;
     let (target, takes) = target(target_node, subject, report)?;
     let what = format!("`{target}`");
+    reject_unmeant(target_node, &target, &takes, subject.scenario, "is searched", report)?;
     let (kind, whole, limits, options) = match takes {
         Takes::Kind(kind) => {
             let varied = target_node.child(Rule::name).and_then(|name| subject.varied.get(name.text()));
@@ -507,6 +509,34 @@ fn words(
         return None;
     }
     Some(words)
+}
+
+/// Reports a target that has one published value, unless the scenario's settings say that another model is meant.
+pub fn reject_unmeant(
+    node: Node,
+    target: &Target,
+    takes: &Takes,
+    scenario: &Scenario,
+    what: &str,
+    report: &mut Vec<Diagnostic>,
+) -> Option<()> {
+    let (Takes::Parameter(declaration, name), Target::Setting { road_user, .. }) = (takes, target) else {
+        return Some(());
+    };
+    if declaration.parameter(name).is_none_or(|parameter| parameter.published.is_none()) {
+        return Some(());
+    }
+    let cars = scenario.vehicles.iter().map(|car| (&car.name, &car.controller));
+    let people = scenario.pedestrians.iter().map(|person| (&person.name, &person.model));
+    let meant = cars.chain(people).filter(|(name, _)| *name == road_user).any(|(_, model)| {
+        let flag = model.settings.iter().find(|(name, _)| name == ANOTHER_MODEL);
+        flag.is_some_and(|(_, said)| *said == Expression::Constant(Value::Flag(true)))
+    });
+    if !meant {
+        report.push(settings::unmeant(node.span(), &format!("`{target}`"), what));
+        return None;
+    }
+    Some(())
 }
 
 pub fn target(node: Node, subject: &Subject, report: &mut Vec<Diagnostic>) -> Option<(Target, Takes)> {

@@ -8,7 +8,7 @@ use crate::lang::diagnostic::Diagnostic;
 use crate::lang::print;
 use crate::lang::tree::{Node, Rule};
 use crate::lang::value::{self, Kind, Scope, unquote};
-use crate::metrics::MetricKind;
+use crate::metrics::{MetricKind, Worst};
 use crate::scenario::{Dimension, Gate, GateRule, Tolerance};
 
 /// What a rule promises that does not say how sure it wants to be.
@@ -40,6 +40,14 @@ pub fn gate(
         return None;
     }
     let rules: Vec<_> = nodes.into_iter().map(|node| rule(node, cast, scope, places, report)).collect();
+    if let Some(blanket) = unguarded(&rules) {
+        let message = format!("gate `{}` says nothing of collisions", name.text());
+        report.push(
+            Diagnostic::new(Code::CollisionsUnguarded, name.span(), message)
+                .label(format!("`{blanket}` is about quantities"))
+                .hint("add `collision not worse`: only where the baseline has no collision at all, none may be new by default"),
+        );
+    }
     Some(Gate {
         name: name.text().to_string(),
         doc: super::doc(block),
@@ -49,6 +57,15 @@ pub fn gate(
     })
 }
 
+/// What a rule about every metric says, of a gate that has no rule about collisions besides.
+fn unguarded(rules: &[Option<GateRule>]) -> Option<&str> {
+    let known = || rules.iter().flatten();
+    let named = known().filter_map(|rule| rule.metric.as_ref()).any(|metric| metric.name == "collision");
+    let blanket = known().find(|rule| rule.metric.is_none())?;
+    // Of a rule that could not be read nobody knows what it is about.
+    (!named && rules.iter().all(Option::is_some)).then_some(&blanket.text)
+}
+
 fn rule(
     node: Node,
     cast: &Cast,
@@ -56,6 +73,9 @@ fn rule(
     places: &Places,
     report: &mut Vec<Diagnostic>,
 ) -> Option<GateRule> {
+    if let Some(new) = node.child(Rule::none_new) {
+        return none_new(new, cast, scope, places, report);
+    }
     let metric = match node.child(Rule::metric) {
         Some(node) => {
             let found = criterion::metric_reference(node, cast, scope, report)?;
@@ -94,6 +114,35 @@ fn rule(
     }
     let metric = metric.map(|(reference, _)| reference);
     Some(GateRule { metric, tolerance, confidence, text, origin: places.origin(node.span()) })
+}
+
+/// `no new collision`
+fn none_new(
+    node: Node,
+    cast: &Cast,
+    scope: &Scope,
+    places: &Places,
+    report: &mut Vec<Diagnostic>,
+) -> Option<GateRule> {
+    let metric = node.child(Rule::metric)?;
+    let (reference, found) = criterion::metric_reference(metric, cast, scope, report)?;
+    if found.kind != MetricKind::Flag || found.worst != Worst::Largest {
+        let message =
+            format!("`{}` is nothing that happens in a run or does not, and is bad", reference.name);
+        report.push(
+            Diagnostic::new(Code::BadGate, metric.span(), message)
+                .label("cannot be new")
+                .hint(format!("say `no new collision`, or `{} not worse`", reference.name)),
+        );
+        return None;
+    }
+    Some(GateRule {
+        metric: Some(reference),
+        tolerance: Tolerance::NoneNew { where_none_was: false },
+        confidence: DEFAULT_CONFIDENCE,
+        text: format!("no new {}", criterion::metric_text(metric)),
+        origin: places.origin(node.span()),
+    })
 }
 
 /// In percent it is relative; in the metric's own unit absolute.

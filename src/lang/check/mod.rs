@@ -1,6 +1,7 @@
 //! From syntax to checked scenarios.
 
 mod block;
+mod book;
 mod claim;
 mod criterion;
 mod evaluate;
@@ -25,7 +26,8 @@ use super::source::Span;
 use super::tree::{Node, Rule};
 use crate::scenario::Origin;
 
-pub use criterion::{AGGREGATES, Cast, relation};
+use book::Book;
+pub use criterion::{AGGREGATES, Cast, relation, set_aside};
 pub use evaluate::evaluate;
 pub use experiment::{search, tune};
 pub use gate::gate;

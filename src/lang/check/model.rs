@@ -7,7 +7,7 @@ use crate::lang::diagnostic::Diagnostic;
 use crate::lang::settings;
 use crate::lang::source::Span;
 use crate::lang::tree::Rule;
-use crate::lang::value::Kind;
+use crate::lang::value::{Kind, Typed};
 use crate::scenario::{Declaration, Expression, Model, Value};
 
 /// A kind of registered thing.
@@ -28,6 +28,8 @@ pub struct Named<T: 'static> {
     pub found: Vec<&'static T>,
     /// The first of them, and the variation that chooses.
     pub model: Model,
+    /// What its settings were given as.
+    pub given: Vec<(String, Typed)>,
     /// Of the name.
     pub span: Span,
 }
@@ -42,21 +44,25 @@ pub fn named<T>(
     let name = said.node.child(Rule::name)?;
     let (found, varied_by) = registered(said, registry, report)?;
     let before = report.len();
-    let mut settings = Vec::new();
+    let mut given: Vec<(String, Typed)> = Vec::new();
     for (index, one) in found.iter().enumerate() {
         let declaration = (registry.declaration)(one);
         let node = said.node.child(Rule::settings);
         let own = settings::check(node, declaration, said.scope, report);
         if report.len() == before {
             settings::check_texts(name, node, &own, declaration, said.scope, report);
+            settings::check_published(&own, declaration, report);
         }
         if report.len() > before {
             // The others would only say the same of it again.
             return None;
         }
+        let differs = |(one, other): (&(String, Typed), &(String, Typed))| {
+            one.0 != other.0 || one.1.expression != other.1.expression
+        };
         if index == 0 {
-            settings = own;
-        } else if own != settings {
+            given = own;
+        } else if own.len() != given.len() || own.iter().zip(&given).any(differs) {
             let first = (registry.declaration)(found[0]).name;
             report.push(
                 Diagnostic::new(
@@ -76,10 +82,10 @@ pub fn named<T>(
     let model = Model {
         name: (registry.declaration)(found[0]).name.to_string(),
         varied_by,
-        settings,
+        settings: given.iter().map(|(name, typed)| (name.clone(), typed.expression.clone())).collect(),
         origin: places.origin(name.span()),
     };
-    Some(Named { found, model, span: name.span() })
+    Some(Named { found, model, given, span: name.span() })
 }
 
 /// The things themselves, and the variation that chooses between them. Their own names come first.

@@ -1,9 +1,9 @@
 //! `pedestrian NAME { … }`
 
-use super::Places;
 use super::block::{Layer, Said, last, last_of, missing, reject_repeats};
 use super::model::{Registry, named};
 use super::vehicle::size;
+use super::{Book, Places};
 use crate::lang::codes::Code;
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::settings::repeated;
@@ -13,7 +13,7 @@ use crate::lang::value::{self, Typed, unquote};
 use crate::pedestrian as registry;
 use crate::scenario::{
     BinaryOperator, DeclaredAppearance, DeclaredShape, Dimension, Expression, Individuals, Pedestrian,
-    Population, Road, Side, Value, VehicleReference,
+    Population, Road, Side, Value, VehicleReference, limits, show,
 };
 
 /// How far beyond the opposite kerb a pedestrian walks unless something else is said, m.
@@ -26,6 +26,7 @@ pub fn pedestrian(
     road: Option<&Road>,
     vehicles: &[&str],
     places: &Places,
+    written: &mut Book,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Pedestrian> {
     if let Some(layer) = layers.last() {
@@ -44,32 +45,43 @@ pub fn pedestrian(
     let models = model.as_ref().map_or(&[] as &[_], |model| &model.found);
     let individuals = last_of(layers, [Rule::individuals, Rule::individual])
         .map(|said| individuals(said, models, places, report));
-    let shape = last_of(layers, [Rule::size, Rule::radius]).map(|said| shape(said, report));
+    let shape = last_of(layers, [Rule::size, Rule::radius])
+        .map(|said| shape(said, name.text(), places, written, report));
     let side = match last(layers, Rule::side) {
         Some(said) if said.node.has(Rule::kw_far) => Side::Far,
         _ => Side::Near,
     };
     let start = match last(layers, Rule::pedestrian_start) {
-        Some(said) => road.and_then(|road| start(said, road, report)),
+        Some(said) => road.and_then(|road| {
+            let (start, typed, offset) = start(said, road, report)?;
+            written.shifted(name.text(), "start", &typed, offset, places);
+            Some(start)
+        }),
         None => {
             missing(layers, name.span(), &what, "start", "start 2 m from kerb", report);
             None
         }
     };
-    let mut length = |rule, default: f64, range, word: &str| match last(layers, rule) {
+    let mut length = |rule, default: f64, limit, key: &str, word: &str| match last(layers, rule) {
         Some(Said { node, scope }) => {
             let node = node.child(Rule::expression)?;
-            value::quantity_in(node, Dimension::LENGTH, range, word, scope, report)
-                .map(|value| value.expression)
+            let value = value::quantity_within(node, limit, word, scope, report)?;
+            written.statement(name.text(), key, Some(&value), places);
+            Some(value.expression)
         }
         None => Some(Expression::number(default)),
     };
-    let along = length(Rule::along, 0.0, (-100.0, 100.0), "the place of a pedestrian along the road");
-    let goal = length(Rule::goal, DEFAULT_GOAL, (-10.0, 100.0), "the goal of a pedestrian");
+    let what = "the place of a pedestrian along the road";
+    let along = length(Rule::along, 0.0, limits::ALONG, "along", what);
+    let goal = length(Rule::goal, DEFAULT_GOAL, limits::GOAL, "goal", "the goal of a pedestrian");
     let appears = match last(layers, Rule::appears) {
-        Some(said) => appears(said, vehicles, report),
+        Some(said) => appears(said, vehicles, report).map(|(appears, typed)| {
+            written.statement(name.text(), "appears", Some(&typed), places);
+            appears
+        }),
         None => Some(DeclaredAppearance::At(Expression::number(0.0))),
     };
+    written.settings(name.text(), "model", model.as_ref().map_or(&[], |named| &named.given), places);
     if let (Some(road), Some(start), Some(goal)) = (road, &start, &goal) {
         check_way(start, goal, last(layers, Rule::pedestrian_start), road, report)?;
     }
@@ -112,7 +124,7 @@ fn check_way(
     }
     report.push(
         Diagnostic::new(Code::StartBeyondGoal, said.node.span(), "the pedestrian starts beyond its goal")
-            .label(format!("{} m beyond it", -way))
+            .label(format!("{} beyond it", show(-way, None, Dimension::LENGTH)))
             .hint("a positive distance from the kerb is away from the road"),
     );
     None
@@ -176,26 +188,36 @@ pub fn individuals(
     Some(Individuals { selection, population, origin: places.origin(node.span()) })
 }
 
-fn shape(said: Said, report: &mut Vec<Diagnostic>) -> Option<DeclaredShape> {
+fn shape(
+    said: Said,
+    name: &str,
+    places: &Places,
+    written: &mut Book,
+    report: &mut Vec<Diagnostic>,
+) -> Option<DeclaredShape> {
     if said.node.rule() == Rule::size {
         let (length, width) = size(said, "a pedestrian", report)?;
-        return Some(DeclaredShape::Rectangle { length, width });
+        written.statement(name, "length", Some(&length), places);
+        written.statement(name, "width", Some(&width), places);
+        return Some(DeclaredShape::Rectangle { length: length.expression, width: width.expression });
     }
     let node = said.node.child(Rule::expression)?;
     let what = "the radius of a pedestrian";
-    let radius = value::quantity_in(node, Dimension::LENGTH, (0.01, 5.0), what, said.scope, report)?;
+    let radius = value::quantity_within(node, limits::RADIUS, what, said.scope, report)?;
+    written.statement(name, "radius", Some(&radius), places);
     Some(DeclaredShape::Disc { radius: radius.expression })
 }
 
-/// The distance from the lane's centre; a second statement of the same place must agree with the first.
-fn start(said: Said, road: &Road, report: &mut Vec<Diagnostic>) -> Option<Expression> {
+/// The distance from the lane's centre, and the one that was written with how much less it is. A second statement of the
+/// same place must agree with the first.
+fn start(said: Said, road: &Road, report: &mut Vec<Diagnostic>) -> Option<(Expression, Typed, f64)> {
     let half = road.lane_width / 2.0;
     let mut distances = Vec::new();
     for distance in said.node.all(Rule::start_distance) {
         let from_kerb = distance.has(Rule::kw_kerb);
         let what = "the start of a pedestrian";
         let node = distance.child(Rule::expression)?;
-        let value = value::quantity_in(node, Dimension::LENGTH, (-100.0, 100.0), what, said.scope, report)?;
+        let value = value::quantity_within(node, limits::PEDESTRIAN_START, what, said.scope, report)?;
         distances.push((from_kerb, value, distance.span()));
     }
     let centred = |(from_kerb, value, _): &(bool, Typed, Span)| match (&value.expression, *from_kerb) {
@@ -232,7 +254,8 @@ fn start(said: Said, road: &Road, report: &mut Vec<Diagnostic>) -> Option<Expres
     }
     // The distance from the lane's centre needs no calculation, so it is the one that counts.
     distances.sort_by_key(|(from_kerb, ..)| *from_kerb);
-    distances.first().map(centred)
+    let first = distances.first()?;
+    Some((centred(first), first.1.clone(), if first.0 { half } else { 0.0 }))
 }
 
 /// Whether two ways to say a place agree to a millimetre for every value they can take.
@@ -262,17 +285,22 @@ fn agree(first: &Expression, second: &Expression, said: Said, report: &mut Vec<D
     Some(differences.iter().all(|value| value.as_number().is_some_and(|metres| metres.abs() <= 1e-3)))
 }
 
-fn appears(said: Said, vehicles: &[&str], report: &mut Vec<Diagnostic>) -> Option<DeclaredAppearance> {
-    let time = |node: Node, range, what: &str, report: &mut Vec<Diagnostic>| {
-        value::quantity_in(node.child(Rule::expression)?, Dimension::TIME, range, what, said.scope, report)
+fn appears(
+    said: Said,
+    vehicles: &[&str],
+    report: &mut Vec<Diagnostic>,
+) -> Option<(DeclaredAppearance, Typed)> {
+    let time = |node: Node, limit, what: &str, report: &mut Vec<Diagnostic>| {
+        value::quantity_within(node.child(Rule::expression)?, limit, what, said.scope, report)
     };
     if let Some(at) = said.node.child(Rule::appears_at) {
-        let time = time(at, (0.0, 3600.0), "the time at which a pedestrian appears", report)?;
-        return Some(DeclaredAppearance::At(time.expression));
+        let time = time(at, limits::APPEARS_AT, "the time at which a pedestrian appears", report)?;
+        return Some((DeclaredAppearance::At(time.expression.clone()), time));
     }
     let when = said.node.child(Rule::appears_when)?;
     let name = when.child(Rule::name)?;
-    let time = time(when, (0.0, 600.0), "the time to arrival at which a pedestrian appears", report);
+    let what = "the time to arrival at which a pedestrian appears";
+    let time = time(when, limits::APPEARS_WHEN, what, report);
     if !vehicles.contains(&name.text()) {
         report.push(unknown_vehicle(name, vehicles));
         return None;
@@ -281,11 +309,9 @@ fn appears(said: Said, vehicles: &[&str], report: &mut Vec<Diagnostic>) -> Optio
         Some(part) if part.text() == "front" => VehicleReference::Front,
         _ => VehicleReference::Centre,
     };
-    Some(DeclaredAppearance::TimeToArrival {
-        vehicle: name.text().to_string(),
-        reference,
-        time: time?.expression,
-    })
+    let time = time?;
+    let vehicle = name.text().to_string();
+    Some((DeclaredAppearance::TimeToArrival { vehicle, reference, time: time.expression.clone() }, time))
 }
 
 pub fn unknown_vehicle(name: Node, vehicles: &[&str]) -> Diagnostic {

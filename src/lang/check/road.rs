@@ -6,10 +6,10 @@ use crate::lang::diagnostic::Diagnostic;
 use crate::lang::settings;
 use crate::lang::source::Span;
 use crate::lang::tree::{Node, Rule};
-use crate::lang::value::{self, Scope};
+use crate::lang::value::{self, Kind, Scope, Typed};
 use crate::scenario::{
     Body, Crossing, CrossingKind, Declaration, Dimension, Direction, Expression, Lane, Parameter, Road,
-    Settings,
+    Settings, Value, limits,
 };
 
 const LANGUAGE: &str = "the scenario language";
@@ -78,7 +78,7 @@ const EXTENT: (f64, f64) = (0.01, 100.0);
 
 pub static OBSTACLE: Declaration = Declaration {
     name: "box",
-    summary: "A parked vehicle or another box that blocks the view.",
+    summary: "A parked vehicle or another box that blocks the view and the way.",
     source: LANGUAGE,
     parameters: &[
         Parameter::optional(
@@ -116,8 +116,9 @@ pub fn road(
         Some(node) => lanes(node, scope, report),
         None => Some(vec![Lane { direction: Direction::Forward }]),
     };
-    let mut number = |rule, range, dimension, word: &str, example| match block.child(rule) {
+    let mut number = |rule, limit: limits::Limit, word: &str, example| match block.child(rule) {
         Some(node) => {
+            let limits::Limit { dimension, range } = limit;
             value::constant_in(node.child(Rule::expression)?, dimension, range, word, scope, report)
         }
         None => {
@@ -125,10 +126,9 @@ pub fn road(
             None
         }
     };
-    let lane_width =
-        number(Rule::lane_width, (1.0, 20.0), Dimension::LENGTH, "the lane width", "lane_width 3.5 m");
+    let lane_width = number(Rule::lane_width, limits::LANE_WIDTH, "the lane width", "lane_width 3.5 m");
     let speed_limit =
-        number(Rule::speed_limit, (0.0, 100.0), Dimension::SPEED, "the speed limit", "speed_limit 30 km/h");
+        number(Rule::speed_limit, limits::SPEED_LIMIT, "the speed limit", "speed_limit 30 km/h");
     let crossing = match block.child(Rule::crossing) {
         Some(node) => crossing(node, scope, report),
         None => {
@@ -189,14 +189,11 @@ fn crossing(node: Node, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<C
             for name in ["pedestrian_green", "pedestrian_green_from"] {
                 let found = resolved.number(name);
                 if found > cycle {
-                    report.push(value::out_of_range(
-                        node.span(),
-                        &format!("`{name}` of the signal"),
-                        found,
-                        (0.0, cycle),
-                        Dimension::TIME,
-                        None,
-                    ));
+                    let what = format!("`{name}` of the signal");
+                    let kind = Kind::Number(Dimension::TIME);
+                    let typed = Typed::constant(Value::Number(found), kind, node.span());
+                    let range = (0.0, cycle);
+                    report.push(value::out_of_range(&typed, &what, found, range, Dimension::TIME, None));
                     return None;
                 }
             }
@@ -231,7 +228,8 @@ fn obstacle(node: Node, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<B
         })
     };
     let (x, y, length, width) = (number("along"), number("across"), number("length"), number("width"));
-    Some(Body { x: x?, y: y?, length: length?, width: width? })
+    let name = node.child(Rule::name).map_or(String::new(), |name| name.text().to_string());
+    Some(Body { name, x: x?, y: y?, length: length?, width: width? })
 }
 
 /// Settings that are the same in all runs.
@@ -244,8 +242,8 @@ pub fn constants(
     let mut constants = Settings::default();
     let Some(node) = node else { return Some(constants) };
     let before = report.len();
-    for (name, expression) in settings::check(Some(node), declaration, scope, report) {
-        match expression {
+    for (name, typed) in settings::check(Some(node), declaration, scope, report) {
+        match typed.expression {
             Expression::Constant(value) => constants.set(name, value),
             varying => {
                 report.push(

@@ -7,7 +7,8 @@ use crate::lang::codes::Code;
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::source::Span;
 use crate::lang::tree::{Node, Rule};
-use crate::scenario::{Aggregate, Claim, Criterion, RunBudget};
+use crate::metrics;
+use crate::scenario::{Aggregate, Claim, Criterion, People, RunBudget};
 
 /// More runs of one thing are taken for a mistake.
 const MOST_RUNS: u32 = 1_000_000;
@@ -30,6 +31,7 @@ pub fn runs(
         None => (Some(Defaults::REPEAT), Some(None)),
         Some(node) if node.rule() == Rule::runs => {
             refuse_means(criteria, report);
+            refuse_all_people(criteria, report);
             (Some(Defaults::REPEAT), budget(node, places, report).map(Some))
         }
         Some(node) => {
@@ -66,12 +68,28 @@ fn budget(node: Node, places: &Places, report: &mut Vec<Diagnostic>) -> Option<R
     Some(RunBudget { least, most, origin: places.origin(node.span()) })
 }
 
-/// Of means no bound is known that stays true however often one looks.
+/// Runs are added, not people.
+fn refuse_all_people(criteria: &[(Span, Criterion)], report: &mut Vec<Diagnostic>) {
+    for (span, _) in criteria.iter().filter(|(_, criterion)| criterion.reach.people == Some(People::All)) {
+        report.push(
+            Diagnostic::new(
+                Code::BadPeople,
+                *span,
+                "runs that are added are of the same people, and say no more of all people",
+            )
+            .label("speaks of all people")
+            .hint("say `repeat` instead of `runs`, and take as many `individuals` as it needs"),
+        );
+    }
+}
+
+/// Of spreads, and of means of metrics without limits, no bound is known that stays true however often one looks.
 fn refuse_means(criteria: &[(Span, Criterion)], report: &mut Vec<Diagnostic>) {
     for (span, criterion) in criteria {
         let Claim::Aggregate { aggregate, confidence: Some(_), .. } = &criterion.claim else { continue };
         let what = match aggregate {
-            Aggregate::Mean(_) => "a mean",
+            Aggregate::Mean(metric) if metrics::limits(metric, 1.0).is_some() => continue,
+            Aggregate::Mean(_) => "a mean of a metric without limits",
             Aggregate::Std(_) => "a spread",
             _ => continue,
         };

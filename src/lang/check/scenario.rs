@@ -7,7 +7,7 @@ use super::criterion::{Cast, From, criterion};
 use super::pedestrian::pedestrian;
 use super::road::road;
 use super::vehicle::{check_starts, vehicle};
-use super::{Places, runs, variation};
+use super::{Book, Places, runs, variation};
 use crate::lang::codes::Code;
 use crate::lang::diagnostic::{Diagnostic, nearest};
 use crate::lang::files::{Definition, Names};
@@ -15,9 +15,10 @@ use crate::lang::settings::lone_word;
 use crate::lang::source::Span;
 use crate::lang::tree::{Node, Rule};
 use crate::lang::value::{self, Binding, Kind, Scope, Typed};
+use crate::scenario::limits::Limit;
 use crate::scenario::{
-    Criterion, DeclaredAppearance, DeclaredVehicleStart, Dimension, Expression, Pedestrian, Road, Scenario,
-    Variation, Vehicle,
+    Criterion, DeclaredAppearance, DeclaredVehicleStart, Expression, Individuals, Pedestrian, Population,
+    Road, Scenario, Variation, Vehicle, limits,
 };
 
 /// What a scenario is that does not say otherwise.
@@ -82,19 +83,26 @@ pub fn scenario(
     let vehicle_groups = grouped(&layers, Rule::vehicle, Rule::vehicle_block, report);
     let pedestrian_groups = grouped(&layers, Rule::pedestrian, Rule::pedestrian_block, report);
     reject_shared_names(&vehicle_groups, &pedestrian_groups, report);
+    let mut written = Book::default();
+    for (name, binding) in &varied {
+        binding.value.iter().for_each(|typed| written.variation(name, typed, places));
+    }
     let mut vehicles: Vec<(Span, Vehicle)> = Vec::new();
     for (name, layers) in &vehicle_groups {
-        if let Some(vehicle) = vehicle(*name, layers, road.as_ref(), places, report) {
+        if let Some(vehicle) = vehicle(*name, layers, road.as_ref(), places, &mut written, report) {
             vehicles.push((name.span(), vehicle));
         }
     }
-    let cast = Cast {
+    let mut cast = Cast {
         vehicles: vehicle_groups.iter().map(|(name, _)| name.text()).collect(),
         pedestrians: pedestrian_groups.iter().map(|(name, _)| name.text()).collect(),
+        boxes: road.iter().flat_map(|road| &road.boxes).map(|body| body.name.as_str()).collect(),
+        individuals: None,
     };
     let mut pedestrians: Vec<Pedestrian> = Vec::new();
     for (name, layers) in &pedestrian_groups {
-        pedestrians.extend(pedestrian(*name, layers, road.as_ref(), &cast.vehicles, places, report));
+        let cars = &cast.vehicles;
+        pedestrians.extend(pedestrian(*name, layers, road.as_ref(), cars, places, &mut written, report));
     }
     let unread = layers.iter().any(|layer| layer.block.is_broken()) || road.is_none();
     let broken = report.len() > before || unread;
@@ -109,6 +117,11 @@ pub fn scenario(
     }
     let vehicles: Vec<Vehicle> = vehicles.into_iter().map(|(_, vehicle)| vehicle).collect();
 
+    let taken = || pedestrians.iter().filter_map(|pedestrian| pedestrian.individuals.as_ref());
+    let several =
+        |people: &Individuals| !matches!(people.selection, Population::Number(_) | Population::Count(1));
+    // Of a scenario that could not be read nobody knows.
+    cast.individuals = if broken { Some(true) } else { taken().next().map(|_| taken().any(several)) };
     let mut criteria: Vec<(Span, Criterion)> = Vec::new();
     for layer in &layers {
         for node in layer.block.all(Rule::expect).filter_map(|node| node.child(Rule::expect_block)) {
@@ -126,21 +139,14 @@ pub fn scenario(
         }
     }
 
-    let number = |rule, dimension, range, what: &str, default: f64, report: &mut Vec<Diagnostic>| match last(
-        &layers, rule,
-    ) {
-        Some(said) => {
-            let node = said.node.child(Rule::expression)?;
-            value::constant_in(node, dimension, range, what, said.scope, report)
-        }
-        None => Some(default),
+    let number = |rule, limit: Limit, what: &str, default: f64, report: &mut Vec<Diagnostic>| {
+        let Some(said) = last(&layers, rule) else { return Some(default) };
+        let node = said.node.child(Rule::expression)?;
+        value::constant_in(node, limit.dimension, limit.range, what, said.scope, report)
     };
-    let step =
-        number(Rule::step, Dimension::TIME, (0.000_1, 1.0), "the simulation step", Defaults::STEP, report);
-    let horizon =
-        number(Rule::horizon, Dimension::TIME, (0.1, 3600.0), "the horizon", Defaults::HORIZON, report);
-    let finish =
-        number(Rule::finish, Dimension::LENGTH, (0.0, 10_000.0), "the finish line", Defaults::FINISH, report);
+    let step = number(Rule::step, limits::STEP, "the simulation step", Defaults::STEP, report);
+    let horizon = number(Rule::horizon, limits::HORIZON, "the horizon", Defaults::HORIZON, report);
+    let finish = number(Rule::finish, limits::FINISH, "the finish line", Defaults::FINISH, report);
     let runs = runs::runs(&layers, &criteria, places, report);
     let criteria: Vec<Criterion> = criteria.into_iter().map(|(_, criterion)| criterion).collect();
     let doc = layers.iter().rev().find_map(|layer| super::doc(layer.block));
@@ -151,7 +157,9 @@ pub fn scenario(
         }
     }
     if report.len() == before && !broken {
-        unused(&layers, &varied, &variations, &vehicles, &pedestrians, report);
+        let mut users = used_variables(&vehicles, &pedestrians, &criteria);
+        users.extend(variations.iter().flat_map(Variation::depends_on));
+        unused(&layers, &varied, &variations, &users, report);
     }
     Some(Scenario {
         name: name.text().to_string(),
@@ -169,6 +177,7 @@ pub fn scenario(
         horizon: horizon?,
         finish: finish?,
         end_on_collision: last(&layers, Rule::end_on_collision).is_some(),
+        written: written.0,
         origin: places.origin(name.span()),
     })
     .filter(|_| {
@@ -455,8 +464,7 @@ fn unused(
     layers: &[Layer],
     varied: &HashMap<String, Binding>,
     variations: &[Variation],
-    vehicles: &[Vehicle],
-    pedestrians: &[Pedestrian],
+    used: &HashSet<&str>,
     report: &mut Vec<Diagnostic>,
 ) {
     let Some(own) = layers.last() else { return };
@@ -470,7 +478,6 @@ fn unused(
             );
         }
     }
-    let used = used_variables(vehicles, pedestrians);
     for variation in variations {
         let (Variation::Grid { names, .. } | Variation::Sampled { names, .. }) = variation;
         for name in names {
@@ -482,7 +489,7 @@ fn unused(
                         binding.span,
                         format!("varying `{name}` changes nothing"),
                     )
-                    .label("no road user depends on it")
+                    .label("no road user and no bound depends on it")
                     .hint("use it in a value, or use `repeat` for more runs"),
                 );
             }
@@ -490,8 +497,13 @@ fn unused(
     }
 }
 
-fn used_variables<'a>(vehicles: &'a [Vehicle], pedestrians: &'a [Pedestrian]) -> HashSet<&'a str> {
-    let mut expressions: Vec<&Expression> = Vec::new();
+/// What road users do with, and what criteria compare to.
+fn used_variables<'a>(
+    vehicles: &'a [Vehicle],
+    pedestrians: &'a [Pedestrian],
+    criteria: &'a [Criterion],
+) -> HashSet<&'a str> {
+    let mut expressions: Vec<&Expression> = criteria.iter().flat_map(|one| one.claim.bounds()).collect();
     for vehicle in vehicles {
         expressions.push(&vehicle.speed);
         if let DeclaredVehicleStart::Distance(value) | DeclaredVehicleStart::TimeToArrival(value) =

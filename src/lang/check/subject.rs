@@ -1,10 +1,12 @@
 //! What blocks are about: scenarios, what a search found in one, sets of cases.
 
 use std::collections::HashMap;
+use std::path::Path;
 
 use super::Places;
 use super::criterion::Cast;
 use super::scenario::surroundings;
+use crate::files::read_kind;
 use crate::lang::codes::Code;
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::files::Definition;
@@ -141,6 +143,8 @@ impl Subject<'_> {
         Cast {
             vehicles: self.scenario.vehicles.iter().map(|vehicle| vehicle.name.as_str()).collect(),
             pedestrians: self.scenario.pedestrians.iter().map(|person| person.name.as_str()).collect(),
+            boxes: self.scenario.road.boxes.iter().map(|body| body.name.as_str()).collect(),
+            individuals: None,
         }
     }
 
@@ -272,7 +276,7 @@ pub fn unknown_search(name: Node, subjects: &Subjects) -> Diagnostic {
 
 /// The scenario that the first case of a saved set is of.
 fn saved_scenario(path: &str) -> Option<String> {
-    let set: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(path).ok()?).ok()?;
+    let set: serde_json::Value = serde_json::from_str(&read_kind(Path::new(path), &["json"]).ok()?).ok()?;
     Some(set["cases"][0]["scenario"].as_str()?.to_string())
 }
 

@@ -12,7 +12,8 @@ use crate::lang::tree::{Node, Rule};
 use crate::lang::units;
 use crate::lang::value::{self, Binding, Kind, Scope, Typed};
 use crate::scenario::{
-    Dimension, Distribution, Samples, SamplingScheme, Value, Variation, VariedValue, significant,
+    Dimension, Distribution, DistributionError, Notation, Samples, SamplingScheme, Value, Variation,
+    VariedValue, significant,
 };
 
 /// What values can be drawn from.
@@ -26,7 +27,27 @@ struct Varied<'t> {
     name: &'t str,
     span: Span,
     kind: Kind,
+    notation: Option<Notation>,
     over: Over,
+}
+
+impl Varied<'_> {
+    fn typed(&self) -> Typed {
+        Typed::variable(self.name, self.kind, self.notation, self.span)
+    }
+}
+
+/// The kind of a variation's values, and their unit.
+#[derive(Clone, Copy)]
+struct Written {
+    kind: Kind,
+    notation: Option<Notation>,
+}
+
+impl Written {
+    fn of(typed: &Typed) -> Self {
+        Self { kind: typed.kind, notation: typed.notation }
+    }
 }
 
 enum Over {
@@ -48,10 +69,16 @@ pub fn variations(
         let statements =
             layer.block.children().filter(|node| matches!(node.rule(), Rule::vary | Rule::vary_together));
         for node in statements {
+            let before = report.len();
+            let own = varied_names(node);
+            let is_other = |(name, _): &(&String, &Binding)| !own.iter().any(|(own, _)| own == name);
+            let known: HashMap<String, Binding> =
+                bindings.iter().filter(is_other).map(|(name, one)| (name.clone(), one.clone())).collect();
             let (varied, variation) = match node.rule() {
-                Rule::vary => single(node, layer.scope, report),
-                _ => together(node, layer.scope, report),
+                Rule::vary => single(node, layer.scope, &known, report),
+                _ => together(node, layer.scope, known.clone(), report),
             };
+            say_why_unknown(&mut report[before..], layer, &known, layers);
             for (name, span) in &varied_names(node) {
                 if let Some(first) = names.insert(name, *span) {
                     report.push(repeated(name, *span, first));
@@ -69,8 +96,7 @@ pub fn variations(
                     .insert(name.to_string(), others.map(|(name, span)| (name.to_string(), span)).collect());
             }
             for varied in varied {
-                let mut binding =
-                    Binding::new(Some(Typed::variable(varied.name, varied.kind, varied.span)), varied.span);
+                let mut binding = Binding::new(Some(varied.typed()), varied.span);
                 if let Over::Values(values) | Over::Distribution(Distribution::Choice(values)) = varied.over {
                     binding.varied = Some(values);
                 }
@@ -79,7 +105,80 @@ pub fn variations(
             variations.extend(variation);
         }
     }
-    (variations, bindings)
+    (in_order(variations, &bindings, report), bindings)
+}
+
+/// What a variation depends on stands before it. A layer may have varied that anew, and so moved it behind.
+fn in_order(
+    mut variations: Vec<Variation>,
+    bindings: &HashMap<String, Binding>,
+    report: &mut Vec<Diagnostic>,
+) -> Vec<Variation> {
+    let mut ordered: Vec<Variation> = Vec::new();
+    while !variations.is_empty() {
+        let is_ready = |variation: &Variation| {
+            let others = variations.iter().filter(|other| other.names() != variation.names());
+            !others.flat_map(Variation::names).any(|name| variation.depends_on().contains(&name.as_str()))
+        };
+        let Some(ready) = variations.iter().position(is_ready) else {
+            let names: Vec<_> = variations.iter().flat_map(Variation::names).collect();
+            // The one that closes the circle was said last.
+            let spans = names.iter().filter_map(|name| bindings.get(*name)).map(|binding| binding.span);
+            let span = spans.max_by_key(|span| (span.source, span.start));
+            let names: Vec<_> = names.iter().map(|name| format!("`{name}`")).collect();
+            report.extend(span.map(|span| {
+                let message = format!("{} depend on each other", names.join(" and "));
+                Diagnostic::new(Code::BadDistribution, span, message)
+                    .label("in a circle")
+                    .hint("let one of them depend on nothing that is varied")
+            }));
+            ordered.append(&mut variations);
+            break;
+        };
+        ordered.push(variations.remove(ready));
+    }
+    ordered
+}
+
+/// Why a name is not known in a variation though there is something of that name.
+fn say_why_unknown(
+    findings: &mut [Diagnostic],
+    layer: &Layer,
+    known: &HashMap<String, Binding>,
+    layers: &[Layer],
+) {
+    let varied = layers.iter().flat_map(|layer| layer.block.children()).flat_map(|node| match node.rule() {
+        Rule::vary | Rule::vary_together => varied_names(node),
+        _ => Vec::new(),
+    });
+    let varied: HashMap<&str, Span> = varied.collect();
+    let lets = layer.block.all(Rule::binding).filter_map(|node| node.child(Rule::name));
+    let lets: HashMap<&str, Span> = lets.map(|name| (name.text(), name.span())).collect();
+    for finding in findings.iter_mut().filter(|finding| finding.code == Code::UnknownName) {
+        let is_it = |name: &&&str| finding.message == format!("`{name}` is not defined");
+        let (code, message, place, hint) = if let Some(name) = varied.keys().find(is_it) {
+            if known.contains_key(*name) {
+                let message = format!("values of a list or range may not depend on `{name}`, which varies");
+                let hint = format!(
+                    "use `{name}` where the values are used, or draw them: `normal({name}, …) 10 times`"
+                );
+                (Code::NotConstant, message, varied[name], hint)
+            } else {
+                let message = format!("`{name}` is varied, but not before this");
+                let hint = format!("put the line that varies `{name}` above this one");
+                (Code::UnknownName, message, varied[name], hint)
+            }
+        } else if let Some(name) = lets.keys().find(is_it) {
+            let message = format!("variations do not know `{name}`, a `let` of their own scenario");
+            (Code::UnknownName, message, lets[name], "put the `let` before the scenario".to_string())
+        } else {
+            continue;
+        };
+        *finding = Diagnostic::new(code, finding.span(), message)
+            .label("cannot be used here")
+            .context(place, "defined here")
+            .hint(hint);
+    }
 }
 
 /// Reports names that a layer leaves without values when it varies `name` anew, with which they were varied together.
@@ -120,8 +219,13 @@ fn varied_names<'t>(node: Node<'t>) -> Vec<(&'t str, Span)> {
 
 type Outcome<'t> = (Vec<Varied<'t>>, Option<Variation>);
 
-fn single<'t>(node: Node<'t>, scope: &Scope, report: &mut Vec<Diagnostic>) -> Outcome<'t> {
-    let Some(varied) = varied(node, scope, report) else { return (Vec::new(), None) };
+fn single<'t>(
+    node: Node<'t>,
+    scope: &Scope,
+    known: &HashMap<String, Binding>,
+    report: &mut Vec<Diagnostic>,
+) -> Outcome<'t> {
+    let Some(varied) = varied(node, scope, known, report) else { return (Vec::new(), None) };
     let names = vec![varied.name.to_string()];
     let variation = match &varied.over {
         Over::Values(values) => {
@@ -135,10 +239,25 @@ fn single<'t>(node: Node<'t>, scope: &Scope, report: &mut Vec<Diagnostic>) -> Ou
     (vec![varied], variation)
 }
 
-fn together<'t>(node: Node<'t>, scope: &Scope, report: &mut Vec<Diagnostic>) -> Outcome<'t> {
+/// Draws may depend on the names above them in the same block as well.
+fn together<'t>(
+    node: Node<'t>,
+    scope: &Scope,
+    mut known: HashMap<String, Binding>,
+    report: &mut Vec<Diagnostic>,
+) -> Outcome<'t> {
     let Some(block) = node.child(Rule::together_block) else { return (Vec::new(), None) };
     let lines: Vec<_> = block.all(Rule::varied).collect();
-    let varied: Vec<_> = lines.iter().filter_map(|line| varied(*line, scope, report)).collect();
+    let is_drawn = node.has(Rule::sampling);
+    let mut found = Vec::new();
+    for line in &lines {
+        let Some(one) = varied(*line, scope, &known, report) else { continue };
+        if is_drawn {
+            known.insert(one.name.to_string(), Binding::new(Some(one.typed()), one.span));
+        }
+        found.push(one);
+    }
+    let varied = found;
     if varied.len() != lines.len() || block.has(Rule::bad) {
         return (varied, None);
     }
@@ -226,19 +345,24 @@ fn samples(
     Some(Samples { count, scheme, distributions, units })
 }
 
-fn varied<'t>(node: Node<'t>, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<Varied<'t>> {
+fn varied<'t>(
+    node: Node<'t>,
+    scope: &Scope,
+    known: &HashMap<String, Binding>,
+    report: &mut Vec<Diagnostic>,
+) -> Option<Varied<'t>> {
     let name = node.child(Rule::name)?;
-    let (kind, over) = if let Some(list) = node.child(Rule::list) {
-        let (kind, values) = values(list.span(), list.all(Rule::expression), scope, report)?;
-        (kind, Over::Values(values))
+    let (Written { kind, notation }, over) = if let Some(list) = node.child(Rule::list) {
+        let (written, values) = values(list.span(), list.all(Rule::expression), scope, report)?;
+        (written, Over::Values(values))
     } else if let Some(range) = node.child(Rule::range) {
-        let (kind, values) = range_values(range, report)?;
-        (kind, Over::Values(values))
+        let (written, values) = range_values(range, report)?;
+        (written, Over::Values(values))
     } else {
-        let (kind, distribution) = distribution(node.child(Rule::distribution)?, scope, report)?;
-        (kind, Over::Distribution(distribution))
+        let (written, distribution) = distribution(node.child(Rule::distribution)?, scope, known, report)?;
+        (written, Over::Distribution(distribution))
     };
-    Some(Varied { name: name.text(), span: name.span(), kind, over })
+    Some(Varied { name: name.text(), span: name.span(), kind, notation, over })
 }
 
 /// Constants of one kind, all different.
@@ -247,8 +371,8 @@ fn values<'t>(
     expressions: impl Iterator<Item = Node<'t>>,
     scope: &Scope,
     report: &mut Vec<Diagnostic>,
-) -> Option<(Kind, Vec<VariedValue>)> {
-    let mut kind: Option<(Kind, Span)> = None;
+) -> Option<(Written, Vec<VariedValue>)> {
+    let mut kind: Option<(Written, Span)> = None;
     let mut values: Vec<VariedValue> = Vec::new();
     let mut said: HashMap<String, Span> = HashMap::new();
     let mut failed = false;
@@ -258,15 +382,16 @@ fn values<'t>(
             continue;
         };
         if let Some((first, place)) = kind {
-            if !value::expect_kind(&typed, first, "this value of the list", report) {
+            if !value::expect_kind(&typed, first.kind, "this value of the list", report) {
                 if let Some(diagnostic) = report.last_mut() {
-                    *diagnostic = diagnostic.clone().context(place, format!("the first is {}", first.name()));
+                    let first = format!("the first is {}", first.kind.name());
+                    *diagnostic = diagnostic.clone().context(place, first);
                 }
                 failed = true;
                 continue;
             }
         } else {
-            kind = Some((typed.kind, typed.span));
+            kind = Some((Written::of(&typed), typed.span));
         }
         let crate::scenario::Expression::Constant(value) = typed.expression else { continue };
         if let Some(first) = said.insert(format!("{value:?}"), typed.span) {
@@ -315,7 +440,7 @@ fn constant(expression: Node, scope: &Scope, report: &mut Vec<Diagnostic>) -> Op
 }
 
 /// `6 s .. 18 s step 4 s`: computed in the unit it is written in, so that values and labels are what people expect.
-fn range_values(node: Node, report: &mut Vec<Diagnostic>) -> Option<(Kind, Vec<VariedValue>)> {
+fn range_values(node: Node, report: &mut Vec<Diagnostic>) -> Option<(Written, Vec<VariedValue>)> {
     let mut bad = |span: Span, message: &str| {
         report.push(
             Diagnostic::new(Code::BadDistribution, span, message)
@@ -370,10 +495,16 @@ fn range_values(node: Node, report: &mut Vec<Diagnostic>) -> Option<(Kind, Vec<V
             }
         })
         .collect();
-    Some((kind, values))
+    Some((Written { kind, notation: converted.map(units::Unit::notation) }, values))
 }
 
-fn distribution(node: Node, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<(Kind, Distribution)> {
+/// `known` are the variations that its numbers may depend on.
+fn distribution(
+    node: Node,
+    scope: &Scope,
+    known: &HashMap<String, Binding>,
+    report: &mut Vec<Diagnostic>,
+) -> Option<(Written, Distribution)> {
     let name = node.child(Rule::distribution_name)?;
     let count = node.all(Rule::expression).count();
     let mut bad = |message: String, hint: &str| {
@@ -409,49 +540,46 @@ fn distribution(node: Node, scope: &Scope, report: &mut Vec<Diagnostic>) -> Opti
         let message = format!("`{}` takes {wanted}, but got {count} values", name.text());
         return bad(message, &format!("write `{}({wanted})`", name.text()));
     }
+    let scope = &Scope { outer: Some(scope), names: known.clone() };
     let mut numbers = Vec::new();
     let mut kind = None;
     for expression in node.all(Rule::expression) {
         let typed = value::evaluate(expression, scope, report)?;
         let expected = *kind.get_or_insert(match typed.kind {
-            Kind::Number(_) => typed.kind,
-            _ => Kind::Number(Dimension::NUMBER),
+            Kind::Number(_) => Written::of(&typed),
+            _ => Written { kind: Kind::Number(Dimension::NUMBER), notation: None },
         });
-        if !value::expect_kind(&typed, expected, "this part of the distribution", report) {
+        if !value::expect_kind(&typed, expected.kind, "this part of the distribution", report) {
             return None;
         }
-        numbers.push(
-            typed
-                .as_constant_number()
-                .or_else(|| value::not_constant(typed.span, &typed.expression, "a distribution", report))?,
-        );
+        numbers.push(typed.expression);
     }
-    let mut bad = |message: &str, hint: &str| {
+    let mut numbers = numbers.into_iter();
+    let mut number = || numbers.next();
+    let distribution = match name.text() {
+        "uniform" => Distribution::Uniform { low: number()?, high: number()? },
+        "normal" => Distribution::Normal { mean: number()?, standard_deviation: number()? },
+        _ => Distribution::TruncatedNormal {
+            mean: number()?,
+            standard_deviation: number()?,
+            low: number()?,
+            high: number()?,
+        },
+    };
+    // What depends on other variations is checked when they are known.
+    if let Err(error) = distribution.known(&Default::default())
+        && let Some(hint) = match &error {
+            DistributionError::Reversed => Some("write the smaller value first"),
+            DistributionError::NegativeSpread => Some("give a standard deviation of at least 0"),
+            DistributionError::Evaluation(_) => None,
+        }
+    {
         report.push(
-            Diagnostic::new(Code::BadDistribution, node.span(), message)
+            Diagnostic::new(Code::BadDistribution, node.span(), error.to_string())
                 .label("cannot be drawn from")
                 .hint(hint),
         );
-        None
-    };
-    let distribution = match *numbers.as_slice() {
-        [low, high] if name.text() == "uniform" => {
-            if low >= high {
-                return bad("the low end is not below the high end", "write the smaller value first");
-            }
-            Distribution::Uniform { low, high }
-        }
-        [_, standard_deviation, ..] if standard_deviation <= 0.0 => {
-            return bad("the standard deviation is not positive", "give a positive standard deviation");
-        }
-        [mean, standard_deviation] => Distribution::Normal { mean, standard_deviation },
-        [mean, standard_deviation, low, high] => {
-            if low >= high {
-                return bad("the low end is not below the high end", "write the smaller value first");
-            }
-            Distribution::TruncatedNormal { mean, standard_deviation, low, high }
-        }
-        _ => return None,
-    };
+        return None;
+    }
     Some((kind?, distribution))
 }

@@ -1,19 +1,16 @@
 //! `vehicle NAME { … }`
 
-use super::Places;
 use super::block::{Layer, Said, last, missing, reject_repeats};
 use super::model::{Named, Registry, named};
+use super::{Book, Places};
 use crate::lang::codes::Code;
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::settings::{self, not_whole};
 use crate::lang::source::Span;
 use crate::lang::tree::{Node, Rule};
-use crate::lang::value::{self, Kind};
-use crate::scenario::{DeclaredVehicleStart, Dimension, Expression, Model, Road, Vehicle};
+use crate::lang::value::{self, Kind, Typed};
+use crate::scenario::{DeclaredVehicleStart, Dimension, Model, Road, Vehicle, limits};
 use crate::vehicle::{self as registry, CommandKind};
-
-/// m
-const SIZE: (f64, f64) = (0.1, 30.0);
 
 /// The vehicle that `layers` describe together, the last having the last word.
 pub fn vehicle(
@@ -21,6 +18,7 @@ pub fn vehicle(
     layers: &[Layer],
     road: Option<&Road>,
     places: &Places,
+    written: &mut Book,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Vehicle> {
     if let Some(layer) = layers.last() {
@@ -41,7 +39,8 @@ pub fn vehicle(
     let size = last(layers, Rule::size).map(|said| size(said, "a vehicle", report));
     let speed = match last(layers, Rule::speed) {
         Some(Said { node, scope }) => node.child(Rule::expression).and_then(|node| {
-            value::quantity_in(node, Dimension::SPEED, (0.0, 100.0), "the speed of a vehicle", scope, report)
+            let what = "the speed of a vehicle";
+            value::quantity_within(node, limits::VEHICLE_SPEED, what, scope, report)
         }),
         None => {
             missing(layers, name.span(), &what, "speed", "speed 30 km/h", report);
@@ -54,14 +53,32 @@ pub fn vehicle(
     };
     let start = match last(layers, Rule::vehicle_start) {
         Some(said) => start(said, report),
-        None => Some(DeclaredVehicleStart::Automatic),
+        None => Some((DeclaredVehicleStart::Automatic, None)),
     };
-    let sees = last(layers, Rule::sees).map(|Said { node, scope }| Model {
-        name: "sees".to_string(),
-        varied_by: None,
-        settings: settings::check(node.child(Rule::settings), &registry::PERCEPTION, scope, report),
-        origin: places.origin(node.span()),
+    let sees = last(layers, Rule::sees).map(|Said { node, scope }| {
+        let given = settings::check(node.child(Rule::settings), &registry::PERCEPTION, scope, report);
+        written.settings(name.text(), "sees", &given, places);
+        Model {
+            name: "sees".to_string(),
+            varied_by: None,
+            settings: given.into_iter().map(|(name, typed)| (name, typed.expression)).collect(),
+            origin: places.origin(node.span()),
+        }
     });
+    for (part, given) in [
+        ("controller", controller.as_ref().map(|named| &named.given)),
+        ("dynamics", dynamics.iter().flatten().map(|named| &named.given).next()),
+    ] {
+        written.settings(name.text(), part, given.map_or(&[], Vec::as_slice), places);
+    }
+    let said = [("speed", speed.as_ref()), ("start", start.as_ref().and_then(|(_, typed)| typed.as_ref()))];
+    for (statement, typed) in said {
+        written.statement(name.text(), statement, typed, places);
+    }
+    if let Some(Some((length, width))) = &size {
+        written.statement(name.text(), "length", Some(length), places);
+        written.statement(name.text(), "width", Some(width), places);
+    }
     Some(Vehicle {
         name: name.text().to_string(),
         controller: controller?.model,
@@ -70,11 +87,14 @@ pub fn vehicle(
             None => None,
         },
         size: match size {
-            Some(size) => Some(size?),
+            Some(size) => {
+                let (length, width) = size?;
+                Some((length.expression, width.expression))
+            }
             None => None,
         },
         speed: speed?.expression,
-        start: start?,
+        start: start?.0,
         lane: lane?,
         sees,
         origin: places.origin(name.span()),
@@ -137,15 +157,15 @@ fn check_fit(
 }
 
 /// `size LENGTH x WIDTH`
-pub fn size(said: Said, whose: &str, report: &mut Vec<Diagnostic>) -> Option<(Expression, Expression)> {
+pub fn size(said: Said, whose: &str, report: &mut Vec<Diagnostic>) -> Option<(Typed, Typed)> {
     let mut extents = said.node.all(Rule::expression);
     let mut extent = |word: &str| {
         let node = extents.next()?;
         let what = format!("the {word} of {whose}");
-        value::quantity_in(node, Dimension::LENGTH, SIZE, &what, said.scope, report)
+        value::quantity_within(node, limits::SIZE, &what, said.scope, report)
     };
     let (length, width) = (extent("length"), extent("width"));
-    Some((length?.expression, width?.expression))
+    Some((length?, width?))
 }
 
 fn lane(said: Said, road: Option<&Road>, report: &mut Vec<Diagnostic>) -> Option<usize> {
@@ -173,28 +193,19 @@ fn lane(said: Said, road: Option<&Road>, report: &mut Vec<Diagnostic>) -> Option
 }
 
 /// The unit says whether a start is a place or an arrival time.
-fn start(said: Said, report: &mut Vec<Diagnostic>) -> Option<DeclaredVehicleStart> {
+fn start(said: Said, report: &mut Vec<Diagnostic>) -> Option<(DeclaredVehicleStart, Option<Typed>)> {
     let node = said.node.child(Rule::expression)?;
     let value = value::evaluate(node, said.scope, report)?;
+    let what = "the start of a vehicle";
     match value.kind {
-        Kind::Number(Dimension::LENGTH) => value::quantity_in(
-            node,
-            Dimension::LENGTH,
-            (0.0, 10_000.0),
-            "the start of a vehicle",
-            said.scope,
-            report,
-        )
-        .map(|value| DeclaredVehicleStart::Distance(value.expression)),
-        Kind::Number(Dimension::TIME) => value::quantity_in(
-            node,
-            Dimension::TIME,
-            (0.0, 600.0),
-            "the start of a vehicle",
-            said.scope,
-            report,
-        )
-        .map(|value| DeclaredVehicleStart::TimeToArrival(value.expression)),
+        Kind::Number(Dimension::LENGTH) => {
+            let value = value::quantity_within(node, limits::VEHICLE_START, what, said.scope, report)?;
+            Some((DeclaredVehicleStart::Distance(value.expression.clone()), Some(value)))
+        }
+        Kind::Number(Dimension::TIME) => {
+            let value = value::quantity_within(node, limits::VEHICLE_ARRIVAL, what, said.scope, report)?;
+            Some((DeclaredVehicleStart::TimeToArrival(value.expression.clone()), Some(value)))
+        }
         _ => {
             let code = match value.kind {
                 Kind::Number(Dimension::NUMBER) => Code::MissingUnit,

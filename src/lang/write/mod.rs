@@ -98,9 +98,9 @@ fn road(road: &Road, out: &mut Lines) {
     });
     for (index, body) in road.boxes.iter().enumerate() {
         let metres = |value| quantity(value, Dimension::LENGTH);
+        let name = if body.name.is_empty() { format!("box_{}", index + 1) } else { body.name.clone() };
         out.line(&format!(
-            "box box_{} {{ along: {}, across: {}, length: {}, width: {} }}",
-            index + 1,
+            "box {name} {{ along: {}, across: {}, length: {}, width: {} }}",
             metres(body.x),
             metres(body.y),
             metres(body.length),

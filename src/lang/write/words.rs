@@ -28,7 +28,8 @@ pub fn write_comparison(comparison: &Comparison) -> String {
         _ => format!("{name} {} {number}", relation.symbol()),
     };
     match when_undefined {
-        WhenUndefined::Fails => text,
+        WhenUndefined::AsDeclared => text,
+        WhenUndefined::Fails => text + " undefined fails",
         WhenUndefined::Passes => text + " undefined passes",
     }
 }
@@ -38,6 +39,7 @@ fn metric_text(reference: &MetricReference) -> String {
     let pair = reference.pair.iter().flat_map(|(car, person)| match found.map(|metric| metric.scope) {
         Some(Scope::Vehicle) => vec![car.clone()],
         Some(Scope::Pedestrian) => vec![person.clone()],
+        Some(Scope::Contact) if person.is_empty() => vec![car.clone()],
         _ => vec![car.clone(), person.clone()],
     });
     let declaration = found.map(|metric| &metric.declaration);

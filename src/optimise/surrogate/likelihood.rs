@@ -53,7 +53,7 @@ impl Prior {
                 *slope -= z / deviation;
             }
         }
-        (0..logarithms.len()).map(|i| -0.5 * scaled(i).0.powi(2)).sum()
+        (0..logarithms.len()).map(|i| -0.5 * (scaled(i).0 * scaled(i).0)).sum()
     }
 }
 

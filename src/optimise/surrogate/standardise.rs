@@ -69,7 +69,8 @@ impl Standardisation {
         let unit = if largest > 0.0 { largest } else { 1.0 };
         let n = values.len().max(1) as f64;
         let mean = values.iter().map(|value| value / unit).sum::<f64>() / n;
-        let variance = values.iter().map(|value| (value / unit - mean).powi(2)).sum::<f64>() / n;
+        let variance =
+            values.iter().map(|value| (value / unit - mean) * (value / unit - mean)).sum::<f64>() / n;
         let deviation = unit * variance.sqrt();
         // Rounding alone makes a constant's deviation about 1e-16 of its size.
         let scale = if deviation > 1e-12 * largest { deviation } else { 1.0 };

@@ -65,6 +65,12 @@ impl ActionPlan {
         }
     }
 
+    /// Nothing is planned any more.
+    pub fn clear(&mut self) {
+        self.planned.fill(0.0);
+        self.held = 0.0;
+    }
+
     /// Begins a decision step: someone who stands does not plan to slow down.
     pub fn begin_step(&mut self, speed: f64) {
         if speed == 0.0 {

@@ -1,20 +1,16 @@
-//! One road user that behaves like a person: stepped by what both publish, it answers with an acceleration (§2, §8).
+//! One road user that behaves like a person: stepped by what it and those in its sight publish, it answers with an acceleration (§2, §8, §12).
 
-use super::access::access_orders;
-use super::action::{ACTIONS, ActionPlan, NO_ACTION};
+use std::cmp::Ordering;
+
+use super::action::{ACTIONS, ActionPlan};
 pub use super::affordance::Rules;
-use super::affordance::{Move, Orders, Party, Valuation};
-use super::belief::{Beliefs, PerBehaviour};
+use super::belief::PerBehaviour;
 use super::decision::Decider;
-use super::draws::StandardNormals;
+use super::draws::{DrawnOnce, StandardNormals};
+use super::other::{Other, Reasoning};
 use super::parameters::Parameters;
-use super::perception::{Percept, Perception};
-use super::prediction::{
-    BEHAVIOUR_LIST, BEHAVIOURS, BehaviourAccelerations, PredictedState, behaviours, predict_other,
-};
-use super::squash::tanh_in_place;
+use super::perception::Percept;
 use super::state::{Body, Control, State};
-use super::timing::Passage;
 use super::variant::Variant;
 
 /// Who meets whom, and how time goes on.
@@ -26,6 +22,34 @@ pub struct Encounter {
     pub other: Body,
     /// Time step (s).
     pub dt: f64,
+}
+
+/// Whether one may still come in another's way (§12).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Conflict {
+    /// Either may still come in the other's way.
+    Open,
+    /// The other does not come in the way as it behaves now (it is parked, or goes elsewhere), but may yet.
+    Dormant,
+    /// The other is out of sight: what was thought of it last counts.
+    Remembered,
+    /// One of the two has left the conflict space.
+    Over,
+}
+
+/// Another road user as an agent finds it at a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sight {
+    /// Which one: its number among those that the agent was made to meet.
+    pub other: usize,
+    /// Its path: of those who have not entered the conflict space, only the next on a path is weighed.
+    pub path: usize,
+    /// The agent's own state on its way to the conflict point with this one.
+    pub own: State,
+    /// The other's state.
+    pub state: State,
+    /// How the conflict stands.
+    pub conflict: Conflict,
 }
 
 /// What an agent does at a step.
@@ -40,55 +64,65 @@ pub struct Decision {
 /// What went on in an agent's mind at its last decision, for inspection.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Thoughts {
-    /// The other as perceived.
+    /// The other that decided, as perceived.
     pub percept: Percept,
-    /// P(b|j).
+    /// P(b|j) of that one.
     pub probabilities: PerBehaviour,
     /// V̂ per action.
     pub estimates: [f64; ACTIONS],
 }
 
-/// A road user that perceives, believes, values and acts.
+/// A road user that perceives, believes, values and acts: one mind, one action buffer, one decision and one stream of
+/// noise, however many others it meets.
 #[derive(Clone, Debug)]
 pub struct Agent {
-    estimates_behaviour: bool,
-    anticipates_influence: bool,
-    action_duration: f64,
-    own: Party,
-    other: Party,
-    valuation: Valuation,
+    reasoning: Reasoning,
     plan: ActionPlan,
-    perception: Perception,
-    beliefs: Beliefs,
     decider: Decider,
+    others: Vec<Other>,
+    /// Who decided last; whom one goes on meeting while no conflict is open.
+    met: Option<usize>,
+    /// Whether there was a decision yet.
+    decided: bool,
+    drawn: Vec<f64>,
     thoughts: Option<Thoughts>,
 }
 
+/// Deviates that one decision takes at most: of five values each for three behaviours and for the actions.
+const MOST_DRAWN: usize = 20;
+
 impl Agent {
-    /// An individual of a variant at the start of an encounter.
+    /// An individual of a variant at the start of an encounter with one other.
     pub fn new(variant: &Variant, parameters: &Parameters, encounter: &Encounter) -> Self {
         let Encounter { own, other, dt } = *encounter;
-        let valuation = Valuation::new(variant, parameters);
-        let saturated_free_value = libm::tanh(valuation.discounting.free_value() / valuation.scale);
-        let other_speed = Party::wanted_speed(other.control, parameters);
-        Self {
-            estimates_behaviour: variant.estimates_behaviour(),
-            anticipates_influence: variant.anticipated_influence,
-            action_duration: parameters.action_duration,
-            own: Party::new(own, parameters),
-            other: Party::new(other, parameters),
-            valuation,
-            plan: ActionPlan::new(own.control, parameters.action_duration, dt),
-            perception: Perception::new(variant, parameters, dt, other_speed),
-            beliefs: Beliefs::new(variant, parameters, dt),
-            decider: Decider::new(variant, parameters, saturated_free_value, dt),
-            thoughts: None,
-        }
+        Self::among(variant, parameters, own.control, dt, [(own, other)])
     }
 
-    /// The free speed (m/s) the agent wants.
-    pub fn free_speed(&self) -> f64 {
-        self.own.manner.free_speed
+    /// An individual of a variant at the start of encounters with several others: its own body, whose extent depends
+    /// on the other's width, and the other's, in the order of their numbers.
+    pub fn among(
+        variant: &Variant,
+        parameters: &Parameters,
+        control: Control,
+        dt: f64,
+        bodies: impl IntoIterator<Item = (Body, Body)>,
+    ) -> Self {
+        let reasoning = Reasoning::new(variant, parameters);
+        let valuation = &reasoning.valuation;
+        let saturated_free_value = libm::tanh(valuation.discounting.free_value() / valuation.scale);
+        let others: Vec<_> =
+            bodies.into_iter().map(|(own, other)| Other::new(variant, parameters, own, other, dt)).collect();
+        Self {
+            plan: ActionPlan::new(control, parameters.action_duration, dt),
+            decider: Decider::new(variant, parameters, saturated_free_value, dt),
+            reasoning,
+            // The published model knows one other, who is met wherever it is.
+            met: (others.len() == 1).then_some(0),
+            others,
+            decided: false,
+            drawn: Vec::with_capacity(MOST_DRAWN),
+            thoughts: None,
+        }
     }
 
     /// What went on at the last decision; `None` when the last step needed none.
@@ -96,7 +130,7 @@ impl Agent {
         self.thoughts.as_ref()
     }
 
-    /// One step: what to do, given what both publish.
+    /// One step with one other: what to do, given what both publish.
     ///
     /// Once out of the conflict space the agent neither perceives (draws no noise) nor decides.
     pub fn step(
@@ -106,107 +140,144 @@ impl Agent {
         rules: &Rules,
         draws: &mut impl StandardNormals,
     ) -> Decision {
-        if own.distance < -self.own.body.half_extent {
-            self.thoughts = None;
-            return Decision { acceleration: 0.0, action: None };
-        }
-        self.plan.begin_step(own.speed);
-        let percept = self.perception.perceive(own.distance, other.distance, other.speed, draws);
-        let accelerations = self.behaviours(own, &percept);
-        let perceived =
-            State { distance: percept.distance, speed: percept.speed, acceleration: other.acceleration };
-        let (values, others_values) = self.values(own, &perceived, &accelerations, rules);
-        let probabilities = self.beliefs.update(&percept, &accelerations, &others_values, draws);
-        let mut expected = [0.0; ACTIONS];
-        for b in 0..BEHAVIOURS {
-            for j in 0..ACTIONS {
-                expected[j] += probabilities[b][j] * values[b][j];
+        let conflict =
+            if self.others[0].is_left_behind(own.distance) { Conflict::Over } else { Conflict::Open };
+        let sight = Sight { other: 0, path: 0, own: *own, state: *other, conflict };
+        self.step_among(&[sight], rules, draws).unwrap_or(Decision { acceleration: 0.0, action: None })
+    }
+
+    /// One step among several others: what to do, given what all publish. `None` where there is nobody to decide about:
+    /// no conflict was ever open, or all who are in one are out of sight.
+    ///
+    /// Everybody whose conflict is open is perceived, with the same deviates. Weighed are, on each path, those inside
+    /// the conflict space and the next that has not entered it. The values of the actions are those of whoever
+    /// constrains most: whose best action is worth least (of equals, whose other actions are worth less).
+    pub fn step_among(
+        &mut self,
+        sights: &[Sight],
+        rules: &Rules,
+        draws: &mut impl StandardNormals,
+    ) -> Option<Decision> {
+        self.thoughts = None;
+        for sight in sights.iter().filter(|sight| sight.conflict == Conflict::Over) {
+            if self.met != Some(sight.other) {
+                self.others[sight.other].lapse();
             }
         }
-        let action = self.decider.decide(&expected, draws);
+        let candidates = self.candidates(sights)?;
+        if let Candidates::Met(met) = candidates
+            && self.others[met].is_left_behind(sights.iter().find(|sight| sight.other == met)?.own.distance)
+        {
+            self.plan.clear();
+            self.decider.clear();
+            return self.decided.then_some(Decision { acceleration: 0.0, action: None });
+        }
+        self.plan.begin_step(sights.first()?.own.speed);
+        let mut decisive: Option<(usize, usize)> = None;
+        for sight in sights {
+            let weighed = self.is_weighed(sight, sights, candidates);
+            let mut read = 0;
+            match sight.conflict {
+                _ if weighed && sight.conflict != Conflict::Remembered => {
+                    read = self.consider(sight, rules, true, draws);
+                }
+                Conflict::Open | Conflict::Dormant => read = self.consider(sight, rules, false, draws),
+                Conflict::Over | Conflict::Remembered => {}
+            }
+            if weighed && decisive.is_none_or(|(most, _)| self.constrains_more(sight.other, most)) {
+                decisive = Some((sight.other, read));
+            }
+        }
+        let (met, read) = decisive?;
+        let mut deviates = DrawnOnce::from(&mut self.drawn, read, draws);
+        let action = self.decider.decide(&self.others[met].expected, &mut deviates);
+        deviates.forget_read();
         if let Some(j) = action {
             self.plan.take(j);
             if self.decider.forgets_by_acting() {
-                self.beliefs.forget_values();
+                self.others.iter_mut().for_each(Other::forget_values);
             }
         }
+        (self.met, self.decided) = (Some(met), true);
+        let Other { percept, probabilities, .. } = self.others[met];
         self.thoughts = Some(Thoughts { percept, probabilities, estimates: *self.decider.estimates() });
-        Decision { acceleration: self.plan.end_step(), action }
+        Some(Decision { acceleration: self.plan.end_step(), action })
     }
 
-    /// What the other may do (§8.1).
-    fn behaviours(&self, own: &State, percept: &Percept) -> BehaviourAccelerations {
-        behaviours(self.estimates_behaviour, || {
-            let with_acceleration =
-                self.valuation.other_acceleration && self.own.body.control == Control::Acceleration;
-            let passage = Passage::of(own, self.own.body.half_extent, with_acceleration);
-            let Party { body, manner, .. } = &self.other;
-            access_orders(
-                body,
-                manner,
-                percept.distance,
-                percept.speed,
-                &self.own.body,
-                own.distance,
-                &passage,
-            )
-        })
-    }
-
-    /// V(j|b) and W(b|j), squashed (§8.3).
-    fn values(
-        &self,
-        own: &State,
-        other: &State,
-        accelerations: &BehaviourAccelerations,
+    /// Perceives one other and thinks about it; how many of the moment's deviates that took.
+    fn consider(
+        &mut self,
+        sight: &Sight,
         rules: &Rules,
-    ) -> (PerBehaviour, PerBehaviour) {
-        let valuation = &self.valuation;
-        let mut values = [[0.0; ACTIONS]; BEHAVIOURS];
-        let mut others_values = [[0.0; ACTIONS]; BEHAVIOURS];
-        let destinations = self.plan.destinations(own.distance, own.speed);
-        let mut moves = [Move::default(); ACTIONS];
-        for (j, own_move) in moves.iter_mut().enumerate() {
-            let to = PredictedState::new(destinations.state(j), &self.own.body, valuation.other_acceleration);
-            *own_move = valuation.move_to(&self.own, own, to);
-        }
-        for behaviour in BEHAVIOUR_LIST {
-            let b = behaviour as usize;
-            let Some(acceleration) = accelerations[b] else { continue };
-            let to = predict_other(other, acceleration, self.action_duration);
-            let to = PredictedState::new(to, &self.other.body, valuation.other_acceleration);
-            let theirs = valuation.move_to(&self.other, other, to);
-            for (j, mine) in moves.iter().enumerate() {
-                if let Some(same) = (0..j).find(|&same| moves[same].to.state == mine.to.state) {
-                    values[b][j] = values[b][same];
-                    others_values[b][j] = others_values[b][same];
-                    continue;
-                }
-                values[b][j] =
-                    valuation.of_move(&self.own, mine, &self.other, &theirs, Orders::Better, rules);
-                if self.anticipates_influence || j == NO_ACTION {
-                    let counting = Orders::of(behaviour);
-                    others_values[b][j] =
-                        valuation.of_move(&self.other, &theirs, &self.own, mine, counting, rules);
-                }
-            }
-            if !self.anticipates_influence {
-                others_values[b] = [others_values[b][NO_ACTION]; ACTIONS];
-            }
-            for row in [&mut values[b], &mut others_values[b]] {
-                for value in row.iter_mut() {
-                    *value /= valuation.scale;
-                }
-                tanh_in_place(row);
-            }
-        }
-        (values, others_values)
+        weighed: bool,
+        draws: &mut impl StandardNormals,
+    ) -> usize {
+        let Self { reasoning, plan, others, drawn, .. } = self;
+        let mut deviates = DrawnOnce::from(drawn, 0, draws);
+        let other = &mut others[sight.other];
+        other.consider(reasoning, plan, &sight.own, &sight.state, rules, weighed, &mut deviates);
+        deviates.read()
     }
+
+    /// Who may decide.
+    fn candidates(&self, sights: &[Sight]) -> Option<Candidates> {
+        let any = |conflict| sights.iter().any(|sight| sight.conflict == conflict);
+        if any(Conflict::Open) {
+            Some(Candidates::Open)
+        } else if any(Conflict::Remembered) {
+            None
+        } else if let Some(met) = self.met {
+            Some(Candidates::Met(met))
+        } else {
+            any(Conflict::Dormant).then_some(Candidates::Dormant)
+        }
+    }
+
+    /// Whether `sight` is one of the candidates and inside the conflict space, or the next of them on its path.
+    fn is_weighed(&self, sight: &Sight, sights: &[Sight], candidates: Candidates) -> bool {
+        let among = |sight: &Sight| match candidates {
+            Candidates::Open => sight.conflict == Conflict::Open,
+            Candidates::Dormant => sight.conflict == Conflict::Dormant,
+            Candidates::Met(met) => sight.other == met,
+        };
+        let inside = |sight: &Sight| self.others[sight.other].is_inside(sight.state.distance);
+        let before = |other: &Sight| {
+            other.path == sight.path
+                && other.state.distance < sight.state.distance
+                && among(other)
+                && !inside(other)
+        };
+        match sight.conflict {
+            Conflict::Remembered => candidates == Candidates::Open,
+            _ => among(sight) && (inside(sight) || !sights.iter().any(before)),
+        }
+    }
+
+    /// Whether the other `one` constrains more than `most`. It does not depend on who is named first, unless all
+    /// values are the same.
+    fn constrains_more(&self, one: usize, most: usize) -> bool {
+        let (one, most) = (&self.others[one].expected, &self.others[most].expected);
+        let best = |values: &[f64; ACTIONS]| values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let by_value = one.iter().zip(most).map(|(one, most)| one.total_cmp(most));
+        best(one).total_cmp(&best(most)).then(by_value.fold(Ordering::Equal, Ordering::then)).is_lt()
+    }
+}
+
+/// Who may decide at a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Candidates {
+    /// Those whose conflict is open.
+    Open,
+    /// None is, and nobody decided yet: those who may come in the way yet.
+    Dormant,
+    /// None is: the one who decided last.
+    Met(usize),
 }
 
 #[cfg(test)]
 mod tests {
     //! What the reference runs do not exercise, checked against the text and by reason (§10).
+    use super::super::action::NO_ACTION;
     use super::super::draws::RecordedDraws;
     use super::super::meeting::{PEDESTRIAN, VEHICLE};
     use super::*;

@@ -77,7 +77,7 @@ impl Observing {
 
     /// ln max(p, ε) of having moved from `before` with `acceleration` to `distance`; p = 0 if the behaviour was invalid.
     fn log_likelihood(&self, before: &Percept, acceleration: Option<f64>, distance: f64) -> f64 {
-        let floor = f64::EPSILON.ln();
+        let floor = libm::log(f64::EPSILON);
         let Some(acceleration) = acceleration else { return floor };
         let expected = before.distance - before.speed * self.dt - acceleration * (self.dt * self.dt) / 2.0;
         let surprise = (distance - expected) / self.deviation;

@@ -47,6 +47,12 @@ impl Decider {
         self.accumulation == Accumulation::Evidence
     }
 
+    /// Nothing is thought of the actions any more.
+    pub fn clear(&mut self) {
+        self.estimates = [0.0; ACTIONS];
+        self.accumulated = [0.0; ACTIONS];
+    }
+
     /// One step with the expected value of each action; the action to take, if any.
     pub fn decide(&mut self, values: &[f64; ACTIONS], draws: &mut impl StandardNormals) -> Option<usize> {
         self.leak.step(&mut self.estimates, values, draws);

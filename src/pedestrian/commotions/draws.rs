@@ -12,6 +12,42 @@ impl<S: StandardNormals + ?Sized> StandardNormals for &mut S {
     }
 }
 
+/// The deviates of one moment, drawn once however often they are read: each reader starts at the first.
+#[derive(Debug)]
+pub struct DrawnOnce<'a, D> {
+    drawn: &'a mut Vec<f64>,
+    read: usize,
+    source: &'a mut D,
+}
+
+impl<'a, D: StandardNormals> DrawnOnce<'a, D> {
+    /// The deviates `drawn` so far, to be read on after the first `read`; more come from `source`.
+    pub fn from(drawn: &'a mut Vec<f64>, read: usize, source: &'a mut D) -> Self {
+        Self { drawn, read, source }
+    }
+
+    /// How many were read.
+    pub fn read(&self) -> usize {
+        self.read
+    }
+
+    /// The moment is over: those that were read are used up. Others, which only somebody who did not decide has read,
+    /// are the first of the next moment, so that they shift nothing.
+    pub fn forget_read(self) {
+        self.drawn.drain(..self.read);
+    }
+}
+
+impl<D: StandardNormals> StandardNormals for DrawnOnce<'_, D> {
+    fn next_normal(&mut self) -> f64 {
+        if self.read == self.drawn.len() {
+            self.drawn.push(self.source.next_normal());
+        }
+        self.read += 1;
+        self.drawn[self.read - 1]
+    }
+}
+
 /// Draws recorded elsewhere, replayed in order.
 #[derive(Clone, Debug)]
 pub struct RecordedDraws<'a> {
@@ -48,5 +84,29 @@ impl StandardNormals for RecordedDraws<'_> {
 impl StandardNormals for crate::sim::random::Stream {
     fn next_normal(&mut self) -> f64 {
         self.normal()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_reader_reads_the_same_deviates_and_only_those_that_counted_are_used_up() {
+        let recorded = [1.0, 2.0, 3.0, 4.0];
+        let mut source = RecordedDraws::new(&recorded);
+        let mut drawn = Vec::new();
+        let mut moment = |count: usize, counts: bool| {
+            let mut reader = DrawnOnce::from(&mut drawn, 0, &mut source);
+            let read: Vec<f64> = (0..count).map(|_| reader.next_normal()).collect();
+            if counts {
+                reader.forget_read();
+            }
+            read
+        };
+        assert_eq!(moment(3, false), [1.0, 2.0, 3.0]);
+        assert_eq!(moment(1, true), [1.0]);
+        assert_eq!(moment(3, true), [2.0, 3.0, 4.0]);
+        assert!(drawn.is_empty() && source.is_used_up());
     }
 }

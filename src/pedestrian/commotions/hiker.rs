@@ -84,7 +84,7 @@ pub enum HikerError {
         /// The file.
         file: PathBuf,
         /// What the system says.
-        error: std::io::Error,
+        error: crate::files::ReadError,
     },
     /// The file is not of the format.
     #[error("{}: {error}", file.display())]
@@ -129,7 +129,7 @@ impl Reference {
     /// # Errors
     /// If it cannot be read or is not of the format.
     pub fn read(file: &Path) -> Result<Self, HikerError> {
-        let text = std::fs::read_to_string(file)
+        let text = crate::files::read_text(file)
             .map_err(|error| HikerError::Read { file: file.to_owned(), error })?;
         serde_json::from_str(&text).map_err(|error| HikerError::Format { file: file.to_owned(), error })
     }

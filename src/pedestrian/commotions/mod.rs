@@ -4,12 +4,13 @@
 //! computational psychological theory", PNAS Nexus 2(6), 2023. The numbered sections named in this
 //! folder ("§6") are those of the project's mathematical restatement of the model.
 //!
-//! One [`Agent`] watches one other road user and is stepped by the published states of both. It serves as
+//! One [`Agent`] watches one other road user, or several, and is stepped by the published states of all. It serves as
 //! a pedestrian (speed controlled) and as the driver of a vehicle (acceleration controlled), so two of
 //! them can meet. Data goes one way through the files:
 //!
 //! ```text
-//! perception ─▶ behaviour (what the other may do) ─▶ prediction ─▶ access ─▶ value (sums, looming) ─▶ belief ─▶ decision ─▶ action
+//! of each other: perception ─▶ behaviour (what the other may do) ─▶ prediction ─▶ access ─▶ value (sums, looming) ─▶ belief
+//! of whoever constrains most: decision ─▶ action
 //! ```
 
 pub mod access;
@@ -23,6 +24,7 @@ pub mod hiker;
 pub mod looming;
 pub mod meeting;
 pub mod model;
+pub mod other;
 pub mod parameters;
 pub mod perception;
 pub mod prediction;
@@ -35,7 +37,7 @@ pub mod timing;
 pub mod value;
 pub mod variant;
 
-pub use agent::{Agent, Decision, Encounter, Rules, Thoughts};
+pub use agent::{Agent, Conflict, Decision, Encounter, Rules, Sight, Thoughts};
 pub use draws::StandardNormals;
 pub use parameters::Parameters;
 pub use state::{Control, State};

@@ -1,11 +1,11 @@
 //! The COMMOTIONS pedestrian as a registered model: its declaration, and what stands between the world and the agents.
 
-use super::agent::{Agent, Encounter, Rules};
+use super::agent::{Agent, Conflict, Rules, Sight};
 use super::parameters::{PARAMETERS, Parameters};
 use super::state::{Body, Control, State};
 use super::variant::{Accumulation, Variant, VariantError};
 use crate::pedestrian::{PedestrianContext, PedestrianModel};
-use crate::scenario::{Declaration, Road, Settings, Shape, VehicleReference};
+use crate::scenario::{Chance, Declaration, Road, Settings, Shape, VehicleReference};
 use crate::sim::random::{self, Purpose, Stream};
 use crate::sim::{ModelError, Motion, Pedestrian, Scene, VehicleState};
 
@@ -19,30 +19,25 @@ pub static COMMOTIONS: PedestrianModel = PedestrianModel {
         presets: None,
     },
     takes_individuals: true,
+    chance: Chance::Always,
     build,
 };
 
 fn build(context: &PedestrianContext) -> Result<Box<dyn Pedestrian>, ModelError> {
     let person = Person::from_settings(context.settings, &context.world.road, context.world.step)?;
-    let (length, width) = extent(context.setup.shape);
-    let meetings = context
-        .world
-        .vehicles
-        .iter()
-        .enumerate()
-        .map(|(index, vehicle)| {
-            let bodies = Bodies { pedestrian: (length, width), vehicle: (vehicle.length, vehicle.width) };
-            let encounter = Encounter { own: bodies.pedestrian(), other: bodies.vehicle(), dt: person.dt };
-            let agent = random::Agent::Pedestrian(context.index);
-            Meeting {
-                agent: Agent::new(&person.variant, &person.parameters, &encounter),
-                half_extent: encounter.own.half_extent,
-                draws: random::stream(seed_of_meeting(context.seed, index), agent, Purpose::Perception),
-            }
-        })
-        .collect();
+    let pedestrian = extent(context.setup.shape);
+    let bodies = context.world.vehicles.iter().map(|vehicle| {
+        let bodies = Bodies { pedestrian, vehicle: (vehicle.length, vehicle.width) };
+        (bodies.pedestrian(), bodies.vehicle())
+    });
+    let meeting = |(own, other): (Body, Body), path: usize| Meeting { own, other, path, moved: false };
+    let paths = context.world.vehicles.iter().map(|vehicle| vehicle.lane);
+    let agent = random::Agent::Pedestrian(context.index);
     Ok(Box::new(Walker {
-        meetings,
+        agent: Agent::among(&person.variant, &person.parameters, Control::Speed, person.dt, bodies.clone()),
+        sights: Vec::with_capacity(bodies.len()),
+        meetings: bodies.zip(paths).map(|(bodies, path)| meeting(bodies, path)).collect(),
+        draws: random::stream(context.seed, agent, Purpose::Perception),
         free_speed: person.parameters.pedestrian_free_speed,
         action_duration: person.parameters.action_duration,
         steps_per_decision: person.steps_per_decision,
@@ -152,24 +147,36 @@ pub fn extent(shape: Shape) -> (f64, f64) {
     }
 }
 
-/// The seed of the noise in meeting the other number `index`: the run's own for the first, so that another road
-/// user more does not shift what is drawn for the others.
-pub fn seed_of_meeting(seed: u64, index: usize) -> u64 {
-    const GOLDEN_RATIO: u64 = 0x9E37_79B9_7F4A_7C15;
-    seed.wrapping_add((index as u64).wrapping_mul(GOLDEN_RATIO))
-}
-
-/// A pedestrian's encounter with one vehicle.
+/// What a pedestrian knows of one vehicle besides its state.
 struct Meeting {
-    agent: Agent,
-    half_extent: f64,
-    draws: Stream,
+    own: Body,
+    other: Body,
+    /// Its lane.
+    path: usize,
+    /// Whether it was ever seen to move. One that was not is parked.
+    moved: bool,
 }
 
-/// A pedestrian among vehicles. The model is one of two road users; with more vehicles the most cautious of the
-/// answers counts.
+impl Meeting {
+    /// How the conflict stands at these distances (m) to the conflict point.
+    fn conflict(&self, own: f64, other: f64) -> Conflict {
+        if own < -self.own.half_extent || other <= -self.other.half_extent {
+            Conflict::Over
+        } else if !self.moved && !self.other.occupies(other) {
+            Conflict::Dormant
+        } else {
+            Conflict::Open
+        }
+    }
+}
+
+/// A pedestrian among vehicles.
 struct Walker {
+    agent: Agent,
     meetings: Vec<Meeting>,
+    /// Those of this step.
+    sights: Vec<Sight>,
+    draws: Stream,
     free_speed: f64,
     action_duration: f64,
     steps_per_decision: u64,
@@ -207,24 +214,22 @@ impl Walker {
         };
         let way = me.heading;
         let speed = me.velocity.dot(&way);
-        if self.meetings.is_empty() {
-            return (self.free_speed - speed) / self.action_duration;
-        }
-        let mut answer: Option<f64> = None;
-        for (meeting, vehicle) in self.meetings.iter_mut().zip(scene.vehicles) {
+        self.sights.clear();
+        for (other, (meeting, vehicle)) in self.meetings.iter_mut().zip(scene.vehicles).enumerate() {
             // Walking along the road never crosses the lane.
             if way.y == 0.0 {
                 continue;
             }
+            meeting.moved |= vehicle.motion.speed > 0.0;
             let distance = (vehicle.lane_centre - me.position.y) / way.y;
             let own = State { distance, speed, acceleration: me.acceleration.dot(&way) };
-            let other = approaching(vehicle, me.position.x + way.x * distance);
-            let decision = meeting.agent.step(&own, &other, &rules, &mut meeting.draws);
-            if distance >= -meeting.half_extent {
-                answer = Some(answer.map_or(decision.acceleration, |a| a.min(decision.acceleration)));
-            }
+            let state = approaching(vehicle, me.position.x + way.x * distance);
+            let conflict = meeting.conflict(distance, state.distance);
+            self.sights.push(Sight { other, path: meeting.path, own, state, conflict });
         }
-        answer.unwrap_or(0.0)
+        let decision = self.agent.step_among(&self.sights, &rules, &mut self.draws);
+        // With nobody to meet, as on an empty road.
+        decision.map_or((self.free_speed - speed) / self.action_duration, |decision| decision.acceleration)
     }
 }
 

@@ -1,7 +1,7 @@
 //! The parameters of the model (§9): their published names, units, ranges and defaults, declared once.
 
 use super::variant::{self, Accumulation, Sensing, Variant};
-use crate::scenario::{Dimension, Parameter, Settings};
+use crate::scenario::{ANOTHER_MODEL, Dimension, Parameter, Settings};
 
 /// One individual: everything about a road user that is a number, in SI units.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,6 +62,12 @@ const FITTED: &str =
     "Markkula et al. 2023, fitted per individual; default: median of the published individuals";
 const FIXED: &str = "Markkula et al. 2023, fixed in the published fits";
 
+/// The time step (s) with which the variant was published: coarse where nothing is drawn.
+fn published_time_step(settings: &Settings) -> f64 {
+    let stochastic = settings.word("variant").parse::<Variant>().is_ok_and(|variant| variant.is_stochastic());
+    if stochastic { 0.025 } else { 0.1 }
+}
+
 /// Everything that a scenario may say about a COMMOTIONS road user: its variant, its time step, and the numbers
 /// of [`Parameters`] under their published names.
 pub const PARAMETERS: &[Parameter] = &[
@@ -77,8 +83,16 @@ pub const PARAMETERS: &[Parameter] = &[
         Dimension::TIME,
         0.025,
         (0.005, 0.1),
-        "Time step of perception and decision, a multiple of the simulation step",
+        "Time step of perception and decision, a multiple of the simulation step; noise and filters are per step, so that \
+         another than the published one is another model",
         "Markkula et al. 2023: 0.025 s for stochastic, 0.1 s for deterministic variants",
+    )
+    .published_with(published_time_step),
+    Parameter::flag(
+        ANOTHER_MODEL,
+        false,
+        "Says that a `dt` beside the published one is meant, so that it may be varied, searched, tuned and compared",
+        "scenario-runner",
     ),
     Parameter::number(
         "entry_inhibited_until",
@@ -387,7 +401,7 @@ mod tests {
     fn every_declared_number_has_its_field_and_a_default_in_range() {
         let mut parameters = Parameters::default();
         for parameter in PARAMETERS {
-            if ["variant", "dt", "entry_inhibited_until"].contains(&parameter.name) {
+            if ["variant", "dt", "entry_inhibited_until", "another_model"].contains(&parameter.name) {
                 continue;
             }
             let value = *parameters.get_mut(parameter.name).expect(parameter.name);

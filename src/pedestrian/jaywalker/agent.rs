@@ -6,9 +6,10 @@ use super::declaration::{Triggers, Walking};
 use super::forces::{Retreat, Stop, Yang, clipped, destination};
 use super::gap::{GapModel, Opportunity};
 use super::perception::{Encounter, Perception};
+use crate::pedestrian::sum_in_any_order;
 use crate::scenario::{Settings, Side};
 use crate::sim::random::Stream;
-use crate::sim::{Motion, Pedestrian, Scene};
+use crate::sim::{Motion, Pedestrian, Scene, VehicleState};
 
 /// Nearer to its goal than this it has arrived, m.
 const ARRIVAL: f64 = 0.2;
@@ -225,12 +226,10 @@ impl Jaywalker {
                 let ego = scene.ego();
                 let walking = walking_direction(ego.velocity, way);
                 let sign = self.side.walking_sign();
-                scene
-                    .vehicles
-                    .iter()
-                    .filter(|vehicle| self.perception.encounter(vehicle, ego, sign).is_oncoming())
-                    .map(|vehicle| yang.force(vehicle, ego, walking))
-                    .sum()
+                let oncoming =
+                    |vehicle: &&VehicleState| self.perception.encounter(vehicle, ego, sign).is_oncoming();
+                let forces = scene.vehicles.iter().filter(oncoming);
+                sum_in_any_order(forces.map(|vehicle| yang.force(vehicle, ego, walking)))
             }
         }
     }

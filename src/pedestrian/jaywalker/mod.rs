@@ -14,11 +14,12 @@ use agent::{Individuality, Jaywalker, Tactic};
 use declaration::{DECLARATION, stop_times};
 
 use super::{PedestrianContext, PedestrianModel};
+use crate::scenario::Chance;
 use crate::sim::random::{Agent, Purpose, stream};
 use crate::sim::{ModelError, Pedestrian};
 
 pub static JAYWALKER: PedestrianModel =
-    PedestrianModel { declaration: DECLARATION, takes_individuals: false, build };
+    PedestrianModel { declaration: DECLARATION, takes_individuals: false, chance: Chance::Always, build };
 
 /// Shortest and longest step that the model is checked at, s.
 const STEPS: (f64, f64) = (0.01, 0.05);

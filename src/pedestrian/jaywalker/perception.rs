@@ -95,11 +95,17 @@ impl Perception {
                 (u8::from(left_behind), encounter.ahead / encounter.speed)
             }
         };
-        scene.vehicles.iter().map(|vehicle| self.encounter(vehicle, scene.ego(), sign)).min_by(
-            |one, other| {
-                let (one, other) = (urgency(one), urgency(other));
-                one.0.cmp(&other.0).then(one.1.total_cmp(&other.1))
-            },
-        )
+        // Whoever is equally urgent is told apart by lane and place, not by the order in which they come.
+        let order = |one: &Encounter, other: &Encounter| {
+            let (urgent, less) = (urgency(one), urgency(other));
+            urgent
+                .0
+                .cmp(&less.0)
+                .then(urgent.1.total_cmp(&less.1))
+                .then(other.beyond_lane_centre.total_cmp(&one.beyond_lane_centre))
+                .then(one.ahead.total_cmp(&other.ahead))
+        };
+        let encounters = scene.vehicles.iter().map(|vehicle| self.encounter(vehicle, scene.ego(), sign));
+        encounters.min_by(order)
     }
 }

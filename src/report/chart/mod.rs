@@ -38,7 +38,7 @@ pub use rates::{Rate, RateSeries, Rates};
 pub use rows::Rows;
 pub use scale::{nice_range, with_room};
 pub use slice::{Along, Belief, Slice, Tried};
-pub use strips::{Dot, Strip, Strips};
+pub use strips::{Dot, Strip, Strips, is_drawn};
 
 /// The rules that the classes in charts refer to; they rely on the custom properties of the page's own style sheet.
 pub const STYLE: &str = include_str!("chart.css");

@@ -73,8 +73,9 @@ pub fn ticks(low: f64, high: f64, about: usize) -> Vec<f64> {
 pub fn logarithmic_ticks(low: f64, high: f64) -> Vec<f64> {
     let decades = libm::floor(libm::log10(low)) as i32..=libm::ceil(libm::log10(high)) as i32;
     let within = |factors: &[f64]| -> Vec<f64> {
-        let all =
-            decades.clone().flat_map(|power| factors.iter().map(move |factor| factor * 10f64.powi(power)));
+        let all = decades
+            .clone()
+            .flat_map(|power| factors.iter().map(move |factor| factor * libm::pow(10.0, f64::from(power))));
         all.filter(|tick| (low * 0.9999..=high * 1.0001).contains(tick)).collect()
     };
     match (within(&[1.0, 2.0, 5.0]), within(&[1.0])) {
@@ -92,7 +93,7 @@ pub fn tick_label(value: f64) -> String {
 /// 1, 2 or 5 times a power of ten, so that the interval has about `about` steps.
 fn step(low: f64, high: f64, about: usize) -> f64 {
     let rough = (high - low) / about.max(1) as f64;
-    let power = 10f64.powf(rough.log10().floor());
+    let power = libm::pow(10.0, libm::log10(rough).floor());
     let factor = [1.0, 2.0, 5.0, 10.0].into_iter().find(|factor| factor * power >= rough * 0.999);
     factor.unwrap_or(10.0) * power
 }

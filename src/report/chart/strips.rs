@@ -35,10 +35,17 @@ pub struct Dot {
     pub name: String,
 }
 
-/// With more dots than this a strip is a violin, and only the dots beyond the 5 % and 95 % quantiles are drawn.
+/// With more dots than this a strip is a violin, and of the dots beyond the 5 % and 95 % quantiles those farthest out are
+/// drawn, half as many at each end.
 const MOST_DOTS: usize = 120;
 /// Places at which a violin's width is found.
 const VIOLIN_LEVELS: usize = 40;
+
+/// Whether a dot with this value may be drawn among dots with these values, sorted.
+pub fn is_drawn(sorted: &[f64], value: f64) -> bool {
+    let end = MOST_DOTS / 2;
+    sorted.len() <= MOST_DOTS || value <= sorted[end - 1] || value >= sorted[sorted.len() - end]
+}
 
 impl Strips {
     /// An interval of the vertical axis that suits all of `strips` and `rules`.
@@ -117,7 +124,10 @@ impl Strip {
         let quartiles = (level(0.25)?, level(0.5)?, level(0.75)?);
         let many = dots.len() > MOST_DOTS;
         let violin = many.then(|| violin(&sorted, half_width));
-        let drawn = move |index: usize| !many || !(low..=high).contains(&sorted[index]);
+        let (least, most) = (MOST_DOTS / 2, sorted.len().saturating_sub(MOST_DOTS / 2));
+        let drawn = move |index: usize| {
+            !many || (index < least || index >= most) && !(low..=high).contains(&sorted[index])
+        };
         let quartiles = (dots.len() >= 4).then_some(quartiles);
         Some(Spread { dots, drawn: Box::new(drawn), quartiles, violin })
     }
@@ -133,7 +143,7 @@ impl Strip {
 
 /// A sequence in 0..1 that fills the interval evenly from the start: van der Corput's, base 2.
 pub fn spread(index: usize) -> f64 {
-    f64::from((index as u32).reverse_bits()) / 2f64.powi(32)
+    f64::from((index as u32).reverse_bits()) / 4_294_967_296.0
 }
 
 /// Heights and half widths of a violin: a Gaussian kernel density with Silverman's bandwidth, cut at the extremes.
@@ -142,7 +152,7 @@ fn violin(sorted: &[f64], half_width: f64) -> Vec<(f64, f64)> {
     let count = sorted.len() as f64;
     let mean = sorted.iter().sum::<f64>() / count;
     let deviation = (sorted.iter().map(|value| (value - mean) * (value - mean)).sum::<f64>() / count).sqrt();
-    let bandwidth = 0.9 * deviation * count.powf(-0.2);
+    let bandwidth = 0.9 * deviation * libm::pow(count, -0.2);
     if bandwidth <= 0.0 {
         return vec![(first, half_width), (last, half_width)];
     }
@@ -152,7 +162,7 @@ fn violin(sorted: &[f64], half_width: f64) -> Vec<(f64, f64)> {
     let density = |height: f64| -> f64 {
         let kernel = |value: &f64| {
             let distance = (height - value) / bandwidth;
-            (-0.5 * distance * distance).exp()
+            libm::exp(-0.5 * distance * distance)
         };
         sorted.iter().map(kernel).sum()
     };

@@ -2,6 +2,8 @@
 
 use std::fmt::{Display, Formatter, Result, Write};
 
+use crate::escape::html;
+
 /// A growing piece of SVG.
 #[derive(Debug, Default)]
 pub struct Svg {
@@ -70,18 +72,7 @@ struct Escaped<'a>(&'a dyn Display);
 
 impl Display for Escaped<'_> {
     fn fmt(&self, out: &mut Formatter<'_>) -> Result {
-        for letter in self.0.to_string().chars() {
-            match letter {
-                '&' => out.write_str("&amp;")?,
-                '<' => out.write_str("&lt;")?,
-                '>' => out.write_str("&gt;")?,
-                '"' => out.write_str("&quot;")?,
-                // XML has no way to write the other control characters.
-                _ if letter.is_control() => out.write_char(' ')?,
-                _ => out.write_char(letter)?,
-            }
-        }
-        Ok(())
+        out.write_str(&html(&self.0.to_string()))
     }
 }
 
@@ -155,7 +146,7 @@ mod tests {
         let text = svg.finish();
         assert_eq!(
             text,
-            "<g class=\"&quot;&gt;&lt;script&gt;\">\n<text x=\"0\">a &lt; b &amp; c </text>\n</g>\n"
+            "<g class=\"&quot;&gt;&lt;script&gt;\">\n<text x=\"0\">a &lt; b &amp; c\\u{7}</text>\n</g>\n"
         );
     }
 }

@@ -39,6 +39,7 @@ impl Section {
         let (state, mark) = match (&block.state, block.verdict()) {
             (BlockState::Skipped(_), _) => ("skipped", "–"),
             (BlockState::Errored(_), _) => ("error", "!"),
+            (BlockState::NotFinished(_), _) => ("not finished", "⏹"),
             (_, Some(Verdict::Failed)) => ("failed", "✗"),
             _ => ("passed", "✓"),
         };
@@ -65,6 +66,7 @@ impl Section {
         let result = match &block.state {
             BlockState::Finished(result) => result.as_ref(),
             BlockState::Errored(message) => return self.summary = message.clone(),
+            BlockState::NotFinished(cut) => return self.summary = cut.to_string(),
             BlockState::Skipped(reason) => return self.summary = reason.to_string(),
         };
         match (block.block, result) {

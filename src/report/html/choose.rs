@@ -25,54 +25,55 @@ const MOST_COURSES: usize = 40;
 pub fn choose_runs(report: &SuiteReport) -> Vec<Chosen> {
     let mut seen = HashSet::new();
     let mut chosen = Vec::new();
-    for (key, reason) in worst_runs(report) {
-        if chosen.len() < MOST_WORST && seen.insert(key.clone()) {
-            chosen.push(Chosen { key, reason: Some(reason) });
+    for (_, key, reason) in worst_runs(report) {
+        if chosen.len() < MOST_WORST && seen.insert(key) {
+            chosen.push(Chosen { key: key.to_string(), reason: Some(reason.to_string()) });
         }
     }
     let most = chosen.len() + MOST_EXAMPLES;
-    for key in examples(report) {
-        if chosen.len() < most && seen.insert(key.clone()) {
-            chosen.push(Chosen { key, reason: Some("example".into()) });
+    let scenarios = scenarios(report);
+    for key in examples(&scenarios) {
+        if chosen.len() == most {
+            break;
+        }
+        if seen.insert(key) {
+            chosen.push(Chosen { key: key.to_string(), reason: Some("example".into()) });
         }
     }
-    for (_, trials) in scenarios(report) {
-        let keys: Vec<&String> =
-            trials.iter().flat_map(|trial| &trial.outcomes).map(|outcome| &outcome.key).collect();
+    for (_, trials) in &scenarios {
+        let keys: Vec<&str> =
+            trials.iter().flat_map(|trial| &trial.outcomes).map(|outcome| outcome.key.as_str()).collect();
         // Evenly over all runs, so that every variation and person has its share.
         let wanted = keys.len().min(MOST_COURSES);
         for place in 0..wanted {
             let key = keys[place * keys.len() / wanted];
-            if seen.insert(key.clone()) {
-                chosen.push(Chosen { key: key.clone(), reason: None });
+            if seen.insert(key) {
+                chosen.push(Chosen { key: key.to_string(), reason: None });
             }
         }
     }
     chosen
 }
 
-/// Each criterion's worst run of every trial, then each one's second worst, and so on.
-fn worst_runs(report: &SuiteReport) -> Vec<(String, String)> {
-    let mut runs: Vec<(usize, String, String)> = Vec::new();
+/// Each criterion's worst run of every trial, then each one's second worst, and so on, with the criterion.
+fn worst_runs<'r>(report: &'r SuiteReport) -> Vec<(usize, &'r str, &'r str)> {
+    let mut runs = Vec::new();
     for trial in &report.trials {
         let TrialState::Judged(judged) = &trial.state else { continue };
         for finding in judged.findings.iter().filter(|finding| finding.verdict != Verdict::Passed) {
             for (rank, run) in finding.worst.iter().enumerate() {
-                runs.push((rank, run.key.clone(), finding.criterion.clone()));
+                runs.push((rank, run.key.as_str(), finding.criterion.as_str()));
             }
         }
     }
     runs.sort_by_key(|(rank, _, _)| *rank);
-    runs.into_iter().map(|(_, key, reason)| (key, reason)).collect()
+    runs
 }
 
 /// The first run of every trial, a trial of each scenario at a time.
-fn examples(report: &SuiteReport) -> Vec<String> {
-    let scenarios = scenarios(report);
+fn examples<'r>(scenarios: &[(&'r str, Vec<&'r TrialReport<'_>>)]) -> impl Iterator<Item = &'r str> {
     let longest = scenarios.iter().map(|(_, trials)| trials.len()).max().unwrap_or(0);
-    let first = |trial: &&TrialReport| trial.outcomes.first().map(|outcome| outcome.key.clone());
     (0..longest)
-        .flat_map(|rank| scenarios.iter().filter_map(move |(_, trials)| trials.get(rank)))
-        .filter_map(first)
-        .collect()
+        .flat_map(move |rank| scenarios.iter().filter_map(move |(_, trials)| trials.get(rank)))
+        .filter_map(|trial| trial.outcomes.first().map(|outcome| outcome.key.as_str()))
 }

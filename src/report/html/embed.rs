@@ -3,6 +3,7 @@
 use serde_json::{Value, json};
 
 use super::Chosen;
+use crate::escape::html_characters;
 use crate::report::SuiteReport;
 use crate::report::recording::Recording;
 use crate::report::replay::{describe, replay_command};
@@ -29,7 +30,7 @@ pub fn embed(reports: &[SuiteReport], recordings: &[(Chosen, Recording)]) -> Emb
     for (chosen, recording) in recordings {
         let Some(reason) = &chosen.reason else { continue };
         // `<` would let a name end the element.
-        let text = run(reports, recording, reason).to_string().replace('<', "\\u003c");
+        let text = plain(run(reports, recording, reason)).to_string().replace('<', "\\u003c");
         if bytes + text.len() > MOST_BYTES {
             left_out += 1;
             continue;
@@ -103,6 +104,16 @@ fn run(reports: &[SuiteReport], recording: &Recording, reason: &str) -> Value {
         "events": events.collect::<Vec<_>>(),
         "pairs": pairs.collect::<Vec<_>>(),
     })
+}
+
+/// With strings that turn nothing around where the page shows them.
+fn plain(value: Value) -> Value {
+    match value {
+        Value::String(text) => Value::String(html_characters(&text)),
+        Value::Array(items) => items.into_iter().map(plain).collect(),
+        Value::Object(fields) => fields.into_iter().map(|(name, value)| (name, plain(value))).collect(),
+        other => other,
+    }
 }
 
 /// To the centimetre (or centimetre per second, or hundredth of a radian): drawing needs no more.

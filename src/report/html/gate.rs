@@ -9,7 +9,7 @@ use crate::report::gate::{
     sentence,
 };
 use crate::report::replay::replay_command;
-use crate::report::{GateReport, GateState, SuiteIdentity, SuiteReport};
+use crate::report::{GateReport, GateState, NotJudged, SuiteIdentity, SuiteReport};
 
 #[derive(Debug, Serialize)]
 pub struct Section {
@@ -58,7 +58,8 @@ impl Section {
 
     fn new(suite: &SuiteIdentity, report: &GateReport) -> Self {
         let (state, mark, word) = match &report.state {
-            GateState::Skipped(_) => ("skipped", "–", "not judged"),
+            GateState::NotJudged(NotJudged::NotSelected) => ("skipped", "–", "not judged"),
+            GateState::NotJudged(_) => ("inconclusive", "?", "not judged"),
             GateState::Refused(_) => ("error", "!", "cannot be judged"),
             GateState::Judged(verdict) => match verdict.verdict {
                 Verdict::Passed => ("passed", "✓", outcome_word(verdict.verdict)),
@@ -83,7 +84,7 @@ impl Section {
             held: Vec::new(),
         };
         match &report.state {
-            GateState::Skipped(message) => section.summary = message.clone(),
+            GateState::NotJudged(why) => section.summary = why.to_string(),
             GateState::Refused(refusal) => {
                 section.summary = refusal.message.clone();
                 section.failure = Some(render_gate_report(suite, report, false));
@@ -101,7 +102,7 @@ impl Section {
             if check.outcome == CheckOutcome::Regressed {
                 self.regressions.push(Regression::new(suite, check));
             }
-            let rows = if check.outcome == CheckOutcome::Held { &mut self.held } else { &mut self.open };
+            let rows = if check.outcome.is_fine() { &mut self.held } else { &mut self.open };
             rows.push(Row::new(check));
         }
     }
@@ -110,7 +111,7 @@ impl Section {
 impl Row {
     fn new(check: &Check) -> Self {
         let state = match check.outcome {
-            CheckOutcome::Held => "passed",
+            CheckOutcome::Same | CheckOutcome::Held => "passed",
             CheckOutcome::NotShown => "",
             CheckOutcome::Regressed => "failed",
         };

@@ -15,12 +15,13 @@ mod view;
 use std::time::SystemTime;
 
 use minijinja::syntax::SyntaxConfig;
-use minijinja::value::Serde;
+use minijinja::value::{Serde, Value};
 use minijinja::{Environment, UndefinedBehavior, context};
 
 use super::SuiteReport;
 use super::chart;
 use super::recording::Recording;
+use crate::escape::html_characters;
 use crate::run::Requests;
 
 pub use choose::{Chosen, choose_runs};
@@ -45,6 +46,13 @@ pub fn to_html(reports: &[SuiteReport], requests: &Requests, recordings: &[(Chos
     environment.set_undefined_behavior(UndefinedBehavior::Strict);
     let syntax = SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).build();
     environment.set_syntax(syntax.expect("only white space is set"));
+    environment.set_formatter(|out, state, value| match value.as_str() {
+        // What is safe was made here and escaped there.
+        Some(text) if !value.is_safe() => {
+            minijinja::escape_formatter(out, state, &Value::from(html_characters(text)))
+        }
+        _ => minijinja::escape_formatter(out, state, value),
+    });
     for (name, text) in TEMPLATES {
         environment.add_template(name, text).expect("the template is valid");
     }
@@ -66,7 +74,7 @@ mod tests {
     use super::*;
     use crate::experiment::{Block, BlockResult, Conclusion};
     use crate::report::fixture::{self, Session};
-    use crate::report::{BlockReport, BlockState};
+    use crate::report::{BlockReport, BlockState, TrialReport};
     use crate::scenario::{CaseSet, Condition, Evaluate, Origin, ParameterSet, Standing, Statement};
 
     fn page() -> String {
@@ -231,6 +239,26 @@ mod tests {
         assert!(page.len() < 2_000_000, "{} bytes", page.len());
         assert!(page.contains("880 more individuals are not drawn"));
         assert_eq!(part(&page, "<table class=\"sortable found\">", "</table>").matches("<tr").count(), 1001);
+    }
+
+    #[test]
+    fn a_page_of_very_many_trials_shows_the_bad_ones_and_says_what_is_left_out() {
+        let session = Session::new();
+        let mut report = session.report();
+        let of = |index: usize| TrialReport {
+            trial: report.trials[index].trial,
+            outcomes: report.trials[index].outcomes.clone(),
+            state: report.trials[index].state.clone(),
+            wall_time: Duration::ZERO,
+        };
+        // The first fails, the second passes.
+        let many: Vec<_> = (0..4000).map(|number| of(usize::from(number < 3900))).collect();
+        report.trials.extend(many);
+        let page = to_html(&[report], &session.requests, &[]);
+        assert!(page.len() < 4_000_000, "{} bytes", page.len());
+        assert!(page.contains("3503 more trials are not shown here, 0 of which did not pass"), "no note");
+        assert!(page.contains("41 more trials did not pass and are not written out"), "no note");
+        assert!(page.matches("<details class=\"failure\"").count() < 70);
     }
 
     #[test]

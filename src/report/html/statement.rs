@@ -72,6 +72,10 @@ impl Statements {
                 self.unknown += 1;
                 return self.rows.push(Row::unknown(report, doc, "could not be looked at", message));
             }
+            BlockState::NotFinished(cut) => {
+                self.unknown += 1;
+                return self.rows.push(Row::unknown(report, doc, "not finished", &cut.to_string()));
+            }
             BlockState::Skipped(reason) => {
                 self.unknown += 1;
                 return self.rows.push(Row::unknown(report, doc, "not looked at", &reason.to_string()));

@@ -14,9 +14,11 @@ use crate::metrics;
 use crate::report::digest::Digest;
 use crate::report::failure::render_failure;
 use crate::report::figures::{figures, scenarios, short_name};
+use crate::report::groups::{Group, groups_of};
 use crate::report::replay::replay_command;
 use crate::report::wording::{
-    bound, interval, margin, nearest_run, observed, stopping, untested, verdict_mark, verdict_word,
+    bound, interval, margin, missing, nearest_run, observed, stopping, trial_warnings, verdict_mark,
+    verdict_word,
 };
 use crate::report::{
     BlockReport, BlockState, GateReport, GateState, Recording, Skip, SuiteReport, TrialReport, TrialState,
@@ -25,6 +27,10 @@ use crate::run::Requests;
 
 /// A table with more trials than this scrolls.
 const LONG_TABLE: usize = 30;
+/// More trials of a scenario are not shown.
+const MOST_TRIALS: usize = 500;
+/// More failures of a scenario are not written out.
+const MOST_FAILURES: usize = 60;
 
 #[derive(Debug, Serialize)]
 pub struct Page {
@@ -33,6 +39,8 @@ pub struct Page {
     started: String,
     title: String,
     counts: Counts,
+    /// Whether somebody interrupted it.
+    interrupted: bool,
     /// What is counted: `trials and blocks`.
     counted: &'static str,
     suites: Vec<Suite>,
@@ -54,6 +62,7 @@ struct Counts {
     failed: usize,
     inconclusive: usize,
     errors: usize,
+    not_finished: usize,
     skipped: usize,
     runs: usize,
 }
@@ -95,6 +104,19 @@ struct Scenario {
     long: bool,
     /// Why trials were skipped, and how many.
     skipped: Vec<String>,
+    /// Failures of one cause that several trials have, worst first.
+    causes: Vec<Cause>,
+    /// What there would be more of.
+    left_out: Vec<String>,
+}
+
+#[derive(Debug, Serialize)]
+struct Cause {
+    state: &'static str,
+    mark: &'static str,
+    criterion: String,
+    said: String,
+    command: Option<Command>,
 }
 
 #[derive(Debug, Serialize)]
@@ -164,6 +186,7 @@ impl Page {
             started: DateTime::<Utc>::from(started).format("%Y-%m-%d %H:%M:%S UTC").to_string(),
             title: names.join(", "),
             counts,
+            interrupted: reports.iter().any(|report| report.interrupted),
             counted: counts.noun(),
             suites: reports.iter().map(|report| suite(report, requests, &drawn, &embedded.keys)).collect(),
             run_count: embedded.count,
@@ -187,7 +210,8 @@ impl Counts {
         self.all += 1;
         self.gates += 1;
         *match (&gate.state, gate.verdict()) {
-            (GateState::Skipped(_), _) => &mut self.skipped,
+            (GateState::NotJudged(_), _) if gate.is_open() => &mut self.inconclusive,
+            (GateState::NotJudged(_), _) => &mut self.skipped,
             (_, Some(Verdict::Passed)) => &mut self.passed,
             (_, Some(Verdict::Failed)) => &mut self.failed,
             (_, Some(Verdict::Inconclusive)) => &mut self.inconclusive,
@@ -201,6 +225,7 @@ impl Counts {
         *match (&block.state, block.verdict()) {
             (BlockState::Skipped(_), _) => &mut self.skipped,
             (BlockState::Errored(_), _) => &mut self.errors,
+            (BlockState::NotFinished(_), _) => &mut self.not_finished,
             (_, Some(Verdict::Failed)) => &mut self.failed,
             _ => &mut self.passed,
         } += 1;
@@ -212,6 +237,7 @@ impl Counts {
         self.runs += trial.outcomes.len();
         *match (&trial.state, trial.verdict()) {
             (TrialState::Skipped(_), _) => &mut self.skipped,
+            (TrialState::NotFinished(_), _) => &mut self.not_finished,
             (_, Some(Verdict::Passed)) => &mut self.passed,
             (_, Some(Verdict::Failed)) => &mut self.failed,
             (_, Some(Verdict::Inconclusive)) => &mut self.inconclusive,
@@ -231,7 +257,7 @@ fn suite(report: &SuiteReport, requests: &Requests, drawn: &[Recording], animate
     Suite {
         name: report.identity.suite.to_string(),
         file: report.identity.file.to_string(),
-        seed: report.identity.seed.to_string(),
+        seed: report.identity.seed_words().trim_start_matches("seed ").to_string(),
         seconds: format!("{:.2}", report.wall_time.as_secs_f64()),
         counts,
         statements: Statements::new(report),
@@ -290,6 +316,23 @@ fn scenario(
     if long {
         ran.sort_by_key(|trial| trial.verdict() == Some(Verdict::Passed));
     }
+    let mut left_out = Vec::new();
+    if ran.len() > MOST_TRIALS {
+        let rest = ran.split_off(MOST_TRIALS);
+        let bad = rest.iter().filter(|trial| trial.verdict() != Some(Verdict::Passed)).count();
+        left_out.push(format!(
+            "{} more trials are not shown here, {bad} of which did not pass; --json, --runs and --csv have all",
+            rest.len()
+        ));
+    }
+    let mut shown: Vec<Trial> =
+        ran.into_iter().map(|one| trial(report, one, &criteria, requests, animated)).collect();
+    let failures = shown.iter_mut().filter(|trial| trial.failure.is_some()).skip(MOST_FAILURES);
+    let unwritten = failures.map(|trial| trial.failure = None).count();
+    if unwritten > 0 {
+        left_out
+            .push(format!("{unwritten} more trials did not pass and are not written out; --json has all"));
+    }
     let first = trials.first().map(|trial| trial.trial);
     let variation = first.and_then(|trial| trial.cases.first()).map(|case| case.variation.as_slice());
     let names: Vec<_> = variation.unwrap_or_default().iter().map(|one| one.name.as_str()).collect();
@@ -299,11 +342,31 @@ fn scenario(
         tags: first.map(|trial| trial.tags.clone()).unwrap_or_default(),
         counts,
         variations: names.join(", "),
-        trials: ran.into_iter().map(|one| trial(report, one, &criteria, requests, animated)).collect(),
+        trials: shown,
         skipped: skipped(trials),
+        causes: causes(report, trials, animated),
+        left_out,
         long,
         criteria,
     }
+}
+
+/// What several of these trials have in common that did not hold, worst first.
+fn causes(report: &SuiteReport, trials: &[&TrialReport], animated: &[String]) -> Vec<Cause> {
+    let groups = groups_of(trials).into_iter().filter(|group| group.trials.len() > 1);
+    let cause = |group: Group| Cause {
+        state: verdict_word(group.verdict),
+        mark: verdict_mark(group.verdict),
+        criterion: group.criterion.to_string(),
+        said: format!("{}, worst in {}", group.in_words(), group.worst.0),
+        command: group.run().map(|key| command(report, key, animated)),
+    };
+    groups.map(cause).collect()
+}
+
+fn command(report: &SuiteReport, key: &str, animated: &[String]) -> Command {
+    let command = replay_command(&report.identity, key);
+    Command { animated: animated.iter().any(|known| known == key), key: key.to_string(), command }
 }
 
 /// The reasons for which trials were skipped, each with its count.
@@ -327,8 +390,11 @@ fn trial(
     animated: &[String],
 ) -> Trial {
     let findings = trial.findings();
-    let (state, mark) =
-        trial.verdict().map_or(("error", "!"), |verdict| (verdict_word(verdict), verdict_mark(verdict)));
+    let (state, mark) = match (&trial.state, trial.verdict()) {
+        (_, Some(verdict)) => (verdict_word(verdict), verdict_mark(verdict)),
+        (TrialState::NotFinished(_), None) => ("not finished", "⏹"),
+        (_, None) => ("error", "!"),
+    };
     let of = |finding| cell(finding, &trial.trial.key);
     let cell = |text: &String| findings.iter().find(|finding| finding.criterion == *text).map(of);
     let metric = |(index, reference): (usize, &crate::scenario::MetricReference)| {
@@ -342,7 +408,7 @@ fn trial(
         doc: String::new(),
         runs: trial.outcomes.len(),
         stopping: trial.stopping().map(stopping),
-        warnings: untested(findings),
+        warnings: trial_warnings(trial),
         state,
         mark,
         cells: criteria.iter().map(cell).collect(),
@@ -371,8 +437,7 @@ fn details(finding: &Finding) -> String {
     let bound = (!told).then(|| format!("bound {bound}"));
     let margin = margin(finding).map(|margin| format!("margin {margin}"));
     let untested = finding.vacuous.map(|_| "untested".to_string());
-    let undefined = (finding.undefined > 0).then(|| format!("undefined in {}", finding.undefined));
-    [untested, bound, margin, undefined].into_iter().flatten().collect::<Vec<_>>().join(", ")
+    [untested, bound, margin, missing(finding)].into_iter().flatten().collect::<Vec<_>>().join(", ")
 }
 
 fn failure(
@@ -388,8 +453,7 @@ fn failure(
     let bad = findings.iter().filter(|finding| finding.verdict != Verdict::Passed);
     for run in bad.filter_map(|finding| finding.worst.first()) {
         if !commands.iter().any(|known| known.key == run.key) {
-            let command = replay_command(&report.identity, &run.key);
-            commands.push(Command { animated: animated.contains(&run.key), key: run.key.clone(), command });
+            commands.push(command(report, &run.key, animated));
         }
     }
     Some(Failure { text: render_failure(&report.identity, &trial.state, false), commands })

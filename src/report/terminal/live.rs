@@ -5,6 +5,7 @@ use std::time::Duration;
 use indicatif::{HumanCount, HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::{Running, Tally, status};
+use crate::escape::terminal_line;
 use crate::report::chart::shortened;
 use crate::report::format::count;
 
@@ -78,7 +79,7 @@ pub(super) fn panel<'r>(
     let mut more = 0;
     for (index, one) in running.enumerate() {
         if index < MOST_SHOWN {
-            let key = shortened(&one.key, WIDEST_KEY);
+            let key = shortened(&terminal_line(&one.key), WIDEST_KEY);
             text += &format!("\n{:>12} {} {key}{}", "", status::seconds(one.begun.elapsed()), one.progress());
         } else {
             more += 1;

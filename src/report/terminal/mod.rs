@@ -5,15 +5,15 @@ mod status;
 mod summary;
 
 use std::collections::BTreeMap;
-use std::io::{self, Write};
 use std::time::{Duration, Instant};
 
 use anstyle::Style;
 
-use super::SuiteIdentity;
 use super::event::{Evaluations, Event, Outline, Reporter, Standing, Stopping, UnitReport};
 use super::failure::explain;
-use super::wording::untested;
+use super::wording::trial_warnings;
+use super::{CutBy, SuiteIdentity};
+use crate::console::{Output, stdout};
 use crate::judge::Verdict;
 
 pub use live::Live;
@@ -21,7 +21,8 @@ pub use status::StatusLevel;
 
 /// Tells people what happens.
 pub struct Terminal {
-    out: Box<dyn Write>,
+    /// `None` for nowhere.
+    out: Option<Output>,
     colour: bool,
     level: StatusLevel,
     live: Option<Live>,
@@ -63,6 +64,7 @@ struct Running {
 /// A unit that did not pass.
 #[derive(Debug)]
 struct Bad {
+    key: String,
     line: String,
     /// All there is to say about it.
     text: String,
@@ -78,15 +80,15 @@ const SLOW: Duration = Duration::from_secs(60);
 impl Terminal {
     /// Writes to standard output; `live` draws what is under way in between.
     pub fn new(level: StatusLevel, colour: bool, live: Option<Live>) -> Self {
-        Self::to(Box::new(io::stdout()), level, colour, live)
+        Self::to(Some(stdout()), level, colour, live)
     }
 
     /// Writes nothing; `live` draws what is under way.
     pub fn quiet(live: Option<Live>) -> Self {
-        Self::to(Box::new(io::sink()), StatusLevel::None, false, live)
+        Self::to(None, StatusLevel::None, false, live)
     }
 
-    fn to(out: Box<dyn Write>, level: StatusLevel, colour: bool, live: Option<Live>) -> Self {
+    fn to(out: Option<Output>, level: StatusLevel, colour: bool, live: Option<Live>) -> Self {
         let now = Instant::now();
         Self {
             out,
@@ -147,19 +149,24 @@ impl Terminal {
         if let UnitReport::Trial(trial) = report
             && self.level > StatusLevel::None
         {
-            for warning in untested(trial.findings()) {
+            for warning in trial_warnings(trial) {
                 let said = format!("{}: {warning}", report.key());
                 self.say(&status::line("WARN", status::DOUBTFUL, None, &said, self.colour));
             }
         }
         if !matches!(standing, Standing::Skipped | Standing::Judged(Verdict::Passed)) {
             let text = explain(suite, report, self.colour);
+            // Of what somebody interrupted the line says all there is.
+            let silent = standing == Standing::NotFinished(CutBy::Interrupted);
             let shown = shown.then(|| {
+                if silent {
+                    return self.lines;
+                }
                 self.gap();
                 self.say(&format!("{}\n", text.trim_end()));
                 self.lines
             });
-            self.bad.push(Bad { line, text, shown });
+            self.bad.push(Bad { key: report.key().to_string(), line, text, shown });
         }
     }
 
@@ -195,10 +202,10 @@ impl Terminal {
             return;
         }
         let text = std::mem::take(&mut self.text);
-        let out = &mut self.out;
-        let mut write = || {
-            // A closed pipe is the reader's choice, not an error.
-            let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+        let Some(out) = self.out else { return };
+        let write = || {
+            out.styled(&text);
+            out.flush();
         };
         match &self.live {
             Some(live) => live.aside(write),

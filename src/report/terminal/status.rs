@@ -4,10 +4,11 @@ use std::time::Duration;
 
 use anstyle::{AnsiColor, Style};
 
+use crate::escape::terminal_line;
 use crate::judge::Verdict;
-use crate::report::Skip;
 use crate::report::event::Standing;
 use crate::report::table::paint;
+use crate::report::{CutBy, Skip};
 
 /// Which units get a status line. Each level shows what those before it show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -32,11 +33,11 @@ pub const BAD: Style = AnsiColor::Red.on_default().bold();
 /// The level at which such a unit is shown.
 pub fn level(standing: Standing, skip: Option<&Skip>) -> StatusLevel {
     match standing {
-        Standing::Skipped if matches!(skip, Some(Skip::Needs { .. } | Skip::CutOff(_))) => StatusLevel::Fail,
+        Standing::Skipped if matches!(skip, Some(Skip::Needs { .. })) => StatusLevel::Fail,
         Standing::Skipped if matches!(skip, Some(Skip::Stale(_))) => StatusLevel::Pass,
         Standing::Skipped => StatusLevel::Skip,
         Standing::Judged(Verdict::Passed) => StatusLevel::Pass,
-        Standing::Judged(_) | Standing::Errored => StatusLevel::Fail,
+        Standing::Judged(_) | Standing::NotFinished(_) | Standing::Errored => StatusLevel::Fail,
     }
 }
 
@@ -46,6 +47,8 @@ pub fn unit_line(standing: Standing, took: Duration, said: &str, colour: bool) -
         Standing::Judged(Verdict::Passed) => ("PASS", GOOD),
         Standing::Judged(Verdict::Inconclusive) => ("INCONCLUSIVE", DOUBTFUL),
         Standing::Judged(Verdict::Failed) => ("FAIL", BAD),
+        Standing::NotFinished(CutBy::Interrupted) => ("NOT FINISHED", DOUBTFUL),
+        Standing::NotFinished(CutBy::TimeLimit) => ("NOT FINISHED", BAD),
         Standing::Errored => ("ERROR", BAD),
     };
     let time = match standing {
@@ -71,5 +74,5 @@ pub fn line(verb: &str, style: Style, time: Option<&str>, said: &str, colour: bo
     let space = " ".repeat(12_usize.saturating_sub(verb.len()));
     let verb = paint(verb, style, colour);
     let time = time.map(|time| format!("{time} ")).unwrap_or_default();
-    format!("{space}{verb} {time}{said}")
+    format!("{space}{verb} {time}{}", terminal_line(said))
 }

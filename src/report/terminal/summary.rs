@@ -1,16 +1,20 @@
 //! The end of a session: tables and results, failures once more where they have scrolled away, and the summary.
 
+use std::collections::HashSet;
 use std::time::Duration;
 
 use super::{Bad, Terminal, status};
+use crate::escape::{terminal, terminal_line};
 use crate::experiment::{BlockResult, StatementResult};
-use crate::judge::Verdict;
+use crate::judge::{TrialVerdict, Verdict};
 use crate::report::event::{Outline, Standing};
 use crate::report::experiment::render_block;
 use crate::report::format::count;
+use crate::report::groups::{Group, groups};
+use crate::report::replay::replay_command;
 use crate::report::statement::render_statements;
 use crate::report::table::render_tables;
-use crate::report::{BlockReport, Skip, SuiteReport};
+use crate::report::{BlockReport, CutBy, Skip, SuiteIdentity, SuiteReport, TrialState};
 use crate::run::Requests;
 
 /// A failure that is farther up than this is shown again.
@@ -25,11 +29,12 @@ impl Terminal {
         for report in reports {
             self.suite(report, requests);
         }
-        self.failures_again();
+        let causes: Vec<_> = reports.iter().map(|report| (report, groups(report))).collect();
+        self.failures_again(&causes);
         let tally = Standings::of(reports);
-        let style = if tally.failed + tally.errored > 0 {
+        let style = if tally.failed + tally.errored + tally.timed_out > 0 {
             status::BAD
-        } else if tally.inconclusive + tally.not_run > 0 {
+        } else if tally.inconclusive + tally.interrupted + tally.not_run > 0 {
             status::DOUBTFUL
         } else {
             status::GOOD
@@ -39,11 +44,7 @@ impl Terminal {
         let time = status::seconds(elapsed);
         let line = status::line("Summary", style, Some(&time), &tally.in_words(), self.colour);
         self.say(&line);
-        let bad = std::mem::take(&mut self.bad);
-        bad.iter().take(MOST_NAMED).for_each(|one| self.say(&one.line));
-        if bad.len() > MOST_NAMED {
-            self.say(&format!("{:>12} and {} more", "", bad.len() - MOST_NAMED));
-        }
+        self.what_did_not_pass(&causes);
     }
 
     /// Tables of the trials and what the blocks came to.
@@ -60,12 +61,12 @@ impl Terminal {
         }
         for result in &results {
             self.gap();
-            self.say(&render_block(result));
+            self.say(&terminal(&render_block(result)));
         }
         let statements: Vec<_> = results.iter().filter_map(|result| statement(result)).collect();
         if statements.len() > 1 {
             self.gap();
-            self.say(&render_statements(&statements));
+            self.say(&terminal(&render_statements(&statements)));
         }
         self.gap();
         let identity = &report.identity;
@@ -78,21 +79,64 @@ impl Terminal {
         if blocks > 0 {
             parts.push(count(blocks, "block"));
         }
-        self.say(&format!("{}: {}, seed {}\n", identity.suite, parts.join(", "), identity.seed));
+        let suite = terminal_line(identity.suite);
+        let seed = identity.seed_words();
+        self.say(&format!("{suite}: {}, {}\n", parts.join(", "), terminal_line(&seed)));
     }
 
-    /// What did not pass and cannot be seen any more, or was not shown at all.
-    fn failures_again(&mut self) {
+    /// What did not pass and cannot be seen any more, or was not shown at all. Of failures of one cause it is the worst.
+    fn failures_again(&mut self, causes: &[Causes]) {
         let bad = std::mem::take(&mut self.bad);
+        let groups = || causes.iter().flat_map(|(_, groups)| groups);
+        let stands_for_others = |key: &str| groups().any(|group| group.worst.0 == key);
+        let in_any: HashSet<&str> = groups().flat_map(|group| group.trials.iter().copied()).collect();
+        let is_shown = |one: &&Bad| !in_any.contains(one.key.as_str()) || stands_for_others(&one.key);
         let is_far = |one: &&Bad| one.shown.is_none_or(|line| self.lines - line > SCREEN);
-        let far: Vec<_> = bad.iter().filter(is_far).take(MOST_AGAIN).collect();
+        let far: Vec<_> = bad.iter().filter(is_shown).filter(is_far).take(MOST_AGAIN).collect();
         for one in far {
             self.gap();
             self.say(&format!("{}\n\n{}\n", one.line, one.text.trim_end()));
         }
         self.bad = bad;
     }
+
+    /// The names of what did not pass: failures of one cause together and with a command, worst first, then all others.
+    fn what_did_not_pass(&mut self, causes: &[Causes]) {
+        let bad = std::mem::take(&mut self.bad);
+        let mut said = Vec::new();
+        let mut grouped: HashSet<&str> = HashSet::new();
+        for (report, group) in
+            causes.iter().flat_map(|(report, groups)| groups.iter().map(move |one| (report, one)))
+        {
+            if group.trials.len() > 1 {
+                grouped.extend(&group.trials);
+                said.push(self.cause(&report.identity, group));
+            }
+        }
+        said.extend(bad.iter().filter(|one| !grouped.contains(one.key.as_str())).map(|one| one.line.clone()));
+        said.iter().take(MOST_NAMED).for_each(|one| self.say(one));
+        if said.len() > MOST_NAMED {
+            self.say(&format!("{:>12} and {} more", "", said.len() - MOST_NAMED));
+        }
+    }
+
+    fn cause(&self, suite: &SuiteIdentity, group: &Group) -> String {
+        let (verb, style) = match group.verdict {
+            Verdict::Inconclusive => ("INCONCLUSIVE", status::DOUBTFUL),
+            _ => ("FAIL", status::BAD),
+        };
+        let what = format!("{}/{}: `{}` {}", suite.suite, group.scenario, group.criterion, group.in_words());
+        let mut text = status::line(verb, style, None, &what, self.colour);
+        if let Some(run) = group.run() {
+            let again = replay_command(suite, run);
+            text += &format!("\n{:>12} worst of them: {}", "", terminal_line(&again));
+        }
+        text
+    }
 }
+
+/// A suite with what did not hold in it.
+type Causes<'r, 's> = (&'r SuiteReport<'s>, Vec<Group<'r>>);
 
 fn statement(result: &BlockResult) -> Option<&StatementResult> {
     match result {
@@ -135,10 +179,15 @@ struct Standings {
     failed: usize,
     inconclusive: usize,
     errored: usize,
+    /// Cut off by the time limit, and by somebody.
+    timed_out: usize,
+    interrupted: usize,
     not_run: usize,
     not_selected: usize,
     /// Trials with criteria that passed without being put to the test.
     untested: usize,
+    /// Runs that the horizon ended.
+    cut_off: usize,
     recorded: usize,
     trials: usize,
     runs: usize,
@@ -158,6 +207,9 @@ impl Standings {
                 tally.runs += trial.outcomes.len();
                 tally.untested +=
                     usize::from(trial.findings().iter().any(|finding| finding.vacuous.is_some()));
+                if let TrialState::Judged(TrialVerdict { horizon: Some(horizon), .. }) = &trial.state {
+                    tally.cut_off += horizon.runs;
+                }
                 tally.add(trial.standing(), trial.skip());
             }
             for block in &report.blocks {
@@ -174,6 +226,8 @@ impl Standings {
             Standing::Judged(Verdict::Failed) => &mut self.failed,
             Standing::Judged(Verdict::Inconclusive) => &mut self.inconclusive,
             Standing::Errored => &mut self.errored,
+            Standing::NotFinished(CutBy::TimeLimit) => &mut self.timed_out,
+            Standing::NotFinished(CutBy::Interrupted) => &mut self.interrupted,
             Standing::Skipped if skip == Some(&Skip::NotSelected) => &mut self.not_selected,
             Standing::Skipped => &mut self.not_run,
         } += 1;
@@ -195,6 +249,7 @@ impl Standings {
             (self.failed, "failed"),
             (self.inconclusive, "inconclusive"),
             (self.errored, "could not be run"),
+            (self.timed_out + self.interrupted, "not finished"),
             (self.not_run, "not run"),
         ];
         let numbers = numbers.iter().filter(|(number, _)| *number > 0);
@@ -208,6 +263,10 @@ impl Standings {
             0 => String::new(),
             number => format!("; {number} with untested criteria"),
         };
-        format!("{}: {said}{left_out}{untested}", what.join(", "))
+        let cut_off = match self.cut_off {
+            0 => String::new(),
+            number => format!("; {} ended at the horizon", count(number, "run")),
+        };
+        format!("{}: {said}{left_out}{untested}{cut_off}", what.join(", "))
     }
 }

@@ -125,13 +125,13 @@ impl Way {
 
     /// Standing, or walking within 45° of straight across, with the end of the crosswalk within reach.
     fn looks_like_crossing(&self, site: &Site, constants: &CrossingConstants) -> bool {
-        let speed = self.drift.hypot(self.speed);
+        let speed = libm::hypot(self.drift, self.speed);
         let faces = speed < STANDING || self.speed >= self.drift.abs();
         let on_road = self.place > self.near_kerb;
         let end = if on_road { self.far_kerb } else { self.near_kerb };
         let inside = on_road && self.place < self.far_kerb && self.along.abs() <= site.half_width;
         let reach = speed.max(constants.min_object_velocity) * HORIZON;
-        faces && (inside || self.along.hypot(end - self.place) < reach)
+        faces && (inside || libm::hypot(self.along, end - self.place) < reach)
     }
 
     /// u of the collision point: the middle of the lane, or of what he has left of the ego's path.
@@ -143,12 +143,12 @@ impl Way {
     fn over_the_crosswalk(&self, half_width: f64) -> CollisionPoint {
         let meeting = self.meeting(half_width);
         if self.place <= self.near_kerb {
-            let to_end = self.along.hypot(self.near_kerb - self.place);
+            let to_end = libm::hypot(self.along, self.near_kerb - self.place);
             return CollisionPoint { place: 0.0, walk: to_end + (meeting - self.near_kerb).max(0.0) };
         }
         let left = self.far_kerb - self.place;
         let share = if left > 0.0 { ((meeting - self.place) / left).clamp(0.0, 1.0) } else { 0.0 };
-        CollisionPoint { place: self.along * (1.0 - share), walk: share * self.along.hypot(left) }
+        CollisionPoint { place: self.along * (1.0 - share), walk: share * libm::hypot(self.along, left) }
     }
 
     /// On at constant velocity, if that touches the ego's path within the horizon.

@@ -168,7 +168,7 @@ impl Standing {
 /// Distance from a point to a rectangle, m.
 fn outside(point: Vector2<f64>, along: (f64, f64), across: (f64, f64)) -> f64 {
     let gap = |value: f64, (low, high): (f64, f64)| (low - value).max(value - high).max(0.0);
-    gap(point.x, along).hypot(gap(point.y, across))
+    libm::hypot(gap(point.x, along), gap(point.y, across))
 }
 
 #[cfg(test)]

@@ -19,7 +19,7 @@ mod stop_position;
 mod tracker;
 
 use super::{CommandKind, ControllerContext, ControllerModel};
-use crate::scenario::CrossingKind;
+use crate::scenario::{Chance, CrossingKind};
 use crate::sim::random::{Agent, Purpose, stream};
 use crate::sim::{Controller, ModelError};
 
@@ -28,6 +28,7 @@ pub static AUTOWARE: ControllerModel = ControllerModel {
     declaration: parameters::DECLARATION,
     default_dynamics: "delay_lag",
     gives: CommandKind::Acceleration,
+    chance: Chance::If(|settings| settings.number("miss_probability") > 0.0),
     build,
 };
 
@@ -41,11 +42,11 @@ fn build(context: &ControllerContext) -> Result<Box<dyn Controller>, ModelError>
         ));
     }
     let period = settings.number("planning_period");
-    let shortest = settings.number("control_period").max(context.world.step);
+    let shortest = settings.number("control_period").max(settings.number("vehicle_period"));
     if period < shortest {
         return Err(ModelError::with_hint(
             format!("`planning_period` of `autoware` is {period} s, shorter than its calls are apart"),
-            format!("use at least {shortest} s, the longer of `control_period` and the simulation step"),
+            format!("use at least {shortest} s, the longer of `control_period` and `vehicle_period`"),
         ));
     }
     let misses = stream(context.seed, Agent::Vehicle(context.index), Purpose::Perception);

@@ -492,6 +492,14 @@ pub const DECLARATION: Declaration = Declaration {
             "Time between two commands.",
             RATES,
         ),
+        Parameter::number(
+            "vehicle_period",
+            Dimension::TIME,
+            0.025,
+            (0.001, 1.0),
+            "Time between two states that the vehicle publishes: commands are computed from one, and begin to act with it.",
+            "simple_planning_simulator, 40 Hz",
+        ),
     ],
     presets: Some(PresetFamily {
         word: "preset",

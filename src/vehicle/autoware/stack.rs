@@ -12,7 +12,7 @@ use super::stop_position::{CrosswalkStop, StopConstants};
 use super::tracker::Tracker;
 use crate::scenario::Settings;
 use crate::sim::random::Stream;
-use crate::sim::{Command, Controller, Observation};
+use crate::sim::{Command, Controller, Observation, Schedule};
 
 /// Slower than this the ego is not under way yet, m/s.
 const UNDER_WAY: f64 = 0.125;
@@ -46,6 +46,7 @@ struct Constants {
     settling: f64,
     planning_period: f64,
     control_period: f64,
+    vehicle_period: f64,
     delay_compensation: f64,
     crossing: CrossingConstants,
     decision: DecisionConstants,
@@ -98,6 +99,7 @@ impl Stack {
             settling,
             planning_period: settings.number("planning_period"),
             control_period: settings.number("control_period"),
+            vehicle_period: settings.number("vehicle_period"),
             delay_compensation,
             crossing: CrossingConstants::new(settings),
             decision: DecisionConstants::new(settings),
@@ -119,8 +121,12 @@ impl Stack {
             standing: Standing::new(settings),
             crosswalk: CrosswalkStop::default(),
             emergency_brake: EmergencyBrake::new(settings),
-            // A controller may be called late by up to one period of its own.
-            profile: Profile::new(profile, speed, delay_compensation + constants.control_period),
+            // A controller may be called late by up to one period of its own or of its vehicle's.
+            profile: Profile::new(
+                profile,
+                speed,
+                delay_compensation + constants.control_period.max(constants.vehicle_period),
+            ),
             longitudinal: Longitudinal::new(settings),
             phase: Phase::default(),
             signs: Signs::default(),
@@ -253,8 +259,8 @@ impl Stack {
 }
 
 impl Controller for Stack {
-    fn period(&self) -> Option<f64> {
-        Some(self.constants.control_period)
+    fn schedule(&self) -> Schedule {
+        Schedule::on_ticks(self.constants.control_period, self.constants.vehicle_period)
     }
 
     fn settling_time(&self) -> f64 {

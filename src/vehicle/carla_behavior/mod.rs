@@ -8,8 +8,8 @@ mod obstacle;
 mod speed_controller;
 
 use super::{CommandKind, ControllerContext, ControllerModel};
-use crate::scenario::Settings;
-use crate::sim::{Command, Controller, ModelError, Observation};
+use crate::scenario::{Chance, Settings};
+use crate::sim::{Command, Controller, ModelError, Observation, Schedule};
 use obstacle::ObstacleTest;
 use speed_controller::SpeedController;
 
@@ -17,6 +17,7 @@ pub static CARLA_BEHAVIOR: ControllerModel = ControllerModel {
     declaration: declaration::DECLARATION,
     default_dynamics: "generic",
     gives: CommandKind::Pedals,
+    chance: Chance::Never,
     build,
 };
 
@@ -113,8 +114,8 @@ impl CarlaBehavior {
 }
 
 impl Controller for CarlaBehavior {
-    fn period(&self) -> Option<f64> {
-        Some(self.period)
+    fn schedule(&self) -> Schedule {
+        Schedule::every(self.period)
     }
 
     fn settling_time(&self) -> f64 {

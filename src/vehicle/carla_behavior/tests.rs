@@ -176,7 +176,7 @@ fn it_holds_for_ever_and_goes_when_the_way_is_free() {
 #[test]
 fn it_decides_twenty_times_a_second() {
     let mut track = Track::new(&CARLA_BEHAVIOR, Settings::default(), "generic");
-    assert_eq!(track.controller.period(), Some(0.05));
+    assert_eq!(track.controller.schedule(), Schedule::every(0.05));
     let first = track.advance().command;
     assert_eq!(track.advance().command, first);
 }

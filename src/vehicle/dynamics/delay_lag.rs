@@ -48,21 +48,26 @@ pub static DELAY_LAG: DynamicsModel = DynamicsModel {
     build,
 };
 
+/// Room for this many commands in the dead time before one costs an allocation.
+const COMMANDS_AT_FIRST: usize = 64;
+
 struct DelayLag {
     dead_time: f64,
     time_constant: f64,
     limit: f64,
     max_speed: f64,
-    /// Commands given but not yet in effect, the oldest first; one a step.
-    pending: VecDeque<f64>,
+    /// Commands given but not yet in effect, the oldest first, each with the time until it is, s.
+    pending: VecDeque<(f64, f64)>,
+    /// The newest command, m/s².
+    newest: f64,
     /// The command in effect, m/s².
     effective: f64,
     /// m/s²
     acceleration: f64,
-    /// The rest of the dead time that is not a whole number of steps, s.
-    remainder: f64,
-    started: bool,
 }
+
+/// Absorbs the rounding of sums of steps, s.
+const TIME_TOLERANCE: f64 = 1e-9;
 
 fn build(settings: &Settings) -> Result<Box<dyn Dynamics>, ModelError> {
     Ok(Box::new(DelayLag {
@@ -70,24 +75,14 @@ fn build(settings: &Settings) -> Result<Box<dyn Dynamics>, ModelError> {
         time_constant: settings.number("time_constant"),
         limit: settings.number("max_acceleration"),
         max_speed: settings.number("max_speed"),
-        pending: VecDeque::new(),
+        pending: VecDeque::with_capacity(COMMANDS_AT_FIRST),
+        newest: 0.0,
         effective: 0.0,
         acceleration: 0.0,
-        remainder: 0.0,
-        started: false,
     }))
 }
 
 impl DelayLag {
-    /// Fills the line of pending commands with zeros, as many as the dead time has whole steps.
-    fn start(&mut self, step: f64) {
-        let steps = (self.dead_time / step + 1e-9).floor();
-        self.remainder = (self.dead_time - steps * step).max(0.0);
-        self.pending = VecDeque::with_capacity(steps as usize + 1);
-        self.pending.resize(steps as usize, 0.0);
-        self.started = true;
-    }
-
     /// Moves on by `duration` s with one command in effect: the exact solution of da/dt = (command - a) / T.
     fn respond(&mut self, motion: &mut Longitudinal, duration: f64) {
         if duration <= 0.0 {
@@ -131,14 +126,25 @@ impl Dynamics for DelayLag {
         let Command::Acceleration(wanted) = command else {
             panic!("`delay_lag` takes accelerations, not pedals");
         };
-        if !self.started {
-            self.start(step);
-        }
         let before = motion.speed;
-        self.pending.push_back(wanted.clamp(-self.limit, self.limit));
-        self.respond(motion, self.remainder);
-        self.effective = self.pending.pop_front().unwrap_or(self.effective);
-        self.respond(motion, step - self.remainder);
+        let command = wanted.clamp(-self.limit, self.limit);
+        if command != self.newest {
+            self.newest = command;
+            self.pending.push_back((self.dead_time, command));
+        }
+        let mut done = 0.0;
+        while let Some(&(left, command)) =
+            self.pending.front().filter(|(left, _)| *left < step - TIME_TOLERANCE)
+        {
+            if left > done + TIME_TOLERANCE {
+                self.respond(motion, left - done);
+                done = left;
+            }
+            self.effective = command;
+            self.pending.pop_front();
+        }
+        self.respond(motion, step - done);
+        self.pending.iter_mut().for_each(|(left, _)| *left -= step);
         motion.acceleration = (motion.speed - before) / step;
     }
 }
@@ -165,6 +171,32 @@ mod tests {
         for step in [0.0125, 0.025, 0.04, 0.1] {
             let motion = after(1.0, step, Settings::default());
             assert!((motion.speed - (30.0 / 3.6 - dropped)).abs() < 1e-12, "step {step}: {}", motion.speed);
+        }
+    }
+
+    /// The world divides its steps where a controller decides, so steps differ in length.
+    #[test]
+    fn steps_of_any_lengths_come_to_the_same() {
+        let commands = [(0.4, -2.0), (0.3, 1.0), (0.05, -7.0), (0.5, -1.0), (0.7, 0.5)];
+        let drive = |steps: &[f64]| {
+            let settings = Settings::from([("dead_time", Value::Number(0.13))]);
+            let mut car = built(&DELAY_LAG, settings);
+            let mut motion = cruising();
+            let mut lengths = steps.iter().cycle();
+            for (duration, command) in commands {
+                let mut left: f64 = duration;
+                while left > 1e-12 {
+                    let step = lengths.next().unwrap().min(left);
+                    car.advance(&mut motion, Command::Acceleration(command), step);
+                    left -= step;
+                }
+            }
+            (motion.travelled, motion.speed)
+        };
+        let (place, speed) = drive(&[0.025]);
+        for steps in [&[0.01][..], &[0.005, 0.02], &[0.1], &[0.001, 0.033, 0.0125]] {
+            let (other_place, other_speed) = drive(steps);
+            assert!((place - other_place).abs() < 1e-9 && (speed - other_speed).abs() < 1e-9, "{steps:?}");
         }
     }
 

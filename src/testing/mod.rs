@@ -20,6 +20,10 @@
 //! ```
 //!
 //! Then `cargo test --test suites tta=6s` runs what has `tta=6s` in its name, and so on, as with any other test.
+//!
+//! [`Suites`] says more: which of the files are tests and whose fingerprints are held.
+
+mod fingerprints;
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -29,6 +33,8 @@ use libtest_mimic::{Arguments, Failed, Trial};
 use thiserror::Error;
 
 use crate::cli::load;
+use crate::cli::set::SetArguments;
+use crate::console::stderr;
 use crate::dispatch::{
     self, Kept, Prepared, Unit, Work, Workshop, gate_key, judge_one_gate, measured_trials,
 };
@@ -37,6 +43,7 @@ use crate::judge::Verdict;
 use crate::report::{Skip, Standing, UnitReport, explain, render_gate_report};
 use crate::run::{SharedTrial, Stop};
 use crate::scenario::Gate;
+use fingerprints::{compare, lines, path, recording};
 
 /// Why there are no tests.
 #[derive(Debug, Error)]
@@ -45,6 +52,8 @@ pub enum TestingError {
     Pattern { pattern: String, reason: String },
     #[error("no file is called `{0}`; paths are relative to the folder of the package")]
     NoFile(String),
+    #[error("`{0}` was not loaded, so that it has no tests")]
+    NotLoaded(String),
     /// The errors are on standard error.
     #[error("a suite or scenario has errors")]
     Invalid,
@@ -53,11 +62,16 @@ pub enum TestingError {
 /// Runs every unit and judges every gate of the suites and scenarios that the glob patterns name, as the program's arguments say: they are those
 /// of `cargo test`. The exit code is 101 if something did not pass or could not be loaded.
 pub fn run(patterns: &[&str]) -> ExitCode {
+    conclude(trials(patterns))
+}
+
+/// Runs tests as the program's arguments say. The exit code is 101 if one failed or there are none for a reason.
+pub fn conclude(trials: Result<Vec<Trial>, TestingError>) -> ExitCode {
     let arguments = Arguments::from_args();
-    match trials(patterns) {
+    match trials {
         Ok(trials) => libtest_mimic::run(&arguments, trials).exit_code(),
         Err(error) => {
-            eprintln!("error: {error}");
+            writeln!(stderr(), "error: {error}");
             ExitCode::from(101)
         }
     }
@@ -71,24 +85,74 @@ pub fn run(patterns: &[&str]) -> ExitCode {
 /// # Errors
 /// If a pattern names no file or a file has errors.
 pub fn trials(patterns: &[&str]) -> Result<Vec<Trial>, TestingError> {
-    let files = files(patterns)?;
-    let suites =
-        load::load_all(&files.iter().collect::<Vec<_>>(), None, false).map_err(|_| TestingError::Invalid)?;
-    // Tests own what they need and live as long as the process.
-    let suites: &'static [Prepared] = Box::leak(suites.into_boxed_slice());
-    let session = Arc::new(Session::new(suites));
-    let trial = |index: usize| {
-        let session = Arc::clone(&session);
-        Trial::test(session.units[index].key.to_string(), move || session.judge(index))
-    };
-    let gates = suites.iter().enumerate().flat_map(|(suite, prepared)| {
-        let session = Arc::clone(&session);
-        prepared.suite.gates.iter().map(move |gate| {
-            let session = Arc::clone(&session);
-            Trial::test(gate_key(&prepared.suite.name, gate), move || session.judge_gate(suite, gate))
-        })
-    });
-    Ok((0..session.units.len()).map(trial).chain(gates).collect())
+    Suites::load(patterns)?.tests(patterns)
+}
+
+/// Suites and scenarios, each of whose units is run at most once however many tests ask for it.
+pub struct Suites(Arc<Session>);
+
+impl Suites {
+    /// Loads, checks and plans whatever the patterns name; a file that several of them name is there once.
+    ///
+    /// # Errors
+    /// If a pattern names no file or a file has errors.
+    pub fn load(patterns: &[&str]) -> Result<Self, TestingError> {
+        let files = files(patterns)?;
+        let suites = load::load_all(&files.iter().collect::<Vec<_>>(), None, &SetArguments::default(), false)
+            .map_err(|_| TestingError::Invalid)?;
+        // Tests own what they need and live as long as the process.
+        Ok(Self(Arc::new(Session::new(Box::leak(suites.into_boxed_slice())))))
+    }
+
+    /// The units and gates of the files that the patterns name, as [`trials`] gives them.
+    ///
+    /// # Errors
+    /// If a pattern names no file that was loaded.
+    pub fn tests(&self, patterns: &[&str]) -> Result<Vec<Trial>, TestingError> {
+        let chosen = self.chosen(patterns)?;
+        let units = self.0.units.iter().enumerate().filter(|(_, unit)| chosen.contains(&unit.suite)).map(
+            |(index, unit)| {
+                let session = Arc::clone(&self.0);
+                Trial::test(unit.key.to_string(), move || session.judge(index))
+            },
+        );
+        let gates = chosen.iter().flat_map(|&suite| {
+            let suite_of = &self.0.workshop.suites()[suite].suite;
+            suite_of.gates.iter().map(move |gate| {
+                let session = Arc::clone(&self.0);
+                Trial::test(gate_key(&suite_of.name, gate), move || session.judge_gate(suite, gate))
+            })
+        });
+        Ok(units.chain(gates).collect())
+    }
+
+    /// A test for each of the files that the patterns name: every bit of what it runs is as in the file that is kept for
+    /// it in `folder`, by target. `FINGERPRINTS=overwrite` records them. A target without such a folder has its tests
+    /// ignored: nothing is known of it.
+    ///
+    /// # Errors
+    /// If a pattern names no file that was loaded.
+    pub fn fingerprints(&self, patterns: &[&str], folder: &Path) -> Result<Vec<Trial>, TestingError> {
+        let test = |suite: usize| {
+            let session = Arc::clone(&self.0);
+            let file = &self.0.workshop.suites()[suite].file;
+            let kept = path(folder, file);
+            let unknown = !recording() && kept.parent().is_none_or(|folder| !folder.exists());
+            Trial::test(format!("fingerprints of {file}"), move || session.compare_fingerprints(suite, &kept))
+                .with_ignored_flag(unknown)
+        };
+        Ok(self.chosen(patterns)?.into_iter().map(test).collect())
+    }
+
+    /// Indices of the suites that the patterns name, in the order in which they were loaded.
+    fn chosen(&self, patterns: &[&str]) -> Result<Vec<usize>, TestingError> {
+        let wanted = files(patterns)?;
+        let suites = self.0.workshop.suites();
+        if let Some(unknown) = wanted.iter().find(|file| suites.iter().all(|suite| suite.file != **file)) {
+            return Err(TestingError::NotLoaded(unknown.clone()));
+        }
+        Ok((0..suites.len()).filter(|index| wanted.contains(&suites[*index].file)).collect())
+    }
 }
 
 fn files(patterns: &[&str]) -> Result<Vec<String>, TestingError> {
@@ -96,12 +160,16 @@ fn files(patterns: &[&str]) -> Result<Vec<String>, TestingError> {
     for pattern in patterns {
         let failed = |reason: String| TestingError::Pattern { pattern: pattern.to_string(), reason };
         let found = glob::glob(pattern).map_err(|error| failed(error.to_string()))?;
-        let before = files.len();
+        let mut any = false;
         for path in found {
             let path = path.map_err(|error| failed(error.to_string()))?;
-            files.push(Path::new(&path).to_string_lossy().into_owned());
+            let path = Path::new(&path).to_string_lossy().into_owned();
+            any = true;
+            if !files.contains(&path) {
+                files.push(path);
+            }
         }
-        if files.len() == before {
+        if !any {
             return Err(TestingError::NoFile(pattern.to_string()));
         }
     }
@@ -132,7 +200,7 @@ impl Session {
         match report.standing() {
             Standing::Judged(Verdict::Passed) => Ok(()),
             Standing::Skipped => Err(report.skip().map(Skip::to_string).unwrap_or_default().into()),
-            Standing::Judged(_) | Standing::Errored => {
+            Standing::Judged(_) | Standing::NotFinished(_) | Standing::Errored => {
                 let suite = self.workshop.identity(self.units[index].suite);
                 Err(explain(&suite, report, false).into())
             }
@@ -154,6 +222,13 @@ impl Session {
             Standing::Judged(Verdict::Passed) => Ok(()),
             _ => Err(render_gate_report(&self.workshop.identity(suite), &report, false).into()),
         }
+    }
+
+    fn compare_fingerprints(&self, suite: usize, kept: &Path) -> Result<(), Failed> {
+        let of_suite = self.units.iter().enumerate().filter(|(_, unit)| unit.suite == suite);
+        let reports = of_suite.map(|(index, _)| &self.done(index).report);
+        let found = lines(reports, self.workshop.requests())?;
+        Ok(compare(kept, &found)?)
     }
 
     /// What became of a unit, which is run now if it was not before. Units need only those before them, so nobody waits

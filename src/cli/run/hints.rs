@@ -1,0 +1,78 @@
+//! What somebody may have meant who named nothing that there is.
+
+use std::path::{Path, PathBuf};
+
+use clap::CommandFactory;
+
+use crate::cli::{Cli, Exit};
+use crate::console::stderr;
+use crate::escape::terminal_line;
+use crate::files;
+use crate::lang;
+
+/// The command that a word is nearly.
+pub fn command(word: &str) -> Option<String> {
+    let commands = Cli::command();
+    let names: Vec<&str> = commands.get_subcommands().map(clap::Command::get_name).collect();
+    lang::nearest(word, names.iter().copied()).map(str::to_string)
+}
+
+/// What to say where a filter selects nothing, which is a whole name if it is `exact`; `command` is what the word may have been meant to be.
+pub fn selection(word: Option<&str>, exact: bool, command: Option<String>, keys: &[&str]) -> Vec<String> {
+    let Some(word) = word else { return Vec::new() };
+    let parts = keys.iter().filter(|_| !exact).flat_map(|key| key.split('/')).chain(keys.iter().copied());
+    let name = lang::nearest(word, parts).map(|near| format!("did you mean `{near}`?"));
+    let command = command
+        .map(|near| format!("words that are no files select trials; did you mean the command `{near}`?"));
+    command.into_iter().chain(name).collect()
+}
+
+/// As many files are listed.
+const MOST_LISTED: usize = 30;
+
+/// Says which suites there are in this folder and how to run one; without any, which scenarios.
+pub fn project() -> Exit {
+    writeln!(stderr(), "error: no suite or scenario is named");
+    let found =
+        ["suite", "scn"].iter().map(|kind| (kind, files_of(kind))).find(|(_, files)| !files.is_empty());
+    let Some((kind, files)) = found else {
+        writeln!(
+            stderr(),
+            "help: there are none in this folder; `scenario-runner init` writes a project that runs"
+        );
+        return Exit::Usage;
+    };
+    let what = if *kind == "suite" { "suites" } else { "scenario files" };
+    let width = files.iter().take(MOST_LISTED).map(|file| file.display().to_string().chars().count());
+    let width = width.max().unwrap_or(0);
+    writeln!(stderr(), "help: there are these {what} here:");
+    for file in files.iter().take(MOST_LISTED) {
+        let doc = doc(file).unwrap_or_default();
+        writeln!(
+            stderr(),
+            "{}",
+            format!("  {:<width$}  {}", terminal_line(&file.display().to_string()), terminal_line(&doc))
+                .trim_end()
+        );
+    }
+    if files.len() > MOST_LISTED {
+        writeln!(stderr(), "  and {} more", files.len() - MOST_LISTED);
+    }
+    writeln!(stderr(), "help: run one of them by `scenario-runner {}`", files[0].display());
+    Exit::Usage
+}
+
+/// Files of a kind in this folder and down to two below it, hidden ones and what Cargo builds left out.
+fn files_of(kind: &str) -> Vec<PathBuf> {
+    let options = glob::MatchOptions { require_literal_leading_dot: true, ..Default::default() };
+    let patterns = ["*", "*/*", "*/*/*"].map(|stem| format!("{stem}.{kind}"));
+    let found = patterns.iter().filter_map(|pattern| glob::glob_with(pattern, options).ok()).flatten();
+    let found = found.filter_map(Result::ok).filter(|path| path.is_file() && !path.starts_with("target"));
+    found.collect()
+}
+
+/// What a suite says of itself.
+fn doc(file: &Path) -> Option<String> {
+    let text = files::read_text(file).ok()?;
+    lang::suite_doc(&text)
+}

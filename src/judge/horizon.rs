@@ -1,0 +1,243 @@
+//! Runs that the horizon ended: how many, who had not arrived, who was about to touch.
+
+use std::sync::Arc;
+
+use serde::Serialize;
+
+use super::criteria::Finding;
+use super::vacuity::Vacuity;
+use super::verdict::Verdict;
+use crate::metrics::{self, Scope};
+use crate::run::{OnCourse, Outcome};
+use crate::scenario::Criterion;
+use crate::sim::StopReason;
+
+/// The runs of a trial that the horizon ended.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Horizon {
+    /// How many there are.
+    pub runs: usize,
+    /// Of so many in all.
+    pub of: usize,
+    /// Those in which somebody who had not been hit had not arrived.
+    pub stranded: Vec<Stranded>,
+    /// Those that ended with somebody on a collision course, and with whom.
+    pub on_course: Vec<CourseOfRun>,
+}
+
+/// Who had not arrived in a run.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Stranded {
+    pub key: String,
+    pub who: Vec<Arc<str>>,
+}
+
+/// Who would have touched in a run.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CourseOfRun {
+    pub key: String,
+    #[serde(flatten)]
+    pub course: OnCourse,
+}
+
+impl Horizon {
+    /// `None` where the horizon ended no run.
+    pub fn of(outcomes: &[Outcome]) -> Option<Self> {
+        let all = || outcomes.iter().filter(|outcome| outcome.ending.reason == StopReason::Horizon);
+        let stranded = all()
+            .filter(|outcome| !outcome.cut_off.stranded.is_empty())
+            .map(|outcome| Stranded { key: outcome.key.clone(), who: outcome.cut_off.stranded.clone() });
+        let on_course = all().filter_map(|outcome| {
+            Some(CourseOfRun { key: outcome.key.clone(), course: outcome.cut_off.on_course.clone()? })
+        });
+        let horizon = Self {
+            runs: all().count(),
+            of: outcomes.len(),
+            stranded: stranded.collect(),
+            on_course: on_course.collect(),
+        };
+        (horizon.runs > 0).then_some(horizon)
+    }
+}
+
+/// Marks the findings on a vehicle and whom it meets that passed although time was up with them on a collision course: the
+/// end was not seen.
+pub(super) fn mark(findings: &mut [Finding], criteria: &[Criterion], horizon: Option<&Horizon>) {
+    let Some(horizon) = horizon.filter(|horizon| !horizon.on_course.is_empty()) else { return };
+    for (finding, criterion) in findings.iter_mut().zip(criteria) {
+        let reference = criterion.claim.metric();
+        let meets = metrics::metric(&reference.name)
+            .is_some_and(|metric| matches!(metric.scope, Scope::Pair | Scope::Contact));
+        let concerns = |course: &OnCourse| {
+            reference.pair.as_ref().is_none_or(|(car, other)| {
+                let (one, two) = (&*course.vehicle, &*course.with);
+                (car == one && (other.is_empty() || other == two)) || (car == two && other == one)
+            })
+        };
+        let cut_off = horizon.on_course.iter().any(|run| concerns(&run.course));
+        if finding.verdict == Verdict::Passed && finding.vacuous.is_none() && meets && cut_off {
+            finding.vacuous = Some(Vacuity::CutOff);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::judge::judge;
+    use crate::metrics::Open;
+    use crate::run::{CutOff, Requests};
+    use crate::scenario::{
+        Aggregate, Claim, Comparison, MetricReference, Origin, Relation, Settings, WhenUndefined,
+    };
+    use crate::sim::Ending;
+    use std::time::Duration;
+
+    fn metric() -> MetricReference {
+        MetricReference { name: "time_lost".into(), settings: Settings::default(), pair: None }
+    }
+
+    /// An aggregate of the time lost, compared to 10 s or a share.
+    fn criterion(aggregate: Aggregate, relation: Relation, bound: f64, confidence: Option<f64>) -> Criterion {
+        let bound = bound.into();
+        let when_undefined = WhenUndefined::AsDeclared;
+        let claim = Claim::Aggregate { aggregate, relation, bound, when_undefined, confidence };
+        Criterion {
+            claim,
+            when: Vec::new(),
+            text: String::new(),
+            reach: Default::default(),
+            origin: Origin::default(),
+        }
+    }
+
+    /// What of `arrived` of 40 runs that lost 2 s, and of the others, which the horizon ended or which never arrived, is
+    /// found.
+    fn found(criterion: &Criterion, arrived: usize, late: Option<f64>) -> Finding {
+        let mut requests = Requests::default();
+        requests.include(std::slice::from_ref(criterion));
+        let outcome = |run: usize| {
+            let is_late = run >= arrived;
+            let open = late.filter(|_| is_late).map(|low| vec![Some(Open::at_least(low))]);
+            let reason = if open.is_some() { StopReason::Horizon } else { StopReason::Completed };
+            Outcome {
+                key: format!("a/b/rep={run}"),
+                seed: 1,
+                individuals: Vec::new(),
+                ending: Ending { reason, time: 24.0 },
+                metrics: vec![(!is_late).then_some(2.0 + 0.001 * run as f64)],
+                critical: Vec::new(),
+                presences: Vec::new(),
+                cut_off: CutOff { open: open.unwrap_or_default(), ..CutOff::default() },
+                fingerprint: 0,
+                wall_time: Duration::ZERO,
+            }
+        };
+        let outcomes: Vec<_> = (0..40).map(outcome).collect();
+        judge(std::slice::from_ref(criterion), &outcomes, &requests).findings.remove(0)
+    }
+
+    const DOWN: Relation = Relation::LessOrEqual;
+
+    #[test]
+    fn those_who_never_arrive_are_not_left_out() {
+        let rate = || {
+            let comparison = Comparison {
+                metric: metric(),
+                relation: Relation::Greater,
+                bound: 10.0.into(),
+                when_undefined: WhenUndefined::AsDeclared,
+            };
+            Aggregate::Rate(comparison)
+        };
+        let cases = [
+            (criterion(Aggregate::Mean(metric()), DOWN, 10.0, None), Verdict::Inconclusive),
+            (criterion(Aggregate::Mean(metric()), DOWN, 10.0, Some(0.95)), Verdict::Inconclusive),
+            (criterion(Aggregate::Std(metric()), DOWN, 10.0, None), Verdict::Inconclusive),
+            (criterion(Aggregate::Quantile(0.9, metric()), DOWN, 10.0, None), Verdict::Failed),
+            (criterion(Aggregate::Quantile(0.9, metric()), DOWN, 10.0, Some(0.8)), Verdict::Inconclusive),
+            (criterion(Aggregate::Quantile(0.5, metric()), DOWN, 10.0, Some(0.95)), Verdict::Passed),
+            (criterion(Aggregate::Median(metric()), DOWN, 10.0, None), Verdict::Passed),
+            (criterion(Aggregate::Max(metric()), DOWN, 10.0, None), Verdict::Failed),
+            (criterion(rate(), DOWN, 0.05, None), Verdict::Failed),
+            (criterion(rate(), DOWN, 0.12, None), Verdict::Passed),
+            (criterion(rate(), Relation::Equal, 0.0, None), Verdict::Inconclusive),
+        ];
+        for (index, (criterion, verdict)) in cases.iter().enumerate() {
+            // 4 of 40 runs: a tenth.
+            let late = found(criterion, 36, Some(4.0));
+            assert_eq!((late.cut_off, late.undefined), (4, 0));
+            assert_eq!(late.verdict, *verdict, "case {index}: {late:?}");
+            // With everybody there nothing of this shows.
+            let all = found(criterion, 40, None);
+            assert_eq!((all.verdict, all.cut_off), (Verdict::Passed, 0), "case {index}: {all:?}");
+        }
+        // Worse than any value is worse than late.
+        for (index, (criterion, verdict)) in cases.iter().enumerate().take(10) {
+            let lost = found(criterion, 36, None);
+            assert_eq!((lost.cut_off, lost.undefined), (0, 4));
+            assert_eq!(lost.verdict, *verdict, "case {index}: {lost:?}");
+        }
+    }
+
+    #[test]
+    fn what_is_too_late_already_fails_whatever_would_come() {
+        let mean = criterion(Aggregate::Mean(metric()), DOWN, 3.0, None);
+        assert_eq!(found(&mean, 36, Some(4.0)).verdict, Verdict::Inconclusive);
+        assert_eq!(found(&mean, 36, Some(40.0)).verdict, Verdict::Failed);
+        // A claim from below is the easier the later they come.
+        let above = criterion(Aggregate::Mean(metric()), Relation::GreaterOrEqual, 2.1, None);
+        assert_eq!(found(&above, 36, Some(4.0)).verdict, Verdict::Passed);
+    }
+
+    proptest::proptest! {
+        /// A horizon only hides: whatever would have come, what passes with it passes without it.
+        #[test]
+        fn nothing_passes_that_would_fail(
+            values in proptest::collection::vec(0.0..20.0_f64, 1..12), horizon in 0.0..20.0_f64, bound in 0.0..20.0_f64,
+            which in 0_usize..6, up: bool,
+        ) {
+            let relation = if up { Relation::GreaterOrEqual } else { DOWN };
+            let over = Comparison {
+                metric: metric(), relation: Relation::Greater, bound: bound.into(),
+                when_undefined: WhenUndefined::AsDeclared,
+            };
+            let (aggregate, bound) = match which {
+                0 => (Aggregate::Mean(metric()), bound),
+                1 => (Aggregate::Median(metric()), bound),
+                2 => (Aggregate::Quantile(0.8, metric()), bound),
+                3 => (Aggregate::Max(metric()), bound),
+                4 => (Aggregate::Min(metric()), bound),
+                _ => (Aggregate::Rate(over), 0.3),
+            };
+            let criterion = criterion(aggregate, relation, bound, None);
+            let mut requests = Requests::default();
+            requests.include(std::slice::from_ref(&criterion));
+            let outcome = |value: &f64, cut: bool| {
+                let late = cut && *value > horizon;
+                Outcome {
+                    key: String::new(),
+                    seed: 1,
+                    individuals: Vec::new(),
+                    ending: Ending { reason: StopReason::Completed, time: 24.0 },
+                    metrics: vec![(!late).then_some(*value)],
+                    critical: Vec::new(),
+                    presences: Vec::new(),
+                    cut_off: CutOff {
+                        open: if late { vec![Some(Open::at_least(horizon))] } else { Vec::new() },
+                        ..CutOff::default()
+                    },
+                    fingerprint: 0,
+                    wall_time: Duration::ZERO,
+                }
+            };
+            let verdict = |cut: bool| {
+                let outcomes: Vec<_> = values.iter().map(|value| outcome(value, cut)).collect();
+                judge(std::slice::from_ref(&criterion), &outcomes, &requests).verdict
+            };
+            if verdict(true) == Verdict::Passed {
+                proptest::prop_assert_eq!(verdict(false), Verdict::Passed);
+            }
+        }
+    }
+}

@@ -1,0 +1,42 @@
+//! How the numbers of a scenario were written, by name.
+
+use std::collections::BTreeMap;
+
+use super::Places;
+use crate::lang::value::Typed;
+use crate::scenario::Written;
+
+/// What [`crate::scenario::Scenario::written`] is made of.
+#[derive(Debug, Default)]
+pub struct Book(pub BTreeMap<String, Written>);
+
+impl Book {
+    /// A statement about a road user, under `av.speed`.
+    pub fn statement(&mut self, road_user: &str, statement: &str, typed: Option<&Typed>, places: &Places) {
+        if let Some(typed) = typed {
+            self.shifted(road_user, statement, typed, 0.0, places);
+        }
+    }
+
+    /// As [`Self::statement`]; what the scenario has is `offset` more than what was written.
+    pub fn shifted(&mut self, road_user: &str, statement: &str, typed: &Typed, offset: f64, places: &Places) {
+        self.add(format!("{road_user}.{statement}"), typed, offset, places);
+    }
+
+    /// Settings of a part of a road user, under `av.controller.braking_distance`.
+    pub fn settings(&mut self, road_user: &str, part: &str, settings: &[(String, Typed)], places: &Places) {
+        for (name, typed) in settings {
+            self.add(format!("{road_user}.{part}.{name}"), typed, 0.0, places);
+        }
+    }
+
+    /// A variation, under its name.
+    pub fn variation(&mut self, name: &str, typed: &Typed, places: &Places) {
+        self.add(name.to_string(), typed, 0.0, places);
+    }
+
+    fn add(&mut self, name: String, typed: &Typed, offset: f64, places: &Places) {
+        let (notation, origin) = (typed.notation, places.origin(typed.span));
+        self.0.insert(name, Written { notation, origin, offset });
+    }
+}

@@ -1,0 +1,80 @@
+//! Between what limits a metric lies, whatever happens in a run: what bounds on its mean rest on.
+
+use super::metric;
+use crate::scenario::MetricReference;
+
+/// How a metric is limited. Limits are those of what can happen, not of what is likely.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Range {
+    /// A time within the run: 0 up to where it ends.
+    WithinRun,
+    /// 0 up to what this parameter says.
+    UpTo(&'static str),
+    /// A difference of two speeds: 0 up to twice the fastest.
+    TwoSpeeds,
+    /// A change of speed over the time that this parameter says: 0 up to the fastest within it.
+    SpeedsWithin(&'static str),
+    /// 0 or 1.
+    YesOrNo,
+    /// Nothing keeps it from being as large as one likes, or as small.
+    Unlimited,
+}
+
+/// No road user of a scenario may be faster, m/s.
+const FASTEST: f64 = 100.0;
+
+impl Range {
+    /// In words, with the names of parameters in backquotes; `None` where there are no limits.
+    pub fn in_words(self) -> Option<String> {
+        match self {
+            Self::WithinRun => Some("0 s to the horizon of the scenario".to_string()),
+            Self::UpTo(parameter) => Some(format!("0 to `{parameter}`")),
+            Self::TwoSpeeds => Some(format!("0 m/s to {} m/s", 2.0 * FASTEST)),
+            Self::SpeedsWithin(parameter) => Some(format!("0 to {FASTEST} m/s over `{parameter}`")),
+            Self::YesOrNo | Self::Unlimited => None,
+        }
+    }
+}
+
+/// The limits of a metric in runs of at most `longest` s, in its own unit; `None` if it has none.
+pub fn limits(reference: &MetricReference, longest: f64) -> Option<(f64, f64)> {
+    let metric = metric(&reference.name)?;
+    let settings = metric.declaration.resolve(&reference.settings).ok()?;
+    let high = match metric.range {
+        Range::WithinRun => longest,
+        Range::UpTo(parameter) => settings.number(parameter),
+        Range::TwoSpeeds => 2.0 * FASTEST,
+        Range::SpeedsWithin(parameter) => FASTEST / settings.number(parameter),
+        Range::YesOrNo => 1.0,
+        Range::Unlimited => return None,
+    };
+    Some((0.0, high))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::metrics::{METRICS, MetricKind};
+    use crate::scenario::{Settings, Value};
+
+    fn of(name: &str, settings: Settings) -> Option<(f64, f64)> {
+        limits(&MetricReference { name: name.into(), settings, pair: None }, 60.0)
+    }
+
+    #[test]
+    fn limits_follow_the_run_and_the_parameters() {
+        assert_eq!(of("stopped_time", Settings::default()), Some((0.0, 60.0)));
+        assert_eq!(of("drac", Settings::default()), Some((0.0, 20.0)));
+        assert_eq!(of("drac", Settings::from([("ceiling", Value::Number(9.0))])), Some((0.0, 9.0)));
+        assert_eq!(of("max_deceleration", Settings::default()), Some((0.0, 500.0)));
+        assert_eq!(of("min_ttc", Settings::default()), None);
+    }
+
+    #[test]
+    fn every_metric_has_limits_of_its_kind() {
+        for metric in METRICS {
+            let yes_or_no = metric.range == Range::YesOrNo;
+            assert_eq!(yes_or_no, metric.kind == MetricKind::Flag, "{}", metric.declaration.name);
+        }
+    }
+}

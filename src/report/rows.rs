@@ -1,0 +1,79 @@
+//! Everything that was run, a run at a time in the order of the plan: what `--runs` and `--csv` write.
+
+use super::{RecordedState, Skip, SuiteReport, TrialReport, TrialState};
+use crate::judge::{PerRun, Verdict, per_run};
+use crate::run::Outcome;
+use crate::scenario::Assignment;
+
+/// A run, or a trial that was to be run and has none.
+pub struct Row<'r> {
+    pub suite: &'r str,
+    pub scenario: &'r str,
+    /// The trial's key, or that of a run that failed before and was run again.
+    pub trial: &'r str,
+    pub variation: &'r [Assignment],
+    /// Of the trial; `None` where it could not be judged.
+    pub verdict: Option<Verdict>,
+    pub what: What<'r>,
+}
+
+pub enum What<'r> {
+    Run(&'r Outcome),
+    /// It was begun or wanted and has no runs to show: a state in one or two words, and why.
+    Nothing(&'static str, String),
+}
+
+impl Row<'_> {
+    /// `finished`, or why there is no run.
+    pub fn state(&self) -> &'static str {
+        match &self.what {
+            What::Run(_) => "finished",
+            What::Nothing(state, _) => state,
+        }
+    }
+}
+
+/// The trials of a suite with the runs of each, after the runs that failed before. What was not selected is not there;
+/// what was selected and came to nothing has a row that says so, so that nobody takes fewer runs for all.
+pub fn each_row<E>(
+    report: &SuiteReport,
+    mut row: impl FnMut(&Row, &[PerRun]) -> Result<(), E>,
+) -> Result<(), E> {
+    let suite = report.identity.suite;
+    for recorded in &report.recorded {
+        let (verdict, what) = match &recorded.state {
+            RecordedState::Ran(rerun) => (Some(rerun.judged.verdict), What::Run(&rerun.outcome)),
+            RecordedState::Errored(message) => (None, What::Nothing(ERRORED, message.clone())),
+            RecordedState::Skipped(Skip::NotSelected) => continue,
+            RecordedState::Skipped(skip) => (None, What::Nothing(NOT_RUN, skip.to_string())),
+        };
+        let (scenario, trial) = (recorded.recorded.scenario.as_str(), recorded.key.as_str());
+        let variation = recorded.recorded.variation.as_slice();
+        row(&Row { suite, scenario, trial, variation, verdict, what }, &[])?;
+    }
+    for trial in &report.trials {
+        let criteria: Vec<PerRun> = trial.trial.criteria.iter().filter_map(per_run).collect();
+        let of = |what| of_trial(suite, trial, what);
+        for outcome in &trial.outcomes {
+            row(&of(What::Run(outcome)), &criteria)?;
+        }
+        let nothing = match &trial.state {
+            TrialState::Skipped(Skip::NotSelected) => continue,
+            TrialState::Skipped(skip) => What::Nothing(NOT_RUN, skip.to_string()),
+            TrialState::Errored(message) => What::Nothing(ERRORED, message.clone()),
+            TrialState::NotFinished(cut) => What::Nothing("not finished", cut.to_string()),
+            TrialState::Judged(_) => continue,
+        };
+        row(&of(nothing), &criteria)?;
+    }
+    Ok(())
+}
+
+const ERRORED: &str = "error";
+const NOT_RUN: &str = "not run";
+
+fn of_trial<'r>(suite: &'r str, report: &'r TrialReport, what: What<'r>) -> Row<'r> {
+    let trial = report.trial;
+    let variation = trial.cases.first().map_or(&[][..], |case| &case.variation);
+    Row { suite, scenario: &trial.scenario, trial: &trial.key, variation, verdict: report.verdict(), what }
+}

@@ -1,0 +1,119 @@
+//! What sampled variations draw from: distributions whose numbers may depend on other variations.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use super::{EvaluationError, Expression, Value, VariedValue};
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Distribution {
+    Uniform { low: Expression, high: Expression },
+    Normal { mean: Expression, standard_deviation: Expression },
+    TruncatedNormal { mean: Expression, standard_deviation: Expression, low: Expression, high: Expression },
+    Choice(Vec<VariedValue>),
+}
+
+/// A distribution with all of its numbers; a spread of 0 makes it a constant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum KnownDistribution<'a> {
+    Uniform { low: f64, high: f64 },
+    Normal { mean: f64, standard_deviation: f64 },
+    TruncatedNormal { mean: f64, standard_deviation: f64, low: f64, high: f64 },
+    Choice(&'a [VariedValue]),
+}
+
+/// Why nothing can be drawn.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum DistributionError {
+    #[error("{0}")]
+    Evaluation(#[from] EvaluationError),
+    #[error("the low end is above the high end")]
+    Reversed,
+    #[error("the standard deviation is below 0")]
+    NegativeSpread,
+}
+
+impl Distribution {
+    /// The names that its numbers depend on.
+    pub fn variables(&self) -> Vec<&str> {
+        self.numbers().into_iter().flat_map(Expression::variables).collect()
+    }
+
+    fn numbers(&self) -> Vec<&Expression> {
+        match self {
+            Self::Uniform { low, high } => vec![low, high],
+            Self::Normal { mean, standard_deviation } => vec![mean, standard_deviation],
+            Self::TruncatedNormal { mean, standard_deviation, low, high } => {
+                vec![mean, standard_deviation, low, high]
+            }
+            Self::Choice(_) => Vec::new(),
+        }
+    }
+
+    /// The distribution where variations have these values.
+    ///
+    /// # Errors
+    /// If a number cannot be evaluated, or nothing can be drawn with it.
+    pub fn known(
+        &self,
+        variables: &BTreeMap<String, Value>,
+    ) -> Result<KnownDistribution<'_>, DistributionError> {
+        let number = |expression: &Expression| expression.evaluate_number(variables);
+        let ends = |low: &Expression, high: &Expression| {
+            let (low, high) = (number(low)?, number(high)?);
+            if low <= high { Ok((low, high)) } else { Err(DistributionError::Reversed) }
+        };
+        let spread = |expression: &Expression| {
+            let spread = number(expression)?;
+            if spread >= 0.0 { Ok(spread) } else { Err(DistributionError::NegativeSpread) }
+        };
+        Ok(match self {
+            Self::Uniform { low, high } => {
+                let (low, high) = ends(low, high)?;
+                KnownDistribution::Uniform { low, high }
+            }
+            Self::Normal { mean, standard_deviation } => KnownDistribution::Normal {
+                mean: number(mean)?,
+                standard_deviation: spread(standard_deviation)?,
+            },
+            Self::TruncatedNormal { mean, standard_deviation, low, high } => {
+                let (low, high) = ends(low, high)?;
+                let (mean, standard_deviation) = (number(mean)?, spread(standard_deviation)?);
+                KnownDistribution::TruncatedNormal { mean, standard_deviation, low, high }
+            }
+            Self::Choice(options) => KnownDistribution::Choice(options),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_follow_what_they_depend_on() {
+        let normal = Distribution::Normal {
+            mean: Expression::Variable("pace".into()),
+            standard_deviation: Expression::number(0.0),
+        };
+        assert_eq!(normal.variables(), ["pace"]);
+        let at = |pace| normal.known(&BTreeMap::from([("pace".to_string(), Value::Number(pace))]));
+        assert_eq!(at(2.0), Ok(KnownDistribution::Normal { mean: 2.0, standard_deviation: 0.0 }));
+        let unbound = normal.known(&BTreeMap::new()).unwrap_err();
+        assert_eq!(unbound, DistributionError::Evaluation(EvaluationError::Unbound("pace".into())));
+    }
+
+    #[test]
+    fn what_nothing_can_be_drawn_from_says_why() {
+        let nothing = BTreeMap::new();
+        let reversed = Distribution::Uniform { low: 2.0.into(), high: 1.0.into() };
+        assert_eq!(reversed.known(&nothing), Err(DistributionError::Reversed));
+        let negative = Distribution::Normal { mean: 2.0.into(), standard_deviation: (-1.0).into() };
+        assert_eq!(negative.known(&nothing), Err(DistributionError::NegativeSpread));
+        let constant = Distribution::Uniform { low: 2.0.into(), high: 2.0.into() };
+        assert!(constant.known(&nothing).is_ok());
+    }
+}

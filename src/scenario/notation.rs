@@ -1,0 +1,130 @@
+//! How a number was written: the unit to show it in again, and what to say of one that is out of range.
+
+use super::{Dimension, Origin, significant};
+
+/// A unit that somebody chose: a number `n` of it is `n * numerator / denominator` in SI units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Notation {
+    pub symbol: &'static str,
+    pub numerator: f64,
+    pub denominator: f64,
+}
+
+/// Where and in which unit a scenario says a number.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Written {
+    /// `None`: in the SI unit, or calculated from other units.
+    pub notation: Option<Notation>,
+    pub origin: Origin,
+    /// What was added to the number that was written, in SI units: half a lane for a distance from the kerb.
+    pub offset: f64,
+}
+
+/// More digits than this nobody writes; a number that has them was drawn or calculated.
+const MOST_WRITTEN_DIGITS: usize = 7;
+
+impl Notation {
+    /// The number of this unit that is `si` in SI units, up to rounding.
+    pub fn of_si(self, si: f64) -> f64 {
+        si * self.denominator / self.numerator
+    }
+
+    fn is_si(self) -> bool {
+        self.numerator == self.denominator
+    }
+}
+
+/// All digits if there are so few that somebody may have written them, else the four that matter.
+fn digits(number: f64) -> String {
+    let whole = significant(number, 12);
+    if is_short(&whole) { whole } else { significant(number, 4) }
+}
+
+fn is_short(number: &str) -> bool {
+    let mantissa = number.trim_start_matches(['-', '0', '.']);
+    mantissa.chars().filter(char::is_ascii_digit).count() <= MOST_WRITTEN_DIGITS
+}
+
+fn with_symbol(number: &str, symbol: &str) -> String {
+    if symbol.is_empty() { number.to_string() } else { format!("{number} {symbol}") }
+}
+
+/// A number in SI units as its author would write it: `-6.26 km/h`, `4 s`.
+pub fn show(si: f64, notation: Option<Notation>, dimension: Dimension) -> String {
+    match notation {
+        Some(unit) => with_symbol(&digits(unit.of_si(si)), unit.symbol),
+        None => with_symbol(&digits(si), &dimension.si_unit()),
+    }
+}
+
+/// That `what` is `found` but must lie in a range, and in which: two texts, all numbers in the unit of `notation`. Where the range has
+/// no round numbers in that unit, it is given in SI units as well.
+pub fn out_of_range(
+    what: &str,
+    found: f64,
+    (low, high): (f64, f64),
+    dimension: Dimension,
+    notation: Option<Notation>,
+) -> (String, String) {
+    let (in_unit, symbol): (Box<dyn Fn(f64) -> f64>, String) = match notation {
+        Some(unit) => (Box::new(move |si| unit.of_si(si)), unit.symbol.to_string()),
+        None => (Box::new(|si| si), dimension.si_unit()),
+    };
+    let bounds = |low: &str, high: &str, symbol: &str| match (low, high) {
+        ("", high) => format!("at most {}", with_symbol(high, symbol)),
+        (low, "") => format!("at least {}", with_symbol(low, symbol)),
+        (low, high) => with_symbol(&format!("between {low} and {high}"), symbol),
+    };
+    let is_bound = |bound: f64| bound.is_finite() && bound.abs() < 1e300;
+    let text = |bound: f64, number: f64| if is_bound(bound) { digits(number) } else { String::new() };
+    let (shown_low, shown_high) = (text(low, in_unit(low)), text(high, in_unit(high)));
+    let mut range = bounds(&shown_low, &shown_high, &symbol);
+    let is_round = |bound: f64| !is_bound(bound) || is_short(&significant(in_unit(bound), 12));
+    if notation.is_some_and(|unit| !unit.is_si()) && !(is_round(low) && is_round(high)) {
+        range += &format!(" ({})", bounds(&text(low, low), &text(high, high), &dimension.si_unit()));
+    }
+    // Rounding must not put a number onto the bound that it misses by little.
+    let number = in_unit(found);
+    let looks_outside =
+        |shown: &str| shown.parse::<f64>().is_ok_and(|shown| shown < in_unit(low) || shown > in_unit(high));
+    let shown = std::iter::once(digits(number)).chain((5..=17).map(|count| significant(number, count)));
+    let shown = shown.into_iter().find(|shown| looks_outside(shown)).unwrap_or_else(|| number.to_string());
+    (format!("{what} is {}, but must be {range}", with_symbol(&shown, &symbol)), range)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const KMH: Notation = Notation { symbol: "km/h", numerator: 5.0, denominator: 18.0 };
+    const MPH: Notation = Notation { symbol: "mph", numerator: 0.447_04, denominator: 1.0 };
+
+    #[test]
+    fn numbers_read_as_they_are_written() {
+        let speed = |si, unit| show(si, unit, Dimension::SPEED);
+        assert_eq!(speed(30.0 / 3.6, Some(KMH)), "30 km/h");
+        assert_eq!(speed(-1.739_636_827_058_043_3, Some(KMH)), "-6.263 km/h");
+        assert_eq!(speed(-1.739_636_827_058_043_3, None), "-1.74 m/s");
+        assert_eq!(show(123_456.0, None, Dimension::LENGTH), "123456 m");
+        assert_eq!(show(1.234_56, None, Dimension::NUMBER), "1.23456");
+    }
+
+    #[test]
+    fn ranges_are_in_the_unit_of_what_misses_them() {
+        let say = |found, unit| out_of_range("it", found, (0.0, 100.0), Dimension::SPEED, unit).0;
+        assert_eq!(say(400.0 / 3.6, Some(KMH)), "it is 400 km/h, but must be between 0 and 360 km/h");
+        assert_eq!(
+            say(300.0 * 0.447_04, Some(MPH)),
+            "it is 300 mph, but must be between 0 and 223.7 mph (between 0 and 100 m/s)"
+        );
+        assert_eq!(say(f64::INFINITY, None), "it is inf m/s, but must be between 0 and 100 m/s");
+        assert_eq!(say(f64::NAN, None), "it is NaN m/s, but must be between 0 and 100 m/s");
+    }
+
+    #[test]
+    fn what_misses_a_bound_by_little_is_not_rounded_onto_it() {
+        let say = |found| out_of_range("it", found, (0.0, 100.0), Dimension::SPEED, None).0;
+        assert!(say(100.000_000_4).starts_with("it is 100.0000004 m/s"), "{}", say(100.000_000_4));
+        assert!(say(-1e-16).starts_with("it is -0.0000000000000001"), "{}", say(-1e-16));
+    }
+}

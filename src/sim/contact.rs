@@ -1,0 +1,170 @@
+//! Who touches whom: every two bodies of a world, and the moments within a step at which their footprints touch.
+
+use nalgebra::Vector2;
+
+use super::geometry::Footprint;
+use super::state::{Snapshot, velocity_inside};
+use crate::scenario::{Body, World};
+
+/// A body by its index among its kind.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Solid {
+    Vehicle(usize),
+    Pedestrian(usize),
+    /// Of the road, such as a parked vehicle.
+    Box(usize),
+}
+
+impl Solid {
+    /// Its name in the scenario.
+    pub fn name(self, world: &World) -> &str {
+        match self {
+            Self::Vehicle(index) => &world.vehicles[index].name,
+            Self::Pedestrian(index) => &world.pedestrians[index].name,
+            Self::Box(index) => &world.road.boxes[index].name,
+        }
+    }
+
+    /// Its outline, if it is there.
+    pub(super) fn footprint(self, state: &Snapshot, boxes: &[Body]) -> Option<Footprint> {
+        match self {
+            Self::Vehicle(index) => Some((&state.vehicles[index]).into()),
+            Self::Pedestrian(index) => {
+                let person = &state.pedestrians[index];
+                person.present.then(|| person.into())
+            }
+            Self::Box(index) => Some((&boxes[index]).into()),
+        }
+    }
+}
+
+/// Two footprints that touch during a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Touch {
+    /// A vehicle, if one of them is.
+    pub first: Solid,
+    pub second: Solid,
+    /// From the beginning of the step to their first touch in it, s.
+    pub moment: f64,
+    /// Length of the difference of their velocities then, m/s.
+    pub relative_speed: f64,
+    /// Whether they did not touch in the step before.
+    pub begins: bool,
+}
+
+impl Touch {
+    /// Whether it is a collision: of a vehicle, with anything.
+    pub fn is_collision(&self) -> bool {
+        matches!(self.first, Solid::Vehicle(_))
+    }
+}
+
+/// Finds the contacts of a run, step by step.
+#[derive(Debug, Clone)]
+pub struct Contacts {
+    boxes: Vec<Body>,
+    /// Two bodies, the vehicle first, and whether they touched in the last step.
+    pairs: Vec<(Solid, Solid, bool)>,
+    found: Vec<Touch>,
+}
+
+/// Leaves room for rounding where bodies are too far apart to touch, m.
+const SLACK: f64 = 1e-6;
+
+impl Contacts {
+    pub fn new(world: &World) -> Self {
+        let pairs: Vec<_> = pairs(world).map(|(first, second)| (first, second, false)).collect();
+        let found = Vec::with_capacity(pairs.len().min(64));
+        Self { boxes: world.road.boxes.clone(), pairs, found }
+    }
+
+    /// Follows a step of `duration` s in which everybody moves evenly from one state to the next. Only those who are
+    /// there at its beginning touch anything.
+    pub fn find(&mut self, before: &Snapshot, after: &Snapshot, duration: f64) -> &[Touch] {
+        self.found.clear();
+        for (first, second, touching) in &mut self.pairs {
+            let moment = touch(*first, *second, before, after, &self.boxes, duration);
+            if let Some(moment) = moment {
+                let part = moment / duration;
+                let velocity = |solid| velocity(solid, before, after, duration, part);
+                self.found.push(Touch {
+                    first: *first,
+                    second: *second,
+                    moment,
+                    relative_speed: (velocity(*second) - velocity(*first)).norm(),
+                    begins: !*touching,
+                });
+            }
+            *touching = moment.is_some();
+        }
+        &self.found
+    }
+
+    /// Those of the last step.
+    pub fn found(&self) -> &[Touch] {
+        &self.found
+    }
+
+    /// When a vehicle first touches anything in the last step, s after its beginning.
+    pub fn collision(&self) -> Option<f64> {
+        self.found.iter().filter(|touch| touch.is_collision()).map(|touch| touch.moment).reduce(f64::min)
+    }
+
+    /// Forgets what of the last step is later than a moment in it, as it does not happen.
+    pub fn end_at(&mut self, moment: f64) {
+        self.found.retain(|touch| touch.moment <= moment);
+    }
+}
+
+/// Every two bodies of which one may move, vehicles with pedestrians first.
+pub(super) fn pairs(world: &World) -> impl Iterator<Item = (Solid, Solid)> {
+    let (cars, people, boxes) = (world.vehicles.len(), world.pedestrians.len(), world.road.boxes.len());
+    let with = |first: fn(usize) -> Solid, count: usize, second: fn(usize) -> Solid, others: usize| {
+        (0..count).flat_map(move |one| (0..others).map(move |other| (first(one), second(other))))
+    };
+    let among = |kind: fn(usize) -> Solid, count: usize| {
+        (0..count).flat_map(move |one| (one + 1..count).map(move |other| (kind(one), kind(other))))
+    };
+    with(Solid::Vehicle, cars, Solid::Pedestrian, people)
+        .chain(among(Solid::Vehicle, cars))
+        .chain(with(Solid::Vehicle, cars, Solid::Box, boxes))
+        .chain(with(Solid::Pedestrian, people, Solid::Box, boxes))
+        .chain(among(Solid::Pedestrian, people))
+}
+
+fn touch(
+    first: Solid,
+    second: Solid,
+    before: &Snapshot,
+    after: &Snapshot,
+    boxes: &[Body],
+    duration: f64,
+) -> Option<f64> {
+    let (one, other) = (first.footprint(before, boxes)?, second.footprint(before, boxes)?);
+    let moved = movement(second, before, after) - movement(first, before, after);
+    let near = one.radius() + other.radius() + moved.norm() + SLACK;
+    if (other.centre - one.centre).norm() > near {
+        return None;
+    }
+    one.first_contact(&other, moved / duration).filter(|moment| *moment <= duration)
+}
+
+fn movement(solid: Solid, before: &Snapshot, after: &Snapshot) -> Vector2<f64> {
+    match solid {
+        Solid::Vehicle(index) => after.vehicles[index].position() - before.vehicles[index].position(),
+        Solid::Pedestrian(index) => after.pedestrians[index].position - before.pedestrians[index].position,
+        Solid::Box(_) => Vector2::zeros(),
+    }
+}
+
+fn velocity(solid: Solid, before: &Snapshot, after: &Snapshot, duration: f64, part: f64) -> Vector2<f64> {
+    match solid {
+        Solid::Vehicle(index) => {
+            before.vehicles[index].velocity().lerp(&after.vehicles[index].velocity(), part)
+        }
+        Solid::Pedestrian(index) => {
+            velocity_inside(duration, &before.pedestrians[index], &after.pedestrians[index], part)
+        }
+        Solid::Box(_) => Vector2::zeros(),
+    }
+}

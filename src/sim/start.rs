@@ -1,0 +1,146 @@
+//! What is wrong with a world before anything moves: bodies inside each other, lanes that a box blocks.
+
+use nalgebra::Vector2;
+
+use super::contact::{Solid, pairs};
+use super::geometry::Footprint;
+use super::state::{Longitudinal, Snapshot};
+use super::world::{placed, waiting_outside, way};
+use crate::scenario::{Appearance, World};
+
+/// Bodies that only touch are beside each other, m.
+const TOUCHING: f64 = 1e-6;
+
+/// Every two bodies that are inside each other where they begin: vehicles at the speed that they are given, pedestrians as
+/// they appear. Those who appear at different times, or when a vehicle is somewhere, are left to the run.
+pub fn overlaps(world: &World) -> Vec<(Solid, Solid)> {
+    let state = beginning(world);
+    let together = |first, second| match (first, second) {
+        (Solid::Pedestrian(one), Solid::Pedestrian(other)) => {
+            let appearance =
+                |index: usize| (world.pedestrians[index].appears, world.pedestrians[index].start.x);
+            let at_once = |index: usize| matches!(appearance(index).0, Appearance::At(time) if time <= 0.0);
+            appearance(one) == appearance(other) || (at_once(one) && at_once(other))
+        }
+        (Solid::Vehicle(_), Solid::Pedestrian(index)) => {
+            matches!(world.pedestrians[index].appears, Appearance::At(time) if time <= 0.0)
+        }
+        _ => true,
+    };
+    let overlap = |(first, second): &(Solid, Solid)| {
+        let outline = |solid: Solid| Some(solid.footprint(&state, &world.road.boxes)?.shrunk(TOUCHING / 2.0));
+        let both = outline(*first).zip(outline(*second));
+        both.is_some_and(|(one, other)| one.first_contact(&other, Vector2::zeros()).is_some())
+    };
+    pairs(world).filter(|(first, second)| together(*first, *second)).filter(overlap).collect()
+}
+
+/// Every vehicle with every box that stands in its way to the finish line, and the way to it from the vehicle's centre, m.
+pub fn blocked_lanes(world: &World) -> Vec<(usize, usize, f64)> {
+    let state = beginning(world);
+    let mut blocked = Vec::new();
+    for (vehicle, car) in state.vehicles.iter().enumerate() {
+        for (index, body) in world.road.boxes.iter().enumerate() {
+            let apart = (body.y - car.lane_centre).abs() - (body.width + car.width) / 2.0;
+            let centre = car.direction.sign() * body.x;
+            let (from, to) = (centre - body.length / 2.0, centre + body.length / 2.0);
+            let ahead = to > car.motion.travelled && from < world.finish + car.length / 2.0;
+            if apart < -TOUCHING && ahead {
+                blocked.push((vehicle, index, from - car.motion.travelled));
+            }
+        }
+    }
+    blocked
+}
+
+/// Everybody where they begin.
+fn beginning(world: &World) -> Snapshot {
+    let cars = world.vehicles.iter().map(|setup| {
+        placed(world, setup, Longitudinal { travelled: 0.0, speed: setup.speed, acceleration: 0.0 })
+    });
+    let ways: Vec<_> = world.pedestrians.iter().map(way).collect();
+    let mut people: Vec<_> = world.pedestrians.iter().zip(&ways).map(waiting_outside).collect();
+    people.iter_mut().for_each(|person| person.present = true);
+    Snapshot { vehicles: cars.collect(), pedestrians: people }
+}
+
+/// Whether two who both move on as they do now will touch, and after which time, s.
+pub fn collision_course(first: Solid, second: Solid, state: &Snapshot, world: &World) -> Option<f64> {
+    let boxes = &world.road.boxes;
+    let (one, other) = (first.footprint(state, boxes)?, second.footprint(state, boxes)?);
+    let velocity = |solid| match solid {
+        Solid::Vehicle(index) => state.vehicles[index].velocity(),
+        Solid::Pedestrian(index) => state.pedestrians[index].velocity,
+        Solid::Box(_) => Vector2::zeros(),
+    };
+    Footprint::first_contact(&one, &other, velocity(second) - velocity(first))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenario::{Body, VehicleStart};
+    use crate::sim::fixture;
+
+    fn van(x: f64, y: f64) -> Body {
+        Body { name: "van".into(), x, y, length: 5.0, width: 2.0 }
+    }
+
+    fn found(change: impl FnOnce(&mut World)) -> Vec<(Solid, Solid)> {
+        let mut world = fixture::world();
+        change(&mut world);
+        overlaps(&world)
+    }
+
+    #[test]
+    fn whoever_starts_inside_something_is_found() {
+        let (car, walker) = (Solid::Vehicle(0), Solid::Pedestrian(0));
+        assert_eq!(found(|_| {}), []);
+        assert_eq!(found(|world| world.road.boxes = vec![van(0.0, -4.0)]), [(walker, Solid::Box(0))]);
+        assert_eq!(found(|world| world.road.boxes = vec![van(-98.0, 1.9)]), [(car, Solid::Box(0))]);
+        let in_the_car = |world: &mut World| world.pedestrians[0].start.y = 0.0;
+        let near = |world: &mut World| world.vehicles[0].start = VehicleStart::Distance(1.0);
+        assert_eq!(found(|world| (in_the_car(world), near(world)).1), [(car, walker)]);
+        // Where the vehicle will be when somebody appears is not known before.
+        assert_eq!(
+            found(|world| {
+                in_the_car(world);
+                near(world);
+                world.pedestrians[0].appears = Appearance::At(1.0);
+            }),
+            []
+        );
+        let twins = |world: &mut World, later: f64| {
+            let mut other = world.pedestrians[0].clone();
+            (other.name, other.appears) = ("other".into(), Appearance::At(later));
+            world.pedestrians.push(other);
+        };
+        assert_eq!(found(|world| twins(world, 0.0)), [(walker, Solid::Pedestrian(1))]);
+        assert_eq!(found(|world| twins(world, 1.0)), []);
+        let second = |place: f64| {
+            move |world: &mut World| {
+                let mut other = world.vehicles[0].clone();
+                (other.name, other.start) = ("other".into(), VehicleStart::Distance(place));
+                world.vehicles.push(other);
+            }
+        };
+        assert_eq!(found(second(97.0)), [(car, Solid::Vehicle(1))]);
+        // Bumper to bumper is no overlap.
+        assert_eq!(found(second(96.0)), []);
+    }
+
+    #[test]
+    fn a_box_in_the_lane_blocks_it_from_the_start_to_the_finish() {
+        let blocked = |x: f64, y: f64| {
+            let mut world = fixture::world();
+            world.road.boxes = vec![van(x, y)];
+            blocked_lanes(&world)
+        };
+        assert_eq!(blocked(0.0, 0.0), [(0, 0, 97.5)]);
+        assert_eq!(blocked(0.0, 1.99).len(), 1);
+        assert_eq!(blocked(0.0, 2.0), []);
+        assert_eq!(blocked(0.0, -2.9), []);
+        assert_eq!(blocked(-110.0, 0.0), []);
+        assert_eq!(blocked(30.0, 0.0), []);
+    }
+}

@@ -1,0 +1,138 @@
+//! Panics, as a user meets them: in a run they are an error of its trial, elsewhere a bug with an exit code of its own.
+
+use std::path::Path;
+use std::process::Command;
+
+use scenario_runner::cli::{Exit, guarded};
+use scenario_runner::dispatch::{Orders, Prepared, Workshop, dispatch, units};
+use scenario_runner::lang;
+use scenario_runner::plan::plan;
+use scenario_runner::report::{Event, Reporter, TrialState};
+use scenario_runner::run::{FreeFlows, Requests, Stop, note_places, run_case};
+use scenario_runner::sim::{Observer, Step};
+
+/// Set for a process that is to panic, to what in.
+const WHERE: &str = "SCENARIO_RUNNER_TEST_PANIC";
+
+fn prepared() -> [Prepared; 1] {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("suites/zebra_unsafe.suite");
+    let suite = lang::load(&path).unwrap_or_else(|_| panic!("{} is a suite", path.display())).suite;
+    let plan = plan(&suite).unwrap();
+    [Prepared { file: "zebra_unsafe.suite".into(), suite, plan, recorded: Vec::new() }]
+}
+
+struct Deaf;
+
+impl Reporter for Deaf {
+    fn tell(&mut self, _: &Event) {}
+}
+
+/// Panics when the first unit has finished.
+struct Startled;
+
+impl Reporter for Startled {
+    fn tell(&mut self, event: &Event) {
+        assert!(!matches!(event, Event::Finished { .. }), "told too much");
+    }
+}
+
+fn run_all(reporter: &mut dyn Reporter, workshop: &Workshop) -> Vec<(String, TrialState)> {
+    let units = units(workshop.suites());
+    let chosen = vec![true; units.len()];
+    let orders = Orders { chosen: &chosen, first: &[], threads: 2, max_failures: None };
+    let mut reports = dispatch(workshop, &units, &orders, reporter);
+    reports.remove(0).trials.into_iter().map(|one| (one.trial.key.clone(), one.state)).collect()
+}
+
+struct Panicking;
+
+impl Observer for Panicking {
+    fn observe(&mut self, _: &Step) {
+        panic!("this step is one too many");
+    }
+}
+
+/// What the process does that is to panic.
+fn panicking(place: &str) -> Exit {
+    let suites = prepared();
+    match place {
+        "nowhere" => return Exit::Regressed,
+        "outside" => panic!("nobody expected this"),
+        "run" => {
+            let case = &suites[0].plan.trials[0].cases[0];
+            drop(run_case(case, &Requests::defaults(), &FreeFlows::default(), &mut Panicking));
+        }
+        "reporter" => drop(run_all(&mut Startled, &Workshop::new(&suites, None, &Stop::default()))),
+        other => panic!("there is no place called {other}"),
+    }
+    Exit::Success
+}
+
+/// Not a test by itself: what the others start as a process of its own.
+#[test]
+fn child() {
+    let Ok(place) = std::env::var(WHERE) else { return };
+    note_places();
+    std::process::exit(guarded(|| panicking(&place)) as i32)
+}
+
+/// Exit code and standard error of a process that panics there.
+fn process(place: &str) -> (Option<i32>, String) {
+    let this = std::env::current_exe().unwrap();
+    let output = Command::new(this)
+        .args(["--exact", "child", "--nocapture"])
+        .env(WHERE, place)
+        .env_remove("RUST_BACKTRACE")
+        .output()
+        .unwrap();
+    (output.status.code(), String::from_utf8(output.stderr).unwrap())
+}
+
+#[test]
+fn a_panic_outside_of_runs_is_a_bug_with_a_code_of_its_own() {
+    assert_eq!(process("nowhere").0, Some(104));
+    let (code, text) = process("outside");
+    assert_eq!(code, Some(120), "{text}");
+    let version = env!("CARGO_PKG_VERSION");
+    assert!(text.contains(&format!("error: scenario-runner {version} panicked at tests/bugs.rs:")), "{text}");
+    assert!(text.contains("nobody expected this; this is a bug of scenario-runner"), "{text}");
+    // The program's own words only, not those of the language's runtime.
+    assert!(!text.contains("RUST_BACKTRACE"), "{text}");
+}
+
+#[test]
+fn it_names_the_run_in_which_it_happened() {
+    let (code, text) = process("run");
+    assert_eq!(code, Some(120), "{text}");
+    let key = &prepared()[0].plan.trials[0].cases[0].key;
+    assert!(text.contains(&format!("error: {key}: scenario-runner ")), "{text}");
+    assert!(text.contains("this step is one too many"), "{text}");
+}
+
+#[test]
+fn a_panic_while_others_run_ends_the_program_instead_of_hanging() {
+    let (code, text) = process("reporter");
+    assert_eq!(code, Some(120), "{text}");
+    assert!(text.contains("told too much"), "{text}");
+}
+
+#[test]
+fn a_panic_in_a_trial_is_an_error_of_it_and_the_others_finish() {
+    let suites = prepared();
+    let broken = &suites[0].plan.trials[0].key;
+    let watch = |case: &scenario_runner::scenario::Case, _: &_| {
+        assert!(!case.key.starts_with(broken.as_str()), "watched too closely");
+    };
+    let stop = Stop::default();
+    let workshop = Workshop::new(&suites, None, &stop).watched_by(&watch);
+    for (key, state) in run_all(&mut Deaf, &workshop) {
+        match state {
+            TrialState::Errored(message) if key == *broken => {
+                assert!(message.starts_with(&format!("{key}: scenario-runner ")), "{message}");
+                assert!(message.contains("watched too closely"), "{message}");
+            }
+            TrialState::Judged(_) if key != *broken => {}
+            other => panic!("{key}: {other:?}"),
+        }
+    }
+}

@@ -1,0 +1,354 @@
+//! What does not matter changes nothing: road users among several others, over all models of pedestrians and all controllers.
+//!
+//! A vehicle that is far, past or parked, somebody far down the road, twins, the order of declaration; and what a
+//! COMMOTIONS road user makes of several others at once.
+
+mod support;
+
+use proptest::prelude::*;
+use rayon::prelude::*;
+use scenario_runner::pedestrian;
+use scenario_runner::scenario::{Settings, Value, VehicleSetup, VehicleStart, World};
+use support::street::{self, Course, car, controller, model, person, run, street};
+
+/// 30 km/h
+const SPEED: f64 = 30.0 / 3.6;
+
+/// Every pedestrian model, with what it needs to decide on vehicles.
+fn pedestrians() -> Vec<(&'static str, Settings)> {
+    let mut all: Vec<_> = pedestrian::MODELS.iter().map(|model| model.declaration.name).collect();
+    all.extend(["jaywalker dash", "jaywalker yang", "jaywalker brewer"]);
+    all.into_iter().map(|name| (name.split(' ').next().unwrap(), settings_of(name))).collect()
+}
+
+fn settings_of(name: &str) -> Settings {
+    let word = |word: &str| Value::Word(word.into());
+    match name {
+        "timeline" => Settings::from([
+            ("steps", word("when time_to_arrival < t1 stop; after t2 resume")),
+            ("t1", Value::Number(5.0)),
+            ("t2", Value::Number(3.0)),
+        ]),
+        "jaywalker dash" => Settings::from([("tactic", word("dash"))]),
+        "jaywalker yang" => Settings::from([("oncoming", word("yang"))]),
+        "jaywalker brewer" => Settings::from([("gap_model", word("brewer")), ("risk", word("normal"))]),
+        "commotions" => person(500),
+        _ => Settings::default(),
+    }
+}
+
+/// Every controller, with what it needs.
+fn controllers() -> Vec<(&'static str, Settings)> {
+    let all = scenario_runner::vehicle::CONTROLLERS.iter().map(|model| model.declaration.name);
+    let settings = |name: &str| match name {
+        "timeline" => Settings::from([
+            ("steps", Value::Word("at t1 speed v1".into())),
+            ("t1", Value::Number(2.0)),
+            ("v1", Value::Number(6.0)),
+        ]),
+        // Otherwise, as CARLA does, it looks at the first of its list alone.
+        "carla_behavior" => Settings::from([("obstacle_distance", Value::Word("clean".into()))]),
+        "constant_deceleration" => Settings::from([("distance", Value::Number(20.0))]),
+        _ => Settings::default(),
+    };
+    all.map(|name| (name, settings(name))).collect()
+}
+
+/// Where along the road somebody walks (m), how fast (m/s), after how long (s), and whether from the near side.
+type Stroll = (f64, f64, f64, bool);
+
+/// A walker of this model and one vehicle at constant speed, with others besides.
+fn walk(name: &str, settings: &Settings, tta: f64, others: Vec<VehicleSetup>) -> World {
+    let mut cars = vec![car("av", 0, SPEED, at(tta * SPEED))];
+    cars.extend(others);
+    street(SPEED, cars, vec![street::walker("walker", model(name, settings), -4.0, 8.0)])
+}
+
+fn at(distance: f64) -> VehicleStart {
+    VehicleStart::Distance(distance)
+}
+
+/// Whether `who` went the same way, bit for bit, as long as both runs lasted.
+fn same_bits(one: &Course, other: &Course, who: &str) -> bool {
+    one.points(who)
+        .zip(other.points(who))
+        .all(|(one, other)| one.map(f64::to_bits) == other.map(f64::to_bits))
+}
+
+/// The largest difference of where `who` was (m), as long as both runs lasted.
+fn apart(one: &Course, other: &Course, who: &str) -> f64 {
+    let distance =
+        |(one, other): ([f64; 2], [f64; 2])| (one[0] - other[0]).abs().max((one[1] - other[1]).abs());
+    one.points(who).zip(other.points(who)).map(distance).fold(0.0, f64::max)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(12))]
+
+    #[test]
+    fn a_vehicle_that_is_past_and_drives_off_changes_not_one_bit(
+        tta in 2.0..16.0, seed: u64, lane in 0usize..2, behind in 20.0..200.0f64, first: bool,
+    ) {
+        for (name, settings) in pedestrians() {
+            let alone = run(&walk(name, &settings, tta, vec![]), seed);
+            let mut world = walk(name, &settings, tta, vec![car("past", lane, SPEED, at(-behind))]);
+            if first {
+                world.vehicles.reverse();
+            }
+            let among = run(&world, seed);
+            if name == "social_force" {
+                // Its force reaches everywhere, by exp(-distance / 1 m).
+                prop_assert!(apart(&alone, &among, "walker") < 1e-5, "{}", apart(&alone, &among, "walker"));
+            } else {
+                prop_assert!(same_bits(&alone, &among, "walker"), "{name} {settings:?}");
+            }
+        }
+    }
+
+    /// Until the vehicle is past; then the jaywalker, who looks for one to meet, looks at the next.
+    #[test]
+    fn a_vehicle_that_is_far_changes_nothing(tta in 2.0..16.0, seed: u64, lane in 0usize..2) {
+        for (name, settings) in pedestrians().into_iter().filter(|(name, _)| *name != "commotions") {
+            let mut world = walk(name, &settings, tta, vec![]);
+            world.horizon = tta - 0.05;
+            let alone = run(&world, seed);
+            world.vehicles.push(car("far", lane, SPEED, at(1200.0)));
+            prop_assert!(same_bits(&alone, &run(&world, seed), "walker"), "{name} {settings:?}");
+        }
+    }
+
+    #[test]
+    fn a_vehicle_parked_down_the_road_changes_nothing(
+        tta in 2.0..16.0, seed: u64, lane in 0usize..2, place in 40.0..100.0,
+    ) {
+        for (name, settings) in pedestrians() {
+            let mut world = walk(name, &settings, tta, vec![]);
+            world.horizon = tta - 0.05;
+            let alone = run(&world, seed);
+            world.vehicles.push(car("parked", lane, 0.0, at(place)));
+            let among = run(&world, seed);
+            let same = same_bits(&alone, &among, "walker");
+            prop_assert!(same || name == "social_force" && apart(&alone, &among, "walker") < 1e-5, "{name} {settings:?}");
+        }
+    }
+
+    #[test]
+    fn the_order_in_which_vehicles_are_declared_changes_no_bit(
+        seed: u64,
+        cars in prop::collection::vec(
+            (0usize..2, prop_oneof![Just(0.0), 4.0..14.0], prop_oneof![Just(45.0), Just(60.0), -20.0..120.0]), 2..5,
+        ).prop_flat_map(|cars| {
+            let named: Vec<_> = cars.into_iter().enumerate().collect();
+            (Just(named.clone()), Just(named).prop_shuffle())
+        }),
+    ) {
+        for (name, settings) in pedestrians() {
+            let among = |cars: &[(usize, (usize, f64, f64))]| {
+                let cars = cars.iter().map(|&(k, (lane, speed, place))| car(&format!("car{k}"), lane, speed, at(place)));
+                let walkers = vec![street::walker("walker", model(name, &settings), -4.0, 8.0)];
+                run(&street(SPEED, cars.collect(), walkers), seed)
+            };
+            prop_assert!(same_bits(&among(&cars.0), &among(&cars.1), "walker"), "{name} {settings:?}");
+        }
+    }
+
+    #[test]
+    fn two_equal_vehicles_are_as_one(tta in 2.0..16.0, seed: u64) {
+        // The social force adds up, as forces do.
+        for (name, settings) in pedestrians().into_iter().filter(|(name, s)| {
+            *name != "social_force" && !s.0.contains_key("oncoming")
+        }) {
+            let alone = run(&walk(name, &settings, tta, vec![]), seed);
+            let twin = vec![car("twin", 0, SPEED, at(tta * SPEED))];
+            prop_assert!(same_bits(&alone, &run(&walk(name, &settings, tta, twin), seed), "walker"), "{name}");
+        }
+    }
+
+    #[test]
+    fn somebody_far_down_the_road_changes_nothing(
+        tta in 3.0..10.0, seed: u64, place in prop_oneof![Just(1200.0), -1200.0..-150.0], first: bool,
+    ) {
+        for (name, settings) in controllers() {
+            let world = |someone: bool| {
+                let mut people = vec![street::walker("walker", model("scripted", &Settings::default()), -4.0, 8.0)];
+                if someone {
+                    let mut far = street::walker("far", model("scripted", &Settings::default()), -4.0, 8.0);
+                    (far.start.x, far.goal.x) = (place, place);
+                    people.push(far);
+                }
+                if first {
+                    people.reverse();
+                }
+                let mut av = car("av", 0, SPEED, at(tta * SPEED));
+                av.controller = controller(name, &settings);
+                av.dynamics = street::dynamics_of(name);
+                let mut world = street(SPEED, vec![av], people);
+                world.horizon = 15.0;
+                world
+            };
+            let (alone, among) = (run(&world(false), seed), run(&world(true), seed));
+            // People far ahead are people to a COMMOTIONS driver, who is asked about them below.
+            if name != "commotions" || place < 0.0 {
+                prop_assert!(same_bits(&alone, &among, "av"), "{name} {:.3}", apart(&alone, &among, "av"));
+            }
+        }
+    }
+
+    #[test]
+    fn the_order_in_which_pedestrians_are_declared_changes_no_bit(
+        tta in 3.0..10.0,
+        seed: u64,
+        people in prop::collection::vec((-3.0..3.0f64, 0.5..2.0f64, 0.0..6.0f64, any::<bool>()), 2..5)
+            .prop_flat_map(|people| {
+                let named: Vec<_> = people.into_iter().enumerate().collect();
+                (Just(named.clone()), Just(named).prop_shuffle())
+            }),
+    ) {
+        for (name, settings) in controllers() {
+            let among = |people: &[(usize, Stroll)]| {
+                let walkers = people.iter().map(|&(k, (x, speed, delay, near))| {
+                    let settings = Settings::from([("speed", Value::Number(speed)), ("delay", Value::Number(delay))]);
+                    let (from, to) = if near { (-4.0, 8.0) } else { (8.0, -4.0) };
+                    let mut walker = street::walker(&format!("walker{k}"), model("scripted", &settings), from, to);
+                    (walker.start.x, walker.goal.x) = (x, x);
+                    walker
+                });
+                let mut av = car("av", 0, SPEED, at(tta * SPEED));
+                av.controller = controller(name, &settings);
+                av.dynamics = street::dynamics_of(name);
+                let mut world = street(SPEED, vec![av], walkers.collect());
+                world.horizon = 20.0;
+                run(&world, seed)
+            };
+            prop_assert!(same_bits(&among(&people.0), &among(&people.1), "av"), "{name}");
+        }
+    }
+}
+
+/// Mean and standard error.
+fn mean(values: &[f64]) -> (f64, f64) {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    (mean, (values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0) / n).sqrt())
+}
+
+/// Whether paired values differ by nothing beyond three standard errors.
+fn assert_no_difference(what: &str, of: impl Fn(&Course) -> f64, alone: &[Course], among: &[Course]) {
+    let differences: Vec<f64> = alone.iter().zip(among).map(|(one, other)| of(other) - of(one)).collect();
+    let (mean, error) = mean(&differences);
+    println!("{what}: {mean:+.4} ± {error:.4}");
+    assert!(mean.abs() <= 3.0 * error, "{what}: {mean} ± {error}");
+}
+
+/// Runs of the individuals of `standard`, one each.
+fn runs(count: usize, world: impl Fn(Settings) -> World + Sync) -> Vec<Course> {
+    (0..count).into_par_iter().map(|k| run(&world(person(1 + k * 1000 / count)), 1000 + k as u64)).collect()
+}
+
+#[test]
+fn for_a_commotions_pedestrian_what_does_not_matter_changes_no_share() {
+    let among = |others: &[VehicleSetup]| {
+        runs(2000, |person| {
+            let mut world = walk("commotions", &person, 8.0, others.to_vec());
+            world.horizon = 20.0;
+            world
+        })
+    };
+    let alone = among(&[]);
+    let first = |course: &Course| f64::from(u8::from(course.first));
+    let (share, _) = mean(&alone.iter().map(first).collect::<Vec<_>>());
+    // Something is at stake: some go first and some do not.
+    assert!((0.5..0.95).contains(&share), "{share}");
+    for (what, other) in [
+        ("far", car("far", 1, SPEED, at(1200.0))),
+        ("parked beside the crossing", car("parked", 1, 0.0, at(7.0))),
+        ("leaving", car("leaving", 1, SPEED, at(3.0))),
+    ] {
+        let among = among(&[other]);
+        assert_no_difference(&format!("{what}: share first"), first, &alone, &among);
+        assert_no_difference(&format!("{what}: across"), |c| c.across.unwrap_or(20.0), &alone, &among);
+        assert_no_difference(&format!("{what}: contacts"), |c| f64::from(u8::from(c.hit)), &alone, &among);
+    }
+}
+
+/// Cars that do not react, so that contacts show what people overlook; the first is 6 s away.
+#[test]
+fn few_people_overlook_a_car_in_a_queue_and_whom_one_car_does_not_stop_gets_across() {
+    let before = |cars: i32, headway: f64| {
+        runs(600, move |person| {
+            let car = |k: i32| car(&format!("car{k}"), 0, SPEED, at(SPEED * (6.0 + headway * f64::from(k))));
+            let walker = street::walker("walker", model("commotions", &person), -4.0, 4.0);
+            let mut world = street(SPEED, (0..cars).map(car).collect(), vec![walker]);
+            world.horizon = 80.0;
+            world
+        })
+    };
+    let stays = |course: &Course| course.across.is_none();
+    // Three of them never start once one car has passed: that is the published model's.
+    let one = before(1, 0.0);
+    for (headway, most) in [(2.5, 6), (6.0, 0)] {
+        let queue = before(10, headway);
+        let hit = queue.iter().filter(|course| course.hit).count();
+        let waited = queue.iter().filter(|course| !course.first).count();
+        let stay = queue.iter().filter(|course| stays(course)).count();
+        println!("{headway} s: {hit} contacts, {waited} of 600 did not go first, {stay} stay");
+        assert!(hit <= most && waited > 100, "{hit} contacts at {headway} s");
+        assert!(one.iter().zip(&queue).all(|(one, queue)| stays(one) || !stays(queue)), "at {headway} s");
+    }
+}
+
+#[test]
+fn nobody_freezes_before_a_queue_that_gives_way() {
+    let before = |cars: i32| {
+        (0..200).into_par_iter().map(move |k| {
+            let car = |n: i32| car(&format!("car{n}"), 0, SPEED, at(SPEED * (5.0 + 3.0 * f64::from(n))));
+            let walker = street::walker("walker", model("commotions", &person(1 + 5 * k)), -4.0, 4.0);
+            let mut world = street(SPEED, (0..cars).map(car).collect(), vec![walker]);
+            world.horizon = 120.0;
+            street::run_before_giving_way(&world, k as u64)
+        })
+    };
+    let one: Vec<_> = before(1).collect();
+    let queue: Vec<_> = before(10).collect();
+    assert!(queue.iter().all(|course| course.across.is_some() && !course.hit));
+    // Who stops behind the first changes nothing at all.
+    assert!(one.iter().zip(&queue).all(|(one, queue)| one.across == queue.across));
+}
+
+#[test]
+fn a_commotions_driver_minds_those_who_matter_and_nobody_else() {
+    let scripted = |speed: f64, delay: f64| {
+        model("scripted", &Settings::from([("speed", Value::Number(speed)), ("delay", Value::Number(delay))]))
+    };
+    let drive = |others: &[(f64, f64, f64, f64)]| {
+        runs(400, |driver| {
+            let person = |(k, &(delay, x, from, to)): (usize, &(f64, f64, f64, f64))| {
+                let mut walker = street::walker(&format!("walker{k}"), scripted(1.3, delay), from, to);
+                (walker.start.x, walker.goal.x) = (x, x);
+                walker
+            };
+            let mut people = vec![street::walker("walker", scripted(1.3, 0.5), -4.0, 8.0)];
+            people.extend(others.iter().enumerate().map(person));
+            let mut av = car("av", 0, SPEED, at(6.0 * SPEED));
+            av.controller = controller("commotions", &driver);
+            let mut world = street(SPEED, vec![av], people);
+            world.road.crossing.kind = scenario_runner::scenario::CrossingKind::Unmarked;
+            world.horizon = 30.0;
+            world
+        })
+    };
+    let alone = drive(&[]);
+    let passed = |course: &Course| course.passed.unwrap_or(30.0);
+    let (mean, error) = mean(&alone.iter().map(passed).collect::<Vec<_>>());
+    println!("alone, passed after {mean:.3} ± {error:.3} s");
+    // One who was there before, a twin at the same place: not one bit.
+    for other in [(0.5, -120.0, -4.0, 8.0), (0.5, 0.0, -4.0, 8.0)] {
+        let among = drive(&[other]);
+        assert!(alone.iter().zip(&among).all(|(one, other)| same_bits(one, other, "av")), "{other:?}");
+    }
+    for (what, other) in [("far ahead", (0.5, 1200.0, -4.0, 8.0)), ("walking away", (0.0, 0.0, 6.0, 30.0))] {
+        let among = drive(&[other]);
+        assert_no_difference(&format!("{what}: passed"), passed, &alone, &among);
+        assert_no_difference(&format!("{what}: contacts"), |c| f64::from(u8::from(c.hit)), &alone, &among);
+    }
+}

@@ -1,0 +1,180 @@
+//! A street of two lanes in the same direction, with any number of vehicles and pedestrians, and what came of a run on it.
+
+use std::sync::LazyLock;
+
+use scenario_runner::pedestrian::{self, population::Population};
+use scenario_runner::run::road_users;
+use scenario_runner::scenario::{
+    Appearance, Direction, ModelSetup, PedestrianSetup, Position, Road, Settings, Shape, Side, VehicleSetup,
+    VehicleStart, World,
+};
+use scenario_runner::sim::{
+    Command, Controller, Observation, Observer, RoadUsers, Schedule, Step, geometry, simulate,
+};
+use scenario_runner::vehicle;
+
+/// A zebra over two lanes of 4 m, both along +x, kerbs at -2 m and 6 m; runs go on after a contact.
+pub fn street(speed: f64, vehicles: Vec<VehicleSetup>, pedestrians: Vec<PedestrianSetup>) -> World {
+    World {
+        road: Road::zebra(&[Direction::Forward, Direction::Forward], speed),
+        vehicles,
+        pedestrians,
+        step: 0.025,
+        horizon: 25.0,
+        finish: 20.0,
+        end_on_collision: false,
+    }
+}
+
+/// A vehicle at constant speed.
+pub fn car(name: &str, lane: usize, speed: f64, start: VehicleStart) -> VehicleSetup {
+    VehicleSetup {
+        name: name.into(),
+        controller: controller("constant_speed", &Settings::default()),
+        dynamics: dynamics_of("constant_speed"),
+        length: 4.2,
+        width: 1.8,
+        lane,
+        speed,
+        start,
+        sees: None,
+    }
+}
+
+pub fn controller(name: &str, settings: &Settings) -> ModelSetup {
+    let declared = &vehicle::controller(name).expect("a controller").declaration;
+    ModelSetup { name: name.into(), settings: declared.resolve(settings).expect("good settings") }
+}
+
+/// The dynamics that a controller drives by default.
+pub fn dynamics_of(controller: &str) -> ModelSetup {
+    let name = vehicle::controller(controller).expect("a controller").default_dynamics;
+    let declared = &vehicle::dynamics(name).expect("dynamics").declaration;
+    ModelSetup { name: name.into(), settings: declared.resolve(&Settings::default()).expect("defaults") }
+}
+
+pub fn model(name: &str, settings: &Settings) -> ModelSetup {
+    let declared = &pedestrian::model(name).expect("a model").declaration;
+    ModelSetup { name: name.into(), settings: declared.resolve(settings).expect("good settings") }
+}
+
+/// A pedestrian at x = 0 who walks from one y to another.
+pub fn walker(name: &str, model: ModelSetup, from: f64, to: f64) -> PedestrianSetup {
+    PedestrianSetup {
+        name: name.into(),
+        model,
+        shape: Shape::Rectangle { length: 0.8, width: 0.8 },
+        side: if to > from { Side::Near } else { Side::Far },
+        start: Position { x: 0.0, y: from },
+        goal: Position { x: 0.0, y: to },
+        appears: Appearance::At(0.0),
+    }
+}
+
+/// The individual of this number, from 1, of the population that ships.
+pub fn person(number: usize) -> Settings {
+    static PEOPLE: LazyLock<Population> = LazyLock::new(|| {
+        let declared = &pedestrian::model("commotions").expect("a model").declaration;
+        Population::read("standard", declared, None).expect("the population that ships")
+    });
+    PEOPLE.individual(1 + (number - 1) * PEOPLE.len() / 1000).expect("an individual")
+}
+
+/// How a run went.
+pub struct Course {
+    names: Vec<String>,
+    /// Where everybody was after each step, in the order of the names.
+    paths: Vec<Vec<[f64; 2]>>,
+    /// Whether the first pedestrian entered lane 0 before the first vehicle came to the crossing.
+    pub first: bool,
+    /// When the first pedestrian's centre was 1.4 m past the middle of lane 0, out of a vehicle's way, s.
+    pub across: Option<f64>,
+    /// When the first vehicle came to the crossing, s.
+    pub passed: Option<f64>,
+    /// Whether a vehicle and a pedestrian touched.
+    pub hit: bool,
+    entered: Option<f64>,
+}
+
+impl Course {
+    /// Where somebody was after each step.
+    pub fn points(&self, who: &str) -> impl Iterator<Item = [f64; 2]> {
+        let index = self.names.iter().position(|name| name == who).expect("a road user");
+        self.paths.iter().map(move |places| places[index])
+    }
+}
+
+impl Observer for Course {
+    fn observe(&mut self, step: &Step) {
+        let (cars, people) = (&step.after.vehicles, &step.after.pedestrians);
+        let end = step.time + step.duration;
+        let places = cars.iter().map(|car| car.position()).chain(people.iter().map(|person| person.position));
+        self.paths.push(places.map(|place| [place.x, place.y]).collect());
+        if people[0].position.y >= -2.0 {
+            self.entered.get_or_insert(end);
+        }
+        if people[0].position.y >= 1.4 {
+            self.across.get_or_insert(end);
+        }
+        if cars[0].motion.travelled >= -cars[0].length / 2.0 {
+            self.passed.get_or_insert(end);
+        }
+        self.first = self.entered.is_some_and(|entered| self.passed.is_none_or(|passed| entered < passed));
+        let touch =
+            |car| people.iter().any(|person| person.present && geometry::distance(car, person) == 0.0);
+        self.hit |= cars.iter().any(touch);
+    }
+}
+
+/// Runs `world` with its own road users.
+pub fn run(world: &World, seed: u64) -> Course {
+    run_with(world, road_users(world, seed).expect("road users"))
+}
+
+/// Runs `world` with vehicles that give way to the pedestrian, each at its own place in the queue.
+pub fn run_before_giving_way(world: &World, seed: u64) -> Course {
+    let mut users = road_users(world, seed).expect("road users");
+    for (place, driven) in users.vehicles.iter_mut().enumerate() {
+        driven.controller = Box::new(GivesWay { stops_at: 6.0 + 7.0 * place as f64 });
+    }
+    run_with(world, users)
+}
+
+fn run_with(world: &World, mut users: RoadUsers) -> Course {
+    let names = world.vehicles.iter().map(|car| car.name.clone());
+    let mut course = Course {
+        names: names.chain(world.pedestrians.iter().map(|person| person.name.clone())).collect(),
+        paths: Vec::new(),
+        first: false,
+        across: None,
+        passed: None,
+        hit: false,
+        entered: None,
+    };
+    simulate(world, &mut users, &mut course);
+    course
+}
+
+/// Stops so many metres before the crossing while anybody has yet to leave its lane, and then goes on.
+struct GivesWay {
+    stops_at: f64,
+}
+
+impl Controller for GivesWay {
+    fn schedule(&self) -> Schedule {
+        Schedule::every(0.025)
+    }
+
+    fn act(&mut self, seen: &Observation) -> Command {
+        let waits = seen.pedestrians.iter().any(|person| person.position.y < 2.0);
+        let left = seen.ego.distance_to_crossing - self.stops_at;
+        let needed = if left > 0.0 { seen.ego.speed * seen.ego.speed / (2.0 * left) } else { 5.0 };
+        Command::Acceleration(if waits && needed >= 2.0 {
+            -needed.min(5.0)
+        } else if !waits && seen.ego.speed < seen.cruise_speed {
+            1.5
+        } else {
+            0.0
+        })
+    }
+}
