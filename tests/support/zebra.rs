@@ -17,6 +17,9 @@ use scenario_runner::vehicle;
 pub const SPEED: f64 = 30.0 / 3.6;
 pub const STEPS: [f64; 4] = [0.02, 0.01, 0.04, 0.05];
 
+/// Between two decisions of a car, s.
+pub const PERIOD: f64 = 0.02;
+
 /// What drives the vehicle.
 #[derive(Clone, Copy)]
 pub enum Car {
@@ -30,7 +33,7 @@ pub enum Car {
 
 impl Controller for Car {
     fn schedule(&self) -> Schedule {
-        Schedule::every(0.02)
+        Schedule::every(PERIOD)
     }
 
     fn act(&mut self, seen: &Observation) -> Command {
