@@ -147,13 +147,13 @@ mod tests {
     fn people_see_it_in_tables_and_pages() {
         let session = Session::new();
         let table = render_tables(&session.interrupted(), &session.requests, false);
-        assert_eq!(count(&table, "⏹ not finished"), 2, "{table}");
+        assert_eq!(count(&table, "■ not finished"), 2, "{table}");
         assert!(!table.contains("error"), "{table}");
         let mut report = session.interrupted();
         report.trials.remove(0);
         let page = html::to_html(&[report], &session.requests, &[]);
         assert!(
-            page.contains("<p class=\"verdict failed\">\n\u{23f9} interrupted: 3 not finished, 6 not run"),
+            page.contains("<p class=\"verdict failed\">\n\u{25a0} interrupted: 3 not finished, 6 not run"),
             "{page}"
         );
         assert!(!page.contains("could not run"), "{page}");

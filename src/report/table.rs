@@ -129,7 +129,7 @@ fn row(trial: &TrialReport, columns: &[Column], requests: &Requests) -> Vec<Cell
     let (mark, style) = match verdict {
         Some(verdict) => (format!("{} {}", verdict_mark(verdict), verdict_word(verdict)), style(verdict)),
         None if matches!(trial.state, TrialState::NotFinished(_)) => {
-            ("⏹ not finished".into(), style(Verdict::Failed))
+            ("■ not finished".into(), style(Verdict::Failed))
         }
         None => ("! error".into(), style(Verdict::Failed)),
     };

@@ -39,7 +39,7 @@ impl Section {
         let (state, mark) = match (&block.state, block.verdict()) {
             (BlockState::Skipped(_), _) => ("skipped", "–"),
             (BlockState::Errored(_), _) => ("error", "!"),
-            (BlockState::NotFinished(_), _) => ("not finished", "⏹"),
+            (BlockState::NotFinished(_), _) => ("not finished", "■"),
             (_, Some(Verdict::Failed)) => ("failed", "✗"),
             _ => ("passed", "✓"),
         };

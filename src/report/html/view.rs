@@ -392,7 +392,7 @@ fn trial(
     let findings = trial.findings();
     let (state, mark) = match (&trial.state, trial.verdict()) {
         (_, Some(verdict)) => (verdict_word(verdict), verdict_mark(verdict)),
-        (TrialState::NotFinished(_), None) => ("not finished", "⏹"),
+        (TrialState::NotFinished(_), None) => ("not finished", "■"),
         (_, None) => ("error", "!"),
     };
     let of = |finding| cell(finding, &trial.trial.key);
