@@ -52,13 +52,8 @@ fn controller() -> Box<dyn Controller> {
         finish: 20.0,
         end_on_collision: true,
     };
-    let context = ControllerContext {
-        settings: &settings,
-        setup: &world.vehicles[0],
-        world: &world,
-        index: 0,
-        seed: 1,
-    };
+    let context =
+        ControllerContext { settings: &settings, setup: &world.vehicles[0], world: &world, rank: 0, seed: 1 };
     (model.build)(&context).unwrap()
 }
 

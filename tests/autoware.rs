@@ -1,7 +1,6 @@
 //! The reduced Autoware in a closed loop, against the scratch table of its specification (§5.8) and by properties.
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
+mod support;
 
 use proptest::prelude::*;
 use scenario_runner::scenario::{
@@ -13,6 +12,7 @@ use scenario_runner::sim::{
     Driven, Ending, Motion, Observer, Pedestrian, RoadUsers, Scene, Snapshot, Step, StopReason, simulate,
 };
 use scenario_runner::vehicle::{self, ControllerContext};
+use support::counting::{Counting, allocations};
 
 const CRUISE: f64 = 30.0 / 3.6;
 const TIMES_TO_ARRIVAL: [f64; 4] = [6.0, 10.0, 14.0, 18.0];
@@ -211,7 +211,7 @@ impl Run {
 
 fn driven(world: &World) -> Driven {
     let setup = &world.vehicles[0];
-    let context = ControllerContext { settings: &setup.controller.settings, setup, world, index: 0, seed: 1 };
+    let context = ControllerContext { settings: &setup.controller.settings, setup, world, rank: 0, seed: 1 };
     let dynamics = vehicle::dynamics(&setup.dynamics.name).unwrap();
     Driven {
         controller: (vehicle::controller("autoware").unwrap().build)(&context).unwrap(),
@@ -459,7 +459,7 @@ fn another_cruise_speed_is_settled_before_the_start() {
 
 fn refusal(world: &World) -> String {
     let setup = &world.vehicles[0];
-    let context = ControllerContext { settings: &setup.controller.settings, setup, world, index: 0, seed: 1 };
+    let context = ControllerContext { settings: &setup.controller.settings, setup, world, rank: 0, seed: 1 };
     (vehicle::controller("autoware").unwrap().build)(&context).err().unwrap().hint.unwrap()
 }
 
@@ -490,27 +490,6 @@ proptest! {
     }
 }
 
-/// Counts the allocations of each thread.
-struct Counting;
-
-thread_local! {
-    static ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
-}
-
-// SAFETY: everything is passed on to the system's allocator; the counter does not allocate.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        ALLOCATIONS.with(|count| count.set(count.get() + 1));
-        // SAFETY: the caller's promise.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: the caller's promise.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
@@ -522,7 +501,7 @@ fn nothing_is_allocated_after_the_first_second() {
     }
     impl Observer for Watch {
         fn observe(&mut self, step: &Step) {
-            self.last = ALLOCATIONS.with(Cell::get);
+            self.last = allocations();
             if step.time >= 1.0 && self.after_warm_up.is_none() {
                 self.after_warm_up = Some(self.last);
             }

@@ -137,11 +137,31 @@ fn people_touch_people_and_boxes_without_colliding() {
 }
 
 #[test]
-fn who_is_displaced_jumps() {
-    let text = scenario("8 m", "", "", "no collision").replace("scripted { speed: 1.4 m/s }", "carla_walker");
-    let (_, _, trace) = run(&text);
-    let jumps = trace.iter().filter(|row| row[8] == "jumps").count();
-    let appears = trace.iter().position(|row| row[8] == "appears").unwrap();
-    assert!(jumps <= 1, "{jumps}");
-    assert_eq!(trace[appears][1], "walker");
+fn who_is_displaced_jumps_in_that_step_and_nobody_else_does() {
+    let walk = |snap: &str| {
+        let walker = format!("carla_walker {{ snap_min: {snap}; snap_max: {snap} }}");
+        let text = scenario("8 m", "", "", "no collision").replace("scripted { speed: 1.4 m/s }", &walker);
+        let (_, _, trace) = run(&text);
+        let of_walker: Vec<Vec<String>> = trace.into_iter().filter(|row| row[1] == "walker").collect();
+        of_walker
+    };
+    let number = |row: &[String], column: usize| row[column].parse::<f64>().unwrap();
+    let (still, displaced) = (walk("0 m"), walk("0.5 m"));
+    for (rows, jumps) in [(&still, &[][..]), (&displaced, &[1][..])] {
+        let with = |event: &str| {
+            let marked = rows.iter().enumerate().filter(|(_, row)| row[8] == event);
+            marked.map(|(place, _)| place).collect::<Vec<_>>()
+        };
+        assert_eq!(with("appears"), [0], "the first row, at {} s", rows[0][0]);
+        assert!((number(&rows[0], 0) - 10.0).abs() < 1e-9, "{:?}", rows[0]);
+        assert_eq!(with("jumps"), jumps);
+        // Nobody else moves farther in a step than walking at 1.4 m/s takes.
+        let leaps = (1..rows.len()).filter(|&row| {
+            let moved = (number(&rows[row], 3) - number(&rows[row - 1], 3)).abs();
+            moved > 1.4 * (number(&rows[row], 0) - number(&rows[row - 1], 0)) + 1e-9
+        });
+        assert_eq!(leaps.collect::<Vec<_>>(), jumps);
+    }
+    // Half a metre back from where it appeared, from the pavement of the near side.
+    assert!((number(&displaced[0], 3) - number(&displaced[1], 3) - 0.5).abs() < 1e-9, "{:?}", displaced[1]);
 }

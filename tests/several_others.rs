@@ -8,7 +8,10 @@ mod support;
 use proptest::prelude::*;
 use rayon::prelude::*;
 use scenario_runner::pedestrian;
-use scenario_runner::scenario::{Settings, Value, VehicleSetup, VehicleStart, World};
+use scenario_runner::run::road_users;
+use scenario_runner::scenario::{Appearance, Settings, Value, VehicleSetup, VehicleStart, World};
+use scenario_runner::sim::{Observer, Step, simulate};
+use support::counting::{Counting, allocations};
 use support::street::{self, Course, car, controller, model, person, run, street};
 
 /// 30 km/h
@@ -225,6 +228,54 @@ proptest! {
     }
 }
 
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(12))]
+
+    /// Of drivers and pedestrians who draw, in the same run.
+    #[test]
+    fn the_order_in_which_road_users_are_declared_changes_no_bit_of_a_whole_run(
+        seed: u64,
+        cars in Just(["av", "bus", "cab", "dray"]).prop_shuffle(),
+        people in Just(["ann", "ben", "cat", "dan", "eve"]).prop_shuffle(),
+        headway in 1.0..4.0f64,
+    ) {
+        let world = |cars: [&str; 4], people: [&str; 5]| {
+            let vehicle = |name: &str| {
+                let place = cars_by_name(name) as f64;
+                let mut vehicle = car(name, name.len() % 2, SPEED, at(SPEED * (4.0 + headway * place)));
+                let model = if name == "dray" { "autoware" } else { "commotions" };
+                let settings = if name == "dray" { Settings::default() } else { person(100 + 200 * cars_by_name(name)) };
+                vehicle.controller = controller(model, &settings);
+                vehicle.dynamics = street::dynamics_of(model);
+                vehicle
+            };
+            let walker = |name: &str| {
+                let (model_name, settings, x) = match name {
+                    "ann" => ("commotions", person(300), 0.0),
+                    "ben" => ("commotions", person(600), 1.0),
+                    "cat" => ("commotions", person(900), -1.0),
+                    "dan" => ("carla_walker", Settings::default(), 2.0),
+                    _ => ("social_force", Settings::default(), -2.0),
+                };
+                let (from, to) = if name == "ben" { (8.0, -4.0) } else { (-4.0, 8.0) };
+                let mut walker = street::walker(name, model(model_name, &settings), from, to);
+                (walker.start.x, walker.goal.x) = (x, x);
+                walker
+            };
+            street(SPEED, cars.map(vehicle).to_vec(), people.map(walker).to_vec())
+        };
+        let names = (["av", "bus", "cab", "dray"], ["ann", "ben", "cat", "dan", "eve"]);
+        let (one, other) = (run(&world(names.0, names.1), seed), run(&world(cars, people), seed));
+        for who in names.0.iter().chain(&names.1) {
+            prop_assert!(same_bits(&one, &other, who), "{who} by {:.3} m", apart(&one, &other, who));
+        }
+    }
+}
+
+fn cars_by_name(name: &str) -> usize {
+    ["av", "bus", "cab", "dray"].iter().position(|one| *one == name).unwrap()
+}
+
 /// Mean and standard error.
 fn mean(values: &[f64]) -> (f64, f64) {
     let n = values.len() as f64;
@@ -267,7 +318,7 @@ fn for_a_commotions_pedestrian_what_does_not_matter_changes_no_share() {
         let among = among(&[other]);
         assert_no_difference(&format!("{what}: share first"), first, &alone, &among);
         assert_no_difference(&format!("{what}: across"), |c| c.across.unwrap_or(20.0), &alone, &among);
-        assert_no_difference(&format!("{what}: contacts"), |c| f64::from(u8::from(c.hit)), &alone, &among);
+        assert_no_difference(&format!("{what}: contacts"), |c| f64::from(u8::from(c.hit())), &alone, &among);
     }
 }
 
@@ -288,7 +339,7 @@ fn few_people_overlook_a_car_in_a_queue_and_whom_one_car_does_not_stop_gets_acro
     let one = before(1, 0.0);
     for (headway, most) in [(2.5, 6), (6.0, 0)] {
         let queue = before(10, headway);
-        let hit = queue.iter().filter(|course| course.hit).count();
+        let hit = queue.iter().filter(|course| course.hit()).count();
         let waited = queue.iter().filter(|course| !course.first).count();
         let stay = queue.iter().filter(|course| stays(course)).count();
         println!("{headway} s: {hit} contacts, {waited} of 600 did not go first, {stay} stay");
@@ -310,7 +361,7 @@ fn nobody_freezes_before_a_queue_that_gives_way() {
     };
     let one: Vec<_> = before(1).collect();
     let queue: Vec<_> = before(10).collect();
-    assert!(queue.iter().all(|course| course.across.is_some() && !course.hit));
+    assert!(queue.iter().all(|course| course.across.is_some() && !course.hit()));
     // Who stops behind the first changes nothing at all.
     assert!(one.iter().zip(&queue).all(|(one, queue)| one.across == queue.across));
 }
@@ -349,6 +400,60 @@ fn a_commotions_driver_minds_those_who_matter_and_nobody_else() {
     for (what, other) in [("far ahead", (0.5, 1200.0, -4.0, 8.0)), ("walking away", (0.0, 0.0, 6.0, 30.0))] {
         let among = drive(&[other]);
         assert_no_difference(&format!("{what}: passed"), passed, &alone, &among);
-        assert_no_difference(&format!("{what}: contacts"), |c| f64::from(u8::from(c.hit)), &alone, &among);
+        assert_no_difference(&format!("{what}: contacts"), |c| f64::from(u8::from(c.hit())), &alone, &among);
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// Counts the allocations after the first step of a run.
+#[derive(Default)]
+struct Watch {
+    steps: usize,
+    after_the_first: usize,
+    last: usize,
+}
+
+impl Observer for Watch {
+    fn observe(&mut self, _: &Step) {
+        self.steps += 1;
+        self.last = allocations();
+        if self.steps == 1 {
+            self.after_the_first = self.last;
+        }
+    }
+}
+
+#[test]
+fn minds_allocate_nothing_after_the_first_step() {
+    // Everything that a variant may assume, and the one that is the default.
+    for variant in ["oVAoBEvoAIoEAoSNvoPF", "oVAaoVAloBEooBEvoAIoDAoSNvoPF", "oVAoBEooBEvoAIoEAoAN"] {
+        let settings = Settings::from([("variant", Value::Word(variant.into()))]);
+        for (cars, people, driven) in [(1, 1, false), (10, 1, false), (1, 1, true), (3, 5, true)] {
+            let vehicle = |k: i32| {
+                let mut vehicle =
+                    car(&format!("car{k}"), k as usize % 2, SPEED, at(SPEED * (4.0 + 2.0 * f64::from(k))));
+                if driven {
+                    vehicle.controller = controller("commotions", &settings);
+                }
+                vehicle
+            };
+            let walker = |k: i32| {
+                let mut walker =
+                    street::walker(&format!("walker{k}"), model("commotions", &settings), -4.0, 8.0);
+                (walker.start.x, walker.goal.x) = (f64::from(k), f64::from(k));
+                walker.appears = Appearance::At(f64::from(k));
+                walker
+            };
+            let world = street(SPEED, (0..cars).map(vehicle).collect(), (0..people).map(walker).collect());
+            let mut watch = Watch::default();
+            simulate(&world, &mut road_users(&world, 1).expect("road users"), &mut watch);
+            assert!(watch.steps > 100);
+            assert_eq!(
+                watch.last, watch.after_the_first,
+                "{variant}: {cars} vehicles, {people} people, driven: {driven}"
+            );
+        }
     }
 }

@@ -351,7 +351,7 @@ fn build(context: &PedestrianContext) -> Result<Box<dyn Pedestrian>, ModelError>
     let across = Vector2::new(0.0, context.setup.side.walking_sign());
     let way = (goal - start).try_normalize(1e-9).unwrap_or(across);
     // Draws always happen, and in this order, so that no setting shifts another's.
-    let mut draws = stream(context.seed, Agent::Pedestrian(context.index), Purpose::Trait);
+    let mut draws = stream(context.seed, Agent::Pedestrian(context.rank), Purpose::Trait);
     let (waits, wait, snap, side) = (draws.uniform(), draws.uniform(), draws.uniform(), draws.uniform());
     let lengths = Waits {
         fixed: settings.optional_number("kerb_wait"),
@@ -391,7 +391,7 @@ fn build(context: &PedestrianContext) -> Result<Box<dyn Pedestrian>, ModelError>
             distance: settings.number("stuck_distance"),
             last: None,
         },
-        draws: stream(context.seed, Agent::Pedestrian(context.index), Purpose::Decision),
+        draws: stream(context.seed, Agent::Pedestrian(context.rank), Purpose::Decision),
     }))
 }
 

@@ -119,7 +119,7 @@ struct Interceptor {
 fn build(context: &PedestrianContext) -> Result<Box<dyn Pedestrian>, ModelError> {
     let settings = context.settings;
     check_place(&context.world.road, context.setup.side, context.setup.start)?;
-    let mut traits = stream(context.seed, Agent::Pedestrian(context.index), Purpose::Trait);
+    let mut traits = stream(context.seed, Agent::Pedestrian(context.rank), Purpose::Trait);
     Ok(Box::new(Interceptor {
         walks_in: settings.word("mode") == "any",
         aim_offset: settings.number("aim_offset"),

@@ -33,8 +33,8 @@ pub struct PedestrianContext<'a> {
     pub settings: &'a Settings,
     pub setup: &'a PedestrianSetup,
     pub world: &'a World,
-    /// Index of the pedestrian in the world.
-    pub index: usize,
+    /// The pedestrian's place among the names of its kind, by which it draws.
+    pub rank: usize,
     /// The run's seed, for [`crate::sim::random::stream`].
     pub seed: u64,
 }

@@ -171,7 +171,7 @@ struct Repulsion {
 
 fn build(context: &PedestrianContext) -> Result<Box<dyn Pedestrian>, ModelError> {
     let settings = context.settings;
-    let me = Agent::Pedestrian(context.index);
+    let me = Agent::Pedestrian(context.rank);
     let drawn = stream(context.seed, me, Purpose::Trait).normal();
     let desired_speed = settings.optional_number("desired_speed").unwrap_or_else(|| {
         let drawn =

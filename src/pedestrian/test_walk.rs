@@ -131,7 +131,7 @@ fn build(
 ) -> Result<Box<dyn Pedestrian>, ModelError> {
     let resolved = model.declaration.resolve(settings).unwrap();
     let setup = &world.pedestrians[0];
-    (model.build)(&PedestrianContext { settings: &resolved, setup, world, index: 0, seed })
+    (model.build)(&PedestrianContext { settings: &resolved, setup, world, rank: 0, seed })
 }
 
 fn world() -> World {

@@ -4,6 +4,7 @@ use thiserror::Error;
 
 use crate::pedestrian::{self, PedestrianContext};
 use crate::scenario::World;
+use crate::sim::random::ranks;
 use crate::sim::{Driven, ModelError, RoadUsers};
 use crate::vehicle::{self, ControllerContext};
 
@@ -33,17 +34,18 @@ pub fn road_users(world: &World, seed: u64) -> Result<RoadUsers, RunError> {
         let who = who.to_string();
         move |error| RunError::Model { who, error }
     };
+    let names: Vec<&str> = world.vehicles.iter().map(|setup| setup.name.as_str()).collect();
     let vehicles = world
         .vehicles
         .iter()
-        .enumerate()
-        .map(|(index, setup)| {
+        .zip(ranks(&names))
+        .map(|(setup, rank)| {
             let model = vehicle::controller(&setup.controller.name)
                 .ok_or_else(|| unknown("controller", &setup.controller.name))?;
             let dynamics = vehicle::dynamics(&setup.dynamics.name)
                 .ok_or_else(|| unknown("vehicle dynamics", &setup.dynamics.name))?;
             let context =
-                ControllerContext { settings: &setup.controller.settings, setup, world, index, seed };
+                ControllerContext { settings: &setup.controller.settings, setup, world, rank, seed };
             let mut controller = (model.build)(&context).map_err(named(&setup.name))?;
             if let Some(sees) = &setup.sees {
                 controller = vehicle::with_perception(controller, &sees.settings, &context)
@@ -55,14 +57,15 @@ pub fn road_users(world: &World, seed: u64) -> Result<RoadUsers, RunError> {
             })
         })
         .collect::<Result<_, _>>()?;
+    let names: Vec<&str> = world.pedestrians.iter().map(|setup| setup.name.as_str()).collect();
     let pedestrians = world
         .pedestrians
         .iter()
-        .enumerate()
-        .map(|(index, setup)| {
+        .zip(ranks(&names))
+        .map(|(setup, rank)| {
             let model = pedestrian::model(&setup.model.name)
                 .ok_or_else(|| unknown("pedestrian model", &setup.model.name))?;
-            let context = PedestrianContext { settings: &setup.model.settings, setup, world, index, seed };
+            let context = PedestrianContext { settings: &setup.model.settings, setup, world, rank, seed };
             (model.build)(&context).map_err(named(&setup.name))
         })
         .collect::<Result<_, _>>()?;

@@ -7,11 +7,21 @@ use rand::Rng;
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 
-/// Who draws. A draw added to one agent never shifts another's.
+/// Who draws: a pedestrian or a vehicle, by its [rank](ranks) among its kind. A draw added to one agent never shifts
+/// another's.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Agent {
     Pedestrian(usize),
     Vehicle(usize),
+}
+
+/// The place of each of `names` in alphabetical order, from 0, so that who draws what does not depend on the order in
+/// which road users are declared. Equal names keep their order.
+pub fn ranks(names: &[&str]) -> Vec<usize> {
+    let place = |(index, name): (usize, &&str)| {
+        names.iter().enumerate().filter(|(other, before)| (**before, *other) < (*name, index)).count()
+    };
+    names.iter().enumerate().map(place).collect()
 }
 
 /// What an agent draws for.
@@ -25,6 +35,8 @@ pub enum Purpose {
     Perception = 2,
     /// Noise of movement.
     Motion = 3,
+    /// Noise and losses of a vehicle's sensors, whoever drives it.
+    Sensing = 4,
 }
 
 /// An endless sequence of draws.
@@ -205,6 +217,14 @@ mod tests {
         let mut walker = stream(42, Agent::Pedestrian(0), Purpose::Perception);
         let draws: Vec<_> = (0..4).map(|_| walker.normal()).collect();
         insta::assert_debug_snapshot!(draws);
+    }
+
+    #[test]
+    fn ranks_follow_the_names_in_whatever_order_they_stand() {
+        assert_eq!(ranks(&["walker", "child", "aunt"]), [2, 1, 0]);
+        assert_eq!(ranks(&["aunt", "walker", "child"]), [0, 2, 1]);
+        assert_eq!(ranks(&["a", "b", "a"]), [0, 2, 1]);
+        assert_eq!(ranks(&["av"]), [0]);
     }
 
     #[test]

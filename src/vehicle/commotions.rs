@@ -31,7 +31,7 @@ fn build(context: &ControllerContext) -> Result<Box<dyn Controller>, ModelError>
         let bodies = Bodies { pedestrian: extent(pedestrian.shape), vehicle };
         (bodies.vehicle(), bodies.pedestrian())
     });
-    let agent = random::Agent::Vehicle(context.index);
+    let agent = random::Agent::Vehicle(context.rank);
     Ok(Box::new(Driver {
         agent: Agent::among(
             &person.variant,

@@ -119,7 +119,7 @@ mod tests {
             settings: &settings,
             setup: &world.vehicles[0],
             world: &world,
-            index: 0,
+            rank: 0,
             seed: 0,
         };
         assert!(build(&context).err().unwrap().hint.is_some());

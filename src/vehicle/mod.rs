@@ -48,8 +48,8 @@ pub struct ControllerContext<'a> {
     pub settings: &'a Settings,
     pub setup: &'a VehicleSetup,
     pub world: &'a World,
-    /// Index of the vehicle in the world.
-    pub index: usize,
+    /// The vehicle's place among the names of its kind, by which it draws.
+    pub rank: usize,
     /// The run's seed, for [`crate::sim::random::stream`].
     pub seed: u64,
 }

@@ -126,7 +126,7 @@ pub fn with_perception(
             dropout_duration: settings.number("dropout_duration"),
             position_noise: settings.number("position_noise"),
             velocity_noise: settings.number("velocity_noise"),
-            stream: stream(context.seed, Agent::Vehicle(context.index), Purpose::Perception),
+            stream: stream(context.seed, Agent::Vehicle(context.rank), Purpose::Sensing),
         },
         latency,
         lost_pedestrians: vec![f64::NEG_INFINITY; pedestrians],
@@ -354,7 +354,7 @@ mod tests {
             settings: &Settings::default(),
             setup: &world.vehicles[0],
             world: &world,
-            index: 0,
+            rank: 0,
             seed,
         };
         let record = Arc::new(Mutex::new(Vec::new()));
@@ -453,5 +453,16 @@ mod tests {
         assert!((deviation - 0.4).abs() < 0.02, "{deviation}");
         assert_eq!(seen, shown(&pairs, Vec::new(), 4000, 1));
         assert_ne!(seen, shown(&pairs, Vec::new(), 4000, 2));
+    }
+
+    #[test]
+    fn the_noise_of_sensors_is_not_the_noise_of_whoever_drives() {
+        let seen = shown(&[("position_noise", 0.4)], Vec::new(), 100, 1);
+        let mut driver = stream(1, Agent::Vehicle(0), Purpose::Perception);
+        let alike = seen.iter().enumerate().filter(|(k, seen)| {
+            let error = seen.unwrap().0 - truth(*k);
+            (error - Vector2::new(driver.normal(), driver.normal()) * 0.4).norm() < 1e-6
+        });
+        assert_eq!(alike.count(), 0);
     }
 }

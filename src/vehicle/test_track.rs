@@ -54,7 +54,7 @@ impl Track {
             settings: &resolved,
             setup: &world.vehicles[0],
             world: &world,
-            index: 0,
+            rank: 0,
             seed: 1,
         };
         let observation = Observation {

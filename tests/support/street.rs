@@ -9,7 +9,7 @@ use scenario_runner::scenario::{
     VehicleStart, World,
 };
 use scenario_runner::sim::{
-    Command, Controller, Observation, Observer, RoadUsers, Schedule, Step, geometry, simulate,
+    Command, Controller, Observation, Observer, RoadUsers, Schedule, Solid, Step, simulate,
 };
 use scenario_runner::vehicle;
 
@@ -91,12 +91,30 @@ pub struct Course {
     pub across: Option<f64>,
     /// When the first vehicle came to the crossing, s.
     pub passed: Option<f64>,
-    /// Whether a vehicle and a pedestrian touched.
-    pub hit: bool,
+    /// Contacts of vehicles and pedestrians, in the order in which they began.
+    pub hits: Vec<Hit>,
+    /// Whether two vehicles touched.
+    pub crash: bool,
     entered: Option<f64>,
 }
 
+/// The beginning of a contact of a vehicle and a pedestrian, by their places in the world's lists.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hit {
+    pub vehicle: usize,
+    pub pedestrian: usize,
+    /// s
+    pub time: f64,
+    /// Of the vehicle, m/s.
+    pub speed: f64,
+}
+
 impl Course {
+    /// Whether a vehicle and a pedestrian touched.
+    pub fn hit(&self) -> bool {
+        !self.hits.is_empty()
+    }
+
     /// Where somebody was after each step.
     pub fn points(&self, who: &str) -> impl Iterator<Item = [f64; 2]> {
         let index = self.names.iter().position(|name| name == who).expect("a road user");
@@ -120,9 +138,17 @@ impl Observer for Course {
             self.passed.get_or_insert(end);
         }
         self.first = self.entered.is_some_and(|entered| self.passed.is_none_or(|passed| entered < passed));
-        let touch =
-            |car| people.iter().any(|person| person.present && geometry::distance(car, person) == 0.0);
-        self.hit |= cars.iter().any(touch);
+        for touch in step.contacts.iter().filter(|touch| touch.begins) {
+            match (touch.first, touch.second) {
+                (Solid::Vehicle(vehicle), Solid::Pedestrian(pedestrian)) => {
+                    let speeds = [step.before, step.after].map(|state| state.vehicles[vehicle].motion.speed);
+                    let speed = speeds[0] + (speeds[1] - speeds[0]) * touch.moment / step.duration;
+                    self.hits.push(Hit { vehicle, pedestrian, time: step.time + touch.moment, speed });
+                }
+                (Solid::Vehicle(_), Solid::Vehicle(_)) => self.crash = true,
+                _ => {}
+            }
+        }
     }
 }
 
@@ -148,7 +174,8 @@ fn run_with(world: &World, mut users: RoadUsers) -> Course {
         first: false,
         across: None,
         passed: None,
-        hit: false,
+        hits: Vec::new(),
+        crash: false,
         entered: None,
     };
     simulate(world, &mut users, &mut course);

@@ -86,7 +86,7 @@ impl Zebra {
         let settings = declared.declaration.resolve(&self.settings).expect("good settings");
         let setup = &world.pedestrians[0];
         let context =
-            PedestrianContext { settings: &settings, setup, world: &world, index: 0, seed: self.seed };
+            PedestrianContext { settings: &settings, setup, world: &world, rank: 0, seed: self.seed };
         let ideal = vehicle::dynamics("ideal").expect("registered dynamics");
         let mut users = RoadUsers {
             vehicles: vec![Driven {

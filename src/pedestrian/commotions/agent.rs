@@ -395,6 +395,47 @@ mod tests {
         assert!(own.distance < -1.3, "{own:?}");
     }
 
+    /// A pedestrian at 5 m among two cars: one at 60 m, and a faster one at 70 m on the path `path`.
+    fn walker_among_two(path: usize) -> (Agent, [Sight; 2]) {
+        let variant = "oVAoBEvoAIoEA".parse().unwrap();
+        let bodies = [(PEDESTRIAN, VEHICLE); 2];
+        let agent = Agent::among(&variant, &Parameters::default(), Control::Speed, DT, bodies);
+        let sight = |other, path, car| Sight {
+            other,
+            path,
+            own: state(5.0, 0.0, 0.0),
+            state: car,
+            conflict: Conflict::Open,
+        };
+        (agent, [sight(0, 0, state(60.0, 5.0, 0.0)), sight(1, path, state(70.0, 15.0, 0.0))])
+    }
+
+    #[test]
+    fn who_follows_on_a_path_does_not_decide() {
+        // By their speeds alone the second would be there first, after 4.7 s instead of 12 s. On another path it decides;
+        // behind the first it does not, since it cannot pass it.
+        for (path, decides) in [(1, 1), (0, 0)] {
+            let (mut walker, sights) = walker_among_two(path);
+            let draws = &mut RecordedDraws::new(&[]);
+            walker.step_among(&sights, &Rules::default(), draws).unwrap();
+            let percept = walker.thoughts().unwrap().percept;
+            assert_eq!(percept.distance, sights[decides].state.distance, "on path {path}");
+        }
+    }
+
+    #[test]
+    fn who_is_inside_and_the_next_on_its_path_are_both_weighed() {
+        // The car inside, which has all but passed, leaves room to go soon; the next, 1 s away, does not.
+        let (mut walker, mut sights) = walker_among_two(0);
+        sights[0].state = state(-2.0, 10.0, 0.0);
+        sights[1].state = state(10.0, 10.0, 0.0);
+        for sight in &mut sights {
+            sight.own = state(2.4, 0.0, 0.0);
+        }
+        walker.step_among(&sights, &Rules::default(), &mut RecordedDraws::new(&[])).unwrap();
+        assert_eq!(walker.thoughts().unwrap().percept.distance, 10.0);
+    }
+
     #[test]
     fn past_the_conflict_space_nothing_is_drawn_or_decided() {
         let mut draws = RecordedDraws::new(&[]);

@@ -32,7 +32,7 @@ fn build(context: &PedestrianContext) -> Result<Box<dyn Pedestrian>, ModelError>
     });
     let meeting = |(own, other): (Body, Body), path: usize| Meeting { own, other, path, moved: false };
     let paths = context.world.vehicles.iter().map(|vehicle| vehicle.lane);
-    let agent = random::Agent::Pedestrian(context.index);
+    let agent = random::Agent::Pedestrian(context.rank);
     Ok(Box::new(Walker {
         agent: Agent::among(&person.variant, &person.parameters, Control::Speed, person.dt, bodies.clone()),
         sights: Vec::with_capacity(bodies.len()),

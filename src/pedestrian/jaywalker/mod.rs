@@ -28,7 +28,7 @@ fn build(context: &PedestrianContext) -> Result<Box<dyn Pedestrian>, ModelError>
     check_place(context)?;
     let settings = context.settings;
     let (shortest, longest) = stop_times(settings)?;
-    let me = Agent::Pedestrian(context.index);
+    let me = Agent::Pedestrian(context.rank);
     // Drawn in every run and always in this order, so that presets stay aligned under one seed.
     let mut traits = stream(context.seed, me, Purpose::Trait);
     let drawn = Individuality {

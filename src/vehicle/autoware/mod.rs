@@ -49,7 +49,7 @@ fn build(context: &ControllerContext) -> Result<Box<dyn Controller>, ModelError>
             format!("use at least {shortest} s, the longer of `control_period` and `vehicle_period`"),
         ));
     }
-    let misses = stream(context.seed, Agent::Vehicle(context.index), Purpose::Perception);
+    let misses = stream(context.seed, Agent::Vehicle(context.rank), Purpose::Perception);
     let pedestrians = context.world.pedestrians.len();
     Ok(Box::new(stack::Stack::new(settings, context.setup.speed, pedestrians, misses)))
 }
