@@ -9,8 +9,11 @@ use proptest::prelude::*;
 use rayon::prelude::*;
 use scenario_runner::pedestrian;
 use scenario_runner::run::road_users;
-use scenario_runner::scenario::{Appearance, Settings, Value, VehicleSetup, VehicleStart, World};
+use scenario_runner::scenario::{
+    Appearance, CrossingKind, ModelSetup, Settings, Value, VehicleSetup, VehicleStart, World,
+};
 use scenario_runner::sim::{Observer, Step, simulate};
+use scenario_runner::vehicle;
 use support::counting::{Counting, allocations};
 use support::street::{self, Course, car, controller, model, person, run, street};
 
@@ -322,29 +325,39 @@ fn for_a_commotions_pedestrian_what_does_not_matter_changes_no_share() {
     }
 }
 
-/// Cars that do not react, so that contacts show what people overlook; the first is 6 s away.
+/// Cars that do not react, so that contacts show what people overlook. The control is the first of them alone, which is
+/// the published model: at 4 s some of the 600 walk into it.
 #[test]
 fn few_people_overlook_a_car_in_a_queue_and_whom_one_car_does_not_stop_gets_across() {
-    let before = |cars: i32, headway: f64| {
+    let before = |first: f64, cars: i32, headway: f64| {
         runs(600, move |person| {
-            let car = |k: i32| car(&format!("car{k}"), 0, SPEED, at(SPEED * (6.0 + headway * f64::from(k))));
+            let time = |k: i32| first + headway * f64::from(k);
+            let car = |k: i32| car(&format!("car{k}"), 0, SPEED, at(SPEED * time(k)));
             let walker = street::walker("walker", model("commotions", &person), -4.0, 4.0);
             let mut world = street(SPEED, (0..cars).map(car).collect(), vec![walker]);
-            world.horizon = 80.0;
+            world.horizon = time(cars) + 14.0;
             world
         })
     };
     let stays = |course: &Course| course.across.is_none();
-    // Three of them never start once one car has passed: that is the published model's.
-    let one = before(1, 0.0);
-    for (headway, most) in [(2.5, 6), (6.0, 0)] {
-        let queue = before(10, headway);
-        let hit = queue.iter().filter(|course| course.hit()).count();
-        let waited = queue.iter().filter(|course| !course.first).count();
-        let stay = queue.iter().filter(|course| stays(course)).count();
-        println!("{headway} s: {hit} contacts, {waited} of 600 did not go first, {stay} stay");
-        assert!(hit <= most && waited > 100, "{hit} contacts at {headway} s");
-        assert!(one.iter().zip(&queue).all(|(one, queue)| stays(one) || !stays(queue)), "at {headway} s");
+    for first in [3.0, 4.0, 4.8, 6.0] {
+        let alone = before(first, 1, 0.0);
+        let hit_alone = alone.iter().filter(|course| course.hit()).count();
+        for (headway, most) in [(2.5, 6), (6.0, 0)] {
+            let queue = before(first, 10, headway);
+            let hit = queue.iter().filter(|course| course.hit()).count();
+            let more = queue.iter().zip(&alone).filter(|(queue, alone)| queue.hit() && !alone.hit()).count();
+            let aside = |hit: &street::Hit| hit.time > first + headway * hit.vehicle as f64;
+            let sides = queue.iter().filter(|course| course.hits.first().is_some_and(aside)).count();
+            let waited = queue.iter().filter(|course| !course.first).count();
+            let stay = queue.iter().filter(|course| stays(course)).count();
+            println!(
+                "first after {first} s, then every {headway} s: {hit} contacts, {more} of them of people whom the first alone \
+                 does not touch ({hit_alone}), {sides} after its middle was past; {waited} of 600 did not go first, {stay} stay"
+            );
+            assert!(more <= most && waited > 100, "{more} contacts more at {first} and {headway} s");
+            assert!(alone.iter().zip(&queue).all(|(alone, queue)| stays(alone) || !stays(queue)));
+        }
     }
 }
 
@@ -362,6 +375,9 @@ fn nobody_freezes_before_a_queue_that_gives_way() {
     let one: Vec<_> = before(1).collect();
     let queue: Vec<_> = before(10).collect();
     assert!(queue.iter().all(|course| course.across.is_some() && !course.hit()));
+    let (mean, error) = mean(&queue.iter().filter_map(|course| course.across).collect::<Vec<_>>());
+    println!("across before a queue that gives way after {mean:.2} ± {error:.2} s");
+    assert!((10.0..12.0).contains(&mean), "{mean}");
     // Who stops behind the first changes nothing at all.
     assert!(one.iter().zip(&queue).all(|(one, queue)| one.across == queue.across));
 }
@@ -383,7 +399,7 @@ fn a_commotions_driver_minds_those_who_matter_and_nobody_else() {
             let mut av = car("av", 0, SPEED, at(6.0 * SPEED));
             av.controller = controller("commotions", &driver);
             let mut world = street(SPEED, vec![av], people);
-            world.road.crossing.kind = scenario_runner::scenario::CrossingKind::Unmarked;
+            world.road.crossing.kind = CrossingKind::Unmarked;
             world.horizon = 30.0;
             world
         })
@@ -402,6 +418,53 @@ fn a_commotions_driver_minds_those_who_matter_and_nobody_else() {
         assert_no_difference(&format!("{what}: passed"), passed, &alone, &among);
         assert_no_difference(&format!("{what}: contacts"), |c| f64::from(u8::from(c.hit())), &alone, &among);
     }
+}
+
+/// People who walk over a zebra by a script, one after the other, before a COMMOTIONS driver.
+fn stream_of_people(driver: &Settings, first: f64, headway: f64) -> World {
+    let script = |k: i32| {
+        let delay = Value::Number(0.5 + headway * f64::from(k));
+        model("scripted", &Settings::from([("speed", Value::Number(1.3)), ("delay", delay)]))
+    };
+    let people = (0..8).map(|k| street::walker(&format!("walker{k}"), script(k), -4.0, 8.0)).collect();
+    let mut av = car("av", 0, SPEED, at(first * SPEED));
+    av.controller = controller("commotions", driver);
+    let mut world = street(SPEED, vec![av], people);
+    world.horizon = 40.0;
+    world
+}
+
+#[test]
+fn a_commotions_driver_touches_nobody_of_a_stream_of_people_who_have_priority() {
+    for (first, headway) in [(4.0, 2.0), (6.0, 2.0), (6.0, 3.0), (8.0, 5.0)] {
+        let stream = runs(200, |driver| stream_of_people(&driver, first, headway));
+        assert!(stream.iter().all(|course| !course.hit()), "{first} and {headway} s");
+    }
+}
+
+#[test]
+fn who_has_crossed_and_is_out_of_sight_holds_nobody_up() {
+    let drive = |sees: bool| {
+        runs(200, |driver| {
+            let script = Settings::from([("speed", Value::Number(1.3)), ("delay", Value::Number(0.5))]);
+            let mut av = car("av", 0, SPEED, at(4.0 * SPEED));
+            av.controller = controller("commotions", &driver);
+            let given = Settings::from([("field_of_view", Value::Number(0.7))]);
+            let settings = vehicle::PERCEPTION.resolve(&given).expect("good settings");
+            av.sees = sees.then(|| ModelSetup { name: "sees".into(), settings });
+            let mut world = street(
+                SPEED,
+                vec![av],
+                vec![street::walker("walker", model("scripted", &script), -4.0, 20.0)],
+            );
+            world.horizon = 60.0;
+            world
+        })
+    };
+    let passed = |courses: &[Course]| courses.iter().filter(|course| course.passed.is_some()).count();
+    let (all_around, ahead) = (passed(&drive(false)), passed(&drive(true)));
+    println!("{all_around} of 200 pass who see all around, {ahead} who see 40 degrees");
+    assert!(ahead + 5 >= all_around, "{ahead} instead of {all_around}");
 }
 
 #[global_allocator]

@@ -104,18 +104,16 @@ impl Seen {
 }
 
 impl Meeting {
-    /// How the conflict with a pedestrian that was seen stands.
-    fn conflict(&self, seen: &Seen) -> Conflict {
-        if self.is_past(seen) {
-            Conflict::Over
-        } else if !seen.now {
-            Conflict::Remembered
-        } else if seen.state.distance <= -self.other.half_extent {
-            Conflict::Over
+    /// How the conflict with a pedestrian that was seen stands; `None` for one who is out of sight and was not coming.
+    fn conflict(&self, seen: &Seen) -> Option<Conflict> {
+        if self.is_past(seen) || seen.state.distance <= -self.other.half_extent {
+            Some(Conflict::Over)
         } else if seen.elsewhere && !self.other.occupies(seen.state.distance) {
-            Conflict::Dormant
+            seen.now.then_some(Conflict::Dormant)
+        } else if seen.now {
+            Some(Conflict::Open)
         } else {
-            Conflict::Open
+            Some(Conflict::Remembered)
         }
     }
 
@@ -153,9 +151,11 @@ impl Driver {
         }
         self.sights.clear();
         for (other, meeting) in self.meetings.iter().enumerate() {
-            if let Some(seen) = &meeting.seen {
+            if let Some(seen) = &meeting.seen
+                && let Some(conflict) = meeting.conflict(seen)
+            {
                 let own = State { distance: seen.ahead, speed: ego.speed, acceleration: ego.acceleration };
-                let (state, conflict) = (seen.state, meeting.conflict(seen));
+                let state = seen.state;
                 // People walk in no lanes and overtake each other: everybody is the next on a path of their own.
                 self.sights.push(Sight { other, path: other, own, state, conflict });
             }

@@ -97,6 +97,24 @@ impl ActionPlan {
         }
     }
 
+    /// How far each action would have led from `distance` (m) and `speed` (m/s) after so many `steps`, at most those of
+    /// the action duration.
+    pub fn distances_after(&self, steps: usize, distance: f64, speed: f64) -> [f64; ACTIONS] {
+        let mut d = [distance; ACTIONS];
+        let mut v = [speed; ACTIONS];
+        for (planned, additions) in self.planned.iter().zip(&self.additions).take(steps) {
+            for j in 0..ACTIONS {
+                (d[j], v[j]) = step(d[j], v[j], planned + additions[j], self.dt);
+            }
+        }
+        d
+    }
+
+    /// How many steps `duration` (s) takes, at most those of the action duration.
+    pub fn steps_of(&self, duration: f64) -> usize {
+        ((duration / self.dt).ceil() as usize).min(self.planned.len())
+    }
+
     /// Takes action `j` at this step.
     pub fn take(&mut self, j: usize) {
         for (planned, additions) in self.planned.iter_mut().zip(&self.additions) {
@@ -141,6 +159,18 @@ mod tests {
         let then: Vec<f64> = (0..7).map(|_| plan.end_step()).collect();
         assert_eq!(first, 0.0);
         assert_eq!(then, [-0.25, -0.375, -0.5, -0.625, -0.5, -0.5, -0.5]);
+    }
+
+    #[test]
+    fn after_its_duration_an_action_has_led_to_its_destination() {
+        let mut plan = ActionPlan::new(Control::Speed, 0.5, 0.1);
+        plan.take(4);
+        assert_eq!(plan.distances_after(0, 4.0, 0.0), [4.0; 5]);
+        // At 2 m/s² and at 4 m/s² for 0.2 s.
+        let after = plan.distances_after(plan.steps_of(0.15), 4.0, 0.0);
+        assert!((after[NO_ACTION] - 3.96).abs() < 1e-12 && (after[4] - 3.92).abs() < 1e-12, "{after:?}");
+        assert_eq!((plan.steps_of(9.0), plan.steps_of(f64::INFINITY)), (5, 5));
+        assert_eq!(plan.distances_after(5, 4.0, 0.0), plan.destinations(4.0, 0.0).distance);
     }
 
     #[test]

@@ -151,7 +151,8 @@ impl Agent {
     ///
     /// Everybody whose conflict is open is perceived, with the same deviates. Weighed are, on each path, those inside
     /// the conflict space and the next that has not entered it. The values of the actions are those of whoever
-    /// constrains most: whose best action is worth least (of equals, whose other actions are worth less).
+    /// constrains most: whose best action is worth least (of equals, whose other actions are worth less). What would lead
+    /// in front of somebody who is still inside is worth nothing, however much the next one hurries.
     pub fn step_among(
         &mut self,
         sights: &[Sight],
@@ -190,7 +191,8 @@ impl Agent {
         }
         let (met, read) = decisive?;
         let mut deviates = DrawnOnce::from(&mut self.drawn, read, draws);
-        let action = self.decider.decide(&self.others[met].expected, &mut deviates);
+        let values = values_of_actions(&self.others, &self.plan, met, sights);
+        let action = self.decider.decide(&values, &mut deviates);
         deviates.forget_read();
         if let Some(j) = action {
             self.plan.take(j);
@@ -261,6 +263,37 @@ impl Agent {
         let by_value = one.iter().zip(most).map(|(one, most)| one.total_cmp(most));
         best(one).total_cmp(&best(most)).then(by_value.fold(Ordering::Equal, Ordering::then)).is_lt()
     }
+}
+
+/// What an action is worth that achieves nothing, as impossible access orders are (§7, squashed).
+const WORTHLESS: f64 = -1.0;
+
+/// The values of the actions as far as `met` is concerned, who decides.
+///
+/// While another is inside the conflict space on the path on which `met` is the next, entry is inhibited (§7, early entry)
+/// for as long as that takes: an action that leads in before it has left is worthless. Values look at where everybody is
+/// one action duration ahead, when that other may have left, so that nothing else says that it is still there.
+fn values_of_actions(others: &[Other], plan: &ActionPlan, met: usize, sights: &[Sight]) -> [f64; ACTIONS] {
+    let mut values = others[met].expected;
+    let inside = |sight: &Sight| others[sight.other].is_inside(sight.state.distance);
+    let Some(next) = sights.iter().find(|sight| sight.other == met && !inside(sight)) else { return values };
+    let still_there = |sight: &&Sight| {
+        sight.path == next.path
+            && sight.conflict == Conflict::Open
+            && inside(sight)
+            && !others[sight.other].is_entered(sight.own.distance)
+    };
+    for sight in sights.iter().filter(still_there) {
+        let other = &others[sight.other];
+        let steps = plan.steps_of(other.leaves_in(&sight.state));
+        let distances = plan.distances_after(steps, sight.own.distance, sight.own.speed);
+        for (value, distance) in values.iter_mut().zip(distances) {
+            if other.is_entered(distance) {
+                *value = WORTHLESS;
+            }
+        }
+    }
+    values
 }
 
 /// Who may decide at a step.

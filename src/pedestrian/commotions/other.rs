@@ -89,6 +89,16 @@ impl Other {
         self.party.body.occupies(distance)
     }
 
+    /// Whether one is in the conflict space or past it at the distance `own` (m) to the conflict point.
+    pub fn is_entered(&self, own: f64) -> bool {
+        own < self.own.body.half_extent
+    }
+
+    /// Until the other leaves the conflict space if it keeps its speed (s); infinite while it stands.
+    pub fn leaves_in(&self, other: &State) -> f64 {
+        (other.distance + self.party.body.half_extent) / other.speed
+    }
+
     /// It is not considered for a while: when it is again, it is as new, since what was perceived is out of date.
     pub fn lapse(&mut self) {
         self.lapsed = true;
