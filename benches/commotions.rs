@@ -1,12 +1,18 @@
-//! How long a COMMOTIONS pedestrian takes to think: whole encounters of 20 s, 800 steps.
+//! How long a COMMOTIONS pedestrian takes to think: whole encounters of 20 s, 800 steps, and what they allocate.
 //!
 //! `cargo bench --bench commotions`; instructions with callgrind as `docs/performance.md` says.
 
 use std::hint::black_box;
 
-use divan::Bencher;
-use scenario_runner::pedestrian::commotions::meeting::{Driver, Meeting};
-use scenario_runner::pedestrian::commotions::{Parameters, Variant};
+use divan::{AllocProfiler, Bencher};
+use scenario_runner::pedestrian::commotions::meeting::{Driver, Meeting, PEDESTRIAN, VEHICLE};
+use scenario_runner::pedestrian::commotions::{
+    Agent, Conflict, Control, Parameters, Rules, Sight, State, Variant,
+};
+use scenario_runner::sim::random::Stream;
+
+#[global_allocator]
+static ALLOCATOR: AllocProfiler = AllocProfiler::system();
 
 fn main() {
     divan::main();
@@ -73,4 +79,33 @@ fn undecided_for_seconds(bencher: Bencher, seconds: u32) {
     let mut meeting = zebra(42.0, f64::from(seconds), Driver::Timetable(Vec::new()));
     meeting.entry_inhibited_until = 40.0;
     encounter(bencher, STANDARD, &meeting);
+}
+
+/// A pedestrian who is kept from entering before so many cars on one lane, 2 s apart: 800 decisions.
+#[divan::bench(args = [1, 2, 10])]
+fn among_cars_20_s(bencher: Bencher, cars: usize) {
+    let variant: Variant = STANDARD.parse().unwrap();
+    let rules = Rules { pedestrian_priority: true, entry_inhibited: true };
+    let (dt, speed) = (0.025, 30.0 / 3.6);
+    let mut seed = 0;
+    bencher.bench_local(|| {
+        seed += 1;
+        let mut draws = Stream::seeded(black_box(seed));
+        let bodies = (0..cars).map(|_| (PEDESTRIAN, VEHICLE));
+        let mut agent = Agent::among(&variant, &Parameters::default(), Control::Speed, dt, bodies);
+        let mut own = State { distance: 4.0, ..State::default() };
+        let mut sights = Vec::with_capacity(cars);
+        for step in 0..800 {
+            sights.clear();
+            sights.extend((0..cars).map(|other| {
+                let time = 22.0 + 2.0 * other as f64 - dt * f64::from(step);
+                let state = State { distance: time * speed, speed, acceleration: 0.0 };
+                Sight { other, path: 0, own, state, conflict: Conflict::Open }
+            }));
+            let decision = agent.step_among(&sights, &rules, &mut draws).unwrap();
+            own.acceleration = decision.acceleration;
+            own = own.step(dt);
+        }
+        own.distance
+    });
 }
