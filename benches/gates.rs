@@ -9,7 +9,7 @@ use scenario_runner::judge::baseline::{Baseline, record};
 use scenario_runner::judge::gate::{Check, CheckOutcome, GateVerdict, Subject, blanket_rule, judge_gate};
 use scenario_runner::lang;
 use scenario_runner::plan::plan;
-use scenario_runner::run::{FreeFlows, Requests, run_batch};
+use scenario_runner::run::{FreeFlows, Requests, Stop, run_batch};
 use scenario_runner::scenario::{Expression, Gate, Suite, Value};
 
 const RERUNS: u64 = 200;
@@ -99,7 +99,11 @@ fn runs(suite: &Suite) -> Baseline {
         .iter()
         .map(|trial| {
             let cases: Vec<_> = trial.cases.iter().collect();
-            (trial, run_batch(&cases, &requests, &free_flows, || {}).expect("every case can be run"))
+            (
+                trial,
+                run_batch(&cases, &requests, &free_flows, &Stop::default(), || {})
+                    .expect("every case can be run"),
+            )
         })
         .collect();
     let trials: Vec<_> = trials.iter().map(|(trial, outcomes)| (*trial, &outcomes[..])).collect();

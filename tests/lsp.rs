@@ -291,7 +291,7 @@ fn what_is_not_known_is_refused_and_the_server_lives_on() {
     editor.tell("textDocument/didOpen", json!({ "textDocument": 5 }));
     editor.tell("$/setTrace", json!({ "value": "off" }));
     editor.open(&path, "scenario a {");
-    assert_eq!(editor.codes(&path), ["E0501", "E0101"]);
+    assert_eq!(editor.codes(&path), ["E0101"]);
     editor.end();
 }
 
@@ -396,7 +396,7 @@ fn a_frame_that_holds_nothing_readable_is_refused_and_the_server_lives_on() {
     let (status, answers) =
         served(&[begins(), garbage.concat(), opens(URI, "scenario a {"), ends()].concat());
     assert!(status.success(), "{status}");
-    assert_eq!(shown(&answers, URI).last().unwrap(), &["E0501", "E0101"]);
+    assert_eq!(shown(&answers, URI).last().unwrap(), &["E0101"]);
     let refused = answers.iter().filter(|answer| answer["id"].is_null() && answer["error"]["code"] == -32700);
     assert_eq!(refused.count(), 7);
     assert_eq!(answer(&answers, 7)["error"]["code"], -32601);

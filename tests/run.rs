@@ -414,6 +414,45 @@ mod interrupts {
         assert!(read("r.html").contains("interrupted: 1 not finished, 1 not run"));
     }
 
+    /// Waits until the program hears Ctrl-C.
+    #[cfg(target_os = "linux")]
+    fn wait_until_it_listens(child: &Child) {
+        const INTERRUPT: u64 = 1 << 1;
+        let begun = std::time::Instant::now();
+        loop {
+            let status = fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap();
+            let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:")).unwrap().trim();
+            if u64::from_str_radix(caught, 16).unwrap() & INTERRUPT != 0 {
+                return;
+            }
+            assert!(begun.elapsed() < Duration::from_secs(60), "it never hears Ctrl-C");
+            thread::sleep(Duration::from_millis(20));
+        }
+    }
+
+    /// Commands that run suites for their numbers end like a run: they say so, and nothing is left behind.
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn what_was_not_measured_to_its_end_is_neither_saved_nor_compared() {
+        let place = Place::new("");
+        endless(&place, 0.01);
+        let cases: [(&[&str], &str); 2] = [
+            (&["baseline", "save", "endless.scn", "--out", "new.json"], "interrupted: nothing saved\n"),
+            (&["compare", "endless.scn", "endless.scn"], "interrupted: nothing was compared\n"),
+        ];
+        for (arguments, said) in cases {
+            let child = start(&place, arguments);
+            wait_until_it_listens(&child);
+            interrupt(&child);
+            let output = child.wait_with_output().unwrap();
+            let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+            assert_eq!(output.status.code(), Some(105), "{arguments:?}: {}", text(&output.stderr));
+            assert!(text(&output.stderr).ends_with(said), "{}", text(&output.stderr));
+            assert_eq!(text(&output.stdout), "");
+            assert!(!place.path("new.json").exists());
+        }
+    }
+
     #[test]
     fn the_time_limit_is_an_error_and_no_verdict() {
         let place = Place::new("");

@@ -207,6 +207,45 @@ fn what_is_set_is_not_compared_with_what_is_declared() {
     assert!(!place.0.path().join("walks.failures").exists());
 }
 
+/// A baseline names what was set when it was recorded, and stands for nothing else.
+#[test]
+fn a_baseline_of_what_was_set_is_one_for_the_same_values_only() {
+    let place = Place::new();
+    place.write(
+        "all.suite",
+        "suite all { scenarios \"walks.scn\"; gate speed { baseline \"all.json\"; no metric worse } }",
+    );
+    let set = ["--set", "av.controller.braking_distance=9m", "--repeat", "2"];
+    let other = ["--set", "av.controller.braking_distance=8m"];
+    let (code, out, err) = place.said(&[&["baseline", "save", "all.suite"][..], &set].concat());
+    assert_eq!(code, 0, "{err}");
+    assert!(out.contains("4 runs"), "two trials, run twice: {out}");
+    let text = fs::read_to_string(place.0.path().join("all.json")).unwrap();
+    assert!(text.contains("\"set\": [\"av.controller.braking_distance=9m\",\"repeat=2\"]"), "{text}");
+    let (_, shown, _) = place.said(&["baseline", "show", "all.json"]);
+    assert!(shown.contains("with av.controller.braking_distance=9m, repeat=2"), "{shown}");
+    let gate = |arguments: &[&str]| {
+        place.results(&[&["all.suite"], arguments].concat())["suites"][0]["gates"][0].to_string()
+    };
+    // In whatever order.
+    let turned = ["--repeat", "2", "--set", "av.controller.braking_distance=9m"];
+    assert!(gate(&set).contains("passed") && gate(&turned).contains("passed"), "{}", gate(&set));
+    assert!(gate(&other).contains("which were run with av.controller.braking_distance=9m, repeat=2"));
+    let said = gate(&[]);
+    assert!(said.contains("the base was run with av.controller.braking_distance=9m, repeat=2"), "{said}");
+    assert!(said.contains("the candidate as the files say"), "{said}");
+    // `compare` runs what it compares with the same values.
+    let compare = |arguments: &[&str]| place.said(&[&["compare", "all.json"], arguments].concat());
+    assert_eq!(compare(&[&["all.suite"][..], &set].concat()).0, 0);
+    let (code, _, err) = compare(&["all.suite"]);
+    assert!(code == 103 && err.contains("the candidate as the files say"), "{code} {err}");
+    assert!(err.contains("baseline save all.suite --out all.json"), "{err}");
+    let (code, _, err) = compare(&[&["all.json"][..], &other].concat());
+    assert!(code == 2 && err.contains("neither side is run"), "{code} {err}");
+    let (code, _, err) = place.said(&["compare", "all.suite", "all.suite", "--set", "av.speed=-1m/s"]);
+    assert!(code == 3 && err.contains("E0405"), "{code} {err}");
+}
+
 /// A replay begins with what the run fails and the values that it has, each in the unit that it is written in.
 #[test]
 fn a_replay_says_first_why_the_run_fails() {

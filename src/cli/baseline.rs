@@ -5,8 +5,10 @@ use std::path::{Path, PathBuf};
 use clap::{Args, Subcommand, ValueEnum};
 
 use super::Exit;
+use super::interrupt::stop_on_interrupt;
+use super::set::SetArguments;
 use super::{measured, project};
-use crate::console::stdout;
+use crate::console::{stderr, stdout};
 use crate::judge::baseline::measured_metrics;
 use crate::report::{Form, count, render_baseline, render_difference};
 
@@ -38,6 +40,9 @@ enum Action {
         /// Replaces the seed of the suite.
         #[arg(long, value_name = "SEED")]
         seed: Option<u64>,
+
+        #[command(flatten)]
+        set: SetArguments,
 
         /// Replace the file also if it is no baseline, or one of another suite.
         #[arg(long)]
@@ -81,7 +86,7 @@ impl From<Format> for Form {
 
 pub fn baseline(arguments: &BaselineArguments) -> Exit {
     let result = match &arguments.action {
-        Action::Save { file, out, seed, force } => save(file, out.as_deref(), *seed, *force),
+        Action::Save { file, out, seed, set, force } => save(file, out.as_deref(), *seed, set, *force),
         Action::Show { path, format } => measured::read_baseline(path)
             .map(|baseline| write!(stdout(), "{}", render_baseline(&baseline, (*format).into()))),
         Action::Diff { base, candidate, format } => diff(base, candidate, *format),
@@ -89,8 +94,14 @@ pub fn baseline(arguments: &BaselineArguments) -> Exit {
     result.err().unwrap_or(Exit::Success)
 }
 
-fn save(file: &str, out: Option<&Path>, seed: Option<u64>, force: bool) -> Result<(), Exit> {
-    let suite = measured::load_suite(file, seed)?;
+fn save(
+    file: &str,
+    out: Option<&Path>,
+    seed: Option<u64>,
+    set: &SetArguments,
+    force: bool,
+) -> Result<(), Exit> {
+    let suite = measured::load_suite(file, seed, set)?;
     let path = match out {
         Some(path) => path.to_owned(),
         None => {
@@ -102,7 +113,14 @@ fn save(file: &str, out: Option<&Path>, seed: Option<u64>, force: bool) -> Resul
     if !force {
         project::may_be_replaced(&path, &suite.name)?;
     }
-    let baseline = measured::run_suite(&suite, &measured_metrics(&suite), "baseline")?;
+    let stop = stop_on_interrupt();
+    let measured = measured::run_suite(&suite, &measured_metrics(&suite), "baseline", &stop);
+    let interrupted = matches!(measured, Err(Exit::Interrupted)) || stop.is_requested();
+    if interrupted {
+        writeln!(stderr(), "interrupted: nothing saved");
+        return Err(Exit::Interrupted);
+    }
+    let baseline = measured?;
     measured::save(&path, &baseline.text())?;
     writeln!(
         stdout(),

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::Exit;
+use super::{Exit, number};
 use crate::calibrate::{
     Calibration, Candidates, Design, Journal, ParameterRange, Report, Request, calibrate, published_criteria,
     published_grid, read_criteria,
@@ -31,7 +31,7 @@ pub struct CalibrateArguments {
     design: Designs,
 
     /// How many candidates; a whole grid needs no number.
-    #[arg(long, value_name = "N", default_value_t = 5000)]
+    #[arg(long, value_name = "N", default_value_t = 5000, value_parser = number::some())]
     count: usize,
 
     /// Range of a parameter, such as `T_delta=10..100` or with the levels of its grid `T_delta=10..100:10`.
@@ -71,8 +71,8 @@ pub struct CalibrateArguments {
     #[arg(long, value_name = "FILE")]
     journal: Option<PathBuf>,
 
-    /// Number of threads [default: one per core]. Results do not depend on it.
-    #[arg(long, value_name = "N")]
+    /// Number of threads, at most 1024 [default: one per core]. Results do not depend on it.
+    #[arg(long, value_name = "N", value_parser = number::threads())]
     threads: Option<usize>,
 
     /// Never draw a progress bar.

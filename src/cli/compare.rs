@@ -4,13 +4,15 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 
-use super::Exit;
-use super::{measured, parameters};
+use super::interrupt::stop_on_interrupt;
+use super::set::SetArguments;
+use super::{Exit, measured, parameters};
 use crate::console::{stderr, stdout};
 use crate::judge::Verdict;
 use crate::judge::baseline::{Baseline, Incompatible, measured_metrics, pair};
 use crate::judge::gate::{CheckOutcome, GateVerdict, blanket_rule, collision_rule, judge_rules};
-use crate::report::{gate_markdown, record_command, render_gate, render_reason};
+use crate::report::{gate_markdown, record_command, render_gate, render_reason, set_options};
+use crate::run::Stop;
 use crate::scenario::{Gate, Suite};
 
 #[derive(Debug, Args)]
@@ -51,6 +53,9 @@ pub struct CompareArguments {
     /// Replaces the seed of every suite that is run.
     #[arg(long, value_name = "SEED")]
     seed: Option<u64>,
+
+    #[command(flatten)]
+    set: SetArguments,
 
     /// Leave out trials that the base lacks, instead of refusing to compare.
     #[arg(long)]
@@ -96,13 +101,21 @@ fn confidence(text: &str) -> Result<f64, String> {
 }
 
 pub fn compare(arguments: &CompareArguments) -> Exit {
-    match judged(arguments) {
+    let stop = stop_on_interrupt();
+    match judged(arguments, &stop) {
+        Err(Exit::Interrupted) => interrupted(),
+        Ok(_) if stop.is_requested() => interrupted(),
         Ok(verdicts) => {
             print(arguments, &verdicts);
             exit(&verdicts, arguments.strict)
         }
         Err(exit) => exit,
     }
+}
+
+fn interrupted() -> Exit {
+    writeln!(stderr(), "interrupted: nothing was compared");
+    Exit::Interrupted
 }
 
 /// One side of the comparison.
@@ -116,31 +129,32 @@ struct Side {
 }
 
 impl Side {
-    fn open(file: &str, seed: Option<u64>) -> Result<Self, Exit> {
-        let suite = if measured::is_baseline(file) { None } else { Some(measured::load_suite(file, seed)?) };
+    fn open(file: &str, arguments: &CompareArguments) -> Result<Self, Exit> {
+        let suite = || measured::load_suite(file, arguments.seed, &arguments.set);
+        let suite = if measured::is_baseline(file) { None } else { Some(suite()?) };
         Ok(Self { file: file.to_string(), suite, as_declared: true })
     }
 
     /// The suite with the parameters of a file over its own.
-    fn with_parameters(file: &str, path: &Path, seed: Option<u64>) -> Result<Self, Exit> {
-        let mut suite = measured::load_suite(file, seed)?;
+    fn with_parameters(file: &str, path: &Path, arguments: &CompareArguments) -> Result<Self, Exit> {
+        let mut suite = measured::load_suite(file, arguments.seed, &arguments.set)?;
         parameters::put_over(&mut suite, file, path)?;
         Ok(Self { file: format!("{file} with {}", path.display()), suite: Some(suite), as_declared: false })
     }
 
-    fn baseline(&self, gates: &[Gate], title: &str) -> Result<Baseline, Exit> {
+    fn baseline(&self, gates: &[Gate], title: &str, stop: &Stop) -> Result<Baseline, Exit> {
         let Some(suite) = &self.suite else { return measured::read_baseline(Path::new(&self.file)) };
         let mut requests = measured_metrics(suite);
         gates.iter().for_each(|gate| measured::include_gate(&mut requests, gate));
-        measured::run_suite(suite, &requests, title)
+        measured::run_suite(suite, &requests, title, stop)
     }
 }
 
-fn judged(arguments: &CompareArguments) -> Result<Vec<(GateVerdict, Option<String>)>, Exit> {
+fn judged(arguments: &CompareArguments, stop: &Stop) -> Result<Vec<(GateVerdict, Option<String>)>, Exit> {
     let (base, candidate) = sides(arguments)?;
     let gates = gates(arguments, &base, &candidate)?;
-    let before = base.baseline(&gates, "base")?;
-    let after = candidate.baseline(&gates, "candidate")?;
+    let before = base.baseline(&gates, "base", stop)?;
+    let after = candidate.baseline(&gates, "candidate", stop)?;
     let refuse = |reasons: Vec<Incompatible>| {
         writeln!(stderr(), "error: {} and {} cannot be compared", base.file, candidate.file);
         for reason in &reasons {
@@ -150,7 +164,7 @@ fn judged(arguments: &CompareArguments) -> Result<Vec<(GateVerdict, Option<Strin
             && let Some(suite) = &candidate.suite
             && suite.name == before.suite
         {
-            let command = record_command(&candidate.file, Path::new(&base.file));
+            let command = record_command(&candidate.file, &suite.set, Path::new(&base.file));
             writeln!(
                 stderr(),
                 "help: record it with `{command}`, from the version that it is to be compared with"
@@ -166,21 +180,27 @@ fn judged(arguments: &CompareArguments) -> Result<Vec<(GateVerdict, Option<Strin
     for gate in &gates {
         let verdict = judge_rules(&gate.name, &gate.rules, &pairing).map_err(refuse)?;
         let replays = candidate.suite.is_some() && candidate.as_declared;
-        verdicts.push((verdict, replays.then(|| format!("{} --seed {}", candidate.file, after.seed))));
+        let again = || format!("{} --seed {}{}", candidate.file, after.seed, set_options(&after.set));
+        verdicts.push((verdict, replays.then(again)));
     }
     Ok(verdicts)
 }
 
 fn sides(arguments: &CompareArguments) -> Result<(Side, Side), Exit> {
-    let (file, seed) = (&arguments.base, arguments.seed);
-    let with = |path: &PathBuf| Side::with_parameters(file, path, seed);
+    let file = &arguments.base;
+    let with = |path: &PathBuf| Side::with_parameters(file, path, arguments);
     if !arguments.parameters.is_empty() && measured::is_baseline(file) {
         writeln!(stderr(), "error: {file} is no suite that could be run with other parameters");
         return Err(Exit::Usage);
     }
+    let is_run = |file: &String| !measured::is_baseline(file);
+    if !arguments.set.is_empty() && !is_run(file) && !arguments.candidate.as_ref().is_some_and(is_run) {
+        writeln!(stderr(), "error: neither side is run, so there is nothing that could be set");
+        return Err(Exit::Usage);
+    }
     match (&arguments.candidate, &arguments.parameters[..]) {
-        (Some(candidate), _) => Ok((Side::open(file, seed)?, Side::open(candidate, seed)?)),
-        (None, [only]) => Ok((Side::open(file, seed)?, with(only)?)),
+        (Some(candidate), _) => Ok((Side::open(file, arguments)?, Side::open(candidate, arguments)?)),
+        (None, [only]) => Ok((Side::open(file, arguments)?, with(only)?)),
         (None, [was, now]) => Ok((with(was)?, with(now)?)),
         (None, _) => {
             writeln!(stderr(), "error: --parameters may be given once or twice");

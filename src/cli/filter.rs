@@ -73,7 +73,7 @@ pub fn recorded<'a>(suite: &'a Suite, file: &'a str, recorded: &'a Recorded) -> 
         tags: scenario.map_or(&[], |scenario| &scenario.tags),
         models: walkers.map(|walker| walker.model.name.as_str()).collect(),
         controllers: cars.map(|car| car.controller.name.as_str()).collect(),
-        files: scenario.map(|scenario| scenario.origin.file.as_str()).into_iter().chain([file]).collect(),
+        files: scenario.map(|scenario| &*scenario.origin.file).into_iter().chain([file]).collect(),
         variation: &recorded.variation,
     }
 }

@@ -12,7 +12,7 @@ use crate::files;
 use crate::judge::baseline::{Baseline, record};
 use crate::plan::{self, Plan};
 use crate::report::record_command;
-use crate::run::{FreeFlows, Requests, run_batch};
+use crate::run::{BatchError, FreeFlows, Requests, Stop, run_batch};
 use crate::scenario::{Gate, Suite};
 
 /// Whether a file holds a baseline and not a suite.
@@ -21,9 +21,9 @@ pub fn is_baseline(file: &str) -> bool {
 }
 
 /// A suite that is to be run for its numbers; what is wrong with it goes to stderr.
-pub fn load_suite(file: &str, seed: Option<u64>) -> Result<Suite, Exit> {
+pub fn load_suite(file: &str, seed: Option<u64>, set: &SetArguments) -> Result<Suite, Exit> {
     let colour = stderr().takes_colour();
-    let mut prepared = load::load_all(&[&file.to_string()], seed, &SetArguments::default(), colour)?;
+    let mut prepared = load::load_all(&[&file.to_string()], seed, set, colour)?;
     Ok(prepared.remove(0).suite)
 }
 
@@ -33,23 +33,29 @@ pub fn include_gate(requests: &mut Requests, gate: &Gate) {
 }
 
 /// Runs every case of a suite; `title` stands before the progress bar.
-pub fn run_suite(suite: &Suite, requests: &Requests, title: &str) -> Result<Baseline, Exit> {
+///
+/// # Errors
+/// [`Exit::Interrupted`], of which nothing is said yet; of everything else stderr has been told.
+pub fn run_suite(suite: &Suite, requests: &Requests, title: &str, stop: &Stop) -> Result<Baseline, Exit> {
     let plan = plan::plan(suite).map_err(|errors| {
         load::show_plan_errors(&errors, false);
         Exit::Scenario
     })?;
-    run_plan(&plan, requests, title)
+    run_plan(&plan, requests, title, stop)
 }
 
-fn run_plan(plan: &Plan, requests: &Requests, title: &str) -> Result<Baseline, Exit> {
+fn run_plan(plan: &Plan, requests: &Requests, title: &str, stop: &Stop) -> Result<Baseline, Exit> {
     let cases: Vec<_> = plan.trials.iter().flat_map(|trial| &trial.cases).collect();
     let bar = bar(title, cases.len() as u64);
     let free_flows = FreeFlows::default();
-    let outcomes = run_batch(&cases, requests, &free_flows, || bar.inc(1));
+    let outcomes = run_batch(&cases, requests, &free_flows, stop, || bar.inc(1));
     bar.finish_and_clear();
-    let outcomes = outcomes.map_err(|(key, error)| {
-        writeln!(stderr(), "error: {key}: {error}");
-        Exit::Scenario
+    let outcomes = outcomes.map_err(|error| match error {
+        BatchError::Stopped => Exit::Interrupted,
+        BatchError::Run { .. } => {
+            writeln!(stderr(), "error: {error}");
+            Exit::Scenario
+        }
     })?;
     let mut rest = &outcomes[..];
     let trials: Vec<_> = plan
@@ -91,7 +97,7 @@ pub fn read_baseline(path: &Path) -> Result<Baseline, Exit> {
     warn_of_unchecked(path);
     Baseline::read(path).map_err(|error| {
         writeln!(stderr(), "error: {error}");
-        writeln!(stderr(), "help: {}", error.hint(&record_command("SUITE", path)));
+        writeln!(stderr(), "help: {}", error.hint(&record_command("SUITE", &[], path)));
         Exit::Baseline
     })
 }

@@ -19,6 +19,7 @@ pub(crate) mod load;
 mod lsp;
 mod measured;
 mod models;
+mod number;
 mod one_case;
 mod parameters;
 mod project;

@@ -17,6 +17,10 @@ pub struct SetArguments {
 }
 
 impl SetArguments {
+    pub fn is_empty(&self) -> bool {
+        self.set.is_empty() && self.repeat.is_none()
+    }
+
     /// Everything that is set.
     ///
     /// # Errors

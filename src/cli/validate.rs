@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
 
-use super::Exit;
+use super::{Exit, number};
 use crate::calibrate::{
     Calibration, PUBLISHED_SHARE, Request, calibrate, published_candidates, published_criteria,
 };
@@ -36,7 +36,7 @@ enum What {
         /// The published individuals, `commotions_individuals.json`.
         individuals: PathBuf,
         /// How many candidates are drawn at random; more than there are means all.
-        #[arg(long, value_name = "N", default_value_t = 5000)]
+        #[arg(long, value_name = "N", default_value_t = 5000, value_parser = number::some())]
         candidates: usize,
         /// Decides the draw and the noise of every run.
         #[arg(long, default_value_t = 20_261_121)]

@@ -52,9 +52,15 @@ pub fn dispatch<'a>(
         // Should this thread panic, the workers must not go on behind it.
         let _end = StopOnPanic(workshop.stop());
         let (sender, receiver) = mpsc::channel();
-        for _ in 0..orders.threads.max(1) {
+        for worker in 0..orders.threads.max(1) {
             let (floor, sender) = (&floor, sender.clone());
-            scope.spawn(move || floor.work_or_stop(&sender));
+            let begun = thread::Builder::new().spawn_scoped(scope, move || floor.work_or_stop(&sender));
+            match begun {
+                Ok(_) => {}
+                Err(error) if worker == 0 => panic!("no thread can be started: {error}"),
+                // As many as the system gives: results do not depend on how many there are.
+                Err(_) => break,
+            }
         }
         drop(sender);
         loop {

@@ -6,14 +6,11 @@ use super::workshop::Workshop;
 use crate::judge::baseline::{Baseline, Incompatible, measured_metrics, record};
 use crate::judge::gate::judge_gate;
 use crate::report::{
-    GateReport, GateState, NotJudged, Refusal, Skip, SuiteReport, TrialReport, TrialState, record_command,
-    render_reason,
+    GateReport, GateState, NotJudged, Refusal, Skip, SuiteIdentity, SuiteReport, TrialReport, TrialState,
+    record_command, render_reason,
 };
-use crate::run::{Panicked, run_batch};
+use crate::run::{BatchError, Panicked, run_batch};
 use crate::scenario::Gate;
-
-/// Runs between two looks at whether somebody wishes to stop.
-const AT_ONCE: usize = 256;
 
 /// Judges every gate of every suite and puts what it came to into the suite's report. With `lenient`, trials that a
 /// baseline lacks are left out instead of being a reason not to compare.
@@ -23,35 +20,42 @@ pub fn judge_gates<'a>(workshop: &Workshop<'a>, reports: &mut [SuiteReport<'a>],
         if gates.is_empty() {
             continue;
         }
-        let set = &workshop.suites()[suite].suite.set;
-        if !set.is_empty() {
-            let identity = workshop.identity(suite);
-            let refused = |gate| {
-                let state = GateState::Refused(other_runs(set));
+        let identity = workshop.identity(suite);
+        let refusals: Vec<_> = gates.iter().map(|gate| other_runs(gate, identity.set)).collect();
+        // Runs that a trial did not need itself are made up for only where something is compared.
+        let measured = refusals.contains(&None).then(|| {
+            let trials: Vec<_> = report.trials.iter().collect();
+            measured_trials(workshop, suite, &trials)
+        });
+        report.interrupted |= matches!(measured, Some(Err(_))) && workshop.stop().is_requested();
+        let judged = |(gate, refusal): (&'a Gate, Option<Refusal>)| match (refusal, &measured) {
+            (None, Some(measured)) => judge_one_gate(workshop, suite, gate, measured.as_ref(), lenient),
+            (refusal, _) => {
+                let state = GateState::Refused(refusal.expect("whatever is not refused was measured"));
                 GateReport { gate, key: gate_key(identity.suite, gate), state }
-            };
-            report.gates = gates.iter().map(refused).collect();
-            continue;
-        }
-        let trials: Vec<_> = report.trials.iter().collect();
-        let measured = measured_trials(workshop, suite, &trials);
-        report.interrupted |= measured.is_err() && workshop.stop().is_requested();
-        report.gates = gates
-            .iter()
-            .map(|gate| judge_one_gate(workshop, suite, gate, measured.as_ref(), lenient))
-            .collect();
+            }
+        };
+        report.gates = gates.iter().zip(refusals).map(judged).collect();
     }
 }
 
-/// Values that were set make other runs, whatever their names.
-fn other_runs(set: &[String]) -> Refusal {
-    Refusal {
-        message: format!("with {} these are not the runs that the baseline is of", set.join(", ")),
-        reasons: Vec::new(),
-        help: "leave out `--set` and `--repeat` to judge the gate; `compare SUITE --parameters FILE` compares other \
-               parameters of what is tested"
-            .to_string(),
+/// Values that were set make other runs, whatever their names: those of the gate's baseline only if it has the same.
+fn other_runs(gate: &Gate, set: &[String]) -> Option<Refusal> {
+    if set.is_empty() {
+        return None;
     }
+    let base = Baseline::read_named(Path::new(&gate.baseline)).ok().filter(|base| !base.has_set(set))?;
+    let its_own = match &base.set[..] {
+        [] => String::new(),
+        its_own => format!(", which were run with {}", its_own.join(", ")),
+    };
+    let help = "leave out `--set` and `--repeat` to judge the gate, or record a baseline with them; `compare SUITE \
+                --parameters FILE` compares other parameters of what is tested";
+    Some(Refusal {
+        message: format!("with {} these are not the runs that the baseline is of{its_own}", set.join(", ")),
+        reasons: Vec::new(),
+        help: help.to_string(),
+    })
 }
 
 /// Judges one gate of the suite with index `suite` on what [`measured_trials`] gave.
@@ -64,7 +68,7 @@ pub fn judge_one_gate<'a>(
 ) -> GateReport<'a> {
     let identity = workshop.identity(suite);
     let state = match measured {
-        Ok(candidate) => state(gate, candidate, identity.file, lenient),
+        Ok(candidate) => state(gate, candidate, &identity, lenient),
         Err(why) => GateState::NotJudged(why.clone()),
     };
     GateReport { gate, key: gate_key(identity.suite, gate), state }
@@ -103,15 +107,14 @@ pub fn measured_trials(
         // When a trial was decided must not decide what is compared.
         let rest: Vec<_> = trial.trial.cases[trial.outcomes.len()..].iter().collect();
         let mut all = trial.outcomes.clone();
-        for some in rest.chunks(AT_ONCE) {
-            if workshop.stop().is_requested() {
-                let key = &trial.trial.key;
-                return Err(NotJudged::Incomplete(format!("interrupted before the last runs of {key}")));
+        let more = Panicked::catch(|| run_batch(&rest, requests, free_flows, workshop.stop(), || ()));
+        let more = more.map_err(|panicked| NotJudged::Broken(panicked.to_string()))?;
+        all.extend(more.map_err(|error| match error {
+            BatchError::Stopped => {
+                NotJudged::Incomplete(format!("interrupted before the last runs of {}", trial.trial.key))
             }
-            let more = Panicked::catch(|| run_batch(some, requests, free_flows, || ()));
-            let more = more.map_err(|panicked| NotJudged::Broken(panicked.to_string()))?;
-            all.extend(more.map_err(|(key, error)| NotJudged::Broken(format!("{key}: {error}")))?);
-        }
+            BatchError::Run { .. } => NotJudged::Broken(error.to_string()),
+        })?);
         outcomes.push((trial.trial, all));
     }
     let trials: Vec<_> = outcomes.iter().map(|(trial, outcomes)| (*trial, &outcomes[..])).collect();
@@ -121,9 +124,9 @@ pub fn measured_trials(
     Ok(all)
 }
 
-fn state(gate: &Gate, candidate: &Baseline, file: &str, lenient: bool) -> GateState {
+fn state(gate: &Gate, candidate: &Baseline, identity: &SuiteIdentity, lenient: bool) -> GateState {
     let path = Path::new(&gate.baseline);
-    let record = record_command(file, path);
+    let record = record_command(identity.file, identity.set, path);
     let judged = match Baseline::read_named(path) {
         Ok(base) => judge_gate(gate, &base, candidate, lenient),
         Err(error) => {

@@ -9,6 +9,7 @@ use super::unit::{Prepared, Unit, Work};
 use crate::corpus::{Recorded, case_hash};
 use crate::experiment::{Block, ExperimentError, Laboratory, Progress, Results};
 use crate::judge::{self, PerRun, Verdict, judge, per_run};
+use crate::plan::Trial;
 use crate::report::{
     BlockReport, BlockState, Cut, RecordedReport, RecordedState, Rerun, Skip, SuiteIdentity, TrialReport,
     TrialState, UnitReport,
@@ -92,7 +93,7 @@ impl<'a> Workshop<'a> {
         let begun = Instant::now();
         let trial = shared.trial;
         let limit = self.suites[suite].plan.time_limit.map(Duration::from_secs_f64);
-        let run = |case: &Case| self.case(suite, case);
+        let run = |case: &Case| self.case_of(suite, trial, case);
         let done = |case: &Case, ran: &Ran| {
             self.watched(case, ran);
             done();
@@ -124,7 +125,14 @@ impl<'a> Workshop<'a> {
 
     /// Runs one case of a trial that another thread sees to.
     pub fn help(&self, suite: usize, shared: &SharedTrial, index: usize) {
-        shared.run(index, |case| self.case(suite, case));
+        shared.run(index, |case| self.case_of(suite, shared.trial, case));
+    }
+
+    /// A run of a trial, of which no more is kept than its criteria need.
+    fn case_of(&self, suite: usize, trial: &Trial, case: &Case) -> Result<Ran, RunError> {
+        let mut ran = self.case(suite, case)?;
+        ran.outcome.forget_unasked(&trial.criteria, &self.requests);
+        Ok(ran)
     }
 
     fn case(&self, suite: usize, case: &Case) -> Result<Ran, RunError> {
@@ -239,5 +247,47 @@ impl<'a> Workshop<'a> {
                 wall_time: Duration::ZERO,
             }),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::lang;
+    use crate::plan::plan;
+
+    /// There may be a million runs: each holds what it has of its own, and of that what somebody may still ask for.
+    #[test]
+    fn of_a_run_no_more_is_kept_than_its_trial_needs() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/zebra/carla_walker.scn");
+        let suite = lang::load(&path).unwrap_or_else(|_| panic!("{} is a scenario", path.display())).suite;
+        let plan = plan(&suite).unwrap();
+        let suites = [Prepared { file: "walker.scn".into(), suite, plan, recorded: Vec::new() }];
+        let workshop = Workshop::new(&suites, None, &Stop::default());
+        let trial = &suites[0].plan.trials[0];
+        let report = workshop.trial(0, &SharedTrial::new(trial), &|| ());
+        let asked: Vec<_> = trial.criteria.iter().map(|one| one.claim.metric()).collect();
+        let (mut kept, mut dropped) = (0, 0);
+        for outcome in &report.outcomes {
+            for (index, reference) in workshop.requests().iter().enumerate() {
+                match outcome.critical.get(index) {
+                    Some(_) => {
+                        assert!(
+                            asked.contains(&reference),
+                            "nobody asks for the moment of {}",
+                            reference.name
+                        );
+                        kept += 1;
+                    }
+                    None => dropped += usize::from(outcome.metrics[index].is_some()),
+                }
+            }
+            let walker = &outcome.presences[0].0;
+            assert!(Arc::ptr_eq(walker, &report.outcomes[0].presences[0].0), "each run has names of its own");
+        }
+        assert!(kept > 0 && dropped > 0, "{kept} kept, {dropped} dropped");
     }
 }

@@ -44,18 +44,22 @@ impl Horizon {
     /// `None` where the horizon ended no run.
     pub fn of(outcomes: &[Outcome]) -> Option<Self> {
         let all = || outcomes.iter().filter(|outcome| outcome.ending.reason == StopReason::Horizon);
-        let stranded = all()
-            .filter(|outcome| !outcome.cut_off.stranded.is_empty())
-            .map(|outcome| Stranded { key: outcome.key.clone(), who: outcome.cut_off.stranded.clone() });
-        let on_course = all().filter_map(|outcome| {
-            Some(CourseOfRun { key: outcome.key.clone(), course: outcome.cut_off.on_course.clone()? })
+        let cut_off = || all().filter_map(|outcome| Some((&outcome.key, outcome.cut_off.as_ref()?)));
+        let stranded = cut_off()
+            .filter(|(_, cut_off)| !cut_off.stranded.is_empty())
+            .map(|(key, cut_off)| Stranded { key: key.clone(), who: cut_off.stranded.clone() });
+        let on_course = cut_off().filter_map(|(key, cut_off)| {
+            Some(CourseOfRun { key: key.clone(), course: cut_off.on_course.clone()? })
         });
-        let horizon = Self {
+        let mut horizon = Self {
             runs: all().count(),
             of: outcomes.len(),
             stranded: stranded.collect(),
             on_course: on_course.collect(),
         };
+        // There may be a trial for every run.
+        horizon.stranded.shrink_to_fit();
+        horizon.on_course.shrink_to_fit();
         (horizon.runs > 0).then_some(horizon)
     }
 }
@@ -93,6 +97,11 @@ mod tests {
     use crate::sim::Ending;
     use std::time::Duration;
 
+    /// The only metric was not decided.
+    fn cut_off(open: Open) -> Box<CutOff> {
+        Box::new(CutOff { open: [Some(open)].into_iter().collect(), ..CutOff::default() })
+    }
+
     fn metric() -> MetricReference {
         MetricReference { name: "time_lost".into(), settings: Settings::default(), pair: None }
     }
@@ -118,7 +127,7 @@ mod tests {
         requests.include(std::slice::from_ref(criterion));
         let outcome = |run: usize| {
             let is_late = run >= arrived;
-            let open = late.filter(|_| is_late).map(|low| vec![Some(Open::at_least(low))]);
+            let open = late.filter(|_| is_late).map(Open::at_least);
             let reason = if open.is_some() { StopReason::Horizon } else { StopReason::Completed };
             Outcome {
                 key: format!("a/b/rep={run}"),
@@ -126,9 +135,9 @@ mod tests {
                 individuals: Vec::new(),
                 ending: Ending { reason, time: 24.0 },
                 metrics: vec![(!is_late).then_some(2.0 + 0.001 * run as f64)],
-                critical: Vec::new(),
+                critical: Default::default(),
                 presences: Vec::new(),
-                cut_off: CutOff { open: open.unwrap_or_default(), ..CutOff::default() },
+                cut_off: open.map(cut_off),
                 fingerprint: 0,
                 wall_time: Duration::ZERO,
             }
@@ -221,12 +230,9 @@ mod tests {
                     individuals: Vec::new(),
                     ending: Ending { reason: StopReason::Completed, time: 24.0 },
                     metrics: vec![(!late).then_some(*value)],
-                    critical: Vec::new(),
+                    critical: Default::default(),
                     presences: Vec::new(),
-                    cut_off: CutOff {
-                        open: if late { vec![Some(Open::at_least(horizon))] } else { Vec::new() },
-                        ..CutOff::default()
-                    },
+                    cut_off: late.then(|| cut_off(Open::at_least(horizon))),
                     fingerprint: 0,
                     wall_time: Duration::ZERO,
                 }

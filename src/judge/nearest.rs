@@ -61,7 +61,7 @@ pub(super) fn nearest(
             value: *value,
             margin: value.and_then(|value| relation.margin(value, bound)).filter(|_| !cut_off(place)),
             cut_off: cut_off(place),
-            critical: critical.filter(|one| **one != Critical::default()).cloned(),
+            critical: critical.cloned(),
         }
     };
     let all = || values.iter().zip(evidence.outcomes).enumerate();

@@ -21,7 +21,7 @@ impl Seen {
     /// The metric with this index in an outcome.
     pub fn of(outcome: &Outcome, index: usize) -> Self {
         let value = outcome.metrics[index];
-        match (outcome.cut_off.open.get(index).copied().flatten(), value) {
+        match (outcome.open(index), value) {
             (Some(range), so_far) => Self::Open { so_far, range },
             (None, Some(value)) => Self::Value(value),
             (None, None) => Self::Undefined,

@@ -93,7 +93,7 @@ mod tests {
             individuals: Vec::new(),
             ending: Ending { reason: StopReason::Completed, time: 10.0 },
             metrics: requests.iter().map(|_| value).collect(),
-            critical: Vec::new(),
+            critical: Default::default(),
             presences: presences.iter().map(presence).collect(),
             cut_off: Default::default(),
             fingerprint: 0,

@@ -1,4 +1,5 @@
-//! Findings that only follow from others: names that are not known because what defines them could not be read.
+//! Findings that only follow from others: names that are not known because what defines them could not be read, and what a
+//! block lacks because nobody knows where it ends.
 
 use std::collections::HashSet;
 
@@ -33,6 +34,9 @@ const UNREAD: [Code; 8] = [
     Code::UnknownKey,
 ];
 
+/// Codes about what a block lacks.
+const LACKING: [Code; 3] = [Code::MissingStatement, Code::NoStart, Code::NobodyThere];
+
 /// The words that begin a statement that gives a name.
 const NAMING: [&str; 11] = [
     "let",
@@ -48,8 +52,20 @@ const NAMING: [&str; 11] = [
     "statement",
 ];
 
-/// Removes findings about names that statements or files would define if they could be read.
+/// Removes findings about names that statements or files would define if they could be read, and about what blocks lack that
+/// are not closed.
 pub fn remove(files: &Files, report: &mut Vec<Diagnostic>) {
+    let unclosed: Vec<Span> = report
+        .iter()
+        .filter(|found| found.code == Code::UnclosedBracket)
+        .flat_map(|found| heads(files, found.span()))
+        .collect();
+    report.retain(|found| {
+        let (span, lacks) = (found.span(), LACKING.contains(&found.code));
+        let is_in =
+            |head: &Span| head.source == span.source && head.start <= span.start && span.end <= head.end;
+        !(lacks && unclosed.iter().any(is_in))
+    });
     if !report.iter().any(|found| UNKNOWN.contains(&found.code)) {
         return;
     }
@@ -73,6 +89,21 @@ pub fn remove(files: &Files, report: &mut Vec<Diagnostic>) {
             !UNKNOWN.contains(&found.code) || !names.contains(files.sources.text(found.span()))
         });
     }
+}
+
+/// What stands before the braces of the blocks that a brace opens or is in.
+fn heads(files: &Files, brace: Span) -> Vec<Span> {
+    let Some(file) = files.ids().find(|file| files.tree(*file).source == brace.source) else {
+        return Vec::new();
+    };
+    let around = files.tree(file).nodes().filter(|node| {
+        node.rule() != Rule::file && node.span().start <= brace.start && brace.start < node.span().end
+    });
+    let head = |node: Node| {
+        let (span, before) = (node.span(), node.text().find('{')?);
+        Some(Span::new(span.source, span.start, span.start + before))
+    };
+    around.filter_map(head).collect()
 }
 
 /// The name that a statement would give if it could be read.

@@ -119,7 +119,7 @@ impl Sources {
 
     /// The place that travelled with a scenario, back in its text; `None` if it is from none of these.
     pub fn span(&self, origin: &Origin) -> Option<Span> {
-        let (id, source) = self.iter().find(|(_, source)| source.name == origin.file)?;
+        let (id, source) = self.iter().find(|(_, source)| *source.name == *origin.file)?;
         let start = *source.line_starts.get(origin.line.checked_sub(1)?)?;
         let offset = |characters: usize| {
             let rest = &source.text[start..];
@@ -140,10 +140,10 @@ impl Sources {
         let line_end = source.line_starts[index] + line.len();
         let marked = &source.text[span.start..span.end.min(line_end).max(span.start)];
         Origin {
-            file: source.name.clone(),
+            file: source.name.as_str().into(),
             line: number,
             column,
-            source_line: if line.len() <= LONGEST_LINE { line.to_string() } else { String::new() },
+            source_line: if line.len() <= LONGEST_LINE { line.into() } else { Arc::default() },
             length: marked.chars().count().max(1),
         }
     }

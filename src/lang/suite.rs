@@ -504,7 +504,7 @@ fn reject_idle_criteria(
     let applied: HashSet<_> = scenarios
         .iter()
         .flat_map(|scenario| &scenario.criteria)
-        .map(|criterion| (criterion.origin.file.as_str(), criterion.origin.line, criterion.origin.column))
+        .map(|criterion| (&*criterion.origin.file, criterion.origin.line, criterion.origin.column))
         .collect();
     for node in criteria {
         let place = files.sources.location(node.span());

@@ -30,6 +30,8 @@ pub use variation::expand as combinations;
 pub struct Plan {
     pub suite: String,
     pub seed: u64,
+    /// What was set on the command line: `av.speed=40km/h`.
+    pub set: Vec<String>,
     /// Wall-clock limit per trial in s.
     pub time_limit: Option<f64>,
     pub trials: Vec<Trial>,
@@ -122,8 +124,14 @@ pub fn plan(suite: &Suite) -> Result<Plan, Vec<PlanError>> {
         BTreeMap::new()
     });
     if errors.is_empty() {
-        let (suite, seed, time_limit) = (suite.name.clone(), suite.seed, suite.time_limit);
-        Ok(Plan { suite, seed, time_limit, trials, populations })
+        Ok(Plan {
+            suite: suite.name.clone(),
+            seed: suite.seed,
+            set: suite.set.clone(),
+            time_limit: suite.time_limit,
+            trials,
+            populations,
+        })
     } else {
         Err(errors)
     }

@@ -135,8 +135,12 @@ fn heading(baseline: &Baseline, form: Form) -> String {
 }
 
 fn identity(baseline: &Baseline) -> String {
+    let set = match &baseline.set[..] {
+        [] => String::new(),
+        set => format!(", with {}", set.join(", ")),
+    };
     format!(
-        "suite {}, seed {}, {}, {}, scenario-runner {}",
+        "suite {}, seed {}{set}, {}, {}, scenario-runner {}",
         baseline.suite,
         baseline.seed,
         count(baseline.trials.len(), "trial"),

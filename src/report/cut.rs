@@ -60,10 +60,10 @@ impl CutBy {
 #[cfg(test)]
 mod tests {
     use crate::report::fixture::Session;
+    use crate::report::junit::tests::junit;
     use crate::report::schema::violations;
-    use crate::report::{
-        Repository, annotations, html, render_tables, step_summary, to_junit, to_tap, write_json,
-    };
+    use crate::report::tap::tests::tap;
+    use crate::report::{Repository, annotations, html, render_tables, step_summary, write_json};
 
     fn repository() -> Repository {
         Repository::around(std::path::Path::new(env!("CARGO_MANIFEST_DIR")))
@@ -81,7 +81,7 @@ mod tests {
     #[test]
     fn junit_has_an_error_for_each_and_one_for_the_suite() {
         let session = Session::new();
-        let xml = to_junit(&[session.interrupted()], &session.requests, &repository()).unwrap();
+        let xml = junit(&[session.interrupted()], &session.requests);
         assert_eq!(count(&xml, "type=\"interrupted\""), 3, "{xml}");
         assert_eq!(count(&xml, "type=\"time_limit\""), 1, "{xml}");
         assert_eq!(count(&xml, "<skipped message=\"interrupted\"/>"), 6, "{xml}");
@@ -91,7 +91,7 @@ mod tests {
         let mut report = session.interrupted();
         report.trials.drain(1..3);
         report.blocks.clear();
-        let xml = to_junit(&[report], &session.requests, &repository()).unwrap();
+        let xml = junit(&[report], &session.requests);
         assert_eq!(count(&xml, "<error "), 1, "{xml}");
     }
 
@@ -119,12 +119,12 @@ mod tests {
     #[test]
     fn tap_bails_out() {
         let session = Session::new();
-        let tap = to_tap(&[session.interrupted()]);
-        assert_eq!(count(&tap, "\nnot ok "), 4, "{tap}");
-        assert_eq!(count(&tap, "  severity: not finished\n"), 3, "{tap}");
-        assert_eq!(count(&tap, "# SKIP interrupted\n"), 6, "{tap}");
-        assert!(tap.ends_with(&format!("Bail out! suite zebra {SUITE}\n")), "{tap}");
-        assert!(!to_tap(&[session.report()]).contains("Bail out!"));
+        let text = tap(&[session.interrupted()]);
+        assert_eq!(count(&text, "\nnot ok "), 4, "{text}");
+        assert_eq!(count(&text, "  severity: not finished\n"), 3, "{text}");
+        assert_eq!(count(&text, "# SKIP interrupted\n"), 6, "{text}");
+        assert!(text.ends_with(&format!("Bail out! suite zebra {SUITE}\n")), "{text}");
+        assert!(!tap(&[session.report()]).contains("Bail out!"));
     }
 
     #[test]

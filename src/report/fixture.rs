@@ -4,6 +4,7 @@ mod blocks;
 pub mod gate;
 mod trials;
 
+use std::sync::Arc;
 use std::time::{Duration, SystemTime};
 
 use blocks::{blocks, found, tuned};
@@ -64,6 +65,7 @@ impl Session {
     pub fn with_names(text: &str) -> Self {
         let mut session = Self::new();
         let name = |name: &mut String| name.push_str(text);
+        let shared = |name: &mut Arc<str>| *name = format!("{name}{text}").into();
         for trial in &mut session.trials {
             let key = std::mem::take(&mut trial.key);
             trial.key = format!("{key}{text}");
@@ -78,9 +80,10 @@ impl Session {
             }
             for criterion in &mut trial.criteria {
                 let origin = &mut criterion.origin;
-                [&mut criterion.text, &mut origin.file, &mut origin.source_line].into_iter().for_each(name);
+                name(&mut criterion.text);
+                [&mut origin.file, &mut origin.source_line].into_iter().for_each(shared);
             }
-            name(&mut trial.origin.file);
+            shared(&mut trial.origin.file);
         }
         let recorded = &mut session.recorded;
         [&mut recorded.key, &mut recorded.scenario].into_iter().chain(&mut recorded.against).for_each(name);
@@ -208,6 +211,13 @@ impl Session {
         reports
     }
 
+    /// Every trial a hundred times over.
+    pub fn long_report(&self) -> SuiteReport<'_> {
+        let mut report = self.report();
+        report.trials = (0..100).flat_map(|_| self.report().trials).collect();
+        report
+    }
+
     /// A straight course for every chosen run.
     pub fn record(&self, chosen: Vec<Chosen>) -> Vec<(Chosen, Recording<'_>)> {
         let cases = || self.trials.iter().flat_map(|trial| &trial.cases);
@@ -234,7 +244,7 @@ impl Session {
                 individuals: case.individuals.clone(),
                 ending: Ending { reason: StopReason::Completed, time: 20.0 },
                 metrics: self.requests.iter().map(value).collect(),
-                critical: self.requests.iter().map(|_| critical(run)).collect(),
+                critical: self.requests.iter().map(|_| Some(critical(run))).collect(),
                 presences: vec![("walker".into(), Presence { appeared: true, entered: true })],
                 cut_off: Default::default(),
                 fingerprint: 0x0123_4567_89ab_cdef,
@@ -242,6 +252,25 @@ impl Session {
             }
         };
         trial.cases.iter().map(outcome).collect()
+    }
+}
+
+/// Takes bytes, and notes how many there were in all and at most at once.
+#[derive(Default)]
+pub struct Meter {
+    pub all: usize,
+    pub at_once: usize,
+}
+
+impl std::io::Write for Meter {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        self.all += bytes.len();
+        self.at_once = self.at_once.max(bytes.len());
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
     }
 }
 

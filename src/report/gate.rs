@@ -332,6 +332,13 @@ pub fn render_reason(reason: &Incompatible) -> String {
         Incompatible::NothingInCommon { base, candidate } => {
             format!("suite `{base}` and suite `{candidate}` have no trial in common")
         }
+        Incompatible::OtherValues { base, candidate } => {
+            let with = |set: &[String]| match set {
+                [] => "as the files say".to_string(),
+                set => format!("with {}", set.join(", ")),
+            };
+            format!("the base was run {}, the candidate {}", with(base), with(candidate))
+        }
         Incompatible::Vanished(trials) => format!("trials are gone: {}", some(trials)),
         Incompatible::New(trials) => format!("trials are new: {}", some(trials)),
         Incompatible::MetricMissing(label) => format!("the base has no metric `{label}`"),

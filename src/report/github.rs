@@ -149,7 +149,7 @@ pub fn annotations(reports: &[SuiteReport], repository: &Repository) -> String {
 
 /// Where a suite is said to have failed of which no line is to blame.
 fn beginning(report: &SuiteReport) -> Origin {
-    Origin { file: report.identity.file.to_string(), line: 1, column: 1, ..Origin::default() }
+    Origin { file: report.identity.file.into(), line: 1, column: 1, ..Origin::default() }
 }
 
 /// The summary of a step in GitHub's Markdown.

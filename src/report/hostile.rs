@@ -11,9 +11,11 @@ use quick_xml::events::Event as Xml;
 
 use super::event::UnitReport;
 use super::fixture::Session;
+use super::junit::tests::junit;
+use super::tap::tests::tap;
 use super::{
     Repository, SuiteReport, annotations, choose_runs, explain, render_gates, render_tables, step_summary,
-    to_html, to_junit, to_tap,
+    to_html,
 };
 use crate::escape::{hostile, terminal, terminal_styled, xml_line};
 
@@ -71,7 +73,7 @@ proptest! {
     fn junit_is_xml_with_the_names_in_it(name in hostile::text()) {
         let session = Session::with_names(&name);
         let report = session.report();
-        let text = to_junit(std::slice::from_ref(&report), &session.requests, &repository()).unwrap();
+        let text = junit(std::slice::from_ref(&report), &session.requests);
         let is_xml = |letter: char| is_safe(letter) && (!letter.is_control() || matches!(letter, '\n' | '\t'));
         prop_assert!(text.chars().all(is_xml));
         let mut reader = quick_xml::Reader::from_str(&text);
@@ -103,12 +105,12 @@ proptest! {
     fn tap_has_its_points_and_no_others(name in hostile::text()) {
         let (calm, hostile) = (Session::new(), Session::with_names(&name));
         let marks = |session: &Session| -> Vec<String> {
-            let text = to_tap(&[session.report()]);
+            let text = tap(&[session.report()]);
             let points = text.lines().filter(|line| !line.starts_with(' '));
             points.map(|line| line.split(" - ").next().unwrap_or_default().split('#').next().unwrap_or_default().to_string()).collect()
         };
         prop_assert_eq!(marks(&calm), marks(&hostile));
-        let text = to_tap(&[hostile.report()]);
+        let text = tap(&[hostile.report()]);
         prop_assert!(text.chars().all(is_safe));
         for part in text.split("  ---\n").skip(1) {
             let yaml = part.split("\n  ...\n").next().expect("a split has a first part");

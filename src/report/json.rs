@@ -259,8 +259,8 @@ pub(super) fn outcome_value(outcome: &Outcome, requests: &Requests) -> Value {
         .zip(&outcome.metrics)
         .map(|(reference, value)| (reference.label(), value.map_or(Value::Null, Value::from)))
         .collect();
-    let open = requests.iter().zip(&outcome.cut_off.open);
-    let open = open.filter_map(|(reference, open)| Some((reference.label(), plain(&(*open)?))));
+    let open = requests.iter().enumerate();
+    let open = open.filter_map(|(index, reference)| Some((reference.label(), plain(&outcome.open(index)?))));
     let open: Map<_, _> = open.collect();
     let mut value = json!({
         "key": outcome.key,

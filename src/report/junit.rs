@@ -1,9 +1,13 @@
 //! Results as JUnit XML, for GitLab, Jenkins and their like: one testsuite per scenario, one testcase per trial; one more
 //! testsuite per kind of block.
 
-use chrono::{DateTime, Utc};
-use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
+mod document;
 
+use std::collections::HashMap;
+use std::io::{self, Write};
+use std::time::Duration;
+
+use self::document::{Case, Counts, Document, Kind, Problem, Suite};
 use super::digest::Digest;
 use super::experiment::render_block;
 use super::failure::{render_block_failure, render_failure};
@@ -14,233 +18,275 @@ use super::{
     BlockReport, BlockState, Cut, CutBy, GateReport, GateState, NotJudged, RecordedReport, Repository,
     SuiteReport, TrialReport, TrialState,
 };
-use crate::escape::{xml, xml_line};
 use crate::experiment::BlockResult;
 use crate::judge::Verdict;
 use crate::metrics;
 use crate::run::Requests;
 use crate::scenario::Origin;
 
-/// The report as an XML document. A failed criterion is a failure; a trial that could not run is an error.
-/// Every testcase says where it stands, in `file` and `line`, from the root of the repository on.
-pub fn to_junit(
+/// Writes the report as an XML document, a testcase at a time. A failed criterion is a failure; a trial that could not run
+/// is an error. Every testcase says where it stands, in `file` and `line`, from the root of the repository on.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write_junit(
     reports: &[SuiteReport],
     requests: &Requests,
     repository: &Repository,
-) -> Result<String, quick_junit::SerializeError> {
-    let mut document = Report::new("scenario-runner");
-    if let Some(first) = reports.first() {
-        document.set_timestamp(DateTime::<Utc>::from(first.started));
+    out: &mut dyn Write,
+) -> io::Result<()> {
+    let suites: Vec<_> = reports.iter().map(|report| (report, grouped(report))).collect();
+    let mut counts = Counts::default();
+    for item in suites.iter().flat_map(|(_, groups)| groups).flat_map(|group| &group.items) {
+        counts.add(item.kind());
     }
-    document.set_time(reports.iter().map(|report| report.wall_time).sum());
-    for report in reports {
-        document.add_test_suites(test_suites(report, requests, repository));
-    }
-    document.to_string()
-}
-
-fn test_suites(report: &SuiteReport, requests: &Requests, repository: &Repository) -> Vec<TestSuite> {
-    let mut suites: Vec<TestSuite> = Vec::new();
-    for recorded in &report.recorded {
-        let name = format!("{}.recorded", report.identity.suite);
-        let suite = suite_named(&mut suites, report, &name);
-        suite.time = Some(suite.time.unwrap_or_default() + recorded.wall_time);
-        let case = recorded_case(report, recorded, &name);
-        let declared = report.trials.iter().find(|one| one.trial.scenario == recorded.recorded.scenario);
-        suite.add_test_case(placed(case, declared.map(|one| &one.trial.origin), repository));
-    }
-    for trial in &report.trials {
-        let name = format!("{}.{}", report.identity.suite, trial.trial.scenario);
-        let suite = suite_named(&mut suites, report, &name);
-        suite.time = Some(suite.time.unwrap_or_default() + trial.wall_time);
-        let case = test_case(report, trial, &name, requests);
-        suite.add_test_case(placed(case, Some(&trial.trial.origin), repository));
-    }
-    for block in &report.blocks {
-        let name = format!("{}.{}", report.identity.suite, block.block.kind());
-        let suite = suite_named(&mut suites, report, &name);
-        suite.time = Some(suite.time.unwrap_or_default() + block.wall_time);
-        let case = block_case(report, block, &name);
-        suite.add_test_case(placed(case, Some(block.block.origin()), repository));
-    }
-    for gate in &report.gates {
-        let name = format!("{}.gate", report.identity.suite);
-        let case = placed(gate_case(report, gate, &name), Some(&gate.gate.origin), repository);
-        suite_named(&mut suites, report, &name).add_test_case(case);
-    }
-    if report.interrupted {
-        // An error of its own: should nothing have been under way, there would be none, and a CI would show green.
-        let name = report.identity.suite;
-        let message = interruption(report);
-        let status = problem(NonSuccessKind::Error, CutBy::Interrupted.word(), &message, message.clone());
-        let mut case = TestCase::new(format!("{name}/interrupted"), status);
-        case.set_classname(name);
-        suite_named(&mut suites, report, name).add_test_case(case);
-    }
-    suites
-}
-
-/// With the place where it is declared, if that is known.
-fn placed(mut case: TestCase, origin: Option<&Origin>, repository: &Repository) -> TestCase {
-    if let Some(origin) = origin.filter(|origin| !origin.file.is_empty()) {
-        case.extra.insert("file".into(), xml_line(&repository.path(&origin.file)).into());
-        case.extra.insert("line".into(), origin.line.to_string().into());
-    }
-    case
-}
-
-/// The suite of that name, made if there is none.
-fn suite_named<'a>(suites: &'a mut Vec<TestSuite>, report: &SuiteReport, name: &str) -> &'a mut TestSuite {
-    // From the end: trials of a scenario stand together.
-    let index = suites.iter().rposition(|suite| suite.name.as_str() == xml_line(name)).unwrap_or_else(|| {
-        let mut suite = TestSuite::new(xml_line(name));
-        suite
-            .set_timestamp(DateTime::<Utc>::from(report.started))
-            .add_property(("seed", report.identity.seed.to_string().as_str()))
-            .add_property(("file", xml_line(report.identity.file).as_str()))
-            .add_property(("tool", concat!("scenario-runner ", env!("CARGO_PKG_VERSION"))));
-        if report.interrupted {
-            suite.add_property(("interrupted", interruption(report).as_str()));
+    let time = reports.iter().map(|report| report.wall_time).sum();
+    let started = reports.first().map(|report| report.started);
+    let mut document = Document::begin(out, counts, started, time)?;
+    for (report, groups) in &suites {
+        for group in groups {
+            let mut counts = Counts::default();
+            group.items.iter().for_each(|item| counts.add(item.kind()));
+            let time = group.items.iter().filter_map(Item::time).reduce(|sum, time| sum + time);
+            let properties = suite_properties(report);
+            document.suite(&Suite {
+                name: &group.name,
+                counts,
+                started: report.started,
+                time,
+                properties,
+            })?;
+            for item in &group.items {
+                document.case(&item.case(report, &group.name, requests, repository))?;
+            }
+            document.end_suite()?;
         }
-        report.identity.set.iter().for_each(|set| _ = suite.add_property(("set", set.as_str())));
-        suites.push(suite);
-        suites.len() - 1
-    });
-    &mut suites[index]
+    }
+    document.end()
+}
+
+/// What has a testcase of its own.
+enum Item<'r> {
+    Recorded(&'r RecordedReport<'r>),
+    Trial(&'r TrialReport<'r>),
+    Block(&'r BlockReport<'r>),
+    Gate(&'r GateReport<'r>),
+    /// Should nothing have been under way when somebody interrupted it, there would be no error, and a CI would show green.
+    Interruption,
+}
+
+/// What belongs to one testsuite.
+struct Group<'r> {
+    name: String,
+    items: Vec<Item<'r>>,
+}
+
+/// The testsuites of a suite, in the order of what comes first in each.
+fn grouped<'r>(report: &'r SuiteReport<'r>) -> Vec<Group<'r>> {
+    let suite = report.identity.suite;
+    let mut groups: Vec<Group> = Vec::new();
+    let mut places: HashMap<String, usize> = HashMap::new();
+    let mut put = |name: String, item: Item<'r>| {
+        let place = *places.entry(name).or_insert_with_key(|name| {
+            groups.push(Group { name: name.clone(), items: Vec::new() });
+            groups.len() - 1
+        });
+        groups[place].items.push(item);
+    };
+    report.recorded.iter().for_each(|one| put(format!("{suite}.recorded"), Item::Recorded(one)));
+    report.trials.iter().for_each(|one| put(format!("{suite}.{}", one.trial.scenario), Item::Trial(one)));
+    report.blocks.iter().for_each(|one| put(format!("{suite}.{}", one.block.kind()), Item::Block(one)));
+    report.gates.iter().for_each(|one| put(format!("{suite}.gate"), Item::Gate(one)));
+    if report.interrupted {
+        put(suite.to_string(), Item::Interruption);
+    }
+    groups
+}
+
+fn suite_properties(report: &SuiteReport) -> Vec<(String, String)> {
+    let mut properties = vec![
+        ("seed".to_string(), report.identity.seed.to_string()),
+        ("file".to_string(), report.identity.file.to_string()),
+        ("tool".to_string(), concat!("scenario-runner ", env!("CARGO_PKG_VERSION")).to_string()),
+    ];
+    if report.interrupted {
+        properties.push(("interrupted".to_string(), interruption(report)));
+    }
+    properties.extend(report.identity.set.iter().map(|set| ("set".to_string(), set.clone())));
+    properties
+}
+
+impl Item<'_> {
+    /// What it counts as.
+    fn kind(&self) -> Kind {
+        match self {
+            Self::Recorded(recorded) => kind_of(&recorded.trial_state()),
+            Self::Trial(trial) => kind_of(&trial.state),
+            Self::Block(block) => match &block.state {
+                BlockState::Skipped(_) => Kind::Skipped,
+                BlockState::NotFinished(_) | BlockState::Errored(_) => Kind::Error,
+                BlockState::Finished(result) if result.failure().is_some() => Kind::Failure,
+                BlockState::Finished(_) => Kind::Passed,
+            },
+            Self::Gate(gate) => match &gate.state {
+                GateState::NotJudged(NotJudged::Broken(_)) | GateState::Refused(_) => Kind::Error,
+                GateState::NotJudged(_) => Kind::Skipped,
+                GateState::Judged(verdict) if verdict.verdict == Verdict::Passed => Kind::Passed,
+                GateState::Judged(_) => Kind::Failure,
+            },
+            Self::Interruption => Kind::Error,
+        }
+    }
+
+    fn time(&self) -> Option<Duration> {
+        match self {
+            Self::Recorded(recorded) => Some(recorded.wall_time),
+            Self::Trial(trial) => Some(trial.wall_time),
+            Self::Block(block) => Some(block.wall_time),
+            Self::Gate(_) | Self::Interruption => None,
+        }
+    }
+
+    fn case(&self, report: &SuiteReport, class: &str, requests: &Requests, repository: &Repository) -> Case {
+        let mut case = match self {
+            Self::Recorded(recorded) => recorded_case(report, recorded),
+            Self::Trial(trial) => trial_case(report, trial, requests),
+            Self::Block(block) => block_case(report, block),
+            Self::Gate(gate) => gate_case(report, gate),
+            Self::Interruption => interruption_case(report),
+        };
+        case.class = class.to_string();
+        case.kind = self.kind();
+        case.time = self.time();
+        let origin = self.origin(report).filter(|origin| !origin.file.is_empty());
+        case.place = origin.map(|origin| (repository.path(&origin.file), origin.line));
+        case
+    }
+
+    /// Where it is declared, if that is known.
+    fn origin<'o>(&'o self, report: &'o SuiteReport) -> Option<&'o Origin> {
+        match self {
+            Self::Recorded(recorded) => {
+                let is_its_own = |one: &&TrialReport| one.trial.scenario == recorded.recorded.scenario;
+                report.trials.iter().find(is_its_own).map(|one| &one.trial.origin)
+            }
+            Self::Trial(trial) => Some(&trial.trial.origin),
+            Self::Block(block) => Some(block.block.origin()),
+            Self::Gate(gate) => Some(&gate.gate.origin),
+            Self::Interruption => None,
+        }
+    }
+}
+
+fn kind_of(state: &TrialState) -> Kind {
+    match state {
+        TrialState::Skipped(_) => Kind::Skipped,
+        TrialState::NotFinished(_) | TrialState::Errored(_) => Kind::Error,
+        TrialState::Judged(judged) if judged.verdict == Verdict::Passed => Kind::Passed,
+        TrialState::Judged(_) => Kind::Failure,
+    }
 }
 
 /// One that was cut off: what is known of it is no result.
-fn not_finished(cut: &Cut) -> TestCaseStatus {
-    problem(NonSuccessKind::Error, cut.by().word(), &cut.to_string(), cut.explained())
+fn not_finished(cut: &Cut) -> Problem {
+    Problem::new(cut.by().word(), &cut.to_string(), cut.explained())
 }
 
-fn skipped(reason: &str) -> TestCaseStatus {
-    let mut status = TestCaseStatus::skipped();
-    status.set_message(xml_line(reason));
-    status
-}
-
-/// One that did not succeed: what it is about in a line, and all there is to say.
-fn problem(kind: NonSuccessKind, name: &str, message: &str, text: String) -> TestCaseStatus {
-    let mut status = TestCaseStatus::non_success(kind);
-    status.set_message(xml_line(message)).set_type(name).set_description(xml(&text));
-    status
-}
-
-fn test_case(report: &SuiteReport, trial: &TrialReport, class: &str, requests: &Requests) -> TestCase {
-    let mut case = TestCase::new(xml_line(&trial.trial.key), status(report, &trial.state));
-    case.set_classname(xml_line(class)).set_time(trial.wall_time);
-    let mut property = |name: &str, value: &str| {
-        case.add_property((xml_line(name).as_str(), xml_line(value).as_str()));
-    };
-    property("seed", &report.identity.seed.to_string());
-    property("runs", &trial.outcomes.len().to_string());
+fn trial_case(report: &SuiteReport, trial: &TrialReport, requests: &Requests) -> Case {
+    let mut case = Case::new(&trial.trial.key, problem(report, &trial.state));
+    case.property("seed", &report.identity.seed.to_string());
+    case.property("runs", &trial.outcomes.len().to_string());
     if let Some(stopped) = trial.stopping() {
-        property("stopping", &stopping(stopped));
+        case.property("stopping", &stopping(stopped));
     }
     for (index, reference) in requests.iter().enumerate() {
         let Some(metric) = metrics::metric(&reference.name) else { continue };
-        property(&reference.label(), &Digest::new(metric, &trial.outcomes, index).long());
+        case.property(&reference.label(), &Digest::new(metric, &trial.outcomes, index).long());
     }
     for finding in trial.findings() {
-        property(&format!("criterion {}", finding.criterion), &in_words(finding));
+        case.property(&format!("criterion {}", finding.criterion), &in_words(finding));
     }
-    trial_warnings(trial).iter().for_each(|warning| property("warning", warning));
+    trial_warnings(trial).iter().for_each(|warning| case.property("warning", warning));
     let worst = trial.findings().iter().flat_map(|finding| &finding.worst).next();
     if let Some(key) = worst.map(|run| &run.key).or(trial.trial.cases.first().map(|case| &case.key)) {
-        property("replay", &replay_command(&report.identity, key));
+        case.property("replay", &replay_command(&report.identity, key));
     }
     case
 }
 
-fn status(report: &SuiteReport, state: &TrialState) -> TestCaseStatus {
-    match state {
-        TrialState::Skipped(reason) => skipped(&reason.to_string()),
+/// What there is to say of a trial that did not pass.
+fn problem(report: &SuiteReport, state: &TrialState) -> Option<Problem> {
+    Some(match state {
+        TrialState::Skipped(reason) => Problem::skipped(&reason.to_string()),
         TrialState::NotFinished(cut) => not_finished(cut),
-        TrialState::Errored(message) => {
-            problem(NonSuccessKind::Error, "error", first_line(message), message.clone())
-        }
-        TrialState::Judged(judged) if judged.verdict == Verdict::Passed => TestCaseStatus::success(),
+        TrialState::Errored(message) => Problem::new("error", first_line(message), message.clone()),
+        TrialState::Judged(judged) if judged.verdict == Verdict::Passed => return None,
         TrialState::Judged(judged) => {
-            let text = render_failure(&report.identity, state, false);
             let failing = judged.findings.iter().filter(|finding| finding.verdict != Verdict::Passed);
             let criteria: Vec<_> = failing.map(|finding| finding.criterion.as_str()).collect();
-            let kind = if judged.verdict == Verdict::Failed { "criterion" } else { "inconclusive" };
-            problem(NonSuccessKind::Failure, kind, &criteria.join("; "), text)
+            let name = if judged.verdict == Verdict::Failed { "criterion" } else { "inconclusive" };
+            Problem::new(name, &criteria.join("; "), render_failure(&report.identity, state, false))
         }
-    }
+    })
 }
 
 /// A run that failed before: what was recorded of it and what is to be said now stand in properties.
-fn recorded_case(report: &SuiteReport, recorded: &RecordedReport, class: &str) -> TestCase {
-    let mut case = TestCase::new(xml_line(&recorded.key), status(report, &recorded.trial_state()));
-    case.set_classname(xml_line(class)).set_time(recorded.wall_time);
-    case.add_property(("seed", recorded.recorded.seed.to_string().as_str()));
-    case.add_property(("recorded", xml_line(&recorded.recorded.against.join("; ")).as_str()));
+fn recorded_case(report: &SuiteReport, recorded: &RecordedReport) -> Case {
+    let mut case = Case::new(&recorded.key, problem(report, &recorded.trial_state()));
+    case.property("seed", &recorded.recorded.seed.to_string());
+    case.property("recorded", &recorded.recorded.against.join("; "));
     let remark = recorded.remark();
     let now = remark.trim_start_matches([':', ' ']);
-    case.add_property(("now", xml_line(if now.is_empty() { "still fails" } else { now }).as_str()));
-    case.add_property(("replay", xml_line(&replay_command(&report.identity, &recorded.key)).as_str()));
+    case.property("now", if now.is_empty() { "still fails" } else { now });
+    case.property("replay", &replay_command(&report.identity, &recorded.key));
     case
 }
 
 /// A gate: what it compared is the output of the test.
-fn gate_case(report: &SuiteReport, gate: &GateReport, class: &str) -> TestCase {
+fn gate_case(report: &SuiteReport, gate: &GateReport) -> Case {
     let text = render_gate_report(&report.identity, gate, false);
-    let status = match &gate.state {
+    let problem = match &gate.state {
         GateState::NotJudged(NotJudged::Broken(why)) => {
-            problem(NonSuccessKind::Error, "error", first_line(why), why.clone())
+            Some(Problem::new("error", first_line(why), why.clone()))
         }
-        GateState::NotJudged(why) => skipped(&why.to_string()),
-        GateState::Refused(refusal) => {
-            problem(NonSuccessKind::Error, "baseline", &refusal.message, text.clone())
-        }
+        GateState::NotJudged(why) => Some(Problem::skipped(&why.to_string())),
+        GateState::Refused(refusal) => Some(Problem::new("baseline", &refusal.message, text.clone())),
         GateState::Judged(verdict) => match verdict.verdict {
-            Verdict::Passed => TestCaseStatus::success(),
-            Verdict::Inconclusive => problem(
-                NonSuccessKind::Failure,
-                "inconclusive",
-                &gate_blindness(verdict).join("; "),
-                text.clone(),
-            ),
-            Verdict::Failed => {
-                problem(NonSuccessKind::Failure, "regression", &verdict.rules.join("; "), text.clone())
+            Verdict::Passed => None,
+            Verdict::Inconclusive => {
+                Some(Problem::new("inconclusive", &gate_blindness(verdict).join("; "), text.clone()))
             }
+            Verdict::Failed => Some(Problem::new("regression", &verdict.rules.join("; "), text.clone())),
         },
     };
-    let mut case = TestCase::new(xml_line(&gate.key), status);
-    case.set_classname(xml_line(class));
-    case.add_property(("seed", report.identity.seed.to_string().as_str()));
-    case.add_property(("baseline", xml_line(&gate.gate.baseline).as_str()));
-    if let GateState::Judged(_) = gate.state {
-        case.set_system_out(xml(&text));
-    }
+    let mut case = Case::new(&gate.key, problem);
+    case.property("seed", &report.identity.seed.to_string());
+    case.property("baseline", &gate.gate.baseline);
+    case.output = matches!(gate.state, GateState::Judged(_)).then_some(text);
     case
 }
 
 /// A block: its result in words is the output of the test.
-fn block_case(report: &SuiteReport, block: &BlockReport, class: &str) -> TestCase {
+fn block_case(report: &SuiteReport, block: &BlockReport) -> Case {
     let text = || render_block_failure(&report.identity, block, false);
-    let failure = block.result().and_then(BlockResult::failure);
-    let status = match (&block.state, &failure) {
-        (BlockState::Skipped(reason), _) => skipped(&reason.to_string()),
-        (BlockState::NotFinished(cut), _) => not_finished(cut),
-        (BlockState::Errored(message), _) => {
-            problem(NonSuccessKind::Error, "error", first_line(message), text())
-        }
-        (BlockState::Finished(_), Some(reason)) => {
-            problem(NonSuccessKind::Failure, block.block.kind(), reason, text())
-        }
-        (BlockState::Finished(_), None) => TestCaseStatus::success(),
+    let problem = match (&block.state, block.result().and_then(BlockResult::failure)) {
+        (BlockState::Skipped(reason), _) => Some(Problem::skipped(&reason.to_string())),
+        (BlockState::NotFinished(cut), _) => Some(not_finished(cut)),
+        (BlockState::Errored(message), _) => Some(Problem::new("error", first_line(message), text())),
+        (BlockState::Finished(_), Some(reason)) => Some(Problem::new(block.block.kind(), &reason, text())),
+        (BlockState::Finished(_), None) => None,
     };
-    let mut case = TestCase::new(xml_line(&block.key), status);
-    case.set_classname(xml_line(class)).set_time(block.wall_time);
-    case.add_property(("seed", report.identity.seed.to_string().as_str()));
-    case.add_property(("replay", xml_line(&block_command(&report.identity, &block.key)).as_str()));
-    if let Some(result) = block.result() {
-        case.set_system_out(xml(&render_block(result)));
-    }
+    let mut case = Case::new(&block.key, problem);
+    case.property("seed", &report.identity.seed.to_string());
+    case.property("replay", &block_command(&report.identity, &block.key));
+    case.output = block.result().map(render_block);
     case
+}
+
+fn interruption_case(report: &SuiteReport) -> Case {
+    let message = interruption(report);
+    let name = format!("{}/interrupted", report.identity.suite);
+    Case::new(&name, Some(Problem::new(CutBy::Interrupted.word(), &message, message.clone())))
 }
 
 fn first_line(text: &str) -> &str {
@@ -248,16 +294,53 @@ fn first_line(text: &str) -> &str {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
-    use crate::report::fixture::Session;
+    use crate::report::fixture::{Meter, Session};
+
+    /// All of it.
+    pub fn junit(reports: &[SuiteReport], requests: &Requests) -> String {
+        let repository = Repository::around(std::path::Path::new(env!("CARGO_MANIFEST_DIR")));
+        let mut text = Vec::new();
+        write_junit(reports, requests, &repository, &mut text).expect("there is room");
+        String::from_utf8(text).expect("it is text")
+    }
 
     #[test]
     fn every_state_of_a_trial() {
         let session = Session::new();
-        let repository = Repository::around(std::path::Path::new(env!("CARGO_MANIFEST_DIR")));
-        let xml = to_junit(&[session.report()], &session.requests, &repository)
-            .expect("the report has no odd characters");
+        let xml = junit(&[session.report()], &session.requests);
         insta::assert_snapshot!(xml.replace(env!("CARGO_PKG_VERSION"), "[version]"));
+    }
+
+    #[test]
+    fn it_is_written_testcase_by_testcase() {
+        let session = Session::new();
+        let mut meter = Meter::default();
+        let repository = Repository::around(std::path::Path::new(env!("CARGO_MANIFEST_DIR")));
+        write_junit(&[session.long_report()], &session.requests, &repository, &mut meter).unwrap();
+        assert!(meter.all > 100 * meter.at_once, "{} of {} bytes at once", meter.at_once, meter.all);
+    }
+
+    /// Counts stand before what they count, which nobody holds: another reader counts again.
+    #[test]
+    fn what_is_announced_is_there() {
+        let session = Session::new();
+        for report in [session.report(), session.interrupted()] {
+            let xml = junit(&[report], &session.requests);
+            let read = quick_junit::Report::deserialize_from_str(&xml).expect("it is JUnit");
+            let cases = || read.test_suites.iter().flat_map(|suite| &suite.test_cases);
+            let of = |wanted: fn(&quick_junit::TestCaseStatus) -> bool| {
+                cases().filter(|case| wanted(&case.status)).count()
+            };
+            use quick_junit::NonSuccessKind::{Error, Failure};
+            use quick_junit::TestCaseStatus::{NonSuccess, Skipped};
+            assert_eq!(read.tests, cases().count());
+            assert_eq!(read.skipped, of(|status| matches!(status, Skipped { .. })));
+            assert_eq!(read.errors, of(|status| matches!(status, NonSuccess { kind: Error, .. })));
+            assert_eq!(read.failures, of(|status| matches!(status, NonSuccess { kind: Failure, .. })));
+            assert_eq!(read.tests, read.test_suites.iter().map(|suite| suite.tests).sum::<usize>());
+            assert_eq!(read.errors, read.test_suites.iter().map(|suite| suite.errors).sum::<usize>());
+        }
     }
 }

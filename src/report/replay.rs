@@ -34,8 +34,8 @@ pub fn block_command(suite: &SuiteIdentity, key: &str) -> String {
 }
 
 /// What to type to record a suite's baseline.
-pub fn record_command(file: &str, baseline: &Path) -> String {
-    format!("scenario-runner baseline save {file} --out {}", baseline.display())
+pub fn record_command(file: &str, set: &[String], baseline: &Path) -> String {
+    format!("scenario-runner baseline save {file}{} --out {}", set_options(set), baseline.display())
 }
 
 /// The values that a case has of its own, in the units that they are written in: what its scenario varies.

@@ -1,6 +1,7 @@
 //! Results as TAP 14 (Test Anything Protocol): one test point per recorded failure, trial, block and gate, with a YAML block where there is something to say.
 
 use std::fmt::Write;
+use std::io;
 use std::time::Duration;
 
 use super::experiment::render_block;
@@ -12,55 +13,68 @@ use super::{BlockReport, BlockState, GateReport, GateState, NotJudged, SuiteRepo
 use crate::escape::{tap_description, tap_text, terminal_line, yaml_quoted};
 use crate::judge::{Finding, TrialVerdict, Verdict};
 
-/// The report as TAP. An inconclusive trial is `not ok`, and its block says so.
-pub fn to_tap(reports: &[SuiteReport]) -> String {
+/// Writes the report as TAP, a test point at a time. An inconclusive trial is `not ok`, and its block says so.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write_tap(reports: &[SuiteReport], out: &mut dyn io::Write) -> io::Result<()> {
     let points = |report: &SuiteReport| {
         report.recorded.len() + report.trials.len() + report.blocks.len() + report.gates.len()
     };
     let points: usize = reports.iter().map(points).sum();
-    let mut text = format!("TAP version 14\n1..{points}\n");
-    let mut number = 0;
+    writeln!(out, "TAP version 14\n1..{points}")?;
+    let mut points = Points { out, number: 0 };
     for report in reports {
         let identity = &report.identity;
-        line(
-            &mut text,
-            &format!(
-                "# suite {}, file {}, {}",
-                terminal_line(identity.suite),
-                terminal_line(identity.file),
-                terminal_line(&identity.seed_words())
-            ),
-        );
+        writeln!(
+            points.out,
+            "# suite {}, file {}, {}",
+            terminal_line(identity.suite),
+            terminal_line(identity.file),
+            terminal_line(&identity.seed_words())
+        )?;
         for recorded in &report.recorded {
-            number += 1;
             let (state, time) = (&recorded.trial_state(), recorded.wall_time);
             let warnings = warnings(state);
             let point = Point { key: &recorded.key, state, runs: 1, time, warnings };
-            point.write(&mut text, number, report);
+            points.put(|text, number| point.write(text, number, report))?;
         }
         for trial in &report.trials {
-            number += 1;
             let (runs, time) = (trial.outcomes.len(), trial.wall_time);
             let (key, warnings) = (&trial.trial.key, trial_warnings(trial));
             let point = Point { key, state: &trial.state, runs, time, warnings };
-            point.write(&mut text, number, report);
+            points.put(|text, number| point.write(text, number, report))?;
         }
         for block in &report.blocks {
-            number += 1;
-            block_point(&mut text, number, report, block);
+            points.put(|text, number| block_point(text, number, report, block))?;
         }
         for gate in &report.gates {
-            number += 1;
-            gate_point(&mut text, number, report, gate);
+            points.put(|text, number| gate_point(text, number, report, gate))?;
         }
     }
     for report in reports.iter().filter(|report| report.interrupted) {
         // Whoever reads this takes the whole for failed, even if nothing was under way.
-        line(&mut text, &format!("Bail out! suite {} {}", report.identity.suite, interruption(report)));
+        let suite = terminal_line(report.identity.suite);
+        writeln!(points.out, "Bail out! suite {suite} {}", interruption(report))?;
     }
-    text
+    Ok(())
 }
 
+/// Test points as they come.
+struct Points<'o> {
+    out: &'o mut dyn io::Write,
+    /// Of the last one, from 1.
+    number: usize,
+}
+
+impl Points<'_> {
+    fn put(&mut self, write: impl FnOnce(&mut String, usize)) -> io::Result<()> {
+        self.number += 1;
+        let mut text = String::new();
+        write(&mut text, self.number);
+        self.out.write_all(text.as_bytes())
+    }
+}
 /// The test point of a trial or of a run that failed before.
 struct Point<'p> {
     key: &'p str,
@@ -186,22 +200,36 @@ fn block(text: &mut String, name: &str, content: &str) {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
-    use crate::report::fixture::Session;
+    use crate::report::fixture::{Meter, Session};
+
+    /// All of it.
+    pub fn tap(reports: &[SuiteReport]) -> String {
+        let mut text = Vec::new();
+        write_tap(reports, &mut text).expect("there is room");
+        String::from_utf8(text).expect("it is text")
+    }
 
     #[test]
     fn every_state_of_a_trial() {
         let session = Session::new();
-        insta::assert_snapshot!(to_tap(&[session.report()]));
+        insta::assert_snapshot!(tap(&[session.report()]));
+    }
+
+    #[test]
+    fn it_is_written_point_by_point() {
+        let mut meter = Meter::default();
+        write_tap(&[Session::new().long_report()], &mut meter).unwrap();
+        assert!(meter.all > 100 * meter.at_once, "{} of {} bytes at once", meter.at_once, meter.all);
     }
 
     #[test]
     fn the_blocks_are_yaml() {
         let session = Session::new();
-        let tap = to_tap(&[session.report()]);
+        let text = tap(&[session.report()]);
         let mut blocks = 0;
-        for part in tap.split("  ---\n").skip(1) {
+        for part in text.split("  ---\n").skip(1) {
             let yaml = part.split("  ...\n").next().expect("a split has a first part");
             let value: serde_yaml::Value = serde_yaml::from_str(yaml).expect("the block is YAML");
             assert!(value["duration_ms"].is_number() || value["message"].is_string());

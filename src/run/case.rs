@@ -6,7 +6,8 @@ use std::time::Instant;
 use super::build::{RunError, road_users};
 use super::cut_off::cut_off;
 use super::free_flow::FreeFlows;
-use super::outcome::{Critical, Outcome, Requests};
+use super::name::shared;
+use super::outcome::{ByMetric, Critical, CutOff, Outcome, Requests};
 use super::panic::in_case;
 use crate::metrics::{Measurement, Reading};
 use crate::scenario::{Case, World};
@@ -57,14 +58,14 @@ fn run(
         metrics: readings.iter().map(|reading| reading.worst?.value).collect(),
         critical: critical(&case.world, &vehicles, &pedestrians, &readings),
         presences: pedestrians.into_iter().zip(observers.measurement.presences()).collect(),
-        cut_off: cut_off.unwrap_or_default(),
+        cut_off: cut_off.filter(|cut_off| *cut_off != CutOff::default()).map(Box::new),
         fingerprint: observers.fingerprint.value(),
         wall_time: begun.elapsed(),
     })
 }
 
 fn names<'a>(names: impl Iterator<Item = &'a String>) -> Vec<Arc<str>> {
-    names.map(|name| name.as_str().into()).collect()
+    names.map(|name| shared(name)).collect()
 }
 
 /// When and for whom the readings are what they are.
@@ -73,15 +74,16 @@ fn critical(
     vehicles: &[Arc<str>],
     pedestrians: &[Arc<str>],
     readings: &[Reading],
-) -> Vec<Critical> {
-    let of = |reading: &Reading| match reading.worst {
-        Some(worst) => Critical {
+) -> ByMetric<Critical> {
+    let of = |reading: &Reading| {
+        let worst = reading.worst?;
+        Some(Critical {
             time: worst.instant,
             vehicle: worst.vehicle.map(|index| vehicles[index].clone()),
             pedestrian: worst.pedestrian.map(|index| pedestrians[index].clone()),
-            other: worst.other.map(|other| other.name(world).into()),
-        },
-        None => Critical::default(),
+            other: worst.other.map(|other| shared(other.name(world))),
+        })
+        .filter(|critical| *critical != Critical::default())
     };
     readings.iter().map(of).collect()
 }

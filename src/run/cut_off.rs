@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::name::shared;
 use super::outcome::{CutOff, OnCourse};
 use crate::metrics::{Measurement, Reading};
 use crate::scenario::World;
@@ -9,9 +10,8 @@ use crate::sim::{Snapshot, Solid, collision_course, has_arrived};
 
 /// Of a run that the horizon ended in the state `last`.
 pub fn cut_off(world: &World, last: &Snapshot, measurement: &Measurement, readings: &[Reading]) -> CutOff {
-    let undecided = readings.iter().any(|reading| reading.open.is_some());
     CutOff {
-        open: if undecided { readings.iter().map(|reading| reading.open).collect() } else { Vec::new() },
+        open: readings.iter().map(|reading| reading.open).collect(),
         stranded: stranded(world, last, measurement),
         on_course: on_course(world, last, measurement),
     }
@@ -26,7 +26,7 @@ fn stranded(world: &World, last: &Snapshot, measurement: &Measurement) -> Vec<Ar
     let people = (0..world.pedestrians.len()).filter(|index| last.pedestrians[*index].present);
     let people = people.map(Solid::Pedestrian).filter(|person| !was_hit(*person));
     let missing = drivers.map(Solid::Vehicle).chain(people).filter(|who| !has_arrived(world, last, *who));
-    missing.map(|who| who.name(world).into()).collect()
+    missing.map(|who| shared(who.name(world))).collect()
 }
 
 /// Those who would touch next, of all who have not touched yet.
@@ -38,7 +38,7 @@ fn on_course(world: &World, last: &Snapshot, measurement: &Measurement) -> Optio
         Some((time, car, with))
     });
     let (time, car, with) = courses.min_by(|one, other| one.0.total_cmp(&other.0))?;
-    Some(OnCourse { vehicle: Solid::Vehicle(car).name(world).into(), with: with.name(world).into(), time })
+    Some(OnCourse { vehicle: shared(Solid::Vehicle(car).name(world)), with: shared(with.name(world)), time })
 }
 
 /// Everything that a vehicle may touch.

@@ -18,15 +18,16 @@ pub struct Outcome {
     pub ending: Ending,
     /// One per request, in their order; `None` where the metric does not exist in this run.
     pub metrics: Vec<Option<f64>>,
-    /// As many, or none if nobody asked: when and for whom the metric had that value. Left out of stored results.
+    /// When and for whom metrics had these values, of those for which there is something to say and that somebody may
+    /// still ask for. Left out of stored results.
     #[serde(skip)]
-    pub critical: Vec<Critical>,
+    pub critical: ByMetric<Critical>,
     /// What each pedestrian did at all. Left out of stored results.
     #[serde(skip)]
     pub presences: Vec<(Arc<str>, Presence)>,
-    /// What the horizon cut off. Left out of stored results.
+    /// What the horizon cut off, if that is anything. Left out of stored results.
     #[serde(skip)]
-    pub cut_off: CutOff,
+    pub cut_off: Option<Box<CutOff>>,
     /// See [`crate::sim::Fingerprint`].
     pub fingerprint: u64,
     /// Left out of stored results, which are the same on every machine.
@@ -34,11 +35,59 @@ pub struct Outcome {
     pub wall_time: Duration,
 }
 
-/// What was going on when the horizon ended a run; nothing, where it ended otherwise.
+impl Outcome {
+    /// What the metric with this index could still have come to, if the horizon ended the run before it was decided.
+    pub fn open(&self, index: usize) -> Option<Open> {
+        self.cut_off.as_ref()?.open.get(index).copied()
+    }
+
+    /// Forgets the critical instants of all metrics but those that criteria are about: there is one for each metric of each
+    /// of maybe a million runs, and nobody asks for the others.
+    pub fn forget_unasked(&mut self, criteria: &[Criterion], requests: &Requests) {
+        let asked = |index: usize| {
+            criteria.iter().any(|criterion| requests.0.get(index) == Some(criterion.claim.metric()))
+        };
+        self.critical.retain(asked);
+    }
+}
+
+/// What is known of some of a run's metrics, by their index; small where there is little.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ByMetric<T>(Box<[(usize, T)]>);
+
+impl<T> ByMetric<T> {
+    pub fn get(&self, index: usize) -> Option<&T> {
+        self.0.iter().find(|(known, _)| *known == index).map(|(_, value)| value)
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    fn retain(&mut self, keep: impl Fn(usize) -> bool) {
+        self.0 = std::mem::take(&mut self.0).into_iter().filter(|(index, _)| keep(*index)).collect();
+    }
+}
+
+impl<T> Default for ByMetric<T> {
+    fn default() -> Self {
+        Self(Box::default())
+    }
+}
+
+/// Of each metric in order, where there is something.
+impl<T> FromIterator<Option<T>> for ByMetric<T> {
+    fn from_iter<I: IntoIterator<Item = Option<T>>>(values: I) -> Self {
+        let values = values.into_iter().enumerate();
+        Self(values.filter_map(|(index, value)| Some((index, value?))).collect())
+    }
+}
+
+/// What was going on when the horizon ended a run.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct CutOff {
-    /// As many as there are metrics, or none if all were decided: what those could still have come to that were not.
-    pub open: Vec<Option<Open>>,
+    /// What the metrics could still have come to that were not decided.
+    pub open: ByMetric<Open>,
     /// Who was there, had not been hit, and had not arrived: pedestrians beyond all lanes, vehicles at the finish line.
     pub stranded: Vec<Arc<str>>,
     /// Who would have touched first.

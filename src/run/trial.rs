@@ -188,7 +188,7 @@ mod tests {
             individuals: Vec::new(),
             ending: Ending { reason: StopReason::Completed, time: 1.0 },
             metrics: Vec::new(),
-            critical: Vec::new(),
+            critical: Default::default(),
             presences: Vec::new(),
             cut_off: Default::default(),
             fingerprint: 0,

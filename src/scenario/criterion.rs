@@ -1,6 +1,7 @@
 //! Pass criteria over the metrics of a trial's runs.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
@@ -9,13 +10,13 @@ use super::{EvaluationError, Expression, Settings, Value};
 /// Where in a file something was said; enough to show it again without reading the file.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Origin {
-    pub file: String,
+    pub file: Arc<str>,
     /// Counted from 1.
     pub line: usize,
     /// Counted from 1, in characters.
     pub column: usize,
     /// The whole source line, without its line end.
-    pub source_line: String,
+    pub source_line: Arc<str>,
     /// Length of the marked part in characters.
     pub length: usize,
 }

@@ -19,7 +19,7 @@ use clap::{Args, ValueEnum};
 pub use self::remember::LastRun;
 use super::interrupt::stop_on_interrupt;
 use super::set::SetArguments;
-use super::{Exit, filter, load, measured, store};
+use super::{Exit, filter, load, measured, number, store};
 use crate::console::{Output, stderr, stdout};
 use crate::dispatch::{self, Orders, Unit, Workshop, dispatch, judge_gates};
 use crate::escape::terminal_line;
@@ -46,10 +46,10 @@ pub struct RunArguments {
     #[arg(long, value_enum, default_value_t = NoTests::Fail)]
     no_tests: NoTests,
 
-    /// Number of threads [default: one per core]. Trials and blocks run side by side; threads to spare share the runs of a
+    /// Number of threads, at most 1024 [default: one per core]. Trials and blocks run side by side; threads to spare share the runs of a
     /// trial. Results do not depend on it.
-    #[arg(long, short = 'j', visible_alias = "jobs", value_name = "N")]
-    test_threads: Option<NonZeroUsize>,
+    #[arg(long, short = 'j', visible_alias = "jobs", value_name = "N", value_parser = number::threads())]
+    test_threads: Option<usize>,
 
     /// Begin nothing more after so many failures (`all`: never mind). What could not be decided is no failure.
     #[arg(long, value_name = "N|all", default_value = "all")]
@@ -315,11 +315,11 @@ fn list(units: &[Unit], chosen: &[bool]) -> Exit {
 }
 
 /// The number of workers; inside a block there are as many.
-fn threads(wanted: Option<NonZeroUsize>) -> usize {
+fn threads(wanted: Option<usize>) -> usize {
     let Some(wanted) = wanted else {
         return thread::available_parallelism().map_or(1, NonZeroUsize::get);
     };
     // It fails if there is a pool already, which then is the right one.
-    let _ = rayon::ThreadPoolBuilder::new().num_threads(wanted.get()).build_global();
-    wanted.get()
+    let _ = rayon::ThreadPoolBuilder::new().num_threads(wanted).build_global();
+    wanted
 }

@@ -13,8 +13,8 @@ use crate::console::stdout;
 use crate::dispatch::Workshop;
 use crate::files::{WholeFile, append_text};
 use crate::report::{
-    Chosen, Recording, Repository, SuiteReport, annotations, choose_runs, step_summary, to_html, to_junit,
-    to_tap, write_csv, write_json, write_runs,
+    Chosen, Recording, Repository, SuiteReport, annotations, choose_runs, step_summary, to_html, write_csv,
+    write_json, write_junit, write_runs, write_tap,
 };
 use crate::run::Outcome;
 use crate::scenario::Case;
@@ -64,12 +64,9 @@ pub fn write(arguments: &OutputArguments, workshop: &Workshop, reports: &[SuiteR
     };
     let requests = workshop.requests();
     let repository = Repository::here();
-    write(&arguments.junit, &|out| {
-        let text = to_junit(reports, requests, &repository).map_err(io::Error::other)?;
-        out.write_all(text.as_bytes())
-    });
+    write(&arguments.junit, &|out| write_junit(reports, requests, &repository, out));
     write(&arguments.json, &|out| write_json(reports, requests, out));
-    write(&arguments.tap, &|out| out.write_all(to_tap(reports).as_bytes()));
+    write(&arguments.tap, &|out| write_tap(reports, out));
     write(&arguments.html, &|out| {
         out.write_all(html(workshop, reports).map_err(io::Error::other)?.as_bytes())
     });

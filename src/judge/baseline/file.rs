@@ -117,6 +117,9 @@ impl Baseline {
         line(1, &format!("\"baseline\": {LAYOUT},"));
         line(1, &format!("\"suite\": {},", json(&self.suite)));
         line(1, &format!("\"seed\": {},", self.seed));
+        if !self.set.is_empty() {
+            line(1, &format!("\"set\": {},", json(&self.set)));
+        }
         line(1, &format!("\"tool\": {},", json(&self.tool)));
         if !self.populations.is_empty() {
             line(1, &format!("\"populations\": {},", json(&self.populations)));
@@ -247,6 +250,8 @@ struct File {
     _layout: u64,
     suite: String,
     seed: u64,
+    #[serde(default)]
+    set: Vec<String>,
     tool: String,
     /// Of files from before it was noted: none.
     #[serde(default)]
@@ -299,7 +304,7 @@ impl File {
     }
 
     fn baseline(self) -> Result<Baseline, String> {
-        let Self { suite, seed, tool, populations, metrics, vehicles, trials: written, .. } = self;
+        let Self { suite, seed, set, tool, populations, metrics, vehicles, trials: written, .. } = self;
         let mut trials = Vec::with_capacity(written.len());
         for trial in written {
             let key = trial.key.clone();
@@ -313,7 +318,7 @@ impl File {
         if let Some(twice) = trials.windows(2).find(|pair| pair[0].key == pair[1].key) {
             return Err(format!("trial `{}` stands twice", twice[0].key));
         }
-        Ok(Baseline { suite, seed, tool, populations, metrics, vehicles, trials })
+        Ok(Baseline { suite, seed, set, tool, populations, metrics, vehicles, trials })
     }
 }
 

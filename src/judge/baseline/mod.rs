@@ -23,6 +23,9 @@ pub use record::{measured_metrics, record};
 pub struct Baseline {
     pub suite: String,
     pub seed: u64,
+    /// What was set on the command line instead of what the files say: `av.speed=40km/h`.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub set: Vec<String>,
     /// The version of scenario-runner that ran it.
     pub tool: String,
     /// Digests of everybody in the populations that people were drawn from, by the names of their files.
@@ -104,6 +107,16 @@ impl Baseline {
     /// The full key of a run.
     pub fn run_key(&self, trial: &RecordedTrial, run: usize) -> String {
         format!("{}/{}/{}", self.suite, trial.key, trial.runs[run])
+    }
+
+    /// Whether the same values were set for both, in whatever order.
+    pub fn has_set(&self, set: &[String]) -> bool {
+        let sorted = |set: &[String]| {
+            let mut set = set.to_vec();
+            set.sort_unstable();
+            set
+        };
+        sorted(&self.set) == sorted(set)
     }
 
     /// Forgets all other metrics.

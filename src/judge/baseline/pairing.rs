@@ -27,6 +27,8 @@ pub struct Pairing<'a> {
 pub enum Incompatible {
     /// A gate's baseline is of another suite.
     OtherSuite { base: String, candidate: String },
+    /// What was set on the command line is not the same for both.
+    OtherValues { base: Vec<String>, candidate: Vec<String> },
     /// They have no trial in common.
     NothingInCommon { base: String, candidate: String },
     /// Trials that the candidate lacks.
@@ -84,16 +86,21 @@ pub fn pair<'a>(
     let find = |all: &'a Baseline, key: &str| all.trials.iter().find(|trial| trial.key == key);
     let trials: Vec<_> =
         candidate.trials.iter().filter_map(|trial| Some((find(base, &trial.key)?, trial))).collect();
+    let mut reasons = Vec::new();
+    if !base.has_set(&candidate.set) {
+        let (base, candidate) = (base.set.clone(), candidate.set.clone());
+        reasons.push(Incompatible::OtherValues { base, candidate });
+    }
     if trials.is_empty() {
         let (base, candidate) = (base.suite.clone(), candidate.suite.clone());
-        return Err(vec![Incompatible::NothingInCommon { base, candidate }]);
+        reasons.push(Incompatible::NothingInCommon { base, candidate });
+        return Err(reasons);
     }
     let only_in = |one: &'a Baseline, other: &'a Baseline| -> Vec<&'a str> {
         let keys = one.trials.iter().map(|trial| trial.key.as_str());
         keys.filter(|key| find(other, key).is_none()).collect()
     };
     let owned = |keys: &[&str]| keys.iter().map(|key| key.to_string()).collect::<Vec<_>>();
-    let mut reasons = Vec::new();
     let vanished = only_in(base, candidate);
     if !vanished.is_empty() {
         reasons.push(Incompatible::Vanished(owned(&vanished)));

@@ -47,6 +47,7 @@ pub fn record(plan: &Plan, trials: &[(&Trial, &[Outcome])], requests: &Requests)
     Baseline {
         suite: suite.to_string(),
         seed: plan.seed,
+        set: plan.set.clone(),
         tool: env!("CARGO_PKG_VERSION").to_string(),
         populations: plan.populations.clone(),
         metrics: requests.iter().map(metric).collect(),

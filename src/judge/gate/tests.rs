@@ -50,6 +50,7 @@ fn baseline(
     Baseline {
         suite: "suite".into(),
         seed: 1,
+        set: Vec::new(),
         tool: "0".into(),
         populations: BTreeMap::new(),
         metrics: metrics

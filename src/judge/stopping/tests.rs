@@ -78,7 +78,7 @@ fn outcomes(values: impl IntoIterator<Item = Option<f64>>) -> Vec<Outcome> {
         individuals: Vec::new(),
         ending: Ending { reason: StopReason::Completed, time: 10.0 },
         metrics: vec![value],
-        critical: Vec::new(),
+        critical: Default::default(),
         presences: Vec::new(),
         cut_off: Default::default(),
         fingerprint: 0,
