@@ -12,7 +12,7 @@ use super::{
     BlockReport, BlockState, GateReport, GateState, RecordedReport, RecordedState, SuiteReport, TrialReport,
     TrialState,
 };
-use crate::judge::per_run;
+use crate::judge::{Horizon, per_run};
 use crate::run::{Outcome, Requests};
 use crate::scenario::Assignment;
 
@@ -31,6 +31,7 @@ pub fn write_json(reports: &[SuiteReport], requests: &Requests, mut out: impl Wr
             "tool": { "name": env!("CARGO_PKG_NAME"), "version": env!("CARGO_PKG_VERSION") },
         })),
         lists: vec![("suites", list(reports, move |report| Item::Object(suite_object(report, requests))))],
+        objects: Vec::new(),
     };
     serde_json::to_writer_pretty(&mut out, &document)?;
     out.write_all(b"\n")
@@ -40,6 +41,8 @@ pub fn write_json(reports: &[SuiteReport], requests: &Requests, mut out: impl Wr
 struct Object<'v> {
     members: Map<String, Value>,
     lists: Vec<(&'static str, List<'v>)>,
+    /// Members that have such lists themselves.
+    objects: Vec<(&'static str, Object<'v>)>,
 }
 
 /// Makes its items when they are written.
@@ -65,12 +68,16 @@ impl Serialize for Object<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut names: Vec<&str> = self.members.keys().map(String::as_str).collect();
         names.extend(self.lists.iter().map(|(name, _)| *name));
+        names.extend(self.objects.iter().map(|(name, _)| *name));
         names.sort_unstable();
         let mut map = serializer.serialize_map(Some(names.len()))?;
         for name in names {
-            match self.lists.iter().find(|(list, _)| *list == name) {
-                Some((_, list)) => map.serialize_entry(name, &Each(list))?,
-                None => map.serialize_entry(name, &self.members[name])?,
+            if let Some((_, list)) = self.lists.iter().find(|(list, _)| *list == name) {
+                map.serialize_entry(name, &Each(list))?;
+            } else if let Some((_, object)) = self.objects.iter().find(|(object, _)| *object == name) {
+                map.serialize_entry(name, object)?;
+            } else {
+                map.serialize_entry(name, &self.members[name])?;
             }
         }
         map.end()
@@ -113,6 +120,7 @@ fn suite_object<'v>(report: &'v SuiteReport, requests: &'v Requests) -> Object<'
             ("blocks", list(&report.blocks, |block| Item::Value(block_value(block)))),
             ("gates", list(&report.gates, |gate| Item::Value(gate_value(gate)))),
         ],
+        objects: Vec::new(),
     }
 }
 
@@ -142,13 +150,12 @@ fn trial_object<'v>(report: &'v TrialReport, requests: &'v Requests) -> Object<'
     if !warnings.is_empty() {
         fields.insert("warnings".into(), warnings.into());
     }
+    let mut objects = Vec::new();
     match &report.state {
         TrialState::Judged(judged) => {
             fields.insert("verdict".into(), plain(&judged.verdict));
             fields.insert("findings".into(), plain(&judged.findings));
-            if let Some(horizon) = &judged.horizon {
-                fields.insert("horizon".into(), plain(horizon));
-            }
+            objects.extend(judged.horizon.as_ref().map(|horizon| ("horizon", horizon_object(horizon))));
             if let Some(stopping) = &judged.stopping {
                 fields.insert("stopping".into(), plain(stopping));
             }
@@ -167,7 +174,19 @@ fn trial_object<'v>(report: &'v TrialReport, requests: &'v Requests) -> Object<'
             fields.insert("message".into(), reason.to_string().into());
         }
     }
-    Object { members: fields, lists: vec![("runs", list(&report.outcomes, run))] }
+    Object { members: fields, lists: vec![("runs", list(&report.outcomes, run))], objects }
+}
+
+fn horizon_object(horizon: &Horizon) -> Object<'_> {
+    let Horizon { runs, of, stranded, on_course } = horizon;
+    Object {
+        members: members(json!({ "runs": runs, "of": of })),
+        lists: vec![
+            ("stranded", list(stranded, |run| Item::Value(plain(run)))),
+            ("on_course", list(on_course, |run| Item::Value(plain(run)))),
+        ],
+        objects: Vec::new(),
+    }
 }
 
 fn recorded_value(report: &RecordedReport, requests: &Requests) -> Value {
