@@ -7,6 +7,7 @@ use super::set::SetArguments;
 use crate::console::stderr;
 use crate::corpus::{corpus_path, read_corpus};
 use crate::dispatch::Prepared;
+use crate::experiment::rehearse_searches;
 use crate::judge::{examine_criteria, examine_lanes};
 use crate::lang::{self, Code, Diagnostic, Override, Severity, Sources};
 use crate::plan::{Plan, PlanError, Trial, plan};
@@ -49,7 +50,8 @@ pub fn examine(path: &Path, text: Option<&str>) -> (Vec<Diagnostic>, Sources) {
     if let Some(suite) = &suite {
         found.extend(examine_criteria(suite, &sources));
         found.extend(examine_lanes(suite, &sources));
-        found.extend(rehearse(suite).into_iter().filter_map(|obstacle| finding(obstacle, &sources)));
+        let obstacles = rehearse(suite).into_iter().chain(rehearse_searches(suite));
+        found.extend(obstacles.filter_map(|obstacle| finding(obstacle, &sources)));
         found.extend(examine_models(suite, &sources));
         found.sort_by_key(|diagnostic| (diagnostic.span().source, diagnostic.span().start));
     }
@@ -153,7 +155,8 @@ fn refuse_hopeless(suite: &Suite, sources: &Sources, colour: bool) -> Result<(),
 
 /// Builds road users once, so that what a model cannot do is said before anything runs.
 fn build_everybody(suite: &Suite, plan: &Plan, colour: bool) -> Result<(), ()> {
-    let obstacles = rehearse_trials(suite, &plan.trials);
+    let mut obstacles = rehearse_trials(suite, &plan.trials);
+    obstacles.extend(rehearse_searches(suite));
     for obstacle in &obstacles {
         let notes: Vec<String> = obstacle.note().into_iter().collect();
         let excerpt = Excerpt {

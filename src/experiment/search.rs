@@ -113,17 +113,7 @@ pub fn run_search(
     search: &Search,
     progress: &dyn Progress,
 ) -> Result<SearchResult, ExperimentError> {
-    let mut scenario = laboratory.scenario(&search.scenario)?.clone();
-    if let Some(individuals) = &search.individuals {
-        for pedestrian in scenario.pedestrians.iter_mut().filter(|one| one.individuals.is_some()) {
-            pedestrian.individuals = Some(individuals.clone());
-        }
-        if scenario.pedestrians.iter().all(|one| one.individuals.is_none())
-            && let Some(first) = scenario.pedestrians.first_mut()
-        {
-            first.individuals = Some(individuals.clone());
-        }
-    }
+    let scenario = with_individuals(laboratory.scenario(&search.scenario)?, search);
     let people = plan::select_people(laboratory.suite.seed, &scenario)?;
     let groups: Vec<Vec<Vec<Individual>>> =
         if search.together { vec![people] } else { people.into_iter().map(|group| vec![group]).collect() };
@@ -159,6 +149,22 @@ pub fn run_search(
         },
         found,
     })
+}
+
+/// The scenario with the people whom the search says.
+pub(super) fn with_individuals(scenario: &Scenario, search: &Search) -> Scenario {
+    let mut scenario = scenario.clone();
+    if let Some(individuals) = &search.individuals {
+        for pedestrian in scenario.pedestrians.iter_mut().filter(|one| one.individuals.is_some()) {
+            pedestrian.individuals = Some(individuals.clone());
+        }
+        if scenario.pedestrians.iter().all(|one| one.individuals.is_none())
+            && let Some(first) = scenario.pedestrians.first_mut()
+        {
+            first.individuals = Some(individuals.clone());
+        }
+    }
+    scenario
 }
 
 /// The optimiser's definition for a budget.
