@@ -26,7 +26,7 @@ fn suite(more: &str, extra: &str) -> String {
     }}
     vary tta in [3 s, 3.5 s, 4 s, 4.5 s, 5 s]
     repeat 20
-    expect {{ min_distance >= 0 m }}
+    expect {{ max_deceleration <= 100 m/s^2 }}
   }}
 {extra}}}
 "

@@ -38,9 +38,8 @@ fn files(name: &str) -> Vec<PathBuf> {
 fn findings(path: &Path) -> (Vec<Diagnostic>, Sources) {
     match lang::load(path) {
         Ok(loaded) => {
-            let more = judge::examine_criteria(&loaded.suite, &loaded.sources);
-            let lanes = judge::examine_lanes(&loaded.suite, &loaded.sources);
-            (loaded.warnings.into_iter().chain(more).chain(lanes).collect(), loaded.sources)
+            let more = judge::examine_claims(&loaded.suite, &loaded.sources);
+            (loaded.warnings.into_iter().chain(more).collect(), loaded.sources)
         }
         Err(failure) => (failure.diagnostics, failure.sources),
     }

@@ -171,7 +171,7 @@ fn what_a_budget_cannot_decide_is_inconclusive() {
 #[test]
 fn runs_name_their_margin_and_critical_instant_and_who() {
     let folder = tempfile::tempdir().unwrap();
-    walk(folder.path(), "repeat 20; expect { max_deceleration <= 0 m/s^2; pet >= 100 s; pet >= 0.1 s }");
+    walk(folder.path(), "repeat 20; expect { max_deceleration <= 0 m/s^2; pet >= 50 s; pet >= 0.1 s }");
     let output = scenario_runner(folder.path(), &["walk.scn", "--junit", "junit.xml", "--tap", "tap.txt"]);
     assert_eq!(output.status.code(), Some(100));
     let results = results(folder.path(), &[]);
@@ -187,7 +187,7 @@ fn runs_name_their_margin_and_critical_instant_and_who() {
     // The same run is the worst of one criterion and the closest to another.
     assert_eq!((&far["key"], &far["value"]), (&near["key"], &near["value"]));
     let number = |value: &Value| value.as_f64().unwrap();
-    assert!((number(&far["margin"]) - (number(&far["value"]) - 100.0)).abs() < 1e-12);
+    assert!((number(&far["margin"]) - (number(&far["value"]) - 50.0)).abs() < 1e-12);
     assert!((number(&near["margin"]) - (number(&near["value"]) - 0.1)).abs() < 1e-12);
     let at = format!("s) at {:.2} s, av and walker", number(&far["critical"]["time"]));
     assert!(stdout(&output).contains(&at), "{at}: {}", stdout(&output));
@@ -234,4 +234,60 @@ fn what_passed_without_being_put_to_the_test_is_warned_of() {
     assert!(!stdout(&output).contains("untested"), "{}", stdout(&output));
     walk(folder.path(), "expect { no collision }");
     assert_eq!(vacuous(&trial()), Value::Null);
+}
+
+#[test]
+fn a_trial_that_nothing_is_claimed_of_has_not_passed() {
+    let folder = tempfile::tempdir().unwrap();
+    walk_at(
+        folder.path(),
+        "tta",
+        "vary tta in [6 s, 9 s]; repeat 2; expect { no collision when tta > 8 s; pet >= 0.1 s when tta > 8 s }",
+    );
+    let checked = scenario_runner(folder.path(), &["check", "walk.scn"]);
+    assert!(stderr(&checked).contains("warning[W0938]"), "{}", stderr(&checked));
+    let reports = ["--tap", "tap.txt", "--junit", "junit.xml", "--csv", "runs.csv", "--html", "report.html"];
+    let output = scenario_runner(folder.path(), &[&["walk.scn"][..], &reports].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let why = "none of the 2 criteria of its scenario applies, so nothing is claimed of its 2 runs";
+    let said = stdout(&output);
+    for words in [
+        "NOT JUDGED [",
+        "– not judged",
+        "1 passed, 1 not judged",
+        &format!("WARN walk/walk/tta=6s: not judged: {why}"),
+    ] {
+        assert!(said.contains(words), "{words}: {said}");
+    }
+    let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+    assert!(read("tap.txt").contains("ok 1 - walk/walk/tta=6s # SKIP not judged: no criterion applies"));
+    assert!(
+        read("junit.xml").contains(&format!("<skipped message=\"not judged: {why}")),
+        "{}",
+        read("junit.xml")
+    );
+    assert!(read("report.html").contains("1</b> – not judged"));
+    let rows = read("runs.csv");
+    let verdicts: Vec<&str> = rows.lines().skip(1).map(|row| row.split(',').nth(5).unwrap()).collect();
+    assert_eq!(verdicts, ["", "", "passed", "passed"], "{rows}");
+    let trials = &results(folder.path(), &[])["suites"][0]["trials"];
+    assert_eq!((&trials[0]["verdict"], &trials[0]["judged"]), (&json!("passed"), &json!(false)));
+    assert_eq!(trials[0]["warnings"], json!([format!("not judged: {why}")]));
+    assert_eq!(trials[1].get("judged"), None);
+}
+
+#[test]
+fn who_crosses_long_before_the_car_comes_puts_nothing_to_the_test() {
+    let folder = tempfile::tempdir().unwrap();
+    walk_at(
+        folder.path(),
+        "14 s",
+        "repeat 2; expect { no collision; pet >= 1 s; max_deceleration <= 9 m/s^2 }",
+    );
+    let trial = &results(folder.path(), &[])["suites"][0]["trials"][0];
+    let vacuous = |index: usize| trial["findings"][index]["vacuous"].clone();
+    assert_eq!([vacuous(0), vacuous(1), vacuous(2)], [json!("nobody_met"), json!("nobody_met"), Value::Null]);
+    let output = scenario_runner(folder.path(), &["walk.scn"]);
+    let said = "`no collision`, `pet >= 1 s` passed untested: no pedestrian was in a vehicle's lane within 5 s of it";
+    assert!(stdout(&output).contains(said), "{}", stdout(&output));
 }

@@ -8,7 +8,7 @@ use crate::console::stderr;
 use crate::corpus::{corpus_path, read_corpus};
 use crate::dispatch::Prepared;
 use crate::experiment::rehearse_searches;
-use crate::judge::{examine_criteria, examine_lanes};
+use crate::judge::examine_claims;
 use crate::lang::{self, Code, Diagnostic, Override, Severity, Sources};
 use crate::plan::{Plan, PlanError, Trial, plan};
 use crate::report::Excerpt;
@@ -48,8 +48,7 @@ pub fn load_all(
 pub fn examine(path: &Path, text: Option<&str>) -> (Vec<Diagnostic>, Sources) {
     let lang::Examined { suite, mut found, sources } = lang::examine(path, text);
     if let Some(suite) = &suite {
-        found.extend(examine_criteria(suite, &sources));
-        found.extend(examine_lanes(suite, &sources));
+        found.extend(examine_claims(suite, &sources));
         let obstacles = rehearse(suite).into_iter().chain(rehearse_searches(suite));
         found.extend(obstacles.filter_map(|obstacle| finding(obstacle, &sources)));
         found.extend(examine_models(suite, &sources));
@@ -145,8 +144,7 @@ fn examine_models(suite: &Suite, sources: &Sources) -> Vec<Diagnostic> {
 
 /// Criteria that no run could make pass are not worth a run; lanes that are blocked are warned of.
 fn refuse_hopeless(suite: &Suite, sources: &Sources, colour: bool) -> Result<(), ()> {
-    let mut found = examine_criteria(suite, sources);
-    found.extend(examine_lanes(suite, sources));
+    let found = examine_claims(suite, sources);
     for diagnostic in &found {
         stderr().styled(&format!("{}\n\n", lang::render(diagnostic, sources, lang::Style { colour })));
     }

@@ -9,11 +9,11 @@ use super::parameters::ParameterFile;
 use super::runs::CaseRun;
 use super::{ExperimentError, Laboratory, Progress, Results, overrides};
 use crate::judge::statistics::{Interval, mean, paired_difference, rate_change};
-use crate::judge::{aggregate, holds};
-use crate::metrics::{MetricKind, metric};
+use crate::judge::{Seen, aggregate, aggregate_against, undecided};
+use crate::metrics::{MetricKind, Worst, metric};
 use crate::pedestrian;
 use crate::plan::derive_seed;
-use crate::run::Outcome;
+use crate::run::{Outcome, Requests};
 use crate::scenario::{
     Aggregate, Case, Comparison, Condition, Declaration, Evaluate, Measure, MetricReference, ParameterKind,
     ParameterSet, Part, Relation, Target, Value, WhenUndefined,
@@ -52,8 +52,10 @@ pub struct ConditionResult {
     pub missing: Option<String>,
     /// What has to be known of its parameters, such as that they keep no constraint everywhere.
     pub caveat: Option<String>,
-    /// One per measure; `None` where no run has the metric.
+    /// One per measure; `None` where no run has the metric, or runs without a value could make it as bad as anything.
     pub measured: Vec<Option<f64>>,
+    /// One per measure: runs without a value that was decided before the horizon.
+    pub undecided: Vec<usize>,
     /// What the source reports, one per measure, SI units.
     pub reported: Option<Vec<f64>>,
     /// From the first condition, one per measure; none in the first itself.
@@ -176,6 +178,7 @@ impl Series<'_> {
             missing: None,
             caveat: None,
             measured: vec![None; self.measures.len()],
+            undecided: vec![0; self.measures.len()],
             reported: reported.map(|(_, values)| values.clone()),
             differences: Vec::new(),
             runs: Vec::new(),
@@ -193,8 +196,10 @@ impl Series<'_> {
         result.parameters = targets.iter().map(|target| parameter(target, &cases)).collect();
         let outcomes = self.laboratory.run_all(&cases)?;
         let requests = &self.laboratory.requests;
-        result.measured =
-            self.measures.iter().map(|measure| aggregate(&measure.aggregate, &outcomes, requests)).collect();
+        let measures = self.measures.iter().map(|measure| &measure.aggregate);
+        result.undecided =
+            measures.clone().map(|measure| undecided(measure.metric(), &outcomes, requests)).collect();
+        result.measured = measures.map(|measure| measured(measure, &outcomes, requests)).collect();
         if let Some(first) = first {
             let base: Vec<Outcome> = first.runs.iter().map(|run| run.outcome.clone()).collect();
             result.differences = self
@@ -267,12 +272,20 @@ impl Series<'_> {
         };
         let index = requests.index(measure.aggregate.metric())?;
         match &measure.aggregate {
-            Aggregate::Mean(_) => paired(&|outcome| outcome.metrics[index]),
+            Aggregate::Mean(reference) => {
+                let counted =
+                    |outcome: &Outcome| Seen::of(outcome, index).worst(&reference.name, side(reference));
+                let known = |outcomes: &[Outcome]| outcomes.iter().filter_map(counted).all(f64::is_finite);
+                if !known(base) || !known(outcomes) {
+                    return None;
+                }
+                paired(&counted)
+            }
             Aggregate::Rate(comparison) if per_case > 1 => {
-                paired(&|outcome| Some(f64::from(holds(comparison, outcome.metrics[index]))))
+                paired(&|outcome| Some(f64::from(Seen::of(outcome, index).holds(comparison, false))))
             }
             Aggregate::Rate(comparison) => {
-                let held = |outcome: &Outcome| holds(comparison, outcome.metrics[index]);
+                let held = |outcome: &Outcome| Seen::of(outcome, index).holds(comparison, false);
                 let both = || base.iter().zip(outcomes).map(|(base, ours)| (held(base), held(ours)));
                 let only_base = both().filter(|(base, ours)| *base && !ours).count() as u64;
                 let only_ours = both().filter(|(base, ours)| !base && *ours).count() as u64;
@@ -284,14 +297,31 @@ impl Series<'_> {
                 })
             }
             other => {
-                let value = aggregate(other, outcomes, requests)? - aggregate(other, base, requests)?;
+                let value = measured(other, outcomes, requests)? - measured(other, base, requests)?;
                 let defined = |(base, ours): &(&Outcome, &Outcome)| {
-                    base.metrics[index].is_some() && ours.metrics[index].is_some()
+                    Seen::of(base, index).is_value() && Seen::of(ours, index).is_value()
                 };
                 let pairs = base.iter().zip(outcomes).filter(defined).count();
                 Some(Difference { value, interval: None, pairs })
             }
         }
+    }
+}
+
+/// A measure over the outcomes. It claims nothing; runs without a value of a quantity count as that metric gets worse, so that
+/// no condition looks better by runs that come to nothing. Rates count runs as their comparison says.
+fn measured(measure: &Aggregate, outcomes: &[Outcome], requests: &Requests) -> Option<f64> {
+    match measure {
+        Aggregate::Rate(_) | Aggregate::Count(_) => aggregate(measure, outcomes, requests),
+        of_values => aggregate_against(of_values, side(of_values.metric()), outcomes, requests),
+    }
+}
+
+/// What somebody would claim of a metric's values who says that they are good.
+fn side(reference: &MetricReference) -> Relation {
+    match metric(&reference.name).map(|metric| metric.worst) {
+        Some(Worst::Smallest) => Relation::GreaterOrEqual,
+        _ => Relation::LessOrEqual,
     }
 }
 

@@ -5,10 +5,10 @@ use serde::{Deserialize, Serialize, Serializer};
 
 use super::cases::SavedCase;
 use super::{ExperimentError, Laboratory};
-use crate::judge::{aggregate, holds_undefined};
+use crate::judge::{Seen, aggregate_against, counted, holds_undefined};
 use crate::metrics::{MetricKind, metric};
 use crate::run::{Outcome, Unwatched, run_case};
-use crate::scenario::{Aggregate, Case, Comparison, MetricReference};
+use crate::scenario::{Aggregate, Case, Comparison, Goal, MetricReference, Relation};
 
 impl Laboratory<'_> {
     /// Runs every case side by side; the outcomes are in the order of the cases.
@@ -43,17 +43,31 @@ impl Laboratory<'_> {
         outcomes.iter().map(|outcome| outcome.metrics[index]).collect()
     }
 
-    /// An objective's value over the outcomes, with the variance of its error where it is a mean of several runs.
+    /// What every outcome says of the metric.
+    pub(super) fn seen(&self, metric: &MetricReference, outcomes: &[Outcome]) -> Vec<Seen> {
+        let index =
+            self.requests.index(metric).expect("the laboratory requested every metric that is asked for");
+        outcomes.iter().map(|outcome| Seen::of(outcome, index)).collect()
+    }
+
+    /// An objective's value over the outcomes, with the variance of its error where it is a mean of several runs. Runs that
+    /// the horizon cut off, or in which the metric does not exist, count as what is farthest from the goal, so that no
+    /// candidate gets better by runs that come to nothing; `None` where nothing bounds that.
     pub(super) fn objective(
         &self,
         objective: &Aggregate,
+        goal: Goal,
         outcomes: &[Outcome],
     ) -> (Option<f64>, Option<f64>) {
-        let value = aggregate(objective, outcomes, &self.requests);
+        let relation = match goal {
+            Goal::Minimise => Relation::LessOrEqual,
+            Goal::Maximise => Relation::GreaterOrEqual,
+        };
+        let value = aggregate_against(objective, relation, outcomes, &self.requests);
         let variance = match objective {
-            Aggregate::Mean(metric) => {
-                let values: Vec<f64> = self.values(metric, outcomes).into_iter().flatten().collect();
-                error_variance(&values)
+            Aggregate::Mean(metric) if value.is_some() => {
+                let counted = counted(metric, relation, outcomes, &self.requests);
+                error_variance(&counted.into_iter().flatten().collect::<Vec<_>>())
             }
             _ => None,
         };
@@ -62,22 +76,25 @@ impl Laboratory<'_> {
 
     /// How far every run is from violating a constraint; `None` where that cannot be said, which counts as violated.
     pub(super) fn margin(&self, constraint: &Comparison, outcomes: &[Outcome]) -> Option<f64> {
-        let bound = constraint.constant_bound();
+        let (relation, bound) = (constraint.relation, constraint.constant_bound());
         let mut worst = f64::INFINITY;
-        for value in self.values(&constraint.metric, outcomes) {
-            match value {
-                Some(value) => {
-                    let margin = constraint.relation.margin(value, bound);
-                    worst = worst.min(if constraint.relation.holds(value, bound) {
-                        margin.unwrap_or(1.0)
-                    } else {
-                        // A strict relation is violated at its bound already, where the margin is 0.
-                        margin.unwrap_or(-1.0).min(-f64::MIN_POSITIVE)
-                    });
+        for seen in self.seen(&constraint.metric, outcomes) {
+            let margin = match seen {
+                Seen::Undefined if holds_undefined(constraint, false) => continue,
+                Seen::Undefined => return None,
+                Seen::Value(value) => margin(relation, value, bound),
+                // However it would have gone on.
+                Seen::Open { .. } if seen.holds(constraint, false) => {
+                    let farthest = seen.worst(&constraint.metric.name, relation);
+                    farthest.map_or(1.0, |value| margin(relation, value, bound))
                 }
-                None if holds_undefined(constraint, false) => {}
-                None => return None,
-            }
+                Seen::Open { .. } => {
+                    let farthest = seen.worst(&constraint.metric.name, relation);
+                    let nearest = seen.best(relation).filter(|value| !relation.holds(*value, bound));
+                    margin(relation, farthest.filter(|value| value.is_finite()).or(nearest)?, bound)
+                }
+            };
+            worst = worst.min(margin);
         }
         (worst < f64::INFINITY).then_some(worst)
     }
@@ -91,7 +108,8 @@ impl Laboratory<'_> {
             .iter()
             .filter(has_mean)
             .map(|reference| {
-                let mut values: Vec<f64> = self.values(reference, outcomes).into_iter().flatten().collect();
+                let seen = self.seen(reference, outcomes);
+                let mut values: Vec<f64> = seen.into_iter().filter_map(Seen::value).collect();
                 values.sort_by(f64::total_cmp);
                 let mean = values.iter().sum::<f64>() / values.len() as f64;
                 MetricSummary {
@@ -141,11 +159,22 @@ fn outcome_alone<S: Serializer>(outcome: &Outcome, serializer: S) -> Result<S::O
 pub struct MetricSummary {
     pub metric: String,
     pub runs: usize,
-    /// Runs in which the metric exists.
+    /// Runs in which the metric exists and was decided before the horizon: what the other numbers are of.
     pub defined: usize,
     pub mean: Option<f64>,
     pub min: Option<f64>,
     pub max: Option<f64>,
+}
+
+/// How far a value is from violating a constraint; negative where it does.
+fn margin(relation: Relation, value: f64, bound: f64) -> f64 {
+    let margin = relation.margin(value, bound);
+    if relation.holds(value, bound) {
+        margin.unwrap_or(1.0)
+    } else {
+        // A strict relation is violated at its bound already, where the margin is 0.
+        margin.unwrap_or(-1.0).min(-f64::MIN_POSITIVE)
+    }
 }
 
 /// Variance of the mean of some values; `None` for fewer than two.

@@ -9,7 +9,6 @@ use super::cases::{SavedCase, SavedSet};
 use super::journal::Record;
 use super::runs::CaseRun;
 use super::{ExperimentError, Laboratory, Progress, overrides};
-use crate::judge::holds_undefined;
 use crate::judge::statistics::mean;
 use crate::optimise::{
     self, Definition, Evaluation, InitialDesign, Measurement, Method, Optimiser, Proposal, SlicePoint,
@@ -17,7 +16,7 @@ use crate::optimise::{
 };
 use crate::plan::{self, derive_seed};
 use crate::run::Outcome;
-use crate::scenario::{self, Assignment, Budget, Case, Goal, Individual, Scenario, Search};
+use crate::scenario::{self, Assignment, Budget, Case, Goal, Individual, Objective, Scenario, Search};
 
 /// Runs with fresh seeds that tell how much of a best value was luck.
 const FRESH_RUNS: u32 = 20;
@@ -60,7 +59,7 @@ pub struct Found {
     pub predicted: Option<(f64, f64)>,
     /// The objective over fresh seeds at the same point.
     pub fresh: Option<f64>,
-    /// How many runs of that are defined.
+    /// In how many runs of that the metric exists and was decided before the horizon.
     pub fresh_runs: u32,
     pub passed_first: Option<&'static str>,
     /// Objective of every evaluation in order; `None` where it is undefined.
@@ -256,7 +255,7 @@ impl Hunt<'_> {
             self.search.runs,
         )?;
         let outcomes = self.laboratory.run_all(&cases)?;
-        let (value, noise_variance) = self.laboratory.objective(&self.search.objective.aggregate, &outcomes);
+        let (value, noise_variance) = self.objective(&outcomes);
         let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
         self.progress.evaluated(done, self.all, value);
         Ok(Evaluation {
@@ -346,19 +345,22 @@ impl Hunt<'_> {
         found.runs = self.saved(&best.point, &cases, outcomes);
         let fresh = self.cases(&format!("{name}/fresh"), group, &best.point, FRESH_RUNS)?;
         let outcomes = self.laboratory.run_all(&fresh)?;
-        found.fresh = self.laboratory.objective(&self.search.objective.aggregate, &outcomes).0;
+        found.fresh = self.objective(&outcomes).0;
         let metric = self.search.objective.aggregate.metric();
-        found.fresh_runs = self.laboratory.values(metric, &outcomes).iter().flatten().count() as u32;
+        let decided = self.laboratory.seen(metric, &outcomes);
+        found.fresh_runs = decided.iter().filter(|one| one.is_value()).count() as u32;
         Ok(found)
+    }
+
+    fn objective(&self, outcomes: &[Outcome]) -> (Option<f64>, Option<f64>) {
+        let Objective { aggregate, direction, .. } = &self.search.objective;
+        self.laboratory.objective(aggregate, *direction, outcomes)
     }
 
     /// Whether a run at the best point is one that the search was to keep; without a condition all are.
     fn keeps(&self, outcome: &Outcome) -> bool {
         let Some(keep) = &self.search.keep else { return true };
-        match self.laboratory.values(&keep.metric, std::slice::from_ref(outcome))[0] {
-            Some(value) => keep.relation.holds(value, keep.constant_bound()),
-            None => holds_undefined(keep, false),
-        }
+        self.laboratory.seen(&keep.metric, std::slice::from_ref(outcome))[0].holds(keep, false)
     }
 
     /// Runs as cases to be used again, with what came of them.

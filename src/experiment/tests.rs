@@ -3,6 +3,7 @@
 mod evaluate;
 mod search_and_tune;
 mod statement;
+mod survivors;
 
 use super::*;
 use crate::scenario::{self, Comparison as Bound, Value};

@@ -199,7 +199,8 @@ impl Bench<'_> {
 
     fn evaluation(&self, outcomes: &[Outcome], abandoned: bool) -> Evaluation {
         let objective = |objective: &crate::scenario::Objective| {
-            let (value, noise_variance) = self.laboratory.objective(&objective.aggregate, outcomes);
+            let (value, noise_variance) =
+                self.laboratory.objective(&objective.aggregate, objective.direction, outcomes);
             // Of a part of the set an objective says nothing.
             let value = value.filter(|_| !abandoned);
             Measurement { value, noise_variance: noise_variance.filter(|_| value.is_some()) }

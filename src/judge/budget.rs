@@ -191,6 +191,9 @@ pub fn examine_criteria(suite: &Suite, sources: &Sources) -> Vec<Diagnostic> {
             );
         }
     }
+    for (scenario, trials) in &outlines {
+        found.extend(nothing_claimed(scenario, trials, sources));
+    }
     let mut idle: HashSet<&Origin> = HashSet::new();
     for (scenario, _) in &outlines {
         for criterion in scenario.criteria.iter().filter(|criterion| !criterion.when.is_empty()) {
@@ -210,6 +213,23 @@ pub fn examine_criteria(suite: &Suite, sources: &Sources) -> Vec<Diagnostic> {
         }
     }
     found
+}
+
+/// A scenario with criteria, none of which applies to some of its trials.
+fn nothing_claimed(scenario: &Scenario, trials: &[Outline], sources: &Sources) -> Option<Diagnostic> {
+    let bare: Vec<&Outline> = trials.iter().filter(|trial| trial.criteria.is_empty()).collect();
+    if scenario.criteria.is_empty() || bare.is_empty() {
+        return None;
+    }
+    let of = match trials.len() {
+        1 => "the only trial".to_string(),
+        all => format!("{} of {all} trials", bare.len()),
+    };
+    let message = format!("no criterion applies to {of} of scenario `{}`", scenario.name);
+    let diagnostic = at(Code::NothingClaimed, &scenario.origin, message, sources)
+        .label("run, but not judged")
+        .hint("add a criterion without `when`, such as `no collision`, or leave these values out");
+    Some(in_trials(diagnostic, scenario, &bare, trials.len()))
 }
 
 /// Whether it takes the trials to know if a criterion can pass or applies.
@@ -309,7 +329,12 @@ fn never_passes(
 }
 
 /// With the trials that it is about, of so many in all.
-fn in_trials(diagnostic: Diagnostic, scenario: &Scenario, about: &[&Outline], trials: usize) -> Diagnostic {
+pub(super) fn in_trials(
+    diagnostic: Diagnostic,
+    scenario: &Scenario,
+    about: &[&Outline],
+    trials: usize,
+) -> Diagnostic {
     match about {
         [only] => diagnostic.note(format!("in {}", only.key)),
         all if all.len() == trials => {
@@ -321,7 +346,7 @@ fn in_trials(diagnostic: Diagnostic, scenario: &Scenario, about: &[&Outline], tr
     }
 }
 
-fn at(code: Code, origin: &Origin, message: impl Into<String>, sources: &Sources) -> Diagnostic {
+pub(super) fn at(code: Code, origin: &Origin, message: impl Into<String>, sources: &Sources) -> Diagnostic {
     let span = sources.span(origin).unwrap_or_else(|| {
         let (first, _) = sources.iter().next().expect("a suite was read from somewhere");
         Span::beginning(first)

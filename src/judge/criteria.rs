@@ -16,7 +16,7 @@ use crate::scenario::{
     WhenUndefined, constant,
 };
 
-/// A trial's verdict: the worst of its findings.
+/// A trial's verdict: the worst of its findings; without any it is `Passed`, which [says nothing](Self::claims_nothing).
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TrialVerdict {
     pub verdict: Verdict,
@@ -107,6 +107,11 @@ pub fn judge(criteria: &[Criterion], outcomes: &[Outcome], requests: &Requests) 
 }
 
 impl TrialVerdict {
+    /// Whether no criterion applied, so that nothing was claimed of its runs: they speak for nothing.
+    pub fn claims_nothing(&self) -> bool {
+        self.findings.is_empty()
+    }
+
     /// Of a trial whose runs were fixed beforehand.
     pub(super) fn of(mut findings: Vec<Finding>, criteria: &[Criterion], outcomes: &[Outcome]) -> Self {
         vacuity::mark(&mut findings, criteria, outcomes);
@@ -333,6 +338,47 @@ pub fn aggregate(aggregate: &Aggregate, outcomes: &[Outcome], requests: &Request
             values(aggregate.metric(), outcomes, requests).into_iter().flatten().collect(),
         ),
     }
+}
+
+/// What every run counts as for a claim that an aggregate of a metric's values is in `relation` to a bound, one per run; `None`
+/// for a run that is left out.
+pub fn counted(
+    metric: &MetricReference,
+    relation: Relation,
+    outcomes: &[Outcome],
+    requests: &Requests,
+) -> Vec<Option<f64>> {
+    let seen = seen(metric, &Evidence { outcomes, requests, bounds: Bounds::Fixed });
+    seen.into_iter().map(|one| one.worst(&metric.name, relation)).collect()
+}
+
+/// As [`aggregate`], for somebody who would like it to be in `relation` to something: runs that the horizon cut off, or in
+/// which the metric does not exist, count as what speaks most against that. `None` where nothing bounds it.
+pub fn aggregate_against(
+    wanted: &Aggregate,
+    relation: Relation,
+    outcomes: &[Outcome],
+    requests: &Requests,
+) -> Option<f64> {
+    let evidence = Evidence { outcomes, requests, bounds: Bounds::Fixed };
+    let holds = |comparison| holding(comparison, bounded_above(relation), &evidence).count as f64;
+    let value = match wanted {
+        Aggregate::Rate(_) if outcomes.is_empty() => None,
+        Aggregate::Rate(comparison) => Some(holds(comparison) / outcomes.len() as f64),
+        Aggregate::Count(comparison) => Some(holds(comparison)),
+        Aggregate::Std(metric) if seen(metric, &evidence).iter().any(|one| one.is_open()) => None,
+        of_values => {
+            let counted = counted(of_values.metric(), relation, outcomes, requests);
+            aggregate_of(of_values, counted.into_iter().flatten().collect())
+        }
+    };
+    value.filter(|value| value.is_finite())
+}
+
+/// Runs without a value of a metric that is decided: it does not exist, or the horizon ended them before.
+pub fn undecided(metric: &MetricReference, outcomes: &[Outcome], requests: &Requests) -> usize {
+    let seen = seen(metric, &Evidence { outcomes, requests, bounds: Bounds::Fixed });
+    seen.iter().filter(|one| !one.is_value()).count()
 }
 
 /// What every run says of a metric, and in how many runs a comparison over it holds.

@@ -13,18 +13,33 @@ mod lanes;
 mod nearest;
 mod per_run;
 mod seen;
+mod single;
 pub mod statistics;
 mod stopping;
+mod trivial;
 mod vacuity;
 mod verdict;
 
-pub use budget::examine_criteria;
-pub use criteria::{Finding, Measure, Regarding, TrialVerdict, aggregate, judge};
+pub use criteria::{
+    Finding, Measure, Regarding, TrialVerdict, aggregate, aggregate_against, counted, judge, undecided,
+};
 pub use horizon::{Horizon, Stranded};
-pub use lanes::examine_lanes;
 pub use nearest::{RunStanding, WorstRun};
 pub use per_run::{PerRun, per_run};
 pub use seen::{Seen, holds, holds_undefined};
 pub use stopping::{Reason, Stopping, Watch};
 pub use vacuity::Vacuity;
 pub use verdict::Verdict;
+
+use crate::lang::{Diagnostic, Sources};
+use crate::scenario::Suite;
+
+/// Everything that is wrong with what a suite claims, before anything runs: criteria that can never pass, cannot fail, apply to
+/// nothing or ask too few runs, and lanes that are blocked. What cannot be planned is left to planning.
+pub fn examine_claims(suite: &Suite, sources: &Sources) -> Vec<Diagnostic> {
+    let mut found = budget::examine_criteria(suite, sources);
+    found.extend(trivial::examine_bounds(suite, sources));
+    found.extend(single::examine_single_runs(suite, sources));
+    found.extend(lanes::examine_lanes(suite, sources));
+    found
+}

@@ -3,10 +3,11 @@
 use serde::Serialize;
 
 use super::criteria::Finding;
+use super::trivial::cannot_fail;
 use super::verdict::Verdict;
-use crate::metrics::{self, Presence, Scope};
+use crate::metrics::{self, MetricKind, Presence, Scope};
 use crate::run::Outcome;
-use crate::scenario::Criterion;
+use crate::scenario::{Aggregate, Claim, Criterion, Dimension, Expression, MetricReference, constant};
 
 /// Why a criterion that passed was never put to the test.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -16,6 +17,8 @@ pub enum Vacuity {
     NobodyAppeared,
     /// In no run did one of them come into a vehicle's lane.
     NobodyEntered,
+    /// In no run was one of them in a vehicle's lane within a few seconds of that vehicle.
+    NobodyMet,
     /// In some run time was up with somebody on a collision course: what would have come was not seen.
     CutOff,
 }
@@ -23,15 +26,30 @@ pub enum Vacuity {
 /// Metrics that say who goes: a criterion about one of them declares what is expected, staying at the kerb included.
 const WHO_GOES: [&str; 2] = ["passed_first", "gap_accepted"];
 
-/// Marks the findings that passed without being put to the test. None are, where another criterion that passed says who
-/// goes. What a vehicle does by itself, such as braking, is tested by everybody who appears.
+/// Metrics of a pair that say how a pedestrian crosses, whoever comes.
+const OF_CROSSING: [&str; 1] = ["crossing_duration"];
+
+/// Marks the findings that passed without being put to the test. That nobody came into a lane, or met a vehicle there, is not
+/// held against them where another criterion that passed says who goes: that is what was expected. One that cannot fail, or
+/// whose pedestrian never appeared, says nothing of the kind. What a vehicle does by itself, such as braking, is tested by
+/// everybody who appears.
 pub(super) fn mark(findings: &mut [Finding], criteria: &[Criterion], outcomes: &[Outcome]) {
-    let passed = |finding: &&mut Finding| finding.verdict == Verdict::Passed;
-    if findings.iter_mut().filter(passed).any(|finding| WHO_GOES.contains(&finding.metric.as_str())) {
-        return;
-    }
-    for (finding, criterion) in findings.iter_mut().zip(criteria).filter(|(finding, _)| passed(finding)) {
-        finding.vacuous = vacuity(criterion, outcomes);
+    let found: Vec<Option<Vacuity>> = findings
+        .iter()
+        .zip(criteria)
+        .map(|(finding, criterion)| {
+            (finding.verdict == Verdict::Passed).then(|| vacuity(criterion, outcomes)).flatten()
+        })
+        .collect();
+    let says_who_goes = |((finding, criterion), vacuous): ((&Finding, &Criterion), &Option<Vacuity>)| {
+        finding.verdict == Verdict::Passed
+            && WHO_GOES.contains(&finding.metric.as_str())
+            && *vacuous != Some(Vacuity::NobodyAppeared)
+            && !cannot_fail(criterion, outcomes.len())
+    };
+    let declared = findings.iter().zip(criteria).zip(&found).any(says_who_goes);
+    for (finding, vacuous) in findings.iter_mut().zip(found) {
+        finding.vacuous = vacuous.filter(|why| !declared || *why == Vacuity::NobodyAppeared);
     }
 }
 
@@ -44,13 +62,37 @@ fn vacuity(criterion: &Criterion, outcomes: &[Outcome]) -> Option<Vacuity> {
         all.filter(|(name, _)| concerned(name)).map(|(_, presence)| presence)
     };
     let nobody = |did: fn(&Presence) -> bool| presences().next().is_some() && !presences().any(did);
-    let needs_entry = metrics::metric(&reference.name).is_some_and(|metric| metric.scope != Scope::Vehicle);
+    let scope = metrics::metric(&reference.name).map(|metric| metric.scope);
+    let needs_entry = scope.is_some_and(|scope| scope != Scope::Vehicle);
+    let needs_meeting = matches!(scope, Some(Scope::Pair | Scope::Contact))
+        && !OF_CROSSING.contains(&reference.name.as_str())
+        && !keeps_apart(&criterion.claim);
     if nobody(|presence| presence.appeared) {
         Some(Vacuity::NobodyAppeared)
     } else if needs_entry && nobody(|presence| presence.entered) {
         Some(Vacuity::NobodyEntered)
+    } else if needs_meeting && nobody(|presence| presence.met) {
+        Some(Vacuity::NobodyMet)
     } else {
         None
+    }
+}
+
+/// Whether a claim is itself that there are more seconds between them than where they meet.
+fn keeps_apart(claim: &Claim) -> bool {
+    let is_time = |reference: &MetricReference| {
+        metrics::metric(&reference.name)
+            .is_some_and(|metric| metric.kind == MetricKind::Quantity(Dimension::TIME))
+    };
+    let is_far = |bound: &Expression| constant(bound) >= metrics::MEETING_TIME;
+    match claim {
+        Claim::Runs { comparison, .. } => is_time(&comparison.metric) && is_far(&comparison.bound),
+        Claim::Aggregate { aggregate, bound, .. } => match aggregate {
+            Aggregate::Rate(comparison) | Aggregate::Count(comparison) => {
+                is_time(&comparison.metric) && is_far(&comparison.bound)
+            }
+            of_values => is_time(of_values.metric()) && is_far(bound),
+        },
     }
 }
 
@@ -84,9 +126,8 @@ mod tests {
     }
 
     /// One run in which every metric is `value`.
-    fn outcome(requests: &Requests, value: Option<f64>, presences: &[(&str, bool, bool)]) -> Outcome {
-        let presence =
-            |&(name, appeared, entered): &(&str, bool, bool)| (name.into(), Presence { appeared, entered });
+    fn outcome(requests: &Requests, value: Option<f64>, presences: &[Who]) -> Outcome {
+        let presence = |(name, presence): &Who| ((*name).into(), *presence);
         Outcome {
             key: "a/b/rep=1".into(),
             seed: 1,
@@ -101,20 +142,19 @@ mod tests {
         }
     }
 
-    fn found(
-        criteria: &[Criterion],
-        value: Option<f64>,
-        runs: &[&[(&str, bool, bool)]],
-    ) -> Vec<Option<Vacuity>> {
+    fn found(criteria: &[Criterion], value: Option<f64>, runs: &[&[Who]]) -> Vec<Option<Vacuity>> {
         let mut requests = Requests::default();
         requests.include(criteria);
         let outcomes: Vec<_> = runs.iter().map(|run| outcome(&requests, value, run)).collect();
         judge(criteria, &outcomes, &requests).findings.iter().map(|finding| finding.vacuous).collect()
     }
 
-    const STAYS: (&str, bool, bool) = ("walker", true, false);
-    const GOES: (&str, bool, bool) = ("walker", true, true);
-    const ABSENT: (&str, bool, bool) = ("walker", false, false);
+    type Who = (&'static str, Presence);
+
+    const ABSENT: Who = ("walker", Presence { appeared: false, entered: false, met: false });
+    const STAYS: Who = ("walker", Presence { appeared: true, entered: false, met: false });
+    const ALONE: Who = ("walker", Presence { appeared: true, entered: true, met: false });
+    const GOES: Who = ("walker", Presence { appeared: true, entered: true, met: true });
 
     #[test]
     fn one_who_stays_tests_only_what_the_car_does_by_itself() {
@@ -143,9 +183,43 @@ mod tests {
     #[test]
     fn it_is_about_the_pedestrian_whom_the_criterion_names() {
         let criteria = [criterion("pet", Some("walker")), criterion("pet", Some("child"))];
-        let run = [STAYS, ("child", true, true)];
+        let run = [STAYS, ("child", GOES.1)];
         assert_eq!(found(&criteria, Some(1.0), &[&run]), [Some(Vacuity::NobodyEntered), None]);
         // Nothing is known of those who are not there.
         assert_eq!(found(&criteria, Some(1.0), &[&[]]), [None, None]);
+    }
+
+    #[test]
+    fn who_goes_while_every_vehicle_is_far_away_meets_nobody() {
+        let names = ["collision", "pet", "max_deceleration", "crossing_duration", "crossing_initiation_time"];
+        let criteria = names.map(|name| criterion(name, None));
+        let met = Some(Vacuity::NobodyMet);
+        assert_eq!(found(&criteria, Some(1.0), &[&[ALONE]]), [met, met, None, None, None]);
+        assert_eq!(found(&criteria, Some(1.0), &[&[ALONE], &[GOES]]), [None; 5]);
+        // To keep as far apart as that is what such a claim asks for.
+        let mut far = criterion("pet", None);
+        far.claim.bounds_mut().into_iter().for_each(|bound| *bound = metrics::MEETING_TIME.into());
+        assert_eq!(found(&[far], Some(6.0), &[&[ALONE]]), [None]);
+    }
+
+    #[test]
+    fn what_cannot_fail_or_was_about_nobody_declares_nothing() {
+        let mut idle = criterion("gap_accepted", None);
+        let Claim::Runs { comparison, .. } = idle.claim.clone() else { unreachable!() };
+        idle.claim = Claim::Aggregate {
+            aggregate: Aggregate::Rate(comparison),
+            relation: Relation::GreaterOrEqual,
+            bound: 0.0.into(),
+            when_undefined: WhenUndefined::AsDeclared,
+            confidence: None,
+        };
+        let entered = Some(Vacuity::NobodyEntered);
+        assert_eq!(
+            found(&[criterion("pet", None), idle], Some(2.0), &[&[STAYS]]),
+            [entered, entered],
+            "a rate of at least 0 % expects nothing"
+        );
+        let declared = [criterion("pet", None), criterion("passed_first", None)];
+        assert_eq!(found(&declared, Some(2.0), &[&[ABSENT]]), [Some(Vacuity::NobodyAppeared); 2]);
     }
 }

@@ -248,8 +248,8 @@ codes! {
     BadModifier = "E0606", "a part of a criterion has no meaning here",
         "`in 80 % of runs` belongs to a comparison of every single run, not to an aggregate over runs; a confidence \
          needs a share or an aggregate, because a claim about every run is either true or false. Counts and \
-         extremes are of the runs that were done, and no number of runs shows that two numbers are equal: they take no \
-         confidence either.";
+         extremes are of the runs that were done, no number of runs shows that two numbers are equal, and no bounds on a \
+         spread hold whatever the metric: they take no confidence either.";
     UnknownWord = "E0607", "a metric never has this value",
         "A metric with words as values can only be compared to one of them.";
     NoOrder = "E0608", "words and truth values have no order",
@@ -283,6 +283,10 @@ codes! {
          everybody in the population whom they were taken from: then each person counts once, however many runs it has. Both \
          need `individuals` in the scenario and a confidence; `of all people` needs several people and their number to be \
          fixed: runs that are added (`runs 50 .. 2000`) are of the same people.";
+    NeverHolds = "E0615", "a criterion that can never pass",
+        "No value that its metric can have is what the criterion claims, such as `drac > 30 m/s^2` with the ceiling of 20 m/s^2, \
+         `stopped_time > 90 s` in runs of 60 s, or a count of more runs than there are. `scenario-runner models NAME` says between \
+         which limits a metric lies.";
     // Suites
     EmptySuite = "E0701", "a suite has no scenarios",
         "A suite without scenarios would pass without testing anything.";
@@ -356,7 +360,7 @@ codes! {
         "The vehicle cannot pass: it stops, or runs into the box. Where that is what the scenario is about, say so with a \
          criterion that names the box, such as `no collision(av, van)`, or with `tags blocked_lane`.";
     NoCriteria = "W0902", "a scenario expects nothing",
-        "Without `expect` a scenario passes whatever happens. Add criteria to it or to the suite; where a search, tune, \
+        "Without `expect` a scenario is run but not judged: nothing is claimed of it. Add criteria to it or to the suite; where a search, tune, \
          evaluate or statement is about its runs, it needs none.";
     NeverSampled = "W0903", "a criterion applies to none of the values drawn",
         "The condition after `when` holds for none of the values that a sampled variation has with this seed, so the \
@@ -373,6 +377,19 @@ codes! {
         "`no metric worse by more than 5 %` is about quantities: 5 % of what is true or false would be 5 points of its rate. \
          Collisions need a rule of their own, `collision not worse` or `no new collision`. Without one only those are \
          noticed that happen in a scenario in which the baseline has none, on the same seeds.";
+    CannotFail = "W0936", "a criterion that cannot fail",
+        "It holds whatever happens: a share is never below 0 % nor above 100 %, a time never negative. A pass of it is evidence of \
+         nothing. `scenario-runner models NAME` says between which limits a metric lies. Perhaps the relation points the other \
+         way, or a unit is missing a factor.";
+    OneRunEach = "W0937", "a claim about many runs is asked of one at a time",
+        "`vary x in normal(…) 500 times` makes 500 trials, each with a verdict of its own. Where each has one run, a share of its \
+         runs is 0 % or 100 %, a mean or quantile is the value of that run, and `rate(…) <= 5 %` says that it may not happen at \
+         all. Say what has to hold in every run, or let every trial have many runs with `repeat`. What is to be true of all \
+         draws together is no criterion of a trial: a `statement` can claim it, `claim rate(collision) of NAME <= 5 %`.";
+    NothingClaimed = "W0938", "no criterion applies to some trials",
+        "Every criterion of the scenario has a `when` that does not hold there, so that nothing is claimed of these trials: they \
+         are run, counted as not judged in every report, and are evidence of nothing. Add a criterion without `when`, or leave \
+         the values out.";
     SetAside = "W0955", "a criterion applies to no run with the values that were set",
         "With `--set tta=4s`, a criterion `when tta >= 14 s` has nothing to say. It is left out; a run to which no criterion \
          applies is refused.";

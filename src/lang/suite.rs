@@ -405,7 +405,7 @@ fn check_all(
     scenarios
 }
 
-/// Warns of scenarios that pass whatever happens, unless a block is about them.
+/// Warns of scenarios of which nothing is claimed, unless a block is about them.
 fn warn_of_nothing_expected(
     files: &Files,
     definitions: &[Definition],
@@ -429,7 +429,7 @@ fn warn_of_nothing_expected(
                     definition.span,
                     format!("scenario `{}` expects nothing", name.text()),
                 )
-                .label("passes whatever happens")
+                .label("run, but not judged")
                 .hint("add `expect { no collision }`"),
             );
         }

@@ -312,7 +312,7 @@ pub static TTA_AT_ENTRY: Metric = Metric {
     scope: Scope::Pair,
     worst: Worst::Smallest,
     absence: Absence::Open,
-    range: Range::Unlimited,
+    range: Range::NotNegative,
     build: |context| {
         let from_front = context.settings.word("reference") == "front";
         let ahead = if from_front { context.world.vehicles[context.vehicle].length / 2.0 } else { 0.0 };

@@ -92,7 +92,7 @@ pub static MIN_DISTANCE: Metric = Metric {
     scope: Scope::Pair,
     worst: Worst::Smallest,
     absence: Absence::Open,
-    range: Range::Unlimited,
+    range: Range::NotNegative,
     build: |context| Box::new(MinDistance::new(context)),
 };
 

@@ -10,6 +10,8 @@ use crate::sim::{PedestrianState, Solid, Step, VehicleState};
 /// The encounters of every vehicle with every pedestrian of a run.
 pub struct Encounters {
     passages: Vec<Passage>,
+    /// The largest speed that each vehicle has had, m/s.
+    fastest: Vec<f64>,
     /// Vehicle by vehicle.
     pairs: Vec<Encounter>,
     pedestrians: usize,
@@ -23,7 +25,12 @@ pub struct Presence {
     pub appeared: bool,
     /// Came into a vehicle's lane, or appeared in it.
     pub entered: bool,
+    /// Was in a vehicle's lane while that vehicle was within [`MEETING_TIME`] of it, or touched one.
+    pub met: bool,
 }
+
+/// Whoever is in a vehicle's lane when it is no more than so many seconds away, before or after, shares a conflict with it.
+pub const MEETING_TIME: f64 = 5.0;
 
 /// One vehicle and one pedestrian.
 ///
@@ -51,6 +58,8 @@ pub struct Encounter {
     /// Time to collision of the footprints if both kept their velocities from the end of the step on, s; `None` if
     /// they are not on a collision course.
     pub time_to_collision: Option<f64>,
+    /// As [`Presence::met`], but for contact.
+    near: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -117,10 +126,12 @@ impl Encounters {
             last_entry: None,
             crossing: None,
             time_to_collision: None,
+            near: false,
         };
         let pedestrians = world.pedestrians.len();
         Self {
             passages: vec![Passage::with_capacity(steps); world.vehicles.len()],
+            fastest: vec![0.0; world.vehicles.len()],
             pairs: (0..world.vehicles.len()).flat_map(|_| (0..pedestrians).map(encounter)).collect(),
             pedestrians,
             others: Vec::new(),
@@ -138,6 +149,7 @@ impl Encounters {
             Presence {
                 appeared: pairs().any(|pair| pair.appeared.is_some()),
                 entered: pairs().any(|pair| pair.first_entry.is_some()),
+                met: pairs().any(|pair| pair.near || pair.contact.is_some()),
             }
         };
         (0..self.pedestrians).map(of).collect()
@@ -177,12 +189,14 @@ impl Encounters {
         for (index, passage) in self.passages.iter_mut().enumerate() {
             let (before, after) = (&step.before.vehicles[index], &step.after.vehicles[index]);
             let end = step.time + step.duration;
+            self.fastest[index] = self.fastest[index].max(before.motion.speed).max(after.motion.speed);
             passage.observe((step.time, before.motion.travelled), (end, after.motion.travelled));
         }
         for (index, pair) in self.pairs.iter_mut().enumerate() {
             let (vehicle, pedestrian) = (index / self.pedestrians, index % self.pedestrians);
             if step.before.pedestrians[pedestrian].present {
                 pair.observe(step, vehicle, pedestrian);
+                pair.look_for_meeting(step, (vehicle, self.fastest[vehicle]), pedestrian);
             }
         }
     }
@@ -239,6 +253,19 @@ impl Encounter {
         if let (Some(part), Some(entered)) = (rising(before, after, half), self.last_entry) {
             self.crossing.get_or_insert(LaneCrossing { entered, left: step.time + part * step.duration });
         }
+    }
+
+    /// Whether the pedestrian is in the lane within [`MEETING_TIME`] of the vehicle, by the way between their footprints
+    /// along the lane and the largest speed that the vehicle has had: one that brakes or stands because somebody comes is
+    /// no farther away for it.
+    fn look_for_meeting(&mut self, step: &Step, (vehicle, fastest): (usize, f64), pedestrian: usize) {
+        let (car, person) = (&step.after.vehicles[vehicle], &step.after.pedestrians[pedestrian]);
+        if self.near || (person.position.y - car.lane_centre).abs() >= self.half_lane {
+            return;
+        }
+        let apart =
+            (along(car, person) - car.motion.travelled).abs() - car.length / 2.0 - half_extent(person).x;
+        self.near = apart <= fastest * MEETING_TIME;
     }
 
     /// Stays of the footprint in the strip that the vehicle sweeps.

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 
-use super::{FreeFlow, METRICS, Measurement, Open, Reading};
+use super::{FreeFlow, METRICS, Measurement, Open, Presence, Reading};
 use crate::scenario::{Appearance, MetricReference, Settings, Value, World};
 use crate::sim::{
     Contacts, Ending, Longitudinal, Observer, PedestrianState, Snapshot, Step, StopReason, VehicleState,
@@ -67,6 +67,15 @@ pub const FREE_FLOW: FreeFlow = FreeFlow { finish_time: Some(12.0), finish_speed
 
 /// The readings of one encounter, by request. Walks at 1.25 m/s when free.
 pub fn measure(world: &World, requests: &[MetricReference], car: &Profile, walk: &Walk) -> Vec<Reading> {
+    observe(world, requests, car, walk).readings()
+}
+
+/// Whether the pedestrian appeared, entered and met the car.
+pub fn presence(world: &World, car: &Profile, walk: &Walk) -> Presence {
+    observe(world, &[], car, walk).presences()[0]
+}
+
+fn observe(world: &World, requests: &[MetricReference], car: &Profile, walk: &Walk) -> Measurement {
     let mut measurement = Measurement::new(world, requests, &[FREE_FLOW], &[1.25]);
     let steps = (world.horizon / world.step).round() as usize;
     let mut contacts = Contacts::new(world);
@@ -101,7 +110,7 @@ pub fn measure(world: &World, requests: &[MetricReference], car: &Profile, walk:
         before = after;
     }
     measurement.end(&ending, &before);
-    measurement.readings()
+    measurement
 }
 
 /// What every metric with its defaults could still come to when time is up.

@@ -29,7 +29,7 @@ pub static MAX_JERK: Metric = Metric {
     scope: Scope::Vehicle,
     worst: Worst::Largest,
     absence: Absence::Open,
-    range: Range::Unlimited,
+    range: Range::NotNegative,
     build: |context| Box::new(MaxJerk(Jerk::new(context))),
 };
 
@@ -61,7 +61,7 @@ pub static RMS_JERK: Metric = Metric {
     scope: Scope::Vehicle,
     worst: Worst::Largest,
     absence: Absence::Open,
-    range: Range::Unlimited,
+    range: Range::NotNegative,
     build: |context| Box::new(RmsJerk(Jerk::new(context))),
 };
 

@@ -25,7 +25,9 @@ use serde::{Deserialize, Serialize};
 use crate::scenario::{Aggregate, Declaration, Dimension, Settings, World};
 use crate::sim::{Snapshot, Solid, Step};
 
-pub use encounter::{Contact, Encounter, Encounters, Entry, LaneCrossing, Passing, Presence, Visit};
+pub use encounter::{
+    Contact, Encounter, Encounters, Entry, LaneCrossing, MEETING_TIME, Passing, Presence, Visit,
+};
 pub use measurement::{Measurement, Reading, SubjectValue};
 pub use passage::{Passage, Reached};
 pub use range::{Range, limits};

@@ -18,7 +18,7 @@ pub static MIN_TTC: Metric = Metric {
     scope: Scope::Pair,
     worst: Worst::Smallest,
     absence: Absence::Good,
-    range: Range::Unlimited,
+    range: Range::NotNegative,
     build: |context| {
         Box::new(MinTtc { pair: (context.vehicle, context.pedestrian), smallest: None, instant: 0.0 })
     },

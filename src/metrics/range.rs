@@ -16,6 +16,8 @@ pub enum Range {
     SpeedsWithin(&'static str),
     /// 0 or 1.
     YesOrNo,
+    /// 0 or more: nothing keeps it from being as large as one likes.
+    NotNegative,
     /// Nothing keeps it from being as large as one likes, or as small.
     Unlimited,
 }
@@ -31,7 +33,7 @@ impl Range {
             Self::UpTo(parameter) => Some(format!("0 to `{parameter}`")),
             Self::TwoSpeeds => Some(format!("0 m/s to {} m/s", 2.0 * FASTEST)),
             Self::SpeedsWithin(parameter) => Some(format!("0 to {FASTEST} m/s over `{parameter}`")),
-            Self::YesOrNo | Self::Unlimited => None,
+            Self::YesOrNo | Self::NotNegative | Self::Unlimited => None,
         }
     }
 }
@@ -46,7 +48,7 @@ pub fn limits(reference: &MetricReference, longest: f64) -> Option<(f64, f64)> {
         Range::TwoSpeeds => 2.0 * FASTEST,
         Range::SpeedsWithin(parameter) => FASTEST / settings.number(parameter),
         Range::YesOrNo => 1.0,
-        Range::Unlimited => return None,
+        Range::NotNegative | Range::Unlimited => return None,
     };
     Some((0.0, high))
 }

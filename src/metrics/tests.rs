@@ -1,6 +1,6 @@
 //! Encounters worked out by hand, for every metric, and what must hold for any encounter.
 
-use super::fixture::{Profile, Walk, measure, measure_all, open_of, request, world};
+use super::fixture::{Profile, Walk, measure, measure_all, open_of, presence, request, world};
 use super::*;
 use crate::scenario::{Appearance, Direction, Side, Value};
 use proptest::prelude::*;
@@ -503,4 +503,28 @@ fn critical_instants_of_a_pedestrian_who_passes_first() {
             assert_near(name, found(name), expected, 1e-9);
         }
     }
+}
+
+#[test]
+fn who_meets_a_vehicle_is_in_its_lane_within_five_seconds_of_it() {
+    let world = world(0.025, 30.0);
+    let met = |car: Profile, walk: &[(f64, f64, f64)]| presence(&world, &car, &Walk(walk.to_vec())).met;
+    let car = |place, speed, stretches: &[(f64, f64)]| Profile::new(place, speed, stretches);
+    let (lane, half) = (world.road.lane_centre(0), world.road.lane_width / 2.0);
+    let across = |from: f64| [(0.0, 0.0, lane - 5.0), (from, 0.0, lane - 5.0), (from + 8.0, 0.0, lane + 5.0)];
+    // In the lane from 2.4 s to 5.6 s on; at 10 m/s from 120 m away the car is then 6 s away, from 95 m 3.6 s.
+    let enters = 8.0 * (5.0 - half) / 10.0;
+    assert!((enters - 2.4).abs() < 0.5, "{enters}");
+    assert!(!met(car(-120.0, 10.0, &[]), &across(0.001)));
+    assert!(met(car(-95.0, 10.0, &[]), &across(0.001)));
+    // The same behind the car: it has been gone for less than 5 s, or longer.
+    assert!(met(car(10.0, 10.0, &[]), &across(0.001)));
+    assert!(!met(car(60.0, 10.0, &[]), &across(0.001)));
+    // Beside the lane nobody meets, however near.
+    let beside = [(0.0, 0.0, lane - half - 0.5), (30.0, 0.1, lane - half - 0.5)];
+    assert!(!met(car(-50.0, 10.0, &[]), &beside));
+    // Who is waited for has met whoever waits, however long that one has stood.
+    assert!(met(car(-45.0, 10.0, &[(20.0, -2.0)]), &across(15.0)));
+    // A parked one waits for nobody.
+    assert!(!met(car(-10.0, 0.0, &[]), &across(0.001)));
 }

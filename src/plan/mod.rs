@@ -53,6 +53,8 @@ pub struct Trial {
     pub rounds: Option<Rounds>,
     /// Those whose `when` holds, with every bound a constant.
     pub criteria: Vec<Criterion>,
+    /// How many criteria its scenario has, whether they apply to this trial or not.
+    pub declared: usize,
     pub origin: Origin,
 }
 
@@ -263,6 +265,7 @@ fn trials(suite: &Suite, scenario: &Scenario, whole: bool) -> Result<Vec<Trial>,
             cases,
             rounds: rounds.filter(|_| whole),
             criteria,
+            declared: scenario.criteria.len(),
             key,
             origin: scenario.origin.clone(),
         })

@@ -6,7 +6,7 @@ use super::columns::columns;
 use super::format::in_unit;
 use crate::experiment::{ConditionResult, Difference, EvaluateResult, ParameterValue};
 use crate::metrics::unit_of;
-use crate::scenario::Target;
+use crate::scenario::{Aggregate, Target};
 
 const STRING: &str = "writing to a string cannot fail";
 
@@ -50,6 +50,9 @@ pub fn render_evaluate(result: &EvaluateResult) -> String {
             writeln!(text, "  {} is {caveat}", condition.name).expect(STRING);
         }
     }
+    for line in without_value(result) {
+        writeln!(text, "  {line}").expect(STRING);
+    }
     if let [first, _, ..] = result.conditions.as_slice() {
         let (first, pairs) = (&first.name, "case by case, with an interval at 95 % where there is one");
         writeln!(text, "  change: from {first}, {pairs}").expect(STRING);
@@ -58,6 +61,25 @@ pub fn render_evaluate(result: &EvaluateResult) -> String {
         writeln!(text, "  reported: {source}").expect(STRING);
     }
     text
+}
+
+/// In how many runs a measure has no value: `mean(pet) of default: no value in 3 of 40 runs, …`.
+pub fn without_value(result: &EvaluateResult) -> Vec<String> {
+    let of = |condition: &'_ ConditionResult| {
+        let measures = result.measures.iter().zip(&condition.undecided).zip(&condition.measured);
+        let said = measures.filter(|((_, undecided), _)| **undecided > 0);
+        said.map(|((measure, undecided), value)| {
+            let counted = match (&measure.aggregate, value) {
+                (Aggregate::Rate(_) | Aggregate::Count(_), _) => "which count as their comparison says",
+                (_, Some(_)) => "which count as what is worst for it, or not at all where nothing is worse",
+                (_, None) => "which could be as bad as anything",
+            };
+            let (name, runs) = (&condition.name, condition.runs.len());
+            format!("{} of {name}: no value in {undecided} of {runs} runs, {counted}", measure.text)
+        })
+        .collect::<Vec<_>>()
+    };
+    result.conditions.iter().flat_map(of).collect()
 }
 
 fn measured(condition: &ConditionResult, parameters: usize, units: &[String]) -> Vec<String> {

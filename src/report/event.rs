@@ -156,6 +156,8 @@ impl UnitReport<'_> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Standing {
     Skipped,
+    /// It was run, but no criterion applied to it: it is no evidence of anything.
+    NotJudged,
     Judged(Verdict),
     /// It was begun, and cut off.
     NotFinished(CutBy),

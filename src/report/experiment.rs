@@ -29,6 +29,14 @@ pub fn render_tune(result: &TuneResult) -> String {
     }
     let feasible = result.evaluations.iter().filter(|candidate| candidate.feasible).count();
     writeln!(text, "  {feasible} of {} candidates are feasible", result.evaluations.len()).expect(STRING);
+    // Of a candidate that breaks a constraint nobody has to know more.
+    let keeps = |margin: &Option<f64>| margin.is_some_and(|margin| margin >= 0.0);
+    let unknown = |one: &&Candidate| one.objectives.contains(&None) && one.margins.iter().all(keeps);
+    let unknown = result.evaluations.iter().filter(unknown).count();
+    if unknown > 0 {
+        writeln!(text, "  {unknown} that keep every constraint have no value: {WITHOUT_VALUE}")
+            .expect(STRING);
+    }
     match &result.chosen {
         Some(chosen) => {
             if let Some(violations) = &result.violations {
@@ -77,6 +85,10 @@ pub fn tuned_parameters(result: &TuneResult, tune: &Tune) -> String {
     text
 }
 
+/// Why an objective has no value.
+pub(super) const WITHOUT_VALUE: &str =
+    "no run has one, or some run without one could be as far from the goal as anything";
+
 const STRING: &str = "writing to a string cannot fail";
 
 fn candidate(result: &TuneResult, candidate: &Candidate) -> String {
@@ -90,11 +102,13 @@ fn candidate(result: &TuneResult, candidate: &Candidate) -> String {
 }
 
 fn summary(summary: &MetricSummary) -> String {
+    let MetricSummary { runs, defined, .. } = summary;
+    let of = if defined < runs { format!(" in {defined} of {runs}") } else { String::new() };
     match (summary.mean, summary.min, summary.max) {
         (Some(mean), Some(min), Some(max)) if min < max => {
-            format!("{} ({} .. {})", digits(mean), digits(min), digits(max))
+            format!("{} ({} .. {}){of}", digits(mean), digits(min), digits(max))
         }
-        (Some(mean), ..) => digits(mean),
+        (Some(mean), ..) => digits(mean) + &of,
         _ => "–".to_string(),
     }
 }

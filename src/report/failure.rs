@@ -152,3 +152,64 @@ pub fn with_worst(finding: &Finding) -> String {
     let worst = finding.worst.first().map(|run| run_value(finding, run)).unwrap_or_default();
     format!("{}: {worst}", finding.criterion)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenario::Origin;
+
+    fn finding(measure: Measure, verdict: Verdict, interval: Option<(f64, f64)>) -> Finding {
+        Finding {
+            criterion: "mean(time_lost) <= 2 s with 95 % confidence".into(),
+            origin: Origin::default(),
+            verdict,
+            metric: "time_lost".into(),
+            measure,
+            runs: 400,
+            holding: 356,
+            undefined: 4,
+            cut_off: 40,
+            observed: Some(2.41),
+            bound: 2.0,
+            margin: Some(-0.41),
+            interval,
+            confidence: Some(0.95),
+            alike: false,
+            approximate: false,
+            people: None,
+            worst: Vec::new(),
+            closest: None,
+            vacuous: None,
+        }
+    }
+
+    #[test]
+    fn the_side_that_decides_stands_at_the_stated_confidence() {
+        let said = |verdict, ends| bounds(&finding(Measure::Value, verdict, Some(ends))).unwrap();
+        assert_eq!(said(Verdict::Failed, (2.1, 2.7)), "at 95 % confidence it is at least 2.1 s");
+        assert_eq!(said(Verdict::Failed, (0.5, 1.7)), "at 95 % confidence it is at most 1.7 s");
+        // Two ends that are right 95 times in a hundred each are both so 90 times.
+        assert_eq!(
+            said(Verdict::Inconclusive, (1.9, 2.7)),
+            "at 95 % confidence it is at least 1.9 s, at 95 % it is at most 2.7 s, both at 90 %"
+        );
+        assert_eq!(
+            said(Verdict::Inconclusive, (1.9, f64::INFINITY)),
+            "at 95 % confidence it is at least 1.9 s"
+        );
+        let approximate =
+            Finding { approximate: true, ..finding(Measure::Value, Verdict::Failed, Some((2.1, 2.7))) };
+        assert_eq!(bounds(&approximate).unwrap(), "about 95 % confidence it is at least 2.1 s");
+    }
+
+    #[test]
+    fn a_number_says_of_how_many_runs_it_is() {
+        let value = finding(Measure::Value, Verdict::Failed, None);
+        assert_eq!(
+            title(&value),
+            "`mean(time_lost) <= 2 s with 95 % confidence` failed: 2.41 s over 356 of 400 runs"
+        );
+        let all = Finding { holding: 400, undefined: 0, cut_off: 0, ..value };
+        assert!(title(&all).ends_with("2.41 s over 400 runs"), "{}", title(&all));
+    }
+}

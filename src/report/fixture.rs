@@ -245,7 +245,7 @@ impl Session {
                 ending: Ending { reason: StopReason::Completed, time: 20.0 },
                 metrics: self.requests.iter().map(value).collect(),
                 critical: self.requests.iter().map(|_| Some(critical(run))).collect(),
-                presences: vec![("walker".into(), Presence { appeared: true, entered: true })],
+                presences: vec![("walker".into(), Presence { appeared: true, entered: true, met: true })],
                 cut_off: Default::default(),
                 fingerprint: 0x0123_4567_89ab_cdef,
                 wall_time: Duration::from_millis(3),

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::columns::columns;
-use super::experiment::{digits, number, short};
+use super::experiment::{WITHOUT_VALUE, digits, number, short};
 use crate::experiment::{Found, SearchResult};
 use crate::judge::statistics::quantile;
 use crate::scenario::Goal;
@@ -32,6 +32,12 @@ pub fn render_search(result: &SearchResult) -> String {
         )
         .expect(STRING);
         text += &people(&worst);
+    }
+    let evaluations = || result.found.iter().flat_map(|found| &found.evaluations);
+    let unknown = evaluations().filter(|(_, value)| value.is_none()).count();
+    if unknown > 0 {
+        let all = evaluations().count();
+        writeln!(text, "{unknown} of {all} evaluations have no value: {WITHOUT_VALUE}").expect(STRING);
     }
     writeln!(text, "{} of {} kept", result.kept.cases.len(), result.found.len()).expect(STRING);
     text
@@ -149,7 +155,9 @@ mod tests {
     #[test]
     fn few_people_each_have_a_line() {
         let text = render_search(&over(20));
-        assert_eq!(text.lines().count(), 1 + 1 + 20 + 1, "{text}");
+        // One evaluation of each has no value, which is a line of its own.
+        assert_eq!(text.lines().count(), 1 + 1 + 20 + 1 + 1, "{text}");
+        assert!(text.contains("20 of 60 evaluations have no value: "), "{text}");
     }
 
     #[test]

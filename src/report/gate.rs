@@ -476,6 +476,15 @@ mod tests {
     }
 
     #[test]
+    fn what_no_run_changed_is_the_same_and_not_held() {
+        let verdict = compared(&gate(), 0.0);
+        assert!(verdict.checks.iter().all(|check| check.outcome == CheckOutcome::Same));
+        let said = &context(&verdict)[0];
+        let all = verdict.checks.len();
+        assert!(said.contains(&format!("0 regressed, 0 held, {all} the same, 0 not shown")), "{said}");
+    }
+
+    #[test]
     fn where_a_rule_sees_nothing_is_said() {
         let mut verdict = compared(&gate(), 0.0);
         let (rule, scenario) = (verdict.rules[0].clone(), "late_person".to_string());

@@ -11,8 +11,8 @@ use super::gate_markdown::gate_markdown;
 use super::groups::groups;
 use super::replay::{block_command, replay_command};
 use super::wording::{
-    closest_calls, interruption, nearest_run, observed, stopping, trial_warnings, untested, verdict_mark,
-    verdict_word,
+    closest_calls, interruption, judged_words, nearest_run, nothing_claimed, observed, stopping,
+    trial_warnings, untested, verdict_mark, verdict_word,
 };
 use super::{
     BlockReport, BlockState, CutBy, GateReport, GateState, NotJudged, RecordedReport, Repository, Standing,
@@ -89,6 +89,10 @@ pub fn annotations(reports: &[SuiteReport], repository: &Repository) -> String {
         }
     }
     for trial in reports.iter().flat_map(|report| &report.trials).filter(|trial| !trial.skipped()) {
+        if let Some(said) = nothing_claimed(trial) {
+            let title = "not judged".to_string();
+            add("warning", trial.trial.origin.clone(), title, format!("{}: {said}", trial.trial.key));
+        }
         for said in departures(trial.trial) {
             let title = "another model than was published".to_string();
             add("warning", trial.trial.origin.clone(), title, format!("{}: {said}", trial.trial.key));
@@ -205,6 +209,7 @@ fn suite_summary(text: &mut String, report: &SuiteReport, requests: &Requests) {
         (count(Standing::Judged(Verdict::Passed)), "✅ passed"),
         (count(Standing::Judged(Verdict::Failed)), "❌ failed"),
         (count(Standing::Judged(Verdict::Inconclusive)), "❔ inconclusive"),
+        (count(Standing::NotJudged), "– not judged"),
         (count(Standing::Errored), "💥 could not run"),
         (
             count(Standing::NotFinished(CutBy::Interrupted)) + count(Standing::NotFinished(CutBy::TimeLimit)),
@@ -249,7 +254,9 @@ fn suite_summary(text: &mut String, report: &SuiteReport, requests: &Requests) {
             let mut mark = match trial.verdict() {
                 None if matches!(trial.state, TrialState::NotFinished(_)) => "⏹ not finished".to_string(),
                 None => "💥 error".to_string(),
-                Some(verdict) => format!("{} {}", verdict_mark(verdict), verdict_word(verdict)),
+                Some(_) => {
+                    judged_words(trial).map_or_else(String::new, |(word, mark)| format!("{mark} {word}"))
+                }
             };
             if let Some(stopped) = trial.stopping() {
                 mark += &format!("<br><sub>{}</sub>", markdown(&stopping(stopped)));
@@ -327,6 +334,7 @@ fn recorded_summary(text: &mut String, report: &SuiteReport) {
     for one in &report.recorded {
         let mark = match one.standing() {
             Standing::Judged(verdict) => verdict_mark(verdict),
+            Standing::NotJudged => "–",
             Standing::Errored => "💥",
             Standing::NotFinished(_) => "⏹",
             Standing::Skipped => "–",

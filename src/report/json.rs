@@ -155,6 +155,9 @@ fn trial_object<'v>(report: &'v TrialReport, requests: &'v Requests) -> Object<'
         TrialState::Judged(judged) => {
             fields.insert("verdict".into(), plain(&judged.verdict));
             fields.insert("findings".into(), plain(&judged.findings));
+            if judged.claims_nothing() {
+                fields.insert("judged".into(), false.into());
+            }
             objects.extend(judged.horizon.as_ref().map(|horizon| ("horizon", horizon_object(horizon))));
             if let Some(stopping) = &judged.stopping {
                 fields.insert("stopping".into(), plain(stopping));

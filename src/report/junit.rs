@@ -13,7 +13,7 @@ use super::experiment::render_block;
 use super::failure::{render_block_failure, render_failure};
 use super::gate::{blindness as gate_blindness, render_gate_report};
 use super::replay::{block_command, replay_command};
-use super::wording::{in_words, interruption, stopping, trial_warnings};
+use super::wording::{in_words, interruption, nothing_claimed, stopping, trial_warnings};
 use super::{
     BlockReport, BlockState, Cut, CutBy, GateReport, GateState, NotJudged, RecordedReport, Repository,
     SuiteReport, TrialReport, TrialState,
@@ -121,6 +121,7 @@ impl Item<'_> {
     fn kind(&self) -> Kind {
         match self {
             Self::Recorded(recorded) => kind_of(&recorded.trial_state()),
+            Self::Trial(trial) if trial.claims_nothing() => Kind::Skipped,
             Self::Trial(trial) => kind_of(&trial.state),
             Self::Block(block) => match &block.state {
                 BlockState::Skipped(_) => Kind::Skipped,
@@ -193,7 +194,13 @@ fn not_finished(cut: &Cut) -> Problem {
 }
 
 fn trial_case(report: &SuiteReport, trial: &TrialReport, requests: &Requests) -> Case {
-    let mut case = Case::new(&trial.trial.key, problem(report, &trial.state));
+    let problem = if trial.claims_nothing() {
+        let reason = nothing_claimed(trial);
+        Some(Problem::skipped(reason.as_deref().unwrap_or("not judged: its scenario has no criterion")))
+    } else {
+        problem(report, &trial.state)
+    };
+    let mut case = Case::new(&trial.trial.key, problem);
     case.property("seed", &report.identity.seed.to_string());
     case.property("runs", &trial.outcomes.len().to_string());
     if let Some(stopped) = trial.stopping() {

@@ -325,9 +325,15 @@ impl TrialReport<'_> {
         }
     }
 
+    /// Whether it was run, but no criterion applied to it: it passed nothing.
+    pub fn claims_nothing(&self) -> bool {
+        matches!(&self.state, TrialState::Judged(judged) if judged.claims_nothing())
+    }
+
     pub fn standing(&self) -> Standing {
         match &self.state {
             TrialState::NotFinished(cut) => Standing::NotFinished(cut.by()),
+            TrialState::Judged(judged) if judged.claims_nothing() => Standing::NotJudged,
             _ => Standing::of(self.skipped(), self.verdict()),
         }
     }

@@ -12,7 +12,7 @@ pub struct Row<'r> {
     /// The trial's key, or that of a run that failed before and was run again.
     pub trial: &'r str,
     pub variation: &'r [Assignment],
-    /// Of the trial; `None` where it could not be judged.
+    /// Of the trial; `None` where it could not be judged, or nothing is claimed of it.
     pub verdict: Option<Verdict>,
     pub what: What<'r>,
 }
@@ -75,5 +75,6 @@ const NOT_RUN: &str = "not run";
 fn of_trial<'r>(suite: &'r str, report: &'r TrialReport, what: What<'r>) -> Row<'r> {
     let trial = report.trial;
     let variation = trial.cases.first().map_or(&[][..], |case| &case.variation);
-    Row { suite, scenario: &trial.scenario, trial: &trial.key, variation, verdict: report.verdict(), what }
+    let verdict = report.verdict().filter(|_| !report.claims_nothing());
+    Row { suite, scenario: &trial.scenario, trial: &trial.key, variation, verdict, what }
 }

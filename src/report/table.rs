@@ -4,7 +4,7 @@ use anstyle::{AnsiColor, Style};
 
 use super::digest::Digest;
 use super::figures::{scenarios, short_name};
-use super::wording::{closest_calls, verdict_mark, verdict_word};
+use super::wording::{closest_calls, judged_words};
 use super::{SuiteReport, TrialReport, TrialState};
 use crate::escape::{terminal, terminal_line};
 use crate::judge::Verdict;
@@ -95,9 +95,19 @@ fn table(title: &str, trials: &[&TrialReport], requests: &Requests, colour: bool
         text.push('\n');
     }
     if crowded {
-        let passed = ran.iter().filter(|trial| trial.verdict() == Some(Verdict::Passed)).count();
-        let hidden = ran.len() - passed - rows.len();
-        let mut note = format!("  {passed} of {} trials passed and are not shown", ran.len());
+        let unjudged = ran.iter().filter(|trial| trial.claims_nothing()).count();
+        let passed = ran.iter().filter(|trial| trial.verdict() == Some(Verdict::Passed)).count() - unjudged;
+        let hidden = ran.len() - passed - unjudged - rows.len();
+        let mut note = match (passed, unjudged) {
+            (passed, 0) => format!("  {passed} of {} trials passed and are not shown", ran.len()),
+            (0, unjudged) => {
+                format!("  {unjudged} of {} trials were not judged and are not shown", ran.len())
+            }
+            _ => format!(
+                "  {passed} of {} trials passed, {unjudged} were not judged, and these are not shown",
+                ran.len()
+            ),
+        };
         if hidden > 0 {
             note += &format!(", nor are {hidden} that did not pass");
         }
@@ -125,9 +135,11 @@ impl Cell {
 fn row(trial: &TrialReport, columns: &[Column], requests: &Requests) -> Vec<Cell> {
     let name = short_name(trial);
     let name = if name.is_empty() { trial.trial.scenario.clone() } else { name };
-    let verdict = trial.verdict();
-    let (mark, style) = match verdict {
-        Some(verdict) => (format!("{} {}", verdict_mark(verdict), verdict_word(verdict)), style(verdict)),
+    let (mark, style) = match judged_words(trial).zip(trial.verdict()) {
+        Some(((word, mark), _)) if trial.claims_nothing() => {
+            (format!("{mark} {word}"), style(Verdict::Inconclusive))
+        }
+        Some(((word, mark), verdict)) => (format!("{mark} {word}"), style(verdict)),
         None if matches!(trial.state, TrialState::NotFinished(_)) => {
             ("■ not finished".into(), style(Verdict::Failed))
         }

@@ -36,13 +36,14 @@ pub fn write_tap(reports: &[SuiteReport], out: &mut dyn io::Write) -> io::Result
         for recorded in &report.recorded {
             let (state, time) = (&recorded.trial_state(), recorded.wall_time);
             let warnings = warnings(state);
-            let point = Point { key: &recorded.key, state, runs: 1, time, warnings };
+            let point = Point { key: &recorded.key, state, runs: 1, time, warnings, unjudged: false };
             points.put(|text, number| point.write(text, number, report))?;
         }
         for trial in &report.trials {
             let (runs, time) = (trial.outcomes.len(), trial.wall_time);
             let (key, warnings) = (&trial.trial.key, trial_warnings(trial));
-            let point = Point { key, state: &trial.state, runs, time, warnings };
+            let (state, unjudged) = (&trial.state, trial.claims_nothing());
+            let point = Point { key, state, runs, time, warnings, unjudged };
             points.put(|text, number| point.write(text, number, report))?;
         }
         for block in &report.blocks {
@@ -82,6 +83,8 @@ struct Point<'p> {
     runs: usize,
     time: Duration,
     warnings: Vec<String>,
+    /// Whether no criterion applies to it.
+    unjudged: bool,
 }
 
 impl Point<'_> {
@@ -102,7 +105,8 @@ impl Point<'_> {
             _ => verdict.map_or("error", verdict_word),
         };
         let passed = verdict == Some(Verdict::Passed);
-        line(text, &format!("{} {number} - {name}", if passed { "ok" } else { "not ok" }));
+        let directive = if self.unjudged { " # SKIP not judged: no criterion applies" } else { "" };
+        line(text, &format!("{} {number} - {name}{directive}", if passed { "ok" } else { "not ok" }));
         line(text, "  ---");
         if !passed {
             field(text, "severity", severity);

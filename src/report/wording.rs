@@ -219,10 +219,35 @@ pub fn stopping(stopping: &Stopping) -> String {
 /// than were published.
 pub fn trial_warnings(trial: &TrialReport) -> Vec<String> {
     let mut said = warnings(&trial.state);
+    said.extend(nothing_claimed(trial));
     if !trial.skipped() {
         said.extend(departures(trial.trial));
     }
     said
+}
+
+/// That a trial was run for nothing, though its scenario has criteria; one without any is measured by something else.
+pub fn nothing_claimed(trial: &TrialReport) -> Option<String> {
+    let asked = trial.claims_nothing() && trial.trial.declared > 0;
+    let criteria = match trial.trial.declared {
+        1 => "the criterion of its scenario does not apply".to_string(),
+        several => format!("none of the {several} criteria of its scenario applies"),
+    };
+    asked.then(|| format!("not judged: {criteria}, so nothing is claimed of its {}", runs_of(trial)))
+}
+
+fn runs_of(trial: &TrialReport) -> String {
+    match trial.outcomes.len() {
+        1 => "run".to_string(),
+        runs => format!("{runs} runs"),
+    }
+}
+
+/// Word and mark of a trial that was judged, or to which no criterion applied.
+pub fn judged_words(trial: &TrialReport) -> Option<(&'static str, &'static str)> {
+    let verdict = trial.verdict()?;
+    let said = (verdict_word(verdict), verdict_mark(verdict));
+    Some(if trial.claims_nothing() { ("not judged", "–") } else { said })
 }
 
 /// The criteria of a trial that passed without being put to the test, or whose confidence rests on equal runs, to be warned of:
@@ -231,6 +256,7 @@ pub fn untested(findings: &[Finding]) -> Vec<String> {
     let reasons = [
         (Vacuity::NobodyAppeared, "no pedestrian appeared"),
         (Vacuity::NobodyEntered, "no pedestrian came into a vehicle's lane"),
+        (Vacuity::NobodyMet, "no pedestrian was in a vehicle's lane within 5 s of it"),
         (Vacuity::CutOff, ""),
     ];
     let said = reasons.iter().filter_map(|(reason, what)| {
@@ -344,7 +370,7 @@ pub fn interruption(report: &SuiteReport) -> String {
     let not_run = not_run.chain(report.blocks.iter().filter_map(BlockReport::skip));
     let not_run = not_run.chain(report.recorded.iter().filter_map(RecordedReport::skip));
     let not_run = not_run.filter(|skip| matches!(skip, Skip::Stopped(_) | Skip::Needs { .. })).count();
-    let finished = count(&|one| matches!(one, Standing::Judged(_) | Standing::Errored));
+    let finished = count(&|one| matches!(one, Standing::NotJudged | Standing::Judged(_) | Standing::Errored));
     format!("interrupted: {finished} finished, {not_finished} not finished, {not_run} not run")
 }
 

@@ -177,6 +177,7 @@ mod tests {
             cases: (1..=runs).map(case).collect(),
             rounds: None,
             criteria: Vec::new(),
+            declared: 0,
             origin: Origin::default(),
         }
     }

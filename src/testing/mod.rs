@@ -198,7 +198,7 @@ impl Session {
     fn judge(&self, index: usize) -> Result<(), Failed> {
         let report = &self.done(index).report;
         match report.standing() {
-            Standing::Judged(Verdict::Passed) => Ok(()),
+            Standing::NotJudged | Standing::Judged(Verdict::Passed) => Ok(()),
             Standing::Skipped => Err(report.skip().map(Skip::to_string).unwrap_or_default().into()),
             Standing::Judged(_) | Standing::NotFinished(_) | Standing::Errored => {
                 let suite = self.workshop.identity(self.units[index].suite);

@@ -159,7 +159,7 @@ impl LastRun {
                 match standing {
                     // Nothing new is known of them.
                     Standing::Skipped | Standing::NotFinished(CutBy::Interrupted) => {}
-                    Standing::Judged(Verdict::Passed) => {
+                    Standing::NotJudged | Standing::Judged(Verdict::Passed) => {
                         self.failed.remove(key);
                     }
                     Standing::Judged(_) | Standing::NotFinished(CutBy::TimeLimit) | Standing::Errored => {

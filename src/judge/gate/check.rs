@@ -5,9 +5,11 @@ use serde::Serialize;
 use super::measure::{Differences, TrialChange, difference, differences, sign, worse_by, worst_trial};
 use super::power::{self, Power};
 use super::questions::{About, Place, Question, RunPair};
+use crate::judge::baseline::RecordedMetric;
 use crate::judge::statistics::{MeanChange, rate_change, rate_rise};
+use crate::metrics;
 use crate::plan::derive_seed;
-use crate::scenario::Tolerance;
+use crate::scenario::{MetricReference, Tolerance};
 
 /// One metric compared in one place.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -142,7 +144,7 @@ pub fn measure(question: &Question, family: usize, seed: u64) -> Check {
     } else {
         let level = check.level() / family.max(1) as f64;
         let seed = derive_seed(seed, &format!("{} {} {:?}", check.label, check.place, subject));
-        check.compare(&differences, level, seed);
+        check.compare(&differences, widest(question), level, seed);
     }
     if question.about == About::Existence(None) {
         (check.p_value, check.power) = (None, Power::None);
@@ -168,7 +170,7 @@ impl Check {
     }
 
     /// Interval, p-value and power where chance plays a part; `level` is the smallest p-value that matters.
-    fn compare(&mut self, differences: &Differences, level: f64, seed: u64) {
+    fn compare(&mut self, differences: &Differences, widest: Option<f64>, level: f64, seed: u64) {
         let worse = match differences.one_sided {
             Some((only_base, only_candidate)) => {
                 let pairs = differences.worse.len() as u64;
@@ -178,7 +180,7 @@ impl Check {
             }
             None => {
                 let change = MeanChange::new(differences.worse.clone(), seed);
-                let change = change.expect("a question has a pair to compare");
+                let change = change.expect("a question has a pair to compare").limited(widest);
                 let beyond = change.above(self.tolerance, level);
                 // What chance alone explains is no regression, whatever an approximate interval says.
                 self.p_value = Some(if beyond < 1.0 { beyond.max(change.exchange(level)) } else { 1.0 });
@@ -222,6 +224,16 @@ impl Check {
         let worst = if self.larger_is_worse { high } else { -low };
         !matches!(self.power, Power::Blind { .. }) && worst <= self.tolerance
     }
+}
+
+/// How far two runs can be apart in what is compared, where that does not depend on how long they last: a baseline does not
+/// say that.
+fn widest(question: &Question) -> Option<f64> {
+    let About::Mean(_) = question.about else { return Some(1.0) };
+    let RecordedMetric { name, settings, .. } = question.metric;
+    let reference = MetricReference { name: name.clone(), settings: settings.clone(), pair: None };
+    let (low, high) = metrics::limits(&reference, f64::INFINITY)?;
+    Some(high - low).filter(|widest| widest.is_finite())
 }
 
 /// Pairs that count.

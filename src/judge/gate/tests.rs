@@ -108,7 +108,12 @@ fn what_did_not_change_holds() {
 fn a_shift_counts_in_the_direction_that_is_worse() {
     let metrics = ["pet", "time_lost"];
     let trials = [trial("walk/tta=6s", 40)];
-    let shifted = |shift: f64| baseline(&metrics, &trials, move |_, _, run| Some(around(run, 1) + shift));
+    // By about as much in every run.
+    let shifted = |shift: f64| {
+        baseline(&metrics, &trials, move |_, _, run| {
+            Some(around(run, 1) + shift * (1.0 + 0.1 * (around(run, 2) - 3.0)))
+        })
+    };
     let base = shifted(0.0);
     // Half a second less: worse for the post-encroachment time, better for the time lost.
     let verdict = judge(&five_percent(), &base, &shifted(-0.5));
@@ -398,4 +403,63 @@ fn another_population_is_refused_whatever_the_seed() {
     assert!(pair(&old, &of(1, &[("people.csv", "a")]), false).is_ok());
     let reasons = pair(&old, &of(2, &[("people.csv", "a")]), false).unwrap_err();
     assert_eq!(reasons, [Incompatible::PopulationsUnknown]);
+}
+
+/// What everybody does is alike, so that only people count: with runs as units, no change at all looks like one too often.
+#[test]
+fn people_as_units_raise_no_more_false_alarms_than_stated() {
+    // Of a difference between two runs a fifth of the variance is the person's, who takes the same to every run.
+    const PEOPLE: usize = 10;
+    const RUNS: usize = 10;
+    let alarms = |experiments: u64, by_people: bool| {
+        let runs = |run: usize| match by_people {
+            true => format!("individual={}/rep={}", run / RUNS + 1, run % RUNS + 1),
+            false => format!("rep={}", run + 1),
+        };
+        let trials = [Trial {
+            key: "walk/tta=6s",
+            certain: false,
+            runs: (0..PEOPLE * RUNS).map(runs).collect(),
+            people: "these",
+        }];
+        let rules = [blanket_rule(0.0, 0.95)];
+        let base = baseline(&["time_lost"], &trials, |_, _, run| Some(around(run, 1)));
+        let failed = |experiment: &u64| {
+            let mut stream = Stream::seeded(20_261_122 + experiment);
+            let people: Vec<f64> = (0..PEOPLE).map(|_| stream.normal()).collect();
+            let own: Vec<f64> = (0..PEOPLE * RUNS).map(|_| stream.normal()).collect();
+            let change = |run: usize| libm::sqrt(0.2) * people[run / RUNS] + libm::sqrt(0.8) * own[run];
+            let candidate = baseline(&["time_lost"], &trials, |_, _, run| Some(around(run, 1) + change(run)));
+            judge(&rules, &base, &candidate).verdict == Verdict::Failed
+        };
+        (0..experiments).filter(failed).count() as f64 / experiments as f64
+    };
+    // Half of 5 %, and three standard errors of 400 experiments.
+    let people = alarms(400, true);
+    assert!(people <= 0.025 + 0.0235, "{people}");
+    // Were they taken for a hundred independent runs, there would be four times as many.
+    let runs = alarms(200, false);
+    assert!(runs > 0.0625, "{runs}");
+}
+
+#[test]
+fn a_change_that_is_the_same_in_every_run_is_not_known_to_be_the_whole() {
+    let trials = [trial("walk/tta=6s", 40)];
+    let shifted = |shift: f64| {
+        baseline(&["min_ttc", "drac"], &trials, move |_, _, run| Some(3.0 + shift + (run % 7) as f64))
+    };
+    let rules = [named("min_ttc", Tolerance::Absolute(0.5)), named("drac", Tolerance::Absolute(5.0))];
+    // Less than is tolerated in all forty: nothing says what the next run does, unless limits do.
+    let verdict = judge(&rules, &shifted(0.0), &shifted(-0.25));
+    let ttc = outcome(&verdict, "min_ttc", Subject::Mean);
+    assert_eq!(
+        (ttc.outcome, ttc.interval),
+        (CheckOutcome::NotShown, Some((f64::NEG_INFINITY, f64::INFINITY)))
+    );
+    let drac = outcome(&verdict, "drac", Subject::Mean);
+    let (low, high) = drac.interval.unwrap();
+    assert!(drac.outcome == CheckOutcome::Held && low < -1.0 && high > 0.5 && high < 5.0, "{drac:?}");
+    // More than is tolerated in all forty is no chance.
+    let verdict = judge(&rules, &shifted(0.0), &shifted(-0.75));
+    assert_eq!(outcome(&verdict, "min_ttc", Subject::Mean).outcome, CheckOutcome::Regressed);
 }

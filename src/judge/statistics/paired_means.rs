@@ -2,9 +2,11 @@
 //!
 //! Two questions with two answers. *Did anything change?* is answered exactly, whatever the metric's distribution, by
 //! exchanging base and candidate within pairs. *By how much?* is answered by resampling, studentised, with Student's
-//! interval as the least width.
+//! interval as the least width. Of differences that are all equal resampling knows no others: how far the mean is from them
+//! is then bounded by the limits of the metric or not at all, and that it is beyond a margin shown by exchanging alone.
 
 use super::Interval;
+use super::betting::{Unit, mean_of_bounded};
 use super::bootstrap::Estimate;
 use super::distributions::student_above;
 use crate::sim::random::Stream;
@@ -20,6 +22,8 @@ pub struct MeanChange {
     estimate: Estimate,
     /// Studentised deviations of the first resamples, sorted; empty where all differences are equal.
     deviations: Vec<f64>,
+    /// How far two values can be apart at most, if anything limits that.
+    widest: Option<f64>,
     seed: u64,
 }
 
@@ -33,7 +37,12 @@ impl MeanChange {
         };
         let varies = estimate.error > 0.0 && estimate.error.is_finite();
         let deviations = if varies { estimate.resampled(&differences, seed) } else { Vec::new() };
-        Some(Self { differences, estimate, deviations, seed })
+        Some(Self { differences, estimate, deviations, widest: None, seed })
+    }
+
+    /// Where no difference can be larger than `widest`, if there is such a limit.
+    pub fn limited(self, widest: Option<f64>) -> Self {
+        Self { widest, ..self }
     }
 
     pub fn pairs(&self) -> usize {
@@ -51,30 +60,37 @@ impl MeanChange {
     }
 
     /// Where the mean difference of all pairs there could be lies, at two-sided `confidence`: at each end the farther
-    /// of bootstrap-t's and Student's. Of differences that are all equal an interval of no width: resampling knows of
-    /// no others. Ends are infinite where nothing bounds them.
+    /// of bootstrap-t's and Student's. Of differences that are all equal, and not 0, what follows from how far two values
+    /// can be apart. Ends are infinite where nothing bounds them.
     pub fn interval(&self, confidence: f64) -> Interval {
         let Estimate { value, error } = self.estimate;
-        if error == 0.0 {
+        let anything = Interval { low: f64::NEG_INFINITY, high: f64::INFINITY };
+        if error == 0.0 && value == 0.0 {
             return Interval { low: value, high: value };
         }
+        if error == 0.0 {
+            let units: Vec<Unit> = self.differences.iter().map(|one| Unit::of_run(Some(*one))).collect();
+            let each = 0.5 * (1.0 + confidence);
+            let bounded = self.widest.and_then(|widest| mean_of_bounded(&units, (-widest, widest), each));
+            return bounded.unwrap_or(anything);
+        }
         if self.deviations.is_empty() {
-            return Interval { low: f64::NEG_INFINITY, high: f64::INFINITY };
+            return anything;
         }
         self.estimate.interval(&self.deviations, self.pairs(), confidence)
     }
 
     /// The p-value of "the mean difference is at most `bound`". `smallest` is the smallest one that matters.
     ///
-    /// From resampling, so approximate; where all differences are equal and above the bound it is 0, which says no more
-    /// than [`Self::exchange`].
+    /// From resampling, so approximate. Where all differences are equal and above the bound it is that of exchanging base and
+    /// candidate around the bound, which is exact if no side of it is the likelier one.
     pub fn above(&self, bound: f64, smallest: f64) -> f64 {
         let Estimate { value, error } = self.estimate;
         if value <= bound {
             return 1.0;
         }
         if error == 0.0 {
-            return 0.0;
+            return libm::pow(0.5, self.differences.len() as f64);
         }
         if self.deviations.is_empty() {
             return 1.0;
@@ -207,8 +223,16 @@ mod tests {
         assert_eq!((one.above(0.0, 0.01), one.exchange(0.01)), (1.0, 0.5));
         assert_eq!(one.interval(0.95), Interval { low: f64::NEG_INFINITY, high: f64::INFINITY });
         let equal = change(&[0.25; 5]);
-        assert_eq!(equal.interval(0.95), Interval { low: 0.25, high: 0.25 });
-        assert_eq!((equal.above(0.2, 0.01), equal.above(0.25, 0.01)), (0.0, 1.0));
+        assert_eq!(equal.interval(0.95), Interval { low: f64::NEG_INFINITY, high: f64::INFINITY });
+        // Exchanged around 0.2, one of 32 ways gives as much.
+        assert_eq!((equal.above(0.2, 0.01), equal.above(0.25, 0.01)), (1.0 / 32.0, 1.0));
+        // Limits bound what was not seen, the better the more pairs there are.
+        let limited = |count| change(&vec![0.25; count]).limited(Some(1.0)).interval(0.95);
+        let (few, many) = (limited(5), limited(500));
+        assert!(few.low < 0.0 && few.high > 0.5 && few.low >= -1.0 && few.high <= 1.0, "{few:?}");
+        assert!(many.low > 0.2 && many.low < 0.25 && many.high > 0.25 && many.high < 0.3, "{many:?}");
+        // What never differs is another matter.
+        assert_eq!(change(&[0.0; 5]).interval(0.95), Interval { low: 0.0, high: 0.0 });
         // Two of forty differ: no upper end, since resamples may miss both.
         let mut few = vec![0.0; 38];
         few.extend([1.0, 2.0]);

@@ -66,6 +66,7 @@ fn trial(criteria: Vec<Criterion>, rounds: Option<Rounds>) -> Trial {
         tags: Vec::new(),
         cases: Vec::new(),
         rounds,
+        declared: criteria.len(),
         criteria,
         origin: Origin::default(),
     }

@@ -1,6 +1,7 @@
 //! `expect { … }`
 
 use super::Places;
+use super::confidence::refuse_confidence;
 use super::pedestrian::unknown_vehicle;
 use super::road::constants;
 use crate::lang::codes::Code;
@@ -260,40 +261,6 @@ fn aggregate_claim(
             None => None,
         },
     })
-}
-
-/// Of some aggregates no sample ever shows anything with confidence.
-fn refuse_confidence(
-    confidence: Node,
-    aggregate: &Aggregate,
-    relation: Relation,
-    report: &mut Vec<Diagnostic>,
-) -> Option<()> {
-    let (message, hint) = match (aggregate, relation) {
-        (Aggregate::Count(_), _) => (
-            "a count is of the runs that were done, without confidence",
-            "say something of all runs there could be: `rate(…)`",
-        ),
-        (Aggregate::Min(_), _) => (
-            "runs do not tell how small a metric can get, at no confidence",
-            "bound a small quantile instead: `quantile(5 %, …)`",
-        ),
-        (Aggregate::Max(_), _) => (
-            "runs do not tell how large a metric can get, at no confidence",
-            "bound a large quantile instead: `quantile(95 %, …)`",
-        ),
-        (_, Relation::Equal | Relation::NotEqual) => (
-            "no number of runs shows with confidence that something is exactly so large",
-            "compare by `<=` or `>=`",
-        ),
-        _ => return Some(()),
-    };
-    report.push(
-        Diagnostic::new(Code::BadModifier, confidence.span(), message)
-            .label("has no meaning here")
-            .hint(hint),
-    );
-    None
 }
 
 /// The aggregate below a node, with the dimension and range of what it can be compared to.

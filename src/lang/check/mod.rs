@@ -3,6 +3,7 @@
 mod block;
 mod book;
 mod claim;
+mod confidence;
 mod criterion;
 mod evaluate;
 mod experiment;

@@ -83,21 +83,19 @@ fn refuse_all_people(criteria: &[(Span, Criterion)], report: &mut Vec<Diagnostic
     }
 }
 
-/// Of spreads, and of means of metrics without limits, no bound is known that stays true however often one looks.
+/// Of means of metrics without limits no bound is known that stays true however often one looks.
 fn refuse_means(criteria: &[(Span, Criterion)], report: &mut Vec<Diagnostic>) {
     for (span, criterion) in criteria {
         let Claim::Aggregate { aggregate, confidence: Some(_), .. } = &criterion.claim else { continue };
-        let what = match aggregate {
-            Aggregate::Mean(metric) if metrics::limits(metric, 1.0).is_some() => continue,
-            Aggregate::Mean(_) => "a mean of a metric without limits",
-            Aggregate::Std(_) => "a spread",
-            _ => continue,
-        };
+        let Aggregate::Mean(metric) = aggregate else { continue };
+        if metrics::limits(metric, 1.0).is_some() {
+            continue;
+        }
         report.push(
             Diagnostic::new(
                 Code::NotSequential,
                 *span,
-                format!("the confidence in {what} needs a number of runs that is fixed beforehand"),
+                "the confidence in a mean of a metric without limits needs a number of runs that is fixed beforehand",
             )
             .label("cannot be decided while runs are added")
             .hint("say `repeat` instead of `runs`, or bound a `median(…)`, `quantile(…)` or share"),

@@ -10,6 +10,7 @@ use crate::judge::statistics::{Interval, mean, mean_interval, wilson};
 use crate::metrics::{MetricKind, metric, unit_of};
 use crate::report::SuiteReport;
 use crate::report::chart::{Dot, First, Rows, Rule, Strip, Strips, first_legend};
+use crate::report::evaluation::without_value;
 use crate::report::format::in_unit;
 use crate::report::wording::comparison_rule;
 use crate::scenario::{Aggregate, CaseSet, Comparison, Evaluate, Measure, MetricReference, ParameterSet};
@@ -92,7 +93,9 @@ fn sentences(result: &EvaluateResult) -> Vec<String> {
         1 => "each run once under a fresh seed".to_string(),
         runs => format!("each run {runs} times under fresh seeds"),
     };
-    vec![format!("{cases}, {runs}, the same under every condition.")]
+    let mut sentences = vec![format!("{cases}, {runs}, the same under every condition.")];
+    sentences.extend(without_value(result).into_iter().map(|said| format!("{said}.")));
+    sentences
 }
 
 /// What makes up the rows of the table.

@@ -17,8 +17,8 @@ use crate::report::figures::{figures, scenarios, short_name};
 use crate::report::groups::{Group, groups_of};
 use crate::report::replay::replay_command;
 use crate::report::wording::{
-    bound, interval, margin, missing, nearest_run, observed, stopping, trial_warnings, verdict_mark,
-    verdict_word,
+    bound, interval, judged_words, margin, missing, nearest_run, observed, stopping, trial_warnings,
+    verdict_mark, verdict_word,
 };
 use crate::report::{
     BlockReport, BlockState, GateReport, GateState, Recording, Skip, SuiteReport, TrialReport, TrialState,
@@ -63,6 +63,8 @@ struct Counts {
     inconclusive: usize,
     errors: usize,
     not_finished: usize,
+    /// Trials to which no criterion applied.
+    not_judged: usize,
     skipped: usize,
     runs: usize,
 }
@@ -238,6 +240,7 @@ impl Counts {
         *match (&trial.state, trial.verdict()) {
             (TrialState::Skipped(_), _) => &mut self.skipped,
             (TrialState::NotFinished(_), _) => &mut self.not_finished,
+            _ if trial.claims_nothing() => &mut self.not_judged,
             (_, Some(Verdict::Passed)) => &mut self.passed,
             (_, Some(Verdict::Failed)) => &mut self.failed,
             (_, Some(Verdict::Inconclusive)) => &mut self.inconclusive,
@@ -390,8 +393,8 @@ fn trial(
     animated: &[String],
 ) -> Trial {
     let findings = trial.findings();
-    let (state, mark) = match (&trial.state, trial.verdict()) {
-        (_, Some(verdict)) => (verdict_word(verdict), verdict_mark(verdict)),
+    let (state, mark) = match (&trial.state, judged_words(trial)) {
+        (_, Some(said)) => said,
         (TrialState::NotFinished(_), None) => ("not finished", "■"),
         (_, None) => ("error", "!"),
     };

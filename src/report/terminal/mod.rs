@@ -154,7 +154,7 @@ impl Terminal {
                 self.say(&status::line("WARN", status::DOUBTFUL, None, &said, self.colour));
             }
         }
-        if !matches!(standing, Standing::Skipped | Standing::Judged(Verdict::Passed)) {
+        if !matches!(standing, Standing::Skipped | Standing::NotJudged | Standing::Judged(Verdict::Passed)) {
             let text = explain(suite, report, self.colour);
             // Of what somebody interrupted the line says all there is.
             let silent = standing == Standing::NotFinished(CutBy::Interrupted);

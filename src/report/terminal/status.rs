@@ -36,7 +36,7 @@ pub fn level(standing: Standing, skip: Option<&Skip>) -> StatusLevel {
         Standing::Skipped if matches!(skip, Some(Skip::Needs { .. })) => StatusLevel::Fail,
         Standing::Skipped if matches!(skip, Some(Skip::Stale(_))) => StatusLevel::Pass,
         Standing::Skipped => StatusLevel::Skip,
-        Standing::Judged(Verdict::Passed) => StatusLevel::Pass,
+        Standing::NotJudged | Standing::Judged(Verdict::Passed) => StatusLevel::Pass,
         Standing::Judged(_) | Standing::NotFinished(_) | Standing::Errored => StatusLevel::Fail,
     }
 }
@@ -44,6 +44,7 @@ pub fn level(standing: Standing, skip: Option<&Skip>) -> StatusLevel {
 pub fn unit_line(standing: Standing, took: Duration, said: &str, colour: bool) -> String {
     let (verb, style) = match standing {
         Standing::Skipped => ("SKIP", DOUBTFUL),
+        Standing::NotJudged => ("NOT JUDGED", DOUBTFUL),
         Standing::Judged(Verdict::Passed) => ("PASS", GOOD),
         Standing::Judged(Verdict::Inconclusive) => ("INCONCLUSIVE", DOUBTFUL),
         Standing::Judged(Verdict::Failed) => ("FAIL", BAD),

@@ -176,6 +176,8 @@ pub(super) fn starting(outline: &Outline) -> String {
 #[derive(Debug, Default)]
 struct Standings {
     passed: usize,
+    /// Trials to which no criterion applied.
+    not_judged: usize,
     failed: usize,
     inconclusive: usize,
     errored: usize,
@@ -222,6 +224,7 @@ impl Standings {
 
     fn add(&mut self, standing: Standing, skip: Option<&Skip>) {
         *match standing {
+            Standing::NotJudged => &mut self.not_judged,
             Standing::Judged(Verdict::Passed) => &mut self.passed,
             Standing::Judged(Verdict::Failed) => &mut self.failed,
             Standing::Judged(Verdict::Inconclusive) => &mut self.inconclusive,
@@ -250,6 +253,7 @@ impl Standings {
             (self.inconclusive, "inconclusive"),
             (self.errored, "could not be run"),
             (self.timed_out + self.interrupted, "not finished"),
+            (self.not_judged, "not judged"),
             (self.not_run, "not run"),
         ];
         let numbers = numbers.iter().filter(|(number, _)| *number > 0);
