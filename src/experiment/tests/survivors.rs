@@ -5,7 +5,7 @@ use std::time::Duration;
 use super::*;
 use crate::metrics::Open;
 use crate::report::{render_evaluate, render_search, render_tune};
-use crate::run::{CutOff, Outcome};
+use crate::run::{ByMetric, CutOff, Outcome};
 use crate::sim::{Ending, StopReason};
 
 /// One outcome a value; a pair is what a run was cut off between.
@@ -31,9 +31,9 @@ fn outcomes(laboratory: &Laboratory, came: &[Came]) -> Vec<Outcome> {
             individuals: Vec::new(),
             ending: Ending { reason: StopReason::Horizon, time: 60.0 },
             metrics: vec![value; count],
-            critical: Vec::new(),
+            critical: ByMetric::default(),
             presences: Vec::new(),
-            cut_off: CutOff { open: vec![open; count], ..CutOff::default() },
+            cut_off: Some(Box::new(CutOff { open: (0..count).map(|_| open).collect(), ..CutOff::default() })),
             fingerprint: 0,
             wall_time: Duration::ZERO,
         }
