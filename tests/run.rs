@@ -287,6 +287,13 @@ fn what_failed_is_kept_in_a_file_and_run_first_from_then_on() {
     let said = "the same run, bit for bit, as the one recorded in bad.failures";
     assert!(stdout(&replayed).contains(said), "{}", stdout(&replayed));
 
+    // Who takes the criteria out has mended nothing.
+    let text = fs::read_to_string(place.path("stands.scn")).unwrap();
+    place.write("stands.scn", &format!("{}}}\n", &text[..text.find("  expect {").unwrap()]));
+    let unclaimed = run(&["recorded="]);
+    assert!(stdout(&unclaimed).contains("no criterion applies to it any more"), "{}", stdout(&unclaimed));
+    assert!(!stdout(&unclaimed).contains("does not fail any more"), "{}", stdout(&unclaimed));
+
     // Once the cause is gone they are named, and taken out when that is wished.
     scenario("stop_for: 0 s", "pet >= 1 s");
     let fixed = run(&["recorded="]);

@@ -35,6 +35,8 @@ pub enum Stale {
     People { pedestrian: String, population: String },
     #[error("the scenario has changed: {0}")]
     Plan(#[from] PlanError),
+    #[error("no criterion applies to it any more, so that nothing says whether it fails")]
+    NothingClaimed,
 }
 
 /// The first eight bytes of SHA-256 over everything that decides a run: its world and its seed.
@@ -102,11 +104,12 @@ impl Recorded {
     /// What the suite demands of such a run.
     ///
     /// # Errors
-    /// If the scenario is gone or has changed too much.
+    /// If the scenario is gone or has changed too much, or demands nothing any more.
     pub fn criteria(&self, suite: &Suite) -> Result<Vec<Criterion>, Stale> {
         let found = suite.scenarios.iter().find(|scenario| scenario.name == self.scenario);
         let scenario = found.ok_or_else(|| Stale::Scenario(self.scenario.clone()))?;
-        Ok(plan::criteria(scenario, &plan::variables(&self.variation))?)
+        let criteria = plan::criteria(scenario, &plan::variables(&self.variation))?;
+        if criteria.is_empty() { Err(Stale::NothingClaimed) } else { Ok(criteria) }
     }
 
     fn other_people(&self, pedestrian: &str, population: &str) -> Stale {

@@ -308,9 +308,9 @@ impl Series<'_> {
     }
 }
 
-/// A measure over the outcomes. It claims nothing; runs without a value of a quantity count as that metric gets worse, so that
+/// A measure over the outcomes, as evaluations and statements see it. It claims nothing; runs without a value of a quantity count as that metric gets worse, so that
 /// no condition looks better by runs that come to nothing. Rates count runs as their comparison says.
-fn measured(measure: &Aggregate, outcomes: &[Outcome], requests: &Requests) -> Option<f64> {
+pub(super) fn measured(measure: &Aggregate, outcomes: &[Outcome], requests: &Requests) -> Option<f64> {
     match measure {
         Aggregate::Rate(_) | Aggregate::Count(_) => aggregate(measure, outcomes, requests),
         of_values => aggregate_against(of_values, side(of_values.metric()), outcomes, requests),

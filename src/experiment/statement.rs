@@ -2,8 +2,7 @@
 
 use serde::Serialize;
 
-use super::{ExperimentError, Laboratory, Results};
-use crate::judge::aggregate;
+use super::{ExperimentError, Laboratory, Results, evaluate};
 use crate::metrics::unit_of;
 use crate::plan::variables;
 use crate::run::Outcome;
@@ -281,7 +280,7 @@ impl Court<'_> {
 
     fn value(&self, measured: &Measured, runs: &Runs) -> Result<f64, String> {
         let outcomes: Vec<Outcome> = runs.iter().map(|(_, outcome)| (*outcome).clone()).collect();
-        aggregate(&measured.aggregate, &outcomes, &self.laboratory.requests).ok_or_else(|| {
+        evaluate::measured(&measured.aggregate, &outcomes, &self.laboratory.requests).ok_or_else(|| {
             let of = name_of(&measured.of);
             if runs.is_empty() {
                 return format!("no run of {of} is asked about");
