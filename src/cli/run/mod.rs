@@ -267,8 +267,19 @@ pub fn run(arguments: RunArguments) -> Exit {
     } else if !complaints.is_empty() {
         Exit::Output
     } else {
-        verdict(&reports)
+        let exit = verdict(&reports);
+        if exit == Exit::Inconclusive && !anything_judged(&reports) {
+            writeln!(stderr(), "warning: nothing was judged: no criterion applies to what was run");
+        }
+        exit
     }
+}
+
+/// Whether there is a verdict on anything, so that something can have passed.
+fn anything_judged(reports: &[SuiteReport]) -> bool {
+    let gates = reports.iter().flat_map(|report| &report.gates).map(GateReport::standing);
+    let units = reports.iter().flat_map(SuiteReport::standings);
+    units.chain(gates).any(|one| matches!(one, Standing::Judged(_)))
 }
 
 /// The worst that became of anything. What failed by itself goes before what got worse than it was.
@@ -285,7 +296,9 @@ fn verdict(reports: &[SuiteReport]) -> Exit {
     } else if reports.iter().flat_map(|report| &report.gates).any(GateReport::is_open) {
         // What was not looked at has not passed.
         Exit::Inconclusive
-    } else if gates().chain(units()).any(|one| one == Standing::Judged(Verdict::Inconclusive)) {
+    } else if gates().chain(units()).any(|one| one == Standing::Judged(Verdict::Inconclusive))
+        || !anything_judged(reports)
+    {
         Exit::Inconclusive
     } else {
         Exit::Success

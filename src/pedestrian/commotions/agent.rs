@@ -151,7 +151,7 @@ impl Agent {
     ///
     /// Everybody whose conflict is open is perceived, with the same deviates. Weighed are, on each path, those inside
     /// the conflict space and the next that has not entered it. The values of the actions are those of whoever
-    /// constrains most: whose best action is worth least (of equals, whose other actions are worth less). What would lead
+    /// constrains most: whose best action is worth least (of equals, whose other actions are worth less, then who is nearer). What would lead
     /// in front of somebody who is still inside is worth nothing, however much the next one hurries.
     pub fn step_among(
         &mut self,
@@ -174,7 +174,7 @@ impl Agent {
             return self.decided.then_some(Decision { acceleration: 0.0, action: None });
         }
         self.plan.begin_step(sights.first()?.own.speed);
-        let mut decisive: Option<(usize, usize)> = None;
+        let mut decisive: Option<(&Sight, usize)> = None;
         for sight in sights {
             let weighed = self.is_weighed(sight, sights, candidates);
             let mut read = 0;
@@ -185,11 +185,11 @@ impl Agent {
                 Conflict::Open | Conflict::Dormant => read = self.consider(sight, rules, false, draws),
                 Conflict::Over | Conflict::Remembered => {}
             }
-            if weighed && decisive.is_none_or(|(most, _)| self.constrains_more(sight.other, most)) {
-                decisive = Some((sight.other, read));
+            if weighed && decisive.is_none_or(|(most, _)| self.constrains_more(sight, most)) {
+                decisive = Some((sight, read));
             }
         }
-        let (met, read) = decisive?;
+        let (&Sight { other: met, .. }, read) = decisive?;
         let mut deviates = DrawnOnce::from(&mut self.drawn, read, draws);
         let values = values_of_actions(&self.others, &self.plan, met, sights);
         let action = self.decider.decide(&values, &mut deviates);
@@ -255,13 +255,21 @@ impl Agent {
         }
     }
 
-    /// Whether the other `one` constrains more than `most`. It does not depend on who is named first, unless all
-    /// values are the same.
-    fn constrains_more(&self, one: usize, most: usize) -> bool {
-        let (one, most) = (&self.others[one].expected, &self.others[most].expected);
+    /// Whether the other in sight as `one` constrains more than `most`. It does not depend on who is named first: where all
+    /// values are the same, as saturated ones are, it is who is nearer (who is as near and as fast is the same to the mind).
+    fn constrains_more(&self, one: &Sight, most: &Sight) -> bool {
         let best = |values: &[f64; ACTIONS]| values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let by_value = one.iter().zip(most).map(|(one, most)| one.total_cmp(most));
-        best(one).total_cmp(&best(most)).then(by_value.fold(Ordering::Equal, Ordering::then)).is_lt()
+        let by_value = || {
+            let (one, most) = (&self.others[one.other].expected, &self.others[most.other].expected);
+            let each = one.iter().zip(most).map(|(one, most)| one.total_cmp(most));
+            best(one).total_cmp(&best(most)).then(each.fold(Ordering::Equal, Ordering::then))
+        };
+        let by_place = || {
+            let place = |sight: &Sight| [sight.state.distance, sight.own.distance, sight.state.speed];
+            let each = place(one).into_iter().zip(place(most)).map(|(one, most)| one.total_cmp(&most));
+            each.fold(Ordering::Equal, Ordering::then)
+        };
+        by_value().then_with(by_place).is_lt()
     }
 }
 
