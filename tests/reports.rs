@@ -24,7 +24,7 @@ fn settled(text: &str) -> String {
         (r"\[ *\d+\.\d{3}s\]", "[TIME]"),
         (r"duration_ms: \d+", "duration_ms: 0"),
         (r"runs, \d+\.\d{2} s<", "runs, TIME s<"),
-        (r#"<td class="n">\d+\.\d{2}</td>\n"#, "<td>TIME</td>\n"),
+        (r#"<td class="n">\d+\.\d{2}</td></tr>\n"#, "<td>TIME</td></tr>\n"),
         // JUnit.
         (r#" (time|timestamp)="[^"]*""#, r#" $1="…""#),
         // JSON.
