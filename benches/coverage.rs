@@ -1,5 +1,6 @@
 //! How often intervals with stated confidence cover the truth, and how often comparisons raise false alarms: a study over
-//! 10,000 synthetic experiments a row, too long for the test suite. `cargo bench --bench coverage` prints the tables.
+//! 10,000 synthetic experiments a row, too long for the test suite. `cargo bench --bench coverage` prints the tables, and
+//! `cargo bench --bench coverage -- 50` their rows for 50 runs.
 
 use rayon::prelude::*;
 use scenario_runner::judge::statistics::{
@@ -15,12 +16,14 @@ const RUNS: [usize; 3] = [20, 50, 200];
 fn main() {
     println!("coverage of stated {CONFIDENCE} in {EXPERIMENTS} experiments; one standard error is 0.2 %");
     println!("{:<24} {:<14} {:>5} {:>10} {:>8}", "interval", "values", "runs", "covered %", "none %");
-    RUNS.into_iter().for_each(intervals);
+    let asked: Vec<usize> = std::env::args().filter_map(|word| word.parse().ok()).collect();
+    let runs = if asked.is_empty() { RUNS.to_vec() } else { asked };
+    runs.iter().copied().for_each(intervals);
     println!();
     println!("family-wise false alarms of 20 comparisons in {EXPERIMENTS} experiments");
     println!("at 95 % confidence, one side: 2.5 % are stated, one standard error is 0.16 %");
     println!("{:<38} {:<14} {:>5} {:>10}", "what is true", "differences", "runs", "alarms %");
-    RUNS.into_iter().for_each(families);
+    runs.into_iter().for_each(families);
 }
 
 fn intervals(runs: usize) {
