@@ -267,7 +267,9 @@ fn unprivileged(folder: &Path, arguments: &[&str]) -> Command {
     }
     let program = folder.join("program");
     if !program.exists() {
-        fs::copy(env!("CARGO_BIN_EXE_scenario-runner"), &program).unwrap();
+        // By another process: what this one starts meanwhile would hold the copy open for writing.
+        let copied = Command::new("cp").arg(env!("CARGO_BIN_EXE_scenario-runner")).arg(&program).status();
+        assert!(copied.unwrap().success());
     }
     let mut command = Command::new(program);
     command.args(arguments).current_dir(folder).uid(65_534).gid(65_534);
@@ -468,6 +470,35 @@ fn a_baseline_replaces_nothing_but_its_own() {
     kept(&saved.replace("\"seed\": 1,", "\"seed\": 2,"), "is no baseline, or a damaged one");
     assert_eq!(code(&save("other.suite", &["--force"])), 0);
     assert!(read(folder, "b.json").contains("\"suite\": \"other\""));
+}
+
+#[test]
+fn reports_replace_nothing_that_is_read_and_no_other_report() {
+    let folder = folder();
+    let folder = folder.path();
+    let before: Vec<(&str, String)> = ["small.suite", "small.scn"]
+        .into_iter()
+        .filter(|name| folder.join(name).exists())
+        .map(|name| (name, read(folder, name)))
+        .collect();
+    std::os::unix::fs::symlink("small.suite", folder.join("link.json")).unwrap();
+    let refused = |arguments: &[&str], words: &str| {
+        let output = scenario_runner(folder, &[&["small.suite"], arguments].concat());
+        assert_eq!(code(&output), 2, "{}", stderr(&output));
+        assert!(stderr(&output).contains(words), "{}", stderr(&output));
+    };
+    for option in ["--json", "--junit", "--csv", "--runs", "--html", "--tap"] {
+        refused(&[option, "small.suite"], "would replace a scenario or suite");
+        refused(&[option, "link.json"], "would replace a scenario or suite");
+    }
+    refused(&["--json", "same.out", "--csv", "./same.out"], "`--json` and `--csv` would both be written to");
+    assert!(!folder.join("same.out").exists());
+    for (name, text) in before {
+        assert_eq!(read(folder, name), text);
+    }
+    // Pipes and devices take what comes.
+    let output = scenario_runner(folder, &["small.suite", "--json", "/dev/null", "--csv", "/dev/null"]);
+    assert_eq!(code(&output), code(&scenario_runner(folder, &["small.suite"])));
 }
 
 #[test]

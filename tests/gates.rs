@@ -166,6 +166,10 @@ fn a_gate_is_judged_in_every_run() {
     let json: serde_json::Value = serde_json::from_str(&report("r.json")).unwrap();
     assert_eq!(json["suites"][0]["gates"][0]["verdict"], "failed");
 
+    // It has not passed: what failed last is all that it takes to judge it.
+    let (code, text) = run(&["now.suite", "--last-failed"]);
+    assert_eq!(code, 104, "{text}");
+
     let other = weaker.replace("suite late", "suite other");
     fs::write(folder.path().join("other.suite"), other).unwrap();
     let (code, text) = run(&["other.suite"]);

@@ -106,7 +106,7 @@ fn patterns_that_match_too_much_are_refused() {
     write("all.suite", "suite all {\n  scenarios \"many/*\"\n}\n");
     let (found, _) = findings(&folder.path().join("all.suite"));
     let refused = found.iter().find(|one| one.code == Code::TooManyFiles).expect("it is refused");
-    assert_eq!(refused.message, "`many/*` matches more than 20000 files");
+    assert_eq!(refused.message, "`many/*` matches more than 20000 files and folders");
     assert!(!refused.hints.is_empty());
 }
 

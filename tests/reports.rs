@@ -58,7 +58,10 @@ fn hold(suite: &str, ends_with: i32) {
     let place = |kind: &str| folder.path().join(kind).display().to_string();
     let files: Vec<(String, String)> = FILES.iter().map(|kind| (format!("--{kind}"), place(kind))).collect();
     let suite_file = format!("suites/{suite}.suite");
+    let journal = place("journal");
     let mut arguments = vec![suite_file.as_str(), "--test-threads", "1", "--no-progress", "--github"];
+    // Nobody else may be using the journals of the project.
+    arguments.extend(["--journal", journal.as_str()]);
     arguments.extend(files.iter().flat_map(|(option, path)| [option.as_str(), path.as_str()]));
     let output = scenario_runner(root, &arguments);
     assert_eq!(code(&output), ends_with, "{}", stderr(&output));

@@ -162,6 +162,11 @@ fn shrink_found(arguments: &ShrinkArguments, found: &Found, criterion: &PerRun) 
 /// Whether the result may go there: into a new file, a pipe or a device, or with `force` into what shrinking wrote before.
 /// If not, says so on stderr.
 fn may_be_written(path: &Path, force: bool) -> Result<(), Exit> {
+    let is_device = path.exists() && !path.is_file();
+    if !is_device && path.extension().is_none_or(|ending| ending != "scn") {
+        writeln!(stderr(), "error: {} does not end in `.scn`, as scenario files do", path.display());
+        return Err(Exit::Usage);
+    }
     if !path.is_file() && (!path.is_symlink() || path.exists()) {
         return Ok(());
     }
@@ -204,7 +209,9 @@ fn run(case: &Case, requests: &Requests) -> Result<Outcome, Exit> {
 /// Reads the file again and runs it: it has to be the same run.
 fn verify(text: &str, shrunk: &Shrunk, criterion: &PerRun, path: &Path) -> Result<(), Exit> {
     let again = || -> Result<Outcome, String> {
-        let loaded = lang::check(path, text).map_err(|failure| failure.render(lang::Style::default()))?;
+        // A device has no ending that says what is in it.
+        let named = if path.exists() && !path.is_file() { Path::new("shrunk.scn") } else { path };
+        let loaded = lang::check(named, text).map_err(|failure| failure.render(lang::Style::default()))?;
         let scenario = loaded.suite.scenarios.first().ok_or("it has no scenario")?;
         let trials = plan::plan_scenario(&loaded.suite, scenario).map_err(|error| error.to_string())?;
         let case = trials.first().and_then(|trial| trial.cases.first()).ok_or("it has no run")?;

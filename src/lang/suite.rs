@@ -1,7 +1,7 @@
 //! Suites: which scenarios belong to them.
 
 use std::collections::{HashMap, HashSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::blocks::{Gathered, gather};
 use super::check::{self, Places};
@@ -297,19 +297,25 @@ fn open_all(
             }
         };
         let mut matched = 0;
-        for found in paths.filter_map(Result::ok).filter(|found| found.is_file()) {
-            matched += 1;
-            if matched > MOST_FILES {
+        let mut others: Vec<PathBuf> = Vec::new();
+        // Folders count as well: `/**` would go through all there are.
+        for (place, found) in paths.filter_map(Result::ok).enumerate() {
+            let is_file = found.is_file();
+            matched += usize::from(is_file);
+            if place >= MOST_FILES {
                 report.push(
                     Diagnostic::new(
                         Code::TooManyFiles,
                         *span,
-                        format!("`{pattern}` matches more than {MOST_FILES} files"),
+                        format!("`{pattern}` matches more than {MOST_FILES} files and folders"),
                     )
                     .label("too many files")
                     .hint("name the folder more closely"),
                 );
                 break;
+            }
+            if !is_file {
+                continue;
             }
             match file_kind(&found) {
                 Some(FileKind::Scenarios | FileKind::Yaml) => {
@@ -319,17 +325,10 @@ fn open_all(
                         opened.push((file, *span));
                     }
                 }
-                _ => report.push(
-                    Diagnostic::new(
-                        Code::UnknownFileKind,
-                        *span,
-                        format!("`{}` is not a scenario file", found.display()),
-                    )
-                    .label("matches it")
-                    .hint("let the pattern end in `.scn` or `.yaml`"),
-                ),
+                _ => others.push(found),
             }
         }
+        report.extend(no_scenarios(pattern, *span, &others));
         if matched == 0 {
             report.push(
                 Diagnostic::new(Code::NothingMatches, *span, format!("`{pattern}` matches no file"))
@@ -340,6 +339,17 @@ fn open_all(
         }
     }
     opened
+}
+
+/// About files that a pattern matches and that are no scenarios. What lies elsewhere than below the suite is not named.
+fn no_scenarios(pattern: &str, span: Span, found: &[PathBuf]) -> Option<Diagnostic> {
+    let message = match found {
+        [] => return None,
+        [one] if !Path::new(pattern).is_absolute() => format!("`{}` is not a scenario file", one.display()),
+        _ => format!("`{pattern}` matches {} files that are no scenarios", found.len()),
+    };
+    let diagnostic = Diagnostic::new(Code::UnknownFileKind, span, message).label("matches it");
+    Some(diagnostic.hint("let the pattern end in `.scn` or `.yaml`"))
 }
 
 fn file_name(path: &Path) -> String {

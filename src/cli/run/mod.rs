@@ -5,6 +5,7 @@ mod output;
 mod partition;
 mod remember;
 mod select;
+mod targets;
 mod watch;
 
 use std::collections::BTreeSet;
@@ -199,18 +200,35 @@ pub fn run(arguments: RunArguments) -> Exit {
     };
     let baselines: BTreeSet<&str> =
         suites.iter().flat_map(|suite| &suite.suite.gates).map(|gate| gate.baseline.as_str()).collect();
+    let scenarios = suites.iter().flat_map(|suite| &suite.suite.scenarios);
+    let people = scenarios.flat_map(|one| &one.pedestrians).filter_map(|one| one.individuals.as_ref());
+    let populations = people.map(|people| people.population.as_str());
+    let read: Vec<&str> = baselines.iter().copied().chain(populations).collect();
+    if let Err(complaint) = targets::check(&arguments.output.files(), &read) {
+        writeln!(stderr(), "error: {complaint}");
+        writeln!(stderr(), "help: name another file; nothing was run, and nothing was written");
+        return Exit::Usage;
+    }
     baselines.into_iter().for_each(|path| measured::warn_of_unchecked(Path::new(path)));
     let units = dispatch::units(&suites);
     let mut last = LastRun::read();
     let subjects = select::subjects(&suites, &units);
     filter::warn(&expressions, &subjects, colour);
     let word = filters.first().map(|filter| filter.as_str());
-    let asked = select::select(&units, &subjects, &expressions, word, &arguments.select, &last.failed);
-    let chosen = dispatch::with_needs(&units, asked);
-    if !chosen.contains(&true) && arguments.select.last_failed {
-        writeln!(stdout(), "nothing of this failed when it was last run");
-        return Exit::Success;
+    let select = |failed: Option<&BTreeSet<String>>| {
+        select::select(&units, &subjects, &expressions, word, &arguments.select, failed)
+    };
+    let mut asked = select(arguments.select.last_failed.then(|| last.failed_units(&suites, &units)).as_ref());
+    if arguments.select.last_failed && !asked.contains(&true) {
+        asked = select(None);
+        if asked.contains(&true) {
+            writeln!(
+                stderr(),
+                "note: nothing of this is known to have failed when it was last run: all of it is run"
+            );
+        }
     }
+    let chosen = dispatch::with_needs(&units, asked);
     if !chosen.contains(&true) {
         let keys: Vec<&str> = units.iter().map(|unit| &*unit.key).collect();
         let hints = hints::selection(

@@ -50,6 +50,21 @@ pub struct OutputArguments {
     csv: Option<PathBuf>,
 }
 
+impl OutputArguments {
+    /// Every report that is to be a file, by its option.
+    pub fn files(&self) -> Vec<(&'static str, &Path)> {
+        let files = [
+            ("--junit", &self.junit),
+            ("--json", &self.json),
+            ("--tap", &self.tap),
+            ("--html", &self.html),
+            ("--runs", &self.runs),
+            ("--csv", &self.csv),
+        ];
+        files.into_iter().filter_map(|(option, path)| Some((option, path.as_deref()?))).collect()
+    }
+}
+
 /// Writes whatever was asked for, and returns what could not be written.
 pub fn write(arguments: &OutputArguments, workshop: &Workshop, reports: &[SuiteReport]) -> Vec<String> {
     let mut complaints = Vec::new();

@@ -10,10 +10,11 @@ use serde::{Deserialize, Serialize};
 use crate::cli::store;
 use crate::console::stderr;
 use crate::corpus::{Recorded, case_hash, corpus_path, write_corpus};
-use crate::dispatch::Prepared;
+use crate::dispatch::{Prepared, Unit, gate_key};
 use crate::judge::{Verdict, judge, per_run};
-use crate::report::{CutBy, Standing, SuiteReport, TrialReport, TrialState, count, with_worst};
+use crate::report::{Skip, Standing, SuiteReport, TrialReport, TrialState, count, with_worst};
 use crate::run::Requests;
+use crate::scenario::{Gate, Suite};
 
 #[derive(Debug, Args)]
 pub struct RememberArguments {
@@ -147,7 +148,19 @@ impl LastRun {
         format!("{key} {seed}")
     }
 
-    /// Takes over what became of units: those that passed are forgotten, those that were not run stay as they were.
+    /// The units that did not pass; where a gate did not, all units of its suite, since it takes all to judge it.
+    pub fn failed_units(&self, suites: &[Prepared], units: &[Unit]) -> BTreeSet<String> {
+        let gate_failed = |suite: &Suite| {
+            let failed = |gate: &Gate| self.failed.contains(&gate_key(&suite.name, gate));
+            suite.gates.iter().any(failed)
+        };
+        let is_failed =
+            |unit: &&Unit| self.failed.contains(&*unit.key) || gate_failed(&suites[unit.suite].suite);
+        units.iter().filter(is_failed).map(|unit| unit.key.to_string()).collect()
+    }
+
+    /// Takes over what became of units and gates: those that passed are forgotten, those that were not asked for stay as
+    /// they were. What was to be run and was not, or not to its end, has not passed.
     pub fn learn(&mut self, reports: &[SuiteReport]) {
         for report in reports {
             let trials = report.trials.iter().map(|one| (one.trial.key.as_str(), one.standing()));
@@ -155,17 +168,25 @@ impl LastRun {
             let recorded = report.recorded.iter().map(|one| (one.key.as_str(), one.standing()));
             // What was set makes other runs of the same names.
             let is_as_declared = report.identity.set.is_empty();
-            for (key, standing) in recorded.chain(trials).chain(blocks).filter(|_| is_as_declared) {
+            let gates = report.gates.iter().map(|one| (one.key.as_str(), one.standing()));
+            for (key, standing) in
+                recorded.chain(trials).chain(blocks).chain(gates).filter(|_| is_as_declared)
+            {
                 match standing {
-                    // Nothing new is known of them.
-                    Standing::Skipped | Standing::NotFinished(CutBy::Interrupted) => {}
+                    Standing::Skipped => {}
                     Standing::NotJudged | Standing::Judged(Verdict::Passed) => {
                         self.failed.remove(key);
                     }
-                    Standing::Judged(_) | Standing::NotFinished(CutBy::TimeLimit) | Standing::Errored => {
+                    Standing::Judged(_) | Standing::NotFinished(_) | Standing::Errored => {
                         self.failed.insert(key.to_string());
                     }
                 }
+            }
+            let trials = report.trials.iter().map(|one| (one.trial.key.as_str(), one.skip()));
+            let skipped = trials.chain(report.blocks.iter().map(|one| (one.key.as_str(), one.skip())));
+            let was_to_be_run = |skip: &Skip| matches!(skip, Skip::Stopped(_) | Skip::Needs { .. });
+            for (key, _) in skipped.filter(|(_, skip)| is_as_declared && skip.is_some_and(was_to_be_run)) {
+                self.failed.insert(key.to_string());
             }
             for trial in report.trials.iter().filter(|trial| !trial.skipped()) {
                 self.learn_runs(trial);

@@ -45,22 +45,21 @@ pub fn subjects<'a>(suites: &'a [Prepared], units: &'a [Unit]) -> Vec<Subject<'a
     units.iter().map(subject).collect()
 }
 
-/// Whether each unit is asked for, by the filter expressions and by its name; `failed` are those that did not pass when
-/// they were last run. What units need is not looked at: see [`crate::dispatch::with_needs`].
+/// Whether each unit is asked for, by the filter expressions and by its name; if `failed` are given, only those of them. What units need is not looked at: see [`crate::dispatch::with_needs`].
 pub fn select(
     units: &[Unit],
     subjects: &[Subject],
     filters: &Filters,
     filter: Option<&str>,
     arguments: &SelectArguments,
-    failed: &BTreeSet<String>,
+    failed: Option<&BTreeSet<String>>,
 ) -> Vec<bool> {
     let matches = |key: &str, filter: &str| {
         if arguments.exact { key == filter } else { key.contains(filter) }
     };
     let wanted = |unit: &Unit, subject: &Subject| {
         filter.is_none_or(|filter| matches(&unit.key, filter))
-            && (!arguments.last_failed || failed.contains(&*unit.key))
+            && failed.is_none_or(|failed| failed.contains(&*unit.key))
             && !arguments.skip.iter().any(|skip| matches(&unit.key, skip))
             && filters.matches(subject)
     };

@@ -14,6 +14,9 @@ use crate::scenario::{Dimension, Gate, GateRule, Tolerance};
 /// What a rule promises that does not say how sure it wants to be.
 pub const DEFAULT_CONFIDENCE: f64 = 0.95;
 
+/// Beyond, the error that Berger and Boos' method leaves out of p-values is no longer small.
+const MOST_CONFIDENCE: f64 = 0.9999;
+
 /// The gate at `node`; its metrics may name the road users of `cast`.
 pub fn gate(
     node: Node,
@@ -99,7 +102,7 @@ fn rule(
     };
     let said = node.child(Rule::confidence).and_then(|confidence| confidence.child(Rule::expression));
     let confidence = match said {
-        Some(said) => criterion::share(said, "the confidence", true, scope, report)?,
+        Some(said) => confidence(said, scope, report)?,
         None => DEFAULT_CONFIDENCE,
     };
     let mut text = match node.child(Rule::metric) {
@@ -114,6 +117,27 @@ fn rule(
     }
     let metric = metric.map(|(reference, _)| reference);
     Some(GateRule { metric, tolerance, confidence, text, origin: places.origin(node.span()) })
+}
+
+/// The confidence of a rule: all comparisons of a gate share what it leaves to chance.
+fn confidence(said: Node, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<f64> {
+    let confidence = criterion::share(said, "the confidence", true, scope, report)?;
+    if confidence > MOST_CONFIDENCE {
+        report.push(
+            Diagnostic::new(
+                Code::BadShare,
+                said.span(),
+                format!("the confidence of a gate can be {} % at most", MOST_CONFIDENCE * 100.0),
+            )
+            .label("more than its tests can give")
+            .note(
+                "they leave 1e-7 to chance in every comparison, and all comparisons of a gate share the rest",
+            )
+            .hint("say `with 99.9 % confidence`"),
+        );
+        return None;
+    }
+    Some(confidence)
 }
 
 /// `no new collision`
