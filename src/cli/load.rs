@@ -13,7 +13,7 @@ use crate::lang::{self, Code, Diagnostic, Override, Severity, Sources};
 use crate::plan::{Plan, PlanError, Trial, plan};
 use crate::report::Excerpt;
 use crate::run::{Departing, Obstacle, Stage, departing, rehearse, rehearse_trials};
-use crate::scenario::Suite;
+use crate::scenario::{Suite, show};
 
 /// Whether a word of the command line is meant as a file.
 pub fn names_a_file(word: &str) -> bool {
@@ -130,7 +130,7 @@ fn refuse_nothing_asked(suite: &Suite, plan: &Plan, is_set_aside: bool) -> Resul
 /// Models that are others than were published, to be warned of.
 fn examine_models(suite: &Suite, sources: &Sources) -> Vec<Diagnostic> {
     let doubt = |Departing { departure, case, origin, .. }: Departing| {
-        let published = format!("{}{}", departure.published, departure.unit);
+        let published = show(departure.published, None, departure.dimension);
         let doubt = Diagnostic::new(Code::AnotherModel, sources.span(&origin)?, departure.to_string())
             .label("another model than was published")
             .hint(format!(

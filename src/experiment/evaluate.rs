@@ -15,8 +15,8 @@ use crate::pedestrian;
 use crate::plan::derive_seed;
 use crate::run::{Outcome, Requests};
 use crate::scenario::{
-    Aggregate, Case, Comparison, Condition, Declaration, Evaluate, Measure, MetricReference, ParameterKind,
-    ParameterSet, Part, Relation, Target, Value, WhenUndefined,
+    Aggregate, Case, Comparison, Condition, Declaration, Evaluate, Measure, MetricReference, Notation,
+    ParameterKind, ParameterSet, Part, Relation, Target, Value, WhenUndefined,
 };
 use crate::vehicle;
 
@@ -74,6 +74,9 @@ pub struct ParameterValue {
     pub varies: bool,
     /// SI unit; empty for plain numbers and words.
     pub unit: String,
+    /// The unit that conditions give it in, if that is another one: what people are shown.
+    #[serde(skip)]
+    pub notation: Option<Notation>,
 }
 
 /// How much more there is of a measure than in the first condition, case by case.
@@ -193,7 +196,8 @@ impl Series<'_> {
         };
         result.caveat = setup.caveat.clone();
         let (saved, cases) = self.cases(condition, &setup)?;
-        result.parameters = targets.iter().map(|target| parameter(target, &cases)).collect();
+        let given_in = &self.evaluate.given_in;
+        result.parameters = targets.iter().map(|target| parameter(target, &cases, given_in)).collect();
         let outcomes = self.laboratory.run_all(&cases)?;
         let requests = &self.laboratory.requests;
         let measures = self.measures.iter().map(|measure| &measure.aggregate);
@@ -367,11 +371,13 @@ impl Laboratory<'_> {
                     }),
                     text: format!("rate({label})"),
                     unit: "%".into(),
+                    notation: None,
                 }),
                 MetricKind::Quantity(dimension) => Some(Measure {
                     aggregate: Aggregate::Mean(reference.clone()),
                     text: format!("mean({label})"),
                     unit: dimension.si_unit(),
+                    notation: None,
                 }),
             }
         };
@@ -380,17 +386,15 @@ impl Laboratory<'_> {
 }
 
 /// The value that a parameter has in all of the cases, as the models resolved it.
-fn parameter(target: &Target, cases: &[Case]) -> ParameterValue {
+fn parameter(target: &Target, cases: &[Case], given_in: &[(Target, Notation)]) -> ParameterValue {
+    let notation = given_in.iter().find(|(known, _)| known == target).map(|(_, notation)| *notation);
     let mut values = cases.iter().map(|case| resolved(target, case));
     let first = values.next().flatten();
     let agreed =
         values.all(|other| other.as_ref().map(|(value, _)| value) == first.as_ref().map(|(value, _)| value));
-    match first {
-        Some((value, unit)) => {
-            ParameterValue { target: target.clone(), value: agreed.then_some(value), varies: !agreed, unit }
-        }
-        None => ParameterValue { target: target.clone(), value: None, varies: !agreed, unit: String::new() },
-    }
+    let (value, unit) = first.map_or((None, String::new()), |(value, unit)| (Some(value), unit));
+    let value = value.filter(|_| agreed);
+    ParameterValue { target: target.clone(), value, varies: !agreed, unit, notation }
 }
 
 /// What a case sets a parameter to, with its unit.

@@ -83,7 +83,8 @@ fn attempt(
     let variation = [fixed, combination].concat();
     let shown = search.over.iter().zip(&point).map(|(range, value)| {
         let name = &range.target;
-        format!("/{name}={value}{}", range.unit)
+        let shown = value.number().map(|number| range.shown_in().show(number).replace(' ', ""));
+        format!("/{name}={}", shown.unwrap_or_else(|| value.to_string()))
     });
     let key = format!("{}/{}{}", suite.name, search.name, shown.collect::<String>());
     plan::concrete_case(&scenario, key, variation, people.to_vec(), 1, suite.seed).map(|_| ())

@@ -10,13 +10,16 @@ use super::journal::Record;
 use super::runs::CaseRun;
 use super::{ExperimentError, Laboratory, Progress, overrides};
 use crate::judge::statistics::mean;
+use crate::metrics;
 use crate::optimise::{
     self, Definition, Evaluation, InitialDesign, Measurement, Method, Optimiser, Proposal, SlicePoint,
     StopReason,
 };
 use crate::plan::{self, derive_seed};
 use crate::run::Outcome;
-use crate::scenario::{self, Assignment, Budget, Case, Goal, Individual, Objective, Scenario, Search};
+use crate::scenario::{
+    self, Assignment, Budget, Case, Goal, Individual, Objective, Range, Scenario, Search, ShownIn,
+};
 
 /// Runs with fresh seeds that tell how much of a best value was luck.
 const FRESH_RUNS: u32 = 20;
@@ -39,6 +42,12 @@ pub struct SearchResult {
     /// Which values of it are the worst: what the search looks for. The objective says it in words.
     #[serde(skip)]
     pub direction: Goal,
+    /// How the values of each range are shown.
+    #[serde(skip)]
+    pub shown_in: Vec<ShownIn>,
+    /// How the objective is shown.
+    #[serde(skip)]
+    pub objective_in: ShownIn,
     /// Labels of the metrics of every run, in their order.
     pub metrics: Vec<String>,
     /// One per individual, or a single one for all.
@@ -134,6 +143,8 @@ pub fn run_search(
         name: search.name.clone(),
         objective: search.objective.text.clone(),
         direction: search.objective.direction,
+        shown_in: search.over.iter().map(Range::shown_in).collect(),
+        objective_in: ShownIn::new(search.objective.notation, &metrics::unit_of(&search.objective.aggregate)),
         metrics: laboratory.requests.iter().map(|reference| reference.label()).collect(),
         kept: SavedSet {
             name: search.name.clone(),

@@ -96,7 +96,13 @@ fn budget(evaluations: u32) -> Budget {
 }
 
 fn range(target: Target, low: f64, high: f64, unit: &str) -> Range {
-    Range { target, values: RangeValues::Real { low, high }, unit: unit.into(), origin: Origin::default() }
+    Range {
+        target,
+        values: RangeValues::Real { low, high },
+        unit: unit.into(),
+        notation: None,
+        origin: Origin::default(),
+    }
 }
 
 fn braking_distance() -> Target {
@@ -114,11 +120,13 @@ fn suite() -> Suite {
             direction: Goal::Minimise,
             aggregate: Aggregate::Mean(metric("pet")),
             text: "minimise pet".into(),
+            notation: None,
         },
         over: vec![range(Target::Variation("tta".into()), 6.0, 18.0, "s")],
         budget: budget(9),
         runs: 1,
         keep: Some(condition("pet", Relation::Less, 100.0)),
+        keep_in: None,
         origin: Origin::default(),
     };
     let tune = Tune {
@@ -130,8 +138,10 @@ fn suite() -> Suite {
             direction: Goal::Minimise,
             aggregate: Aggregate::Mean(metric("time_lost")),
             text: "minimise mean(time_lost)".into(),
+            notation: None,
         }],
         constraints: vec![condition("min_distance", Relation::Greater, 0.0)],
+        constraints_in: Vec::new(),
         budget: budget(8),
         fresh: 0,
         early_stop: true,
@@ -157,7 +167,7 @@ fn suite() -> Suite {
 }
 
 fn aggregate(aggregate: Aggregate, text: &str) -> Measure {
-    Measure { aggregate, text: text.into(), unit: String::new() }
+    Measure { aggregate, text: text.into(), unit: String::new(), notation: None }
 }
 
 /// The suite with an evaluation of its search and tune.
@@ -188,6 +198,7 @@ fn evaluated_suite() -> Suite {
         ],
         source: Some("a paper".into()),
         reported: vec![("default".into(), vec![2.48, 1.05, 0.83])],
+        given_in: Vec::new(),
         origin: Origin::default(),
     }];
     suite

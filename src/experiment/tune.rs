@@ -11,10 +11,11 @@ use super::journal::Record;
 use super::runs::MetricSummary;
 use super::search::definition;
 use super::{ExperimentError, Laboratory, Progress, Results, overrides};
+use crate::metrics;
 use crate::optimise::{self, Evaluation, Margin, Measurement, Optimiser, Proposal, SlicePoint, StopReason};
 use crate::plan::derive_seed;
 use crate::run::Outcome;
-use crate::scenario::{Case, Goal, Target, Tune, Value};
+use crate::scenario::{Case, Goal, Objective, Range, ShownIn, Target, Tune, Value};
 
 /// Points of a slice through the surrogate.
 const SLICE_STEPS: usize = 101;
@@ -36,6 +37,15 @@ pub struct TuneResult {
     pub fresh: u32,
     /// The parameters that are tuned, as a scenario would name them.
     pub parameters: Vec<String>,
+    /// How the values of each are shown.
+    #[serde(skip)]
+    pub shown_in: Vec<ShownIn>,
+    /// How the objectives are shown.
+    #[serde(skip)]
+    pub objectives_in: Vec<ShownIn>,
+    /// How the margins of the constraints are shown.
+    #[serde(skip)]
+    pub margins_in: Vec<ShownIn>,
     /// The chosen candidate; `None` if no candidate was ever feasible and the block does not say `otherwise`.
     pub chosen: Option<Candidate>,
     /// Where the chosen candidate is not feasible: in how many runs of the set it violates a constraint.
@@ -263,13 +273,22 @@ impl Bench<'_> {
                 comparison = Some(self.compare(&overrides::settings(&tune.over, &best.point))?);
             }
         }
+        let written =
+            || tune.constraints.iter().enumerate().map(|(index, one)| (one, tune.constraint_in(index)));
+        let constraints = || written().map(|(one, unit)| one.text(unit)).collect();
+        let objective_in = |one: &Objective| ShownIn::new(one.notation, &metrics::unit_of(&one.aggregate));
         Ok(TuneResult {
             name: tune.name.clone(),
             objectives: tune.objectives.iter().map(|objective| objective.text.clone()).collect(),
-            constraints: tune.constraints.iter().map(|one| one.text()).collect(),
+            constraints: constraints(),
             cases: self.cases.len(),
             fresh: tune.fresh,
             parameters: tune.over.iter().map(|range| range.target.to_string()).collect(),
+            shown_in: tune.over.iter().map(Range::shown_in).collect(),
+            objectives_in: tune.objectives.iter().map(objective_in).collect(),
+            margins_in: written()
+                .map(|(one, unit)| ShownIn::new(unit, &metrics::unit_of_metric(&one.metric)))
+                .collect(),
             chosen: chosen.map(candidate),
             violations,
             pareto: if tune.objectives.len() > 1 {

@@ -51,6 +51,7 @@ pub use write::{quantity, write_comparison, write_scenario};
 pub use yaml::schema as yaml_schema;
 
 use pest::Parser;
+use pest::iterators::Pair;
 use tree::Grammar;
 
 use crate::scenario::{Dimension, Expression, Notation, Origin, Suite, Value};
@@ -144,6 +145,21 @@ pub fn unit_in(criterion: &str, dimension: Dimension) -> Option<Notation> {
     let units = pairs.flatten().filter(|pair| pair.as_rule() == Rule::unit);
     let mut units = units.filter_map(|pair| units::unit_of(pair.as_str()));
     units.find(|unit| unit.dimension == dimension).map(Unit::notation)
+}
+
+/// The unit in which a claim says what is measured, given the SI unit of that: `km/h` in `mean(impact_speed) of all <= 20 km/h`.
+pub fn unit_in_claim(claim: &str, si: &str) -> Option<Notation> {
+    /// Outside of what is measured, where it would be that of a condition or of a metric's setting.
+    fn units(pair: Pair<Rule>) -> Vec<Unit> {
+        match pair.as_rule() {
+            Rule::measured => Vec::new(),
+            Rule::unit => units::unit_of(pair.as_str()).into_iter().collect(),
+            _ => pair.into_inner().flat_map(units).collect(),
+        }
+    }
+    let claim = format!("claim {claim}");
+    let found = Grammar::parse(Rule::claim, &claim).ok()?.flat_map(units);
+    found.into_iter().find(|unit| unit.dimension.si_unit() == si).map(Unit::notation)
 }
 
 /// What the suite in a text says of itself, as far as it can be read.

@@ -501,6 +501,21 @@ pub fn quantity_within(
     quantity_in(node, limit.dimension, limit.range, what, scope, report)
 }
 
+/// As [`constant_in`], with the unit that it is written in.
+pub fn written_constant(
+    node: Node,
+    dimension: Dimension,
+    range: (f64, f64),
+    what: &str,
+    scope: &Scope,
+    report: &mut Vec<Diagnostic>,
+) -> Option<(f64, Option<Notation>)> {
+    let value = quantity_in(node, dimension, range, what, scope, report)?;
+    let number =
+        value.as_constant_number().or_else(|| not_constant(value.span, &value.expression, what, report))?;
+    Some((number, value.notation))
+}
+
 /// As [`quantity_in`], for places where all runs share one value.
 pub fn constant_in(
     node: Node,
@@ -510,8 +525,7 @@ pub fn constant_in(
     scope: &Scope,
     report: &mut Vec<Diagnostic>,
 ) -> Option<f64> {
-    let value = quantity_in(node, dimension, range, what, scope, report)?;
-    value.as_constant_number().or_else(|| not_constant(value.span, &value.expression, what, report))
+    written_constant(node, dimension, range, what, scope, report).map(|(number, _)| number)
 }
 
 pub fn not_constant<T>(

@@ -22,7 +22,7 @@ mod travel;
 
 use serde::{Deserialize, Serialize};
 
-use crate::scenario::{Aggregate, Declaration, Dimension, Settings, World};
+use crate::scenario::{Aggregate, Declaration, Dimension, MetricReference, Settings, World};
 use crate::sim::{Snapshot, Solid, Step};
 
 pub use encounter::{
@@ -194,9 +194,14 @@ pub fn unit_of(aggregate: &Aggregate) -> String {
     match aggregate {
         Aggregate::Rate(_) => "%".to_string(),
         Aggregate::Count(_) => String::new(),
-        of_values => match metric(&of_values.metric().name).map(|metric| metric.kind) {
-            Some(MetricKind::Quantity(dimension)) => dimension.si_unit(),
-            _ => String::new(),
-        },
+        of_values => unit_of_metric(of_values.metric()),
+    }
+}
+
+/// SI unit of a metric's values; nothing for those that are no quantities.
+pub fn unit_of_metric(reference: &MetricReference) -> String {
+    match metric(&reference.name).map(|metric| metric.kind) {
+        Some(MetricKind::Quantity(dimension)) => dimension.si_unit(),
+        _ => String::new(),
     }
 }

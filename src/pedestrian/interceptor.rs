@@ -6,7 +6,7 @@ use nalgebra::Vector2;
 
 use super::{PedestrianContext, PedestrianModel};
 use crate::scenario::{
-    Chance, ChoiceOption, Declaration, Dimension, Parameter, Position, Road, Side, VehicleReference,
+    Chance, ChoiceOption, Declaration, Dimension, Parameter, Position, Road, Side, VehicleReference, show,
 };
 use crate::sim::random::{Agent, Purpose, stream};
 use crate::sim::{ModelError, Motion, Pedestrian, Scene, VehicleState};
@@ -143,8 +143,9 @@ fn check_place(road: &Road, side: Side, start: Position) -> Result<(), ModelErro
     }
     let inside = side.walking_sign() * (start.y - road.kerb(side));
     if inside >= 0.0 {
+        let inside = show(inside, None, Dimension::LENGTH);
         return Err(ModelError::with_hint(
-            format!("`interceptor` starts {inside} m inside the kerb, but must start on the pavement"),
+            format!("`interceptor` starts {inside} inside the kerb, but must start on the pavement"),
             "start it 0.3 m or more from the kerb",
         ));
     }

@@ -1,23 +1,27 @@
 //! One metric over a trial's runs in a few numbers.
 
-use super::format::{quantity, share};
+use super::format::{in_notation, quantity, share};
+use crate::lang;
 use crate::metrics::{Metric, MetricKind, Worst};
 use crate::run::Outcome;
+use crate::scenario::{Criterion, MetricReference, Notation};
 
 /// What a metric came to over several runs.
 pub struct Digest<'a> {
     metric: &'a Metric,
+    /// What quantities are shown in; `None` for the SI unit.
+    unit: Option<Notation>,
     runs: usize,
-    /// The values there are, sorted.
+    /// The values there are, sorted, in SI units.
     values: Vec<f64>,
 }
 
 impl<'a> Digest<'a> {
-    /// Of the metric at `index` of the outcomes.
-    pub fn new(metric: &'a Metric, outcomes: &[Outcome], index: usize) -> Self {
+    /// Of the metric at `index` of the outcomes, to be shown in `unit` instead of the SI unit.
+    pub fn new(metric: &'a Metric, unit: Option<Notation>, outcomes: &[Outcome], index: usize) -> Self {
         let mut values: Vec<f64> = outcomes.iter().filter_map(|outcome| outcome.metrics[index]).collect();
         values.sort_by(f64::total_cmp);
-        Self { metric, runs: outcomes.len(), values }
+        Self { metric, unit, runs: outcomes.len(), values }
     }
 
     /// Runs in which the metric does not exist.
@@ -28,7 +32,10 @@ impl<'a> Digest<'a> {
     /// Everything in words: the value of one run, the range of several, the share of a flag.
     pub fn long(&self) -> String {
         let Some((low, high)) = self.range() else { return "undefined".to_string() };
-        let show = |value| quantity(self.metric, Some(value));
+        let show = |value| match self.unit {
+            Some(unit) => in_notation(value, unit),
+            None => quantity(self.metric, Some(value)),
+        };
         let defined = match self.undefined() {
             0 => String::new(),
             _ => format!(" in {} of {} runs", self.values.len(), self.runs),
@@ -49,25 +56,31 @@ impl<'a> Digest<'a> {
         match self.metric.kind {
             MetricKind::Flag => share(self.holding() as f64 / self.values.len() as f64),
             MetricKind::Category(words) => self.words(words),
-            MetricKind::Quantity(_) if low == high => number(low),
+            MetricKind::Quantity(_) if low == high => self.number(low),
             MetricKind::Quantity(_) => {
                 let worst = if self.metric.worst == Worst::Smallest { low } else { high };
-                format!("{} ({})", number(self.mean()), number(worst))
+                format!("{} ({})", self.number(self.mean()), self.number(worst))
             }
         }
     }
 
     /// The heading of a column of [`Self::short`]s: name, and unit with what the numbers are.
-    pub fn heading(metric: &Metric, label: &str) -> (String, String) {
+    pub fn heading(metric: &Metric, label: &str, unit: Option<Notation>) -> (String, String) {
         let below = match metric.kind {
             MetricKind::Flag => "of runs".to_string(),
             MetricKind::Category(_) => "runs each".to_string(),
             MetricKind::Quantity(dimension) => {
                 let worst = if metric.worst == Worst::Smallest { "min" } else { "max" };
-                format!("{} mean ({worst})", dimension.si_unit()).trim_start().to_string()
+                let unit = unit.map_or_else(|| dimension.si_unit(), |unit| unit.symbol.to_string());
+                format!("{unit} mean ({worst})").trim_start().to_string()
             }
         };
         (label.to_string(), below)
+    }
+
+    /// Three significant digits: cells are for comparing, not for calculating.
+    fn number(&self, value: f64) -> String {
+        crate::scenario::significant(self.unit.map_or(value, |unit| unit.of_si(value)), 3)
     }
 
     fn range(&self) -> Option<(f64, f64)> {
@@ -90,7 +103,13 @@ impl<'a> Digest<'a> {
     }
 }
 
-/// Three significant digits: cells are for comparing, not for calculating.
-fn number(value: f64) -> String {
-    crate::scenario::significant(value, 3)
+/// The unit that the first of the criteria about a metric is written in, if it is a quantity.
+pub fn written_unit<'c>(
+    criteria: impl IntoIterator<Item = &'c Criterion>,
+    reference: &MetricReference,
+    metric: &Metric,
+) -> Option<Notation> {
+    let MetricKind::Quantity(dimension) = metric.kind else { return None };
+    let mut about = criteria.into_iter().filter(|criterion| criterion.claim.metric() == reference);
+    about.find_map(|criterion| lang::unit_in(&criterion.text, dimension))
 }

@@ -3,12 +3,19 @@
 use std::fmt::Write;
 
 use super::columns::columns;
-use super::format::in_unit;
+use super::format::in_written_unit;
 use crate::experiment::{ConditionResult, Difference, EvaluateResult, ParameterValue};
 use crate::metrics::unit_of;
-use crate::scenario::{Aggregate, Target};
+use crate::scenario::{Aggregate, Notation, Target};
 
 const STRING: &str = "writing to a string cannot fail";
+
+/// The unit that somebody wrote, and the SI unit.
+type Unit = (Option<Notation>, String);
+
+fn show(value: f64, (written, unit): &Unit) -> String {
+    in_written_unit(value, *written, unit)
+}
 
 /// The table of conditions: what was measured, by how much more than in the first condition, and what a source reports.
 pub fn render_evaluate(result: &EvaluateResult) -> String {
@@ -18,7 +25,8 @@ pub fn render_evaluate(result: &EvaluateResult) -> String {
         1 => "each once under a fresh seed\n".to_string(),
         runs => format!("each {runs} times under fresh seeds\n"),
     };
-    let units: Vec<String> = result.measures.iter().map(|measure| unit_of(&measure.aggregate)).collect();
+    let units: Vec<Unit> =
+        result.measures.iter().map(|measure| (measure.notation, unit_of(&measure.aggregate))).collect();
     let parameters = result.conditions.iter().map(|one| &one.parameters).find(|all| !all.is_empty());
     let parameters: Vec<String> = parameters.into_iter().flatten().map(heading).collect();
     let mut headings = vec![String::new()];
@@ -27,7 +35,7 @@ pub fn render_evaluate(result: &EvaluateResult) -> String {
     let mut lines = vec![headings];
     let unset = || vec![String::new(); parameters.len()];
     let reported = |values: &[f64]| {
-        let values = values.iter().zip(&units).map(|(value, unit)| in_unit(*value, unit));
+        let values = values.iter().zip(&units).map(|(value, unit)| show(*value, unit));
         ["  reported".to_string()].into_iter().chain(unset()).chain(values).collect()
     };
     for condition in &result.conditions {
@@ -82,12 +90,12 @@ pub fn without_value(result: &EvaluateResult) -> Vec<String> {
     result.conditions.iter().flat_map(of).collect()
 }
 
-fn measured(condition: &ConditionResult, parameters: usize, units: &[String]) -> Vec<String> {
+fn measured(condition: &ConditionResult, parameters: usize, units: &[Unit]) -> Vec<String> {
     let mut line = vec![condition.name.clone()];
     line.extend(condition.parameters.iter().map(setting));
     line.resize(1 + parameters, "–".to_string());
     let values = condition.measured.iter().zip(units);
-    line.extend(values.map(|(value, unit)| value.map_or("–".to_string(), |value| in_unit(value, unit))));
+    line.extend(values.map(|(value, unit)| value.map_or("–".to_string(), |value| show(value, unit))));
     line
 }
 
@@ -102,19 +110,20 @@ fn setting(parameter: &ParameterValue) -> String {
     match &parameter.value {
         None => if parameter.varies { "varies" } else { "not set" }.to_string(),
         Some(value) => match value.as_number() {
-            Some(number) => in_unit(number, &parameter.unit),
+            Some(number) => in_written_unit(number, parameter.notation, &parameter.unit),
             None => value.to_string(),
         },
     }
 }
 
 /// Such as `+2.5 s [2.1, 2.9]`.
-fn change(difference: Option<&Difference>, unit: &str) -> String {
+fn change(difference: Option<&Difference>, unit: &Unit) -> String {
     let Some(Difference { value, interval, .. }) = difference else { return "–".to_string() };
     let sign = if *value > 0.0 { "+" } else { "" };
-    let mut text = format!("{sign}{}", in_unit(*value, unit));
+    let mut text = format!("{sign}{}", show(*value, unit));
     if let Some(interval) = interval {
-        let bare = |value: f64| in_unit(value, unit).trim_end_matches(unit).trim_end().to_string();
+        let symbol = unit.0.map_or(unit.1.as_str(), |written| written.symbol);
+        let bare = |value: f64| show(value, unit).trim_end_matches(symbol).trim_end().to_string();
         write!(text, " [{}, {}]", bare(interval.low), bare(interval.high)).expect(STRING);
     }
     text
@@ -135,8 +144,11 @@ mod tests {
     fn changes_read_with_sign_and_interval() {
         let difference =
             |value, low, high| Difference { value, interval: Some(Interval { low, high }), pairs: 9 };
-        assert_eq!(change(Some(&difference(2.5, 2.0, 3.0)), "s"), "+2.5 s [2, 3]");
-        assert_eq!(change(Some(&difference(-0.66, -0.8, -0.5)), "%"), "-66 % [-80, -50]");
-        assert_eq!(change(None, "s"), "–");
+        let si = |unit: &str| (None, unit.to_string());
+        assert_eq!(change(Some(&difference(2.5, 2.0, 3.0)), &si("s")), "+2.5 s [2, 3]");
+        assert_eq!(change(Some(&difference(-0.66, -0.8, -0.5)), &si("%")), "-66 % [-80, -50]");
+        assert_eq!(change(None, &si("s")), "–");
+        let kmh = (Some(Notation { symbol: "km/h", numerator: 5.0, denominator: 18.0 }), "m/s".to_string());
+        assert_eq!(change(Some(&difference(2.5, 2.0, 3.0)), &kmh), "+9 km/h [7.2, 10.8]");
     }
 }

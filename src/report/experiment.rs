@@ -4,11 +4,11 @@ use std::fmt::Write;
 
 use super::columns::columns;
 use super::evaluation::render_evaluate;
-use super::found::render_search;
+use super::found::{render_search, value};
 use super::statement::render_statement;
 use crate::experiment::{BlockResult, Candidate, MetricSummary, TuneResult};
 use crate::optimise::Value;
-use crate::scenario::{Tune, significant};
+use crate::scenario::{ShownIn, Tune, significant};
 
 /// A block's result in a few lines or a table.
 pub fn render_block(result: &BlockResult) -> String {
@@ -92,10 +92,20 @@ pub(super) const WITHOUT_VALUE: &str =
 const STRING: &str = "writing to a string cannot fail";
 
 fn candidate(result: &TuneResult, candidate: &Candidate) -> String {
-    let point = result.parameters.iter().zip(&candidate.point);
-    let point: Vec<_> = point.map(|(name, value)| format!("{name} {}", short(value))).collect();
-    let objectives: Vec<_> = candidate.objectives.iter().map(|value| number(*value)).collect();
-    let margins: Vec<_> = candidate.margins.iter().map(|value| number(*value)).collect();
+    let point = result.parameters.iter().zip(&candidate.point).enumerate();
+    let shown = |(index, (name, at)): (usize, (&String, &Value))| {
+        format!("{name} {}", value(result.shown_in.get(index), at))
+    };
+    let point: Vec<_> = point.map(shown).collect();
+    let all = |values: &[Option<f64>], shown_in: &[ShownIn]| -> Vec<String> {
+        let one = |(index, value): (usize, &Option<f64>)| match (value, shown_in.get(index)) {
+            (Some(value), Some(unit)) => unit.show(*value),
+            (value, _) => number(*value),
+        };
+        values.iter().enumerate().map(one).collect()
+    };
+    let objectives = all(&candidate.objectives, &result.objectives_in);
+    let margins = all(&candidate.margins, &result.margins_in);
     let margins =
         if margins.is_empty() { String::new() } else { format!(", margins {}", margins.join(", ")) };
     format!("{} gives {}{margins}", point.join(", "), objectives.join(", "))
@@ -117,7 +127,7 @@ pub(super) fn short(value: &Value) -> String {
     value.number().map_or_else(|| value.to_string(), digits)
 }
 
-pub(super) fn number(value: Option<f64>) -> String {
+fn number(value: Option<f64>) -> String {
     value.map_or_else(|| "–".to_string(), digits)
 }
 

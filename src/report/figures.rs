@@ -161,7 +161,7 @@ impl Data<'_> {
                 && comparison.metric == *self.reference(index)
                 && !rules.iter().any(|rule| rule.value == *bound)
             {
-                rules.push(comparison_rule(comparison));
+                rules.push(comparison_rule(comparison, None));
             }
         }
         // Bounds that change from trial to trial would only clutter the chart.

@@ -1,7 +1,7 @@
 //! Numbers for people: few digits, with units.
 
 use crate::metrics::{Metric, MetricKind};
-use crate::scenario::{Dimension, significant};
+use crate::scenario::{Dimension, Notation, significant};
 
 /// A metric's value with its unit, such as `1.23 s`, `yes` or `pedestrian`; `–` where it does not exist.
 pub fn quantity(metric: &Metric, value: Option<f64>) -> String {
@@ -25,6 +25,16 @@ pub fn with_unit(value: f64, dimension: Dimension) -> String {
     if unit.is_empty() { number } else { format!("{number} {unit}") }
 }
 
+/// A number in SI units in the unit that somebody wrote, such as `30 km/h`.
+pub fn in_notation(value: f64, unit: Notation) -> String {
+    let number = match value.is_infinite() {
+        true if value > 0.0 => "∞".to_string(),
+        true => "-∞".to_string(),
+        false => significant(unit.of_si(value), 4),
+    };
+    format!("{number} {}", unit.symbol).trim_end().to_string()
+}
+
 /// A share such as `85 %`.
 pub fn share(value: f64) -> String {
     format!("{} %", significant(value * 100.0, 3))
@@ -37,6 +47,11 @@ pub fn in_unit(value: f64, unit: &str) -> String {
         "" => significant(value, 4),
         unit => format!("{} {unit}", significant(value, 4)),
     }
+}
+
+/// A number in SI units, in the unit that somebody wrote or else as [`in_unit`].
+pub fn in_written_unit(value: f64, written: Option<Notation>, unit: &str) -> String {
+    written.map_or_else(|| in_unit(value, unit), |written| in_notation(value, written))
 }
 
 /// `1 trial`, `2 trials`.

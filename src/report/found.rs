@@ -3,10 +3,11 @@
 use std::fmt::Write;
 
 use super::columns::columns;
-use super::experiment::{WITHOUT_VALUE, digits, number, short};
+use super::experiment::{WITHOUT_VALUE, short};
 use crate::experiment::{Found, SearchResult};
 use crate::judge::statistics::quantile;
-use crate::scenario::Goal;
+use crate::optimise::Value;
+use crate::scenario::{Goal, ShownIn};
 
 /// Up to this many people each have a line.
 const MOST_LINES: usize = 20;
@@ -21,9 +22,9 @@ const LEVELS: [(&str, f64); 5] =
 pub fn render_search(result: &SearchResult) -> String {
     let mut text = format!("search {}: {}\n", result.name, result.objective);
     if result.found.len() <= MOST_LINES {
-        text += &people(&result.found.iter().collect::<Vec<_>>());
+        text += &people(result, &result.found.iter().collect::<Vec<_>>());
     } else {
-        text += &spread(&result.found);
+        text += &spread(result);
         let worst = worst(result);
         let (shown, all) = (worst.len(), result.found.len());
         writeln!(
@@ -31,7 +32,7 @@ pub fn render_search(result: &SearchResult) -> String {
             "the worst {shown} of {all} on fresh seeds; everybody is in the HTML and JSON reports:"
         )
         .expect(STRING);
-        text += &people(&worst);
+        text += &people(result, &worst);
     }
     let evaluations = || result.found.iter().flat_map(|found| &found.evaluations);
     let unknown = evaluations().filter(|(_, value)| value.is_none()).count();
@@ -43,42 +44,57 @@ pub fn render_search(result: &SearchResult) -> String {
     text
 }
 
-fn people(found: &[&Found]) -> String {
+fn people(result: &SearchResult, found: &[&Found]) -> String {
     let headings = ["", "where", "observed", "model", "fresh seeds", "first", "runs"];
     let mut lines = vec![headings.map(String::from).to_vec()];
-    lines.extend(found.iter().map(|found| line(found)));
+    lines.extend(found.iter().map(|found| line(result, found)));
     columns(&lines)
 }
 
-fn line(found: &Found) -> Vec<String> {
+/// A value of a range in the unit that the range is written in.
+pub(super) fn value(shown_in: Option<&ShownIn>, value: &Value) -> String {
+    match (shown_in, value.number()) {
+        (Some(unit), Some(number)) => unit.show(number),
+        _ => short(value),
+    }
+}
+
+fn line(result: &SearchResult, found: &Found) -> Vec<String> {
     let who: Vec<_> = found.individuals.iter().map(|person| person.number.to_string()).collect();
     let who = match who.as_slice() {
         [] => "all".to_string(),
         [one] => one.clone(),
         several => format!("{} people", several.len()),
     };
-    let point = found.best.iter().flatten().map(|(name, value)| format!("{name} {}", short(value)));
+    let point = found.best.iter().flatten().enumerate();
+    let point = point.map(|(index, (name, at))| format!("{name} {}", value(result.shown_in.get(index), at)));
+    let unit = &result.objective_in;
+    let of_objective = |value: Option<f64>| value.map_or("–".into(), |value| unit.show(value));
     vec![
         who,
         point.collect::<Vec<_>>().join(", "),
-        number(found.observed),
-        found.predicted.map_or("–".into(), |(mean, sd)| format!("{} ± {}", digits(mean), digits(sd))),
-        format!("{} ({})", number(found.fresh), found.fresh_runs),
+        of_objective(found.observed),
+        found
+            .predicted
+            .map_or("–".into(), |(mean, sd)| format!("{} ± {}", unit.number(mean), unit.show(sd))),
+        format!("{} ({})", of_objective(found.fresh), found.fresh_runs),
         found.passed_first.unwrap_or("–").to_string(),
         found.evaluations.len().to_string(),
     ]
 }
 
 /// Quantiles over everybody of what each line says, and how many were first.
-fn spread(found: &[Found]) -> String {
+fn spread(result: &SearchResult) -> String {
+    let found = &result.found;
     let mut lines = vec![vec![String::new()]];
     lines[0].extend(LEVELS.iter().map(|(name, _)| (*name).to_string()));
     lines[0].push("people".into());
-    let mut row = |name: &str, values: Vec<f64>| {
+    let mut row = |name: &str, unit: &ShownIn, values: Vec<f64>| {
         let mut sorted = values;
         sorted.sort_by(f64::total_cmp);
         let mut line = vec![name.to_string()];
-        line.extend(LEVELS.iter().map(|(_, level)| number(quantile(&sorted, *level))));
+        let shown = |value: Option<f64>| value.map_or("–".to_string(), |value| unit.show(value));
+        line.extend(LEVELS.iter().map(|(_, level)| shown(quantile(&sorted, *level))));
         line.push(sorted.len().to_string());
         lines.push(line);
     };
@@ -88,12 +104,13 @@ fn spread(found: &[Found]) -> String {
         let values: Vec<f64> = values.collect();
         // Words have no quantiles.
         if !values.is_empty() {
-            row(name, values);
+            row(name, result.shown_in.get(index).unwrap_or(&ShownIn::default()), values);
         }
     }
-    row("observed", found.iter().filter_map(|one| one.observed).collect());
-    row("model", found.iter().filter_map(|one| Some(one.predicted?.0)).collect());
-    row("fresh seeds", found.iter().filter_map(|one| one.fresh).collect());
+    let unit = &result.objective_in;
+    row("observed", unit, found.iter().filter_map(|one| one.observed).collect());
+    row("model", unit, found.iter().filter_map(|one| Some(one.predicted?.0)).collect());
+    row("fresh seeds", unit, found.iter().filter_map(|one| one.fresh).collect());
     let mut text = columns(&lines);
     let mut first: Vec<(&str, usize)> = Vec::new();
     for who in found.iter().map(|one| one.passed_first.unwrap_or("nobody")) {
@@ -129,7 +146,6 @@ const STRING: &str = "writing to a string cannot fail";
 mod tests {
     use super::super::fixture::{person, search_result};
     use super::*;
-    use crate::optimise::Value;
 
     /// A search over `count` people; person 7 has the smallest value on fresh seeds, person 9 nothing at all.
     fn over(count: u32) -> SearchResult {

@@ -2,7 +2,6 @@
 
 use std::fmt::Write;
 
-use super::digest::Digest;
 use super::experiment::render_block;
 use super::failure::{render_block_failure, render_failure, render_finding};
 use super::figures::{scenarios, short_name};
@@ -242,8 +241,8 @@ fn suite_summary(text: &mut String, report: &SuiteReport, requests: &Requests) {
         let columns = super::table::columns(&trials, requests);
         let mut heading = format!("| {} | |", markdown(name));
         let mut rule = "|---|---|".to_string();
-        for (_, metric, label) in &columns {
-            let (label, below) = Digest::heading(metric, label);
+        for column in &columns {
+            let (label, below) = column.heading();
             write!(heading, " {}<br><sub>{}</sub> |", markdown(&label), markdown(&below))
                 .expect("writing to a string cannot fail");
             rule.push_str("--:|");
@@ -262,9 +261,8 @@ fn suite_summary(text: &mut String, report: &SuiteReport, requests: &Requests) {
                 mark += &format!("<br><sub>{}</sub>", markdown(&stopping(stopped)));
             }
             let mut row = format!("| {} | {mark} |", markdown(&short_name(trial)));
-            for (index, metric, _) in &columns {
-                let digest = Digest::new(metric, &trial.outcomes, *index).short();
-                write!(row, " {} |", markdown(&digest)).expect("writing to a string cannot fail");
+            for column in &columns {
+                write!(row, " {} |", markdown(&column.cell(trial))).expect("writing to a string cannot fail");
             }
             line(row);
         }

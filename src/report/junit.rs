@@ -8,7 +8,7 @@ use std::io::{self, Write};
 use std::time::Duration;
 
 use self::document::{Case, Counts, Document, Kind, Problem, Suite};
-use super::digest::Digest;
+use super::digest::{Digest, written_unit};
 use super::experiment::render_block;
 use super::failure::{render_block_failure, render_failure};
 use super::gate::{blindness as gate_blindness, render_gate_report};
@@ -208,7 +208,8 @@ fn trial_case(report: &SuiteReport, trial: &TrialReport, requests: &Requests) ->
     }
     for (index, reference) in requests.iter().enumerate() {
         let Some(metric) = metrics::metric(&reference.name) else { continue };
-        case.property(&reference.label(), &Digest::new(metric, &trial.outcomes, index).long());
+        let unit = written_unit(&trial.trial.criteria, reference, metric);
+        case.property(&reference.label(), &Digest::new(metric, unit, &trial.outcomes, index).long());
     }
     for finding in trial.findings() {
         case.property(&format!("criterion {}", finding.criterion), &in_words(finding));

@@ -49,6 +49,14 @@ pub fn case_values(case: &Case, scenario: &Scenario) -> Vec<(String, String)> {
     case.variation.iter().map(|one| (one.name.clone(), shown(one))).collect()
 }
 
+/// A parameter of a person in SI units: few digits where it was fitted or drawn.
+fn as_written(value: &Value) -> String {
+    match value {
+        Value::Number(number) => show(*number, None, Dimension::NUMBER),
+        other => other.to_string(),
+    }
+}
+
 /// How a run stands to what is asked of it, a line each, what it fails first: the criterion, with the bound, and the run's value,
 /// its distance from the bound, when and for whom.
 pub fn replay_reasons(criteria: &[Criterion], outcome: &Outcome, requests: &Requests) -> Vec<String> {
@@ -94,7 +102,7 @@ pub fn render_replay(
     }
     for person in &case.individuals {
         let parameters: Vec<_> =
-            person.parameters.0.iter().map(|(name, value)| format!("{name} {value}")).collect();
+            person.parameters.0.iter().map(|(name, value)| format!("{name} {}", as_written(value))).collect();
         line(format!("  {:<12} individual {} of {}", person.pedestrian, person.number, person.population));
         line(format!("               {}", parameters.join(", ")));
     }

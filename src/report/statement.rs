@@ -2,8 +2,9 @@
 
 use std::fmt::Write;
 
-use super::format::in_unit;
+use super::format::in_written_unit;
 use crate::experiment::{ClaimResult, ClaimValues, Conclusion, StatementResult};
+use crate::lang;
 use crate::scenario::{Standing, TrendDirection};
 
 const STRING: &str = "writing to a string cannot fail";
@@ -75,7 +76,10 @@ pub fn claim_mark(claim: &ClaimResult) -> &'static str {
 
 /// The numbers that decide a claim: `4.9 s > 2.5 s`, or `10 % at 6s, 55 % at 10s`.
 pub fn claim_values(claim: &ClaimResult) -> String {
-    let show = |value: Option<f64>| value.map_or("–".to_string(), |value| in_unit(value, &claim.unit));
+    let written = lang::unit_in_claim(&claim.text, &claim.unit);
+    let show = |value: Option<f64>| {
+        value.map_or("–".to_string(), |value| in_written_unit(value, written, &claim.unit))
+    };
     let values = match &claim.values {
         ClaimValues::Compared { left, relation, right } => {
             let relation = if claim.holds == Some(false) { relation.opposite() } else { *relation };
@@ -101,6 +105,29 @@ pub fn claim_values(claim: &ClaimResult) -> String {
 mod tests {
     use super::*;
     use crate::report::fixture::statement;
+    use crate::scenario::Relation;
+
+    #[test]
+    fn claims_are_shown_in_the_unit_that_they_are_written_in() {
+        let claim = |text: &str, left, right| ClaimResult {
+            text: text.into(),
+            holds: Some(true),
+            undefined: None,
+            values: ClaimValues::Compared {
+                left: Some(left),
+                relation: Relation::LessOrEqual,
+                right: Some(right),
+            },
+            unit: "m/s".into(),
+        };
+        let slow = claim("mean(impact_speed) of all <= 20 km/h", 1.739_636_827_058_043_3, 20.0 / 3.6);
+        assert_eq!(claim_values(&slow), "6.263 km/h <= 20 km/h");
+        // The unit of a condition is not that of the claim.
+        let other = claim("mean(impact_speed) of all when speed >= 30 km/h <= 5 m/s", 2.0, 5.0);
+        assert_eq!(claim_values(&other), "2 m/s <= 5 m/s");
+        let none = claim("mean(impact_speed) of slow <= mean(impact_speed) of fast", 2.0, 5.0);
+        assert_eq!(claim_values(&none), "2 m/s <= 5 m/s");
+    }
 
     #[test]
     fn a_statement_shows_both_sides_and_why_it_fails() {

@@ -2,7 +2,7 @@
 
 use anstyle::{AnsiColor, Style};
 
-use super::digest::Digest;
+use super::digest::{Digest, written_unit};
 use super::figures::{scenarios, short_name};
 use super::wording::{closest_calls, judged_words};
 use super::{SuiteReport, TrialReport, TrialState};
@@ -10,6 +10,7 @@ use crate::escape::{terminal, terminal_line};
 use crate::judge::Verdict;
 use crate::metrics::{self, Metric};
 use crate::run::Requests;
+use crate::scenario::Notation;
 
 /// A scenario with more trials shows only those that did not pass.
 const MOST_ROWS: usize = 24;
@@ -19,8 +20,26 @@ const WIDEST_LABEL: usize = 40;
 /// What is shown of trials without criteria.
 const HEADLINES: [&str; 5] = ["collision", "gap_accepted", "pet", "max_deceleration", "time_lost"];
 
-/// A metric with its index in the outcomes and the name that it is shown by.
-pub type Column = (usize, &'static Metric, String);
+/// A metric as it is shown.
+pub struct Column {
+    /// In the outcomes.
+    pub index: usize,
+    pub metric: &'static Metric,
+    pub label: String,
+    /// That of the first criterion about it; `None` for the SI unit.
+    pub unit: Option<Notation>,
+}
+
+impl Column {
+    /// What stands above it, in two lines.
+    pub fn heading(&self) -> (String, String) {
+        Digest::heading(self.metric, &self.label, self.unit)
+    }
+
+    pub fn cell(&self, trial: &TrialReport) -> String {
+        Digest::new(self.metric, self.unit, &trial.outcomes, self.index).short()
+    }
+}
 
 /// The metrics that the criteria of `trials` are about, in their order; without criteria those that tell most.
 pub fn columns(trials: &[&TrialReport], requests: &Requests) -> Vec<Column> {
@@ -30,9 +49,10 @@ pub fn columns(trials: &[&TrialReport], requests: &Requests) -> Vec<Column> {
     let headlines = headlines.filter(|_| criteria().next().is_none());
     for reference in criteria().map(|criterion| criterion.claim.metric()).chain(headlines) {
         if let (Some(index), Some(metric)) = (requests.index(reference), metrics::metric(&reference.name))
-            && !columns.iter().any(|(known, _, _)| *known == index)
+            && !columns.iter().any(|known| known.index == index)
         {
-            columns.push((index, metric, reference.label()));
+            let unit = written_unit(criteria(), reference, metric);
+            columns.push(Column { index, metric, label: reference.label(), unit });
         }
     }
     columns
@@ -62,7 +82,7 @@ fn table(title: &str, trials: &[&TrialReport], requests: &Requests, colour: bool
     let muted = plain.dimmed();
 
     let mut lines: Vec<Vec<Cell>> = Vec::new();
-    let headings = columns.iter().map(|(_, metric, label)| Digest::heading(metric, label));
+    let headings = columns.iter().map(Column::heading);
     let (above, below): (Vec<_>, Vec<_>) = headings.unzip();
     let heading = |name: String, style: Style, labels: Vec<String>| -> Vec<Cell> {
         let labels = labels.iter().map(|label| Cell::new(label, style));
@@ -147,9 +167,9 @@ fn row(trial: &TrialReport, columns: &[Column], requests: &Requests) -> Vec<Cell
     };
     let name = super::chart::shortened(&terminal_line(&name), WIDEST_LABEL);
     let mut cells = vec![Cell::new(&name, Style::new()), Cell::new(&mark, style)];
-    for (index, metric, _) in columns {
-        let text = Digest::new(metric, &trial.outcomes, *index).short();
-        let bad = worst(trial, *index, requests).filter(|verdict| *verdict != Verdict::Passed);
+    for column in columns {
+        let text = column.cell(trial);
+        let bad = worst(trial, column.index, requests).filter(|verdict| *verdict != Verdict::Passed);
         cells.push(Cell::new(&text, bad.map_or(Style::new(), self::style)));
     }
     cells

@@ -3,13 +3,13 @@
 use std::collections::HashSet;
 
 use super::chart::Rule;
-use super::format::{count, quantity, share};
+use super::format::{count, in_notation, quantity, share};
 use super::{BlockReport, RecordedReport, Skip, Standing, SuiteReport, TrialReport, TrialState};
 use crate::judge::{Finding, Horizon, Measure, Reason, Regarding, Stopping, Vacuity, Verdict, WorstRun};
 use crate::lang;
 use crate::metrics::{self, MetricKind};
 use crate::run::{OnCourse, departures};
-use crate::scenario::{Comparison, People, Relation, significant};
+use crate::scenario::{Comparison, Notation, People, Relation, significant};
 
 /// What was found: `holds in 18 of 20 runs`, `85 %`, `1.62 s`; `–` if no run has a value.
 pub fn observed(finding: &Finding) -> String {
@@ -72,8 +72,8 @@ fn signed(margin: f64, size: String) -> String {
     format!("{}{size}", if margin < 0.0 { "-" } else { "+" })
 }
 
-/// A comparison with a constant bound: `pet < 1.5 s`, `no collision`, `passed_first = pedestrian`.
-pub fn comparison_text(comparison: &Comparison) -> String {
+/// A comparison with a constant bound, shown in `unit` if it has one: `pet < 1.5 s`, `no collision`, `passed_first = pedestrian`.
+pub fn comparison_text(comparison: &Comparison, unit: Option<Notation>) -> String {
     let (label, bound) = (comparison.metric.label(), comparison.constant_bound());
     let metric = metrics::metric(&comparison.metric.name);
     let flag = metric.is_some_and(|metric| metric.kind == MetricKind::Flag);
@@ -83,14 +83,18 @@ pub fn comparison_text(comparison: &Comparison) -> String {
             if set { label } else { format!("no {label}") }
         }
         relation => {
-            let bound = metric.map_or_else(|| significant(bound, 4), |metric| quantity(metric, Some(bound)));
+            let bound = match (unit, metric) {
+                (Some(unit), _) => in_notation(bound, unit),
+                (None, Some(metric)) => quantity(metric, Some(bound)),
+                (None, None) => significant(bound, 4),
+            };
             format!("{label} {} {bound}", relation.symbol())
         }
     }
 }
 
-/// The bound of a comparison as a line in a chart of its metric.
-pub fn comparison_rule(comparison: &Comparison) -> Rule {
+/// The bound of a comparison as a line in a chart of its metric: at its value in SI units, shown in `unit` if it has one.
+pub fn comparison_rule(comparison: &Comparison, unit: Option<Notation>) -> Rule {
     let sign = match comparison.relation {
         Relation::GreaterOrEqual => "≥",
         Relation::LessOrEqual => "≤",
@@ -98,8 +102,11 @@ pub fn comparison_rule(comparison: &Comparison) -> Rule {
         other => other.symbol(),
     };
     let bound = comparison.constant_bound();
-    let shown = match metrics::metric(&comparison.metric.name) {
-        Some(metric) if matches!(metric.kind, MetricKind::Quantity(_)) => quantity(metric, Some(bound)),
+    let shown = match (unit, metrics::metric(&comparison.metric.name)) {
+        (Some(unit), _) => in_notation(bound, unit),
+        (None, Some(metric)) if matches!(metric.kind, MetricKind::Quantity(_)) => {
+            quantity(metric, Some(bound))
+        }
         _ => significant(bound, 4),
     };
     Rule { value: bound, label: format!("{sign} {shown}") }
@@ -159,7 +166,7 @@ pub fn metric_value(finding: &Finding, value: Option<f64>) -> String {
         MetricKind::Flag | MetricKind::Category(_) => None,
     };
     match (unit, value) {
-        (Some(unit), Some(value)) => format!("{} {}", significant(unit.of_si(value), 4), unit.symbol),
+        (Some(unit), Some(value)) => in_notation(value, unit),
         _ => quantity(metric, value),
     }
 }
@@ -384,7 +391,7 @@ mod tests {
         let text = |name: &str, relation, bound: f64| {
             let metric = MetricReference { name: name.into(), settings: Settings::default(), pair: None };
             let when_undefined = WhenUndefined::Fails;
-            comparison_text(&Comparison { metric, relation, bound: bound.into(), when_undefined })
+            comparison_text(&Comparison { metric, relation, bound: bound.into(), when_undefined }, None)
         };
         assert_eq!(text("pet", Relation::Less, 1.5), "pet < 1.5 s");
         assert_eq!(text("collision", Relation::Equal, 0.0), "no collision");

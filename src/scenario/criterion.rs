@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::{EvaluationError, Expression, Settings, Value};
+use super::{Dimension, EvaluationError, Expression, Notation, Settings, Value, show};
 
 /// Where in a file something was said; enough to show it again without reading the file.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -267,9 +267,10 @@ impl Aggregate {
 }
 
 impl Comparison {
-    /// In words, with the bound in SI units, such as `pet >= 1.5`.
-    pub fn text(&self) -> String {
-        format!("{} {} {}", self.metric.label(), self.relation.symbol(), self.constant_bound())
+    /// In words, with the bound in `unit`, such as `pet >= 1.5 s`; without a unit in SI units.
+    pub fn text(&self, unit: Option<Notation>) -> String {
+        let bound = show(self.constant_bound(), unit, Dimension::NUMBER);
+        format!("{} {} {bound}", self.metric.label(), self.relation.symbol())
     }
 
     /// The bound once it is a constant, as it is in every plan and in `search` and `tune` blocks; flags as 0 and 1.

@@ -4,7 +4,7 @@
 
 use thiserror::Error;
 
-use super::{Dimension, Settings, Value};
+use super::{Dimension, Settings, Value, show, show_both, show_outside};
 
 /// What a registered thing says about itself.
 #[derive(Debug, Clone, Copy)]
@@ -96,15 +96,16 @@ pub const ANOTHER_MODEL: &str = "another_model";
 /// A setting that makes another model than was published.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[error(
-    "`{parameter}` of `{owner}` is {found}{unit} where {published}{unit} was published, which makes it another model"
+    "`{parameter}` of `{owner}` is {} where {} was published, which makes it another model",
+    show_both(*found, *published, *dimension).0,
+    show_both(*found, *published, *dimension).1
 )]
 pub struct Departure {
     pub owner: &'static str,
     pub parameter: &'static str,
     pub found: f64,
     pub published: f64,
-    /// With a space before it; empty for plain numbers.
-    pub unit: String,
+    pub dimension: Dimension,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -162,7 +163,7 @@ pub enum SettingError {
     UnknownParameter { owner: &'static str, name: String },
     #[error("`{name}` of `{owner}` must be {expected}, but is {found}")]
     WrongType { owner: &'static str, name: String, expected: String, found: String },
-    #[error("`{name}` of `{owner}` is {found}, outside {low} .. {high}{unit}")]
+    #[error("`{name}` of `{owner}` is {}, outside {low} .. {high}{unit}", show_outside(*found, (*low, *high)))]
     OutOfRange { owner: &'static str, name: String, found: f64, low: f64, high: f64, unit: String },
     #[error("`{name}` of `{owner}` has no option `{found}`")]
     UnknownOption { owner: &'static str, name: String, found: String, options: Vec<&'static str> },
@@ -250,7 +251,10 @@ impl Parameter {
             owner,
             name: self.name.to_string(),
             expected,
-            found: value.to_string(),
+            found: match value {
+                Value::Number(number) => show(*number, None, Dimension::NUMBER),
+                other => other.to_string(),
+            },
         };
         let outside = |found: f64, low: f64, high: f64, unit: String| SettingError::OutOfRange {
             owner,
@@ -328,11 +332,9 @@ impl Declaration {
         let departure = |parameter: &Parameter| {
             let (published, found) =
                 (parameter.published?(settings), settings.optional_number(parameter.name)?);
-            let unit = match parameter.kind {
-                ParameterKind::Number { dimension, .. } if dimension != Dimension::NUMBER => {
-                    format!(" {}", dimension.si_unit())
-                }
-                _ => String::new(),
+            let dimension = match parameter.kind {
+                ParameterKind::Number { dimension, .. } => dimension,
+                _ => Dimension::NUMBER,
             };
             let differs = (found - published).abs() > 1e-9 * published.abs();
             differs.then_some(Departure {
@@ -340,7 +342,7 @@ impl Declaration {
                 parameter: parameter.name,
                 found,
                 published,
-                unit,
+                dimension,
             })
         };
         self.parameters.iter().filter_map(departure).collect()

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Aggregate, CaseSet, Origin, Target, Value};
+use super::{Aggregate, CaseSet, Notation, Origin, Target, Value};
 
 /// Runs the same cases under several conditions and sets the metrics side by side.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -20,6 +20,9 @@ pub struct Evaluate {
     pub source: Option<String>,
     /// Rows of a source to show beside ours: a condition's name and a value per measure, SI units.
     pub reported: Vec<(String, Vec<f64>)>,
+    /// The units that conditions give parameters in, where those are others than the SI units.
+    #[serde(skip)]
+    pub given_in: Vec<(Target, Notation)>,
     pub origin: Origin,
 }
 
@@ -51,6 +54,9 @@ pub struct Measure {
     pub aggregate: Aggregate,
     /// In canonical words, such as `mean(pet)`.
     pub text: String,
-    /// SI unit shown in reports.
+    /// SI unit of its values.
     pub unit: String,
+    /// The unit that people are shown, if that is another one: that of its reported values, or of a comparison with its metric.
+    #[serde(skip)]
+    pub notation: Option<Notation>,
 }

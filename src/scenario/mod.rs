@@ -41,10 +41,10 @@ pub use distribution::{Distribution, DistributionError, KnownDistribution};
 pub use evaluate::{Condition, Evaluate, Measure, ParameterSet};
 pub use expression::{BinaryOperator, EvaluationError, Expression};
 pub use gate::{Gate, GateRule, Tolerance};
-pub use notation::{Notation, Written, out_of_range, show};
+pub use notation::{Notation, Written, out_of_range, show, show_both, show_outside};
 pub use optimisation::{
     Budget, CaseSet, Goal, InitialDesign, Method, Objective, Part, Range, RangeValues, SampleSize, Search,
-    Target, Tune,
+    ShownIn, Target, Tune,
 };
 pub use road::{Body, Crossing, CrossingKind, Direction, Lane, Road, Side};
 pub use statement::{

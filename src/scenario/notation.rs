@@ -57,6 +57,24 @@ pub fn show(si: f64, notation: Option<Notation>, dimension: Dimension) -> String
     }
 }
 
+/// Two numbers in SI units as [`show`] gives them in the SI unit, with as many more digits as tell them apart: of the two somebody
+/// is told that they do not fit each other.
+pub fn show_both(one: f64, other: f64, dimension: Dimension) -> (String, String) {
+    let few = (digits(one), digits(other));
+    let more = (5..=17).map(|count| (significant(one, count), significant(other, count)));
+    let told_apart = |(left, right): &(String, String)| one == other || left != right;
+    let shown = std::iter::once(few.clone()).chain(more).find(told_apart).unwrap_or(few);
+    let unit = dimension.si_unit();
+    (with_symbol(&shown.0, &unit), with_symbol(&shown.1, &unit))
+}
+
+/// A number that lies outside a range, both in one unit, which is not shown, with so many digits that it does not look inside.
+pub fn show_outside(found: f64, (low, high): (f64, f64)) -> String {
+    let looks_outside = |shown: &str| shown.parse::<f64>().is_ok_and(|shown| shown < low || shown > high);
+    let shown = std::iter::once(digits(found)).chain((5..=17).map(|count| significant(found, count)));
+    shown.into_iter().find(|shown| looks_outside(shown)).unwrap_or_else(|| found.to_string())
+}
+
 /// That `what` is `found` but must lie in a range, and in which: two texts, all numbers in the unit of `notation`. Where the range has
 /// no round numbers in that unit, it is given in SI units as well.
 pub fn out_of_range(
@@ -85,10 +103,7 @@ pub fn out_of_range(
     }
     // Rounding must not put a number onto the bound that it misses by little.
     let number = in_unit(found);
-    let looks_outside =
-        |shown: &str| shown.parse::<f64>().is_ok_and(|shown| shown < in_unit(low) || shown > in_unit(high));
-    let shown = std::iter::once(digits(number)).chain((5..=17).map(|count| significant(number, count)));
-    let shown = shown.into_iter().find(|shown| looks_outside(shown)).unwrap_or_else(|| number.to_string());
+    let shown = show_outside(number, (in_unit(low), in_unit(high)));
     (format!("{what} is {}, but must be {range}", with_symbol(&shown, &symbol)), range)
 }
 
@@ -119,6 +134,15 @@ mod tests {
         );
         assert_eq!(say(f64::INFINITY, None), "it is inf m/s, but must be between 0 and 100 m/s");
         assert_eq!(say(f64::NAN, None), "it is NaN m/s, but must be between 0 and 100 m/s");
+    }
+
+    #[test]
+    fn numbers_that_do_not_fit_each_other_are_told_apart() {
+        let say = |one, other| show_both(one, other, Dimension::TIME);
+        assert_eq!(say(0.03, 0.005), ("0.03 s".to_string(), "0.005 s".to_string()));
+        assert_eq!(say(1.0 / 3.0, 2.0 / 3.0), ("0.3333 s".to_string(), "0.6667 s".to_string()));
+        assert_eq!(say(0.100_000_000_04, 0.1), ("0.10000000004 s".to_string(), "0.1 s".to_string()));
+        assert_eq!(say(2.0 / 3.0, 2.0 / 3.0), ("0.6667 s".to_string(), "0.6667 s".to_string()));
     }
 
     #[test]

@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Aggregate, Comparison, Individuals, Origin};
+use super::{Aggregate, Comparison, Individuals, Notation, Origin, significant};
 
 /// Finds the values of variations (or model parameters) at which a metric is worst, per individual or for all.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -24,6 +24,9 @@ pub struct Search {
     pub runs: u32,
     /// What the found cases must be to belong to the named set; without it every best case does.
     pub keep: Option<Comparison>,
+    /// The unit that its bound is written in.
+    #[serde(skip)]
+    pub keep_in: Option<Notation>,
     pub origin: Origin,
 }
 
@@ -38,6 +41,9 @@ pub struct Tune {
     pub objectives: Vec<Objective>,
     /// Must hold in every run of the set.
     pub constraints: Vec<Comparison>,
+    /// The units that their bounds are written in, in their order.
+    #[serde(skip)]
+    pub constraints_in: Vec<Option<Notation>>,
     pub budget: Budget,
     /// Runs of every case under fresh seeds, the same for every candidate; 0: once, with the case's own seed.
     #[serde(default)]
@@ -83,6 +89,9 @@ pub struct Objective {
     pub aggregate: Aggregate,
     /// In canonical words, such as `minimise mean(time_lost)`.
     pub text: String,
+    /// The unit in which its block compares the metric to something: what people are shown.
+    #[serde(skip)]
+    pub notation: Option<Notation>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -99,7 +108,52 @@ pub struct Range {
     pub values: RangeValues,
     /// SI unit shown in reports and labels; empty for plain numbers and words.
     pub unit: String,
+    /// The unit that its bounds are written in, if that is another one: what people are shown.
+    #[serde(skip)]
+    pub notation: Option<Notation>,
     pub origin: Origin,
+}
+
+/// How the values of a range are shown to people.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ShownIn {
+    notation: Option<Notation>,
+    unit: String,
+}
+
+impl Range {
+    pub fn shown_in(&self) -> ShownIn {
+        ShownIn::new(self.notation, &self.unit)
+    }
+}
+
+impl Tune {
+    /// The unit that the bound of a constraint is written in.
+    pub fn constraint_in(&self, index: usize) -> Option<Notation> {
+        self.constraints_in.get(index).copied().flatten()
+    }
+}
+
+/// Shares are numbers in 0..1 and shown in per cent.
+const PER_CENT: Notation = Notation { symbol: "%", numerator: 1.0, denominator: 100.0 };
+
+impl ShownIn {
+    /// In `notation`, else in the SI unit `unit`, which may be empty; `%` for shares in 0..1.
+    pub fn new(notation: Option<Notation>, unit: &str) -> Self {
+        let notation = notation.or((unit == "%").then_some(PER_CENT));
+        Self { notation, unit: unit.to_string() }
+    }
+
+    /// A number in SI units with four significant digits and its unit.
+    pub fn show(&self, si: f64) -> String {
+        let unit = self.notation.map_or(self.unit.as_str(), |notation| notation.symbol);
+        format!("{} {unit}", self.number(si)).trim_end().to_string()
+    }
+
+    /// As [`Self::show`], without the unit.
+    pub fn number(&self, si: f64) -> String {
+        significant(self.notation.map_or(si, |notation| notation.of_si(si)), 4)
+    }
 }
 
 /// What a dimension varies.
@@ -195,5 +249,20 @@ impl fmt::Display for Target {
                 write!(out, "{road_user}.{part}.{parameter}")
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_shown_in_the_unit_that_was_written() {
+        let kmh = Notation { symbol: "km/h", numerator: 5.0, denominator: 18.0 };
+        assert_eq!(ShownIn::new(Some(kmh), "m/s").show(50.0 / 3.6), "50 km/h");
+        assert_eq!(ShownIn::new(None, "m/s").show(50.0 / 3.6), "13.89 m/s");
+        assert_eq!(ShownIn::new(None, "%").show(0.85), "85 %");
+        assert_eq!(ShownIn::new(None, "").show(3.0), "3");
+        assert_eq!(ShownIn::new(Some(kmh), "m/s").number(10.0), "36");
     }
 }

@@ -101,6 +101,7 @@ fn hasty() -> Suite {
         direction: Goal::Minimise,
         aggregate: Aggregate::Mean(metric("time_lost")),
         text: "minimise mean(time_lost)".into(),
+        notation: None,
     };
     suite.searches[0].keep = None;
     suite

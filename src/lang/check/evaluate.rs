@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::Places;
 use super::block::{Layer, missing, reject_repeats};
-use super::experiment::{SummedUp, Takes, reject_unmeant, summed_up, target};
+use super::experiment::{SummedUp, Takes, bound_in, reject_unmeant, summed_up, target};
 use super::subject::{Subject, Subjects, case_set};
 use crate::lang::codes::Code;
 use crate::lang::diagnostic::Diagnostic;
@@ -14,7 +14,9 @@ use crate::lang::settings::{self, repeated};
 use crate::lang::source::Span;
 use crate::lang::tree::{Node, Rule};
 use crate::lang::value::{self, Scope, unquote};
-use crate::scenario::{Condition, Evaluate, Expression, Measure, ParameterSet, Target, Value};
+use crate::scenario::{
+    Condition, Dimension, Evaluate, Expression, Measure, Notation, ParameterSet, Target, Value,
+};
 
 /// What a condition is called that changes nothing.
 const DEFAULT: &str = "default";
@@ -42,10 +44,11 @@ pub fn evaluate(
         missing(&layers, name.span(), &what, "conditions", "with default, TUNE", report);
     }
     let mut names: HashMap<String, Span> = HashMap::new();
+    let mut given_in = Vec::new();
     let conditions: Vec<_> = nodes
         .into_iter()
         .map(|node| {
-            let condition = condition(node, subjects, &subject, scope, places, report)?;
+            let condition = condition(node, (subjects, &subject), scope, &mut given_in, places, report)?;
             let named = node.child(Rule::alias).unwrap_or(node).span();
             if let Some(first) = names.insert(condition.name.clone(), named) {
                 report.push(
@@ -72,7 +75,21 @@ pub fn evaluate(
         .collect();
     let conditions: Vec<Condition> = conditions.into_iter().collect::<Option<_>>()?;
     let measures: Vec<_> = measures.into_iter().collect::<Option<_>>()?;
-    let reported = reported(block, &conditions, &measures, scope, report);
+    let mut written_in = vec![None; measures.len()];
+    let reported = reported(block, &conditions, &measures, &mut written_in, scope, report);
+    let nodes = block.all(Rule::measures).flat_map(|node| node.all(Rule::measure));
+    let compared: Vec<_> = nodes
+        .zip(&measures)
+        .filter_map(|(node, measure)| {
+            Some((measure.aggregate.metric(), bound_in(node.child(Rule::rate)?, scope)?))
+        })
+        .collect();
+    for (notation, measure) in written_in.iter_mut().zip(&measures) {
+        let same = compared.iter().find(|(metric, _)| *metric == measure.aggregate.metric());
+        *notation = notation.or(same.map(|(_, unit)| *unit));
+        // Shares and counts have no unit but their own.
+        *notation = notation.filter(|_| measure.dimension != Dimension::NUMBER);
+    }
     Some(Evaluate {
         name: name.text().to_string(),
         doc: super::doc(block),
@@ -83,12 +100,15 @@ pub fn evaluate(
         reported: reported?,
         measures: measures
             .into_iter()
-            .map(|SummedUp { aggregate, text, dimension, .. }| Measure {
+            .zip(written_in)
+            .map(|(SummedUp { aggregate, text, dimension, .. }, notation)| Measure {
                 aggregate,
                 text,
                 unit: dimension.si_unit(),
+                notation,
             })
             .collect(),
+        given_in,
         origin: places.origin(name.span()),
     })
 }
@@ -103,9 +123,9 @@ pub fn fresh_seeds(block: Node, report: &mut Vec<Diagnostic>) -> Option<u32> {
 
 fn condition(
     node: Node,
-    subjects: &Subjects,
-    subject: &Subject,
+    (subjects, subject): (&Subjects, &Subject),
     scope: &Scope,
+    given_in: &mut Vec<(Target, Notation)>,
     places: &Places,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Condition> {
@@ -128,7 +148,8 @@ fn condition(
         }
         (ParameterSet::Saved(saved), None)
     } else {
-        (ParameterSet::Given(given(node.child(Rule::parameter_set)?, subject, scope, report)?), None)
+        let set = node.child(Rule::parameter_set)?;
+        (ParameterSet::Given(given(set, subject, scope, given_in, report)?), None)
     };
     let Some(name) = alias.or(own_name) else {
         report.push(
@@ -224,11 +245,12 @@ fn fits(name: Node, other: &Subject, subject: &Subject, report: &mut Vec<Diagnos
     false
 }
 
-/// `{ av.controller.braking_distance: 10 m }`
+/// `{ av.controller.braking_distance: 10 m }`; `given_in` takes the units.
 fn given(
     node: Node,
     subject: &Subject,
     scope: &Scope,
+    given_in: &mut Vec<(Target, Notation)>,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Vec<(Target, Value)>> {
     let nodes: Vec<Node> = node.all(Rule::given).collect();
@@ -265,7 +287,9 @@ fn given(
                 );
                 return None;
             };
-            match settings::one(parameter, wanted, &declaration, scope, report)?.expression {
+            let value = settings::one(parameter, wanted, &declaration, scope, report)?;
+            given_in.extend(value.notation.map(|notation| (target.clone(), notation)));
+            match value.expression {
                 Expression::Constant(value) => Some((target, value)),
                 varying => value::not_constant(wanted.span(), &varying, "a condition", report),
             }
@@ -274,11 +298,12 @@ fn given(
     values.into_iter().collect()
 }
 
-/// The rows of a source, each with a value for every measure.
+/// The rows of a source, each with a value for every measure; `written_in` takes the first unit of each.
 fn reported(
     block: Node,
     conditions: &[Condition],
     measures: &[SummedUp],
+    written_in: &mut [Option<Notation>],
     scope: &Scope,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Vec<(String, Vec<f64>)>> {
@@ -325,9 +350,14 @@ fn reported(
             let values: Vec<_> = values
                 .into_iter()
                 .zip(measures)
-                .map(|(value, measure)| {
+                .zip(written_in.iter_mut())
+                .map(|((value, measure), notation)| {
+                    let (dimension, range) = (measure.dimension, measure.range);
                     let what = format!("the reported `{}`", measure.text);
-                    value::constant_in(value, measure.dimension, measure.range, &what, scope, report)
+                    let (value, written) =
+                        value::written_constant(value, dimension, range, &what, scope, report)?;
+                    *notation = notation.or(written);
+                    Some(value)
                 })
                 .collect();
             Some((name.text().to_string(), values.into_iter().collect::<Option<_>>()?))

@@ -19,8 +19,8 @@ use crate::metrics::MetricKind;
 use crate::pedestrian;
 use crate::scenario::{
     ANOTHER_MODEL, Aggregate, Budget, Comparison, Declaration, Dimension, Expression, Goal, InitialDesign,
-    Method, Objective, ParameterKind, Part, Range, RangeValues, Relation, Scenario, Search, Target, Tune,
-    Value, Variation,
+    Method, Notation, Objective, ParameterKind, Part, Range, RangeValues, Relation, Scenario, Search, Target,
+    Tune, Value, Variation,
 };
 
 const MOST_EVALUATIONS: u32 = 1_000_000;
@@ -61,7 +61,12 @@ pub fn search(
         Some(node) => super::count(node, 1, 100_000, "the number of runs per evaluation", report),
         None => Some(1),
     };
-    let keep = block.child(Rule::keep).map(|node| constant_comparison(node, &cast, scope, report));
+    let keep_node = block.child(Rule::keep);
+    let keep = keep_node.map(|node| constant_comparison(node, &cast, scope, report));
+    let keep_in = keep_node.and_then(|node| bound_in(node, scope));
+    let mut objective = objective?;
+    let kept = keep.iter().flatten().zip([keep_in]);
+    objective.notation = unit_beside(&objective, kept);
     Some(Search {
         name: name.text().to_string(),
         doc: super::doc(block),
@@ -71,7 +76,7 @@ pub fn search(
             None => None,
         },
         together: block.has(Rule::together),
-        objective: objective?,
+        objective,
         over: over?,
         budget: budget?,
         runs: runs?,
@@ -79,6 +84,7 @@ pub fn search(
             Some(keep) => Some(keep?),
             None => None,
         },
+        keep_in,
         origin: places.origin(name.span()),
     })
 }
@@ -113,23 +119,29 @@ pub fn tune(
         ),
         _ => {}
     }
-    let constraints: Vec<_> = block
-        .all(Rule::constraints)
-        .flat_map(|node| node.all(Rule::constraint))
-        .map(|node| constant_comparison(node, &cast, scope, report))
-        .collect();
+    let nodes: Vec<Node> = block.all(Rule::constraints).flat_map(|node| node.all(Rule::constraint)).collect();
+    let constraints: Vec<_> =
+        nodes.iter().map(|node| constant_comparison(*node, &cast, scope, report)).collect();
+    let constraints_in: Vec<_> = nodes.iter().map(|node| bound_in(*node, scope)).collect();
     let over = ranges(block, name, &what, &subject, scope, places, report);
     let over = over.filter(|_| only_parameters(block, report));
     let budget = budget(block, name, &what, scope, report);
     let fresh = super::evaluate::fresh_seeds(block, report);
     let fallback = fewest_violations(block, report);
+    let constraints: Vec<Comparison> = constraints.into_iter().collect::<Option<_>>()?;
+    let mut objectives: Vec<Objective> =
+        objectives.into_iter().map(|(_, objective)| objective).collect::<Option<_>>()?;
+    for objective in &mut objectives {
+        objective.notation = unit_beside(objective, constraints.iter().zip(constraints_in.iter().copied()));
+    }
     Some(Tune {
         name: name.text().to_string(),
         doc: super::doc(block),
         on: case_set,
         over: over?,
-        objectives: objectives.into_iter().map(|(_, objective)| objective).collect::<Option<_>>()?,
-        constraints: constraints.into_iter().collect::<Option<_>>()?,
+        objectives,
+        constraints,
+        constraints_in,
         budget: budget?,
         fresh: fresh?,
         early_stop: block.has(Rule::stop_early),
@@ -210,13 +222,34 @@ fn constant_comparison(
     }
 }
 
+/// The unit that the bound of a comparison below `node` is written in.
+pub fn bound_in(node: Node, scope: &Scope) -> Option<Notation> {
+    let bound = node.child(Rule::condition)?.child(Rule::expression)?;
+    // What is wrong with it was reported when it was read as a comparison.
+    value::evaluate(bound, scope, &mut Vec::new())?.notation
+}
+
+/// The unit in which one of the comparisons compares the objective's metric, unless the objective counts runs.
+fn unit_beside<'c>(
+    objective: &Objective,
+    mut comparisons: impl Iterator<Item = (&'c Comparison, Option<Notation>)>,
+) -> Option<Notation> {
+    if matches!(objective.aggregate, Aggregate::Rate(_) | Aggregate::Count(_)) {
+        return None;
+    }
+    let same = |(comparison, unit): (&Comparison, Option<Notation>)| {
+        unit.filter(|_| comparison.metric == *objective.aggregate.metric())
+    };
+    comparisons.find_map(same)
+}
+
 fn objective(node: Node, cast: &Cast, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<Objective> {
     let (direction, word) = match node.has(Rule::kw_minimise) {
         true => (Goal::Minimise, "minimise"),
         false => (Goal::Maximise, "maximise"),
     };
     let SummedUp { aggregate, text, .. } = summed_up(node, word, cast, scope, report)?;
-    Some(Objective { direction, aggregate, text: format!("{word} {text}") })
+    Some(Objective { direction, aggregate, text: format!("{word} {text}"), notation: None })
 }
 
 /// An aggregate with what it can be compared to.
@@ -423,10 +456,16 @@ fn range(
             }
         },
     };
+    let mut notation = None;
     let (values, unit) = match (kind, node.child(Rule::list)) {
         (Kind::Number(dimension), None) => {
             let mut bounds = node.all(Rule::expression);
-            let mut bound = || value::constant_in(bounds.next()?, dimension, limits, &what, scope, report);
+            let mut bound = || {
+                let (bound, written) =
+                    value::written_constant(bounds.next()?, dimension, limits, &what, scope, report)?;
+                notation = notation.or(written);
+                Some(bound)
+            };
             let (low, high) = (bound(), bound());
             let (low, high) = (low?, high?);
             (interval(node, low, high, whole, report)?, dimension.si_unit())
@@ -448,7 +487,7 @@ fn range(
             return None;
         }
     };
-    Some(Range { target, values, unit, origin: places.origin(node.span()) })
+    Some(Range { target, values, unit, notation, origin: places.origin(node.span()) })
 }
 
 fn interval(

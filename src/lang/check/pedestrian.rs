@@ -244,8 +244,9 @@ fn start(said: Said, road: &Road, report: &mut Vec<Diagnostic>) -> Option<(Expre
                 .label("contradicts the other")
                 .context(first.2, "said here")
                 .note(format!(
-                    "the lane is {} m wide, so its centre is {half} m from the kerb",
-                    road.lane_width
+                    "the lane is {} wide, so its centre is {} from the kerb",
+                    show(road.lane_width, None, Dimension::LENGTH),
+                    show(half, None, Dimension::LENGTH)
                 ))
                 .hint("give only one of the two"),
             );

@@ -5,7 +5,7 @@ use super::parameters::{PARAMETERS, Parameters};
 use super::state::{Body, Control, State};
 use super::variant::{Accumulation, Variant, VariantError};
 use crate::pedestrian::{PedestrianContext, PedestrianModel};
-use crate::scenario::{Chance, Declaration, Road, Settings, Shape, VehicleReference};
+use crate::scenario::{Chance, Declaration, Dimension, Road, Settings, Shape, VehicleReference, show_both};
 use crate::sim::random::{self, Purpose, Stream};
 use crate::sim::{ModelError, Motion, Pedestrian, Scene, VehicleState};
 
@@ -77,9 +77,10 @@ impl Person {
         let dt = settings.number("dt");
         let steps = (dt / step).round();
         if steps < 1.0 || (steps * step / dt - 1.0).abs() > 1e-6 {
+            let (dt, step) = show_both(dt, step, Dimension::TIME);
             return Err(ModelError::with_hint(
                 format!(
-                    "`commotions` decides every {dt} s, which is no multiple of the simulation step of {step} s"
+                    "`commotions` decides every {dt}, which is no multiple of the simulation step of {step}"
                 ),
                 "let `dt` be a multiple of the simulation step",
             ));
@@ -90,20 +91,18 @@ impl Person {
             ("DeltaT", parameters.action_duration, true),
         ] {
             if uses && value < dt {
+                let (value, dt) = show_both(value, dt, Dimension::TIME);
                 return Err(ModelError::with_hint(
-                    format!(
-                        "`{name}` of `commotions` is {value} s, shorter than its time step `dt` of {dt} s"
-                    ),
-                    format!("let `{name}` be at least {dt} s"),
+                    format!("`{name}` of `commotions` is {value}, shorter than its time step `dt` of {dt}"),
+                    format!("let `{name}` be at least as long as `dt`"),
                 ));
             }
         }
         if variant.looming && parameters.looming_full <= parameters.looming_onset {
+            let (full, onset) =
+                show_both(parameters.looming_full, parameters.looming_onset, Dimension::ANGULAR_SPEED);
             return Err(ModelError::with_hint(
-                format!(
-                    "`thetaDot_1` of `commotions` is {} rad/s, not above `thetaDot_0` of {} rad/s",
-                    parameters.looming_full, parameters.looming_onset
-                ),
+                format!("`thetaDot_1` of `commotions` is {full}, not above `thetaDot_0` of {onset}"),
                 "let `thetaDot_1` be larger than `thetaDot_0`",
             ));
         }

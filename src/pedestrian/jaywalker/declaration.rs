@@ -1,7 +1,7 @@
 //! The jaywalker's entry in the registry: parameters, presets and sources.
 
 use crate::scenario::{
-    ChoiceOption, Declaration, Dimension, Literal, Parameter, Preset, PresetFamily, Settings,
+    ChoiceOption, Declaration, Dimension, Literal, Parameter, Preset, PresetFamily, Settings, show_both,
 };
 use crate::sim::ModelError;
 
@@ -416,8 +416,9 @@ impl Triggers {
 pub fn stop_times(settings: &Settings) -> Result<(f64, f64), ModelError> {
     let (low, high) = (settings.number("stop_time_min"), settings.number("stop_time_max"));
     if low > high {
+        let (low, high) = show_both(low, high, Dimension::TIME);
         return Err(ModelError::with_hint(
-            format!("`stop_time_min` of `jaywalker` ({low} s) is above `stop_time_max` ({high} s)"),
+            format!("`stop_time_min` of `jaywalker` ({low}) is above `stop_time_max` ({high})"),
             "swap them, or give one `stop_time`",
         ));
     }

@@ -14,7 +14,7 @@ use agent::{Individuality, Jaywalker, Tactic};
 use declaration::{DECLARATION, stop_times};
 
 use super::{PedestrianContext, PedestrianModel};
-use crate::scenario::Chance;
+use crate::scenario::{Chance, Dimension, show, show_outside};
 use crate::sim::random::{Agent, Purpose, stream};
 use crate::sim::{ModelError, Pedestrian};
 
@@ -53,8 +53,9 @@ fn check_place(context: &PedestrianContext) -> Result<(), ModelError> {
     let sign = side.walking_sign();
     let inside = sign * (start.y - road.kerb(side));
     if inside >= 0.0 {
+        let inside = show(inside, None, Dimension::LENGTH);
         return Err(ModelError::with_hint(
-            format!("`jaywalker` starts {inside} m inside the kerb, but must start on the pavement"),
+            format!("`jaywalker` starts {inside} inside the kerb, but must start on the pavement"),
             "start it 2 m from the kerb, as its source does",
         ));
     }
@@ -66,11 +67,10 @@ fn check_place(context: &PedestrianContext) -> Result<(), ModelError> {
     }
     let step = context.world.step;
     if !(STEPS.0..=STEPS.1).contains(&step) {
+        let (low, high) = STEPS;
+        let step = show_outside(step, STEPS);
         return Err(ModelError::with_hint(
-            format!(
-                "`jaywalker` is made for steps of {} .. {} s, but the step is {step} s",
-                STEPS.0, STEPS.1
-            ),
+            format!("`jaywalker` is made for steps of {low} .. {high} s, but the step is {step} s"),
             "take a step of 0.02 s",
         ));
     }

@@ -11,7 +11,7 @@ use crate::metrics::{MetricKind, metric, unit_of};
 use crate::report::SuiteReport;
 use crate::report::chart::{Dot, First, Rows, Rule, Strip, Strips, first_legend};
 use crate::report::evaluation::without_value;
-use crate::report::format::in_unit;
+use crate::report::format::in_written_unit;
 use crate::report::wording::comparison_rule;
 use crate::scenario::{Aggregate, CaseSet, Comparison, Evaluate, Measure, MetricReference, ParameterSet};
 
@@ -59,8 +59,11 @@ struct Cell {
 
 impl Section {
     pub fn new(report: &SuiteReport, evaluate: &Evaluate, result: &EvaluateResult) -> Self {
-        let measured: Vec<Measured> =
-            result.measures.iter().map(|one| Measured::new(&one.text, unit_of(&one.aggregate))).collect();
+        let measured: Vec<Measured> = result
+            .measures
+            .iter()
+            .map(|one| Measured::new(&one.text, unit_of(&one.aggregate)).written_in(one.notation))
+            .collect();
         let table = Table { result, measured: &measured };
         let parameters = result.conditions.iter().map(|one| &one.parameters).find(|all| !all.is_empty());
         let targets: Vec<_> = parameters.into_iter().flatten().map(|one| one.target.clone()).collect();
@@ -207,7 +210,7 @@ fn parameter(parameter: &ParameterValue) -> String {
     match &parameter.value {
         None => if parameter.varies { "varies" } else { "not set" }.to_string(),
         Some(value) => match value.as_number() {
-            Some(number) => in_unit(number, &parameter.unit),
+            Some(number) => in_written_unit(number, parameter.notation, &parameter.unit),
             None => value.to_string(),
         },
     }
@@ -316,7 +319,7 @@ impl Charts<'_> {
         let mut rules: Vec<(f64, Rule)> = Vec::new();
         for comparison in comparisons.into_iter().filter(|one| one.metric == *reference) {
             if !rules.iter().any(|(bound, _)| *bound == comparison.constant_bound()) {
-                rules.push((comparison.constant_bound(), comparison_rule(comparison)));
+                rules.push((comparison.constant_bound(), comparison_rule(comparison, None)));
             }
         }
         rules.into_iter().map(|(_, rule)| rule).collect()

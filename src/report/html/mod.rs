@@ -151,6 +151,7 @@ mod tests {
             measures: Vec::new(),
             source: None,
             reported: Vec::new(),
+            given_in: Vec::new(),
             origin: Origin::default(),
         }
     }

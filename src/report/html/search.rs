@@ -12,7 +12,7 @@ use crate::report::chart::{
     Strip, Strips, Tried, first_legend, with_room,
 };
 use crate::report::wording::{comparison_rule, comparison_text};
-use crate::scenario::Search;
+use crate::scenario::{Aggregate, Search};
 
 /// Charts of surrogates that are seen at once, and all that are drawn.
 const OPEN_SLICES: usize = 6;
@@ -89,7 +89,9 @@ impl Section {
         let worst = with_value.min_by(|left, right| (sign * left).total_cmp(&(sign * right)));
         let worst = Measured::objective(&search.objective).text(worst);
         match &search.keep {
-            Some(keep) => format!("{kept} of {hunted} kept ({}); worst {worst}", comparison_text(keep)),
+            Some(keep) => {
+                format!("{kept} of {hunted} kept ({}); worst {worst}", comparison_text(keep, search.keep_in))
+            }
             None => format!("{hunted} found; worst {worst}"),
         }
     }
@@ -116,7 +118,11 @@ impl Hunt<'_> {
         )];
         if let Some(keep) = &search.keep {
             let kept = found.iter().filter(|one| one.kept.contains(&true)).count();
-            sentences.push(format!("{kept} of {} are kept: {}.", found.len(), comparison_text(keep)));
+            sentences.push(format!(
+                "{kept} of {} are kept: {}.",
+                found.len(),
+                comparison_text(keep, search.keep_in)
+            ));
         }
         if let Some((worst, point)) = found.first().and_then(|worst| Some((worst, worst.best.as_ref()?))) {
             let point: Vec<Value> = point.iter().map(|(_, value)| value.clone()).collect();
@@ -201,9 +207,17 @@ impl Hunt<'_> {
     }
 
     fn rules(&self) -> Vec<Rule> {
-        let about =
-            |keep: &&crate::scenario::Comparison| keep.metric == *self.search.objective.aggregate.metric();
-        self.search.keep.iter().filter(about).map(comparison_rule).collect()
+        let Search { objective, keep, keep_in, .. } = self.search;
+        // A share of runs lies on another axis than what is compared in each.
+        if matches!(objective.aggregate, Aggregate::Rate(_) | Aggregate::Count(_)) {
+            return Vec::new();
+        }
+        let about = keep.iter().filter(|keep| keep.metric == *objective.aggregate.metric());
+        let rule = |keep| {
+            let Rule { value, label } = comparison_rule(keep, *keep_in);
+            Rule { value: self.objective.charted(value), label }
+        };
+        about.map(rule).collect()
     }
 
     /// Each individual's worst value against where it was found: figure (d) of the founding paper.

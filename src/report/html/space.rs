@@ -3,26 +3,38 @@
 use crate::metrics::{MetricKind, metric, unit_of};
 use crate::optimise::{self, SlicePoint};
 use crate::report::chart::{Along, Belief, Quantity};
-use crate::report::format::in_unit;
-use crate::scenario::{Goal, MetricReference, Objective, Range, RangeValues, Target, significant};
+use crate::report::format::in_written_unit;
+use crate::scenario::{Goal, MetricReference, Notation, Objective, Range, RangeValues, Target, significant};
 
 /// An objective or a metric with its unit. Shares are shown in per cent.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measured {
     pub name: String,
+    /// SI unit.
     unit: String,
+    /// The unit that it is shown in, if that is another one.
+    written: Option<Notation>,
 }
 
 impl Measured {
     pub fn new(name: impl Into<String>, unit: impl Into<String>) -> Self {
-        Self { name: name.into(), unit: unit.into() }
+        Self { name: name.into(), unit: unit.into(), written: None }
+    }
+
+    /// The same, shown in the unit that somebody wrote.
+    pub fn written_in(self, written: Option<Notation>) -> Self {
+        Self { written, ..self }
+    }
+
+    fn symbol(&self) -> &str {
+        self.written.map_or(&self.unit, |written| written.symbol)
     }
 
     /// Without the word that says which way it is better.
     pub fn objective(objective: &Objective) -> Self {
         let text = objective.text.as_str();
         let name = text.split_once(' ').map_or(text, |(_, aggregate)| aggregate);
-        Self::new(name, unit_of(&objective.aggregate))
+        Self::new(name, unit_of(&objective.aggregate)).written_in(objective.notation)
     }
 
     /// Single values of a metric; flags are plain numbers.
@@ -36,16 +48,20 @@ impl Measured {
 
     /// For the axis of a chart of [`Self::charted`] values.
     pub fn quantity(&self) -> Quantity {
-        Quantity::new(&self.name, &self.unit)
+        Quantity::new(&self.name, self.symbol())
     }
 
     pub fn charted(&self, value: f64) -> f64 {
-        if self.unit == "%" { value * 100.0 } else { value }
+        match self.written {
+            Some(written) => written.of_si(value),
+            None if self.unit == "%" => value * 100.0,
+            None => value,
+        }
     }
 
     /// With its unit; `–` where there is none.
     pub fn text(&self, value: Option<f64>) -> String {
-        value.map_or("–".to_string(), |value| in_unit(value, &self.unit))
+        value.map_or("–".to_string(), |value| in_written_unit(value, self.written, &self.unit))
     }
 
     /// Without its unit, for a column whose heading has it.
@@ -56,7 +72,7 @@ impl Measured {
     /// A difference, with its sign; of shares in percentage points.
     pub fn change(&self, value: f64) -> String {
         let sign = if value > 0.0 { "+" } else { "" };
-        let unit = if self.unit == "%" { "points" } else { &self.unit };
+        let unit = if self.symbol() == "%" { "points" } else { self.symbol() };
         format!("{sign}{} {unit}", significant(self.charted(value), 3)).trim_end().to_string()
     }
 
@@ -78,20 +94,28 @@ pub struct Dimension {
     pub full_name: String,
     /// Without what it belongs to, if that tells it from the others.
     pub name: String,
+    /// SI unit.
     unit: String,
+    /// The unit that it is shown in, if that is another one.
+    written: Option<Notation>,
+    /// In the unit that it is shown in.
     pub along: Along,
 }
 
 impl Dimension {
     fn new(range: &Range) -> Self {
+        let written = range.notation;
+        let shown = |si: f64| written.map_or(si, |written| written.of_si(si));
         let along = match &range.values {
-            RangeValues::Real { low, high } => Along::Numbers { low: *low, high: *high },
-            RangeValues::Logarithmic { low, high } => Along::Logarithmic { low: *low, high: *high },
+            RangeValues::Real { low, high } => Along::Numbers { low: shown(*low), high: shown(*high) },
+            RangeValues::Logarithmic { low, high } => {
+                Along::Logarithmic { low: shown(*low), high: shown(*high) }
+            }
             RangeValues::Whole { low, high } => Along::Numbers { low: *low as f64, high: *high as f64 },
             RangeValues::Words(words) => Along::Words(words.clone()),
         };
         let name = range.target.to_string();
-        Self { full_name: name.clone(), name, unit: range.unit.clone(), along }
+        Self { full_name: name.clone(), name, unit: range.unit.clone(), written, along }
     }
 
     pub fn all(over: &[Range]) -> Vec<Self> {
@@ -100,7 +124,17 @@ impl Dimension {
     }
 
     pub fn quantity(&self) -> Quantity {
-        Quantity::new(&self.name, &self.unit)
+        Quantity::new(&self.name, self.symbol())
+    }
+
+    fn symbol(&self) -> &str {
+        self.written.map_or(&self.unit, |written| written.symbol)
+    }
+
+    /// In the unit that it is shown in.
+    fn shown(&self, value: &optimise::Value) -> Option<f64> {
+        let si = value.number()?;
+        Some(self.written.map_or(si, |written| written.of_si(si)))
     }
 
     /// Where a value lies along it; a word at its index.
@@ -109,13 +143,13 @@ impl Dimension {
             (Along::Words(words), optimise::Value::Category(word)) => {
                 words.iter().position(|known| known == word).map(|index| index as f64)
             }
-            _ => value.number(),
+            _ => self.shown(value),
         }
     }
 
     /// Without its unit, for a column whose heading has it.
     pub fn number(&self, value: &optimise::Value) -> String {
-        value.number().map_or_else(|| value.to_string(), |number| significant(number, 4))
+        self.shown(value).map_or_else(|| value.to_string(), |number| significant(number, 4))
     }
 
     /// Such as `tta 6.5 s`.
@@ -124,19 +158,22 @@ impl Dimension {
     }
 
     fn quantity_of(&self, value: &optimise::Value) -> String {
-        value.number().map_or_else(|| value.to_string(), |number| in_unit(number, &self.unit))
+        self.shown(value).map_or_else(|| value.to_string(), |number| self.with_symbol(number))
+    }
+
+    fn with_symbol(&self, shown: f64) -> String {
+        format!("{} {}", significant(shown, 4), self.symbol()).trim_end().to_string()
     }
 
     /// Such as `tta from 6 s to 18 s`.
     pub fn range(&self) -> String {
-        let Self { full_name: name, unit, along, .. } = self;
+        let Self { full_name: name, along, .. } = self;
+        let ends = |low: f64, high: f64| {
+            format!("{name} from {} to {}", self.with_symbol(low), self.with_symbol(high))
+        };
         match along {
-            Along::Numbers { low, high } => {
-                format!("{name} from {} to {}", in_unit(*low, unit), in_unit(*high, unit))
-            }
-            Along::Logarithmic { low, high } => {
-                format!("{name} from {} to {} by factors", in_unit(*low, unit), in_unit(*high, unit))
-            }
+            Along::Numbers { low, high } => ends(*low, *high),
+            Along::Logarithmic { low, high } => ends(*low, *high) + " by factors",
             Along::Words(words) => format!("{name} among {}", words.join(", ")),
         }
     }
@@ -180,5 +217,45 @@ pub fn sign(goal: Goal) -> f64 {
     match goal {
         Goal::Minimise => 1.0,
         Goal::Maximise => -1.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenario::Origin;
+
+    const KMH: Notation = Notation { symbol: "km/h", numerator: 5.0, denominator: 18.0 };
+
+    #[test]
+    fn a_range_is_charted_and_told_in_the_unit_that_it_is_written_in() {
+        let range = Range {
+            target: Target::Variation("speed".into()),
+            values: RangeValues::Real { low: 30.0 / 3.6, high: 60.0 / 3.6 },
+            unit: "m/s".into(),
+            notation: Some(KMH),
+            origin: Origin::default(),
+        };
+        let dimension = Dimension::new(&range);
+        let value = optimise::Value::Real(50.0 / 3.6);
+        assert_eq!(dimension.range(), "speed from 30 km/h to 60 km/h");
+        assert_eq!((dimension.text(&value), dimension.number(&value)), ("speed 50 km/h".into(), "50".into()));
+        assert_eq!(dimension.quantity().label(), "speed (km/h)");
+        let Along::Numbers { low, high } = dimension.along else { panic!("{:?}", dimension.along) };
+        let place = dimension.place(&value).unwrap();
+        assert!((place - 50.0).abs() < 1e-9 && (low - 30.0).abs() < 1e-9 && (high - 60.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_measure_is_charted_and_told_in_the_unit_that_it_is_compared_in() {
+        let speed = Measured::new("mean(impact_speed)", "m/s").written_in(Some(KMH));
+        assert_eq!((speed.text(Some(10.0)), speed.number(Some(10.0))), ("36 km/h".into(), "36".into()));
+        assert_eq!(
+            (speed.change(-1.0), speed.heading()),
+            ("-3.6 km/h".into(), "mean(impact_speed) (km/h)".into())
+        );
+        assert_eq!(speed.charted(10.0), 36.0);
+        let share = Measured::new("rate(collision)", "%");
+        assert_eq!((share.text(Some(0.85)), share.change(0.05)), ("85 %".into(), "+5 points".into()));
     }
 }

@@ -107,7 +107,12 @@ impl<'a> Bench<'a> {
             tune,
             result,
             objectives: tune.objectives.iter().map(Measured::objective).collect(),
-            constraints: tune.constraints.iter().map(|one| Measured::metric(&one.metric)).collect(),
+            constraints: tune
+                .constraints
+                .iter()
+                .enumerate()
+                .map(|(index, one)| Measured::metric(&one.metric).written_in(tune.constraint_in(index)))
+                .collect(),
             dimensions: Dimension::all(&tune.over),
         }
     }
@@ -127,8 +132,7 @@ impl<'a> Bench<'a> {
         let cases = if result.cases == 1 { "one case".into() } else { format!("{} cases", result.cases) };
         let mut first = format!("Over {cases}: {}, for {}", objectives.join(" and "), ranges.join(", "));
         if !tune.constraints.is_empty() {
-            let constraints: Vec<_> = tune.constraints.iter().map(comparison_text).collect();
-            first += &format!(", subject to {} in every run", constraints.join(", "));
+            first += &format!(", subject to {} in every run", self.constraints_in_words().join(", "));
         }
         let evaluations = result.evaluations.len();
         let ended = match result.stop {
@@ -201,10 +205,16 @@ impl<'a> Bench<'a> {
         }
     }
 
+    fn constraints_in_words(&self) -> Vec<String> {
+        let constraints = self.tune.constraints.iter().enumerate();
+        constraints.map(|(index, one)| comparison_text(one, self.tune.constraint_in(index))).collect()
+    }
+
     fn candidates(&self) -> Candidates {
         let headings = self.dimensions.iter().map(|one| one.quantity().label());
         let headings = headings.chain(self.objectives.iter().map(Measured::heading));
-        let margins = self.tune.constraints.iter().map(|one| format!("margin of {}", comparison_text(one)));
+        let constraints = self.constraints_in_words().into_iter();
+        let margins = constraints.map(|constraint| format!("margin of {constraint}"));
         let row = |(index, candidate): (usize, &Candidate)| {
             let point = self.dimensions.iter().zip(&candidate.point).map(|(one, value)| one.number(value));
             let values = self.objectives.iter().zip(&candidate.objectives);
@@ -343,14 +353,14 @@ impl<'a> Bench<'a> {
 
     fn margins(&self) -> Option<Figure> {
         let mut slices = Vec::new();
-        for (which, constraint) in self.tune.constraints.iter().enumerate() {
+        for (which, constraint) in self.constraints_in_words().iter().enumerate() {
             let measured = &self.constraints[which];
             let margin =
                 |candidate: &Candidate| candidate.margins[which].map(|value| measured.charted(value));
             let y = Quantity::new("margin", measured.quantity().unit);
             for (index, dimension) in self.dimensions.iter().enumerate() {
                 slices.push(Slice {
-                    title: comparison_text(constraint),
+                    title: constraint.clone(),
                     x: dimension.quantity(),
                     along: dimension.along.clone(),
                     y: y.clone(),

@@ -11,11 +11,12 @@ use super::statement::Statements;
 use super::{Chosen, block, gate};
 use crate::judge::{Finding, Measure, Verdict};
 use crate::metrics;
-use crate::report::digest::Digest;
+use crate::report::digest::written_unit;
 use crate::report::failure::render_failure;
 use crate::report::figures::{figures, scenarios, short_name};
 use crate::report::groups::{Group, groups_of};
 use crate::report::replay::replay_command;
+use crate::report::table::Column;
 use crate::report::wording::{
     bound, interval, judged_words, margin, missing, nearest_run, observed, stopping, trial_warnings,
     verdict_mark, verdict_word,
@@ -24,6 +25,7 @@ use crate::report::{
     BlockReport, BlockState, GateReport, GateState, Recording, Skip, SuiteReport, TrialReport, TrialState,
 };
 use crate::run::Requests;
+use crate::scenario::MetricReference;
 
 /// A table with more trials than this scrolls.
 const LONG_TABLE: usize = 30;
@@ -252,10 +254,17 @@ impl Counts {
 fn suite(report: &SuiteReport, requests: &Requests, drawn: &[Recording], animated: &[String]) -> Suite {
     let mut counts = Counts::default();
     report.trials.iter().for_each(|trial| counts.add(trial));
-    let heading = |reference: &crate::scenario::MetricReference| {
+    // In one unit for all trials, which may be filtered and sorted together.
+    let criteria = || report.trials.iter().flat_map(|trial| &trial.trial.criteria);
+    let column = |(index, reference): (usize, &MetricReference)| {
         let metric = metrics::metric(&reference.name)?;
-        let (label, below) = Digest::heading(metric, &reference.label());
-        Some(Heading { label, below, about: metric.declaration.summary })
+        let unit = written_unit(criteria(), reference, metric);
+        Some(Column { index, metric, label: reference.label(), unit })
+    };
+    let columns: Vec<Column> = requests.iter().enumerate().filter_map(column).collect();
+    let heading = |column: &Column| {
+        let (label, below) = column.heading();
+        Heading { label, below, about: column.metric.declaration.summary }
     };
     Suite {
         name: report.identity.suite.to_string(),
@@ -264,26 +273,26 @@ fn suite(report: &SuiteReport, requests: &Requests, drawn: &[Recording], animate
         seconds: format!("{:.2}", report.wall_time.as_secs_f64()),
         counts,
         statements: Statements::new(report),
-        scenarios: all_scenarios(report, requests, animated),
+        scenarios: all_scenarios(report, &columns, animated),
         figures: figures(report, requests, drawn).into_iter().map(Figure::from).collect(),
         blocks: block::Section::all(report),
         gates: gate::Section::all(report),
-        metrics: requests.iter().filter_map(heading).collect(),
+        metrics: columns.iter().map(heading).collect(),
     }
 }
 
 /// Every scenario; several without variations stand in one table, which comes last.
-fn all_scenarios(report: &SuiteReport, requests: &Requests, animated: &[String]) -> Vec<Scenario> {
+fn all_scenarios(report: &SuiteReport, columns: &[Column], animated: &[String]) -> Vec<Scenario> {
     let is_single = |trials: &[&TrialReport]| trials.len() == 1 && short_name(trials[0]).is_empty();
     let all = scenarios(report);
     let singles: Vec<_> = all.iter().filter(|(_, trials)| is_single(trials)).collect();
     let together = singles.len() > 1;
     let apart = all.iter().filter(|(_, trials)| !together || !is_single(trials));
     let mut shown: Vec<Scenario> =
-        apart.map(|(name, trials)| scenario(report, name, trials, requests, animated)).collect();
+        apart.map(|(name, trials)| scenario(report, name, trials, columns, animated)).collect();
     if together {
         let trials: Vec<_> = singles.iter().flat_map(|(_, trials)| trials.iter().copied()).collect();
-        let mut table = scenario(report, "", &trials, requests, animated);
+        let mut table = scenario(report, "", &trials, columns, animated);
         table.name = format!("{} scenarios without variations", singles.len());
         table.variations = "scenario".to_string();
         table.doc = String::new();
@@ -303,7 +312,7 @@ fn scenario(
     report: &SuiteReport,
     name: &str,
     trials: &[&TrialReport],
-    requests: &Requests,
+    columns: &[Column],
     animated: &[String],
 ) -> Scenario {
     let mut counts = Counts::default();
@@ -329,7 +338,7 @@ fn scenario(
         ));
     }
     let mut shown: Vec<Trial> =
-        ran.into_iter().map(|one| trial(report, one, &criteria, requests, animated)).collect();
+        ran.into_iter().map(|one| trial(report, one, &criteria, columns, animated)).collect();
     let failures = shown.iter_mut().filter(|trial| trial.failure.is_some()).skip(MOST_FAILURES);
     let unwritten = failures.map(|trial| trial.failure = None).count();
     if unwritten > 0 {
@@ -389,7 +398,7 @@ fn trial(
     report: &SuiteReport,
     trial: &TrialReport,
     criteria: &[String],
-    requests: &Requests,
+    columns: &[Column],
     animated: &[String],
 ) -> Trial {
     let findings = trial.findings();
@@ -400,10 +409,6 @@ fn trial(
     };
     let of = |finding| cell(finding, &trial.trial.key);
     let cell = |text: &String| findings.iter().find(|finding| finding.criterion == *text).map(of);
-    let metric = |(index, reference): (usize, &crate::scenario::MetricReference)| {
-        let metric = metrics::metric(&reference.name)?;
-        Some(Digest::new(metric, &trial.outcomes, index).short())
-    };
     let name = short_name(trial);
     Trial {
         key: trial.trial.key.clone(),
@@ -415,7 +420,7 @@ fn trial(
         state,
         mark,
         cells: criteria.iter().map(cell).collect(),
-        metrics: requests.iter().enumerate().filter_map(metric).collect(),
+        metrics: columns.iter().map(|column| column.cell(trial)).collect(),
         failure: failure(report, trial, findings, animated),
     }
 }

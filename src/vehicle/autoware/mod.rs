@@ -19,7 +19,7 @@ mod stop_position;
 mod tracker;
 
 use super::{CommandKind, ControllerContext, ControllerModel};
-use crate::scenario::{Chance, CrossingKind};
+use crate::scenario::{Chance, CrossingKind, Dimension, show_both};
 use crate::sim::random::{Agent, Purpose, stream};
 use crate::sim::{Controller, ModelError};
 
@@ -44,9 +44,10 @@ fn build(context: &ControllerContext) -> Result<Box<dyn Controller>, ModelError>
     let period = settings.number("planning_period");
     let shortest = settings.number("control_period").max(settings.number("vehicle_period"));
     if period < shortest {
+        let (period, shortest) = show_both(period, shortest, Dimension::TIME);
         return Err(ModelError::with_hint(
-            format!("`planning_period` of `autoware` is {period} s, shorter than its calls are apart"),
-            format!("use at least {shortest} s, the longer of `control_period` and `vehicle_period`"),
+            format!("`planning_period` of `autoware` is {period}, but its calls are {shortest} apart"),
+            "let it be at least the longer of `control_period` and `vehicle_period`",
         ));
     }
     let misses = stream(context.seed, Agent::Vehicle(context.rank), Purpose::Perception);
