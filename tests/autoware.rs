@@ -471,7 +471,7 @@ fn what_it_cannot_do_is_refused() {
     assert!(refusal(&signalised).contains("lane_only"));
     // The plan moves on by one period a tick, so ticks must not be farther apart than that.
     let hasty = Settings::from([("planning_period", Value::Number(0.01))]);
-    assert!(refusal(&world(&hasty, 6.0)).contains("0.03 s"));
+    assert!(refusal(&world(&hasty, 6.0)).contains("the longer of `control_period` and `vehicle_period`"));
 }
 
 proptest! {
