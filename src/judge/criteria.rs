@@ -116,7 +116,7 @@ impl TrialVerdict {
     pub(super) fn of(mut findings: Vec<Finding>, criteria: &[Criterion], outcomes: &[Outcome]) -> Self {
         vacuity::mark(&mut findings, criteria, outcomes);
         let horizon = Horizon::of(outcomes);
-        horizon::mark(&mut findings, criteria, horizon.as_ref());
+        horizon::mark(&mut findings, criteria, outcomes);
         mark_alike(&mut findings, outcomes);
         let verdict = findings.iter().map(|finding| finding.verdict).max().unwrap_or(Verdict::Passed);
         Self { verdict, findings, stopping: None, horizon }

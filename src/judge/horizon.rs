@@ -1,4 +1,5 @@
-//! Runs that the horizon ended: how many, who had not arrived, who was about to touch.
+//! Runs that ended before everything was seen: how many, who had not arrived, who was about to touch, and which criteria
+//! that leaves untested.
 
 use std::sync::Arc;
 
@@ -7,9 +8,9 @@ use serde::Serialize;
 use super::criteria::Finding;
 use super::vacuity::Vacuity;
 use super::verdict::Verdict;
-use crate::metrics::{self, Scope};
-use crate::run::{OnCourse, Outcome};
-use crate::scenario::Criterion;
+use crate::metrics::{self, Scope, Worst};
+use crate::run::{CutOff, OnCourse, Outcome};
+use crate::scenario::{Claim, Criterion, MetricReference, Relation, WhenUndefined};
 use crate::sim::StopReason;
 
 /// The runs of a trial that the horizon ended.
@@ -21,7 +22,7 @@ pub struct Horizon {
     pub of: usize,
     /// Those in which somebody who had not been hit had not arrived.
     pub stranded: Vec<Stranded>,
-    /// Those that ended with somebody on a collision course, and with whom.
+    /// Those that ended with somebody on a collision course, and with whom: one per pair.
     pub on_course: Vec<CourseOfRun>,
 }
 
@@ -48,8 +49,9 @@ impl Horizon {
         let stranded = cut_off()
             .filter(|(_, cut_off)| !cut_off.stranded.is_empty())
             .map(|(key, cut_off)| Stranded { key: key.clone(), who: cut_off.stranded.clone() });
-        let on_course = cut_off().filter_map(|(key, cut_off)| {
-            Some(CourseOfRun { key: key.clone(), course: cut_off.on_course.clone()? })
+        let on_course = cut_off().flat_map(|(key, cut_off)| {
+            let courses = cut_off.on_course.iter();
+            courses.map(|course| CourseOfRun { key: key.clone(), course: course.clone() })
         });
         let mut horizon = Self {
             runs: all().count(),
@@ -64,25 +66,75 @@ impl Horizon {
     }
 }
 
-/// Marks the findings on a vehicle and whom it meets that passed although time was up with them on a collision course: the
-/// end was not seen.
-pub(super) fn mark(findings: &mut [Finding], criteria: &[Criterion], horizon: Option<&Horizon>) {
-    let Some(horizon) = horizon.filter(|horizon| !horizon.on_course.is_empty()) else { return };
+/// Metrics that are what was seen so far at any time, and that what comes later may make worse.
+const EXTREMES: [&str; 9] = [
+    "collision",
+    "impact_speed",
+    "min_distance",
+    "min_ttc",
+    "drac",
+    "max_deceleration",
+    "sudden_speed_change",
+    "max_jerk",
+    "rms_jerk",
+];
+
+/// Marks the findings that passed although runs ended, by the horizon or by somebody else's contact, before all that they are
+/// about was over: the end was not seen.
+pub(super) fn mark(findings: &mut [Finding], criteria: &[Criterion], outcomes: &[Outcome]) {
+    if outcomes.iter().all(|outcome| outcome.cut_off.is_none()) {
+        return;
+    }
     for (finding, criterion) in findings.iter_mut().zip(criteria) {
-        let reference = criterion.claim.metric();
-        let meets = metrics::metric(&reference.name)
-            .is_some_and(|metric| matches!(metric.scope, Scope::Pair | Scope::Contact));
-        let concerns = |course: &OnCourse| {
-            reference.pair.as_ref().is_none_or(|(car, other)| {
-                let (one, two) = (&*course.vehicle, &*course.with);
-                (car == one && (other.is_empty() || other == two)) || (car == two && other == one)
-            })
-        };
-        let cut_off = horizon.on_course.iter().any(|run| concerns(&run.course));
-        if finding.verdict == Verdict::Passed && finding.vacuous.is_none() && meets && cut_off {
+        if finding.verdict == Verdict::Passed
+            && finding.vacuous.is_none()
+            && !stays_so(&criterion.claim)
+            && cut_off_runs(criterion.claim.metric(), outcomes) > 0
+        {
             finding.vacuous = Some(Vacuity::CutOff);
         }
     }
+}
+
+/// In how many runs the end of what a metric measures was not seen: somebody whom it is about was on a collision course, or
+/// could still be met and it is an extreme of what was seen so far.
+pub fn cut_off_runs(reference: &MetricReference, outcomes: &[Outcome]) -> usize {
+    let Some(metric) = metrics::metric(&reference.name) else { return 0 };
+    let is_extreme = EXTREMES.contains(&reference.name.as_str());
+    let of_vehicle = metric.scope == Scope::Vehicle;
+    let meets = matches!(metric.scope, Scope::Pair | Scope::Contact) || (of_vehicle && is_extreme);
+    let concerns = |one: &str, two: &str| {
+        reference.pair.as_ref().is_none_or(|(car, other)| {
+            (car == one && (of_vehicle || other.is_empty() || other == two))
+                || (car == two && (of_vehicle || other == one))
+        })
+    };
+    let concerned = |cut_off: &CutOff| {
+        let mut courses = cut_off.on_course.iter();
+        let mut unfinished = cut_off.unfinished.iter();
+        courses.any(|pair| concerns(&pair.vehicle, &pair.with))
+            || (is_extreme && unfinished.any(|pair| concerns(&pair.vehicle, &pair.pedestrian)))
+    };
+    let cut_off = outcomes.iter().filter_map(|outcome| outcome.cut_off.as_ref());
+    if meets { cut_off.filter(|cut_off| concerned(cut_off)).count() } else { 0 }
+}
+
+/// Whether a claim that every run has an extreme beyond a bound stays true whatever comes: extremes only grow.
+fn stays_so(claim: &Claim) -> bool {
+    let Claim::Runs { comparison, .. } = claim else { return false };
+    let name = comparison.metric.name.as_str();
+    // A mean over the run may go either way.
+    if !EXTREMES.contains(&name) || name == "rms_jerk" {
+        return false;
+    }
+    let upwards = match comparison.relation {
+        Relation::Greater | Relation::GreaterOrEqual => true,
+        Relation::Less | Relation::LessOrEqual => false,
+        Relation::Equal => return name == "collision" && comparison.constant_bound() == 1.0,
+        Relation::NotEqual => return name == "collision" && comparison.constant_bound() == 0.0,
+    };
+    metrics::metric(name).is_some_and(|metric| upwards == (metric.worst == Worst::Largest))
+        && comparison.when_undefined != WhenUndefined::Passes
 }
 
 #[cfg(test)]
@@ -90,10 +142,8 @@ mod tests {
     use super::*;
     use crate::judge::judge;
     use crate::metrics::Open;
-    use crate::run::{CutOff, Requests};
-    use crate::scenario::{
-        Aggregate, Claim, Comparison, MetricReference, Origin, Relation, Settings, WhenUndefined,
-    };
+    use crate::run::Requests;
+    use crate::scenario::{Aggregate, Comparison, Origin, Settings};
     use crate::sim::Ending;
     use std::time::Duration;
 

@@ -19,7 +19,7 @@ pub enum Vacuity {
     NobodyEntered,
     /// In no run was one of them in a vehicle's lane within a few seconds of that vehicle.
     NobodyMet,
-    /// In some run time was up with somebody on a collision course: what would have come was not seen.
+    /// Some run ended with somebody on a collision course or an encounter not over: what would have come was not seen.
     CutOff,
 }
 

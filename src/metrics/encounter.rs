@@ -173,6 +173,21 @@ impl Encounters {
         }
     }
 
+    /// Whether a vehicle has touched anything.
+    pub fn has_touched(&self, vehicle: usize) -> bool {
+        let people = &self.pairs[vehicle * self.pedestrians..(vehicle + 1) * self.pedestrians];
+        let is_it = |(first, second, _): &(usize, Solid, Contact)| {
+            *first == vehicle || *second == Solid::Vehicle(vehicle)
+        };
+        people.iter().any(|pair| pair.contact.is_some()) || self.others.iter().any(is_it)
+    }
+
+    /// Whether a vehicle has touched a pedestrian.
+    pub fn was_hit(&self, pedestrian: usize) -> bool {
+        let mut pairs = self.pairs.iter().skip(pedestrian).step_by(self.pedestrians);
+        pairs.any(|pair| pair.contact.is_some())
+    }
+
     /// Follows a step.
     pub fn observe(&mut self, step: &Step) {
         for touch in step.contacts.iter().filter(|touch| touch.begins) {

@@ -9,8 +9,10 @@ use crate::sim::{Ending, Observer, Snapshot, Solid, Step, StopReason};
 pub struct Measurement {
     encounters: Encounters,
     requests: Vec<Request>,
-    /// When and in which state the horizon ended the run.
+    /// When and in which state the run ended before everybody had arrived.
     cut_off: Option<(f64, Snapshot)>,
+    /// Whether that was because somebody touched: for them everything is decided.
+    contact: bool,
 }
 
 /// What one request came to.
@@ -20,7 +22,7 @@ pub struct Reading {
     pub worst: Option<SubjectValue>,
     /// Everybody that the metric was measured for.
     pub subjects: Vec<SubjectValue>,
-    /// What it could still have come to, if the horizon ended the run before it was decided.
+    /// What it could still have come to, if the run ended before it was decided.
     pub open: Option<Open>,
 }
 
@@ -81,6 +83,7 @@ impl Measurement {
             encounters: Encounters::new(world),
             requests: requests.iter().map(meters).collect(),
             cut_off: None,
+            contact: false,
         }
     }
 
@@ -92,7 +95,18 @@ impl Measurement {
     /// Every request in order, with whose values they are.
     pub fn readings(&self) -> Vec<Reading> {
         let end = self.cut_off.as_ref().map(|(time, state)| End { time: *time, state });
-        self.requests.iter().map(|request| request.reading(&self.encounters, end.as_ref())).collect()
+        let is_open = |subject: Subject| !self.contact || !self.has_touched(subject);
+        self.requests.iter().map(|request| request.reading(&self.encounters, end.as_ref(), is_open)).collect()
+    }
+
+    /// Whether a pair has touched, or a vehicle or pedestrian anything.
+    fn has_touched(&self, subject: Subject) -> bool {
+        match subject {
+            (Some(vehicle), Some(with)) => self.touched(vehicle, with),
+            (Some(vehicle), None) => self.encounters.has_touched(vehicle),
+            (None, Some(Solid::Pedestrian(person))) => self.encounters.was_hit(person),
+            (None, _) => false,
+        }
     }
 
     /// Whether a vehicle and something else have touched.
@@ -107,7 +121,13 @@ impl Measurement {
 }
 
 impl Request {
-    fn reading(&self, encounters: &Encounters, end: Option<&End>) -> Reading {
+    /// `is_open` says of whom something may be left to come at the `end`.
+    fn reading(
+        &self,
+        encounters: &Encounters,
+        end: Option<&End>,
+        is_open: impl Fn(Subject) -> bool,
+    ) -> Reading {
         let subjects: Vec<_> = self
             .meters
             .iter()
@@ -117,7 +137,7 @@ impl Request {
                 other: with.filter(|with| !matches!(with, Solid::Pedestrian(_))),
                 value: meter.value(encounters),
                 instant: meter.instant(encounters),
-                open: end.and_then(|end| meter.open(encounters, end)),
+                open: end.filter(|_| is_open((*vehicle, *with))).and_then(|end| meter.open(encounters, end)),
             })
             .collect();
         let badness = |subject: &SubjectValue| {
@@ -164,7 +184,8 @@ impl Observer for Measurement {
     }
 
     fn end(&mut self, ending: &Ending, last: &Snapshot) {
-        self.cut_off = (ending.reason == StopReason::Horizon).then(|| (ending.time, last.clone()));
+        self.contact = ending.reason == StopReason::Collision;
+        self.cut_off = (ending.reason != StopReason::Completed).then(|| (ending.time, last.clone()));
     }
 }
 

@@ -28,6 +28,7 @@ use crate::sim::{Snapshot, Solid, Step};
 pub use encounter::{
     Contact, Encounter, Encounters, Entry, LaneCrossing, MEETING_TIME, Passing, Presence, Visit,
 };
+pub(crate) use encounter::{along, half_extent};
 pub use measurement::{Measurement, Reading, SubjectValue};
 pub use passage::{Passage, Reached};
 pub use range::{Range, limits};
@@ -90,7 +91,7 @@ pub trait Meter: Send {
     /// The value at the end; `None` when it does not exist in this run.
     fn value(&self, encounters: &Encounters) -> Option<f64>;
 
-    /// What it could still come to where time is up at `end`; `None` where it is decided. Extremes of what was seen so
+    /// What it could still come to where the run is over at `end`, time being up or others having touched; `None` where it is decided. Extremes of what was seen so
     /// far, such as a smallest distance, are decided at any time.
     fn open(&self, _encounters: &Encounters, _end: &End) -> Option<Open> {
         None
@@ -102,7 +103,7 @@ pub trait Meter: Send {
     }
 }
 
-/// The state in which the horizon ends a run.
+/// The state in which the horizon, or a contact that ends runs, ends a run.
 #[derive(Debug, Clone, Copy)]
 pub struct End<'a> {
     /// s
@@ -110,7 +111,7 @@ pub struct End<'a> {
     pub state: &'a Snapshot,
 }
 
-/// Between which values a metric would have come to lie, had its run not been cut off by the horizon.
+/// Between which values a metric would have come to lie, had its run not been cut off.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Open {
     pub low: f64,

@@ -275,7 +275,7 @@ pub fn untested(findings: &[Finding]) -> Vec<String> {
         if *reason == Vacuity::CutOff {
             vacuous.first()?;
             let criteria = criteria.join(", ");
-            return Some(format!("{criteria} passed, but time was up with somebody on a collision course"));
+            return Some(format!("{criteria} passed, but runs ended before what that is about was over"));
         }
         let runs = match vacuous.first()?.runs {
             1 => "the run".to_string(),
@@ -334,7 +334,8 @@ fn horizon_in_words(horizon: &Horizon) -> Vec<String> {
             let OnCourse { vehicle, with, time } = &run.course;
             format!("{vehicle} and {with} {} s before they touch in {}", significant(*time, 3), run.key)
         });
-        let runs = count(on_course.len(), "run");
+        let keys: HashSet<_> = on_course.iter().map(|run| &run.key).collect();
+        let runs = count(keys.len(), "run");
         let said = list(said.collect(), on_course.len());
         lines.push(format!("{runs} ended at the horizon on a collision course: {said}"));
     }

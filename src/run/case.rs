@@ -46,8 +46,8 @@ fn run(
     };
     let ending = simulate(&case.world, &mut users, &mut observers);
     let readings = observers.measurement.readings();
-    let at_horizon = observers.last.as_ref().filter(|_| ending.reason == StopReason::Horizon);
-    let cut_off = at_horizon.map(|last| cut_off(&case.world, last, &observers.measurement, &readings));
+    let too_early = observers.last.as_ref().filter(|_| ending.reason != StopReason::Completed);
+    let cut_off = too_early.map(|last| cut_off(&case.world, last, &observers.measurement, &readings));
     let pedestrians = names(case.world.pedestrians.iter().map(|one| &one.name));
     let vehicles = names(case.world.vehicles.iter().map(|car| &car.name));
     Ok(Outcome {

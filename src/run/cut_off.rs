@@ -1,19 +1,21 @@
-//! What was going on when the horizon ended a run: who had not arrived, who was about to touch, what was not decided.
+//! What was going on when time was up or a contact ended a run: who had not arrived, who was about to touch, whose encounter
+//! was not over, what was not decided.
 
 use std::sync::Arc;
 
 use super::name::shared;
-use super::outcome::{CutOff, OnCourse};
-use crate::metrics::{Measurement, Reading};
+use super::outcome::{CutOff, OnCourse, Unfinished};
+use crate::metrics::{Measurement, Reading, along, half_extent};
 use crate::scenario::World;
 use crate::sim::{Snapshot, Solid, collision_course, has_arrived};
 
-/// Of a run that the horizon ended in the state `last`.
+/// Of a run that the horizon or a contact ended in the state `last`.
 pub fn cut_off(world: &World, last: &Snapshot, measurement: &Measurement, readings: &[Reading]) -> CutOff {
     CutOff {
         open: readings.iter().map(|reading| reading.open).collect(),
         stranded: stranded(world, last, measurement),
         on_course: on_course(world, last, measurement),
+        unfinished: unfinished(world, last, measurement),
     }
 }
 
@@ -29,16 +31,47 @@ fn stranded(world: &World, last: &Snapshot, measurement: &Measurement) -> Vec<Ar
     missing.map(|who| shared(who.name(world))).collect()
 }
 
-/// Those who would touch next, of all who have not touched yet.
-fn on_course(world: &World, last: &Snapshot, measurement: &Measurement) -> Option<OnCourse> {
+/// Those who would touch, of all who have not touched yet, by when they would.
+fn on_course(world: &World, last: &Snapshot, measurement: &Measurement) -> Vec<OnCourse> {
     let cars = 0..world.vehicles.len();
     let pairs = cars.flat_map(|car| solids(world, car).map(move |with| (car, with)));
-    let courses = pairs.filter(|(car, with)| !measurement.touched(*car, *with)).filter_map(|(car, with)| {
+    // Two vehicles are one pair, whoever of them is named first.
+    let once = |(car, with): &(usize, Solid)| !matches!(with, Solid::Vehicle(other) if other < car);
+    let apart = pairs.filter(once).filter(|(car, with)| !measurement.touched(*car, *with));
+    let courses = apart.filter_map(|(car, with)| {
         let time = collision_course(Solid::Vehicle(car), with, last, world)?;
-        Some((time, car, with))
+        Some(OnCourse {
+            vehicle: shared(Solid::Vehicle(car).name(world)),
+            with: shared(with.name(world)),
+            time,
+        })
     });
-    let (time, car, with) = courses.min_by(|one, other| one.0.total_cmp(&other.0))?;
-    Some(OnCourse { vehicle: shared(Solid::Vehicle(car).name(world)), with: shared(with.name(world)), time })
+    let mut courses: Vec<_> = courses.collect();
+    courses.sort_by(|one, other| one.time.total_cmp(&other.time));
+    courses
+}
+
+/// The vehicles and pedestrians that had not touched while the vehicle had not left the pedestrian behind, nor the pedestrian
+/// the vehicle's lane, and one of them moved or the pedestrian had yet to appear.
+fn unfinished(world: &World, last: &Snapshot, measurement: &Measurement) -> Vec<Unfinished> {
+    // A vehicle that was parked from the beginning has nowhere to go.
+    let drivers = (0..world.vehicles.len()).filter(|car| world.vehicles[*car].speed > 0.0);
+    let pairs = drivers.flat_map(|car| (0..world.pedestrians.len()).map(move |person| (car, person)));
+    let not_over = pairs.filter(|(car, index)| {
+        let (vehicle, person) = (&last.vehicles[*car], &last.pedestrians[*index]);
+        let sign = world.pedestrians[*index].side.walking_sign();
+        let crossed =
+            person.present && sign * (person.position.y - vehicle.lane_centre) >= world.road.lane_width / 2.0;
+        let rear = vehicle.motion.travelled - world.vehicles[*car].length / 2.0;
+        let passed = rear >= along(vehicle, person) + half_extent(person).x;
+        let stands = person.present && person.velocity.norm() == 0.0 && vehicle.motion.speed == 0.0;
+        !(crossed || passed || stands || measurement.touched(*car, Solid::Pedestrian(*index)))
+    });
+    let named = not_over.map(|(car, person)| Unfinished {
+        vehicle: shared(Solid::Vehicle(car).name(world)),
+        pedestrian: shared(Solid::Pedestrian(person).name(world)),
+    });
+    named.collect()
 }
 
 /// Everything that a vehicle may touch.

@@ -20,7 +20,7 @@ pub use case::{Unwatched, run_case};
 pub use chance::drawing;
 pub use departure::{Departing, departing, departures};
 pub use free_flow::FreeFlows;
-pub use outcome::{ByMetric, Critical, CutOff, OnCourse, Outcome, Requests};
+pub use outcome::{ByMetric, Critical, CutOff, OnCourse, Outcome, Requests, Unfinished};
 pub use panic::{Panicked, note_places};
 pub use rehearsal::{Obstacle, Stage, rehearse, rehearse_trials};
 pub use stop::Stop;

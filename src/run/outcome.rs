@@ -25,7 +25,7 @@ pub struct Outcome {
     /// What each pedestrian did at all. Left out of stored results.
     #[serde(skip)]
     pub presences: Vec<(Arc<str>, Presence)>,
-    /// What the horizon cut off, if that is anything. Left out of stored results.
+    /// What the horizon, or a contact that ends runs, cut off, if that is anything. Left out of stored results.
     #[serde(skip)]
     pub cut_off: Option<Box<CutOff>>,
     /// See [`crate::sim::Fingerprint`].
@@ -36,7 +36,7 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// What the metric with this index could still have come to, if the horizon ended the run before it was decided.
+    /// What the metric with this index could still have come to, if the run ended before it was decided.
     pub fn open(&self, index: usize) -> Option<Open> {
         self.cut_off.as_ref()?.open.get(index).copied()
     }
@@ -83,15 +83,24 @@ impl<T> FromIterator<Option<T>> for ByMetric<T> {
     }
 }
 
-/// What was going on when the horizon ended a run.
+/// What was going on when the horizon or a contact ended a run.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct CutOff {
     /// What the metrics could still have come to that were not decided.
     pub open: ByMetric<Open>,
     /// Who was there, had not been hit, and had not arrived: pedestrians beyond all lanes, vehicles at the finish line.
     pub stranded: Vec<Arc<str>>,
-    /// Who would have touched first.
-    pub on_course: Option<OnCourse>,
+    /// Who would have touched, the first first.
+    pub on_course: Vec<OnCourse>,
+    /// Whose encounters were not over.
+    pub unfinished: Vec<Unfinished>,
+}
+
+/// A vehicle that had yet to pass, and a pedestrian who was not across its lane, had not been hit by it, or had yet to appear.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Unfinished {
+    pub vehicle: Arc<str>,
+    pub pedestrian: Arc<str>,
 }
 
 /// A vehicle and something else that would have touched, had both moved on as they did.
