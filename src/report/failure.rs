@@ -74,7 +74,7 @@ pub(super) fn render_finding(suite: &SuiteIdentity, finding: &Finding, colour: b
     }
     if finding.cut_off > 0 {
         notes.push(format!(
-            "the horizon ended {} of {} runs before `{}` was decided; each counts as the worst that could still have come",
+            "{} of {} runs ended before `{}` was decided; each counts as the worst that could still have come",
             finding.cut_off, finding.runs, finding.metric
         ));
     }
@@ -124,7 +124,12 @@ fn title(finding: &Finding) -> String {
     };
     let missed = finding.runs - finding.holding;
     let Some(observed) = finding.observed else {
-        return format!("`{criterion}` {verb}: no run has a value");
+        // Only a spread does not exist where there is a value.
+        let why = match finding.holding {
+            1 if finding.measure == Measure::Value => "one run has no spread",
+            _ => "no run has a value",
+        };
+        return format!("`{criterion}` {verb}: {why}{}", of_those_cut_off(finding));
     };
     match finding.measure {
         Measure::EveryRun => format!("`{criterion}` {verb} in {missed} of {} runs", finding.runs),
@@ -136,7 +141,17 @@ fn title(finding: &Finding) -> String {
                 finding.runs
             )
         }
-        Measure::Count => format!("`{criterion}` {verb}: {observed} of {} runs", finding.runs),
+        Measure::Count => {
+            let cut_off = of_those_cut_off(finding);
+            format!("`{criterion}` {verb}: {observed} of {} runs{cut_off}", finding.runs)
+        }
+        Measure::Value if observed.is_infinite() => {
+            let (known, cut_off) = (finding.holding, of_those_cut_off(finding));
+            format!(
+                "`{criterion}` {verb}: nothing bounds it, with a value in {known} of {} runs{cut_off}",
+                finding.runs
+            )
+        }
         Measure::Value => {
             let text = metric_value(finding, Some(observed));
             // Only those with a value are in it.
@@ -144,6 +159,14 @@ fn title(finding: &Finding) -> String {
             let of = if with == all { String::new() } else { format!(" of {all}") };
             format!("`{criterion}` {verb}: {text} over {with}{of} runs")
         }
+    }
+}
+
+/// `, 3 cut off before it was decided`; nothing if none was.
+fn of_those_cut_off(finding: &Finding) -> String {
+    match finding.cut_off {
+        0 => String::new(),
+        runs => format!(", {runs} cut off before it was decided"),
     }
 }
 
@@ -211,5 +234,23 @@ mod tests {
         );
         let all = Finding { holding: 400, undefined: 0, cut_off: 0, ..value };
         assert!(title(&all).ends_with("2.41 s over 400 runs"), "{}", title(&all));
+    }
+
+    #[test]
+    fn what_was_cut_off_is_said_where_a_number_is_missing() {
+        let one = Finding { runs: 1, undefined: 0, ..finding(Measure::Value, Verdict::Inconclusive, None) };
+        let criterion = "`mean(time_lost) <= 2 s with 95 % confidence` could not be decided: ";
+        let said = |finding: Finding| title(&finding).replace(criterion, "");
+        let spread = Finding { holding: 1, cut_off: 0, observed: None, ..one.clone() };
+        assert_eq!(said(spread), "one run has no spread");
+        let none = Finding { holding: 0, cut_off: 1, observed: None, ..one };
+        assert_eq!(said(none.clone()), "no run has a value, 1 cut off before it was decided");
+        let infinite = Finding { observed: Some(f64::INFINITY), ..none.clone() };
+        assert_eq!(
+            said(infinite),
+            "nothing bounds it, with a value in 0 of 1 runs, 1 cut off before it was decided"
+        );
+        let counted = Finding { measure: Measure::Count, observed: Some(0.0), ..none };
+        assert_eq!(said(counted), "0 of 1 runs, 1 cut off before it was decided");
     }
 }
