@@ -110,7 +110,7 @@ fn power(criterion: &Criterion, runs: usize) -> Power {
     let limits = Limits::of(criterion);
     match &criterion.claim {
         Claim::Runs { comparison, share: None, .. } => {
-            let Truth { can_hold, can_fail, by_value } = limits.truth(comparison, false);
+            let Truth { can_hold, can_fail, by_value, .. } = limits.truth(comparison, false);
             match (can_hold, can_fail) {
                 (_, false) => Power::NeverFails(limits.in_words()),
                 (false, _) => Power::NeverHolds(limits.in_words()),
@@ -132,10 +132,11 @@ fn power(criterion: &Criterion, runs: usize) -> Power {
     }
 }
 
-/// Whether a comparison can hold in a run and whether it can fail, and whether a value can make it fail.
+/// Whether a comparison can hold in a run and whether it can fail, and whether a value can make it do so.
 struct Truth {
     can_hold: bool,
     can_fail: bool,
+    held_by_value: bool,
     by_value: bool,
 }
 
@@ -181,19 +182,19 @@ impl<'c> Limits<'c> {
     fn truth(&self, comparison: &Comparison, unknown: bool) -> Truth {
         let bound = comparison.constant_bound();
         let (hold, fail) = self.of_ends(comparison.relation, bound);
-        let mut truth = Truth { can_hold: hold, can_fail: fail, by_value: fail };
-        let mut also = |holds: bool| {
+        let mut truth = Truth { can_hold: hold, can_fail: fail, held_by_value: hold, by_value: fail };
+        if !self.always_there {
+            let holds = holds_undefined(comparison, unknown);
             truth.can_hold |= holds;
             truth.can_fail |= !holds;
-        };
-        if !self.always_there {
-            also(holds_undefined(comparison, unknown));
         }
         if self.can_be_open {
             for so_far in [self.low, self.high] {
                 let open = Seen::Open { so_far: None, range: Open { low: so_far, high: f64::INFINITY } };
                 let holds = open.holds(comparison, unknown);
-                also(holds);
+                truth.can_hold |= holds;
+                truth.can_fail |= !holds;
+                truth.held_by_value |= holds;
                 truth.by_value |= !holds;
             }
         }
@@ -223,6 +224,10 @@ impl<'c> Limits<'c> {
             Some(runs) => format!("a number of runs lies between 0 and all, which are {runs}"),
         };
         match possible(relation, bound, (least, most)) {
+            // That few runs are without a value is not what a bound on those with one is for.
+            (true, true) if bounded_above(relation) && !truth.held_by_value && relation.holds(0.0, bound) => {
+                Power::OnlyAbsence(self.in_words())
+            }
             (true, true) => Power::Decides,
             (true, false) => Power::NeverFails(why),
             (false, _) => Power::NeverHolds(why),
@@ -377,6 +382,14 @@ mod tests {
         assert!(never_holds(runs("pet", Less, 0.0)));
         let there = comparison("pet", GreaterOrEqual, 0.0, WhenUndefined::AsDeclared);
         assert_eq!(summed_up(Aggregate::Rate(there), GreaterOrEqual, 0.8), Power::Decides);
+        // A share of runs with a value that there cannot be is bounded by nothing but absence.
+        for bound in [0.0, -1.0] {
+            let never = comparison("pet", Less, bound, WhenUndefined::AsDeclared);
+            let power = summed_up(Aggregate::Rate(never), LessOrEqual, 0.0);
+            assert!(matches!(power, Power::OnlyAbsence(_)), "{bound}: {power:?}");
+        }
+        let seldom = comparison("pet", Less, 0.5, WhenUndefined::AsDeclared);
+        assert_eq!(summed_up(Aggregate::Rate(seldom), LessOrEqual, 0.0), Power::Decides);
         let excused = comparison("pet", GreaterOrEqual, 0.0, WhenUndefined::Passes);
         assert!(never_fails(power(
             &of(Claim::Runs { comparison: excused, share: None, confidence: None }),
