@@ -238,3 +238,46 @@ fn braking_that_was_still_to_come_is_not_tested() {
     assert_eq!(cut_off(&street("", &what("2 s"), expect)), [true; 5]);
     assert_eq!(cut_off(&street("", &what("60 s"), expect)), [false; 5]);
 }
+
+#[test]
+fn claims_that_rest_on_runs_that_were_cut_off_cannot_be_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let suite = r#"suite st { scenarios "s.scn" }
+evaluate ev {
+  "e"
+  on waits
+  with default
+  measure min(min_distance)
+}
+statement far {
+  "f"
+  claim min(min_distance) of waits >= 1 m
+}
+statement farther {
+  "f"
+  claim min(min_distance) of waits >= 1000 m
+}
+statement measured {
+  "m"
+  claim min(min_distance) of ev.default >= 1 m
+}
+"#;
+    std::fs::write(folder.path().join("a.suite"), suite).unwrap();
+    std::fs::write(folder.path().join("s.scn"), scenario("constant_speed", "2 s", "", "no collision"))
+        .unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_scenario-runner"));
+    let output = command.current_dir(folder.path()).arg("a.suite").output().unwrap();
+    let said = String::from_utf8_lossy(&output.stdout);
+    let cut_off = "were cut off before the encounter was over";
+    for words in [
+        format!("min(min_distance) of default: 1 of 1 runs {cut_off}"),
+        "statement far: not comparable".to_string(),
+        format!("1 of 1 runs of `waits` {cut_off}"),
+        "statement measured: not comparable".to_string(),
+        format!("1 of 1 runs of `ev.default` {cut_off}"),
+        // What does not hold so far cannot come to hold.
+        "statement farther: not reproduced".to_string(),
+    ] {
+        assert!(said.contains(&words), "{words}: {said}{}", String::from_utf8_lossy(&output.stderr));
+    }
+}

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::{ExperimentError, Laboratory, Results, evaluate};
+use crate::judge::cut_off_runs;
 use crate::metrics::unit_of;
 use crate::plan::variables;
 use crate::run::Outcome;
@@ -122,20 +123,21 @@ pub fn run_statement(
 
 /// Every aggregate that a statement asks for.
 pub(super) fn measured(statement: &Statement) -> Vec<&Measured> {
-    let mut found = Vec::new();
-    for claim in &statement.claims {
-        match &claim.kind {
-            StatementClaimKind::Trend { measured, .. } => found.push(measured),
-            StatementClaimKind::Compares { left, right, .. } => {
-                for quantity in leaves(left).into_iter().chain(leaves(right)) {
-                    if let Quantity::Measured(measured) = quantity {
-                        found.push(measured);
-                    }
-                }
-            }
+    statement.claims.iter().flat_map(measured_by).collect()
+}
+
+fn measured_by(claim: &StatementClaim) -> Vec<&Measured> {
+    match &claim.kind {
+        StatementClaimKind::Trend { measured, .. } => vec![measured],
+        StatementClaimKind::Compares { left, right, .. } => {
+            let leaves = leaves(left).into_iter().chain(leaves(right));
+            let measured = leaves.filter_map(|quantity| match quantity {
+                Quantity::Measured(measured) => Some(measured),
+                _ => None,
+            });
+            measured.collect()
         }
     }
-    found
 }
 
 /// Every tune whose choice a statement asks for.
@@ -201,6 +203,10 @@ impl Court<'_> {
                 (holds, values, unit_of(&measured.aggregate))
             }
         };
+        let holds = match (holds, self.cut_off(claim)?) {
+            (Ok(true), Some(reason)) => Err(reason),
+            (holds, _) => holds,
+        };
         Ok(ClaimResult {
             text: claim.text.clone(),
             holds: holds.as_ref().ok().copied(),
@@ -208,6 +214,22 @@ impl Court<'_> {
             values,
             unit,
         })
+    }
+
+    /// Of how many runs that a claim rests on the end was not seen, in words; `None` if of all.
+    fn cut_off(&self, claim: &StatementClaim) -> Result<Option<String>, ExperimentError> {
+        for measured in measured_by(claim) {
+            let Ok(runs) = self.runs(measured)? else { continue };
+            let outcomes = runs.iter().map(|(_, outcome)| *outcome);
+            let cut_off = cut_off_runs(measured.aggregate.metric(), outcomes);
+            if cut_off > 0 {
+                let (of, all) = (name_of(&measured.of), runs.len());
+                let reason =
+                    format!("{cut_off} of {all} runs of {of} were cut off before the encounter was over");
+                return Ok(Some(reason));
+            }
+        }
+        Ok(None)
     }
 
     fn quantity(&self, quantity: &Quantity) -> Result<Operand, ExperimentError> {

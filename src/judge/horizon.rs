@@ -98,7 +98,10 @@ pub(super) fn mark(findings: &mut [Finding], criteria: &[Criterion], outcomes: &
 
 /// In how many runs the end of what a metric measures was not seen: somebody whom it is about was on a collision course, or
 /// could still be met and it is an extreme of what was seen so far.
-pub fn cut_off_runs(reference: &MetricReference, outcomes: &[Outcome]) -> usize {
+pub fn cut_off_runs<'o>(
+    reference: &MetricReference,
+    outcomes: impl IntoIterator<Item = &'o Outcome>,
+) -> usize {
     let Some(metric) = metrics::metric(&reference.name) else { return 0 };
     let is_extreme = EXTREMES.contains(&reference.name.as_str());
     let of_vehicle = metric.scope == Scope::Vehicle;
@@ -115,7 +118,7 @@ pub fn cut_off_runs(reference: &MetricReference, outcomes: &[Outcome]) -> usize 
         courses.any(|pair| concerns(&pair.vehicle, &pair.with))
             || (is_extreme && unfinished.any(|pair| concerns(&pair.vehicle, &pair.pedestrian)))
     };
-    let cut_off = outcomes.iter().filter_map(|outcome| outcome.cut_off.as_ref());
+    let cut_off = outcomes.into_iter().filter_map(|outcome| outcome.cut_off.as_ref());
     if meets { cut_off.filter(|cut_off| concerned(cut_off)).count() } else { 0 }
 }
 

@@ -23,7 +23,7 @@ mod verdict;
 pub use criteria::{
     Finding, Measure, Regarding, TrialVerdict, aggregate, aggregate_against, counted, judge, undecided,
 };
-pub use horizon::{Horizon, Stranded};
+pub use horizon::{Horizon, Stranded, cut_off_runs};
 pub use nearest::{RunStanding, WorstRun};
 pub use per_run::{PerRun, per_run};
 pub use seen::{Seen, holds, holds_undefined};

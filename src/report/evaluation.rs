@@ -5,6 +5,7 @@ use std::fmt::Write;
 use super::columns::columns;
 use super::format::in_written_unit;
 use crate::experiment::{ConditionResult, Difference, EvaluateResult, ParameterValue};
+use crate::judge::cut_off_runs;
 use crate::metrics::unit_of;
 use crate::scenario::{Aggregate, Notation, Target};
 
@@ -71,7 +72,8 @@ pub fn render_evaluate(result: &EvaluateResult) -> String {
     text
 }
 
-/// In how many runs a measure has no value: `mean(pet) of default: no value in 3 of 40 runs, …`.
+/// In how many runs a measure has no value: `mean(pet) of default: no value in 3 of 40 runs, …`; and in how many
+/// what it measures was not over.
 pub fn without_value(result: &EvaluateResult) -> Vec<String> {
     let of = |condition: &'_ ConditionResult| {
         let measures = result.measures.iter().zip(&condition.undecided).zip(&condition.measured);
@@ -87,7 +89,21 @@ pub fn without_value(result: &EvaluateResult) -> Vec<String> {
         })
         .collect::<Vec<_>>()
     };
-    result.conditions.iter().flat_map(of).collect()
+    let cut_off = |condition: &'_ ConditionResult| {
+        let said = result.measures.iter().filter_map(|measure| {
+            let outcomes = condition.runs.iter().map(|run| &run.outcome);
+            let cut_off = cut_off_runs(measure.aggregate.metric(), outcomes);
+            let (name, runs) = (&condition.name, condition.runs.len());
+            (cut_off > 0).then(|| {
+                format!(
+                    "{} of {name}: {cut_off} of {runs} runs were cut off before the encounter was over",
+                    measure.text
+                )
+            })
+        });
+        said.collect::<Vec<_>>()
+    };
+    result.conditions.iter().flat_map(|one| [of(one), cut_off(one)].concat()).collect()
 }
 
 fn measured(condition: &ConditionResult, parameters: usize, units: &[Unit]) -> Vec<String> {
