@@ -288,6 +288,14 @@ fn a_changed_population_is_refused_under_another_seed_too() {
     assert_eq!(code, 0, "{text}");
     let (code, text) = run(&["before.suite", "--seed", "2"]);
     assert!(code == 0 || code == 102, "{code}: {text}");
+    // No report takes the place of what the run reads.
+    for read in ["people.json", "gentle.json"] {
+        let before = fs::read(folder.path().join(read)).unwrap();
+        let (code, text) = run(&["before.suite", "--json", read]);
+        assert_eq!(code, 2, "{text}");
+        assert!(text.contains("would replace a file that this run reads"), "{text}");
+        assert_eq!(fs::read(folder.path().join(read)).unwrap(), before);
+    }
     // One person of all changes a little, whether drawn or not.
     let rows = people["individuals"].as_array_mut().unwrap();
     let cell = &mut rows.last_mut().unwrap()[0];

@@ -339,6 +339,22 @@ fn what_failed_last_time_can_be_run_alone() {
     assert!(stdout(&other).contains("run twice: the same, bit for bit\n"), "{}", stdout(&other));
 }
 
+/// What an early end kept from beginning has not passed.
+#[test]
+fn what_was_not_begun_is_run_with_what_failed() {
+    let place = Place::new("");
+    let scenarios = format!("\"{}\", \"{}\"", shipped("unsafe/stands_in_lane"), shipped("zebra/scripted"));
+    place.write("mixed.suite", &format!("suite mixed {{ scenarios {scenarios} }}"));
+    let all = names_in(&place, &["mixed.suite", "--list"]);
+    assert_eq!(code(&place.run(&["mixed.suite", "-j", "1", "--fail-fast"])), 100);
+    let left = names_in(&place, &["mixed.suite", "--last-failed", "--list"]);
+    assert!(left.len() > 3, "{left:?}");
+    assert_eq!(left, all, "the first of all failed");
+    // Once everything has been run, only what failed.
+    place.run(&["mixed.suite", "--last-failed"]);
+    assert_eq!(names_in(&place, &["mixed.suite", "--last-failed", "--list"]).len(), 3);
+}
+
 #[cfg(unix)]
 mod interrupts {
     use std::io::{BufRead, BufReader, Read};
