@@ -4,12 +4,12 @@
 
 use std::path::Path;
 
-use scenario_runner::judge::Verdict;
 use scenario_runner::judge::baseline::{Baseline, record};
-use scenario_runner::judge::gate::{Check, CheckOutcome, GateVerdict, Subject, blanket_rule, judge_gate};
+use scenario_runner::judge::gate::{blanket_rule, judge_gate};
 use scenario_runner::lang;
 use scenario_runner::plan::plan;
-use scenario_runner::run::{FreeFlows, Requests, Stop, run_batch};
+use scenario_runner::results::{Check, CheckOutcome, GateVerdict, Requests, Subject, Verdict};
+use scenario_runner::run::{FreeFlows, Stop, run_batch};
 use scenario_runner::scenario::{Expression, Gate, Suite, Value};
 
 const RERUNS: u64 = 200;

@@ -7,9 +7,10 @@
 //! uniformly; the Bayesian methods get the 100 that the suite gives them.
 
 use rayon::prelude::*;
-use scenario_runner::experiment::{Block, BlockResult, Candidate, Laboratory, Results, Silent};
+use scenario_runner::experiment::{Laboratory, Results, Silent};
 use scenario_runner::lang;
-use scenario_runner::scenario::{Method, Tune};
+use scenario_runner::results::{BlockResult, Candidate};
+use scenario_runner::scenario::{Block, Method, Tune};
 use std::path::Path;
 
 /// A feasible candidate that loses no more than this beyond the best known one has found the optimum, as a share of that one's.

@@ -15,7 +15,8 @@ use scenario_runner::optimise::{
     Definition, Dimension, Evaluation, InitialDesign, Method, Optimiser, Proposal, Space,
 };
 use scenario_runner::plan::{concrete_case, derive_seed, select_people};
-use scenario_runner::run::{FreeFlows, Requests, Unwatched, run_case};
+use scenario_runner::results::Requests;
+use scenario_runner::run::{FreeFlows, Unwatched, run_case};
 use scenario_runner::scenario::{
     Assignment, Individual, MetricReference, Population, Scenario, Settings, Value,
 };

@@ -20,6 +20,7 @@ pub mod optimise;
 pub mod pedestrian;
 pub mod plan;
 pub mod report;
+pub mod results;
 pub mod run;
 pub mod scenario;
 pub mod shrink;

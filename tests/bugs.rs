@@ -7,8 +7,8 @@ use scenario_runner::cli::{Exit, guarded};
 use scenario_runner::dispatch::{Orders, Prepared, Workshop, dispatch, units};
 use scenario_runner::lang;
 use scenario_runner::plan::plan;
-use scenario_runner::report::{Event, Reporter, TrialState};
-use scenario_runner::run::{FreeFlows, Requests, Stop, note_places, run_case};
+use scenario_runner::results::{Event, Reporter, Requests, TrialState};
+use scenario_runner::run::{FreeFlows, Stop, note_places, run_case};
 use scenario_runner::sim::{Observer, Step};
 
 /// Set for a process that is to panic, to what in.

@@ -15,7 +15,8 @@ use scenario_runner::judge;
 use scenario_runner::lang::filter::Filters;
 use scenario_runner::lang::{self, Code, Diagnostic, Severity, Sources, Style};
 use scenario_runner::plan;
-use scenario_runner::run::{FreeFlows, Requests, Unwatched, run_case};
+use scenario_runner::results::Requests;
+use scenario_runner::run::{FreeFlows, Unwatched, run_case};
 use scenario_runner::scenario::{Claim, Suite};
 
 fn folder(name: &str) -> PathBuf {

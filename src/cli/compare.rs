@@ -8,10 +8,10 @@ use super::interrupt::stop_on_interrupt;
 use super::set::SetArguments;
 use super::{Exit, measured, parameters};
 use crate::console::{stderr, stdout};
-use crate::judge::Verdict;
 use crate::judge::baseline::{Baseline, Incompatible, measured_metrics, pair};
-use crate::judge::gate::{CheckOutcome, GateVerdict, blanket_rule, collision_rule, judge_rules};
-use crate::report::{gate_markdown, record_command, render_gate, render_reason, set_options};
+use crate::judge::gate::{blanket_rule, collision_rule, judge_rules};
+use crate::report::{gate_markdown, render_gate};
+use crate::results::{CheckOutcome, GateVerdict, Verdict, record_command, set_options};
 use crate::run::Stop;
 use crate::scenario::{Gate, Suite};
 
@@ -158,7 +158,7 @@ fn judged(arguments: &CompareArguments, stop: &Stop) -> Result<Vec<(GateVerdict,
     let refuse = |reasons: Vec<Incompatible>| {
         writeln!(stderr(), "error: {} and {} cannot be compared", base.file, candidate.file);
         for reason in &reasons {
-            writeln!(stderr(), "  {}", render_reason(reason));
+            writeln!(stderr(), "  {}", reason);
         }
         if base.suite.is_none()
             && let Some(suite) = &candidate.suite

@@ -11,10 +11,11 @@ use super::set::SetArguments;
 use super::{Exit, load, shows_progress, store};
 use crate::console::{stderr, stdout};
 use crate::dispatch::{self, Orders, Unit, Work, Workshop, dispatch};
-use crate::experiment::{Block, BlockResult, CaseFile, ParameterFile};
+use crate::experiment::{CaseFile, ParameterFile};
 use crate::files;
-use crate::report::{BlockReport, BlockState, Live, Terminal, render_block, set_options, tuned_parameters};
-use crate::scenario::Suite;
+use crate::report::{Live, Terminal, render_block, tuned_parameters};
+use crate::results::{BlockReport, BlockResult, BlockState, set_options};
+use crate::scenario::{Block, Suite};
 
 #[derive(Debug, Args)]
 pub struct ExperimentArguments {
@@ -103,7 +104,7 @@ fn run(arguments: &ExperimentArguments, kind: &'static str) -> Exit {
     }
     let Some((block, result)) = done.filter(|one| one.key == units[wanted].key).find_map(|one| {
         let result = one.result()?;
-        Some((one.block, result))
+        Some((&one.block, result))
     }) else {
         // What it needs failed, and said so above.
         return Exit::Failed;
@@ -126,14 +127,14 @@ fn run(arguments: &ExperimentArguments, kind: &'static str) -> Exit {
 }
 
 fn is_called(unit: &Unit, kind: &str, name: &str) -> bool {
-    matches!(unit.work, Work::Block(block) if block.kind() == kind && block.name() == name)
+    matches!(&unit.work, Work::Block(block) if block.kind() == kind && block.name() == name)
 }
 
 fn unknown(arguments: &ExperimentArguments, units: &[Unit], kind: &str) -> Exit {
     writeln!(stderr(), "error: {} has no {kind} called `{}`", arguments.file, arguments.name);
     let known: Vec<_> = units
         .iter()
-        .filter_map(|unit| match unit.work {
+        .filter_map(|unit| match &unit.work {
             Work::Block(block) if block.kind() == kind => Some(format!("`{}`", block.name())),
             _ => None,
         })
@@ -156,7 +157,7 @@ fn error(report: &BlockReport) -> Option<String> {
 }
 
 /// The result as others use it; `None` if a tune chose nothing.
-fn file(path: &Path, suite: &Suite, block: Block, result: &BlockResult) -> Option<String> {
+fn file(path: &Path, suite: &Suite, block: &Block, result: &BlockResult) -> Option<String> {
     let is_json = path.extension().is_some_and(|extension| extension == "json");
     match (block, result) {
         (Block::Tune(tune), BlockResult::Tune(tuned)) => {

@@ -1,15 +1,17 @@
 //! `-E EXPRESSION`: filter expressions on the command line.
 
+use std::sync::Arc;
+
+use crate::experiment::{Need, needs};
+use crate::plan::{Plan, PlannedTrial};
 use clap::Args;
 
 use super::Exit;
 use crate::console::stderr;
-use crate::corpus::Recorded;
-use crate::experiment::{Block, Need};
 use crate::lang::filter::{Filters, SCENARIO, Subject};
 use crate::lang::{self, Style};
-use crate::plan::{Plan, Trial};
-use crate::scenario::{CaseSet, Scenario, Suite};
+use crate::results::Recorded;
+use crate::scenario::{Block, CaseSet, Scenario, Suite};
 
 /// For commands that may be about some of what is loaded.
 #[derive(Debug, Clone, Default, Args)]
@@ -38,7 +40,7 @@ pub fn warn(filters: &Filters, subjects: &[Subject], colour: bool) {
 }
 
 /// What a filter may ask about a trial of the suite that was loaded from `file`.
-pub fn trial<'a>(suite: &'a str, file: &'a str, trial: &'a Trial) -> Subject<'a> {
+pub fn trial<'a>(suite: &'a str, file: &'a str, trial: &'a PlannedTrial) -> Subject<'a> {
     let case = trial.cases.first();
     let world = case.map(|case| &case.world);
     Subject {
@@ -79,7 +81,7 @@ pub fn recorded<'a>(suite: &'a Suite, file: &'a str, recorded: &'a Recorded) -> 
 }
 
 /// What a filter may ask about a block: it has the tags, models and controllers of the scenarios that it works on.
-pub fn block<'a>(suite: &'a Suite, file: &'a str, block: &Block<'a>) -> Subject<'a> {
+pub fn block<'a>(suite: &'a Suite, file: &'a str, block: &'a Block) -> Subject<'a> {
     let scenarios = scenarios_of(suite, block);
     let cars = scenarios.iter().flat_map(|scenario| &scenario.vehicles);
     let walkers = scenarios.iter().flat_map(|scenario| &scenario.pedestrians);
@@ -96,7 +98,7 @@ pub fn block<'a>(suite: &'a Suite, file: &'a str, block: &Block<'a>) -> Subject<
 }
 
 /// The scenarios that a block works on, by itself or through the blocks that it needs.
-fn scenarios_of<'a>(suite: &'a Suite, block: &Block<'a>) -> Vec<&'a Scenario> {
+fn scenarios_of<'a>(suite: &'a Suite, block: &Block) -> Vec<&'a Scenario> {
     let set = match block {
         Block::Search(_) | Block::Statement(_) => None,
         Block::Tune(tune) => Some(&tune.on),
@@ -109,7 +111,7 @@ fn scenarios_of<'a>(suite: &'a Suite, block: &Block<'a>) -> Vec<&'a Scenario> {
     };
     let mut scenarios: Vec<&Scenario> =
         suite.scenarios.iter().filter(|scenario| name == Some(scenario.name.as_str())).collect();
-    for need in block.needs() {
+    for need in needs(block) {
         match need {
             Need::Scenario(name) => {
                 scenarios.extend(suite.scenarios.iter().find(|scenario| scenario.name == name))
@@ -124,8 +126,12 @@ fn scenarios_of<'a>(suite: &'a Suite, block: &Block<'a>) -> Vec<&'a Scenario> {
 }
 
 /// Everything that a filter may select of a suite: its trials, then its blocks.
-pub fn subjects<'a>(suite: &'a Suite, plan: &'a Plan, file: &'a str) -> Vec<Subject<'a>> {
-    let blocks = Block::all(suite);
+pub fn subjects<'a>(
+    suite: &'a Suite,
+    plan: &'a Plan,
+    blocks: &'a [Arc<Block>],
+    file: &'a str,
+) -> Vec<Subject<'a>> {
     let trials = plan.trials.iter().map(|planned| trial(&suite.name, file, planned));
     trials.chain(blocks.iter().map(|found| block(suite, file, found))).collect()
 }

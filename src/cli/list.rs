@@ -1,5 +1,6 @@
 //! `scenario-runner list`: the scenarios, blocks and gates of suites, with tags and counts.
 
+use crate::plan::{self, Plan, PlannedTrial};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -10,11 +11,9 @@ use super::Exit;
 use super::filter::{self, FilterArguments};
 use super::load;
 use crate::console::{stderr, stdout};
-use crate::experiment::Block;
 use crate::lang::filter::{SCENARIO, Subject};
 use crate::lang::{self, Style};
-use crate::plan::{self, Plan, Trial};
-use crate::scenario::{Gate, Origin, Suite};
+use crate::scenario::{Block, Gate, Origin, Suite};
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -74,21 +73,23 @@ pub fn list(arguments: &ListArguments) -> Exit {
             None => exit = Exit::Scenario,
         }
     }
+    let blocks: Vec<_> = suites.iter().map(|(_, suite, _)| Block::all(suite)).collect();
     let subjects: Vec<Subject> = suites
         .iter()
-        .flat_map(|(file, suite, plan)| {
+        .zip(&blocks)
+        .flat_map(|((file, suite, plan), blocks)| {
             let gates = suite.gates.iter().map(|gate| gate_subject(suite, file, gate));
-            filter::subjects(suite, plan, file).into_iter().chain(gates)
+            filter::subjects(suite, plan, blocks, file).into_iter().chain(gates)
         })
         .collect();
     filter::warn(&filters, &subjects, colour);
     let mut lines = Vec::new();
-    for (file, suite, plan) in &suites {
+    for ((file, suite, plan), blocks) in suites.iter().zip(&blocks) {
         for scenario in &suite.scenarios {
-            let selected = |trial: &&Trial| {
+            let selected = |trial: &&PlannedTrial| {
                 trial.scenario == scenario.name && filters.matches(&filter::trial(&suite.name, file, trial))
             };
-            let trials: Vec<&Trial> = plan.trials.iter().filter(selected).collect();
+            let trials: Vec<&PlannedTrial> = plan.trials.iter().filter(selected).collect();
             if !trials.is_empty() {
                 let runs = trials.iter().map(|trial| trial.cases.len()).sum();
                 lines.push(Line {
@@ -102,13 +103,13 @@ pub fn list(arguments: &ListArguments) -> Exit {
                 });
             }
         }
-        for block in Block::all(suite) {
-            let subject = filter::block(suite, file, &block);
+        for block in blocks {
+            let subject = filter::block(suite, file, block);
             if filters.matches(&subject) {
                 lines.push(Line {
                     name: block.key(&suite.name),
                     kind: block.kind(),
-                    counts: size(&block),
+                    counts: size(block),
                     at_most: false,
                     tags: &[],
                     doc: block.doc(),

@@ -1,5 +1,6 @@
 //! Files to plans: what every command that runs something begins with.
 
+use crate::plan::{Plan, PlanError, PlannedTrial, plan};
 use std::path::Path;
 
 use super::Exit;
@@ -10,7 +11,6 @@ use crate::dispatch::Prepared;
 use crate::experiment::rehearse_searches;
 use crate::judge::examine_claims;
 use crate::lang::{self, Code, Diagnostic, Override, Severity, Sources};
-use crate::plan::{Plan, PlanError, Trial, plan};
 use crate::report::Excerpt;
 use crate::run::{Departing, Obstacle, Stage, departing, rehearse, rehearse_trials};
 use crate::scenario::{Suite, show};
@@ -120,7 +120,7 @@ fn refuse_nothing_asked(suite: &Suite, plan: &Plan, is_set_aside: bool) -> Resul
     let asks_something = |name: &str| {
         is_set_aside || suite.scenarios.iter().any(|one| one.name == name && !one.criteria.is_empty())
     };
-    let idle = |trial: &&Trial| trial.criteria.is_empty() && asks_something(&trial.scenario);
+    let idle = |trial: &&PlannedTrial| trial.criteria.is_empty() && asks_something(&trial.scenario);
     let Some(trial) = plan.trials.iter().find(idle) else { return Ok(()) };
     writeln!(stderr(), "error: with {} no criterion applies to {}", suite.set.join(", "), trial.key);
     writeln!(stderr(), "help: it would pass whatever happens; set a value that a criterion is about");

@@ -11,8 +11,8 @@ use crate::console::stderr;
 use crate::files;
 use crate::judge::baseline::{Baseline, record};
 use crate::plan::{self, Plan};
-use crate::report::record_command;
-use crate::run::{BatchError, FreeFlows, Requests, Stop, run_batch};
+use crate::results::{Requests, record_command};
+use crate::run::{BatchError, FreeFlows, Stop, run_batch};
 use crate::scenario::{Gate, Suite};
 
 /// Whether a file holds a baseline and not a suite.

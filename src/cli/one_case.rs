@@ -1,5 +1,6 @@
 //! From a run's key to its case: what commands about a single run begin with.
 
+use crate::corpus;
 use std::fs;
 
 use clap::Args;
@@ -65,11 +66,10 @@ impl CaseArguments {
     pub fn find<'a>(&self, suites: &'a [Prepared]) -> Result<Found<'a>, Exit> {
         let key = &self.key;
         for unit in units(suites).iter().filter(|unit| unit.key == *key) {
-            if let Work::Recorded(recorded) = unit.work {
+            if let Work::Recorded(recorded) = &unit.work {
                 let suite = &suites[unit.suite];
-                let revived = recorded
-                    .revive(&suite.suite)
-                    .and_then(|case| Ok((case, recorded.criteria(&suite.suite)?)));
+                let revived = corpus::revive(recorded, &suite.suite)
+                    .and_then(|case| Ok((case, corpus::criteria(recorded, &suite.suite)?)));
                 let (case, criteria) = revived.map_err(|stale| {
                     writeln!(stderr(), "error: `{key}` cannot be run any more: {stale}");
                     Exit::NothingSelected

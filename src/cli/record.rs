@@ -1,6 +1,7 @@
 //! One run with everything there is to see of it.
 
-use crate::run::{FreeFlows, Outcome, Requests, RunError, run_case};
+use crate::results::{Outcome, Requests};
+use crate::run::{FreeFlows, RunError, run_case};
 use crate::scenario::Case;
 use crate::sim::{Ending, Event, Observer, Snapshot, Step, Timeline, Trace};
 

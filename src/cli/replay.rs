@@ -12,7 +12,8 @@ use crate::console::{stderr, stdout};
 use crate::corpus::{case_hash, corpus_path};
 use crate::files::WholeFile;
 use crate::report::{ReplayIntroduction, case_values, render_replay, replay_reasons, write_trace};
-use crate::run::{FreeFlows, Requests, Unwatched, run_case};
+use crate::results::Requests;
+use crate::run::{FreeFlows, Unwatched, run_case};
 
 #[derive(Debug, Args)]
 pub struct ReplayArguments {

@@ -13,8 +13,9 @@ use crate::files::{self, Lines};
 use crate::judge::{PerRun, per_run};
 use crate::lang;
 use crate::plan;
-use crate::report::{SHRUNK_BY, SuiteIdentity, render_shrunk, run_words, shrunk_file};
-use crate::run::{FreeFlows, Outcome, Requests, Unwatched, run_case};
+use crate::report::{SHRUNK_BY, render_shrunk, run_words, shrunk_file};
+use crate::results::{Outcome, Requests, SuiteIdentity};
+use crate::run::{FreeFlows, Unwatched, run_case};
 use crate::scenario::Case;
 use crate::shrink::{Place, Shrunk, requests, shrink as shrink_case, unmoved};
 
@@ -137,8 +138,12 @@ fn shrink_found(arguments: &ShrinkArguments, found: &Found, criterion: &PerRun) 
         writeln!(stderr(), "error: {}: {error}", case.key);
         Exit::Scenario
     })?;
-    let (name, set) = (&suite.plan.suite, &suite.suite.set);
-    let identity = SuiteIdentity { suite: name, file: &suite.file, seed: suite.plan.seed, set };
+    let identity = SuiteIdentity {
+        suite: suite.plan.suite.clone(),
+        file: suite.file.clone(),
+        seed: suite.plan.seed,
+        set: suite.suite.set.clone(),
+    };
     let text = shrunk_file(&shrunk, criterion, &identity).map_err(|error| {
         writeln!(stderr(), "error: {}: {error}", case.key);
         Exit::Scenario

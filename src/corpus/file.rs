@@ -1,11 +1,11 @@
 //! The file of failures: text that people can read, sorted, so that it can be compared and merged.
 
+use crate::results::Recorded;
 use std::io;
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use super::record::Recorded;
 use crate::files::{self, ReadError};
 use crate::scenario::{Assignment, Value};
 

@@ -7,4 +7,4 @@ mod file;
 mod record;
 
 pub use file::{CorpusError, corpus_path, read_corpus, write_corpus};
-pub use record::{Recorded, Stale, case_hash};
+pub use record::{Stale, case_hash, criteria, record, revive};

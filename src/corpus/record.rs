@@ -4,27 +4,8 @@ use sha2::{Digest, Sha256};
 use thiserror::Error;
 
 use crate::plan::{self, PlanError};
-use crate::run::Outcome;
-use crate::scenario::{Assignment, Case, Criterion, Population, Suite};
-
-/// What is kept of a run.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Recorded {
-    /// The run's key when it was recorded.
-    pub key: String,
-    pub scenario: String,
-    /// The seed of the run.
-    pub seed: u64,
-    pub variation: Vec<Assignment>,
-    /// Pedestrian, number and population of each person.
-    pub people: Vec<(String, u32, String)>,
-    /// See [`case_hash`].
-    pub case: u64,
-    /// The run's fingerprint.
-    pub fingerprint: u64,
-    /// What it spoke against, such as `no collision: collision yes`.
-    pub against: Vec<String>,
-}
+use crate::results::{Outcome, Recorded};
+use crate::scenario::{Case, Criterion, Population, Suite};
 
 /// Why a recorded run cannot be run any more.
 #[derive(Debug, Error)]
@@ -46,73 +27,64 @@ pub fn case_hash(case: &Case) -> u64 {
     u64::from_le_bytes(std::array::from_fn(|index| digest[index]))
 }
 
-impl Recorded {
-    pub fn new(case: &Case, outcome: &Outcome, against: Vec<String>) -> Self {
-        let person =
-            |one: &crate::scenario::Individual| (one.pedestrian.clone(), one.number, one.population.clone());
-        Self {
-            key: case.key.clone(),
-            scenario: case.scenario.clone(),
-            seed: case.seed,
-            variation: case.variation.clone(),
-            people: case.individuals.iter().map(person).collect(),
-            case: case_hash(case),
-            fingerprint: outcome.fingerprint,
-            against,
+/// What is kept of a run, and what it spoke against.
+pub fn record(case: &Case, outcome: &Outcome, against: Vec<String>) -> Recorded {
+    let person =
+        |one: &crate::scenario::Individual| (one.pedestrian.clone(), one.number, one.population.clone());
+    Recorded {
+        key: case.key.clone(),
+        scenario: case.scenario.clone(),
+        seed: case.seed,
+        variation: case.variation.clone(),
+        people: case.individuals.iter().map(person).collect(),
+        case: case_hash(case),
+        fingerprint: outcome.fingerprint,
+        against,
+    }
+}
+
+/// The case under its recorded key, with what the suite's scenario says today.
+///
+/// # Errors
+/// If the scenario is gone or has changed too much.
+pub fn revive(recorded: &Recorded, suite: &Suite) -> Result<Case, Stale> {
+    let found = suite.scenarios.iter().find(|scenario| scenario.name == recorded.scenario);
+    let mut scenario = found.ok_or_else(|| Stale::Scenario(recorded.scenario.clone()))?.clone();
+    for (pedestrian, number, population) in &recorded.people {
+        let individuals = scenario
+            .pedestrians
+            .iter_mut()
+            .find(|one| one.name == *pedestrian)
+            .and_then(|one| one.individuals.as_mut())
+            .ok_or_else(|| other_people(pedestrian, population))?;
+        individuals.selection = Population::Number(*number);
+    }
+    let people = plan::select_people(recorded.seed, &scenario)?.into_iter().next().unwrap_or_default();
+    for (pedestrian, number, population) in &recorded.people {
+        let is_it = |one: &crate::scenario::Individual| {
+            one.pedestrian == *pedestrian && one.number == *number && one.population == *population
+        };
+        if !people.iter().any(is_it) {
+            return Err(other_people(pedestrian, population));
         }
     }
+    let repetition =
+        recorded.key.rsplit_once("/rep=").and_then(|(_, number)| number.parse().ok()).unwrap_or(1);
+    let (key, variation) = (recorded.key.clone(), recorded.variation.clone());
+    Ok(plan::concrete_case(&scenario, key, variation, people, repetition, recorded.seed)?)
+}
 
-    /// Its name as a unit: `zebra/recorded=carla_walker/tta=6s/rep=2`.
-    pub fn unit_key(&self) -> String {
-        match self.key.split_once('/') {
-            Some((suite, rest)) => format!("{suite}/recorded={rest}"),
-            None => format!("recorded={}", self.key),
-        }
-    }
+/// What the suite demands of such a run.
+///
+/// # Errors
+/// If the scenario is gone or has changed too much, or demands nothing any more.
+pub fn criteria(recorded: &Recorded, suite: &Suite) -> Result<Vec<Criterion>, Stale> {
+    let found = suite.scenarios.iter().find(|scenario| scenario.name == recorded.scenario);
+    let scenario = found.ok_or_else(|| Stale::Scenario(recorded.scenario.clone()))?;
+    let criteria = plan::criteria(scenario, &plan::variables(&recorded.variation))?;
+    if criteria.is_empty() { Err(Stale::NothingClaimed) } else { Ok(criteria) }
+}
 
-    /// The case under its recorded key, with what the suite's scenario says today.
-    ///
-    /// # Errors
-    /// If the scenario is gone or has changed too much.
-    pub fn revive(&self, suite: &Suite) -> Result<Case, Stale> {
-        let found = suite.scenarios.iter().find(|scenario| scenario.name == self.scenario);
-        let mut scenario = found.ok_or_else(|| Stale::Scenario(self.scenario.clone()))?.clone();
-        for (pedestrian, number, population) in &self.people {
-            let individuals = scenario
-                .pedestrians
-                .iter_mut()
-                .find(|one| one.name == *pedestrian)
-                .and_then(|one| one.individuals.as_mut())
-                .ok_or_else(|| self.other_people(pedestrian, population))?;
-            individuals.selection = Population::Number(*number);
-        }
-        let people = plan::select_people(self.seed, &scenario)?.into_iter().next().unwrap_or_default();
-        for (pedestrian, number, population) in &self.people {
-            let is_it = |one: &crate::scenario::Individual| {
-                one.pedestrian == *pedestrian && one.number == *number && one.population == *population
-            };
-            if !people.iter().any(is_it) {
-                return Err(self.other_people(pedestrian, population));
-            }
-        }
-        let repetition =
-            self.key.rsplit_once("/rep=").and_then(|(_, number)| number.parse().ok()).unwrap_or(1);
-        let (key, variation) = (self.key.clone(), self.variation.clone());
-        Ok(plan::concrete_case(&scenario, key, variation, people, repetition, self.seed)?)
-    }
-
-    /// What the suite demands of such a run.
-    ///
-    /// # Errors
-    /// If the scenario is gone or has changed too much, or demands nothing any more.
-    pub fn criteria(&self, suite: &Suite) -> Result<Vec<Criterion>, Stale> {
-        let found = suite.scenarios.iter().find(|scenario| scenario.name == self.scenario);
-        let scenario = found.ok_or_else(|| Stale::Scenario(self.scenario.clone()))?;
-        let criteria = plan::criteria(scenario, &plan::variables(&self.variation))?;
-        if criteria.is_empty() { Err(Stale::NothingClaimed) } else { Ok(criteria) }
-    }
-
-    fn other_people(&self, pedestrian: &str, population: &str) -> Stale {
-        Stale::People { pedestrian: pedestrian.to_string(), population: population.to_string() }
-    }
+fn other_people(pedestrian: &str, population: &str) -> Stale {
+    Stale::People { pedestrian: pedestrian.to_string(), population: population.to_string() }
 }

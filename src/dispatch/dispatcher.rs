@@ -12,13 +12,13 @@ use super::kept::Kept;
 use super::schedule::Schedule;
 use super::unit::{Unit, Work};
 use super::workshop::Workshop;
-use crate::experiment::{Block, Progress, Results};
-use crate::report::{
+use crate::experiment::{EarlierResults, Progress};
+use crate::results::{
     BlockReport, CutBy, Evaluations, Event, Outline, RecordedReport, Reporter, Skip, Standing, Stopping,
     SuiteReport, TrialReport, UnitReport,
 };
 use crate::run::{SharedTrial, Stop};
-use crate::scenario::Goal;
+use crate::scenario::{Block, Goal};
 
 /// What is to be run, and how.
 #[derive(Debug, Clone, Copy)]
@@ -43,7 +43,7 @@ pub fn dispatch<'a>(
     units: &[Unit<'a>],
     orders: &Orders,
     reporter: &mut dyn Reporter,
-) -> Vec<SuiteReport<'a>> {
+) -> Vec<SuiteReport> {
     let (started, begun) = (SystemTime::now(), Instant::now());
     reporter.tell(&Event::Begun(&outline(units, orders.chosen)));
     let floor = Floor::new(workshop, units, orders);
@@ -103,12 +103,12 @@ fn outline(units: &[Unit], chosen: &[bool]) -> Outline {
     };
     let mut last = None;
     for (unit, _) in units.iter().zip(chosen).filter(|(_, chosen)| **chosen) {
-        match unit.work {
+        match &unit.work {
             Work::Recorded(_) => outline.recorded += 1,
             Work::Trial(trial) => {
                 outline.trials += 1;
                 outline.runs += unit.runs();
-                outline.certain_runs += trial.certain_cases().len();
+                outline.certain_runs += trial.certain_runs();
             }
             Work::Block(_) => outline.blocks += 1,
         }
@@ -130,11 +130,11 @@ impl Drop for StopOnPanic<'_> {
 }
 
 /// What workers tell.
-enum Message<'a> {
+enum Message {
     Begun(usize),
     RunDone(usize),
     Evaluated { unit: usize, done: usize, all: usize, value: Option<f64> },
-    Finished { unit: usize, report: UnitReport<'a>, off: Vec<(usize, Off)> },
+    Finished { unit: usize, report: UnitReport, off: Vec<(usize, Off)> },
     Stopping(Stopping),
 }
 
@@ -173,7 +173,7 @@ struct State<'a> {
     /// Trials under way, with the index of their suite.
     trials: Vec<(usize, Arc<SharedTrial<'a>>)>,
     failures: usize,
-    /// Results that blocks need.
+    /// EarlierResults that blocks need.
     kept: Vec<Option<Arc<Kept>>>,
     /// What a worker panicked with, outside of its units: a bug of ours.
     panicked: Option<Box<dyn Any + Send>>,
@@ -203,7 +203,7 @@ impl<'w, 'a> Floor<'w, 'a> {
     }
 
     /// One worker, and should it panic, nobody waits for what it will not do any more.
-    fn work_or_stop(&self, sender: &Sender<Message<'a>>) {
+    fn work_or_stop(&self, sender: &Sender<Message>) {
         if let Err(panic) = catch_unwind(AssertUnwindSafe(|| self.work(sender))) {
             self.workshop.stop().request();
             self.wake(|state| state.panicked = Some(panic));
@@ -216,7 +216,7 @@ impl<'w, 'a> Floor<'w, 'a> {
 
     /// One worker: unit after unit until there is none left. Where it would have to wait for one, it helps with the cases
     /// of trials under way.
-    fn work(&self, sender: &Sender<Message<'a>>) {
+    fn work(&self, sender: &Sender<Message>) {
         // The receiver lives as long as the workers do.
         let send = |message| drop(sender.send(message));
         while let Some(job) = self.next() {
@@ -265,9 +265,9 @@ impl<'w, 'a> Floor<'w, 'a> {
         self.changed.notify_all();
     }
 
-    fn run(&self, index: usize, sender: &Sender<Message<'a>>) -> UnitReport<'a> {
+    fn run(&self, index: usize, sender: &Sender<Message>) -> UnitReport {
         let unit = &self.units[index];
-        match unit.work {
+        match &unit.work {
             Work::Recorded(recorded) => {
                 UnitReport::Recorded(self.workshop.recorded(unit.suite, &unit.key, recorded))
             }
@@ -291,7 +291,7 @@ impl<'w, 'a> Floor<'w, 'a> {
     }
 
     /// What the unit needs, out of what was kept.
-    fn results(&self, unit: &Unit) -> Results {
+    fn results(&self, unit: &Unit) -> EarlierResults {
         let kept: Vec<_> = {
             let state = self.lock();
             unit.needs.iter().filter_map(|need| state.kept[*need].clone()).collect()
@@ -301,7 +301,7 @@ impl<'w, 'a> Floor<'w, 'a> {
 
     /// Books a unit that is done: which units are called off with it, and whether that was one failure too many.
     fn end(&self, unit: usize, report: &UnitReport) -> (Vec<(usize, Off)>, Option<Stopping>) {
-        let kept = if self.needed[unit] { Kept::of(report) } else { None };
+        let kept = if self.needed[unit] { Kept::of(&self.units[unit].work, report) } else { None };
         let mut state = self.lock();
         let off = state.schedule.end(unit, kept.is_some());
         state.kept[unit] = kept.map(Arc::new);
@@ -328,12 +328,12 @@ impl<'w, 'a> Floor<'w, 'a> {
 }
 
 /// Sends on what a block says about itself.
-struct Relay<'a> {
+struct Relay {
     unit: usize,
-    sender: Sender<Message<'a>>,
+    sender: Sender<Message>,
 }
 
-impl Progress for Relay<'_> {
+impl Progress for Relay {
     fn evaluated(&self, done: usize, all: usize, value: Option<f64>) {
         drop(self.sender.send(Message::Evaluated { unit: self.unit, done, all, value }));
     }
@@ -344,7 +344,7 @@ struct Teller<'t, 'a> {
     workshop: &'t Workshop<'a>,
     units: &'t [Unit<'a>],
     reporter: &'t mut dyn Reporter,
-    slots: Vec<Option<UnitReport<'a>>>,
+    slots: Vec<Option<UnitReport>>,
     best: HashMap<usize, f64>,
     interrupted: bool,
 }
@@ -359,7 +359,7 @@ impl<'t, 'a> Teller<'t, 'a> {
         self.reporter.tell(event);
     }
 
-    fn hear(&mut self, message: Message<'a>) {
+    fn hear(&mut self, message: Message) {
         match message {
             Message::Begun(unit) => {
                 let (key, runs) = (&*self.units[unit].key, self.units[unit].runs());
@@ -383,10 +383,13 @@ impl<'t, 'a> Teller<'t, 'a> {
 
     /// The best value of a block's objective so far.
     fn best(&mut self, unit: usize, value: Option<f64>) -> Option<f64> {
-        let goal = match self.units[unit].work {
-            Work::Block(Block::Search(search)) => Some(search.objective.direction),
-            Work::Block(Block::Tune(tune)) => tune.objectives.first().map(|objective| objective.direction),
-            _ => None,
+        let goal = match &self.units[unit].work {
+            Work::Block(block) => match &**block {
+                Block::Search(search) => Some(search.objective.direction),
+                Block::Tune(tune) => tune.objectives.first().map(|objective| objective.direction),
+                Block::Evaluate(_) | Block::Statement(_) => None,
+            },
+            Work::Trial(_) | Work::Recorded(_) => None,
         }?;
         if let Some(value) = value {
             let best = self.best.entry(unit).or_insert(value);
@@ -398,7 +401,7 @@ impl<'t, 'a> Teller<'t, 'a> {
         self.best.get(&unit).copied()
     }
 
-    fn finished(&mut self, unit: usize, report: UnitReport<'a>) {
+    fn finished(&mut self, unit: usize, report: UnitReport) {
         let suite = self.workshop.identity(self.units[unit].suite);
         self.reporter.tell(&Event::Finished { unit, suite: &suite, report: &report });
         self.slots[unit] = Some(report);
@@ -434,11 +437,11 @@ impl<'t, 'a> Teller<'t, 'a> {
 fn suite_report<'a>(
     workshop: &Workshop<'a>,
     units: &[Unit<'a>],
-    slots: &mut [Option<UnitReport<'a>>],
+    slots: &mut [Option<UnitReport>],
     suite: usize,
     started: SystemTime,
     wall_time: Duration,
-) -> SuiteReport<'a> {
+) -> SuiteReport {
     let identity = workshop.identity(suite);
     let mut report = SuiteReport {
         identity,

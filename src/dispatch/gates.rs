@@ -1,27 +1,29 @@
 //! Gates, once everything is judged: each suite's runs against its baseline.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use super::workshop::Workshop;
 use crate::judge::baseline::{Baseline, Incompatible, measured_metrics, record};
 use crate::judge::gate::judge_gate;
-use crate::report::{
+use crate::plan::{Plan, PlannedTrial};
+use crate::results::{
     GateReport, GateState, NotJudged, Refusal, Skip, SuiteIdentity, SuiteReport, TrialReport, TrialState,
-    record_command, render_reason,
+    record_command,
 };
 use crate::run::{BatchError, Panicked, run_batch};
 use crate::scenario::Gate;
 
 /// Judges every gate of every suite and puts what it came to into the suite's report. With `lenient`, trials that a
 /// baseline lacks are left out instead of being a reason not to compare.
-pub fn judge_gates<'a>(workshop: &Workshop<'a>, reports: &mut [SuiteReport<'a>], lenient: bool) {
+pub fn judge_gates<'a>(workshop: &Workshop<'a>, reports: &mut [SuiteReport], lenient: bool) {
     for (suite, report) in reports.iter_mut().enumerate() {
         let gates = &workshop.suites()[suite].suite.gates;
         if gates.is_empty() {
             continue;
         }
         let identity = workshop.identity(suite);
-        let refusals: Vec<_> = gates.iter().map(|gate| other_runs(gate, identity.set)).collect();
+        let refusals: Vec<_> = gates.iter().map(|gate| other_runs(gate, &identity.set)).collect();
         // Runs that a trial did not need itself are made up for only where something is compared.
         let measured = refusals.contains(&None).then(|| {
             let trials: Vec<_> = report.trials.iter().collect();
@@ -32,7 +34,7 @@ pub fn judge_gates<'a>(workshop: &Workshop<'a>, reports: &mut [SuiteReport<'a>],
             (None, Some(measured)) => judge_one_gate(workshop, suite, gate, measured.as_ref(), lenient),
             (refusal, _) => {
                 let state = GateState::Refused(refusal.expect("whatever is not refused was measured"));
-                GateReport { gate, key: gate_key(identity.suite, gate), state }
+                GateReport { gate: Arc::new(gate.clone()), key: gate_key(&identity.suite, gate), state }
             }
         };
         report.gates = gates.iter().zip(refusals).map(judged).collect();
@@ -65,18 +67,24 @@ pub fn judge_one_gate<'a>(
     gate: &'a Gate,
     measured: Result<&Baseline, &NotJudged>,
     lenient: bool,
-) -> GateReport<'a> {
+) -> GateReport {
     let identity = workshop.identity(suite);
     let state = match measured {
         Ok(candidate) => state(gate, candidate, &identity, lenient),
         Err(why) => GateState::NotJudged(why.clone()),
     };
-    GateReport { gate, key: gate_key(identity.suite, gate), state }
+    GateReport { gate: Arc::new(gate.clone()), key: gate_key(&identity.suite, gate), state }
 }
 
 /// Such as `zebra/gate=braking`.
 pub fn gate_key(suite: &str, gate: &Gate) -> String {
     format!("{suite}/gate={}", gate.name)
+}
+
+/// The trial that a report is of, with its runs.
+fn planned_as<'p>(plan: &'p Plan, report: &TrialReport) -> &'p PlannedTrial {
+    let is_it = |planned: &&PlannedTrial| Arc::ptr_eq(&planned.trial, &report.trial);
+    plan.trials.iter().find(is_it).expect("reports are of trials of the plan")
 }
 
 /// All trials of a suite as a baseline, or why they do not make one.
@@ -104,8 +112,9 @@ pub fn measured_trials(
     let (requests, free_flows) = (workshop.requests(), workshop.free_flows(suite));
     let mut outcomes = Vec::with_capacity(trials.len());
     for trial in trials {
+        let planned = planned_as(&prepared.plan, trial);
         // When a trial was decided must not decide what is compared.
-        let rest: Vec<_> = trial.trial.cases[trial.outcomes.len()..].iter().collect();
+        let rest: Vec<_> = planned.cases[trial.outcomes.len()..].iter().collect();
         let mut all = trial.outcomes.clone();
         let more = Panicked::catch(|| run_batch(&rest, requests, free_flows, workshop.stop(), || ()));
         let more = more.map_err(|panicked| NotJudged::Broken(panicked.to_string()))?;
@@ -115,7 +124,7 @@ pub fn measured_trials(
             }
             BatchError::Run { .. } => NotJudged::Broken(error.to_string()),
         })?);
-        outcomes.push((trial.trial, all));
+        outcomes.push((planned, all));
     }
     let trials: Vec<_> = outcomes.iter().map(|(trial, outcomes)| (*trial, &outcomes[..])).collect();
     let mut all = record(&prepared.plan, &trials, requests);
@@ -126,7 +135,7 @@ pub fn measured_trials(
 
 fn state(gate: &Gate, candidate: &Baseline, identity: &SuiteIdentity, lenient: bool) -> GateState {
     let path = Path::new(&gate.baseline);
-    let record = record_command(identity.file, identity.set, path);
+    let record = record_command(&identity.file, &identity.set, path);
     let judged = match Baseline::read_named(path) {
         Ok(base) => judge_gate(gate, &base, candidate, lenient),
         Err(error) => {
@@ -141,7 +150,7 @@ fn state(gate: &Gate, candidate: &Baseline, identity: &SuiteIdentity, lenient: b
             let lenient = if new_ones { "; `--baseline-lenient` leaves new trials out" } else { "" };
             GateState::Refused(Refusal {
                 message: format!("the baseline {} may not be compared with", path.display()),
-                reasons: reasons.iter().map(render_reason).collect(),
+                reasons: reasons.iter().map(ToString::to_string).collect(),
                 help: format!("record it anew, from the version to compare with, by `{record}`{lenient}"),
             })
         }
@@ -154,7 +163,7 @@ mod tests {
     use crate::dispatch::Prepared;
     use crate::lang;
     use crate::plan::plan;
-    use crate::run::{SharedTrial, Stop};
+    use crate::plan::{Plan, PlannedTrial};
 
     #[test]
     fn trials_that_were_decided_early_are_run_to_their_end() {

@@ -1,10 +1,12 @@
-//! Results that later units build on.
+//! EarlierResults that later units build on.
 
 use std::sync::Arc;
 
-use crate::experiment::{BlockResult, Results};
-use crate::report::{TrialState, UnitReport};
-use crate::run::Outcome;
+use super::unit::Work;
+use crate::plan::PlannedTrial;
+
+use crate::experiment::EarlierResults;
+use crate::results::{BlockResult, Outcome, TrialState, UnitReport};
 use crate::scenario::Case;
 
 /// What others may need of a unit.
@@ -15,14 +17,17 @@ pub enum Kept {
 }
 
 impl Kept {
-    /// Of what became of a unit; `None` if there is nothing to build on.
-    pub fn of(report: &UnitReport) -> Option<Self> {
+    /// Of what became of a unit that is this work; `None` if there is nothing to build on.
+    pub fn of(work: &Work, report: &UnitReport) -> Option<Self> {
         match report {
             UnitReport::Recorded(_) => None,
-            UnitReport::Trial(report) => matches!(report.state, TrialState::Judged(_)).then(|| Self::Runs {
-                scenario: report.trial.scenario.clone(),
-                runs: report.trial.cases.iter().cloned().zip(report.outcomes.iter().cloned()).collect(),
-            }),
+            UnitReport::Trial(report) => {
+                let Work::Trial(PlannedTrial { cases, .. }) = work else { return None };
+                matches!(report.state, TrialState::Judged(_)).then(|| Self::Runs {
+                    scenario: report.trial.scenario.clone(),
+                    runs: cases.iter().cloned().zip(report.outcomes.iter().cloned()).collect(),
+                })
+            }
             UnitReport::Block(report) => {
                 let result = report.result().filter(|result| result.failure().is_none())?;
                 Some(Self::Block { name: report.block.name().to_string(), result: Box::new(result.clone()) })
@@ -31,8 +36,8 @@ impl Kept {
     }
 
     /// Several as a block reads them; runs of a scenario come in the order of its trials.
-    pub fn gather(kept: impl IntoIterator<Item = Arc<Self>>) -> Results {
-        let mut results = Results::default();
+    pub fn gather(kept: impl IntoIterator<Item = Arc<Self>>) -> EarlierResults {
+        let mut results = EarlierResults::default();
         for one in kept {
             match &*one {
                 Self::Runs { scenario, runs } => {

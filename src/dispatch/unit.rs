@@ -1,12 +1,13 @@
 //! The units of suites: what is selected, run and reported, and what each needs.
 
+use crate::plan::{Plan, PlannedTrial};
 use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
 
-use crate::corpus::Recorded;
-use crate::experiment::{Block, Need};
-use crate::plan::{Plan, Trial};
-use crate::scenario::Suite;
+use crate::experiment::{Need, needs as needs_of};
+use crate::results::Recorded;
+use crate::scenario::{Block, Suite};
 
 /// A suite that is ready to run.
 #[derive(Debug)]
@@ -31,18 +32,18 @@ pub struct Unit<'a> {
     pub needs: Vec<usize>,
 }
 
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub enum Work<'a> {
     /// A run that failed in an earlier session.
     Recorded(&'a Recorded),
-    Trial(&'a Trial),
-    Block(Block<'a>),
+    Trial(&'a PlannedTrial),
+    Block(Arc<Block>),
 }
 
 impl Unit<'_> {
     /// How many runs it is; those of a block cannot be counted beforehand.
     pub fn runs(&self) -> usize {
-        match self.work {
+        match &self.work {
             Work::Trial(trial) => trial.cases.len(),
             Work::Recorded(_) => 1,
             Work::Block(_) => 0,
@@ -70,9 +71,10 @@ pub fn units(suites: &[Prepared]) -> Vec<Unit<'_>> {
             units.push(Unit { suite, key, work: Work::Trial(trial), needs: Vec::new() });
         }
         let mut blocks: HashMap<&str, usize> = HashMap::new();
-        for block in Block::all(&prepared.suite) {
+        let all = Block::all(&prepared.suite);
+        for block in &all {
             let mut needs = Vec::new();
-            for need in block.needs() {
+            for need in needs_of(block) {
                 // What is not there was reported by the checker, or is by the block itself.
                 match need {
                     Need::Block(name) => needs.extend(blocks.get(name.as_str())),
@@ -81,7 +83,7 @@ pub fn units(suites: &[Prepared]) -> Vec<Unit<'_>> {
             }
             blocks.insert(block.name(), units.len());
             let key = Cow::Owned(block.key(&prepared.suite.name));
-            units.push(Unit { suite, key, work: Work::Block(block), needs });
+            units.push(Unit { suite, key, work: Work::Block(block.clone()), needs });
         }
     }
     units

@@ -1,23 +1,23 @@
 //! Where one unit is run: a trial from its first case to its verdict, a block to its result.
 
+use crate::experiment::{EarlierResults, ExperimentError, Laboratory, Progress, run_block};
 use std::mem;
 use std::path::PathBuf;
-use std::sync::PoisonError;
+use std::sync::{Arc, PoisonError};
 use std::time::{Duration, Instant};
 
 use super::unit::{Prepared, Unit, Work};
-use crate::corpus::{Recorded, case_hash};
-use crate::experiment::{Block, ExperimentError, Laboratory, Progress, Results};
-use crate::judge::{self, PerRun, Verdict, judge, per_run};
-use crate::plan::Trial;
-use crate::report::{
-    BlockReport, BlockState, Cut, RecordedReport, RecordedState, Rerun, Skip, SuiteIdentity, TrialReport,
-    TrialState, UnitReport,
+use crate::corpus::{self, case_hash};
+use crate::judge::{self, PerRun, judge, per_run};
+use crate::plan::PlannedTrial;
+use crate::results::{
+    BlockReport, BlockState, Cut, Outcome, Recorded, RecordedReport, RecordedState, Requests, Rerun, Skip,
+    SuiteIdentity, TrialReport, TrialState, UnitReport, Verdict,
 };
 use crate::run::{
-    FreeFlows, Outcome, Panicked, Ran, Requests, RunError, SharedTrial, Stop, TrialError, Unwatched, run_case,
+    FreeFlows, Panicked, Ran, RunError, SharedTrial, Stop, TrialError, Unwatched, departures, run_case,
 };
-use crate::scenario::Case;
+use crate::scenario::{Block, Case};
 use crate::sim::Trace;
 
 /// Given the course of every run of a trial.
@@ -82,14 +82,18 @@ impl<'a> Workshop<'a> {
         self.suites
     }
 
-    pub fn identity(&self, suite: usize) -> SuiteIdentity<'a> {
+    pub fn identity(&self, suite: usize) -> SuiteIdentity {
         let prepared = &self.suites[suite];
-        let (suite, set) = (&prepared.plan.suite, &prepared.suite.set);
-        SuiteIdentity { suite, file: &prepared.file, seed: prepared.plan.seed, set }
+        SuiteIdentity {
+            suite: prepared.plan.suite.clone(),
+            file: prepared.file.clone(),
+            seed: prepared.plan.seed,
+            set: prepared.suite.set.clone(),
+        }
     }
 
     /// Runs and judges one trial of the suite with index `suite`. `done` is called after every run.
-    pub fn trial(&self, suite: usize, shared: &SharedTrial<'a>, done: &dyn Fn()) -> TrialReport<'a> {
+    pub fn trial(&self, suite: usize, shared: &SharedTrial<'a>, done: &dyn Fn()) -> TrialReport {
         let begun = Instant::now();
         let trial = shared.trial;
         let limit = self.suites[suite].plan.time_limit.map(Duration::from_secs_f64);
@@ -120,7 +124,13 @@ impl<'a> Workshop<'a> {
                 (Vec::new(), TrialState::Errored(message))
             }
         };
-        TrialReport { trial, outcomes, state, wall_time: begun.elapsed() }
+        TrialReport {
+            trial: trial.trial.clone(),
+            outcomes,
+            state,
+            departures: departures(trial),
+            wall_time: begun.elapsed(),
+        }
     }
 
     /// Runs one case of a trial that another thread sees to.
@@ -129,7 +139,7 @@ impl<'a> Workshop<'a> {
     }
 
     /// A run of a trial, of which no more is kept than its criteria need.
-    fn case_of(&self, suite: usize, trial: &Trial, case: &Case) -> Result<Ran, RunError> {
+    fn case_of(&self, suite: usize, trial: &PlannedTrial, case: &Case) -> Result<Ran, RunError> {
         let mut ran = self.case(suite, case)?;
         ran.outcome.forget_unasked(&trial.criteria, &self.requests);
         Ok(ran)
@@ -154,18 +164,24 @@ impl<'a> Workshop<'a> {
     }
 
     /// Runs a recorded run again, under the key of its unit.
-    pub fn recorded(&self, suite: usize, key: &str, recorded: &'a Recorded) -> RecordedReport<'a> {
+    pub fn recorded(&self, suite: usize, key: &str, recorded: &Recorded) -> RecordedReport {
         let begun = Instant::now();
         let state = match Panicked::catch(|| self.rerun(suite, key, recorded)) {
             Ok(state) => state,
             Err(panicked) => RecordedState::Errored(panicked.to_string()),
         };
-        RecordedReport { recorded, key: key.to_string(), state, wall_time: begun.elapsed() }
+        RecordedReport {
+            recorded: Arc::new(recorded.clone()),
+            key: key.to_string(),
+            state,
+            wall_time: begun.elapsed(),
+        }
     }
 
     fn rerun(&self, suite: usize, key: &str, recorded: &Recorded) -> RecordedState {
         let declared = &self.suites[suite].suite;
-        let revived = recorded.revive(declared).and_then(|case| Ok((case, recorded.criteria(declared)?)));
+        let revived = corpus::revive(recorded, declared)
+            .and_then(|case| Ok((case, corpus::criteria(recorded, declared)?)));
         let (mut case, criteria) = match revived {
             Ok(revived) => revived,
             Err(stale) => return RecordedState::Skipped(Skip::Stale(stale.to_string())),
@@ -197,13 +213,13 @@ impl<'a> Workshop<'a> {
     pub fn block(
         &self,
         suite: usize,
-        block: Block<'a>,
-        results: &Results,
+        block: &Arc<Block>,
+        results: &EarlierResults,
         progress: &dyn Progress,
-    ) -> BlockReport<'a> {
+    ) -> BlockReport {
         let begun = Instant::now();
         let laboratory = &self.laboratories[suite];
-        let state = match Panicked::catch(|| block.run(laboratory, results, progress)) {
+        let state = match Panicked::catch(|| run_block(block, laboratory, results, progress)) {
             Ok(Ok(result)) => BlockState::Finished(Box::new(result)),
             Ok(Err(ExperimentError::Stopped)) => {
                 BlockState::NotFinished(Cut::Block(match &laboratory.journals {
@@ -220,28 +236,29 @@ impl<'a> Workshop<'a> {
             Err(panicked) => BlockState::Errored(panicked.to_string()),
         };
         let key = block.key(&self.suites[suite].suite.name);
-        BlockReport { block, key, state, wall_time: begun.elapsed() }
+        BlockReport { block: block.clone(), key, state, wall_time: begun.elapsed() }
     }
 }
 
 impl<'a> Workshop<'a> {
     /// The report of a unit that is not run.
-    pub fn skipped(&self, unit: &Unit<'a>, reason: Skip) -> UnitReport<'a> {
-        match unit.work {
+    pub fn skipped(&self, unit: &Unit<'a>, reason: Skip) -> UnitReport {
+        match &unit.work {
             Work::Recorded(recorded) => UnitReport::Recorded(RecordedReport {
-                recorded,
+                recorded: Arc::new((*recorded).clone()),
                 key: unit.key.to_string(),
                 state: RecordedState::Skipped(reason),
                 wall_time: Duration::ZERO,
             }),
             Work::Trial(trial) => UnitReport::Trial(TrialReport {
-                trial,
+                trial: trial.trial.clone(),
                 outcomes: Vec::new(),
                 state: TrialState::Skipped(reason),
+                departures: departures(trial),
                 wall_time: Duration::ZERO,
             }),
             Work::Block(block) => UnitReport::Block(BlockReport {
-                block,
+                block: block.clone(),
                 key: unit.key.to_string(),
                 state: BlockState::Skipped(reason),
                 wall_time: Duration::ZERO,

@@ -1,39 +1,15 @@
 //! Named sets of cases: what a search kept, as a file that people can read, compare and use again.
 
+use crate::results::{SavedCase, SavedSet};
 use std::path::Path;
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
-use super::{ExperimentError, Laboratory, Results, overrides};
+use super::{EarlierResults, ExperimentError, Laboratory, overrides};
 use crate::files;
 use crate::plan::{self, derive_seed};
-use crate::scenario::{Assignment, Case, CaseSet, Individual, SampleSize, Target, Value};
+use crate::scenario::{Case, CaseSet, SampleSize, Target, Value};
 use crate::sim::random::Stream;
-
-/// Cases with a name.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct SavedSet {
-    pub name: String,
-    /// What made it: suite, seed, version of the tool.
-    pub source: String,
-    pub cases: Vec<SavedCase>,
-}
-
-/// One case, told apart from the rest of its scenario by everything that a search or a draw decided.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct SavedCase {
-    /// The key of the run it was found in.
-    pub key: String,
-    pub scenario: String,
-    pub variation: Vec<Assignment>,
-    /// What was set besides what the scenario says.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub settings: Vec<(Target, Value)>,
-    pub individuals: Vec<Individual>,
-    pub seed: u64,
-    /// What the search minimised or maximised, as observed in the run.
-    pub value: Option<f64>,
-}
 
 /// A [`SavedSet`] as a file: JSON with one case a line, in the order of the set.
 pub struct CaseFile;
@@ -75,7 +51,8 @@ impl Laboratory<'_> {
     pub(super) fn cases_of(&self, scenario: &str) -> Result<Vec<SavedCase>, ExperimentError> {
         let trials = plan::plan_scenario(self.suite, self.scenario(scenario)?)?;
         let cases = trials.into_iter().flat_map(|mut trial| {
-            trial.cases.truncate(trial.certain_cases().len());
+            let certain = trial.certain_runs();
+            trial.cases.truncate(certain);
             trial.cases
         });
         let saved = cases.map(|case| SavedCase {
@@ -97,7 +74,7 @@ impl Laboratory<'_> {
         &self,
         set: &CaseSet,
         name: &str,
-        results: &Results,
+        results: &EarlierResults,
     ) -> Result<Vec<SavedCase>, ExperimentError> {
         let (from, cases) = match set {
             CaseSet::Search(search) => (search, results.search(search)?.kept.cases.clone()),

@@ -1,19 +1,17 @@
 //! `evaluate`: sets of parameters compared on the same cases.
 
+use crate::results::{
+    ConditionResult, Difference, EvaluateResult, Outcome, ParameterValue, Requests, SavedCase,
+};
 use std::path::Path;
 
-use serde::Serialize;
-
-use super::cases::SavedCase;
 use super::parameters::ParameterFile;
-use super::runs::CaseRun;
-use super::{ExperimentError, Laboratory, Progress, Results, overrides};
-use crate::judge::statistics::{Interval, mean, paired_difference, rate_change};
+use super::{EarlierResults, ExperimentError, Laboratory, Progress, overrides};
+use crate::judge::statistics::{mean, paired_difference, rate_change};
 use crate::judge::{Seen, aggregate, aggregate_against, undecided};
 use crate::metrics::{MetricKind, Worst, metric};
 use crate::pedestrian;
 use crate::plan::derive_seed;
-use crate::run::{Outcome, Requests};
 use crate::scenario::{
     Aggregate, Case, Comparison, Condition, Declaration, Evaluate, Measure, MetricReference, Notation,
     ParameterKind, ParameterSet, Part, Relation, Target, Value, WhenUndefined,
@@ -23,73 +21,6 @@ use crate::vehicle;
 /// Confidence of the intervals of differences.
 const CONFIDENCE: f64 = 0.95;
 
-/// What an evaluation came to.
-#[derive(Debug, Clone, Serialize)]
-pub struct EvaluateResult {
-    pub name: String,
-    pub doc: Option<String>,
-    /// Where the reported values come from.
-    pub source: Option<String>,
-    /// Labels of the metrics of every run, in their order.
-    pub metrics: Vec<String>,
-    /// The columns of its table.
-    pub measures: Vec<Measure>,
-    /// Number of cases in the set.
-    pub cases: usize,
-    /// Runs of every case under fresh seeds; 0: once, with the case's own seed.
-    pub fresh: u32,
-    /// In the order of declaration; the others are compared with the first.
-    pub conditions: Vec<ConditionResult>,
-}
-
-/// One condition over all the cases.
-#[derive(Debug, Clone, Serialize)]
-pub struct ConditionResult {
-    pub name: String,
-    /// What this or another condition of the evaluation sets, with the value that it has in this one.
-    pub parameters: Vec<ParameterValue>,
-    /// Why it was not run, such as a tune that chose nothing; everything measured is then empty.
-    pub missing: Option<String>,
-    /// What has to be known of its parameters, such as that they keep no constraint everywhere.
-    pub caveat: Option<String>,
-    /// One per measure; `None` where no run has the metric, or runs without a value could make it as bad as anything.
-    pub measured: Vec<Option<f64>>,
-    /// One per measure: runs without a value that was decided before the horizon.
-    pub undecided: Vec<usize>,
-    /// What the source reports, one per measure, SI units.
-    pub reported: Option<Vec<f64>>,
-    /// From the first condition, one per measure; none in the first itself.
-    pub differences: Vec<Option<Difference>>,
-    /// In the order of the cases; with several fresh seeds, all of a case one after the other.
-    pub runs: Vec<CaseRun>,
-}
-
-/// A parameter with its value under a condition.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ParameterValue {
-    pub target: Target,
-    /// `None` if the cases do not agree on it, or none of them sets it.
-    pub value: Option<Value>,
-    /// Whether the cases do not agree on it.
-    pub varies: bool,
-    /// SI unit; empty for plain numbers and words.
-    pub unit: String,
-    /// The unit that conditions give it in, if that is another one: what people are shown.
-    #[serde(skip)]
-    pub notation: Option<Notation>,
-}
-
-/// How much more there is of a measure than in the first condition, case by case.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Difference {
-    /// Of a mean or rate: the mean of the differences over the pairs. Otherwise what the two aggregates differ by.
-    pub value: f64,
-    /// At 95 %; `None` where there is none to be had: of extremes, quantiles and spreads, and of too few pairs.
-    pub interval: Option<Interval>,
-    /// Cases in which both conditions have the metric.
-    pub pairs: usize,
-}
-
 /// Runs one evaluation. `results` holds the searches and tunes that it names.
 ///
 /// # Errors
@@ -97,7 +28,7 @@ pub struct Difference {
 pub fn run_evaluate(
     laboratory: &Laboratory,
     evaluate: &Evaluate,
-    results: &Results,
+    results: &EarlierResults,
     progress: &dyn Progress,
 ) -> Result<EvaluateResult, ExperimentError> {
     let cases = laboratory.case_set(&evaluate.on, &evaluate.name, results)?;
@@ -330,7 +261,7 @@ fn side(reference: &MetricReference) -> Relation {
 }
 
 impl Laboratory<'_> {
-    fn settings_of(&self, condition: &Condition, results: &Results) -> Result<Known, ExperimentError> {
+    fn settings_of(&self, condition: &Condition, results: &EarlierResults) -> Result<Known, ExperimentError> {
         match &condition.parameters {
             ParameterSet::Declared => Ok(Ok(Setup::default())),
             ParameterSet::Given(settings) => Ok(Ok(Setup::of(settings.clone()))),

@@ -3,14 +3,12 @@
 //! It covers what was simulated and what was found by it, not the words in which a report says so. Metrics that are
 //! only summed up for tables stay out, so that a new metric leaves it alone.
 
+use crate::results::{
+    BlockResult, Candidate, CaseRun, ClaimResult, ClaimValues, ConditionResult, Course, CoursePoint,
+    EvaluateResult, Found, SearchResult, StatementResult, TuneResult,
+};
 use sha2::{Digest, Sha256};
 
-use super::block::BlockResult;
-use super::evaluate::{ConditionResult, EvaluateResult};
-use super::runs::CaseRun;
-use super::search::{Course, CoursePoint, Found, SearchResult};
-use super::statement::{ClaimResult, ClaimValues, StatementResult};
-use super::tune::{Candidate, TuneResult};
 use crate::optimise::Value;
 
 impl BlockResult {

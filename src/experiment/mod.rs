@@ -27,19 +27,19 @@ use thiserror::Error;
 
 use crate::optimise;
 use crate::plan::PlanError;
-use crate::run::{FreeFlows, Requests, RunError, Stop};
+use crate::results::Requests;
+use crate::run::{FreeFlows, RunError, Stop};
 use crate::scenario::{Scenario, Suite};
 
-pub use block::{Block, BlockResult, Need, Results};
-pub use cases::{CaseFile, SavedCase, SavedSet};
-pub use evaluate::{ConditionResult, Difference, EvaluateResult, ParameterValue, run_evaluate};
+pub use block::{EarlierResults, Need, needs, run_block};
+pub use cases::CaseFile;
+pub use evaluate::run_evaluate;
 pub use overrides::apply as apply_settings;
 pub use parameters::ParameterFile;
 pub use rehearsal::rehearse_searches;
-pub use runs::{CaseRun, MetricSummary};
-pub use search::{Course, CoursePoint, Found, SearchResult, run_search};
-pub use statement::{ClaimResult, ClaimValues, Conclusion, StatementResult, TrendPoint, run_statement};
-pub use tune::{Candidate, Comparison, TuneResult, Violations, run_tune};
+pub use search::run_search;
+pub use statement::run_statement;
+pub use tune::run_tune;
 
 /// What every experiment of a suite shares.
 pub struct Laboratory<'a> {

@@ -1,10 +1,11 @@
 //! Parameters that a tune chose, as a file for later evaluations.
 
+use crate::results::TuneResult;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::{ExperimentError, TuneResult, overrides};
+use super::{ExperimentError, overrides};
 use crate::files;
 use crate::scenario::{Suite, Target, Tune, Value};
 

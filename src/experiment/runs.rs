@@ -1,13 +1,12 @@
 //! Cases run for an experiment, and metrics summed up over them.
 
+use crate::results::{CaseRun, MetricSummary, Outcome, SavedCase};
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize, Serializer};
 
-use super::cases::SavedCase;
 use super::{ExperimentError, Laboratory};
 use crate::judge::{Seen, aggregate_against, counted, holds_undefined};
 use crate::metrics::{MetricKind, metric};
-use crate::run::{Outcome, Unwatched, run_case};
+use crate::run::{Unwatched, run_case};
 use crate::scenario::{Aggregate, Case, Comparison, Goal, MetricReference, Relation};
 
 impl Laboratory<'_> {
@@ -125,45 +124,11 @@ impl Laboratory<'_> {
     }
 
     /// Who passed first in an outcome, in the metric's own words.
-    pub(super) fn passed_first(&self, outcome: &Outcome) -> Option<&'static str> {
+    pub(super) fn passed_first(&self, outcome: &Outcome) -> Option<String> {
         let index = self.requests.iter().position(|reference| reference.name == "passed_first")?;
         let MetricKind::Category(words) = metric("passed_first")?.kind else { return None };
-        words.get(outcome.metrics[index]? as usize).copied()
+        words.get(outcome.metrics[index]? as usize).map(ToString::to_string)
     }
-}
-
-/// A case that was run, with what came of it.
-#[derive(Debug, Clone, Serialize)]
-pub struct CaseRun {
-    pub case: SavedCase,
-    /// Its metrics are in the order of the laboratory's requests.
-    #[serde(serialize_with = "outcome_alone")]
-    pub outcome: Outcome,
-    pub passed_first: Option<&'static str>,
-}
-
-/// Without what the case says already.
-fn outcome_alone<S: Serializer>(outcome: &Outcome, serializer: S) -> Result<S::Ok, S::Error> {
-    #[derive(Serialize)]
-    struct Alone<'a> {
-        ending: &'a crate::sim::Ending,
-        metrics: &'a [Option<f64>],
-        fingerprint: String,
-    }
-    let Outcome { ending, metrics, fingerprint, .. } = outcome;
-    Alone { ending, metrics, fingerprint: format!("{fingerprint:016x}") }.serialize(serializer)
-}
-
-/// One metric over a set of runs; flags are shares.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct MetricSummary {
-    pub metric: String,
-    pub runs: usize,
-    /// Runs in which the metric exists and was decided before the horizon: what the other numbers are of.
-    pub defined: usize,
-    pub mean: Option<f64>,
-    pub min: Option<f64>,
-    pub max: Option<f64>,
 }
 
 /// How far a value is from violating a constraint; negative where it does.

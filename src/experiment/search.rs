@@ -1,22 +1,18 @@
 //! `search`: the plausible case that is worst, per individual or over the whole population.
 
+use crate::results::{CaseRun, Course, CoursePoint, Found, Outcome, SavedCase, SavedSet, SearchResult};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
-use serde::Serialize;
 
-use super::cases::{SavedCase, SavedSet};
 use super::journal::Record;
-use super::runs::CaseRun;
 use super::{ExperimentError, Laboratory, Progress, overrides};
 use crate::judge::statistics::mean;
 use crate::metrics;
 use crate::optimise::{
-    self, Definition, Evaluation, InitialDesign, Measurement, Method, Optimiser, Proposal, SlicePoint,
-    StopReason,
+    self, Definition, Evaluation, InitialDesign, Measurement, Method, Optimiser, Proposal,
 };
 use crate::plan::{self, derive_seed};
-use crate::run::Outcome;
 use crate::scenario::{
     self, Assignment, Budget, Case, Goal, Individual, Objective, Range, Scenario, Search, ShownIn,
 };
@@ -33,84 +29,6 @@ const MOST_COURSES: usize = 12;
 const COURSE_STEPS: usize = 25;
 /// Runs at each of them.
 const COURSE_RUNS: u32 = 10;
-
-/// What a search found.
-#[derive(Debug, Clone, Serialize)]
-pub struct SearchResult {
-    pub name: String,
-    pub objective: String,
-    /// Which values of it are the worst: what the search looks for. The objective says it in words.
-    #[serde(skip)]
-    pub direction: Goal,
-    /// How the values of each range are shown.
-    #[serde(skip)]
-    pub shown_in: Vec<ShownIn>,
-    /// How the objective is shown.
-    #[serde(skip)]
-    pub objective_in: ShownIn,
-    /// Labels of the metrics of every run, in their order.
-    pub metrics: Vec<String>,
-    /// One per individual, or a single one for all.
-    pub found: Vec<Found>,
-    /// The cases to keep, in the order of the individuals.
-    pub kept: SavedSet,
-}
-
-/// The worst that was found for a person (or for everybody).
-#[derive(Debug, Clone, Serialize)]
-pub struct Found {
-    pub individuals: Vec<Individual>,
-    /// Where the best observed value is: one value per dimension, by name.
-    pub best: Option<Vec<(String, optimise::Value)>>,
-    /// The objective there, as observed.
-    pub observed: Option<f64>,
-    /// What the surrogate believes of the same point: mean and standard deviation.
-    pub predicted: Option<(f64, f64)>,
-    /// The objective over fresh seeds at the same point.
-    pub fresh: Option<f64>,
-    /// In how many runs of that the metric exists and was decided before the horizon.
-    pub fresh_runs: u32,
-    pub passed_first: Option<&'static str>,
-    /// Objective of every evaluation in order; `None` where it is undefined.
-    pub evaluations: Vec<(Vec<optimise::Value>, Option<f64>)>,
-    pub stop: Option<StopReason>,
-    /// The surrogate through the best point, one slice per dimension.
-    pub slices: Vec<Vec<SlicePoint>>,
-    /// The runs at the best point, kept or not.
-    pub runs: Vec<CaseRun>,
-    /// Which of them are kept.
-    pub kept: Vec<bool>,
-    /// What the metric does along each numeric dimension through the best point: where there is a condition to be kept,
-    /// of some individuals that fulfil it.
-    pub courses: Vec<Course>,
-}
-
-/// A metric along one dimension of a search, over fresh seeds.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Course {
-    /// The dimension's name.
-    pub over: String,
-    /// In rising order.
-    pub points: Vec<CoursePoint>,
-}
-
-/// The runs at one value of a dimension; a value at which no run has the metric has no point.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct CoursePoint {
-    pub at: f64,
-    pub smallest: f64,
-    pub mean: f64,
-    pub largest: f64,
-    /// How many of the runs have the metric.
-    pub runs: usize,
-}
-
-impl Found {
-    /// The runs at the best point that are kept.
-    pub fn kept_cases(&self) -> impl Iterator<Item = &SavedCase> {
-        self.runs.iter().zip(&self.kept).filter(|(_, kept)| **kept).map(|(run, _)| &run.case)
-    }
-}
 
 /// Runs one search to its end.
 ///

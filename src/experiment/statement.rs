@@ -1,94 +1,15 @@
 //! `statement`: what a source says, held against the results of the suite.
 
-use serde::Serialize;
+use crate::results::{ClaimResult, ClaimValues, Conclusion, Outcome, StatementResult, TrendPoint};
 
-use super::{ExperimentError, Laboratory, Results, evaluate};
+use super::{EarlierResults, ExperimentError, Laboratory, evaluate};
 use crate::judge::cut_off_runs;
 use crate::metrics::unit_of;
 use crate::plan::variables;
-use crate::run::Outcome;
 use crate::scenario::{
-    Assignment, BinaryOperator, Measured, OutcomesOf, Quantity, Relation, Standing, Statement,
-    StatementClaim, StatementClaimKind, TrendDirection, Value,
+    Assignment, BinaryOperator, Measured, OutcomesOf, Quantity, Standing, Statement, StatementClaim,
+    StatementClaimKind, TrendDirection, Value,
 };
-
-/// What a statement came to.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct StatementResult {
-    pub name: String,
-    /// What the source says.
-    pub doc: Option<String>,
-    pub source: Option<String>,
-    /// The numbers that the source gives, in words.
-    pub reported: Option<String>,
-    pub conclusion: Conclusion,
-    pub claims: Vec<ClaimResult>,
-    /// What the suite declares to be known of it.
-    pub standing: Standing,
-}
-
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Conclusion {
-    /// Every claim holds.
-    Reproduced,
-    /// At least one does not.
-    NotReproduced,
-    /// None is known not to hold, but not all can be looked at: the reason.
-    NotComparable(String),
-}
-
-/// One claim with the numbers that decide it.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ClaimResult {
-    /// In canonical words.
-    pub text: String,
-    /// `None` if that cannot be said.
-    pub holds: Option<bool>,
-    /// Why it cannot be said.
-    pub undefined: Option<String>,
-    pub values: ClaimValues,
-    /// SI unit of the values; `%` says that they are shares in 0..1.
-    pub unit: String,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum ClaimValues {
-    Compared { left: Option<f64>, relation: Relation, right: Option<f64> },
-    Trend { direction: TrendDirection, variable: String, points: Vec<TrendPoint> },
-}
-
-/// The aggregate at one value of the variation.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct TrendPoint {
-    pub label: String,
-    pub at: f64,
-    /// `None` where no run gives one.
-    pub value: Option<f64>,
-    pub runs: usize,
-}
-
-impl StatementResult {
-    /// Why the run fails: the results say otherwise than the statement's declared standing.
-    pub fn surprise(&self) -> Option<String> {
-        match (&self.standing, &self.conclusion) {
-            (Standing::Reproduced, Conclusion::Reproduced)
-            | (Standing::Differs(_), Conclusion::NotReproduced)
-            | (Standing::NotComparable(_), _) => None,
-            (Standing::Reproduced, Conclusion::NotReproduced) => Some("is not reproduced".to_string()),
-            (Standing::Reproduced, Conclusion::NotComparable(reason)) => {
-                Some(format!("is not comparable: {reason}"))
-            }
-            (Standing::Differs(reason), Conclusion::Reproduced) => Some(format!(
-                "is reproduced, though declared to differ ({reason}): revise the reason or take it out"
-            )),
-            (Standing::Differs(_), Conclusion::NotComparable(reason)) => {
-                Some(format!("is not comparable, though declared to differ: {reason}"))
-            }
-        }
-    }
-}
 
 /// Looks at one statement. `results` holds everything that it names.
 ///
@@ -97,7 +18,7 @@ impl StatementResult {
 pub fn run_statement(
     laboratory: &Laboratory,
     statement: &Statement,
-    results: &Results,
+    results: &EarlierResults,
 ) -> Result<StatementResult, ExperimentError> {
     let court = Court { laboratory, results };
     let claims: Vec<ClaimResult> =
@@ -165,7 +86,7 @@ fn leaves(quantity: &Quantity) -> Vec<&Quantity> {
 /// Where claims are held against results.
 struct Court<'a> {
     laboratory: &'a Laboratory<'a>,
-    results: &'a Results,
+    results: &'a EarlierResults,
 }
 
 /// A number with its unit, which plain numbers take from what they are compared with; or why there is none.

@@ -6,14 +6,13 @@ mod statement;
 mod survivors;
 
 use super::*;
-use crate::scenario::{self, Comparison as Bound, Value};
 use crate::scenario::{
-    Aggregate, Budget, CaseSet, DeclaredAppearance, DeclaredVehicleStart, Direction, Evaluate, Expression,
-    Goal, Individuals, InitialDesign, Measure, Measured, Method, MetricReference, Model, Objective, Origin,
-    OutcomesOf, ParameterSet, Part, Pedestrian, Population, Quantity, Range, RangeValues, Relation, Road,
-    SampleSize, Search, Settings, Side, Standing, Statement, StatementClaim, StatementClaimKind, Target,
-    TrendDirection, Tune, Variation, VariationCondition, VariedValue, Vehicle, VehicleReference,
-    WhenUndefined,
+    self, Aggregate, Block, Budget, CaseSet, Comparison as Bound, DeclaredAppearance, DeclaredVehicleStart,
+    Direction, Evaluate, Expression, Goal, Individuals, InitialDesign, Measure, Measured, Method,
+    MetricReference, Model, Objective, Origin, OutcomesOf, ParameterSet, Part, Pedestrian, Population,
+    Quantity, Range, RangeValues, Relation, Road, SampleSize, Search, Settings, Side, Standing, Statement,
+    StatementClaim, StatementClaimKind, Target, TrendDirection, Tune, Value, Variation, VariationCondition,
+    VariedValue, Vehicle, VehicleReference, WhenUndefined,
 };
 
 fn metric(name: &str) -> MetricReference {

@@ -1,20 +1,16 @@
 //! `tune`: controller parameters that are best on a set of cases, under constraints that hold in every run.
 
-use std::fmt;
+use crate::results::{BeforeAndAfter, Candidate, Outcome, SavedCase, TuneResult, Violations};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
-use serde::Serialize;
 
-use super::cases::SavedCase;
 use super::journal::Record;
-use super::runs::MetricSummary;
 use super::search::definition;
-use super::{ExperimentError, Laboratory, Progress, Results, overrides};
+use super::{EarlierResults, ExperimentError, Laboratory, Progress, overrides};
 use crate::metrics;
-use crate::optimise::{self, Evaluation, Margin, Measurement, Optimiser, Proposal, SlicePoint, StopReason};
+use crate::optimise::{self, Evaluation, Margin, Measurement, Optimiser, Proposal};
 use crate::plan::derive_seed;
-use crate::run::Outcome;
 use crate::scenario::{Case, Goal, Objective, Range, ShownIn, Target, Tune, Value};
 
 /// Points of a slice through the surrogate.
@@ -24,82 +20,6 @@ const SLICE_STEPS: usize = 101;
 /// so that this number changes nothing but the time it takes.
 const AHEAD: usize = 8;
 
-/// What a tune came to.
-#[derive(Debug, Clone, Serialize)]
-pub struct TuneResult {
-    pub name: String,
-    pub objectives: Vec<String>,
-    /// In canonical words.
-    pub constraints: Vec<String>,
-    /// Number of cases in the set.
-    pub cases: usize,
-    /// Runs of every case under fresh seeds; 0: once, with the case's own seed.
-    pub fresh: u32,
-    /// The parameters that are tuned, as a scenario would name them.
-    pub parameters: Vec<String>,
-    /// How the values of each are shown.
-    #[serde(skip)]
-    pub shown_in: Vec<ShownIn>,
-    /// How the objectives are shown.
-    #[serde(skip)]
-    pub objectives_in: Vec<ShownIn>,
-    /// How the margins of the constraints are shown.
-    #[serde(skip)]
-    pub margins_in: Vec<ShownIn>,
-    /// The chosen candidate; `None` if no candidate was ever feasible and the block does not say `otherwise`.
-    pub chosen: Option<Candidate>,
-    /// Where the chosen candidate is not feasible: in how many runs of the set it violates a constraint.
-    pub violations: Option<Violations>,
-    /// With two objectives: the candidates that no other beats in both.
-    pub pareto: Vec<Candidate>,
-    /// Every candidate in order.
-    pub evaluations: Vec<Candidate>,
-    pub stop: Option<StopReason>,
-    /// The surrogate of the first objective through the chosen candidate, one slice per parameter.
-    pub slices: Vec<Vec<SlicePoint>>,
-    /// What the scenarios declare against the chosen candidate.
-    pub comparison: Option<Comparison>,
-}
-
-/// Values of the parameters with what they give on the set.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Candidate {
-    pub point: Vec<optimise::Value>,
-    pub objectives: Vec<Option<f64>>,
-    /// Worst margin over the set per constraint; negative is violated, `None` cannot be said.
-    pub margins: Vec<Option<f64>>,
-    pub feasible: bool,
-}
-
-/// Runs in which a constraint is violated, of those that were made.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-pub struct Violations {
-    pub runs: usize,
-    pub of: usize,
-}
-
-impl fmt::Display for Violations {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { runs, of } = self;
-        write!(
-            out,
-            "infeasible: breaks a constraint in {runs} of {of} runs of its tune, and no candidate in fewer"
-        )
-    }
-}
-
-/// Before and after, on the same runs and on fresh ones.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Comparison {
-    pub before: Vec<MetricSummary>,
-    pub after: Vec<MetricSummary>,
-    /// The same cases with other seeds: what remains once the luck of the selection is gone.
-    pub before_fresh: Vec<MetricSummary>,
-    pub after_fresh: Vec<MetricSummary>,
-    /// Whether the chosen candidate keeps every constraint on the fresh runs too.
-    pub feasible_fresh: bool,
-}
-
 /// Runs one tune to its end. `results` holds the searches that its cases come from.
 ///
 /// # Errors
@@ -107,7 +27,7 @@ pub struct Comparison {
 pub fn run_tune(
     laboratory: &Laboratory,
     tune: &Tune,
-    results: &Results,
+    results: &EarlierResults,
     progress: &dyn Progress,
 ) -> Result<TuneResult, ExperimentError> {
     let cases = laboratory.case_set(&tune.on, &tune.name, results)?;
@@ -303,7 +223,7 @@ impl Bench<'_> {
         })
     }
 
-    fn compare(&self, chosen: &[(Target, Value)]) -> Result<Comparison, ExperimentError> {
+    fn compare(&self, chosen: &[(Target, Value)]) -> Result<BeforeAndAfter, ExperimentError> {
         let outcomes = |settings: &[(Target, Value)], fresh| {
             let cases = self.cases(settings, fresh)?;
             self.laboratory.run_all(&cases)
@@ -311,7 +231,7 @@ impl Bench<'_> {
         let after_fresh = outcomes(chosen, true)?;
         let keeps =
             |constraint| self.laboratory.margin(constraint, &after_fresh).is_some_and(|margin| margin >= 0.0);
-        Ok(Comparison {
+        Ok(BeforeAndAfter {
             before: self.laboratory.summaries(&outcomes(&[], false)?),
             after: self.laboratory.summaries(&outcomes(chosen, false)?),
             before_fresh: self.laboratory.summaries(&outcomes(&[], true)?),

@@ -1,10 +1,11 @@
 //! Whether the runs there will be can show what a criterion claims at its confidence: looked at before anything runs.
 
+use crate::results::Verdict;
 use std::collections::HashSet;
 
 use super::confidence::{self, Bounds};
 use super::statistics::{self, ConfidenceSequence};
-use super::verdict::Verdict;
+
 use crate::lang::{Code, Diagnostic, Sources, Span};
 use crate::plan::{self, Outline};
 use crate::run::drawing;
@@ -243,8 +244,8 @@ fn without_chance(suite: &Suite, scenario: &Scenario) -> HashSet<String> {
         return HashSet::new();
     }
     let trials = plan::probe_scenario(suite, scenario).unwrap_or_default();
-    let certain = |trial: &plan::Trial| trial.cases.iter().all(|case| drawing(&case.world).is_empty());
-    trials.into_iter().filter(certain).map(|trial| trial.key).collect()
+    let certain = |trial: &plan::PlannedTrial| trial.cases.iter().all(|case| drawing(&case.world).is_empty());
+    trials.into_iter().filter(certain).map(|trial| trial.key.clone()).collect()
 }
 
 fn leaves_nothing_to_chance(

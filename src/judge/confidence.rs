@@ -1,7 +1,8 @@
 //! Verdicts at a stated confidence: passed or failed only where luck would seldom do the same.
 
 use super::statistics::{self, ConfidenceSequence, Interval, Unit};
-use super::verdict::Verdict;
+use crate::results::Verdict;
+
 use crate::scenario::{Aggregate, Relation};
 
 /// How bounds are taken.

@@ -1,103 +1,18 @@
 //! Each criterion of a trial against the trial's outcomes.
 
-use serde::Serialize;
+use crate::results::{Finding, Horizon, Measure, Outcome, Regarding, Requests, TrialVerdict, Verdict};
 
 use super::confidence::{self, Bounds};
-use super::horizon::{self, Horizon};
-use super::nearest::{WorstRun, nearest};
+use super::horizon::{self};
+use super::nearest::nearest;
 use super::seen::Seen;
 use super::statistics;
-use super::stopping::Stopping;
-use super::vacuity::{self, Vacuity};
-use super::verdict::Verdict;
-use crate::run::{Outcome, Requests};
+use super::vacuity::{self};
+
 use crate::scenario::{
-    Aggregate, Claim, Comparison, Criterion, Individual, MetricReference, Origin, People, Relation,
-    WhenUndefined, constant,
+    Aggregate, Claim, Comparison, Criterion, Individual, MetricReference, People, Relation, WhenUndefined,
+    constant,
 };
-
-/// A trial's verdict: the worst of its findings; without any it is `Passed`, which [says nothing](Self::claims_nothing).
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct TrialVerdict {
-    pub verdict: Verdict,
-    pub findings: Vec<Finding>,
-    /// Where runs were added until the criteria were decided: how many it took and why there were no more.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub stopping: Option<Stopping>,
-    /// What the horizon cut off, if it ended any of the runs.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub horizon: Option<Horizon>,
-}
-
-/// What a finding's `observed` and `bound` are.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Measure {
-    /// The share of runs that hold, where every run has to.
-    EveryRun,
-    /// The share of runs that hold.
-    Share,
-    /// The number of runs that hold.
-    Count,
-    /// An aggregate in the metric's own unit.
-    Value,
-}
-
-/// Whom a finding speaks of.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-pub struct Regarding {
-    pub whom: People,
-    /// How many walked.
-    pub people: usize,
-}
-
-/// One criterion's verdict and what it rests on.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Finding {
-    pub criterion: String,
-    pub origin: Origin,
-    pub verdict: Verdict,
-    /// The metric that the criterion is about.
-    pub metric: String,
-    pub measure: Measure,
-    /// Where runs are added, those after which the criterion was decided: the trial may have had more for others.
-    pub runs: usize,
-    /// Runs in which the comparison holds, or, for aggregates of values, in which the metric exists.
-    pub holding: usize,
-    /// Runs in which the metric does not exist.
-    pub undefined: usize,
-    /// Runs that the horizon ended before the metric was decided: each counts as the worst that it could still have come to.
-    pub cut_off: usize,
-    /// The aggregate's value or the share of runs; `None` if no run gives one. Infinite where runs that have none decide.
-    pub observed: Option<f64>,
-    /// What it was compared to.
-    pub bound: f64,
-    /// Signed distance from failing in the unit of what was compared; negative when failing.
-    pub margin: Option<f64>,
-    /// Bounds on the estimate, each by itself at the stated confidence.
-    pub interval: Option<(f64, f64)>,
-    /// The stated confidence (0..1).
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub confidence: Option<f64>,
-    /// A confidence is stated, but all runs (and there are many) are the same bit for bit: what chance there is changed
-    /// nothing, so that they may be worth no more than one.
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
-    pub alike: bool,
-    /// The bounds hold at about the stated confidence only: the metric has no limits that they could rest on.
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
-    pub approximate: bool,
-    /// Whom it speaks of, where a confidence is stated and the runs are of several people.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub people: Option<Regarding>,
-    /// The runs that speak most against the criterion, worst first.
-    pub worst: Vec<WorstRun>,
-    /// Where no run speaks against it, the one nearest to that.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub closest: Option<WorstRun>,
-    /// Why it was never put to the test, if it passed without.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub vacuous: Option<Vacuity>,
-}
 
 /// Judges one trial. `requests` says which metric is where in the outcomes.
 pub fn judge(criteria: &[Criterion], outcomes: &[Outcome], requests: &Requests) -> TrialVerdict {

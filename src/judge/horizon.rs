@@ -1,45 +1,11 @@
 //! Runs that ended before everything was seen: how many, who had not arrived, who was about to touch, and which criteria
 //! that leaves untested.
 
-use std::sync::Arc;
+use crate::results::{CourseOfRun, CutOff, Finding, Horizon, Outcome, Stranded, Vacuity, Verdict};
 
-use serde::Serialize;
-
-use super::criteria::Finding;
-use super::vacuity::Vacuity;
-use super::verdict::Verdict;
 use crate::metrics::{self, Scope, Worst};
-use crate::run::{CutOff, OnCourse, Outcome};
 use crate::scenario::{Claim, Criterion, MetricReference, Relation, WhenUndefined};
 use crate::sim::StopReason;
-
-/// The runs of a trial that the horizon ended.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Horizon {
-    /// How many there are.
-    pub runs: usize,
-    /// Of so many in all.
-    pub of: usize,
-    /// Those in which somebody who had not been hit had not arrived.
-    pub stranded: Vec<Stranded>,
-    /// Those that ended with somebody on a collision course, and with whom: one per pair.
-    pub on_course: Vec<CourseOfRun>,
-}
-
-/// Who had not arrived in a run.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Stranded {
-    pub key: String,
-    pub who: Vec<Arc<str>>,
-}
-
-/// Who would have touched in a run.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct CourseOfRun {
-    pub key: String,
-    #[serde(flatten)]
-    pub course: OnCourse,
-}
 
 impl Horizon {
     /// `None` where the horizon ended no run.
@@ -145,7 +111,7 @@ mod tests {
     use super::*;
     use crate::judge::judge;
     use crate::metrics::Open;
-    use crate::run::Requests;
+    use crate::results::Requests;
     use crate::scenario::{Aggregate, Comparison, Origin, Settings};
     use crate::sim::Ending;
     use std::time::Duration;

@@ -18,18 +18,13 @@ pub mod statistics;
 mod stopping;
 mod trivial;
 mod vacuity;
-mod verdict;
 
-pub use criteria::{
-    Finding, Measure, Regarding, TrialVerdict, aggregate, aggregate_against, counted, judge, undecided,
-};
-pub use horizon::{Horizon, Stranded, cut_off_runs};
-pub use nearest::{RunStanding, WorstRun};
+pub use criteria::{aggregate, aggregate_against, counted, judge, undecided};
+pub use horizon::cut_off_runs;
+pub use nearest::RunStanding;
 pub use per_run::{PerRun, per_run};
 pub use seen::{Seen, holds, holds_undefined};
-pub use stopping::{Reason, Stopping, Watch};
-pub use vacuity::Vacuity;
-pub use verdict::Verdict;
+pub use stopping::Watch;
 
 use crate::lang::{Diagnostic, Sources};
 use crate::scenario::Suite;

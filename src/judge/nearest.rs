@@ -1,5 +1,6 @@
 //! Runs that speak against a criterion, or come nearest to that: how far from the bound, when and for whom.
 
+use crate::results::{Outcome, Requests, WorstRun};
 use std::sync::Arc;
 
 use serde::Serialize;
@@ -8,25 +9,7 @@ use super::criteria::Evidence;
 use super::per_run::PerRun;
 use super::seen::Seen;
 use crate::metrics;
-use crate::run::{Critical, Outcome, Requests};
 use crate::scenario::{Claim, MetricReference, Relation};
-
-/// A run that a finding names.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct WorstRun {
-    pub key: String,
-    /// The metric's value; `None` where it does not exist.
-    pub value: Option<f64>,
-    /// Signed distance of the value from speaking against the criterion, in the metric's unit; negative where it does.
-    /// `None` where there is no distance: of flags, words, and values that do not exist.
-    pub margin: Option<f64>,
-    /// Whether the horizon ended the run before the metric was decided; the value is then that of what was seen so far.
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
-    pub cut_off: bool,
-    /// When and for whom it was that; `None` where nobody asked or there is nothing to say.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub critical: Option<Critical>,
-}
 
 /// How many runs a finding names.
 const WORST_RUNS: usize = 3;

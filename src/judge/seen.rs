@@ -1,7 +1,7 @@
 //! What a run says of a metric, and what it counts as where that is no number: undefined, or cut off by the horizon.
 
 use crate::metrics::{self, Absence, MetricKind, Open, Worst};
-use crate::run::Outcome;
+use crate::results::Outcome;
 use crate::scenario::{Comparison, Relation, WhenUndefined};
 
 /// A metric in one run.

@@ -1,27 +1,11 @@
 //! Passes that mean nothing: criteria about an encounter that never came about.
 
-use serde::Serialize;
+use crate::results::{Finding, Outcome, Vacuity, Verdict};
 
-use super::criteria::Finding;
 use super::trivial::cannot_fail;
-use super::verdict::Verdict;
-use crate::metrics::{self, MetricKind, Presence, Scope};
-use crate::run::Outcome;
-use crate::scenario::{Aggregate, Claim, Criterion, Dimension, Expression, MetricReference, constant};
 
-/// Why a criterion that passed was never put to the test.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Vacuity {
-    /// In no run did a pedestrian whom it is about appear.
-    NobodyAppeared,
-    /// In no run did one of them come into a vehicle's lane.
-    NobodyEntered,
-    /// In no run was one of them in a vehicle's lane within a few seconds of that vehicle.
-    NobodyMet,
-    /// Some run ended with somebody on a collision course or an encounter not over: what would have come was not seen.
-    CutOff,
-}
+use crate::metrics::{self, MetricKind, Presence, Scope};
+use crate::scenario::{Aggregate, Claim, Criterion, Dimension, Expression, MetricReference, constant};
 
 /// Metrics that say who goes: a criterion about one of them declares what is expected, staying at the kerb included.
 const WHO_GOES: [&str; 2] = ["passed_first", "gap_accepted"];
@@ -100,7 +84,7 @@ fn keeps_apart(claim: &Claim) -> bool {
 mod tests {
     use super::*;
     use crate::judge::judge;
-    use crate::run::Requests;
+    use crate::results::Requests;
     use crate::scenario::{
         Claim, Comparison, MetricReference, Origin, Reach, Relation, Settings, WhenUndefined,
     };

@@ -1,6 +1,6 @@
 //! The units of the language.
 
-use crate::scenario::{Dimension, Notation};
+use crate::scenario::{Dimension, Notation, Symbol};
 
 /// A unit: a quantity `n` of it is `n * numerator / denominator` in SI units. Two numbers, because most conversions
 /// are exact as a fraction and then round only once.
@@ -20,7 +20,11 @@ impl Unit {
 
     /// For showing numbers in it where units are not known.
     pub fn notation(self) -> Notation {
-        Notation { symbol: self.symbol, numerator: self.numerator, denominator: self.denominator }
+        Notation {
+            symbol: Symbol::new(self.symbol),
+            numerator: self.numerator,
+            denominator: self.denominator,
+        }
     }
 
     /// The number of this unit that is `number` in SI units, up to rounding.

@@ -1,6 +1,7 @@
 //! What every metric of a pair needs to know, worked out once: contact, passings, time in the lane, time to collision.
 
 use nalgebra::Vector2;
+use serde::{Deserialize, Serialize};
 
 use super::passage::Passage;
 use crate::scenario::{Shape, World};
@@ -20,7 +21,7 @@ pub struct Encounters {
 }
 
 /// What a pedestrian did at all in a run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Presence {
     pub appeared: bool,
     /// Came into a vehicle's lane, or appeared in it.

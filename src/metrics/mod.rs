@@ -22,7 +22,7 @@ mod travel;
 
 use serde::{Deserialize, Serialize};
 
-use crate::scenario::{Aggregate, Declaration, Dimension, MetricReference, Settings, World};
+use crate::scenario::{Aggregate, Declaration, Dimension, MetricReference, Settings, World, number};
 use crate::sim::{Snapshot, Solid, Step};
 
 pub use encounter::{
@@ -114,8 +114,10 @@ pub struct End<'a> {
 /// Between which values a metric would have come to lie, had its run not been cut off.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Open {
+    #[serde(with = "number::low")]
     pub low: f64,
     /// Infinite where nothing bounds it.
+    #[serde(with = "number::high")]
     pub high: f64,
 }
 

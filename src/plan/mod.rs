@@ -10,13 +10,15 @@ mod standalone;
 mod variation;
 
 use std::collections::{BTreeMap, HashSet};
+use std::ops::Deref;
 use std::sync::Arc;
 
 use thiserror::Error;
 
 use crate::metrics;
 use crate::scenario::{
-    Assignment, Case, Criterion, Expression, Individual, Origin, RunBudget, Scenario, Suite, Value,
+    Assignment, Case, Criterion, Expression, Individual, Origin, Rounds, RunBudget, Scenario, Suite, Trial,
+    Value,
 };
 
 pub use individuals::{label as people_label, select as select_people};
@@ -34,44 +36,25 @@ pub struct Plan {
     pub set: Vec<String>,
     /// Wall-clock limit per trial in s.
     pub time_limit: Option<f64>,
-    pub trials: Vec<Trial>,
+    pub trials: Vec<PlannedTrial>,
     /// Digests of everybody in the populations, by the names of their files.
     pub populations: BTreeMap<String, String>,
 }
 
-/// A scenario with one value for each of its variations: what gets a verdict.
+/// A trial with its runs.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Trial {
-    /// Stable name such as `zebra/carla_walker/tta=6s`, the beginning of its cases' keys.
-    pub key: String,
-    pub scenario: String,
-    pub doc: Option<String>,
-    pub tags: Vec<String>,
-    /// One per individual and repetition; never empty.
+pub struct PlannedTrial {
+    pub trial: Arc<Trial>,
+    /// One per individual and repetition; never empty. Where runs are added until the criteria are decided, all that there
+    /// may be, in that order.
     pub cases: Vec<Case>,
-    /// Where runs are added until the criteria are decided: how. `cases` has all that there may be, in that order.
-    pub rounds: Option<Rounds>,
-    /// Those whose `when` holds, with every bound a constant.
-    pub criteria: Vec<Criterion>,
-    /// How many criteria its scenario has, whether they apply to this trial or not.
-    pub declared: usize,
-    pub origin: Origin,
 }
 
-/// Runs that are added until the criteria of a trial are decided, a round at a time: everybody once.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Rounds {
-    /// Runs of a round: one per individual, or one.
-    pub size: usize,
-    /// Runs before which nobody looks; whole rounds, as is `most`.
-    pub least: usize,
-    pub most: usize,
-}
+impl Deref for PlannedTrial {
+    type Target = Trial;
 
-impl Trial {
-    /// The runs that there will be for certain.
-    pub fn certain_cases(&self) -> &[Case] {
-        &self.cases[..self.rounds.map_or(self.cases.len(), |rounds| rounds.least)]
+    fn deref(&self) -> &Trial {
+        &self.trial
     }
 }
 
@@ -206,20 +189,20 @@ fn rounds(scenario: &Scenario, budget: &RunBudget, people: usize) -> Result<Roun
 }
 
 /// The trials of one scenario in a suite.
-pub fn plan_scenario(suite: &Suite, scenario: &Scenario) -> Result<Vec<Trial>, PlanError> {
+pub fn plan_scenario(suite: &Suite, scenario: &Scenario) -> Result<Vec<PlannedTrial>, PlanError> {
     trials(suite, scenario, true)
 }
 
 /// A few runs of a scenario that show what can be wrong with all of them: the first person in every combination of
 /// variations (or the first 10,000), everybody in the first combination, nothing repeated.
-pub fn probe_scenario(suite: &Suite, scenario: &Scenario) -> Result<Vec<Trial>, PlanError> {
+pub fn probe_scenario(suite: &Suite, scenario: &Scenario) -> Result<Vec<PlannedTrial>, PlanError> {
     trials(suite, scenario, false)
 }
 
 /// More combinations than this are not tried out before a run.
 const MOST_PROBES: usize = 10_000;
 
-fn trials(suite: &Suite, scenario: &Scenario, whole: bool) -> Result<Vec<Trial>, PlanError> {
+fn trials(suite: &Suite, scenario: &Scenario, whole: bool) -> Result<Vec<PlannedTrial>, PlanError> {
     let people = select_people(suite.seed, scenario)?;
     let most = if whole { usize::MAX } else { MOST_PROBES };
     let trial = |(index, Outline { key, variation, runs, rounds, criteria })| {
@@ -257,18 +240,21 @@ fn trials(suite: &Suite, scenario: &Scenario, whole: bool) -> Result<Vec<Trial>,
                 everybody.flat_map(|who| (1..=repetitions).map(move |repetition| (who, repetition))).collect()
             }
         };
-        let cases = order.into_iter().map(|(who, repetition)| case(who, repetition)).collect();
-        Ok(Trial {
+        let cases: Vec<Case> = order.into_iter().map(|(who, repetition)| case(who, repetition)).collect();
+        let trial = Arc::new(Trial {
             scenario: scenario.name.clone(),
             doc: scenario.doc.clone(),
             tags: scenario.tags.clone(),
-            cases,
+            runs: cases.len(),
+            first_run: cases.first().map(|case| case.key.clone()).unwrap_or_default(),
             rounds: rounds.filter(|_| whole),
             criteria,
             declared: scenario.criteria.len(),
             key,
+            variation,
             origin: scenario.origin.clone(),
-        })
+        });
+        Ok(PlannedTrial { trial, cases })
     };
     outline_with(suite, scenario, people.len())?.into_iter().take(most).enumerate().map(trial).collect()
 }

@@ -3,7 +3,6 @@
 use std::fmt::Write;
 
 use super::format::{count, quantity, share};
-use super::gate::render_reason;
 use crate::escape::markdown;
 use crate::judge::baseline::{Baseline, RecordedMetric, RecordedTrial, pair};
 use crate::judge::gate::vehicle_changes;
@@ -75,7 +74,7 @@ pub fn render_difference(base: &Baseline, candidate: &Baseline, form: Form) -> S
         Err(reasons) => reasons,
     };
     for reason in &reasons {
-        line(&mut text, form, &render_reason(reason));
+        line(&mut text, form, &reason.to_string());
     }
     let both: Vec<(&RecordedTrial, &RecordedTrial)> = candidate
         .trials

@@ -1,16 +1,16 @@
 //! Every run as a row of CSV (RFC 4180), for spreadsheets and data frames. No wall times: the same suites and seeds give
 //! the same bytes, on any number of threads.
 
+use crate::results::{Outcome, Requests, SuiteReport};
 use std::io::{self, Write};
 
 use ::csv::{Terminator, Writer, WriterBuilder};
 
 use super::rows::{Row, What, each_row};
-use super::{SuiteReport, verdict_word};
+use super::verdict_word;
 use crate::escape::csv_cell;
 use crate::judge::{PerRun, per_run};
 use crate::metrics::{self, Metric, MetricKind};
-use crate::run::{Outcome, Requests};
 use crate::scenario::{Individual, Value};
 use crate::sim::StopReason;
 
@@ -62,8 +62,7 @@ impl<'r> Columns<'r> {
             }
         };
         for trial in reports.iter().flat_map(|report| &report.trials) {
-            let variation = trial.trial.cases.first().map_or(&[][..], |case| &case.variation);
-            variation.iter().for_each(|one| add(&mut variations, &one.name));
+            trial.trial.variation.iter().for_each(|one| add(&mut variations, &one.name));
             let judged = trial.trial.criteria.iter().filter(|criterion| per_run(criterion).is_some());
             judged.for_each(|criterion| add(&mut criteria, &criterion.text));
         }

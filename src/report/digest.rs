@@ -3,7 +3,7 @@
 use super::format::{in_notation, quantity, share};
 use crate::lang;
 use crate::metrics::{Metric, MetricKind, Worst};
-use crate::run::Outcome;
+use crate::results::Outcome;
 use crate::scenario::{Criterion, MetricReference, Notation};
 
 /// What a metric came to over several runs.

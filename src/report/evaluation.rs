@@ -4,9 +4,9 @@ use std::fmt::Write;
 
 use super::columns::columns;
 use super::format::in_written_unit;
-use crate::experiment::{ConditionResult, Difference, EvaluateResult, ParameterValue};
 use crate::judge::cut_off_runs;
 use crate::metrics::unit_of;
+use crate::results::{ConditionResult, Difference, EvaluateResult, ParameterValue};
 use crate::scenario::{Aggregate, Notation, Target};
 
 const STRING: &str = "writing to a string cannot fail";
@@ -138,7 +138,7 @@ fn change(difference: Option<&Difference>, unit: &Unit) -> String {
     let sign = if *value > 0.0 { "+" } else { "" };
     let mut text = format!("{sign}{}", show(*value, unit));
     if let Some(interval) = interval {
-        let symbol = unit.0.map_or(unit.1.as_str(), |written| written.symbol);
+        let symbol = unit.0.as_ref().map_or(unit.1.as_str(), |written| written.symbol.as_str());
         let bare = |value: f64| show(value, unit).trim_end_matches(symbol).trim_end().to_string();
         write!(text, " [{}, {}]", bare(interval.low), bare(interval.high)).expect(STRING);
     }
@@ -164,7 +164,10 @@ mod tests {
         assert_eq!(change(Some(&difference(2.5, 2.0, 3.0)), &si("s")), "+2.5 s [2, 3]");
         assert_eq!(change(Some(&difference(-0.66, -0.8, -0.5)), &si("%")), "-66 % [-80, -50]");
         assert_eq!(change(None, &si("s")), "–");
-        let kmh = (Some(Notation { symbol: "km/h", numerator: 5.0, denominator: 18.0 }), "m/s".to_string());
+        let kmh = (
+            Some(Notation { symbol: Symbol::new("km/h"), numerator: 5.0, denominator: 18.0 }),
+            "m/s".to_string(),
+        );
         assert_eq!(change(Some(&difference(2.5, 2.0, 3.0)), &kmh), "+9 km/h [7.2, 10.8]");
     }
 }

@@ -6,8 +6,8 @@ use super::columns::columns;
 use super::evaluation::render_evaluate;
 use super::found::{render_search, value};
 use super::statement::render_statement;
-use crate::experiment::{BlockResult, Candidate, MetricSummary, TuneResult};
 use crate::optimise::Value;
+use crate::results::{BlockResult, Candidate, MetricSummary, TuneResult};
 use crate::scenario::{ShownIn, Tune, significant};
 
 /// A block's result in a few lines or a table.

@@ -1,15 +1,15 @@
 //! Why a trial failed, for the terminal and, in the same words, for JUnit.
 
+use crate::results::{
+    BlockReport, BlockState, CutBy, Finding, Measure, SuiteIdentity, TrialState, UnitReport, Verdict,
+};
 use anstyle::AnsiColor;
 
 use super::excerpt::Excerpt;
 use super::format::share;
-use super::replay::{block_command, replay_command};
 use super::table::paint;
 use super::wording::{metric_value, run_in_words, run_value, stopping, whom};
-use super::{BlockReport, BlockState, CutBy, SuiteIdentity, TrialState, UnitReport};
 use crate::escape::terminal;
-use crate::judge::{Finding, Measure, Verdict};
 
 /// Why a unit did not pass.
 pub fn explain(suite: &SuiteIdentity, report: &UnitReport, colour: bool) -> String {
@@ -57,7 +57,7 @@ pub fn render_block_failure(suite: &SuiteIdentity, report: &BlockReport, colour:
             None => return String::new(),
         },
     };
-    let again = format!("run it again: {}", block_command(suite, &report.key));
+    let again = format!("run it again: {}", suite.block_command(&report.key));
     let origin = report.block.origin();
     Excerpt { title: &title, origin, label: "", notes: &[], help: Some(&again) }.render(colour)
 }
@@ -81,7 +81,7 @@ pub(super) fn render_finding(suite: &SuiteIdentity, finding: &Finding, colour: b
     notes.extend(bounds(finding));
     let runs = finding.worst.iter().chain(&finding.closest);
     notes.extend(runs.map(|run| format!("{}  {}", run_in_words(finding, run), run.key)));
-    let replay = finding.worst.first().map(|run| format!("replay: {}", replay_command(suite, &run.key)));
+    let replay = finding.worst.first().map(|run| format!("replay: {}", suite.replay_command(&run.key)));
     let label =
         finding.worst.first().map_or_else(String::new, |run| format!("worst: {}", run_value(finding, run)));
     Excerpt { title: &title, origin: &finding.origin, label: &label, notes: &notes, help: replay.as_deref() }

@@ -1,5 +1,6 @@
 //! The charts of a suite's report: which there are, and their data out of trials and recorded runs.
 
+use crate::results::{Outcome, Requests, SuiteReport, TrialReport};
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::chart::{
@@ -9,9 +10,7 @@ use super::chart::{
 use super::recording::Recording;
 use super::variable::Variable;
 use super::wording::comparison_rule;
-use super::{SuiteReport, TrialReport};
 use crate::metrics::{self, MetricKind, Worst};
-use crate::run::{Outcome, Requests};
 use crate::scenario::{Aggregate, Claim, Expression, MetricReference, Value};
 
 /// Charts that belong together, one per panel.
@@ -57,7 +56,7 @@ pub fn figures(report: &SuiteReport, requests: &Requests, recordings: &[Recordin
 }
 
 /// The trials of every scenario, in the order of the suite.
-pub fn scenarios<'a, 'b>(report: &'a SuiteReport<'b>) -> Vec<(&'a str, Vec<&'a TrialReport<'b>>)> {
+pub fn scenarios(report: &SuiteReport) -> Vec<(&str, Vec<&TrialReport>)> {
     let mut scenarios: Vec<(&str, Vec<&TrialReport>)> = Vec::new();
     for trial in &report.trials {
         let name = trial.trial.scenario.as_str();
@@ -71,7 +70,7 @@ pub fn scenarios<'a, 'b>(report: &'a SuiteReport<'b>) -> Vec<(&'a str, Vec<&'a T
 
 /// A trial's name within its scenario: the values of its variations; empty without any.
 pub fn short_name(trial: &TrialReport) -> String {
-    let variation = trial.trial.cases.first().map(|case| case.variation.as_slice()).unwrap_or_default();
+    let variation = trial.trial.variation.as_slice();
     match variation {
         [only] => only.label.clone(),
         several => {
@@ -81,10 +80,10 @@ pub fn short_name(trial: &TrialReport) -> String {
 }
 
 struct Data<'a> {
-    report: &'a SuiteReport<'a>,
+    report: &'a SuiteReport,
     requests: &'a Requests,
     variable: Option<Variable>,
-    scenarios: Vec<(&'a str, Vec<&'a TrialReport<'a>>)>,
+    scenarios: Vec<(&'a str, Vec<&'a TrialReport>)>,
 }
 
 impl Data<'_> {
@@ -175,12 +174,12 @@ impl Data<'_> {
             let mut lines: BTreeMap<(usize, String), Vec<Rate>> = BTreeMap::new();
             for (place, (_, trials)) in self.scenarios.iter().enumerate() {
                 for trial in trials.iter().filter(|trial| !trial.outcomes.is_empty()) {
-                    let Some(case) = trial.trial.cases.first() else { continue };
-                    let Some(x) = variable.value(case) else { continue };
+                    let variation = &trial.trial.variation;
+                    let Some(x) = variable.value(variation) else { continue };
                     let values: Vec<f64> =
                         trial.outcomes.iter().filter_map(|outcome| outcome.metrics[*index]).collect();
                     let holding = values.iter().filter(|value| **value != 0.0).count();
-                    let line = lines.entry((place, variable.others(case))).or_default();
+                    let line = lines.entry((place, variable.others(variation))).or_default();
                     line.push(Rate { x, holding, runs: values.len() });
                 }
             }
@@ -228,7 +227,7 @@ impl Data<'_> {
                 let name = short_name(trial);
                 self.strip(if name.is_empty() { "all runs".into() } else { name }, &[*trial], index)
             };
-            let variation = &ran[0].trial.cases[0].variation;
+            let variation = &ran[0].trial.variation;
             let names: Vec<_> = variation.iter().map(|one| one.name.as_str()).collect();
             charts.push(Strips {
                 title: name.to_string(),
@@ -287,10 +286,13 @@ impl Data<'_> {
         for (name, trials) in &self.scenarios {
             let mut found: Vec<Found> = Vec::new();
             let mut people: BTreeMap<String, Vec<Found>> = BTreeMap::new();
-            for (case, outcome) in
-                trials.iter().flat_map(|trial| trial.trial.cases.iter().zip(&trial.outcomes))
-            {
-                let (Some(x), Some(y)) = (variable.value(case), outcome.metrics[index]) else { continue };
+            let runs = trials
+                .iter()
+                .flat_map(|trial| trial.outcomes.iter().map(|outcome| (&trial.trial.variation, outcome)));
+            for (variation, outcome) in runs {
+                let (Some(x), Some(y)) = (variable.value(variation), outcome.metrics[index]) else {
+                    continue;
+                };
                 let point = Found { x, y, first: self.first(outcome), name: outcome.key.clone() };
                 match person(outcome) {
                     nobody if nobody.is_empty() => found.push(point),
@@ -322,8 +324,8 @@ impl Data<'_> {
             });
         }
         // Seen against all values of the variation, not only those that are worst for somebody.
-        let cases = self.report.trials.iter().flat_map(|trial| &trial.trial.cases);
-        let taken: Vec<f64> = cases.filter_map(|case| variable.value(case)).collect();
+        let trials = self.report.trials.iter();
+        let taken: Vec<f64> = trials.filter_map(|trial| variable.value(&trial.trial.variation)).collect();
         let ranges = (with_room(&taken), Individuals::ranges(&charts).1);
         charts.iter_mut().for_each(|chart| chart.ranges = Some(ranges));
         let firsts = charts.iter().flat_map(|chart| &chart.points).map(|point| point.first).collect();

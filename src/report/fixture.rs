@@ -4,6 +4,11 @@ mod blocks;
 pub mod gate;
 mod trials;
 
+use crate::results::{
+    BlockReport, BlockResult, BlockState, Critical, Cut, Outcome, Reason, Recorded, RecordedReport,
+    RecordedState, Requests, Rerun, RunsTaken as Stopped, Skip, Stopping, SuiteIdentity, SuiteReport,
+    TrialReport, TrialState, TrialVerdict, Vacuity, Verdict,
+};
 use std::sync::Arc;
 use std::time::{Duration, SystemTime};
 
@@ -12,17 +17,10 @@ pub use blocks::{evaluation, search_result, statement};
 pub use trials::person;
 use trials::{course, trial, word};
 
-use super::{
-    BlockReport, BlockState, Chosen, Cut, RecordedReport, RecordedState, Recording, Rerun, Skip, Stopping,
-    SuiteIdentity, SuiteReport, TrialReport, TrialState,
-};
-use crate::corpus::Recorded;
-use crate::experiment::{Block, BlockResult};
-use crate::judge::{Reason, Stopping as Stopped, TrialVerdict, Vacuity, Verdict, judge, per_run};
+use super::{Chosen, Recording};
+use crate::judge::{judge, per_run};
 use crate::metrics::Presence;
-use crate::plan::Trial;
-use crate::run::{Critical, Outcome, Requests};
-use crate::scenario::{Case, Gate, MetricReference, Search, Tune};
+use crate::scenario::{Block, Case, Gate, MetricReference, Search, Trial, Tune};
 use crate::sim::{Ending, StopReason};
 
 /// The trials, and what reports borrow from.
@@ -95,7 +93,7 @@ impl Session {
 
     /// One trial of every state: the last two are an error and a skipped one. The second was run until it
     /// was decided, and something in the third was not put to the test.
-    pub fn report(&self) -> SuiteReport<'_> {
+    pub fn report(&self) -> SuiteReport {
         let count = self.trials.len();
         let state = |(index, trial): (usize, &Trial)| match count - index {
             2 => (Vec::new(), TrialState::Errored(format!("{}: time limit of 10 s exceeded", trial.key))),
@@ -132,7 +130,7 @@ impl Session {
 
     /// A session that somebody interrupted: a trial is finished, one was cut off by the time limit, one by the
     /// interruption, and a search with it; the rest has not begun.
-    pub fn interrupted(&self) -> SuiteReport<'_> {
+    pub fn interrupted(&self) -> SuiteReport {
         let mut report = self.report();
         let skip = || Skip::Stopped(Stopping::Interrupted);
         report.trials[1].outcomes.clear();
@@ -156,7 +154,7 @@ impl Session {
     }
 
     /// A run that still fails, one that does not, and one that cannot be run any more.
-    fn reruns(&self) -> Vec<RecordedReport<'_>> {
+    fn reruns(&self) -> Vec<RecordedReport> {
         let trial = &self.trials[0];
         let outcome = self.outcomes(trial).remove(1);
         let judged = |least: f64| {
@@ -192,7 +190,7 @@ impl Session {
     }
 
     /// One block of every state: with a result, with one that fails, with an error and a skipped one.
-    fn blocks(&self) -> Vec<BlockReport<'_>> {
+    fn blocks(&self) -> Vec<BlockReport> {
         let (search, tune) = (Block::Search(&self.search), Block::Tune(&self.tune));
         let error = "`walker`: there is no population called `standard`".to_string();
         let reason = Skip::Needs { key: "zebra/search=low_pet_2".into(), happened: "could not be run" };
@@ -212,7 +210,7 @@ impl Session {
     }
 
     /// Every trial a hundred times over.
-    pub fn long_report(&self) -> SuiteReport<'_> {
+    pub fn long_report(&self) -> SuiteReport {
         let mut report = self.report();
         report.trials = (0..100).flat_map(|_| self.report().trials).collect();
         report

@@ -4,9 +4,9 @@ use std::fmt::Write;
 
 use super::columns::columns;
 use super::experiment::{WITHOUT_VALUE, short};
-use crate::experiment::{Found, SearchResult};
 use crate::judge::statistics::quantile;
 use crate::optimise::Value;
+use crate::results::{Found, SearchResult};
 use crate::scenario::{Goal, ShownIn};
 
 /// Up to this many people each have a line.
@@ -78,7 +78,7 @@ fn line(result: &SearchResult, found: &Found) -> Vec<String> {
             .predicted
             .map_or("–".into(), |(mean, sd)| format!("{} ± {}", unit.number(mean), unit.show(sd))),
         format!("{} ({})", of_objective(found.fresh), found.fresh_runs),
-        found.passed_first.unwrap_or("–").to_string(),
+        found.passed_first.as_deref().unwrap_or("–").to_string(),
         found.evaluations.len().to_string(),
     ]
 }
@@ -113,7 +113,7 @@ fn spread(result: &SearchResult) -> String {
     row("fresh seeds", unit, found.iter().filter_map(|one| one.fresh).collect());
     let mut text = columns(&lines);
     let mut first: Vec<(&str, usize)> = Vec::new();
-    for who in found.iter().map(|one| one.passed_first.unwrap_or("nobody")) {
+    for who in found.iter().map(|one| one.passed_first.as_deref().unwrap_or("nobody")) {
         match first.iter_mut().find(|(name, _)| *name == who) {
             Some((_, count)) => *count += 1,
             None => first.push((who, 1)),

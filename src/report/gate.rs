@@ -1,19 +1,18 @@
 //! What gates and comparisons found, for the terminal.
 
+use crate::results::{
+    BlindPlace, ChangedRun, Check, CheckOutcome, GateReport, GateState, GateVerdict, Power, Subject,
+    SuiteIdentity, SuiteReport, TrialChange, Verdict,
+};
 use std::fmt::Write;
 
 use anstyle::{AnsiColor, Style};
 
+use super::Excerpt;
 use super::format::{count, quantity, share};
-use super::replay::replay_command;
 use super::table::paint;
-use super::{Excerpt, GateReport, GateState, SuiteIdentity, SuiteReport};
 use crate::escape::{terminal, terminal_line};
-use crate::judge::Verdict;
-use crate::judge::baseline::{Incompatible, Part};
-use crate::judge::gate::{
-    BlindPlace, ChangedRun, Check, CheckOutcome, GateVerdict, Power, Subject, TrialChange,
-};
+use crate::judge::baseline::some;
 use crate::metrics;
 use crate::scenario::significant;
 
@@ -85,7 +84,7 @@ pub fn render_gates(reports: &[SuiteReport], colour: bool) -> String {
 pub fn render_gate_report(suite: &SuiteIdentity, gate: &GateReport, colour: bool) -> String {
     match &gate.state {
         GateState::Judged(verdict) => {
-            let replay = |key: &str| Some(replay_command(suite, key));
+            let replay = |key: &str| Some(suite.replay_command(key));
             format!("gate {}", render_gate(verdict, &replay, false, colour))
         }
         GateState::Refused(refusal) => {
@@ -317,62 +316,6 @@ pub fn changed(check: &Check, run: &ChangedRun) -> String {
     let value =
         |value| metrics::metric(&check.metric).map_or("?".to_string(), |metric| quantity(metric, value));
     format!("{} -> {}  {}", value(run.base), value(run.candidate), run.key)
-}
-
-/// Why two baselines may not be compared, a sentence each.
-pub fn render_reason(reason: &Incompatible) -> String {
-    let in_trials = |trials: &[String]| match trials {
-        [one] => format!("in {one}"),
-        many => format!("in {} trials: {}", many.len(), some(many)),
-    };
-    match reason {
-        Incompatible::OtherSuite { base, candidate } => {
-            format!("it is of suite `{base}`, and this is suite `{candidate}`")
-        }
-        Incompatible::NothingInCommon { base, candidate } => {
-            format!("suite `{base}` and suite `{candidate}` have no trial in common")
-        }
-        Incompatible::OtherValues { base, candidate } => {
-            let with = |set: &[String]| match set {
-                [] => "as the files say".to_string(),
-                set => format!("with {}", set.join(", ")),
-            };
-            format!("the base was run {}, the candidate {}", with(base), with(candidate))
-        }
-        Incompatible::Vanished(trials) => format!("trials are gone: {}", some(trials)),
-        Incompatible::New(trials) => format!("trials are new: {}", some(trials)),
-        Incompatible::MetricMissing(label) => format!("the base has no metric `{label}`"),
-        Incompatible::MetricDiffers(label) => format!("`{label}` was measured with other parameters"),
-        Incompatible::Runs(trials) => {
-            format!("there are other runs (`repeat` or individuals) {}", in_trials(trials))
-        }
-        Incompatible::Populations(names) => {
-            format!("the people of {} are not those of the base, whoever is drawn from them", some(names))
-        }
-        Incompatible::PopulationsUnknown => {
-            "the seeds and so the people differ, and the base does not say which population its own came from"
-                .to_string()
-        }
-        Incompatible::Part { part, trials } => {
-            let what = match part {
-                Part::Road => "the road differs",
-                Part::Pedestrians => {
-                    "the pedestrians differ (model, parameters, start, goal or when they appear)"
-                }
-                Part::People => "the individuals differ (the population's file)",
-                Part::Traffic => "the vehicles' speed, lane or start differs",
-                Part::Simulation => "step, horizon or finish line differs",
-            };
-            format!("{what} {}", in_trials(trials))
-        }
-    }
-}
-
-fn some(names: &[String]) -> String {
-    let shown: Vec<_> = names.iter().take(3).map(String::as_str).collect();
-    let more = names.len() - shown.len();
-    let shown = shown.join(", ");
-    if more > 0 { format!("{shown} and {more} more") } else { shown }
 }
 
 /// A mean in the metric's unit, or a share.

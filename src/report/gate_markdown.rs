@@ -6,8 +6,7 @@ use super::gate::{
     HEADINGS, MOST_RUNS_NAMED, Replay, cells, changed, check_mark, context, outcome_word, sentence,
 };
 use crate::escape::{markdown, markdown_code};
-use crate::judge::Verdict;
-use crate::judge::gate::{Check, CheckOutcome, GateVerdict};
+use crate::results::{Check, CheckOutcome, GateVerdict, Verdict};
 
 const STRING: &str = "writing to a string cannot fail";
 

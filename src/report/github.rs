@@ -1,27 +1,26 @@
 //! Results on GitHub: annotations at the criteria that did not hold, and the summary of a step in Markdown.
 
+use super::wording::recorded_remark;
+use crate::results::{
+    BlockReport, BlockState, CutBy, GateReport, GateState, NotJudged, RecordedReport, Requests, Standing,
+    SuiteReport, TrialReport, TrialState, Verdict,
+};
 use std::fmt::Write;
 
+use super::Repository;
 use super::experiment::render_block;
 use super::failure::{render_block_failure, render_failure, render_finding};
 use super::figures::{scenarios, short_name};
 use super::gate::render_gate_report;
 use super::gate_markdown::gate_markdown;
 use super::groups::groups;
-use super::replay::{block_command, replay_command};
 use super::wording::{
     closest_calls, interruption, judged_words, nearest_run, nothing_claimed, observed, stopping,
     trial_warnings, untested, verdict_mark, verdict_word,
 };
-use super::{
-    BlockReport, BlockState, CutBy, GateReport, GateState, NotJudged, RecordedReport, Repository, Standing,
-    SuiteReport, TrialReport, TrialState,
-};
 use crate::escape::{
     github_data, github_property, html, markdown, markdown_code, markdown_fenced, terminal_line,
 };
-use crate::judge::Verdict;
-use crate::run::{Requests, departures};
 use crate::scenario::Origin;
 
 /// GitHub shows ten annotations of a kind per step, so a criterion has one for all the trials it failed in.
@@ -92,7 +91,7 @@ pub fn annotations(reports: &[SuiteReport], repository: &Repository) -> String {
             let title = "not judged".to_string();
             add("warning", trial.trial.origin.clone(), title, format!("{}: {said}", trial.trial.key));
         }
-        for said in departures(trial.trial) {
+        for said in &trial.departures {
             let title = "another model than was published".to_string();
             add("warning", trial.trial.origin.clone(), title, format!("{}: {said}", trial.trial.key));
         }
@@ -107,7 +106,7 @@ pub fn annotations(reports: &[SuiteReport], repository: &Repository) -> String {
                 None => continue,
             },
         };
-        let again = block_command(&report.identity, &block.key);
+        let again = report.identity.block_command(&block.key);
         add("error", block.block.origin().clone(), format!("{title} {said}"), format!("{what}\n{again}"));
     }
     for (report, gate) in reports.iter().flat_map(|one| one.gates.iter().map(move |gate| (one, gate))) {
@@ -152,7 +151,7 @@ pub fn annotations(reports: &[SuiteReport], repository: &Repository) -> String {
 
 /// Where a suite is said to have failed of which no line is to blame.
 fn beginning(report: &SuiteReport) -> Origin {
-    Origin { file: report.identity.file.into(), line: 1, column: 1, ..Origin::default() }
+    Origin { file: report.identity.file.as_str().into(), line: 1, column: 1, ..Origin::default() }
 }
 
 /// The summary of a step in GitHub's Markdown.
@@ -163,7 +162,7 @@ pub fn step_summary(reports: &[SuiteReport], requests: &Requests) -> String {
         for gate in &report.gates {
             text += &match &gate.state {
                 GateState::Judged(verdict) => {
-                    gate_markdown(verdict, &|key| Some(replay_command(&report.identity, key)))
+                    gate_markdown(verdict, &|key| Some(report.identity.replay_command(key)))
                 }
                 GateState::Refused(refusal) => {
                     let reasons: String =
@@ -224,10 +223,10 @@ fn suite_summary(text: &mut String, report: &SuiteReport, requests: &Requests) {
     if report.interrupted {
         said.push(format!("⏹ {}", interruption(report)));
     }
-    line(format!("## {}: {}\n", markdown(identity.suite), said.join(", ")));
+    line(format!("## {}: {}\n", markdown(&identity.suite), said.join(", ")));
     line(format!(
         "{}, {}, {} trials, {runs} runs, {:.1} s, scenario-runner {}\n",
-        markdown_code(identity.file),
+        markdown_code(&identity.file),
         markdown(&identity.seed_words()),
         report.trials.iter().filter(|trial| !trial.skipped()).count(),
         report.wall_time.as_secs_f64(),
@@ -337,7 +336,7 @@ fn recorded_summary(text: &mut String, report: &SuiteReport) {
             Standing::NotFinished(_) => "⏹",
             Standing::Skipped => "–",
         };
-        writeln!(text, "- {mark} {}", markdown(&format!("{}{}", one.key, one.remark())))
+        writeln!(text, "- {mark} {}", markdown(&format!("{}{}", one.key, recorded_remark(one))))
             .expect("writing to a string cannot fail");
     }
     text.push('\n');

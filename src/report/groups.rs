@@ -1,9 +1,8 @@
 //! Failures of one cause together: one criterion that did not hold in trials of one scenario whose values are neighbours.
 
+use crate::results::{Finding, SuiteReport, TrialReport, Verdict};
 use std::collections::{BTreeSet, HashMap, VecDeque};
 
-use super::{SuiteReport, TrialReport};
-use crate::judge::{Finding, Verdict};
 use crate::scenario::{Assignment, Value};
 
 /// Trials in which a criterion did not hold.
@@ -46,7 +45,7 @@ pub fn groups<'r>(report: &'r SuiteReport) -> Vec<Group<'r>> {
 }
 
 /// Of some trials of a suite.
-pub fn groups_of<'r>(trials: &[&'r TrialReport<'_>]) -> Vec<Group<'r>> {
+pub fn groups_of<'r>(trials: &[&'r TrialReport]) -> Vec<Group<'r>> {
     let mut groups = Vec::new();
     let mut scenarios: Vec<(&str, Vec<&TrialReport>)> = Vec::new();
     for trial in trials {
@@ -79,7 +78,7 @@ fn of_criterion<'r>(
     groups: &mut Vec<Group<'r>>,
     scenario: &'r str,
     criterion: &'r str,
-    trials: &[&'r TrialReport<'_>],
+    trials: &[&'r TrialReport],
 ) {
     let judged: Vec<(&TrialReport, &Finding)> = trials
         .iter()
@@ -116,8 +115,8 @@ fn worse(left: &Finding, right: &Finding) -> std::cmp::Ordering {
     margin(left).total_cmp(&margin(right)).then(holding(left).total_cmp(&holding(right)))
 }
 
-fn variation<'r>(trial: &'r TrialReport<'_>) -> &'r [Assignment] {
-    trial.trial.cases.first().map_or(&[], |case| &case.variation)
+fn variation<'r>(trial: &'r TrialReport) -> &'r [Assignment] {
+    &trial.trial.variation
 }
 
 /// Trials by the ranks of their values among those that there are.

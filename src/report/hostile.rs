@@ -1,6 +1,7 @@
 //! Every format with names, files, words and messages of people who wish us ill: their readers read what was said and obey
 //! nothing.
 
+use crate::results::{SuiteReport, TrialReport, UnitReport};
 use std::collections::BTreeSet;
 use std::path::Path;
 
@@ -9,13 +10,11 @@ use proptest::prelude::*;
 use pulldown_cmark::{Event as Markdown, Options, Parser, Tag};
 use quick_xml::events::Event as Xml;
 
-use super::event::UnitReport;
 use super::fixture::Session;
 use super::junit::tests::junit;
 use super::tap::tests::tap;
 use super::{
-    Repository, SuiteReport, annotations, choose_runs, explain, render_gates, render_tables, step_summary,
-    to_html,
+    Repository, annotations, choose_runs, explain, render_gates, render_tables, step_summary, to_html,
 };
 use crate::escape::{hostile, terminal, terminal_styled, xml_line};
 

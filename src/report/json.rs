@@ -1,5 +1,9 @@
 //! Results as JSON, for programs. The same suite and seed give the same file on every machine, but for the times.
 
+use crate::results::{
+    BlockReport, BlockState, GateReport, GateState, Horizon, Outcome, RecordedReport, RecordedState,
+    Requests, SuiteReport, TrialReport, TrialState,
+};
 use std::io::{self, Write};
 use std::rc::Rc;
 
@@ -8,12 +12,7 @@ use serde::{Serialize, Serializer};
 use serde_json::{Map, Value, json};
 
 use super::wording::trial_warnings;
-use super::{
-    BlockReport, BlockState, GateReport, GateState, RecordedReport, RecordedState, SuiteReport, TrialReport,
-    TrialState,
-};
-use crate::judge::{Horizon, per_run};
-use crate::run::{Outcome, Requests};
+use crate::judge::per_run;
 use crate::scenario::Assignment;
 
 /// Version of the layout; raised when a reader would have to change.
@@ -131,7 +130,7 @@ pub(super) fn variation_value(variation: &[Assignment]) -> Value {
 }
 
 fn trial_object<'v>(report: &'v TrialReport, requests: &'v Requests) -> Object<'v> {
-    let variation = report.trial.cases.first().map_or(&[][..], |case| &case.variation);
+    let variation = &report.trial.variation;
     let criteria: Rc<Vec<_>> = Rc::new(report.trial.criteria.iter().filter_map(per_run).collect());
     let run = move |outcome: &Outcome| {
         let mut value = outcome_value(outcome, requests);
@@ -305,9 +304,9 @@ pub(super) fn plain(value: &impl Serialize) -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::experiment::{BlockResult, Conclusion};
     use crate::report::fixture::{Session, evaluation, statement};
     use crate::report::schema::violations;
+    use crate::results::{BlockResult, Conclusion};
     use crate::scenario::Standing;
 
     fn text(report: SuiteReport, requests: &Requests) -> String {

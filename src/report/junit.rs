@@ -3,25 +3,23 @@
 
 mod document;
 
+use super::wording::recorded_remark;
+use crate::results::{
+    BlockReport, BlockResult, BlockState, Cut, CutBy, GateReport, GateState, NotJudged, RecordedReport,
+    Requests, SuiteReport, TrialReport, TrialState, Verdict,
+};
 use std::collections::HashMap;
 use std::io::{self, Write};
 use std::time::Duration;
 
 use self::document::{Case, Counts, Document, Kind, Problem, Suite};
+use super::Repository;
 use super::digest::{Digest, written_unit};
 use super::experiment::render_block;
 use super::failure::{render_block_failure, render_failure};
 use super::gate::{blindness as gate_blindness, render_gate_report};
-use super::replay::{block_command, replay_command};
 use super::wording::{in_words, interruption, nothing_claimed, stopping, trial_warnings};
-use super::{
-    BlockReport, BlockState, Cut, CutBy, GateReport, GateState, NotJudged, RecordedReport, Repository,
-    SuiteReport, TrialReport, TrialState,
-};
-use crate::experiment::BlockResult;
-use crate::judge::Verdict;
 use crate::metrics;
-use crate::run::Requests;
 use crate::scenario::Origin;
 
 /// Writes the report as an XML document, a testcase at a time. A failed criterion is a failure; a trial that could not run
@@ -67,10 +65,10 @@ pub fn write_junit(
 
 /// What has a testcase of its own.
 enum Item<'r> {
-    Recorded(&'r RecordedReport<'r>),
-    Trial(&'r TrialReport<'r>),
-    Block(&'r BlockReport<'r>),
-    Gate(&'r GateReport<'r>),
+    Recorded(&'r RecordedReport),
+    Trial(&'r TrialReport),
+    Block(&'r BlockReport),
+    Gate(&'r GateReport),
     /// Should nothing have been under way when somebody interrupted it, there would be no error, and a CI would show green.
     Interruption,
 }
@@ -82,8 +80,8 @@ struct Group<'r> {
 }
 
 /// The testsuites of a suite, in the order of what comes first in each.
-fn grouped<'r>(report: &'r SuiteReport<'r>) -> Vec<Group<'r>> {
-    let suite = report.identity.suite;
+fn grouped<'r>(report: &'r SuiteReport) -> Vec<Group<'r>> {
+    let suite = &report.identity.suite;
     let mut groups: Vec<Group> = Vec::new();
     let mut places: HashMap<String, usize> = HashMap::new();
     let mut put = |name: String, item: Item<'r>| {
@@ -216,8 +214,8 @@ fn trial_case(report: &SuiteReport, trial: &TrialReport, requests: &Requests) ->
     }
     trial_warnings(trial).iter().for_each(|warning| case.property("warning", warning));
     let worst = trial.findings().iter().flat_map(|finding| &finding.worst).next();
-    if let Some(key) = worst.map(|run| &run.key).or(trial.trial.cases.first().map(|case| &case.key)) {
-        case.property("replay", &replay_command(&report.identity, key));
+    if let Some(key) = Some(worst.map_or(&trial.trial.first_run, |run| &run.key)) {
+        case.property("replay", &report.identity.replay_command(key));
     }
     case
 }
@@ -243,10 +241,10 @@ fn recorded_case(report: &SuiteReport, recorded: &RecordedReport) -> Case {
     let mut case = Case::new(&recorded.key, problem(report, &recorded.trial_state()));
     case.property("seed", &recorded.recorded.seed.to_string());
     case.property("recorded", &recorded.recorded.against.join("; "));
-    let remark = recorded.remark();
+    let remark = recorded_remark(recorded);
     let now = remark.trim_start_matches([':', ' ']);
     case.property("now", if now.is_empty() { "still fails" } else { now });
-    case.property("replay", &replay_command(&report.identity, &recorded.key));
+    case.property("replay", &report.identity.replay_command(&recorded.key));
     case
 }
 
@@ -286,7 +284,7 @@ fn block_case(report: &SuiteReport, block: &BlockReport) -> Case {
     };
     let mut case = Case::new(&block.key, problem);
     case.property("seed", &report.identity.seed.to_string());
-    case.property("replay", &block_command(&report.identity, &block.key));
+    case.property("replay", &report.identity.block_command(&block.key));
     case.output = block.result().map(render_block);
     case
 }

@@ -1,42 +1,14 @@
 //! One run again: the command for it and the timeline that it prints.
 
+use crate::results::{Outcome, Requests};
 use std::fmt::Write;
-use std::path::Path;
 
-use super::SuiteIdentity;
 use super::format::{quantity, with_unit};
 use super::shrunk::run_words;
 use crate::judge::per_run;
 use crate::metrics;
-use crate::run::{Outcome, Requests};
 use crate::scenario::{Assignment, Case, Criterion, Dimension, Scenario, Value, Written, show};
 use crate::sim::{Event, Happening, StopReason};
-
-/// What to type to see one run again.
-pub fn replay_command(suite: &SuiteIdentity, key: &str) -> String {
-    format!("scenario-runner replay '{key}' {} --seed {}{}", suite.file, suite.seed, set_options(suite.set))
-}
-
-/// What to type to set the same values again, with a space before each.
-pub fn set_options(set: &[String]) -> String {
-    let option = |one: &String| match one.split_once('=') {
-        Some(("repeat", times)) => format!(" --repeat {times}"),
-        // Within single quotes a shell leaves everything alone but the quote itself.
-        _ => format!(" --set '{}'", one.replace('\'', r"'\''")),
-    };
-    set.iter().map(option).collect()
-}
-
-/// What to type to run one block again, with whatever it builds on.
-pub fn block_command(suite: &SuiteIdentity, key: &str) -> String {
-    let set = set_options(suite.set);
-    format!("scenario-runner {} '{key}' --exact --seed {}{set}", suite.file, suite.seed)
-}
-
-/// What to type to record a suite's baseline.
-pub fn record_command(file: &str, set: &[String], baseline: &Path) -> String {
-    format!("scenario-runner baseline save {file}{} --out {}", set_options(set), baseline.display())
-}
 
 /// The values that a case has of its own, in the units that they are written in: what its scenario varies.
 pub fn case_values(case: &Case, scenario: &Scenario) -> Vec<(String, String)> {

@@ -1,8 +1,7 @@
 //! Everything that was run, a run at a time in the order of the plan: what `--runs` and `--csv` write.
 
-use super::{RecordedState, Skip, SuiteReport, TrialReport, TrialState};
-use crate::judge::{PerRun, Verdict, per_run};
-use crate::run::Outcome;
+use crate::judge::{PerRun, per_run};
+use crate::results::{Outcome, RecordedState, Skip, SuiteReport, TrialReport, TrialState, Verdict};
 use crate::scenario::Assignment;
 
 /// A run, or a trial that was to be run and has none.
@@ -39,7 +38,7 @@ pub fn each_row<E>(
     report: &SuiteReport,
     mut row: impl FnMut(&Row, &[PerRun]) -> Result<(), E>,
 ) -> Result<(), E> {
-    let suite = report.identity.suite;
+    let suite = report.identity.suite.as_str();
     for recorded in &report.recorded {
         let (verdict, what) = match &recorded.state {
             RecordedState::Ran(rerun) => (Some(rerun.judged.verdict), What::Run(&rerun.outcome)),
@@ -73,8 +72,8 @@ const ERRORED: &str = "error";
 const NOT_RUN: &str = "not run";
 
 fn of_trial<'r>(suite: &'r str, report: &'r TrialReport, what: What<'r>) -> Row<'r> {
-    let trial = report.trial;
-    let variation = trial.cases.first().map_or(&[][..], |case| &case.variation);
+    let trial = &report.trial;
+    let variation = &trial.variation;
     let verdict = report.verdict().filter(|_| !report.claims_nothing());
     Row { suite, scenario: &trial.scenario, trial: &trial.key, variation, verdict, what }
 }

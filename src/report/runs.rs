@@ -1,14 +1,14 @@
 //! Every run as JSON, one a line: for programs that read results as they come.
 
+use crate::results::{Requests, SuiteReport};
 use std::io::{self, Write};
 
 use serde_json::{Value, json};
 
 use super::json::{outcome_value, plain, variation_value};
 use super::rows::{Row, What, each_row};
-use super::{SuiteReport, verdict_word};
+use super::verdict_word;
 use crate::judge::PerRun;
-use crate::run::Requests;
 
 /// Writes a line for each run. The same suites and seeds give the same bytes, on any number of threads.
 ///

@@ -1,11 +1,10 @@
 //! A shrunk case in words, and as a scenario file.
 
-use super::SuiteIdentity;
 use super::wording::{run_in_words, run_value};
-use crate::judge::{PerRun, WorstRun, judge};
+use crate::judge::{PerRun, judge};
 use crate::lang::{self, UNITS, Unit};
 use crate::plan::{self, PlanError};
-use crate::run::{Outcome, Requests};
+use crate::results::{Outcome, Requests, SuiteIdentity, WorstRun};
 use crate::scenario::{Claim, significant};
 use crate::shrink::{Knob, Move, Shrunk, requests};
 

@@ -3,8 +3,8 @@
 use std::fmt::Write;
 
 use super::format::in_written_unit;
-use crate::experiment::{ClaimResult, ClaimValues, Conclusion, StatementResult};
 use crate::lang;
+use crate::results::{ClaimResult, ClaimValues, Conclusion, StatementResult};
 use crate::scenario::{Standing, TrendDirection};
 
 const STRING: &str = "writing to a string cannot fail";

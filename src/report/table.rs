@@ -1,15 +1,13 @@
 //! A compact table per scenario for the terminal: variation values down, the criteria's metrics across.
 
+use crate::results::{Requests, SuiteReport, TrialReport, TrialState, Verdict};
 use anstyle::{AnsiColor, Style};
 
 use super::digest::{Digest, written_unit};
 use super::figures::{scenarios, short_name};
 use super::wording::{closest_calls, judged_words};
-use super::{SuiteReport, TrialReport, TrialState};
 use crate::escape::{terminal, terminal_line};
-use crate::judge::Verdict;
 use crate::metrics::{self, Metric};
-use crate::run::Requests;
 use crate::scenario::Notation;
 
 /// A scenario with more trials shows only those that did not pass.
@@ -60,7 +58,7 @@ pub fn columns(trials: &[&TrialReport], requests: &Requests) -> Vec<Column> {
 
 /// Every scenario's table; scenarios without variations stand in one. Without `colour` plain text.
 pub fn render_tables(report: &SuiteReport, requests: &Requests, colour: bool) -> String {
-    let suite = report.identity.suite;
+    let suite = report.identity.suite.as_str();
     let is_single = |trials: &[&TrialReport]| trials.len() == 1 && short_name(trials[0]).is_empty();
     let (single, varied): (Vec<_>, Vec<_>) =
         scenarios(report).into_iter().partition(|(_, trials)| is_single(trials));
@@ -77,7 +75,7 @@ fn table(title: &str, trials: &[&TrialReport], requests: &Requests, colour: bool
     let not_passed = |trial: &&&TrialReport| !crowded || trial.verdict() != Some(Verdict::Passed);
     let rows: Vec<_> = ran.iter().filter(not_passed).take(MOST_ROWS).collect();
     let (Some(first), columns) = (ran.first(), columns(&ran, requests)) else { return String::new() };
-    let names: Vec<_> = first.trial.cases[0].variation.iter().map(|one| one.name.as_str()).collect();
+    let names: Vec<_> = first.trial.variation.iter().map(|one| one.name.as_str()).collect();
     let plain = Style::new();
     let muted = plain.dimmed();
 

@@ -1,5 +1,9 @@
 //! Results as TAP 14 (Test Anything Protocol): one test point per recorded failure, trial, block and gate, with a YAML block where there is something to say.
 
+use crate::results::{
+    BlockReport, BlockState, Finding, GateReport, GateState, NotJudged, SuiteReport, TrialState,
+    TrialVerdict, Verdict,
+};
 use std::fmt::Write;
 use std::io;
 use std::time::Duration;
@@ -7,11 +11,8 @@ use std::time::Duration;
 use super::experiment::render_block;
 use super::failure::{render_block_failure, render_failure};
 use super::gate::render_gate_report;
-use super::replay::{block_command, replay_command};
 use super::wording::{in_words, interruption, stopping, trial_warnings, verdict_word, warnings};
-use super::{BlockReport, BlockState, GateReport, GateState, NotJudged, SuiteReport, TrialState};
 use crate::escape::{tap_description, tap_text, terminal_line, yaml_quoted};
-use crate::judge::{Finding, TrialVerdict, Verdict};
 
 /// Writes the report as TAP, a test point at a time. An inconclusive trial is `not ok`, and its block says so.
 ///
@@ -29,8 +30,8 @@ pub fn write_tap(reports: &[SuiteReport], out: &mut dyn io::Write) -> io::Result
         writeln!(
             points.out,
             "# suite {}, file {}, {}",
-            terminal_line(identity.suite),
-            terminal_line(identity.file),
+            terminal_line(&identity.suite),
+            terminal_line(&identity.file),
             terminal_line(&identity.seed_words())
         )?;
         for recorded in &report.recorded {
@@ -55,7 +56,7 @@ pub fn write_tap(reports: &[SuiteReport], out: &mut dyn io::Write) -> io::Result
     }
     for report in reports.iter().filter(|report| report.interrupted) {
         // Whoever reads this takes the whole for failed, even if nothing was under way.
-        let suite = terminal_line(report.identity.suite);
+        let suite = terminal_line(&report.identity.suite);
         writeln!(points.out, "Bail out! suite {suite} {}", interruption(report))?;
     }
     Ok(())
@@ -130,7 +131,7 @@ impl Point<'_> {
             if let TrialState::Judged(judged) = self.state {
                 let bad = judged.findings.iter().filter(|finding| finding.verdict != Verdict::Passed);
                 if let Some(run) = bad.flat_map(|finding| &finding.worst).next() {
-                    field(text, "replay", yaml_quoted(&replay_command(&report.identity, &run.key)));
+                    field(text, "replay", yaml_quoted(&report.identity.replay_command(&run.key)));
                 }
             }
             block(text, "message", &render_failure(&report.identity, self.state, false));
@@ -156,7 +157,7 @@ fn block_point(text: &mut String, number: usize, report: &SuiteReport, block: &B
     }
     field(text, "duration_ms", block.wall_time.as_millis());
     if !passed {
-        field(text, "replay", yaml_quoted(&block_command(&report.identity, &block.key)));
+        field(text, "replay", yaml_quoted(&report.identity.block_command(&block.key)));
         self::block(text, "message", &render_block_failure(&report.identity, block, false));
     }
     if let Some(result) = block.result() {

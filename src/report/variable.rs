@@ -1,8 +1,8 @@
 //! A variation as an axis: its numbers in the unit that the user wrote them in.
 
-use super::SuiteReport;
 use super::chart::Quantity;
-use crate::scenario::{Assignment, Case};
+use crate::results::SuiteReport;
+use crate::scenario::Assignment;
 
 /// A variation that takes numbers, over all the trials that have it.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,16 +16,15 @@ pub struct Variable {
 impl Variable {
     /// The first variation of the suite that takes at least two different numbers.
     pub fn of(report: &SuiteReport) -> Option<Self> {
-        let cases = || report.trials.iter().filter_map(|trial| trial.trial.cases.first());
+        let assignments = || report.trials.iter().flat_map(|trial| &trial.trial.variation);
         let mut names: Vec<&str> = Vec::new();
-        for assignment in cases().flat_map(|case| &case.variation) {
+        for assignment in assignments() {
             if !names.contains(&assignment.name.as_str()) {
                 names.push(&assignment.name);
             }
         }
         names.into_iter().find_map(|name| {
-            let taken: Vec<&Assignment> =
-                cases().flat_map(|case| &case.variation).filter(|one| one.name == name).collect();
+            let taken: Vec<&Assignment> = assignments().filter(|one| one.name == name).collect();
             let numbers: Vec<f64> = taken.iter().filter_map(|one| one.value.as_number()).collect();
             if numbers.len() < taken.len() || numbers.iter().all(|number| *number == numbers[0]) {
                 return None;
@@ -39,15 +38,15 @@ impl Variable {
         })
     }
 
-    /// Its value in a case, in the quantity's unit.
-    pub fn value(&self, case: &Case) -> Option<f64> {
-        let assignment = case.variation.iter().find(|one| one.name == self.name)?;
+    /// Its value in a trial, in the quantity's unit.
+    pub fn value(&self, variation: &[Assignment]) -> Option<f64> {
+        let assignment = variation.iter().find(|one| one.name == self.name)?;
         assignment.value.as_number().map(|number| number / self.unit_size)
     }
 
-    /// The case's other variations: `profile=cautious`; empty if there are none.
-    pub fn others(&self, case: &Case) -> String {
-        let others = case.variation.iter().filter(|one| one.name != self.name);
+    /// The other variations: `profile=cautious`; empty if there are none.
+    pub fn others(&self, variation: &[Assignment]) -> String {
+        let others = variation.iter().filter(|one| one.name != self.name);
         others.map(|one| format!("{}={}", one.name, one.label)).collect::<Vec<_>>().join(" ")
     }
 }

@@ -1,14 +1,16 @@
 //! What findings and comparisons say, in parts for tables and charts, each number with its unit.
 
+use crate::results::{
+    BlockReport, BlockState, Finding, Horizon, Measure, OnCourse, Reason, RecordedReport, RecordedState,
+    Regarding, RunsTaken, Skip, Standing, SuiteReport, TrialReport, TrialState, UnitReport, Vacuity, Verdict,
+    WorstRun,
+};
 use std::collections::HashSet;
 
 use super::chart::Rule;
 use super::format::{count, in_notation, quantity, share};
-use super::{BlockReport, RecordedReport, Skip, Standing, SuiteReport, TrialReport, TrialState};
-use crate::judge::{Finding, Horizon, Measure, Reason, Regarding, Stopping, Vacuity, Verdict, WorstRun};
 use crate::lang;
 use crate::metrics::{self, MetricKind};
-use crate::run::{OnCourse, departures};
 use crate::scenario::{Comparison, Notation, People, Relation, significant};
 
 /// What was found: `holds in 18 of 20 runs`, `85 %`, `1.62 s`; `–` if no run has a value.
@@ -212,9 +214,43 @@ fn critical(run: &WorstRun) -> String {
     }
 }
 
+/// What is to be said behind its key in a line of its own.
+pub fn remark(report: &UnitReport) -> String {
+    match report {
+        UnitReport::Recorded(recorded) => recorded_remark(recorded),
+        UnitReport::Trial(trial) => match (&trial.state, trial.stopping()) {
+            (TrialState::Skipped(skip), _) => format!(": {skip}"),
+            (TrialState::NotFinished(cut), _) => format!(": {cut}"),
+            (_, Some(stopped)) => format!(" ({})", stopping(stopped)),
+            _ => String::new(),
+        },
+        UnitReport::Block(block) => match &block.state {
+            BlockState::Skipped(skip) => format!(": {skip}"),
+            BlockState::NotFinished(cut) => format!(": {cut}"),
+            BlockState::Finished(_) | BlockState::Errored(_) => String::new(),
+        },
+    }
+}
+
+/// What is to be said of it behind its key; empty if the failure itself says all.
+pub fn recorded_remark(recorded: &RecordedReport) -> String {
+    let rerun = match &recorded.state {
+        RecordedState::Ran(rerun) => rerun,
+        RecordedState::Skipped(skip) => return format!(": {skip}"),
+        RecordedState::Errored(_) => return String::new(),
+    };
+    let against: Vec<_> = rerun.against.iter().map(|one| format!("`{}`", one.criterion)).collect();
+    let changed = if rerun.same_case { "" } else { " (the case has changed since)" };
+    match rerun.judged.verdict {
+        Verdict::Passed if against.is_empty() => format!(": does not fail any more{changed}"),
+        Verdict::Passed => format!(": still speaks against {}{changed}", against.join(", ")),
+        _ => changed.to_string(),
+    }
+}
+
 /// Why a trial whose runs are added until it is decided had so many of them.
-pub fn stopping(stopping: &Stopping) -> String {
-    let Stopping { runs, most, .. } = stopping;
+pub fn stopping(stopping: &RunsTaken) -> String {
+    let RunsTaken { runs, most, .. } = stopping;
     match stopping.reason {
         Reason::Decided => format!("decided after {runs} of at most {most} runs"),
         Reason::Budget => format!("not decided by all {runs} runs"),
@@ -228,7 +264,7 @@ pub fn trial_warnings(trial: &TrialReport) -> Vec<String> {
     let mut said = warnings(&trial.state);
     said.extend(nothing_claimed(trial));
     if !trial.skipped() {
-        said.extend(departures(trial.trial));
+        said.extend(trial.departures.iter().cloned());
     }
     said
 }

@@ -6,8 +6,8 @@ use thiserror::Error;
 use super::build::RunError;
 use super::case::{Unwatched, run_case};
 use super::free_flow::FreeFlows;
-use super::outcome::{Outcome, Requests};
 use super::stop::Stop;
+use crate::results::{Outcome, Requests};
 use crate::scenario::Case;
 
 /// Why there are no outcomes.

@@ -7,9 +7,9 @@ use super::build::{RunError, road_users};
 use super::cut_off::cut_off;
 use super::free_flow::FreeFlows;
 use super::name::shared;
-use super::outcome::{ByMetric, Critical, CutOff, Outcome, Requests};
 use super::panic::in_case;
 use crate::metrics::{Measurement, Reading};
+use crate::results::{ByMetric, Critical, CutOff, Outcome, Requests};
 use crate::scenario::{Case, World};
 use crate::sim::{Ending, Fingerprint, Observer, Snapshot, Step, StopReason, simulate};
 

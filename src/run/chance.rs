@@ -35,7 +35,8 @@ mod tests {
     use super::*;
     use crate::lang;
     use crate::plan::plan;
-    use crate::run::{FreeFlows, Requests, Unwatched, run_case};
+    use crate::results::Requests;
+    use crate::run::{FreeFlows, Unwatched, run_case};
     use crate::vehicle::CONTROLLERS;
 
     /// Who may draw in a meeting of the two, and whether its runs under three seeds are the same; `None` if they cannot

@@ -4,8 +4,8 @@
 use std::sync::Arc;
 
 use super::name::shared;
-use super::outcome::{CutOff, OnCourse, Unfinished};
 use crate::metrics::{Measurement, Reading, along, half_extent};
+use crate::results::{CutOff, OnCourse, Unfinished};
 use crate::scenario::World;
 use crate::sim::{Snapshot, Solid, collision_course, has_arrived};
 

@@ -1,10 +1,10 @@
 //! Models that a world makes other ones than were published: what every report and baseline names.
 
+use crate::plan::{self, PlannedTrial};
 use std::collections::HashSet;
 use std::sync::Arc;
 
 use crate::pedestrian;
-use crate::plan::{self, Trial};
 use crate::scenario::{Case, Departure, Origin, Scenario, Suite, World};
 use crate::vehicle;
 
@@ -36,7 +36,7 @@ fn of_world(world: &World) -> Vec<(&str, Departure)> {
 }
 
 /// What is to be warned of in a trial, each thing once: `` `walker`: `dt` of `commotions` is … ``.
-pub fn departures(trial: &Trial) -> Vec<String> {
+pub fn departures(trial: &PlannedTrial) -> Vec<String> {
     let mut said = Vec::new();
     for world in worlds(&trial.cases) {
         for (who, departure) in of_world(world) {

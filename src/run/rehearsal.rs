@@ -1,9 +1,9 @@
 //! What keeps a checked suite from running, found before its first run: planning, and building the road users.
 
+use crate::plan::{self, PlanError, PlannedTrial};
 use std::collections::HashMap;
 
 use super::build::{RunError, road_users};
-use crate::plan::{self, PlanError, Trial};
 use crate::scenario::{Case, Origin, Scenario, Suite};
 
 /// Something that no run gets past.
@@ -41,7 +41,7 @@ pub fn rehearse(suite: &Suite) -> Vec<Obstacle> {
 }
 
 /// What models refuse of trials that are planned already: in the first run of each, and everybody's in the first.
-pub fn rehearse_trials(suite: &Suite, trials: &[Trial]) -> Vec<Obstacle> {
+pub fn rehearse_trials(suite: &Suite, trials: &[PlannedTrial]) -> Vec<Obstacle> {
     let scenarios: HashMap<&str, &Scenario> =
         suite.scenarios.iter().map(|scenario| (scenario.name.as_str(), scenario)).collect();
     let mut obstacles = Vec::new();

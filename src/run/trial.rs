@@ -9,9 +9,9 @@ use std::time::{Duration, Instant};
 use thiserror::Error;
 
 use super::build::RunError;
-use super::outcome::Outcome;
 use super::stop::Stop;
-use crate::plan::Trial;
+use crate::plan::PlannedTrial;
+use crate::results::Outcome;
 use crate::scenario::Case;
 use crate::sim::Trace;
 
@@ -36,7 +36,7 @@ pub struct Ran {
 /// A trial under way, whose cases any thread may run. Its own thread takes in what came of them, in the order of the
 /// cases: nothing depends on who ran which.
 pub struct SharedTrial<'a> {
-    pub trial: &'a Trial,
+    pub trial: &'a PlannedTrial,
     state: Mutex<State>,
     /// Told when a run has ended.
     ended: Condvar,
@@ -55,7 +55,7 @@ struct State {
 const AHEAD: usize = 256;
 
 impl<'a> SharedTrial<'a> {
-    pub fn new(trial: &'a Trial) -> Self {
+    pub fn new(trial: &'a PlannedTrial) -> Self {
         let state = State { next: 0, taken: 0, ended: BTreeMap::new() };
         Self { trial, state: Mutex::new(state), ended: Condvar::new() }
     }
@@ -100,7 +100,7 @@ impl<'a> SharedTrial<'a> {
     ) -> Result<Vec<Outcome>, TrialError> {
         let begun = Instant::now();
         let (cases, runs) = (&self.trial.cases, self.trial.cases.len());
-        let mut outcomes = Vec::with_capacity(self.trial.certain_cases().len());
+        let mut outcomes = Vec::with_capacity(self.trial.certain_runs());
         while outcomes.len() < runs {
             let finished = outcomes.len();
             if let Some(ran) = self.take(finished) {
@@ -204,7 +204,7 @@ mod tests {
     /// Runs a trial on its own thread and as many others.
     fn run_with(
         helpers: usize,
-        trial: &Trial,
+        trial: &PlannedTrial,
         enough: impl FnMut(&[Outcome]) -> bool,
         run: impl Fn(&Case) -> Result<Ran, RunError> + Sync,
     ) -> (Result<Vec<Outcome>, TrialError>, Vec<String>) {
@@ -231,7 +231,7 @@ mod tests {
         (outcomes, done)
     }
 
-    fn keys(trial: &Trial, runs: usize) -> Vec<String> {
+    fn keys(trial: &PlannedTrial, runs: usize) -> Vec<String> {
         trial.cases[..runs].iter().map(|case| case.key.clone()).collect()
     }
 

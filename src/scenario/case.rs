@@ -17,6 +17,7 @@ pub struct Case {
     /// The parameter sets drawn for pedestrians, in the order of the pedestrians that have one.
     pub individuals: Vec<Individual>,
     pub repetition: u32,
+    #[serde(with = "super::number::whole")]
     pub seed: u64,
     /// Shared by all repetitions.
     pub world: Arc<World>,

@@ -21,7 +21,7 @@ pub struct Evaluate {
     /// Rows of a source to show beside ours: a condition's name and a value per measure, SI units.
     pub reported: Vec<(String, Vec<f64>)>,
     /// The units that conditions give parameters in, where those are others than the SI units.
-    #[serde(skip)]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub given_in: Vec<(Target, Notation)>,
     pub origin: Origin,
 }
@@ -57,6 +57,6 @@ pub struct Measure {
     /// SI unit of its values.
     pub unit: String,
     /// The unit that people are shown, if that is another one: that of its reported values, or of a comparison with its metric.
-    #[serde(skip)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub notation: Option<Notation>,
 }

@@ -4,6 +4,7 @@
 //! [`Case`] is one concrete run, every expression evaluated. [`Declaration`] is how models, controllers and metrics
 //! describe themselves to the checker, the documentation and the optimiser.
 
+mod block;
 mod case;
 mod criterion;
 mod declaration;
@@ -15,11 +16,15 @@ mod expression;
 mod gate;
 pub mod limits;
 mod notation;
+pub mod number;
 mod optimisation;
 mod road;
 mod statement;
+mod symbol;
+mod trial;
 mod value;
 
+pub use block::Block;
 pub use case::{
     Appearance, Assignment, Case, Individual, ModelSetup, PedestrianSetup, Position, Shape, VehicleReference,
     VehicleSetup, VehicleStart, World,
@@ -50,4 +55,6 @@ pub use road::{Body, Crossing, CrossingKind, Direction, Lane, Road, Side};
 pub use statement::{
     Measured, OutcomesOf, Quantity, Standing, Statement, StatementClaim, StatementClaimKind, TrendDirection,
 };
+pub use symbol::Symbol;
+pub use trial::{Rounds, Trial};
 pub use value::{Settings, Value, significant};

@@ -1,11 +1,14 @@
 //! How a number was written: the unit to show it in again, and what to say of one that is out of range.
 
+use serde::{Deserialize, Serialize};
+
+use super::Symbol;
 use super::{Dimension, Origin, significant};
 
 /// A unit that somebody chose: a number `n` of it is `n * numerator / denominator` in SI units.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Notation {
-    pub symbol: &'static str,
+    pub symbol: Symbol,
     pub numerator: f64,
     pub denominator: f64,
 }
@@ -52,7 +55,7 @@ fn with_symbol(number: &str, symbol: &str) -> String {
 /// A number in SI units as its author would write it: `-6.26 km/h`, `4 s`.
 pub fn show(si: f64, notation: Option<Notation>, dimension: Dimension) -> String {
     match notation {
-        Some(unit) => with_symbol(&digits(unit.of_si(si)), unit.symbol),
+        Some(unit) => with_symbol(&digits(unit.of_si(si)), unit.symbol.as_str()),
         None => with_symbol(&digits(si), &dimension.si_unit()),
     }
 }
@@ -111,8 +114,8 @@ pub fn out_of_range(
 mod tests {
     use super::*;
 
-    const KMH: Notation = Notation { symbol: "km/h", numerator: 5.0, denominator: 18.0 };
-    const MPH: Notation = Notation { symbol: "mph", numerator: 0.447_04, denominator: 1.0 };
+    const KMH: Notation = Notation { symbol: Symbol::new("km/h"), numerator: 5.0, denominator: 18.0 };
+    const MPH: Notation = Notation { symbol: Symbol::new("mph"), numerator: 0.447_04, denominator: 1.0 };
 
     #[test]
     fn numbers_read_as_they_are_written() {

@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Aggregate, Comparison, Individuals, Notation, Origin, significant};
+use super::{Aggregate, Comparison, Individuals, Notation, Origin, Symbol, significant};
 
 /// Finds the values of variations (or model parameters) at which a metric is worst, per individual or for all.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -25,7 +25,7 @@ pub struct Search {
     /// What the found cases must be to belong to the named set; without it every best case does.
     pub keep: Option<Comparison>,
     /// The unit that its bound is written in.
-    #[serde(skip)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub keep_in: Option<Notation>,
     pub origin: Origin,
 }
@@ -42,7 +42,7 @@ pub struct Tune {
     /// Must hold in every run of the set.
     pub constraints: Vec<Comparison>,
     /// The units that their bounds are written in, in their order.
-    #[serde(skip)]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub constraints_in: Vec<Option<Notation>>,
     pub budget: Budget,
     /// Runs of every case under fresh seeds, the same for every candidate; 0: once, with the case's own seed.
@@ -90,7 +90,7 @@ pub struct Objective {
     /// In canonical words, such as `minimise mean(time_lost)`.
     pub text: String,
     /// The unit in which its block compares the metric to something: what people are shown.
-    #[serde(skip)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub notation: Option<Notation>,
 }
 
@@ -109,13 +109,13 @@ pub struct Range {
     /// SI unit shown in reports and labels; empty for plain numbers and words.
     pub unit: String,
     /// The unit that its bounds are written in, if that is another one: what people are shown.
-    #[serde(skip)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub notation: Option<Notation>,
     pub origin: Origin,
 }
 
 /// How the values of a range are shown to people.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct ShownIn {
     notation: Option<Notation>,
     unit: String,
@@ -135,7 +135,7 @@ impl Tune {
 }
 
 /// Shares are numbers in 0..1 and shown in per cent.
-const PER_CENT: Notation = Notation { symbol: "%", numerator: 1.0, denominator: 100.0 };
+const PER_CENT: Notation = Notation { symbol: Symbol::new("%"), numerator: 1.0, denominator: 100.0 };
 
 impl ShownIn {
     /// In `notation`, else in the SI unit `unit`, which may be empty; `%` for shares in 0..1.
@@ -146,7 +146,7 @@ impl ShownIn {
 
     /// A number in SI units with four significant digits and its unit.
     pub fn show(&self, si: f64) -> String {
-        let unit = self.notation.map_or(self.unit.as_str(), |notation| notation.symbol);
+        let unit = self.notation.as_ref().map_or(self.unit.as_str(), |notation| notation.symbol.as_str());
         format!("{} {unit}", self.number(si)).trim_end().to_string()
     }
 
@@ -258,7 +258,7 @@ mod tests {
 
     #[test]
     fn numbers_are_shown_in_the_unit_that_was_written() {
-        let kmh = Notation { symbol: "km/h", numerator: 5.0, denominator: 18.0 };
+        let kmh = Notation { symbol: Symbol::new("km/h"), numerator: 5.0, denominator: 18.0 };
         assert_eq!(ShownIn::new(Some(kmh), "m/s").show(50.0 / 3.6), "50 km/h");
         assert_eq!(ShownIn::new(None, "m/s").show(50.0 / 3.6), "13.89 m/s");
         assert_eq!(ShownIn::new(None, "%").show(0.85), "85 %");

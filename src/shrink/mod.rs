@@ -9,7 +9,8 @@ use thiserror::Error;
 
 use crate::judge::{PerRun, RunStanding};
 use crate::plan::PlanError;
-use crate::run::{FreeFlows, Outcome, Requests, RunError, Stop, Unwatched, run_case};
+use crate::results::{Outcome, Requests};
+use crate::run::{FreeFlows, RunError, Stop, Unwatched, run_case};
 use crate::scenario::{DeclaredAppearance, significant};
 
 pub use knob::{Knob, Place};

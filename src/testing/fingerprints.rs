@@ -7,8 +7,7 @@ use std::path::{Path, PathBuf};
 use sha2::{Digest, Sha256};
 
 use crate::files;
-use crate::report::UnitReport;
-use crate::run::Requests;
+use crate::results::{Requests, UnitReport};
 
 /// Set to `overwrite`, it records the files anew.
 const VARIABLE: &str = "FINGERPRINTS";
@@ -32,7 +31,7 @@ pub fn path(folder: &Path, file: &str) -> PathBuf {
 /// # Errors
 /// The first unit that was not run to its end.
 pub fn lines<'a>(
-    reports: impl IntoIterator<Item = &'a UnitReport<'a>>,
+    reports: impl IntoIterator<Item = &'a UnitReport>,
     requests: &Requests,
 ) -> Result<String, String> {
     let mut text = String::new();

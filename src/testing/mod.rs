@@ -39,8 +39,8 @@ use crate::dispatch::{
     self, Kept, Prepared, Unit, Work, Workshop, gate_key, judge_one_gate, measured_trials,
 };
 use crate::experiment::Silent;
-use crate::judge::Verdict;
-use crate::report::{Skip, Standing, UnitReport, explain, render_gate_report};
+use crate::report::{explain, render_gate_report};
+use crate::results::{Skip, Standing, UnitReport, Verdict};
 use crate::run::{SharedTrial, Stop};
 use crate::scenario::Gate;
 use fingerprints::{compare, lines, path, recording};
@@ -184,7 +184,7 @@ struct Session {
 }
 
 struct Done {
-    report: UnitReport<'static>,
+    report: UnitReport,
     kept: Option<Arc<Kept>>,
 }
 
@@ -236,14 +236,14 @@ impl Session {
     fn done(&self, index: usize) -> &Done {
         self.done[index].get_or_init(|| {
             let report = self.run(index);
-            let kept = Kept::of(&report).map(Arc::new);
+            let kept = Kept::of(&self.units[index].work, &report).map(Arc::new);
             Done { report, kept }
         })
     }
 
-    fn run(&self, index: usize) -> UnitReport<'static> {
+    fn run(&self, index: usize) -> UnitReport {
         let unit = &self.units[index];
-        let block = match unit.work {
+        let block = match &unit.work {
             Work::Recorded(recorded) => {
                 return UnitReport::Recorded(self.workshop.recorded(unit.suite, &unit.key, recorded));
             }

@@ -25,10 +25,8 @@ use crate::console::{Output, stderr, stdout};
 use crate::dispatch::{self, Orders, Unit, Workshop, dispatch, judge_gates};
 use crate::escape::terminal_line;
 use crate::files;
-use crate::judge::Verdict;
-use crate::report::{
-    GateReport, GateState, Live, NotJudged, Standing, StatusLevel, SuiteReport, Terminal, render_gates,
-};
+use crate::report::{Live, StatusLevel, Terminal, render_gates};
+use crate::results::{GateReport, GateState, NotJudged, Standing, SuiteReport, Verdict};
 
 #[derive(Debug, Args)]
 pub struct RunArguments {
@@ -270,7 +268,7 @@ pub fn run(arguments: RunArguments) -> Exit {
     let mut complaints = watcher.as_ref().map(watch::Traces::finish).unwrap_or_default();
     complaints.extend(output::write(&arguments.output, &workshop, &reports));
     complaints.extend(remember::failures(&arguments.remember, &suites, &reports, workshop.requests()));
-    last.learn(&reports);
+    last.learn(&suites, &reports);
     if let Err(error) = last.write() {
         writeln!(stderr(), "warning: cannot remember what failed: {error}");
     }

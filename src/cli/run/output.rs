@@ -13,10 +13,10 @@ use crate::console::stdout;
 use crate::dispatch::Workshop;
 use crate::files::{WholeFile, append_text};
 use crate::report::{
-    Chosen, Recording, Repository, SuiteReport, annotations, choose_runs, step_summary, to_html, write_csv,
-    write_json, write_junit, write_runs, write_tap,
+    Chosen, Recording, Repository, annotations, choose_runs, step_summary, to_html, write_csv, write_json,
+    write_junit, write_runs, write_tap,
 };
-use crate::run::Outcome;
+use crate::results::{Outcome, SuiteReport};
 use crate::scenario::Case;
 
 #[derive(Debug, Args)]
@@ -112,8 +112,9 @@ fn html(workshop: &Workshop, reports: &[SuiteReport]) -> Result<String, String> 
     let wanted: HashSet<&str> = chosen.iter().map(|(_, chosen)| chosen.key.as_str()).collect();
     let outcomes: HashMap<&str, (&Case, &Outcome)> = reports
         .iter()
-        .flat_map(|report| &report.trials)
-        .flat_map(|trial| trial.trial.cases.iter().zip(&trial.outcomes))
+        .zip(workshop.suites())
+        .flat_map(|(report, suite)| suite.plan.trials.iter().zip(&report.trials))
+        .flat_map(|(planned, trial)| planned.cases.iter().zip(&trial.outcomes))
         .filter(|(case, _)| wanted.contains(case.key.as_str()))
         .map(|(case, outcome)| (case.key.as_str(), (case, outcome)))
         .collect();

@@ -1,5 +1,7 @@
 //! What failed, for next time: in files beside the suites if that is wished, and in the folder that nobody commits.
 
+use crate::corpus::record;
+use crate::plan::{Plan, PlannedTrial};
 use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 use std::path::Path;
@@ -9,11 +11,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::cli::store;
 use crate::console::stderr;
-use crate::corpus::{Recorded, case_hash, corpus_path, write_corpus};
+use crate::corpus::{case_hash, corpus_path, write_corpus};
 use crate::dispatch::{Prepared, Unit, gate_key};
-use crate::judge::{Verdict, judge, per_run};
-use crate::report::{Skip, Standing, SuiteReport, TrialReport, TrialState, count, with_worst};
-use crate::run::Requests;
+use crate::judge::{judge, per_run};
+use crate::report::{count, with_worst};
+use crate::results::{Recorded, Requests, Skip, Standing, SuiteReport, TrialReport, TrialState, Verdict};
 use crate::scenario::{Gate, Suite};
 
 #[derive(Debug, Args)]
@@ -50,10 +52,11 @@ pub fn failures(
         let obsolete: Vec<_> = report.recorded.iter().filter(|one| one.is_obsolete()).collect();
         let known =
             |new: &Recorded| suite.recorded.iter().any(|old| old.key == new.key && old.seed == new.seed);
-        let new: Vec<_> = speaking_against(report, requests).into_iter().filter(|one| !known(one)).collect();
+        let new: Vec<_> =
+            speaking_against(&suite.plan, report, requests).into_iter().filter(|one| !known(one)).collect();
         let mut kept: Vec<Recorded> = suite.recorded.clone();
         if arguments.prune_failures {
-            let is_obsolete = |one: &Recorded| obsolete.iter().any(|gone| gone.recorded == one);
+            let is_obsolete = |one: &Recorded| obsolete.iter().any(|gone| *gone.recorded == *one);
             kept.retain(|one| !is_obsolete(one));
         }
         if arguments.record_failures {
@@ -88,18 +91,19 @@ pub fn failures(
 }
 
 /// The runs that failed criteria name as their worst, each with all that it speaks against.
-fn speaking_against(report: &SuiteReport, requests: &Requests) -> Vec<Recorded> {
-    report.trials.iter().flat_map(|trial| runs_against(trial, requests)).collect()
+fn speaking_against(plan: &Plan, report: &SuiteReport, requests: &Requests) -> Vec<Recorded> {
+    let trials = plan.trials.iter().zip(&report.trials);
+    trials.flat_map(|(planned, trial)| runs_against(planned, trial, requests)).collect()
 }
 
-fn runs_against(trial: &TrialReport, requests: &Requests) -> Vec<Recorded> {
+fn runs_against(planned: &PlannedTrial, trial: &TrialReport, requests: &Requests) -> Vec<Recorded> {
     let TrialState::Judged(judged) = &trial.state else { return Vec::new() };
     let failed = judged.findings.iter().filter(|finding| finding.verdict == Verdict::Failed);
     let worst: BTreeSet<&str> =
         failed.flat_map(|finding| &finding.worst).map(|run| run.key.as_str()).collect();
     let criteria: Vec<_> = trial.trial.criteria.iter().filter_map(per_run).map(|one| one.criterion).collect();
     let mut records: Vec<Recorded> = Vec::new();
-    for (case, outcome) in trial.trial.cases.iter().zip(&trial.outcomes) {
+    for (case, outcome) in planned.cases.iter().zip(&trial.outcomes) {
         // Seeds need not make a difference: one of several runs that are the same says it all.
         let is_known = records.iter().any(|known| known.fingerprint == outcome.fingerprint);
         if !worst.contains(case.key.as_str()) || is_known {
@@ -110,7 +114,7 @@ fn runs_against(trial: &TrialReport, requests: &Requests) -> Vec<Recorded> {
         let against: Vec<_> = against.map(with_worst).collect();
         // The worst run for an aggregate may be on the right side of its bound.
         if !against.is_empty() {
-            records.push(Recorded::new(case, outcome, against));
+            records.push(record(case, outcome, against));
         }
     }
     records
@@ -161,8 +165,8 @@ impl LastRun {
 
     /// Takes over what became of units and gates: those that passed are forgotten, those that were not asked for stay as
     /// they were. What was to be run and was not, or not to its end, has not passed.
-    pub fn learn(&mut self, reports: &[SuiteReport]) {
-        for report in reports {
+    pub fn learn(&mut self, suites: &[Prepared], reports: &[SuiteReport]) {
+        for (suite, report) in suites.iter().zip(reports) {
             let trials = report.trials.iter().map(|one| (one.trial.key.as_str(), one.standing()));
             let blocks = report.blocks.iter().map(|one| (one.key.as_str(), one.standing()));
             let recorded = report.recorded.iter().map(|one| (one.key.as_str(), one.standing()));
@@ -188,13 +192,14 @@ impl LastRun {
             for (key, _) in skipped.filter(|(_, skip)| is_as_declared && skip.is_some_and(was_to_be_run)) {
                 self.failed.insert(key.to_string());
             }
-            for trial in report.trials.iter().filter(|trial| !trial.skipped()) {
-                self.learn_runs(trial);
+            let trials = suite.plan.trials.iter().zip(&report.trials);
+            for (planned, trial) in trials.filter(|(_, trial)| !trial.skipped()) {
+                self.learn_runs(planned, trial);
             }
         }
     }
 
-    fn learn_runs(&mut self, trial: &TrialReport) {
+    fn learn_runs(&mut self, planned: &PlannedTrial, trial: &TrialReport) {
         let worst: BTreeSet<&str> = match &trial.state {
             TrialState::Judged(judged) => {
                 let bad = judged.findings.iter().filter(|finding| finding.verdict != Verdict::Passed);
@@ -202,7 +207,7 @@ impl LastRun {
             }
             _ => BTreeSet::new(),
         };
-        for (case, outcome) in trial.trial.cases.iter().zip(&trial.outcomes) {
+        for (case, outcome) in planned.cases.iter().zip(&trial.outcomes) {
             let name = Self::run_name(&outcome.key, outcome.seed);
             if worst.contains(outcome.key.as_str()) {
                 let hexadecimal = |number: u64| format!("{number:016x}");

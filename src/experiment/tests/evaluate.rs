@@ -1,6 +1,7 @@
 //! Evaluations of what was searched and tuned.
 
 use super::*;
+use crate::results::ConditionResult;
 
 #[test]
 fn an_evaluation_runs_the_same_cases_under_every_condition() {

@@ -1,6 +1,7 @@
 //! Searches, tunes on what they found, and journals.
 
 use super::*;
+use crate::results::{BlockResult, MetricSummary, SearchResult, TuneResult, Violations};
 
 fn run(suite: &Suite, journals: Option<std::path::PathBuf>) -> (SearchResult, TuneResult) {
     let laboratory = Laboratory::new(suite, journals);

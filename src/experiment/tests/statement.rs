@@ -1,6 +1,7 @@
 //! Statements over the results of their suite.
 
 use super::*;
+use crate::results::{BlockResult, Conclusion, StatementResult};
 
 #[test]
 fn a_tune_that_chose_nothing_leaves_its_condition_empty() {

@@ -5,7 +5,7 @@ use std::time::Duration;
 use super::*;
 use crate::metrics::Open;
 use crate::report::{render_evaluate, render_search, render_tune};
-use crate::run::{ByMetric, CutOff, Outcome};
+use crate::results::{ByMetric, CutOff, Outcome};
 use crate::sim::{Ending, StopReason};
 
 /// One outcome a value; a pair is what a run was cut off between.

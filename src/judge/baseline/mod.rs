@@ -8,11 +8,11 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::run::Requests;
+use crate::results::Requests;
 use crate::scenario::{ModelSetup, Settings};
 
 pub use file::BaselineError;
-pub use pairing::{Incompatible, Pairing, Part, pair};
+pub use pairing::{Incompatible, Pairing, Part, pair, some};
 pub use record::{measured_metrics, record};
 
 /// The metrics of every run of a suite, with what decides whether other runs may be compared with them.

@@ -1,6 +1,7 @@
 //! Which runs of two baselines belong together, and why some may not be compared at all.
 
 use serde::Serialize;
+use std::fmt;
 
 use super::{Baseline, Parts, RecordedTrial};
 
@@ -57,6 +58,66 @@ pub enum Part {
     People,
     Traffic,
     Simulation,
+}
+
+/// A sentence.
+impl fmt::Display for Incompatible {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let in_trials = |trials: &[String]| match trials {
+            [one] => format!("in {one}"),
+            many => format!("in {} trials: {}", many.len(), some(many)),
+        };
+        let text = match self {
+            Incompatible::OtherSuite { base, candidate } => {
+                format!("it is of suite `{base}`, and this is suite `{candidate}`")
+            }
+            Incompatible::NothingInCommon { base, candidate } => {
+                format!("suite `{base}` and suite `{candidate}` have no trial in common")
+            }
+            Incompatible::OtherValues { base, candidate } => {
+                let with = |set: &[String]| match set {
+                    [] => "as the files say".to_string(),
+                    set => format!("with {}", set.join(", ")),
+                };
+                format!("the base was run {}, the candidate {}", with(base), with(candidate))
+            }
+            Incompatible::Vanished(trials) => format!("trials are gone: {}", some(trials)),
+            Incompatible::New(trials) => format!("trials are new: {}", some(trials)),
+            Incompatible::MetricMissing(label) => format!("the base has no metric `{label}`"),
+            Incompatible::MetricDiffers(label) => format!("`{label}` was measured with other parameters"),
+            Incompatible::Runs(trials) => {
+                format!("there are other runs (`repeat` or individuals) {}", in_trials(trials))
+            }
+            Incompatible::Populations(names) => {
+                format!("the people of {} are not those of the base, whoever is drawn from them", some(names))
+            }
+            Incompatible::PopulationsUnknown => {
+                "the seeds and so the people differ, and the base does not say which population its own came from"
+                    .to_string()
+            }
+            Incompatible::Part { part, trials } => {
+                let what = match part {
+                    Part::Road => "the road differs",
+                    Part::Pedestrians => {
+                        "the pedestrians differ (model, parameters, start, goal or when they appear)"
+                    }
+                    Part::People => "the individuals differ (the population's file)",
+                    Part::Traffic => "the vehicles' speed, lane or start differs",
+                    Part::Simulation => "step, horizon or finish line differs",
+                };
+                format!("{what} {}", in_trials(trials))
+            }
+        };
+        out.write_str(&text)
+    }
+}
+
+/// The first few names, and how many more there are.
+pub fn some(names: &[String]) -> String {
+    let shown: Vec<_> = names.iter().take(3).map(String::as_str).collect();
+    let more = names.len() - shown.len();
+    let shown = shown.join(", ");
+    if more > 0 { format!("{shown} and {more} more") } else { shown }
 }
 
 impl Part {

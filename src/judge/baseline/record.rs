@@ -1,19 +1,20 @@
 //! Baselines from outcomes.
 
+use crate::plan::{Plan, PlannedTrial};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
 use super::{Baseline, Parts, RecordedMetric, RecordedTrial, TestedVehicle};
 use crate::metrics::{self, MetricKind};
-use crate::plan::{Plan, Trial};
-use crate::run::{Outcome, Requests, departures, drawing};
+use crate::results::{Outcome, Requests};
+use crate::run::{departures, drawing};
 use crate::scenario::{ANOTHER_MODEL, Case, MetricReference, PedestrianSetup, Suite};
 
 /// Digits of a value that are kept: enough for any comparison, and short enough to read.
 const DIGITS: usize = 9;
 
 /// The baseline of the trials of a plan that were run to their end, each with its outcomes in the order of its cases.
-pub fn record(plan: &Plan, trials: &[(&Trial, &[Outcome])], requests: &Requests) -> Baseline {
+pub fn record(plan: &Plan, trials: &[(&PlannedTrial, &[Outcome])], requests: &Requests) -> Baseline {
     let suite = plan.suite.as_str();
     let mut trials = trials.to_vec();
     trials.sort_by(|left, right| left.0.key.cmp(&right.0.key));

@@ -1,98 +1,15 @@
 //! One comparison: measured, then decided.
 
-use serde::Serialize;
+use crate::results::{ChangedRun, Check, CheckOutcome, Power, Subject};
 
-use super::measure::{Differences, TrialChange, difference, differences, sign, worse_by, worst_trial};
-use super::power::{self, Power};
+use super::measure::{Differences, difference, differences, sign, worse_by, worst_trial};
+use super::power::{self};
 use super::questions::{About, Place, Question, RunPair};
 use crate::judge::baseline::RecordedMetric;
 use crate::judge::statistics::{MeanChange, rate_change, rate_rise};
 use crate::metrics;
 use crate::plan::derive_seed;
 use crate::scenario::{MetricReference, Tolerance};
-
-/// One metric compared in one place.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Check {
-    /// Index of the gate's rule.
-    pub rule: usize,
-    /// The metric's name and label.
-    pub metric: String,
-    pub label: String,
-    pub subject: Subject,
-    /// The scenario, or the trial where `certain`.
-    pub place: String,
-    /// There is no chance in it: what differs, differs.
-    pub certain: bool,
-    pub outcome: CheckOutcome,
-    /// Pairs of runs that are compared.
-    pub runs: usize,
-    /// Independent ones among them: runs, or people where there are several.
-    pub units: usize,
-    /// The mean over the compared runs, or the share of them.
-    pub base: f64,
-    pub candidate: f64,
-    /// Where `candidate - base` lies at the stated confidence; ends may be infinite (`null` in JSON).
-    pub interval: Option<(f64, f64)>,
-    pub confidence: f64,
-    /// How much worse is tolerated, in the metric's unit or as a share of runs.
-    pub tolerance: f64,
-    /// Whether larger is worse.
-    pub larger_is_worse: bool,
-    /// Of "it is not worse by more than the tolerance".
-    pub p_value: Option<f64>,
-    /// The same after Holm's correction for all comparisons of the gate.
-    pub adjusted_p_value: Option<f64>,
-    pub power: Power,
-    /// Of several trials the one that got worse by most: over all of them, changes may cancel.
-    pub worst_trial: Option<TrialChange>,
-    /// The runs that got worse, the worst first; for flags those that flipped.
-    pub worse_runs: Vec<ChangedRun>,
-    /// The runs that got better, as above.
-    pub better_runs: Vec<ChangedRun>,
-}
-
-/// What of the metric is compared.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Subject {
-    /// Its mean.
-    Mean,
-    /// The share of runs with a yes.
-    Rate,
-    /// The share of runs in which it exists.
-    Existence,
-    /// The runs with a yes that had a no on the same seed.
-    New,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum CheckOutcome {
-    /// No run changed.
-    Same,
-    /// Shown not to be worse by more than the tolerance.
-    Held,
-    /// Neither that nor the opposite is shown.
-    NotShown,
-    /// Shown to be worse by more than the tolerance.
-    Regressed,
-}
-
-impl CheckOutcome {
-    /// Nothing that one has to look at.
-    pub fn is_fine(self) -> bool {
-        matches!(self, Self::Same | Self::Held)
-    }
-}
-
-/// A run whose value is not what it was.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ChangedRun {
-    pub key: String,
-    pub base: Option<f64>,
-    pub candidate: Option<f64>,
-}
 
 /// Everything but the outcome, which depends on the other comparisons.
 pub fn measure(question: &Question, family: usize, seed: u64) -> Check {

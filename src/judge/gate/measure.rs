@@ -1,8 +1,7 @@
 //! What a question's pairs of runs give: one difference per independent unit, turned so that positive is worse.
 
+use crate::results::TrialChange;
 use std::collections::BTreeSet;
-
-use serde::Serialize;
 
 use super::questions::{About, Question, RunPair};
 use crate::judge::baseline::TestedVehicle;
@@ -32,18 +31,6 @@ pub struct Differences {
     pub candidate: f64,
     /// Events in pairs of runs: how many have what is bad on one side only, base and candidate.
     pub one_sided: Option<(u64, u64)>,
-}
-
-/// What one trial of several came to.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct TrialChange {
-    /// Without the suite's name.
-    pub key: String,
-    /// The mean over its runs, or the share of them.
-    pub base: f64,
-    pub candidate: f64,
-    /// Negative if it got better.
-    pub worse_by: f64,
 }
 
 /// Smaller relative differences are rounding, which differs from machine to machine.

@@ -9,61 +9,14 @@ mod questions;
 #[cfg(test)]
 mod tests;
 
-use serde::Serialize;
+use crate::results::{BlindPlace, Check, CheckOutcome, GateVerdict, Power, Verdict};
 
 use super::baseline::{Baseline, Incompatible, Pairing, pair};
 use super::statistics::holm;
-use super::verdict::Verdict;
+
 use crate::scenario::{Gate, GateRule, MetricReference, Settings, Tolerance};
 
-pub use check::{ChangedRun, Check, CheckOutcome, Subject};
-pub use measure::{TrialChange, vehicle_changes};
-pub use power::Power;
-
-/// What became of a gate.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct GateVerdict {
-    pub gate: String,
-    pub verdict: Verdict,
-    /// In the order of rules, metrics and scenarios.
-    pub checks: Vec<Check>,
-    /// What each rule says; [`Check::rule`] is an index into them.
-    #[serde(skip)]
-    pub rules: Vec<String>,
-    /// How many comparisons share the error, because chance plays a part in them.
-    pub family: usize,
-    /// Rules none of whose comparisons could have failed anywhere, whatever had happened.
-    pub blind_rules: Vec<String>,
-    /// Scenarios in which a rule that sees elsewhere could not have failed, though something changed there.
-    pub blind_places: Vec<BlindPlace>,
-    /// Metrics that are true or false, about which no rule says anything.
-    pub unnamed_flags: Vec<String>,
-    /// Metrics that no run on either side has.
-    pub without_values: Vec<String>,
-    /// Metrics that are not compared, because the base lacks them.
-    pub new_metrics: Vec<String>,
-    /// Trials that are not compared, because the base lacks them.
-    pub new_trials: Vec<String>,
-    /// Runs on each side.
-    pub runs: usize,
-    pub same_seeds: bool,
-    pub same_people: bool,
-    /// Every run went exactly as before.
-    pub nothing_changed: bool,
-    /// What is tested and differs, such as `av.controller.braking_distance: 5 -> 4.75`.
-    pub changes: Vec<String>,
-}
-
-/// A scenario that a rule does not see.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct BlindPlace {
-    /// What the rule says.
-    pub rule: String,
-    pub scenario: String,
-    /// Independent pairs of runs there are, and how many it takes.
-    pub units: usize,
-    pub needed: usize,
-}
+pub use measure::vehicle_changes;
 
 /// The rule that a comparison has where no gate is named: no metric worse by more than this.
 pub fn blanket_rule(tolerance: f64, confidence: f64) -> GateRule {
@@ -121,12 +74,6 @@ fn with_default(rules: &[GateRule], pairing: &Pairing) -> Vec<GateRule> {
         all.push(default);
     }
     all
-}
-
-impl GateVerdict {
-    pub fn count(&self, outcome: CheckOutcome) -> usize {
-        self.checks.iter().filter(|check| check.outcome == outcome).count()
-    }
 }
 
 /// Judges what a gate says about a suite and a baseline of the same suite. With `lenient`, trials that the base lacks are left out instead of being a reason not to

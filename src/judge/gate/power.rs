@@ -1,28 +1,12 @@
 //! The smallest change that a comparison would have caught.
 
-use serde::Serialize;
+use crate::results::Power;
 
 use crate::judge::statistics::{MeanChange, beta_quantile, rate_rise, student_quantile};
 use crate::sim::random::normal_quantile;
 
 /// How often it must be caught to count.
 pub const OFTEN: f64 = 0.8;
-
-/// What would have been caught, at least four times in five.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Power {
-    /// Any change beyond the tolerance: there is no chance in it.
-    Everything,
-    /// Every run worse by this much, in the metric's unit.
-    Shift(f64),
-    /// A change for the worse in this share of runs, if none gets better.
-    Share(f64),
-    /// Nothing at all: so few runs cannot show anything among so many comparisons. `needed` can.
-    Blind { needed: usize },
-    /// Not a comparison that can fail.
-    None,
-}
 
 /// The fewest pairs with which something can be shown at `level`, if all of them get worse.
 pub fn pairs_needed(level: f64) -> usize {

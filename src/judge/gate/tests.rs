@@ -1,5 +1,6 @@
 //! Gates over made-up baselines: what regresses, what holds, what cannot be told.
 
+use crate::results::Subject;
 use std::collections::BTreeMap;
 
 use super::*;

@@ -31,7 +31,9 @@ use serde::{Deserialize, Serialize};
 /// Where a quantity lies at a stated confidence; both ends belong to it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Interval {
+    #[serde(with = "crate::scenario::number::low")]
     pub low: f64,
+    #[serde(with = "crate::scenario::number::high")]
     pub high: f64,
 }
 

@@ -6,36 +6,16 @@
 #[cfg(test)]
 mod tests;
 
-use serde::Serialize;
+use crate::results::{Finding, Outcome, Reason, Requests, RunsTaken, TrialVerdict, Verdict};
 
 use super::confidence::Bounds;
-use super::criteria::{Evidence, Finding, TrialVerdict, bounded_above, find};
+use super::criteria::{Evidence, bounded_above, find};
 use super::seen::Seen;
 use super::statistics::{ConfidenceSequence, Decision, MeanWatch, Unit};
-use super::verdict::Verdict;
-use crate::plan::{Rounds, Trial};
-use crate::run::{Outcome, Requests};
-use crate::scenario::{Aggregate, Claim, Comparison, Criterion, Relation, WhenUndefined, constant};
 
-/// How many runs a trial took, and why there were no more.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-pub struct Stopping {
-    pub least: usize,
-    pub most: usize,
-    pub runs: usize,
-    pub reason: Reason,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Reason {
-    /// Every criterion with stated confidence is decided.
-    Decided,
-    /// There were as many runs as there may be.
-    Budget,
-    /// No criterion has a stated confidence.
-    NothingToDecide,
-}
+use crate::scenario::{
+    Aggregate, Claim, Comparison, Criterion, Relation, Rounds, Trial, WhenUndefined, constant,
+};
 
 /// Follows the outcomes of a trial to see when they are enough.
 pub struct Watch<'a> {
@@ -123,7 +103,7 @@ impl<'a> Watch<'a> {
             decided.and_then(|test| test.finding.clone()).unwrap_or_else(|| find(criterion, &evidence))
         };
         let findings = self.criteria.iter().enumerate().map(finding).collect();
-        let stopping = self.rounds.map(|rounds| Stopping {
+        let stopping = self.rounds.map(|rounds| RunsTaken {
             least: rounds.least,
             most: rounds.most,
             runs: outcomes.len(),

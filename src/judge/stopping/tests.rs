@@ -1,6 +1,7 @@
 //! When trials have enough runs, over made-up outcomes.
 
 use super::*;
+use crate::results::Stopping;
 use crate::scenario::{Expression, MetricReference, Origin, Reach, Settings};
 use crate::sim::random::Stream;
 use crate::sim::{Ending, StopReason};

@@ -3,11 +3,9 @@
 use serde::Serialize;
 
 use super::{evaluate, search, tune};
-use crate::experiment::{Block, BlockResult};
-use crate::judge::Verdict;
 use crate::report::failure::render_block_failure;
-use crate::report::replay::block_command;
-use crate::report::{BlockReport, BlockState, SuiteReport};
+use crate::results::{BlockReport, BlockResult, BlockState, SuiteReport, Verdict};
+use crate::scenario::Block;
 
 #[derive(Debug, Serialize)]
 pub struct Section {
@@ -31,7 +29,7 @@ pub struct Section {
 impl Section {
     /// Every block of a suite but its statements, which stand in a table of their own.
     pub fn all(report: &SuiteReport) -> Vec<Self> {
-        let others = report.blocks.iter().filter(|block| !matches!(block.block, Block::Statement(_)));
+        let others = report.blocks.iter().filter(|block| !matches!(*block.block, Block::Statement(_)));
         others.map(|block| Self::new(report, block)).collect()
     }
 
@@ -53,7 +51,7 @@ impl Section {
             summary: String::new(),
             seconds: format!("{:.2}", block.wall_time.as_secs_f64()),
             failure: (!failure.is_empty()).then_some(failure),
-            command: block_command(&report.identity, &block.key),
+            command: report.identity.block_command(&block.key),
             search: None,
             tune: None,
             evaluate: None,
@@ -69,7 +67,7 @@ impl Section {
             BlockState::NotFinished(cut) => return self.summary = cut.to_string(),
             BlockState::Skipped(reason) => return self.summary = reason.to_string(),
         };
-        match (block.block, result) {
+        match (&*block.block, result) {
             (Block::Search(search), BlockResult::Search(result)) => {
                 self.summary = search::Section::summary(search, result);
                 self.search = Some(search::Section::new(search, result));

@@ -2,9 +2,8 @@
 
 use std::collections::HashSet;
 
-use crate::judge::Verdict;
 use crate::report::figures::scenarios;
-use crate::report::{SuiteReport, TrialReport, TrialState};
+use crate::results::{SuiteReport, TrialReport, TrialState, Verdict};
 
 /// A run that is to be drawn.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -71,7 +70,7 @@ fn worst_runs<'r>(report: &'r SuiteReport) -> Vec<(usize, &'r str, &'r str)> {
 }
 
 /// The first run of every trial, a trial of each scenario at a time.
-fn examples<'r>(scenarios: &[(&'r str, Vec<&'r TrialReport<'_>>)]) -> impl Iterator<Item = &'r str> {
+fn examples<'r>(scenarios: &[(&'r str, Vec<&'r TrialReport>)]) -> impl Iterator<Item = &'r str> {
     let longest = scenarios.iter().map(|(_, trials)| trials.len()).max().unwrap_or(0);
     (0..longest)
         .flat_map(move |rank| scenarios.iter().filter_map(move |(_, trials)| trials.get(rank)))

@@ -4,9 +4,9 @@ use serde_json::{Value, json};
 
 use super::Chosen;
 use crate::escape::html_characters;
-use crate::report::SuiteReport;
 use crate::report::recording::Recording;
-use crate::report::replay::{describe, replay_command};
+use crate::report::replay::describe;
+use crate::results::SuiteReport;
 use crate::scenario::{CrossingKind, Side};
 
 /// All of them together may take this much of the page, in bytes.
@@ -46,12 +46,12 @@ fn run(reports: &[SuiteReport], recording: &Recording, reason: &str) -> Value {
     let case = recording.case;
     let road = &case.world.road;
     let belongs = |report: &&SuiteReport| {
-        report.trials.iter().flat_map(|trial| &trial.trial.cases).any(|known| known.key == case.key)
+        report.trials.iter().flat_map(|trial| &trial.outcomes).any(|known| known.key == case.key)
     };
     let command = reports
         .iter()
         .find(belongs)
-        .map_or_else(String::new, |report| replay_command(&report.identity, &case.key));
+        .map_or_else(String::new, |report| report.identity.replay_command(&case.key));
     let signal = match road.crossing.kind {
         CrossingKind::Signalised { cycle, pedestrian_green_from, pedestrian_green } => {
             json!([cycle, pedestrian_green_from, pedestrian_green])

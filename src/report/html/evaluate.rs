@@ -4,15 +4,14 @@ use serde::Serialize;
 
 use super::figure::Figure;
 use super::space::{Measured, short_names};
-use crate::experiment::{CaseRun, ConditionResult, Difference, EvaluateResult, ParameterValue};
 use crate::judge::holds;
 use crate::judge::statistics::{Interval, mean, mean_interval, wilson};
 use crate::metrics::{MetricKind, metric, unit_of};
-use crate::report::SuiteReport;
 use crate::report::chart::{Dot, First, Rows, Rule, Strip, Strips, first_legend};
 use crate::report::evaluation::without_value;
 use crate::report::format::in_written_unit;
 use crate::report::wording::comparison_rule;
+use crate::results::{CaseRun, ConditionResult, Difference, EvaluateResult, ParameterValue, SuiteReport};
 use crate::scenario::{Aggregate, CaseSet, Comparison, Evaluate, Measure, MetricReference, ParameterSet};
 
 /// More conditions than this stand below each other.
@@ -218,7 +217,7 @@ fn parameter(parameter: &ParameterValue) -> String {
 
 /// What the charts are drawn from.
 struct Charts<'a> {
-    report: &'a SuiteReport<'a>,
+    report: &'a SuiteReport,
     evaluate: &'a Evaluate,
     result: &'a EvaluateResult,
 }
@@ -246,7 +245,7 @@ impl Charts<'_> {
     fn distributions(&self, reference: &MetricReference, index: usize) -> Option<Figure> {
         let strip = |condition: &ConditionResult| {
             let dot = |run: &CaseRun| {
-                let (first, name) = (First::of(run.passed_first), run.case.key.clone());
+                let (first, name) = (First::of(run.passed_first.as_deref()), run.case.key.clone());
                 run.outcome.metrics[index].map(|value| Dot { value, first, name })
             };
             let dots: Vec<Dot> = condition.runs.iter().filter_map(dot).collect();
@@ -266,7 +265,11 @@ impl Charts<'_> {
             let pairs = first.runs.iter().zip(&condition.runs);
             let dot = |(before, after): (&CaseRun, &CaseRun)| {
                 let value = after.outcome.metrics[index]? - before.outcome.metrics[index]?;
-                Some(Dot { value, first: First::of(after.passed_first), name: after.case.key.clone() })
+                Some(Dot {
+                    value,
+                    first: First::of(after.passed_first.as_deref()),
+                    name: after.case.key.clone(),
+                })
             };
             let dots: Vec<Dot> = pairs.filter_map(dot).collect();
             Strip { name: condition.name.clone(), undefined: condition.runs.len() - dots.len(), dots }
@@ -301,18 +304,19 @@ impl Charts<'_> {
 
     /// The bounds that the tunes and the search behind it compare the metric to.
     fn rules(&self, reference: &MetricReference) -> Vec<Rule> {
-        let suite =
-            |name: &str| self.report.blocks.iter().map(|report| report.block).find(|one| one.name() == name);
+        let suite = |name: &str| {
+            self.report.blocks.iter().map(|report| &*report.block).find(|one| one.name() == name)
+        };
         let mut comparisons: Vec<&Comparison> = Vec::new();
         for condition in &self.evaluate.conditions {
             if let ParameterSet::Tuned(name) = &condition.parameters
-                && let Some(crate::experiment::Block::Tune(tune)) = suite(name)
+                && let Some(crate::scenario::Block::Tune(tune)) = suite(name)
             {
                 comparisons.extend(&tune.constraints);
             }
         }
         if let CaseSet::Search(name) | CaseSet::Bests(name) = &self.evaluate.on
-            && let Some(crate::experiment::Block::Search(search)) = suite(name)
+            && let Some(crate::scenario::Block::Search(search)) = suite(name)
         {
             comparisons.extend(&search.keep);
         }

@@ -2,14 +2,13 @@
 
 use serde::Serialize;
 
-use crate::judge::Verdict;
-use crate::judge::gate::{Check, CheckOutcome, GateVerdict};
 use crate::report::gate::{
     HEADINGS, MOST_RUNS_NAMED, cells, changed, check_mark, context, outcome_word, render_gate_report,
     sentence,
 };
-use crate::report::replay::replay_command;
-use crate::report::{GateReport, GateState, NotJudged, SuiteIdentity, SuiteReport};
+use crate::results::{
+    Check, CheckOutcome, GateReport, GateState, GateVerdict, NotJudged, SuiteIdentity, SuiteReport, Verdict,
+};
 
 #[derive(Debug, Serialize)]
 pub struct Section {
@@ -131,7 +130,7 @@ impl Regression {
                 better.len()
             ),
             runs: worse.iter().take(MOST_RUNS_NAMED).map(|run| changed(check, run)).collect(),
-            command: worse.first().map(|run| replay_command(suite, &run.key)),
+            command: worse.first().map(|run| suite.replay_command(&run.key)),
         }
     }
 }

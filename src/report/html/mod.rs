@@ -12,17 +12,16 @@ mod statement;
 mod tune;
 mod view;
 
+use crate::results::{Requests, SuiteReport};
 use std::time::SystemTime;
 
 use minijinja::syntax::SyntaxConfig;
 use minijinja::value::{Serde, Value};
 use minijinja::{Environment, UndefinedBehavior, context};
 
-use super::SuiteReport;
 use super::chart;
 use super::recording::Recording;
 use crate::escape::html_characters;
-use crate::run::Requests;
 
 pub use choose::{Chosen, choose_runs};
 
@@ -72,9 +71,10 @@ mod tests {
     use std::time::Duration;
 
     use super::*;
-    use crate::experiment::{Block, BlockResult, Conclusion};
     use crate::report::fixture::{self, Session};
-    use crate::report::{BlockReport, BlockState, TrialReport};
+    use crate::results::{BlockReport, BlockState, TrialReport};
+    use crate::results::{BlockResult, Conclusion};
+    use crate::scenario::Block;
     use crate::scenario::{CaseSet, Condition, Evaluate, Origin, ParameterSet, Standing, Statement};
 
     fn page() -> String {

@@ -4,7 +4,6 @@ use serde::Serialize;
 
 use super::figure::Figure;
 use super::space::{Dimension, Measured, point_text, sign};
-use crate::experiment::{Found, SearchResult};
 use crate::judge::statistics::mean;
 use crate::optimise::{StopReason, Value};
 use crate::report::chart::{
@@ -12,6 +11,7 @@ use crate::report::chart::{
     Strip, Strips, Tried, first_legend, with_room,
 };
 use crate::report::wording::{comparison_rule, comparison_text};
+use crate::results::{Found, SearchResult};
 use crate::scenario::{Aggregate, Search};
 
 /// Charts of surrogates that are seen at once, and all that are drawn.
@@ -43,7 +43,7 @@ struct Row {
     observed: String,
     predicted: String,
     fresh: String,
-    first: &'static str,
+    first: String,
     evaluations: usize,
     stop: &'static str,
 }
@@ -187,7 +187,7 @@ impl Hunt<'_> {
                 Some(fresh) => format!("{} ({})", self.objective.rough(fresh, 3), found.fresh_runs),
                 None => "–".into(),
             },
-            first: found.passed_first.unwrap_or("–"),
+            first: found.passed_first.clone().unwrap_or_else(|| "–".into()),
             evaluations: found.evaluations.len(),
             stop: match found.stop {
                 Some(StopReason::Budget { .. }) => "budget spent",
@@ -422,5 +422,5 @@ fn runs(count: u32) -> String {
 }
 
 fn first(found: &Found) -> First {
-    First::of(found.passed_first)
+    First::of(found.passed_first.as_deref())
 }

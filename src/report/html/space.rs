@@ -27,7 +27,7 @@ impl Measured {
     }
 
     fn symbol(&self) -> &str {
-        self.written.map_or(&self.unit, |written| written.symbol)
+        self.written.as_ref().map_or(&self.unit, |written| written.symbol.as_str())
     }
 
     /// Without the word that says which way it is better.
@@ -128,7 +128,7 @@ impl Dimension {
     }
 
     fn symbol(&self) -> &str {
-        self.written.map_or(&self.unit, |written| written.symbol)
+        self.written.as_ref().map_or(&self.unit, |written| written.symbol.as_str())
     }
 
     /// In the unit that it is shown in.
@@ -225,7 +225,7 @@ mod tests {
     use super::*;
     use crate::scenario::Origin;
 
-    const KMH: Notation = Notation { symbol: "km/h", numerator: 5.0, denominator: 18.0 };
+    const KMH: Notation = Notation { symbol: Symbol::new("km/h"), numerator: 5.0, denominator: 18.0 };
 
     #[test]
     fn a_range_is_charted_and_told_in_the_unit_that_it_is_written_in() {

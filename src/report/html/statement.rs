@@ -2,10 +2,9 @@
 
 use serde::Serialize;
 
-use crate::experiment::{Block, BlockResult, Conclusion, StatementResult};
 use crate::report::statement::{claim_mark, claim_values, conclusion_words};
-use crate::report::{BlockReport, BlockState, SuiteReport};
-use crate::scenario::Standing;
+use crate::results::{BlockReport, BlockResult, BlockState, Conclusion, StatementResult, SuiteReport};
+use crate::scenario::{Block, Standing};
 
 #[derive(Debug, Default, Serialize)]
 pub struct Statements {
@@ -55,7 +54,7 @@ impl Statements {
     pub fn new(report: &SuiteReport) -> Option<Self> {
         let mut all = Self::default();
         for block in &report.blocks {
-            if let Block::Statement(statement) = block.block {
+            if let Block::Statement(statement) = &*block.block {
                 all.add(block, statement.doc.as_deref().unwrap_or_default());
             }
         }
@@ -103,7 +102,7 @@ impl Row {
             Standing::NotComparable(reason) => reason.clone(),
             Standing::Reproduced => String::new(),
         };
-        let claim = |claim: &crate::experiment::ClaimResult| Claim {
+        let claim = |claim: &crate::results::ClaimResult| Claim {
             mark: claim_mark(claim),
             words: match claim.holds {
                 Some(true) => "holds",

@@ -4,13 +4,13 @@ use serde::Serialize;
 
 use super::figure::Figure;
 use super::space::{Dimension, Measured, point_text};
-use crate::experiment::{Candidate, Comparison, MetricSummary, TuneResult, Violations};
 use crate::metrics::{MetricKind, metric};
 use crate::optimise::StopReason;
 use crate::report::chart::{Convergence, Front, Mark, Quantity, Rule, Slice, Tried};
 use crate::report::experiment::tuned_parameters;
 use crate::report::format::{in_unit, share};
 use crate::report::wording::comparison_text;
+use crate::results::{BeforeAndAfter, Candidate, MetricSummary, TuneResult, Violations};
 use crate::scenario::{MetricReference, Tune, significant};
 
 /// Charts of margins that are seen at once.
@@ -185,7 +185,7 @@ impl<'a> Bench<'a> {
         }
     }
 
-    fn comparison(&self, comparison: &Comparison) -> Table {
+    fn comparison(&self, comparison: &BeforeAndAfter) -> Table {
         let about = self.tune.objectives.iter().map(|one| one.aggregate.metric());
         let about = about.chain(self.tune.constraints.iter().map(|one| &one.metric));
         let about: Vec<String> = about.map(MetricReference::label).collect();

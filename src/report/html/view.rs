@@ -9,22 +9,21 @@ use super::embed::embed;
 use super::figure::Figure;
 use super::statement::Statements;
 use super::{Chosen, block, gate};
-use crate::judge::{Finding, Measure, Verdict};
 use crate::metrics;
+use crate::report::Recording;
 use crate::report::digest::written_unit;
 use crate::report::failure::render_failure;
 use crate::report::figures::{figures, scenarios, short_name};
 use crate::report::groups::{Group, groups_of};
-use crate::report::replay::replay_command;
 use crate::report::table::Column;
 use crate::report::wording::{
     bound, interval, judged_words, margin, missing, nearest_run, observed, stopping, trial_warnings,
     verdict_mark, verdict_word,
 };
-use crate::report::{
-    BlockReport, BlockState, GateReport, GateState, Recording, Skip, SuiteReport, TrialReport, TrialState,
+use crate::results::{
+    BlockReport, BlockState, Finding, GateReport, GateState, Measure, Requests, Skip, SuiteReport,
+    TrialReport, TrialState, Verdict,
 };
-use crate::run::Requests;
 use crate::scenario::MetricReference;
 
 /// A table with more trials than this scrolls.
@@ -183,7 +182,7 @@ impl Page {
         reports.iter().flat_map(|report| &report.trials).for_each(|trial| counts.add(trial));
         reports.iter().flat_map(|report| &report.blocks).for_each(|block| counts.add_block(block));
         reports.iter().flat_map(|report| &report.gates).for_each(|gate| counts.add_gate(gate));
-        let names: Vec<_> = reports.iter().map(|report| report.identity.suite).collect();
+        let names: Vec<_> = reports.iter().map(|report| report.identity.suite.as_str()).collect();
         Self {
             version: env!("CARGO_PKG_VERSION"),
             platform: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
@@ -345,8 +344,8 @@ fn scenario(
         left_out
             .push(format!("{unwritten} more trials did not pass and are not written out; --json has all"));
     }
-    let first = trials.first().map(|trial| trial.trial);
-    let variation = first.and_then(|trial| trial.cases.first()).map(|case| case.variation.as_slice());
+    let first = trials.first().map(|trial| &trial.trial);
+    let variation = first.map(|trial| trial.variation.as_slice());
     let names: Vec<_> = variation.unwrap_or_default().iter().map(|one| one.name.as_str()).collect();
     Scenario {
         name: name.to_string(),
@@ -377,7 +376,7 @@ fn causes(report: &SuiteReport, trials: &[&TrialReport], animated: &[String]) ->
 }
 
 fn command(report: &SuiteReport, key: &str, animated: &[String]) -> Command {
-    let command = replay_command(&report.identity, key);
+    let command = report.identity.replay_command(key);
     Command { animated: animated.iter().any(|known| known == key), key: key.to_string(), command }
 }
 

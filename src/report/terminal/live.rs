@@ -103,7 +103,7 @@ pub(super) fn left(elapsed: Duration, done: usize, all: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::event::{Evaluations, Outline};
+    use crate::results::{Evaluations, Outline};
 
     #[test]
     fn shows_how_far_everything_is() {

@@ -4,17 +4,17 @@ mod live;
 mod status;
 mod summary;
 
+use crate::results::{
+    CutBy, Evaluations, Event, Outline, Reporter, Standing, Stopping, SuiteIdentity, UnitReport, Verdict,
+};
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
 use anstyle::Style;
 
-use super::event::{Evaluations, Event, Outline, Reporter, Standing, Stopping, UnitReport};
 use super::failure::explain;
-use super::wording::trial_warnings;
-use super::{CutBy, SuiteIdentity};
+use super::wording::{remark, trial_warnings};
 use crate::console::{Output, stdout};
-use crate::judge::Verdict;
 
 pub use live::Live;
 pub use status::StatusLevel;
@@ -136,11 +136,11 @@ impl Terminal {
             && trial.stopping().is_some()
         {
             // Those that it did not take will not come any more.
-            self.tally.outline.runs -= trial.trial.cases.len() - trial.outcomes.len();
+            self.tally.outline.runs -= trial.trial.runs - trial.outcomes.len();
         }
         let standing = report.standing();
         self.tally.failures += usize::from(standing.is_failure());
-        let said = format!("{}{}", report.key(), report.remark());
+        let said = format!("{}{}", report.key(), remark(report));
         let line = status::unit_line(standing, report.wall_time(), &said, self.colour);
         let shown = self.level >= status::level(standing, report.skip());
         if shown {

@@ -5,10 +5,8 @@ use std::time::Duration;
 use anstyle::{AnsiColor, Style};
 
 use crate::escape::terminal_line;
-use crate::judge::Verdict;
-use crate::report::event::Standing;
 use crate::report::table::paint;
-use crate::report::{CutBy, Skip};
+use crate::results::{CutBy, Skip, Standing, Verdict};
 
 /// Which units get a status line. Each level shows what those before it show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

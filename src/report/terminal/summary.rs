@@ -5,17 +5,15 @@ use std::time::Duration;
 
 use super::{Bad, Terminal, status};
 use crate::escape::{terminal, terminal_line};
-use crate::experiment::{BlockResult, StatementResult};
-use crate::judge::{TrialVerdict, Verdict};
-use crate::report::event::{Outline, Standing};
 use crate::report::experiment::render_block;
 use crate::report::format::count;
 use crate::report::groups::{Group, groups};
-use crate::report::replay::replay_command;
 use crate::report::statement::render_statements;
 use crate::report::table::render_tables;
-use crate::report::{BlockReport, CutBy, Skip, SuiteIdentity, SuiteReport, TrialState};
-use crate::run::Requests;
+use crate::results::{
+    BlockReport, BlockResult, CutBy, Outline, Requests, Skip, Standing, StatementResult, SuiteIdentity,
+    SuiteReport, TrialState, TrialVerdict, Verdict,
+};
 
 /// A failure that is farther up than this is shown again.
 const SCREEN: usize = 100;
@@ -79,7 +77,7 @@ impl Terminal {
         if blocks > 0 {
             parts.push(count(blocks, "block"));
         }
-        let suite = terminal_line(identity.suite);
+        let suite = terminal_line(&identity.suite);
         let seed = identity.seed_words();
         self.say(&format!("{suite}: {}, {}\n", parts.join(", "), terminal_line(&seed)));
     }
@@ -128,7 +126,7 @@ impl Terminal {
         let what = format!("{}/{}: `{}` {}", suite.suite, group.scenario, group.criterion, group.in_words());
         let mut text = status::line(verb, style, None, &what, self.colour);
         if let Some(run) = group.run() {
-            let again = replay_command(suite, run);
+            let again = suite.replay_command(run);
             text += &format!("\n{:>12} worst of them: {}", "", terminal_line(&again));
         }
         text
@@ -136,7 +134,7 @@ impl Terminal {
 }
 
 /// A suite with what did not hold in it.
-type Causes<'r, 's> = (&'r SuiteReport<'s>, Vec<Group<'r>>);
+type Causes<'r, 's> = (&'r SuiteReport, Vec<Group<'r>>);
 
 fn statement(result: &BlockResult) -> Option<&StatementResult> {
     match result {

@@ -5,33 +5,34 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
-use crate::metrics::{METRICS, Open, Presence};
-use crate::scenario::{Criterion, Individual, MetricReference, Settings};
+use super::requests::Requests;
+use crate::metrics::{Open, Presence};
+use crate::scenario::{Criterion, Individual, number};
 use crate::sim::Ending;
 
 /// The result of one case.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Outcome {
     pub key: String,
+    #[serde(with = "number::whole")]
     pub seed: u64,
     pub individuals: Vec<Individual>,
     pub ending: Ending,
     /// One per request, in their order; `None` where the metric does not exist in this run.
     pub metrics: Vec<Option<f64>>,
     /// When and for whom metrics had these values, of those for which there is something to say and that somebody may
-    /// still ask for. Left out of stored results.
-    #[serde(skip)]
+    /// still ask for.
+    #[serde(default, skip_serializing_if = "ByMetric::is_empty")]
     pub critical: ByMetric<Critical>,
-    /// What each pedestrian did at all. Left out of stored results.
-    #[serde(skip)]
+    /// What each pedestrian did at all.
+    #[serde(default)]
     pub presences: Vec<(Arc<str>, Presence)>,
-    /// What the horizon, or a contact that ends runs, cut off, if that is anything. Left out of stored results.
-    #[serde(skip)]
+    /// What the horizon, or a contact that ends runs, cut off, if that is anything.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cut_off: Option<Box<CutOff>>,
     /// See [`crate::sim::Fingerprint`].
+    #[serde(with = "number::hexadecimal")]
     pub fingerprint: u64,
-    /// Left out of stored results, which are the same on every machine.
-    #[serde(skip)]
     pub wall_time: Duration,
 }
 
@@ -45,14 +46,14 @@ impl Outcome {
     /// of maybe a million runs, and nobody asks for the others.
     pub fn forget_unasked(&mut self, criteria: &[Criterion], requests: &Requests) {
         let asked = |index: usize| {
-            criteria.iter().any(|criterion| requests.0.get(index) == Some(criterion.claim.metric()))
+            criteria.iter().any(|criterion| requests.as_slice().get(index) == Some(criterion.claim.metric()))
         };
         self.critical.retain(asked);
     }
 }
 
 /// What is known of some of a run's metrics, by their index; small where there is little.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ByMetric<T>(Box<[(usize, T)]>);
 
 impl<T> ByMetric<T> {
@@ -84,7 +85,7 @@ impl<T> FromIterator<Option<T>> for ByMetric<T> {
 }
 
 /// What was going on when the horizon or a contact ended a run.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct CutOff {
     /// What the metrics could still have come to that were not decided.
     pub open: ByMetric<Open>,
@@ -97,14 +98,14 @@ pub struct CutOff {
 }
 
 /// A vehicle that had yet to pass, and a pedestrian who was not across its lane, had not been hit by it, or had yet to appear.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Unfinished {
     pub vehicle: Arc<str>,
     pub pedestrian: Arc<str>,
 }
 
 /// A vehicle and something else that would have touched, had both moved on as they did.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct OnCourse {
     pub vehicle: Arc<str>,
     pub with: Arc<str>,
@@ -113,7 +114,7 @@ pub struct OnCourse {
 }
 
 /// The critical instant of a metric in a run.
-#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Critical {
     /// When it took its value, s; `None` for what has no single instant, such as a time lost.
     pub time: Option<f64>,
@@ -123,44 +124,4 @@ pub struct Critical {
     /// Another vehicle or a box that the vehicle touches.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub other: Option<Arc<str>>,
-}
-
-/// The metrics that are read off every run of a suite: each with its defaults, and what criteria ask for besides.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Requests(Vec<MetricReference>);
-
-impl Requests {
-    /// Every registered metric with its defaults.
-    pub fn defaults() -> Self {
-        let plain = |name: &str| MetricReference {
-            name: name.to_string(),
-            settings: Settings::default(),
-            pair: None,
-        };
-        Self(METRICS.iter().map(|metric| plain(metric.declaration.name)).collect())
-    }
-
-    /// Adds whatever the criteria need that is not there yet.
-    pub fn include(&mut self, criteria: &[Criterion]) {
-        criteria.iter().for_each(|criterion| self.add(criterion.claim.metric()));
-    }
-
-    /// Adds a metric unless it is there already.
-    pub fn add(&mut self, reference: &MetricReference) {
-        if self.index(reference).is_none() {
-            self.0.push(reference.clone());
-        }
-    }
-
-    pub fn index(&self, reference: &MetricReference) -> Option<usize> {
-        self.0.iter().position(|known| known == reference)
-    }
-
-    pub fn iter(&self) -> impl Iterator<Item = &MetricReference> {
-        self.0.iter()
-    }
-
-    pub fn as_slice(&self) -> &[MetricReference] {
-        &self.0
-    }
 }

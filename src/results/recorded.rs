@@ -1,24 +1,62 @@
 //! What became of runs that failed before and were run again.
 
+use std::sync::Arc;
 use std::time::Duration;
 
-use super::event::Standing;
-use super::{Skip, TrialState};
-use crate::corpus::Recorded;
-use crate::judge::{Finding, TrialVerdict, Verdict};
-use crate::run::Outcome;
+use serde::{Deserialize, Serialize};
+
+use super::finding::Finding;
+use super::outcome::Outcome;
+use super::skip::Skip;
+use super::standing::Standing;
+use super::trial::{TrialState, TrialVerdict};
+use super::verdict::Verdict;
+use crate::scenario::{Assignment, number};
+
+/// What is kept of a run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Recorded {
+    /// The run's key when it was recorded.
+    pub key: String,
+    pub scenario: String,
+    /// The seed of the run.
+    #[serde(with = "number::whole")]
+    pub seed: u64,
+    pub variation: Vec<Assignment>,
+    /// Pedestrian, number and population of each person.
+    pub people: Vec<(String, u32, String)>,
+    /// Hash over everything that decides the run.
+    #[serde(with = "number::hexadecimal")]
+    pub case: u64,
+    /// The run's fingerprint.
+    #[serde(with = "number::hexadecimal")]
+    pub fingerprint: u64,
+    /// What it spoke against, such as `no collision: collision yes`.
+    pub against: Vec<String>,
+}
+
+impl Recorded {
+    /// Its name as a unit: `zebra/recorded=carla_walker/tta=6s/rep=2`.
+    pub fn unit_key(&self) -> String {
+        match self.key.split_once('/') {
+            Some((suite, rest)) => format!("{suite}/recorded={rest}"),
+            None => format!("recorded={}", self.key),
+        }
+    }
+}
 
 /// A recorded run, run again.
-#[derive(Debug)]
-pub struct RecordedReport<'a> {
-    pub recorded: &'a Recorded,
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RecordedReport {
+    pub recorded: Arc<Recorded>,
     /// Such as `zebra/recorded=carla_walker/tta=6s/rep=2`.
     pub key: String,
     pub state: RecordedState,
     pub wall_time: Duration,
 }
 
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum RecordedState {
     Ran(Box<Rerun>),
     /// Could not be run to its end; the message says why.
@@ -27,7 +65,7 @@ pub enum RecordedState {
 }
 
 /// One run of a recorded case.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Rerun {
     pub outcome: Outcome,
     /// Whether everything that decides the run is as it was when it was recorded.
@@ -38,7 +76,7 @@ pub struct Rerun {
     pub against: Vec<Finding>,
 }
 
-impl RecordedReport<'_> {
+impl RecordedReport {
     /// The new run, if there was one.
     pub fn rerun(&self) -> Option<&Rerun> {
         match &self.state {
@@ -68,24 +106,8 @@ impl RecordedReport<'_> {
         }
     }
 
-    /// What is to be said of it behind its key; empty if the failure itself says all.
-    pub fn remark(&self) -> String {
-        let rerun = match &self.state {
-            RecordedState::Ran(rerun) => rerun,
-            RecordedState::Skipped(skip) => return format!(": {skip}"),
-            RecordedState::Errored(_) => return String::new(),
-        };
-        let against: Vec<_> = rerun.against.iter().map(|one| format!("`{}`", one.criterion)).collect();
-        let changed = if rerun.same_case { "" } else { " (the case has changed since)" };
-        match rerun.judged.verdict {
-            Verdict::Passed if against.is_empty() => format!(": does not fail any more{changed}"),
-            Verdict::Passed => format!(": still speaks against {}{changed}", against.join(", ")),
-            _ => changed.to_string(),
-        }
-    }
-
     /// Its new run as the verdict of a trial, for what draws those.
-    pub(super) fn trial_state(&self) -> TrialState {
+    pub fn trial_state(&self) -> TrialState {
         match &self.state {
             RecordedState::Ran(rerun) => TrialState::Judged(rerun.judged.clone()),
             RecordedState::Errored(message) => TrialState::Errored(message.clone()),

@@ -1,9 +1,9 @@
 //! The three verdicts.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// What a criterion, a trial or a suite comes to. The order is from good to bad.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     Passed,

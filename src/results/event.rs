@@ -2,19 +2,20 @@
 
 use std::time::Duration;
 
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::format::count;
-use super::wording::stopping;
-use super::{
-    BlockReport, BlockState, CutBy, RecordedReport, Skip, SuiteIdentity, SuiteReport, TrialReport, TrialState,
-};
-use crate::judge::Verdict;
-use crate::run::Requests;
+use super::block::BlockReport;
+use super::recorded::RecordedReport;
+use super::requests::Requests;
+use super::skip::Skip;
+use super::standing::Standing;
+use super::suite::{SuiteIdentity, SuiteReport};
+use super::trial::TrialReport;
 
 /// One thing that happened; they come in order and from one thread.
 #[derive(Debug)]
-pub enum Event<'e, 'a> {
+pub enum Event<'e> {
     Begun(&'e Outline),
     /// A unit begins; `runs` is how many a trial has, 0 for a block.
     UnitBegun {
@@ -33,15 +34,15 @@ pub enum Event<'e, 'a> {
     },
     Finished {
         unit: usize,
-        suite: &'e SuiteIdentity<'a>,
-        report: &'e UnitReport<'a>,
+        suite: &'e SuiteIdentity,
+        report: &'e UnitReport,
     },
     /// No more units begin.
     Stopping(Stopping),
     /// Nothing happened; time goes on.
     Tick,
     Ended {
-        reports: &'e [SuiteReport<'a>],
+        reports: &'e [SuiteReport],
         requests: &'e Requests,
         elapsed: Duration,
     },
@@ -73,10 +74,11 @@ pub struct Evaluations {
 }
 
 /// Why no more units begin.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Stopping {
     /// So many failed that the rest does not matter.
-    #[error("stopped after {} (--max-fail {_0})", count(*_0, "failure"))]
+    #[error("stopped after {_0} {} (--max-fail {_0})", if *_0 == 1 { "failure" } else { "failures" })]
     MaxFail(usize),
     /// Somebody pressed Ctrl-C.
     #[error("interrupted")]
@@ -93,13 +95,13 @@ pub trait Reporter {
 
 /// What became of one unit.
 #[derive(Debug)]
-pub enum UnitReport<'a> {
-    Recorded(RecordedReport<'a>),
-    Trial(TrialReport<'a>),
-    Block(BlockReport<'a>),
+pub enum UnitReport {
+    Recorded(RecordedReport),
+    Trial(TrialReport),
+    Block(BlockReport),
 }
 
-impl UnitReport<'_> {
+impl UnitReport {
     pub fn key(&self) -> &str {
         match self {
             Self::Recorded(recorded) => &recorded.key,
@@ -113,24 +115,6 @@ impl UnitReport<'_> {
             Self::Recorded(recorded) => recorded.wall_time,
             Self::Trial(trial) => trial.wall_time,
             Self::Block(block) => block.wall_time,
-        }
-    }
-
-    /// What is to be said behind its key in a line of its own.
-    pub fn remark(&self) -> String {
-        match self {
-            Self::Recorded(recorded) => recorded.remark(),
-            Self::Trial(trial) => match (&trial.state, trial.stopping()) {
-                (TrialState::Skipped(skip), _) => format!(": {skip}"),
-                (TrialState::NotFinished(cut), _) => format!(": {cut}"),
-                (_, Some(stopped)) => format!(" ({})", stopping(stopped)),
-                _ => String::new(),
-            },
-            Self::Block(block) => match &block.state {
-                BlockState::Skipped(skip) => format!(": {skip}"),
-                BlockState::NotFinished(cut) => format!(": {cut}"),
-                BlockState::Finished(_) | BlockState::Errored(_) => String::new(),
-            },
         }
     }
 
@@ -148,35 +132,6 @@ impl UnitReport<'_> {
             Self::Recorded(recorded) => recorded.standing(),
             Self::Trial(trial) => trial.standing(),
             Self::Block(block) => block.standing(),
-        }
-    }
-}
-
-/// How a unit stands, whatever its kind. The order is from good to bad.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Standing {
-    Skipped,
-    /// It was run, but no criterion applied to it: it is no evidence of anything.
-    NotJudged,
-    Judged(Verdict),
-    /// It was begun, and cut off.
-    NotFinished(CutBy),
-    /// It could not be run to its end.
-    Errored,
-}
-
-impl Standing {
-    /// Whether it counts for `--max-fail`: an open question is no failure, nor is what somebody interrupted.
-    pub fn is_failure(self) -> bool {
-        matches!(self, Self::Judged(Verdict::Failed) | Self::NotFinished(CutBy::TimeLimit) | Self::Errored)
-    }
-
-    /// Of something that was run and has this verdict, if any.
-    pub(super) fn of(skipped: bool, verdict: Option<Verdict>) -> Self {
-        match verdict {
-            _ if skipped => Self::Skipped,
-            Some(verdict) => Self::Judged(verdict),
-            None => Self::Errored,
         }
     }
 }

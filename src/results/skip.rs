@@ -1,11 +1,14 @@
 //! Why a trial or block was not run.
 
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::event::{Standing, Stopping};
+use super::event::Stopping;
+use super::standing::Standing;
 
 /// The reason in every report.
-#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[derive(Debug, Clone, PartialEq, Eq, Error, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Skip {
     #[error("not selected")]
     NotSelected,
@@ -17,7 +20,7 @@ pub enum Skip {
     Stale(String),
     /// It builds on another unit that came to nothing.
     #[error("needs {key}, which {happened}")]
-    Needs { key: String, happened: &'static str },
+    Needs { key: String, happened: String },
 }
 
 impl Skip {
@@ -30,6 +33,6 @@ impl Skip {
             Standing::NotJudged => "was not judged",
             Standing::Skipped => "was not run",
         };
-        Self::Needs { key: key.to_string(), happened }
+        Self::Needs { key: key.to_string(), happened: happened.to_string() }
     }
 }

@@ -1,0 +1,96 @@
+//! What became of a block.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use serde::{Deserialize, Serialize};
+
+use super::cut::Cut;
+use super::skip::Skip;
+use super::standing::Standing;
+use super::verdict::Verdict;
+use super::{EvaluateResult, SearchResult, StatementResult, TuneResult};
+use crate::scenario::Block;
+
+/// What became of a `search`, a `tune` or whatever else a suite computes besides its trials.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct BlockReport {
+    pub block: Arc<Block>,
+    /// Such as `zebra/search=low_pet`.
+    pub key: String,
+    pub state: BlockState,
+    pub wall_time: Duration,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum BlockState {
+    /// It came to a result, which may still [fail](BlockResult::failure).
+    Finished(Box<BlockResult>),
+    /// Could not be run to its end; the message says why.
+    Errored(String),
+    /// Begun, and cut off.
+    NotFinished(Cut),
+    /// Nobody tried to run it.
+    Skipped(Skip),
+}
+
+impl BlockReport {
+    /// Whether nobody tried to run it.
+    pub fn skipped(&self) -> bool {
+        self.skip().is_some()
+    }
+
+    /// Why nobody tried to run it.
+    pub fn skip(&self) -> Option<&Skip> {
+        match &self.state {
+            BlockState::Skipped(skip) => Some(skip),
+            _ => None,
+        }
+    }
+
+    /// What it came to, if it did.
+    pub fn result(&self) -> Option<&BlockResult> {
+        match &self.state {
+            BlockState::Finished(result) => Some(result),
+            BlockState::Errored(_) | BlockState::NotFinished(_) | BlockState::Skipped(_) => None,
+        }
+    }
+
+    pub fn verdict(&self) -> Option<Verdict> {
+        self.result().map(|result| if result.failure().is_some() { Verdict::Failed } else { Verdict::Passed })
+    }
+
+    pub fn standing(&self) -> Standing {
+        match &self.state {
+            BlockState::NotFinished(cut) => Standing::NotFinished(cut.by()),
+            _ => Standing::of(self.skipped(), self.verdict()),
+        }
+    }
+}
+
+/// What a block came to.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+// There are few of them and nobody moves them about.
+#[allow(clippy::large_enum_variant)]
+pub enum BlockResult {
+    Search(SearchResult),
+    Tune(TuneResult),
+    Evaluate(EvaluateResult),
+    Statement(StatementResult),
+}
+
+impl BlockResult {
+    /// Why it is not what the block was to show; `None` if it is.
+    pub fn failure(&self) -> Option<String> {
+        match self {
+            Self::Search(_) | Self::Evaluate(_) => None,
+            Self::Tune(tune) if tune.chosen.is_none() && tune.pareto.is_empty() => {
+                Some("no candidate keeps every constraint: nothing is chosen".to_string())
+            }
+            Self::Tune(_) => None,
+            Self::Statement(statement) => statement.surprise(),
+        }
+    }
+}

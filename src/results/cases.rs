@@ -1,0 +1,53 @@
+//! Cases that a block found or ran, with what came of them.
+
+use serde::{Deserialize, Serialize};
+
+use super::outcome::Outcome;
+use crate::scenario::{Assignment, Individual, Target, Value, number};
+
+/// Cases with a name.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SavedSet {
+    pub name: String,
+    /// What made it: suite, seed, version of the tool.
+    pub source: String,
+    pub cases: Vec<SavedCase>,
+}
+
+/// One case, told apart from the rest of its scenario by everything that a search or a draw decided.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SavedCase {
+    /// The key of the run it was found in.
+    pub key: String,
+    pub scenario: String,
+    pub variation: Vec<Assignment>,
+    /// What was set besides what the scenario says.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub settings: Vec<(Target, Value)>,
+    pub individuals: Vec<Individual>,
+    #[serde(with = "number::whole")]
+    pub seed: u64,
+    /// What the search minimised or maximised, as observed in the run.
+    pub value: Option<f64>,
+}
+
+/// A case that was run, with what came of it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CaseRun {
+    pub case: SavedCase,
+    /// Its metrics are in the order of the laboratory's requests.
+    pub outcome: Outcome,
+    pub passed_first: Option<String>,
+}
+
+/// One metric over a set of runs; flags are shares.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct MetricSummary {
+    pub metric: String,
+    pub runs: usize,
+    /// Runs in which the metric exists and was decided before the horizon: what the other numbers are of.
+    pub defined: usize,
+    pub mean: Option<f64>,
+    pub min: Option<f64>,
+    pub max: Option<f64>,
+}

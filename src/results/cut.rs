@@ -1,0 +1,59 @@
+//! What was begun and not finished: cut off from outside, so that nothing is known of it.
+
+use std::time::Duration;
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+/// Who cut it off.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CutBy {
+    /// Somebody pressed Ctrl-C, or ended the program by a signal.
+    Interrupted,
+    /// The wall-clock limit: an error of the machine or of the limit, which says nothing of what is tested.
+    TimeLimit,
+}
+
+/// How far a unit came that is not finished. What it had found until then counts nowhere.
+#[derive(Debug, Clone, PartialEq, Eq, Error, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Cut {
+    #[error("interrupted after {finished} of {runs} runs")]
+    Trial { finished: usize, runs: usize },
+    #[error("time limit of {} s exceeded after {finished} of {runs} runs", .limit.as_secs_f64())]
+    TimeLimit { limit: Duration, finished: usize, runs: usize },
+    /// A block; in words, with what is left of it.
+    #[error("{0}")]
+    Block(String),
+}
+
+impl Cut {
+    pub fn by(&self) -> CutBy {
+        match self {
+            Self::Trial { .. } | Self::Block(_) => CutBy::Interrupted,
+            Self::TimeLimit { .. } => CutBy::TimeLimit,
+        }
+    }
+
+    /// All there is to say about it.
+    pub fn explained(&self) -> String {
+        match self {
+            Self::Trial { .. } | Self::Block(_) => format!("not finished: {self}"),
+            Self::TimeLimit { .. } => format!(
+                "not finished: {self}. `time_limit` is wall-clock time: this machine was too slow, or the limit is too \
+                 tight. Nothing is known of the trial; `horizon` is what bounds simulated time."
+            ),
+        }
+    }
+}
+
+impl CutBy {
+    /// The kind of error that it is in JUnit and the like.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Interrupted => "interrupted",
+            Self::TimeLimit => "time_limit",
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! What was found of one criterion of a trial.
+
+use serde::{Deserialize, Serialize};
+
+use super::outcome::Critical;
+use super::verdict::Verdict;
+use crate::scenario::{Origin, People, number};
+
+/// One criterion's verdict and what it rests on.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Finding {
+    pub criterion: String,
+    pub origin: Origin,
+    pub verdict: Verdict,
+    /// The metric that the criterion is about.
+    pub metric: String,
+    pub measure: Measure,
+    /// Where runs are added, those after which the criterion was decided: the trial may have had more for others.
+    pub runs: usize,
+    /// Runs in which the comparison holds, or, for aggregates of values, in which the metric exists.
+    pub holding: usize,
+    /// Runs in which the metric does not exist.
+    pub undefined: usize,
+    /// Runs that the horizon ended before the metric was decided: each counts as the worst that it could still have come to.
+    pub cut_off: usize,
+    /// The aggregate's value or the share of runs; `None` if no run gives one. Infinite where runs that have none decide.
+    #[serde(with = "number::extended")]
+    pub observed: Option<f64>,
+    /// What it was compared to.
+    pub bound: f64,
+    /// Signed distance from failing in the unit of what was compared; negative when failing.
+    #[serde(with = "number::extended")]
+    pub margin: Option<f64>,
+    /// Bounds on the estimate, each by itself at the stated confidence.
+    #[serde(with = "number::interval")]
+    pub interval: Option<(f64, f64)>,
+    /// The stated confidence (0..1).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub confidence: Option<f64>,
+    /// A confidence is stated, but all runs (and there are many) are the same bit for bit: what chance there is changed
+    /// nothing, so that they may be worth no more than one.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub alike: bool,
+    /// The bounds hold at about the stated confidence only: the metric has no limits that they could rest on.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub approximate: bool,
+    /// Whom it speaks of, where a confidence is stated and the runs are of several people.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub people: Option<Regarding>,
+    /// The runs that speak most against the criterion, worst first.
+    pub worst: Vec<WorstRun>,
+    /// Where no run speaks against it, the one nearest to that.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub closest: Option<WorstRun>,
+    /// Why it was never put to the test, if it passed without.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub vacuous: Option<Vacuity>,
+}
+
+/// What a finding's `observed` and `bound` are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Measure {
+    /// The share of runs that hold, where every run has to.
+    EveryRun,
+    /// The share of runs that hold.
+    Share,
+    /// The number of runs that hold.
+    Count,
+    /// An aggregate in the metric's own unit.
+    Value,
+}
+
+/// Whom a finding speaks of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Regarding {
+    pub whom: People,
+    /// How many walked.
+    pub people: usize,
+}
+
+/// A run that a finding names.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct WorstRun {
+    pub key: String,
+    /// The metric's value; `None` where it does not exist.
+    pub value: Option<f64>,
+    /// Signed distance of the value from speaking against the criterion, in the metric's unit; negative where it does.
+    /// `None` where there is no distance: of flags, words, and values that do not exist.
+    #[serde(with = "number::extended")]
+    pub margin: Option<f64>,
+    /// Whether the horizon ended the run before the metric was decided; the value is then that of what was seen so far.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub cut_off: bool,
+    /// When and for whom it was that; `None` where nobody asked or there is nothing to say.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub critical: Option<Critical>,
+}
+
+/// Why a criterion that passed was never put to the test.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Vacuity {
+    /// In no run did a pedestrian whom it is about appear.
+    NobodyAppeared,
+    /// In no run did one of them come into a vehicle's lane.
+    NobodyEntered,
+    /// In no run was one of them in a vehicle's lane within a few seconds of that vehicle.
+    NobodyMet,
+    /// Some run ended with somebody on a collision course or an encounter not over: what would have come was not seen.
+    CutOff,
+}

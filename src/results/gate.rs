@@ -1,0 +1,245 @@
+//! What became of a gate, and its comparisons.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use super::standing::Standing;
+use super::verdict::Verdict;
+use crate::scenario::{Gate, number};
+
+/// What became of a gate.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct GateReport {
+    pub gate: Arc<Gate>,
+    /// Such as `zebra/gate=braking`.
+    pub key: String,
+    pub state: GateState,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum GateState {
+    Judged(Box<GateVerdict>),
+    /// There is no baseline, or it may not be compared with.
+    Refused(Refusal),
+    /// The runs to judge are not all there.
+    NotJudged(NotJudged),
+}
+
+/// Why nobody looked at a gate: not all runs of its suite are there.
+#[derive(Debug, Clone, PartialEq, Eq, Error, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum NotJudged {
+    /// Nothing of its suite was to be run.
+    #[error("nothing of its suite was selected")]
+    NotSelected,
+    /// A filter, a share of several machines, or an early end left some out.
+    #[error("{left_out} of {trials} trials were not run, and part of a suite says nothing about the whole")]
+    Part { left_out: usize, trials: usize },
+    /// A trial that came to nothing: which, and what happened.
+    #[error("{0}")]
+    Incomplete(String),
+    /// The runs that a trial did not need for its own verdict could not be run.
+    #[error("{0}")]
+    Broken(String),
+}
+
+/// Why a gate cannot be judged.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Refusal {
+    pub message: String,
+    /// Every reason not to compare, if there is a baseline.
+    pub reasons: Vec<String>,
+    /// What to do.
+    pub help: String,
+}
+
+impl GateReport {
+    /// Whether nobody looked at it.
+    pub fn skipped(&self) -> bool {
+        matches!(self.state, GateState::NotJudged(_))
+    }
+
+    /// Whether nobody looked at it though something of its suite was run: it may be that it would have failed.
+    pub fn is_open(&self) -> bool {
+        matches!(&self.state, GateState::NotJudged(why) if *why != NotJudged::NotSelected)
+    }
+
+    pub fn verdict(&self) -> Option<Verdict> {
+        match &self.state {
+            GateState::Judged(verdict) => Some(verdict.verdict),
+            GateState::Refused(_) | GateState::NotJudged(_) => None,
+        }
+    }
+
+    pub fn standing(&self) -> Standing {
+        match &self.state {
+            GateState::NotJudged(NotJudged::Broken(_)) => Standing::Errored,
+            _ => Standing::of(self.skipped(), self.verdict()),
+        }
+    }
+}
+
+/// What became of a gate.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct GateVerdict {
+    pub gate: String,
+    pub verdict: Verdict,
+    /// In the order of rules, metrics and scenarios.
+    pub checks: Vec<Check>,
+    /// What each rule says; [`Check::rule`] is an index into them.
+    pub rules: Vec<String>,
+    /// How many comparisons share the error, because chance plays a part in them.
+    pub family: usize,
+    /// Rules none of whose comparisons could have failed anywhere, whatever had happened.
+    pub blind_rules: Vec<String>,
+    /// Scenarios in which a rule that sees elsewhere could not have failed, though something changed there.
+    pub blind_places: Vec<BlindPlace>,
+    /// Metrics that are true or false, about which no rule says anything.
+    pub unnamed_flags: Vec<String>,
+    /// Metrics that no run on either side has.
+    pub without_values: Vec<String>,
+    /// Metrics that are not compared, because the base lacks them.
+    pub new_metrics: Vec<String>,
+    /// Trials that are not compared, because the base lacks them.
+    pub new_trials: Vec<String>,
+    /// Runs on each side.
+    pub runs: usize,
+    pub same_seeds: bool,
+    pub same_people: bool,
+    /// Every run went exactly as before.
+    pub nothing_changed: bool,
+    /// What is tested and differs, such as `av.controller.braking_distance: 5 -> 4.75`.
+    pub changes: Vec<String>,
+}
+
+impl GateVerdict {
+    pub fn count(&self, outcome: CheckOutcome) -> usize {
+        self.checks.iter().filter(|check| check.outcome == outcome).count()
+    }
+}
+
+/// A scenario that a rule does not see.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct BlindPlace {
+    /// What the rule says.
+    pub rule: String,
+    pub scenario: String,
+    /// Independent pairs of runs there are, and how many it takes.
+    pub units: usize,
+    pub needed: usize,
+}
+
+/// One metric compared in one place.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Check {
+    /// Index of the gate's rule.
+    pub rule: usize,
+    /// The metric's name and label.
+    pub metric: String,
+    pub label: String,
+    pub subject: Subject,
+    /// The scenario, or the trial where `certain`.
+    pub place: String,
+    /// There is no chance in it: what differs, differs.
+    pub certain: bool,
+    pub outcome: CheckOutcome,
+    /// Pairs of runs that are compared.
+    pub runs: usize,
+    /// Independent ones among them: runs, or people where there are several.
+    pub units: usize,
+    /// The mean over the compared runs, or the share of them.
+    pub base: f64,
+    pub candidate: f64,
+    /// Where `candidate - base` lies at the stated confidence; ends may be infinite (`null` in JSON).
+    #[serde(with = "number::interval")]
+    pub interval: Option<(f64, f64)>,
+    pub confidence: f64,
+    /// How much worse is tolerated, in the metric's unit or as a share of runs.
+    pub tolerance: f64,
+    /// Whether larger is worse.
+    pub larger_is_worse: bool,
+    /// Of "it is not worse by more than the tolerance".
+    pub p_value: Option<f64>,
+    /// The same after Holm's correction for all comparisons of the gate.
+    pub adjusted_p_value: Option<f64>,
+    pub power: Power,
+    /// Of several trials the one that got worse by most: over all of them, changes may cancel.
+    pub worst_trial: Option<TrialChange>,
+    /// The runs that got worse, the worst first; for flags those that flipped.
+    pub worse_runs: Vec<ChangedRun>,
+    /// The runs that got better, as above.
+    pub better_runs: Vec<ChangedRun>,
+}
+
+/// What of the metric is compared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Subject {
+    /// Its mean.
+    Mean,
+    /// The share of runs with a yes.
+    Rate,
+    /// The share of runs in which it exists.
+    Existence,
+    /// The runs with a yes that had a no on the same seed.
+    New,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CheckOutcome {
+    /// No run changed.
+    Same,
+    /// Shown not to be worse by more than the tolerance.
+    Held,
+    /// Neither that nor the opposite is shown.
+    NotShown,
+    /// Shown to be worse by more than the tolerance.
+    Regressed,
+}
+
+impl CheckOutcome {
+    /// Nothing that one has to look at.
+    pub fn is_fine(self) -> bool {
+        matches!(self, Self::Same | Self::Held)
+    }
+}
+
+/// A run whose value is not what it was.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ChangedRun {
+    pub key: String,
+    pub base: Option<f64>,
+    pub candidate: Option<f64>,
+}
+
+/// What one trial of several came to.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TrialChange {
+    /// Without the suite's name.
+    pub key: String,
+    /// The mean over its runs, or the share of them.
+    pub base: f64,
+    pub candidate: f64,
+    /// Negative if it got better.
+    pub worse_by: f64,
+}
+
+/// What would have been caught, at least four times in five.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Power {
+    /// Any change beyond the tolerance: there is no chance in it.
+    Everything,
+    /// Every run worse by this much, in the metric's unit.
+    Shift(f64),
+    /// A change for the worse in this share of runs, if none gets better.
+    Share(f64),
+    /// Nothing at all: so few runs cannot show anything among so many comparisons. `needed` can.
+    Blind { needed: usize },
+    /// Not a comparison that can fail.
+    None,
+}

@@ -1,0 +1,44 @@
+//! Results: what became of suites, as plain data.
+//!
+//! Whoever runs suites makes them and every report is a function of them; they know nothing of either.
+
+mod block;
+mod cases;
+mod cut;
+mod evaluate;
+mod event;
+mod finding;
+mod gate;
+mod outcome;
+mod recorded;
+mod requests;
+mod search;
+mod skip;
+mod standing;
+mod statement;
+mod suite;
+mod trial;
+mod tune;
+mod verdict;
+
+pub use block::{BlockReport, BlockResult, BlockState};
+pub use cases::{CaseRun, MetricSummary, SavedCase, SavedSet};
+pub use cut::{Cut, CutBy};
+pub use evaluate::{ConditionResult, Difference, EvaluateResult, ParameterValue};
+pub use event::{Evaluations, Event, Outline, Reporter, Stopping, UnitReport};
+pub use finding::{Finding, Measure, Regarding, Vacuity, WorstRun};
+pub use gate::{
+    BlindPlace, ChangedRun, Check, CheckOutcome, GateReport, GateState, GateVerdict, NotJudged, Power,
+    Refusal, Subject, TrialChange,
+};
+pub use outcome::{ByMetric, Critical, CutOff, OnCourse, Outcome, Unfinished};
+pub use recorded::{Recorded, RecordedReport, RecordedState, Rerun};
+pub use requests::Requests;
+pub use search::{Course, CoursePoint, Found, SearchResult};
+pub use skip::Skip;
+pub use standing::Standing;
+pub use statement::{ClaimResult, ClaimValues, Conclusion, StatementResult, TrendPoint};
+pub use suite::{SuiteIdentity, SuiteReport, record_command, set_options};
+pub use trial::{CourseOfRun, Horizon, Reason, RunsTaken, Stranded, TrialReport, TrialState, TrialVerdict};
+pub use tune::{BeforeAndAfter, Candidate, TuneResult, Violations};
+pub use verdict::Verdict;

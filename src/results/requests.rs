@@ -1,0 +1,46 @@
+//! What is measured in every run.
+
+use serde::{Deserialize, Serialize};
+
+use crate::metrics::METRICS;
+use crate::scenario::{Criterion, MetricReference, Settings};
+
+/// The metrics that are read off every run of a suite: each with its defaults, and what criteria ask for besides.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Requests(Vec<MetricReference>);
+
+impl Requests {
+    /// Every registered metric with its defaults.
+    pub fn defaults() -> Self {
+        let plain = |name: &str| MetricReference {
+            name: name.to_string(),
+            settings: Settings::default(),
+            pair: None,
+        };
+        Self(METRICS.iter().map(|metric| plain(metric.declaration.name)).collect())
+    }
+
+    /// Adds whatever the criteria need that is not there yet.
+    pub fn include(&mut self, criteria: &[Criterion]) {
+        criteria.iter().for_each(|criterion| self.add(criterion.claim.metric()));
+    }
+
+    /// Adds a metric unless it is there already.
+    pub fn add(&mut self, reference: &MetricReference) {
+        if self.index(reference).is_none() {
+            self.0.push(reference.clone());
+        }
+    }
+
+    pub fn index(&self, reference: &MetricReference) -> Option<usize> {
+        self.0.iter().position(|known| known == reference)
+    }
+
+    pub fn iter(&self) -> impl Iterator<Item = &MetricReference> {
+        self.0.iter()
+    }
+
+    pub fn as_slice(&self) -> &[MetricReference] {
+        &self.0
+    }
+}

@@ -1,0 +1,33 @@
+//! How a unit stands, whatever its kind.
+
+use super::cut::CutBy;
+use super::verdict::Verdict;
+
+/// How a unit stands, whatever its kind. The order is from good to bad.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Standing {
+    Skipped,
+    /// It was run, but no criterion applied to it: it is no evidence of anything.
+    NotJudged,
+    Judged(Verdict),
+    /// It was begun, and cut off.
+    NotFinished(CutBy),
+    /// It could not be run to its end.
+    Errored,
+}
+
+impl Standing {
+    /// Whether it counts for `--max-fail`: an open question is no failure, nor is what somebody interrupted.
+    pub fn is_failure(self) -> bool {
+        matches!(self, Self::Judged(Verdict::Failed) | Self::NotFinished(CutBy::TimeLimit) | Self::Errored)
+    }
+
+    /// Of something that was run and has this verdict, if any.
+    pub fn of(skipped: bool, verdict: Option<Verdict>) -> Self {
+        match verdict {
+            _ if skipped => Self::Skipped,
+            Some(verdict) => Self::Judged(verdict),
+            None => Self::Errored,
+        }
+    }
+}

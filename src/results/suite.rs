@@ -1,0 +1,88 @@
+//! What became of a suite.
+
+use std::path::Path;
+use std::time::{Duration, SystemTime};
+
+use serde::{Deserialize, Serialize};
+
+use super::block::BlockReport;
+use super::gate::GateReport;
+use super::recorded::RecordedReport;
+use super::standing::Standing;
+use super::trial::TrialReport;
+use crate::scenario::number;
+
+/// Which suite was run, and how to run it again.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SuiteIdentity {
+    pub suite: String,
+    /// The file that was run, as the user named it.
+    pub file: String,
+    #[serde(with = "number::whole")]
+    pub seed: u64,
+    /// What was set on the command line: `av.speed=40km/h`.
+    pub set: Vec<String>,
+}
+
+impl SuiteIdentity {
+    /// `seed 1`, or `seed 1, with av.speed=40km/h` where the runs are not those that the file declares.
+    pub fn seed_words(&self) -> String {
+        match &*self.set {
+            [] => format!("seed {}", self.seed),
+            set => format!("seed {}, with {}", self.seed, set.join(", ")),
+        }
+    }
+
+    /// What to type to see one run again.
+    pub fn replay_command(&self, key: &str) -> String {
+        format!("scenario-runner replay '{key}' {} --seed {}{}", self.file, self.seed, set_options(&self.set))
+    }
+
+    /// What to type to run one block again, with whatever it builds on.
+    pub fn block_command(&self, key: &str) -> String {
+        let set = set_options(&self.set);
+        format!("scenario-runner {} '{key}' --exact --seed {}{set}", self.file, self.seed)
+    }
+}
+
+/// What to type to set the same values again, with a space before each.
+pub fn set_options(set: &[String]) -> String {
+    let option = |one: &String| match one.split_once('=') {
+        Some(("repeat", times)) => format!(" --repeat {times}"),
+        // Within single quotes a shell leaves everything alone but the quote itself.
+        _ => format!(" --set '{}'", one.replace('\'', r"'\''")),
+    };
+    set.iter().map(option).collect()
+}
+
+/// What to type to record a suite's baseline.
+pub fn record_command(file: &str, set: &[String], baseline: &Path) -> String {
+    format!("scenario-runner baseline save {file}{} --out {}", set_options(set), baseline.display())
+}
+
+/// What reports are made of: a suite's trials with what became of them.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SuiteReport {
+    pub identity: SuiteIdentity,
+    /// Wall-clock time when the suite began.
+    pub started: SystemTime,
+    pub wall_time: Duration,
+    /// Runs that failed in an earlier session, run again before everything else.
+    pub recorded: Vec<RecordedReport>,
+    pub trials: Vec<TrialReport>,
+    /// The suite's blocks, each after what it builds on.
+    pub blocks: Vec<BlockReport>,
+    /// The suite's gates; empty until all of its trials are judged.
+    pub gates: Vec<GateReport>,
+    /// Whether somebody interrupted it before all that was to be done was done.
+    pub interrupted: bool,
+}
+
+impl SuiteReport {
+    /// How every unit of the suite stands.
+    pub fn standings(&self) -> impl Iterator<Item = Standing> {
+        let recorded = self.recorded.iter().map(RecordedReport::standing);
+        let trials = self.trials.iter().map(TrialReport::standing);
+        recorded.chain(trials).chain(self.blocks.iter().map(BlockReport::standing))
+    }
+}

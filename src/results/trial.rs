@@ -1,0 +1,149 @@
+//! What became of a trial.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use serde::{Deserialize, Serialize};
+
+use super::cut::Cut;
+use super::finding::Finding;
+use super::outcome::{OnCourse, Outcome};
+use super::skip::Skip;
+use super::standing::Standing;
+use super::verdict::Verdict;
+use crate::scenario::Trial;
+
+/// A trial's verdict: the worst of its findings; without any it is `Passed`, which [says nothing](Self::claims_nothing).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TrialVerdict {
+    pub verdict: Verdict,
+    pub findings: Vec<Finding>,
+    /// Where runs were added until the criteria were decided: how many it took and why there were no more.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stopping: Option<RunsTaken>,
+    /// What the horizon cut off, if it ended any of the runs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub horizon: Option<Horizon>,
+}
+
+/// The runs of a trial that the horizon ended.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Horizon {
+    /// How many there are.
+    pub runs: usize,
+    /// Of so many in all.
+    pub of: usize,
+    /// Those in which somebody who had not been hit had not arrived.
+    pub stranded: Vec<Stranded>,
+    /// Those that ended with somebody on a collision course, and with whom: one per pair.
+    pub on_course: Vec<CourseOfRun>,
+}
+
+/// Who had not arrived in a run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Stranded {
+    pub key: String,
+    pub who: Vec<Arc<str>>,
+}
+
+/// Who would have touched in a run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CourseOfRun {
+    pub key: String,
+    #[serde(flatten)]
+    pub course: OnCourse,
+}
+
+/// How many runs a trial took, and why there were no more.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct RunsTaken {
+    pub least: usize,
+    pub most: usize,
+    pub runs: usize,
+    pub reason: Reason,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Reason {
+    /// Every criterion with stated confidence is decided.
+    Decided,
+    /// There were as many runs as there may be.
+    Budget,
+    /// No criterion has a stated confidence.
+    NothingToDecide,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TrialReport {
+    pub trial: Arc<Trial>,
+    /// Empty if it was not run.
+    pub outcomes: Vec<Outcome>,
+    pub state: TrialState,
+    /// Models that its world makes other ones than were published, a sentence each.
+    pub departures: Vec<String>,
+    pub wall_time: Duration,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TrialState {
+    Judged(TrialVerdict),
+    /// Could not be run to its end; the message says why.
+    Errored(String),
+    /// Begun, and cut off.
+    NotFinished(Cut),
+    /// Nobody tried to run it.
+    Skipped(Skip),
+}
+
+impl TrialReport {
+    /// What was found of each of its criteria, if it was run.
+    pub fn findings(&self) -> &[Finding] {
+        match &self.state {
+            TrialState::Judged(judged) => &judged.findings,
+            TrialState::Errored(_) | TrialState::NotFinished(_) | TrialState::Skipped(_) => &[],
+        }
+    }
+
+    /// How many runs it took, where they were added until it was decided.
+    pub fn stopping(&self) -> Option<&RunsTaken> {
+        match &self.state {
+            TrialState::Judged(judged) => judged.stopping.as_ref(),
+            TrialState::Errored(_) | TrialState::NotFinished(_) | TrialState::Skipped(_) => None,
+        }
+    }
+
+    /// Whether nobody tried to run it.
+    pub fn skipped(&self) -> bool {
+        self.skip().is_some()
+    }
+
+    /// Why nobody tried to run it.
+    pub fn skip(&self) -> Option<&Skip> {
+        match &self.state {
+            TrialState::Skipped(skip) => Some(skip),
+            _ => None,
+        }
+    }
+
+    pub fn verdict(&self) -> Option<Verdict> {
+        match &self.state {
+            TrialState::Judged(judged) => Some(judged.verdict),
+            TrialState::Errored(_) | TrialState::NotFinished(_) | TrialState::Skipped(_) => None,
+        }
+    }
+
+    /// Whether it was run, but no criterion applied to it: it passed nothing.
+    pub fn claims_nothing(&self) -> bool {
+        matches!(&self.state, TrialState::Judged(judged) if judged.claims_nothing())
+    }
+
+    pub fn standing(&self) -> Standing {
+        match &self.state {
+            TrialState::NotFinished(cut) => Standing::NotFinished(cut.by()),
+            TrialState::Judged(judged) if judged.claims_nothing() => Standing::NotJudged,
+            _ => Standing::of(self.skipped(), self.verdict()),
+        }
+    }
+}

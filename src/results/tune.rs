@@ -1,0 +1,82 @@
+//! What a tune chose.
+
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+use super::cases::MetricSummary;
+use crate::optimise::{self, SlicePoint, StopReason};
+use crate::scenario::ShownIn;
+
+/// What a tune came to.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TuneResult {
+    pub name: String,
+    pub objectives: Vec<String>,
+    /// In canonical words.
+    pub constraints: Vec<String>,
+    /// Number of cases in the set.
+    pub cases: usize,
+    /// Runs of every case under fresh seeds; 0: once, with the case's own seed.
+    pub fresh: u32,
+    /// The parameters that are tuned, as a scenario would name them.
+    pub parameters: Vec<String>,
+    /// How the values of each are shown.
+    pub shown_in: Vec<ShownIn>,
+    /// How the objectives are shown.
+    pub objectives_in: Vec<ShownIn>,
+    /// How the margins of the constraints are shown.
+    pub margins_in: Vec<ShownIn>,
+    /// The chosen candidate; `None` if no candidate was ever feasible and the block does not say `otherwise`.
+    pub chosen: Option<Candidate>,
+    /// Where the chosen candidate is not feasible: in how many runs of the set it violates a constraint.
+    pub violations: Option<Violations>,
+    /// With two objectives: the candidates that no other beats in both.
+    pub pareto: Vec<Candidate>,
+    /// Every candidate in order.
+    pub evaluations: Vec<Candidate>,
+    pub stop: Option<StopReason>,
+    /// The surrogate of the first objective through the chosen candidate, one slice per parameter.
+    pub slices: Vec<Vec<SlicePoint>>,
+    /// What the scenarios declare against the chosen candidate.
+    pub comparison: Option<BeforeAndAfter>,
+}
+
+/// Values of the parameters with what they give on the set.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Candidate {
+    pub point: Vec<optimise::Value>,
+    pub objectives: Vec<Option<f64>>,
+    /// Worst margin over the set per constraint; negative is violated, `None` cannot be said.
+    pub margins: Vec<Option<f64>>,
+    pub feasible: bool,
+}
+
+/// Runs in which a constraint is violated, of those that were made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Violations {
+    pub runs: usize,
+    pub of: usize,
+}
+
+impl fmt::Display for Violations {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { runs, of } = self;
+        write!(
+            out,
+            "infeasible: breaks a constraint in {runs} of {of} runs of its tune, and no candidate in fewer"
+        )
+    }
+}
+
+/// Before and after, on the same runs and on fresh ones.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct BeforeAndAfter {
+    pub before: Vec<MetricSummary>,
+    pub after: Vec<MetricSummary>,
+    /// The same cases with other seeds: what remains once the luck of the selection is gone.
+    pub before_fresh: Vec<MetricSummary>,
+    pub after_fresh: Vec<MetricSummary>,
+    /// Whether the chosen candidate keeps every constraint on the fresh runs too.
+    pub feasible_fresh: bool,
+}

@@ -1,0 +1,72 @@
+//! What a suite computes besides its trials.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::{Evaluate, Origin, Search, Statement, Suite, Tune};
+
+/// Something in a suite that takes simulations and gives one result.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+// There are few of them and nobody moves them about.
+#[allow(clippy::large_enum_variant)]
+pub enum Block {
+    Search(Search),
+    Tune(Tune),
+    Evaluate(Evaluate),
+    Statement(Statement),
+}
+
+impl Block {
+    /// Every block of a suite in an order in which each comes after what it needs.
+    pub fn all(suite: &Suite) -> Vec<Arc<Self>> {
+        let searches = suite.searches.iter().cloned().map(Self::Search);
+        let tunes = suite.tunes.iter().cloned().map(Self::Tune);
+        let evaluates = suite.evaluates.iter().cloned().map(Self::Evaluate);
+        let statements = suite.statements.iter().cloned().map(Self::Statement);
+        searches.chain(tunes).chain(evaluates).chain(statements).map(Arc::new).collect()
+    }
+
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Search(search) => &search.name,
+            Self::Tune(tune) => &tune.name,
+            Self::Evaluate(evaluate) => &evaluate.name,
+            Self::Statement(statement) => &statement.name,
+        }
+    }
+
+    /// The word that declares it, such as `search`.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Search(_) => "search",
+            Self::Tune(_) => "tune",
+            Self::Evaluate(_) => "evaluate",
+            Self::Statement(_) => "statement",
+        }
+    }
+
+    /// What reports call it: `zebra/search=low_pet`. No trial has such a key: names of scenarios have no `=`.
+    pub fn key(&self, suite: &str) -> String {
+        format!("{suite}/{}={}", self.kind(), self.name())
+    }
+
+    pub fn doc(&self) -> Option<&str> {
+        match self {
+            Self::Search(search) => search.doc.as_deref(),
+            Self::Tune(tune) => tune.doc.as_deref(),
+            Self::Evaluate(evaluate) => evaluate.doc.as_deref(),
+            Self::Statement(statement) => statement.doc.as_deref(),
+        }
+    }
+
+    pub fn origin(&self) -> &Origin {
+        match self {
+            Self::Search(search) => &search.origin,
+            Self::Tune(tune) => &tune.origin,
+            Self::Evaluate(evaluate) => &evaluate.origin,
+            Self::Statement(statement) => &statement.origin,
+        }
+    }
+}
