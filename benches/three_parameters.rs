@@ -7,7 +7,7 @@
 //! uniformly; the Bayesian methods get the 100 that the suite gives them.
 
 use rayon::prelude::*;
-use scenario_runner::experiment::{Laboratory, Results, Silent};
+use scenario_runner::experiment::{EarlierResults, Laboratory, Silent, run_block};
 use scenario_runner::lang;
 use scenario_runner::results::{BlockResult, Candidate};
 use scenario_runner::scenario::{Block, Method, Tune};
@@ -67,9 +67,9 @@ fn main() {
         .unwrap_or_else(|failure| panic!("{}", failure.render(lang::Style { colour: false })));
     let suite = loaded.suite;
     let laboratory = Laboratory::new(&suite, None);
-    let mut results = Results::default();
-    let search = Block::Search(&suite.searches[0]);
-    let found = search.run(&laboratory, &results, &Silent).expect("the search runs");
+    let mut results = EarlierResults::default();
+    let search = Block::Search(suite.searches[0].clone());
+    let found = run_block(&search, &laboratory, &results, &Silent).expect("the search runs");
     results.blocks.insert(search.name().to_owned(), found);
 
     // Another name is another seed of the optimiser; the cases keep theirs.
@@ -79,7 +79,7 @@ fn main() {
         tune.compare_with_default = false;
         tune.budget.method = method;
         tune.budget.evaluations = evaluations;
-        match Block::Tune(&tune).run(&laboratory, &results, &Silent).expect("the tune runs") {
+        match run_block(&Block::Tune(tune.clone()), &laboratory, &results, &Silent).expect("the tune runs") {
             BlockResult::Tune(result) => result.evaluations,
             _ => unreachable!("a tune gives a tune's result"),
         }

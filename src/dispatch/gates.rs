@@ -163,7 +163,7 @@ mod tests {
     use crate::dispatch::Prepared;
     use crate::lang;
     use crate::plan::plan;
-    use crate::plan::{Plan, PlannedTrial};
+    use crate::run::{SharedTrial, Stop};
 
     #[test]
     fn trials_that_were_decided_early_are_run_to_their_end() {

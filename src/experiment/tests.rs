@@ -204,9 +204,9 @@ fn evaluated_suite() -> Suite {
 }
 
 /// Every block of a suite in order, with the runs of its scenario.
-fn run_all(suite: &Suite) -> Results {
+fn run_all(suite: &Suite) -> EarlierResults {
     let laboratory = Laboratory::new(suite, None);
-    let mut results = Results::default();
+    let mut results = EarlierResults::default();
     let cases: Vec<_> = crate::plan::plan_scenario(suite, &suite.scenarios[0])
         .unwrap()
         .into_iter()
@@ -215,13 +215,13 @@ fn run_all(suite: &Suite) -> Results {
     let outcomes = laboratory.run_all(&cases).unwrap();
     results.scenarios.insert("encounter".into(), cases.into_iter().zip(outcomes).collect());
     for block in Block::all(suite) {
-        for need in block.needs() {
+        for need in needs(&block) {
             match need {
                 Need::Block(name) => assert!(results.blocks.contains_key(&name), "{name} comes first"),
                 Need::Scenario(name) => assert!(results.scenarios.contains_key(&name)),
             }
         }
-        let result = block.run(&laboratory, &results, &Silent).unwrap();
+        let result = run_block(&block, &laboratory, &results, &Silent).unwrap();
         results.blocks.insert(block.name().into(), result);
     }
     results

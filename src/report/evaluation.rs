@@ -165,7 +165,11 @@ mod tests {
         assert_eq!(change(Some(&difference(-0.66, -0.8, -0.5)), &si("%")), "-66 % [-80, -50]");
         assert_eq!(change(None, &si("s")), "–");
         let kmh = (
-            Some(Notation { symbol: Symbol::new("km/h"), numerator: 5.0, denominator: 18.0 }),
+            Some(Notation {
+                symbol: crate::scenario::Symbol::new("km/h"),
+                numerator: 5.0,
+                denominator: 18.0,
+            }),
             "m/s".to_string(),
         );
         assert_eq!(change(Some(&difference(2.5, 2.0, 3.0)), &kmh), "+9 km/h [7.2, 10.8]");

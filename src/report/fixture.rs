@@ -20,16 +20,17 @@ use trials::{course, trial, word};
 use super::{Chosen, Recording};
 use crate::judge::{judge, per_run};
 use crate::metrics::Presence;
-use crate::scenario::{Block, Case, Gate, MetricReference, Search, Trial, Tune};
+use crate::plan::PlannedTrial;
+use crate::scenario::{Block, Case, Gate, MetricReference, Search, Tune};
 use crate::sim::{Ending, StopReason};
 
 /// The trials, and what reports borrow from.
 pub struct Session {
-    trials: Vec<Trial>,
+    trials: Vec<PlannedTrial>,
     search: Search,
     tune: Tune,
-    recorded: Recorded,
-    gate: Gate,
+    recorded: Arc<Recorded>,
+    gate: Arc<Gate>,
     pub requests: Requests,
     /// The suite's name and file.
     suite: String,
@@ -45,14 +46,14 @@ impl Session {
             }
         }
         let mut requests = Requests::default();
-        trials.iter().for_each(|trial: &Trial| requests.include(&trial.criteria));
+        trials.iter().for_each(|trial: &PlannedTrial| requests.include(&trial.criteria));
         let (search, tune) = blocks();
         Self {
-            recorded: recorded(&trials[0].cases[1]),
+            recorded: Arc::new(recorded(&trials[0].cases[1])),
             trials,
             search,
             tune,
-            gate: gate::gate(),
+            gate: Arc::new(gate::gate()),
             requests,
             suite: "zebra".into(),
             file: "suites/zebra.suite".into(),
@@ -64,12 +65,17 @@ impl Session {
         let mut session = Self::new();
         let name = |name: &mut String| name.push_str(text);
         let shared = |name: &mut Arc<str>| *name = format!("{name}{text}").into();
-        for trial in &mut session.trials {
+        for planned in &mut session.trials {
+            let trial = Arc::make_mut(&mut planned.trial);
             let key = std::mem::take(&mut trial.key);
             trial.key = format!("{key}{text}");
             trial.doc.iter_mut().chain(&mut trial.tags).for_each(name);
             name(&mut trial.scenario);
-            for case in &mut trial.cases {
+            trial.first_run = trial.first_run.replace(&key, &trial.key);
+            for one in &mut trial.variation {
+                [&mut one.name, &mut one.label].into_iter().for_each(name);
+            }
+            for case in &mut planned.cases {
                 case.key = case.key.replace(&key, &trial.key);
                 name(&mut case.scenario);
                 for one in &mut case.variation {
@@ -83,10 +89,11 @@ impl Session {
             }
             shared(&mut trial.origin.file);
         }
-        let recorded = &mut session.recorded;
+        let recorded = Arc::make_mut(&mut session.recorded);
+        let gate = Arc::make_mut(&mut session.gate);
         [&mut recorded.key, &mut recorded.scenario].into_iter().chain(&mut recorded.against).for_each(name);
-        [&mut session.search.name, &mut session.tune.name, &mut session.gate.name].into_iter().for_each(name);
-        session.gate.rules.iter_mut().for_each(|rule| name(&mut rule.text));
+        [&mut session.search.name, &mut session.tune.name, &mut gate.name].into_iter().for_each(name);
+        gate.rules.iter_mut().for_each(|rule| name(&mut rule.text));
         [&mut session.suite, &mut session.file].into_iter().for_each(name);
         session
     }
@@ -95,7 +102,7 @@ impl Session {
     /// was decided, and something in the third was not put to the test.
     pub fn report(&self) -> SuiteReport {
         let count = self.trials.len();
-        let state = |(index, trial): (usize, &Trial)| match count - index {
+        let state = |(index, trial): (usize, &PlannedTrial)| match count - index {
             2 => (Vec::new(), TrialState::Errored(format!("{}: time limit of 10 s exceeded", trial.key))),
             1 => (Vec::new(), TrialState::Skipped(Skip::Stopped(Stopping::MaxFail(2)))),
             _ => {
@@ -114,10 +121,21 @@ impl Session {
         };
         let trials = self.trials.iter().enumerate().map(|(index, trial)| {
             let (outcomes, state) = state((index, trial));
-            TrialReport { trial, outcomes, state, wall_time: Duration::from_millis(250) }
+            TrialReport {
+                trial: trial.trial.clone(),
+                outcomes,
+                state,
+                departures: Vec::new(),
+                wall_time: Duration::from_millis(250),
+            }
         });
         SuiteReport {
-            identity: SuiteIdentity { suite: &self.suite, file: &self.file, seed: u64::MAX, set: &[] },
+            identity: SuiteIdentity {
+                suite: self.suite.clone(),
+                file: self.file.clone(),
+                seed: u64::MAX,
+                set: Vec::new(),
+            },
             started: SystemTime::UNIX_EPOCH + Duration::from_secs(1_795_250_000),
             wall_time: Duration::from_millis(1500),
             recorded: self.reruns(),
@@ -180,7 +198,7 @@ impl Session {
         let gone = Skip::Stale("there is no scenario `commotions_carla` any more".into());
         let states = [ran(1.5, true), ran(0.5, false), RecordedState::Skipped(gone)];
         let report = |(index, state): (usize, RecordedState)| RecordedReport {
-            recorded: &self.recorded,
+            recorded: self.recorded.clone(),
             // A run is recorded once in a real file.
             key: format!("{}{}", self.recorded.unit_key(), ["", "_2", "_3"][index]),
             state,
@@ -191,12 +209,14 @@ impl Session {
 
     /// One block of every state: with a result, with one that fails, with an error and a skipped one.
     fn blocks(&self) -> Vec<BlockReport> {
-        let (search, tune) = (Block::Search(&self.search), Block::Tune(&self.tune));
+        let (search, tune) =
+            (Arc::new(Block::Search(self.search.clone())), Arc::new(Block::Tune(self.tune.clone())));
         let error = "`walker`: there is no population called `standard`".to_string();
-        let reason = Skip::Needs { key: "zebra/search=low_pet_2".into(), happened: "could not be run" };
+        let reason =
+            Skip::Needs { key: "zebra/search=low_pet_2".into(), happened: "could not be run".into() };
         let states = [
-            (search, BlockState::Finished(Box::new(BlockResult::Search(found(&self.search))))),
-            (tune, BlockState::Finished(Box::new(BlockResult::Tune(tuned(&self.tune))))),
+            (search.clone(), BlockState::Finished(Box::new(BlockResult::Search(found(&self.search))))),
+            (tune.clone(), BlockState::Finished(Box::new(BlockResult::Tune(tuned(&self.tune))))),
             (search, BlockState::Errored(error)),
             (tune, BlockState::Skipped(reason)),
         ];
@@ -226,7 +246,7 @@ impl Session {
         chosen.into_iter().map(recording).collect()
     }
 
-    fn outcomes(&self, trial: &Trial) -> Vec<Outcome> {
+    fn outcomes(&self, trial: &PlannedTrial) -> Vec<Outcome> {
         let outcome = |case: &Case| {
             let (run, tta) = (f64::from(case.repetition), case.variation[0].value.as_number().unwrap_or(0.0));
             let value = |reference: &MetricReference| match reference.name.as_str() {

@@ -157,7 +157,8 @@ mod tests {
             found.best = Some(vec![("tta".into(), Value::Real(6.0 + value))]);
             (found.observed, found.predicted) = (Some(value), Some((value + 0.5, 0.1)));
             found.fresh = Some(if number == 7 { 0.125 } else { value + 0.625 });
-            found.passed_first = Some(if number.is_multiple_of(3) { "vehicle" } else { "pedestrian" });
+            let first = if number.is_multiple_of(3) { "vehicle" } else { "pedestrian" };
+            found.passed_first = Some(first.into());
             if number == 9 {
                 (found.best, found.observed, found.predicted, found.fresh) = (None, None, None, None);
                 (found.passed_first, found.fresh_runs) = (None, 0);

@@ -43,8 +43,9 @@ fn shown(report: &SuiteReport, session: &Session, colour: bool) -> String {
     let suite = std::slice::from_ref(report);
     text += &render_gates(suite, colour);
     for trial in &report.trials {
-        let unit = UnitReport::Trial(super::TrialReport {
-            trial: trial.trial,
+        let unit = UnitReport::Trial(TrialReport {
+            departures: Vec::new(),
+            trial: trial.trial.clone(),
             outcomes: trial.outcomes.clone(),
             state: trial.state.clone(),
             wall_time: trial.wall_time,

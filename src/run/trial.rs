@@ -149,7 +149,7 @@ mod tests {
     use std::sync::Arc;
     use std::sync::atomic::{AtomicUsize, Ordering};
 
-    fn trial(runs: u32) -> Trial {
+    fn trial(runs: u32) -> PlannedTrial {
         let road = Road::zebra(&[Direction::Forward], 10.0);
         let world = Arc::new(World {
             road,
@@ -169,17 +169,21 @@ mod tests {
             seed: u64::from(repetition),
             world: world.clone(),
         };
-        Trial {
+        let cases: Vec<Case> = (1..=runs).map(case).collect();
+        let trial = crate::scenario::Trial {
             key: "a/b".into(),
+            variation: Vec::new(),
+            runs: cases.len(),
+            first_run: cases[0].key.clone(),
             scenario: "b".into(),
             doc: None,
             tags: Vec::new(),
-            cases: (1..=runs).map(case).collect(),
             rounds: None,
             criteria: Vec::new(),
             declared: 0,
             origin: Origin::default(),
-        }
+        };
+        PlannedTrial { trial: Arc::new(trial), cases }
     }
 
     fn outcome(case: &Case) -> Outcome {

@@ -6,7 +6,7 @@ use crate::results::{BlockResult, MetricSummary, SearchResult, TuneResult, Viola
 fn run(suite: &Suite, journals: Option<std::path::PathBuf>) -> (SearchResult, TuneResult) {
     let laboratory = Laboratory::new(suite, journals);
     let found = run_search(&laboratory, &suite.searches[0], &Silent).unwrap();
-    let mut results = Results::default();
+    let mut results = EarlierResults::default();
     results.blocks.insert(found.name.clone(), BlockResult::Search(found.clone()));
     let tuned = run_tune(&laboratory, &suite.tunes[0], &results, &Silent).unwrap();
     (found, tuned)
@@ -106,7 +106,7 @@ fn sets_of_cases_round_trip_and_can_be_tuned_on() {
     assert_eq!(CaseFile::read(&path).unwrap(), found.kept);
     suite.tunes[0].on = CaseSet::Saved(path.to_string_lossy().into_owned());
     let laboratory = Laboratory::new(&suite, None);
-    let again = run_tune(&laboratory, &suite.tunes[0], &Results::default(), &Silent).unwrap();
+    let again = run_tune(&laboratory, &suite.tunes[0], &EarlierResults::default(), &Silent).unwrap();
     assert_eq!(serde_json::to_string(&again).unwrap(), serde_json::to_string(&tuned).unwrap());
 }
 
@@ -115,22 +115,22 @@ fn an_empty_set_and_an_unsatisfiable_constraint_are_said_plainly() {
     let mut suite = suite();
     suite.searches[0].keep = Some(condition("pet", Relation::Less, -1.0));
     let laboratory = Laboratory::new(&suite, None);
-    let early = run_tune(&laboratory, &suite.tunes[0], &Results::default(), &Silent);
+    let early = run_tune(&laboratory, &suite.tunes[0], &EarlierResults::default(), &Silent);
     assert_eq!(early.unwrap_err().to_string(), "`low_pet` has not been run, but is needed");
     let nothing = run_search(&laboratory, &suite.searches[0], &Silent).unwrap();
-    let mut results = Results::default();
+    let mut results = EarlierResults::default();
     results.blocks.insert("low_pet".into(), BlockResult::Search(nothing));
     let empty = run_tune(&laboratory, &suite.tunes[0], &results, &Silent);
     assert_eq!(empty.unwrap_err().to_string(), "the set of cases `low_pet` is empty");
     suite.tunes[0].on =
         CaseSet::Sample { scenario: "encounter".into(), count: SampleSize::Number(1_000_000) };
     let laboratory = Laboratory::new(&suite, None);
-    let small = run_tune(&laboratory, &suite.tunes[0], &Results::default(), &Silent).unwrap_err();
+    let small = run_tune(&laboratory, &suite.tunes[0], &EarlierResults::default(), &Silent).unwrap_err();
     assert!(small.to_string().ends_with("runs, and 1000000 are to be drawn of them"), "{small}");
     suite.tunes[0].on = CaseSet::Sample { scenario: "encounter".into(), count: SampleSize::Number(2) };
     suite.tunes[0].constraints = vec![condition("min_distance", Relation::Greater, 1e6)];
     let laboratory = Laboratory::new(&suite, None);
-    let result = run_tune(&laboratory, &suite.tunes[0], &Results::default(), &Silent).unwrap();
+    let result = run_tune(&laboratory, &suite.tunes[0], &EarlierResults::default(), &Silent).unwrap();
     assert!(result.chosen.is_none() && result.evaluations.iter().all(|one| !one.feasible));
 }
 
@@ -143,7 +143,7 @@ fn where_nothing_is_feasible_the_fewest_violations_can_be_chosen() {
     tune.otherwise_fewest_violations = true;
     let tuned = |suite: &Suite| {
         let laboratory = Laboratory::new(suite, None);
-        run_tune(&laboratory, &suite.tunes[0], &Results::default(), &Silent).unwrap()
+        run_tune(&laboratory, &suite.tunes[0], &EarlierResults::default(), &Silent).unwrap()
     };
     // What every run violates is broken equally by all: then the objective decides.
     suite.tunes[0].constraints = vec![condition("min_distance", Relation::Greater, 1e6)];
@@ -182,7 +182,7 @@ fn stopping_early_costs_no_accuracy() {
         suite.tunes[0].early_stop = early_stop;
         suite.tunes[0].constraints = vec![condition("time_lost", Relation::LessOrEqual, most_lost)];
         let laboratory = Laboratory::new(&suite, None);
-        run_tune(&laboratory, &suite.tunes[0], &Results::default(), &Silent).unwrap()
+        run_tune(&laboratory, &suite.tunes[0], &EarlierResults::default(), &Silent).unwrap()
     };
     // A bound that some of the random first candidates keep and others do not; they are the same for every bound.
     let mut lost: Vec<f64> =

@@ -124,7 +124,7 @@ fn reports_say_how_many_runs_have_no_value() {
         .push(aggregate(Aggregate::Mean(metric("min_distance")), "mean(min_distance)"));
     suite.tunes[0].on = CaseSet::Scenario("encounter".into());
     let laboratory = Laboratory::new(&suite, None);
-    let result = run_evaluate(&laboratory, &suite.evaluates[0], &Results::default(), &Silent).unwrap();
+    let result = run_evaluate(&laboratory, &suite.evaluates[0], &EarlierResults::default(), &Silent).unwrap();
     let default = &result.conditions[0];
     let runs = default.runs.len();
     assert_eq!((default.measured[0], default.undecided[0]), (None, runs));
@@ -134,7 +134,7 @@ fn reports_say_how_many_runs_have_no_value() {
     let said = format!("mean(time_lost) of default: no value in {runs} of {runs} runs");
     assert!(text.contains(&said), "{text}");
 
-    let tuned = run_tune(&laboratory, &suite.tunes[0], &Results::default(), &Silent).unwrap();
+    let tuned = run_tune(&laboratory, &suite.tunes[0], &EarlierResults::default(), &Silent).unwrap();
     assert!(tuned.evaluations.iter().all(|one| one.objectives == [None]));
     assert!(tuned.evaluations.iter().all(|one| !one.feasible) && tuned.chosen.is_none());
     let keeps = |margin: &Option<f64>| margin.is_some_and(|margin| margin >= 0.0);

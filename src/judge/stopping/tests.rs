@@ -1,7 +1,6 @@
 //! When trials have enough runs, over made-up outcomes.
 
 use super::*;
-use crate::results::Stopping;
 use crate::scenario::{Expression, MetricReference, Origin, Reach, Settings};
 use crate::sim::random::Stream;
 use crate::sim::{Ending, StopReason};
@@ -61,11 +60,13 @@ fn quantile(level: f64, relation: Relation, bound: f64) -> Criterion {
 
 fn trial(criteria: Vec<Criterion>, rounds: Option<Rounds>) -> Trial {
     Trial {
+        variation: Vec::new(),
+        runs: 1,
+        first_run: "a/b/rep=1".into(),
         key: "a/b".into(),
         scenario: "b".into(),
         doc: None,
         tags: Vec::new(),
-        cases: Vec::new(),
         rounds,
         declared: criteria.len(),
         criteria,
@@ -112,7 +113,7 @@ fn a_clear_case_takes_as_few_runs_as_can_show_it_however_many_ran_ahead() {
         [1, 7, 64, 400].map(|ahead| watched(vec![share(1.0, 0.9)], ROUNDS, &all, ahead)).into();
     // 43 runs that all hold show 90 %; 44 make whole rounds.
     assert_eq!(verdicts[0].verdict, Verdict::Passed);
-    let stopping = Stopping { least: 20, most: 400, runs: 44, reason: Reason::Decided };
+    let stopping = RunsTaken { least: 20, most: 400, runs: 44, reason: Reason::Decided };
     assert_eq!(verdicts[0].stopping, Some(stopping));
     assert_eq!((verdicts[0].findings[0].runs, verdicts[0].findings[0].holding), (44, 44));
     assert!(verdicts.iter().all(|verdict| *verdict == verdicts[0]));
@@ -150,7 +151,7 @@ fn a_budget_that_is_spent_leaves_it_open() {
 fn nothing_to_decide_takes_the_least_and_fixed_runs_are_never_enough() {
     let all = outcomes((0..400).map(|_| Some(2.0)));
     let verdict = watched(vec![every_run()], ROUNDS, &all, 400);
-    let stopping = Stopping { least: 20, most: 400, runs: 20, reason: Reason::NothingToDecide };
+    let stopping = RunsTaken { least: 20, most: 400, runs: 20, reason: Reason::NothingToDecide };
     assert_eq!(verdict.stopping, Some(stopping));
     let (trial, requests) = (trial(vec![every_run()], None), requests());
     let mut watch = Watch::new(&trial, &requests);

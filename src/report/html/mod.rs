@@ -127,11 +127,11 @@ mod tests {
         ];
         for (index, result) in results.into_iter().enumerate() {
             let block = match &result {
-                BlockResult::Evaluate(_) => Block::Evaluate(&evaluate),
-                _ => Block::Statement(&statement),
+                BlockResult::Evaluate(_) => Block::Evaluate(evaluate.clone()),
+                _ => Block::Statement(statement.clone()),
             };
             let (key, state) = (format!("zebra/{index}"), BlockState::Finished(Box::new(result)));
-            report.blocks.push(BlockReport { block, key, state, wall_time: Duration::ZERO });
+            report.blocks.push(BlockReport { block: block.into(), key, state, wall_time: Duration::ZERO });
         }
         to_html(&[report], &session.requests, &[])
     }
@@ -247,7 +247,8 @@ mod tests {
         let session = Session::new();
         let mut report = session.report();
         let of = |index: usize| TrialReport {
-            trial: report.trials[index].trial,
+            departures: Vec::new(),
+            trial: report.trials[index].trial.clone(),
             outcomes: report.trials[index].outcomes.clone(),
             state: report.trials[index].state.clone(),
             wall_time: Duration::ZERO,

@@ -225,7 +225,8 @@ mod tests {
     use super::*;
     use crate::scenario::Origin;
 
-    const KMH: Notation = Notation { symbol: Symbol::new("km/h"), numerator: 5.0, denominator: 18.0 };
+    const KMH: Notation =
+        Notation { symbol: crate::scenario::Symbol::new("km/h"), numerator: 5.0, denominator: 18.0 };
 
     #[test]
     fn a_range_is_charted_and_told_in_the_unit_that_it_is_written_in() {
