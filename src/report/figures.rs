@@ -7,10 +7,10 @@ use super::chart::{
     Dot, Entry, First, Found, Individuals, Path, Paths, Quantity, Rate, RateSeries, Rates, Rows, Rule, Strip,
     Strips, first_legend, is_drawn, with_room,
 };
-use super::recording::Recording;
 use super::variable::Variable;
 use super::wording::comparison_rule;
 use crate::metrics::{self, MetricKind, Worst};
+use crate::results::Recording;
 use crate::scenario::{Aggregate, Claim, Expression, MetricReference, Value};
 
 /// Charts that belong together, one per panel.
@@ -40,7 +40,7 @@ const MOST_SERIES: usize = super::chart::LOOKS;
 
 /// Every figure that the suite has data for.
 pub fn figures(report: &SuiteReport, requests: &Requests, recordings: &[Recording]) -> Vec<Figure> {
-    let data = Data { report, requests, variable: Variable::of(report), scenarios: scenarios(report) };
+    let data = Data { report, requests, variable: Variable::of(report), scenarios: report.scenarios() };
     let charted = data.charted();
     let mut figures = Vec::new();
     figures.extend(data.rates(&charted));
@@ -53,19 +53,6 @@ pub fn figures(report: &SuiteReport, requests: &Requests, recordings: &[Recordin
     }
     figures.extend(data.courses(recordings));
     figures
-}
-
-/// The trials of every scenario, in the order of the suite.
-pub fn scenarios(report: &SuiteReport) -> Vec<(&str, Vec<&TrialReport>)> {
-    let mut scenarios: Vec<(&str, Vec<&TrialReport>)> = Vec::new();
-    for trial in &report.trials {
-        let name = trial.trial.scenario.as_str();
-        match scenarios.iter_mut().find(|(known, _)| *known == name) {
-            Some((_, trials)) => trials.push(trial),
-            None => scenarios.push((name, vec![trial])),
-        }
-    }
-    scenarios
 }
 
 /// A trial's name within its scenario: the values of its variations; empty without any.

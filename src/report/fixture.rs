@@ -17,10 +17,10 @@ pub use blocks::{evaluation, search_result, statement};
 pub use trials::person;
 use trials::{course, trial, word};
 
-use super::{Chosen, Recording};
 use crate::judge::{judge, per_run};
 use crate::metrics::Presence;
 use crate::plan::PlannedTrial;
+use crate::results::{Chosen, Recording};
 use crate::scenario::{Block, Case, Gate, MetricReference, Search, Tune};
 use crate::sim::{Ending, StopReason};
 
@@ -237,7 +237,7 @@ impl Session {
     }
 
     /// A straight course for every chosen run.
-    pub fn record(&self, chosen: Vec<Chosen>) -> Vec<(Chosen, Recording<'_>)> {
+    pub fn record(&self, chosen: Vec<Chosen>) -> Vec<(Chosen, Recording)> {
         let cases = || self.trials.iter().flat_map(|trial| &trial.cases);
         let recording = |chosen: Chosen| {
             let case = cases().find(|case| case.key == chosen.key).expect("a chosen run is one of the runs");

@@ -10,7 +10,7 @@ use std::fmt::Write;
 use super::Repository;
 use super::experiment::render_block;
 use super::failure::{render_block_failure, render_failure, render_finding};
-use super::figures::{scenarios, short_name};
+use super::figures::short_name;
 use super::gate::render_gate_report;
 use super::gate_markdown::gate_markdown;
 use super::groups::groups;
@@ -232,7 +232,7 @@ fn suite_summary(text: &mut String, report: &SuiteReport, requests: &Requests) {
         report.wall_time.as_secs_f64(),
         env!("CARGO_PKG_VERSION"),
     ));
-    for (name, trials) in scenarios(report) {
+    for (name, trials) in report.scenarios() {
         let trials: Vec<_> = trials.into_iter().filter(|trial| !trial.skipped()).collect();
         if trials.is_empty() {
             continue;

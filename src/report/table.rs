@@ -4,7 +4,7 @@ use crate::results::{Requests, SuiteReport, TrialReport, TrialState, Verdict};
 use anstyle::{AnsiColor, Style};
 
 use super::digest::{Digest, written_unit};
-use super::figures::{scenarios, short_name};
+use super::figures::short_name;
 use super::wording::{closest_calls, judged_words};
 use crate::escape::{terminal, terminal_line};
 use crate::metrics::{self, Metric};
@@ -61,7 +61,7 @@ pub fn render_tables(report: &SuiteReport, requests: &Requests, colour: bool) ->
     let suite = report.identity.suite.as_str();
     let is_single = |trials: &[&TrialReport]| trials.len() == 1 && short_name(trials[0]).is_empty();
     let (single, varied): (Vec<_>, Vec<_>) =
-        scenarios(report).into_iter().partition(|(_, trials)| is_single(trials));
+        report.scenarios().into_iter().partition(|(_, trials)| is_single(trials));
     let single: Vec<_> = single.into_iter().flat_map(|(_, trials)| trials).collect();
     let varied =
         varied.into_iter().map(|(name, trials)| table(&format!("{suite}/{name}"), &trials, requests, colour));

@@ -90,6 +90,7 @@ pub struct GateVerdict {
     /// In the order of rules, metrics and scenarios.
     pub checks: Vec<Check>,
     /// What each rule says; [`Check::rule`] is an index into them.
+    #[serde(default)]
     pub rules: Vec<String>,
     /// How many comparisons share the error, because chance plays a part in them.
     pub family: usize,

@@ -4,13 +4,16 @@
 
 mod block;
 mod cases;
+mod chosen;
 mod cut;
 mod evaluate;
 mod event;
 mod finding;
 mod gate;
 mod outcome;
+mod places;
 mod recorded;
+mod recording;
 mod requests;
 mod search;
 mod skip;
@@ -21,8 +24,19 @@ mod trial;
 mod tune;
 mod verdict;
 
+/// Everything that became of a session. Every report is a function of it.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Results {
+    /// What was measured in every run, in the order of the outcomes' metrics.
+    pub requests: Requests,
+    pub suites: Vec<SuiteReport>,
+    /// The courses of those runs that are drawn, in the order in which they were [chosen](choose_runs).
+    pub recordings: Vec<(Chosen, Recording)>,
+}
+
 pub use block::{BlockReport, BlockResult, BlockState};
 pub use cases::{CaseRun, MetricSummary, SavedCase, SavedSet};
+pub use chosen::{Chosen, choose_runs};
 pub use cut::{Cut, CutBy};
 pub use evaluate::{ConditionResult, Difference, EvaluateResult, ParameterValue};
 pub use event::{Evaluations, Event, Outline, Reporter, Stopping, UnitReport};
@@ -33,6 +47,7 @@ pub use gate::{
 };
 pub use outcome::{ByMetric, Critical, CutOff, OnCourse, Outcome, Unfinished};
 pub use recorded::{Recorded, RecordedReport, RecordedState, Rerun};
+pub use recording::{PairCourse, Place, Recording};
 pub use requests::Requests;
 pub use search::{Course, CoursePoint, Found, SearchResult};
 pub use skip::Skip;

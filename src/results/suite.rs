@@ -79,6 +79,19 @@ pub struct SuiteReport {
 }
 
 impl SuiteReport {
+    /// The trials of every scenario, in the order of the suite.
+    pub fn scenarios(&self) -> Vec<(&str, Vec<&TrialReport>)> {
+        let mut scenarios: Vec<(&str, Vec<&TrialReport>)> = Vec::new();
+        for trial in &self.trials {
+            let name = trial.trial.scenario.as_str();
+            match scenarios.iter_mut().find(|(known, _)| *known == name) {
+                Some((_, trials)) => trials.push(trial),
+                None => scenarios.push((name, vec![trial])),
+            }
+        }
+        scenarios
+    }
+
     /// How every unit of the suite stands.
     pub fn standings(&self) -> impl Iterator<Item = Standing> {
         let recorded = self.recorded.iter().map(RecordedReport::standing);

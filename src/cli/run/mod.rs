@@ -266,9 +266,12 @@ pub fn run(arguments: RunArguments) -> Exit {
     judge_gates(&workshop, &mut reports, arguments.baseline_lenient);
     stdout().styled(&render_gates(&reports, colour));
     let mut complaints = watcher.as_ref().map(watch::Traces::finish).unwrap_or_default();
-    complaints.extend(output::write(&arguments.output, &workshop, &reports));
-    complaints.extend(remember::failures(&arguments.remember, &suites, &reports, workshop.requests()));
-    last.learn(&suites, &reports);
+    let (results, unrecorded) = output::results(&arguments.output, &workshop, reports);
+    let reports = &results.suites;
+    complaints.extend(unrecorded);
+    complaints.extend(output::write(&arguments.output, &results));
+    complaints.extend(remember::failures(&arguments.remember, &suites, reports, workshop.requests()));
+    last.learn(&suites, reports);
     if let Err(error) = last.write() {
         writeln!(stderr(), "warning: cannot remember what failed: {error}");
     }
@@ -283,8 +286,8 @@ pub fn run(arguments: RunArguments) -> Exit {
     } else if !complaints.is_empty() {
         Exit::Output
     } else {
-        let exit = verdict(&reports);
-        if exit == Exit::Inconclusive && !anything_judged(&reports) {
+        let exit = verdict(reports);
+        if exit == Exit::Inconclusive && !anything_judged(reports) {
             writeln!(stderr(), "warning: nothing was judged: no criterion applies to what was run");
         }
         exit
@@ -299,7 +302,7 @@ fn anything_judged(reports: &[SuiteReport]) -> bool {
 }
 
 /// The worst that became of anything. What failed by itself goes before what got worse than it was.
-fn verdict(reports: &[SuiteReport]) -> Exit {
+pub fn verdict(reports: &[SuiteReport]) -> Exit {
     let gates = || reports.iter().flat_map(|report| &report.gates).map(GateReport::standing);
     let units = || reports.iter().flat_map(SuiteReport::standings);
     let broken = |gate: &GateReport| matches!(gate.state, GateState::NotJudged(NotJudged::Broken(_)));

@@ -13,10 +13,9 @@ use crate::console::stdout;
 use crate::dispatch::Workshop;
 use crate::files::{WholeFile, append_text};
 use crate::report::{
-    Chosen, Recording, Repository, annotations, choose_runs, step_summary, to_html, write_csv, write_json,
-    write_junit, write_runs, write_tap,
+    Repository, annotations, step_summary, to_html, write_csv, write_json, write_junit, write_runs, write_tap,
 };
-use crate::results::{Outcome, SuiteReport};
+use crate::results::{Chosen, Outcome, Recording, Results, SuiteReport, choose_runs};
 use crate::scenario::Case;
 
 #[derive(Debug, Args)]
@@ -65,8 +64,27 @@ impl OutputArguments {
     }
 }
 
+/// What became of a session, with the courses of the runs that are drawn if any report that was asked for has them: those
+/// are run again. Also what could not be recorded.
+pub fn results(
+    arguments: &OutputArguments,
+    workshop: &Workshop,
+    suites: Vec<SuiteReport>,
+) -> (Results, Option<String>) {
+    let mut results = Results { requests: workshop.requests().clone(), suites, recordings: Vec::new() };
+    if arguments.html.is_none() && arguments.json.is_none() {
+        return (results, None);
+    }
+    match recordings(workshop, &results.suites) {
+        Ok(recordings) => results.recordings = recordings,
+        Err(complaint) => return (results, Some(complaint)),
+    }
+    (results, None)
+}
+
 /// Writes whatever was asked for, and returns what could not be written.
-pub fn write(arguments: &OutputArguments, workshop: &Workshop, reports: &[SuiteReport]) -> Vec<String> {
+pub fn write(arguments: &OutputArguments, results: &Results) -> Vec<String> {
+    let Results { requests, suites, recordings } = results;
     let mut complaints = Vec::new();
     let mut write = |path: &Option<PathBuf>, content: &dyn Fn(&mut dyn Write) -> io::Result<()>| {
         let Some(path) = path else { return };
@@ -77,33 +95,30 @@ pub fn write(arguments: &OutputArguments, workshop: &Workshop, reports: &[SuiteR
             Ok(()) => {}
         }
     };
-    let requests = workshop.requests();
     let repository = Repository::here();
-    write(&arguments.junit, &|out| write_junit(reports, requests, &repository, out));
-    write(&arguments.json, &|out| write_json(reports, requests, out));
-    write(&arguments.tap, &|out| write_tap(reports, out));
-    write(&arguments.html, &|out| {
-        out.write_all(html(workshop, reports).map_err(io::Error::other)?.as_bytes())
-    });
-    write(&arguments.runs, &|out| write_runs(reports, requests, out));
-    write(&arguments.csv, &|out| write_csv(reports, requests, out));
+    write(&arguments.junit, &|out| write_junit(suites, requests, &repository, out));
+    write(&arguments.json, &|out| write_json(results, out));
+    write(&arguments.tap, &|out| write_tap(suites, out));
+    write(&arguments.html, &|out| out.write_all(to_html(suites, requests, recordings).as_bytes()));
+    write(&arguments.runs, &|out| write_runs(suites, requests, out));
+    write(&arguments.csv, &|out| write_csv(suites, requests, out));
     if arguments.github || env::var_os("GITHUB_ACTIONS").is_some_and(|value| value == "true") {
-        complaints.extend(tell_github(workshop, reports, &repository));
+        complaints.extend(tell_github(results, &repository));
     }
     complaints
 }
 
 /// Annotations go to stdout; the summary goes to the file that GitHub names.
-fn tell_github(workshop: &Workshop, reports: &[SuiteReport], repository: &Repository) -> Option<String> {
-    write!(stdout(), "{}", annotations(reports, repository));
+fn tell_github(results: &Results, repository: &Repository) -> Option<String> {
+    write!(stdout(), "{}", annotations(&results.suites, repository));
     let path = env::var_os("GITHUB_STEP_SUMMARY").filter(|path| !path.is_empty())?;
-    let summary = step_summary(reports, workshop.requests());
+    let summary = step_summary(&results.suites, &results.requests);
     let error = append_text(Path::new(&path), &summary).err()?;
     Some(format!("cannot write {}: {error}", Path::new(&path).display()))
 }
 
-/// The HTML report, for which some runs are run again to record their course.
-fn html(workshop: &Workshop, reports: &[SuiteReport]) -> Result<String, String> {
+/// The courses of the runs to draw: they are run again.
+fn recordings(workshop: &Workshop, reports: &[SuiteReport]) -> Result<Vec<(Chosen, Recording)>, String> {
     let chosen = reports
         .iter()
         .enumerate()
@@ -118,17 +133,16 @@ fn html(workshop: &Workshop, reports: &[SuiteReport]) -> Result<String, String> 
         .filter(|(case, _)| wanted.contains(case.key.as_str()))
         .map(|(case, outcome)| (case.key.as_str(), (case, outcome)))
         .collect();
-    let again = |(suite, chosen): (usize, Chosen)| {
+    let again = |(suite, chosen): &(usize, Chosen)| {
         let (case, outcome) = outcomes[chosen.key.as_str()];
-        let recorded = record(case, workshop.requests(), workshop.free_flows(suite))
+        let recorded = record(case, workshop.requests(), workshop.free_flows(*suite))
             .map_err(|error| error.to_string())?;
         if recorded.outcome.fingerprint != outcome.fingerprint {
             return Err(format!("{} went differently when it was repeated: please report this", case.key));
         }
-        Ok((chosen, Recording::new(case, &recorded.trace, recorded.events)))
+        Ok((chosen.clone(), Recording::new(case, &recorded.trace, recorded.events)))
     };
-    let recordings: Vec<_> = chosen.clone().into_par_iter().map(again).collect::<Result<_, String>>()?;
-    Ok(to_html(reports, workshop.requests(), &recordings))
+    chosen.par_iter().map(again).collect()
 }
 
 /// Writes a file as a whole, making the folders it is to be in.

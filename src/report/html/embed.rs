@@ -2,10 +2,10 @@
 
 use serde_json::{Value, json};
 
-use super::Chosen;
 use crate::escape::html_characters;
-use crate::report::recording::Recording;
 use crate::report::replay::describe;
+use crate::results::Chosen;
+use crate::results::Recording;
 use crate::results::SuiteReport;
 use crate::scenario::{CrossingKind, Side};
 
@@ -43,7 +43,7 @@ pub fn embed(reports: &[SuiteReport], recordings: &[(Chosen, Recording)]) -> Emb
 }
 
 fn run(reports: &[SuiteReport], recording: &Recording, reason: &str) -> Value {
-    let case = recording.case;
+    let case = &recording.case;
     let road = &case.world.road;
     let belongs = |report: &&SuiteReport| {
         report.trials.iter().flat_map(|trial| &trial.outcomes).any(|known| known.key == case.key)
@@ -60,7 +60,7 @@ fn run(reports: &[SuiteReport], recording: &Recording, reason: &str) -> Value {
     };
     let users = recording.users.iter().enumerate().map(|(who, places)| {
         let (length, width, round) = recording.footprint(who);
-        let numbers = |pick: fn(&super::super::Place) -> f64| -> Vec<Value> {
+        let numbers = |pick: fn(&crate::results::Place) -> f64| -> Vec<Value> {
             places
                 .iter()
                 .map(|place| place.as_ref().map_or(Value::Null, |place| rounded(pick(place))))

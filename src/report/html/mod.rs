@@ -1,7 +1,6 @@
 //! The report as one HTML file that needs nothing else: no network, no fonts, and no JavaScript but for the animation.
 
 mod block;
-mod choose;
 mod embed;
 mod evaluate;
 mod figure;
@@ -12,7 +11,7 @@ mod statement;
 mod tune;
 mod view;
 
-use crate::results::{Requests, SuiteReport};
+use crate::results::{Chosen, Requests, SuiteReport};
 use std::time::SystemTime;
 
 use minijinja::syntax::SyntaxConfig;
@@ -20,10 +19,8 @@ use minijinja::value::{Serde, Value};
 use minijinja::{Environment, UndefinedBehavior, context};
 
 use super::chart;
-use super::recording::Recording;
 use crate::escape::html_characters;
-
-pub use choose::{Chosen, choose_runs};
+use crate::results::Recording;
 
 /// The page and its parts.
 const TEMPLATES: [(&str, &str); 8] = [

@@ -8,18 +8,19 @@ use serde::Serialize;
 use super::embed::embed;
 use super::figure::Figure;
 use super::statement::Statements;
-use super::{Chosen, block, gate};
+use super::{block, gate};
 use crate::metrics;
-use crate::report::Recording;
 use crate::report::digest::written_unit;
 use crate::report::failure::render_failure;
-use crate::report::figures::{figures, scenarios, short_name};
+use crate::report::figures::{figures, short_name};
 use crate::report::groups::{Group, groups_of};
 use crate::report::table::Column;
 use crate::report::wording::{
     bound, interval, judged_words, margin, missing, nearest_run, observed, stopping, trial_warnings,
     verdict_mark, verdict_word,
 };
+use crate::results::Chosen;
+use crate::results::Recording;
 use crate::results::{
     BlockReport, BlockState, Finding, GateReport, GateState, Measure, Requests, Skip, SuiteReport,
     TrialReport, TrialState, Verdict,
@@ -283,7 +284,7 @@ fn suite(report: &SuiteReport, requests: &Requests, drawn: &[Recording], animate
 /// Every scenario; several without variations stand in one table, which comes last.
 fn all_scenarios(report: &SuiteReport, columns: &[Column], animated: &[String]) -> Vec<Scenario> {
     let is_single = |trials: &[&TrialReport]| trials.len() == 1 && short_name(trials[0]).is_empty();
-    let all = scenarios(report);
+    let all = report.scenarios();
     let singles: Vec<_> = all.iter().filter(|(_, trials)| is_single(trials)).collect();
     let together = singles.len() > 1;
     let apart = all.iter().filter(|(_, trials)| !together || !is_single(trials));

@@ -1,16 +1,21 @@
 //! The course of one run in few numbers, for drawing: where everybody is ten times a second.
 
+use serde::{Deserialize, Serialize};
+
+use super::places;
 use crate::scenario::{Case, PedestrianSetup, Shape};
 use crate::sim::{Event, Trace};
 
 /// A run as it is drawn. Metrics are never computed from it.
-#[derive(Debug, Clone)]
-pub struct Recording<'a> {
-    pub case: &'a Case,
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Recording {
+    pub case: Case,
     pub events: Vec<Event>,
     /// s; steps of about [`INTERVAL`] and the very end.
+    #[serde(with = "places::times")]
     pub times: Vec<f64>,
     /// Per road user, vehicles first, one per time; `None` before it appears.
+    #[serde(with = "places")]
     pub users: Vec<Vec<Option<Place>>>,
 }
 
@@ -39,13 +44,14 @@ const INTERVAL: f64 = 0.1;
 /// Below this a heading is that of before, m/s.
 const STANDING: f64 = 0.01;
 
-impl<'a> Recording<'a> {
+impl Recording {
     /// Thins out `trace`, which must be that of `case`.
-    pub fn new(case: &'a Case, trace: &Trace, events: Vec<Event>) -> Self {
+    pub fn new(case: &Case, trace: &Trace, events: Vec<Event>) -> Self {
         let cars = case.world.vehicles.len();
         let mut headings: Vec<f64> = (0..cars).map(|_| 0.0).collect();
         headings.extend(case.world.pedestrians.iter().map(initial_heading));
-        let mut recording = Self { case, events, times: Vec::new(), users: vec![Vec::new(); headings.len()] };
+        let mut recording =
+            Self { case: case.clone(), events, times: Vec::new(), users: vec![Vec::new(); headings.len()] };
         let end = trace.samples.last().map_or(0.0, |sample| sample.time);
         let mut due = 0.0;
         for moment in trace.samples.chunk_by(|left, right| left.time == right.time) {

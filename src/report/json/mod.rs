@@ -4,6 +4,9 @@ use crate::results::{
     BlockReport, BlockState, GateReport, GateState, Horizon, Outcome, RecordedReport, RecordedState,
     Requests, SuiteReport, TrialReport, TrialState,
 };
+mod first_layout;
+mod read;
+
 use std::io::{self, Write};
 use std::rc::Rc;
 
@@ -12,25 +15,37 @@ use serde::{Serialize, Serializer};
 use serde_json::{Map, Value, json};
 
 use super::wording::trial_warnings;
+use crate::results::Results;
+pub use read::{ResultsError, read_results};
+
 use crate::judge::per_run;
-use crate::scenario::Assignment;
+use crate::scenario::{Assignment, number};
 
 /// Version of the layout; raised when a reader would have to change.
-const LAYOUT: u32 = 1;
+///
+/// 2: whole numbers beyond 2^53 are text, infinite observations and margins are `"inf"` and `"-inf"`; `record` has what
+/// reports need besides.
+const LAYOUT: u32 = 2;
 
 /// Writes everything as pretty-printed JSON with a final line end, a run at a time: nothing but what is being written is
 /// held.
 ///
 /// # Errors
 /// Those of `out`.
-pub fn write_json(reports: &[SuiteReport], requests: &Requests, mut out: impl Write) -> io::Result<()> {
+pub fn write_json(results: &Results, mut out: impl Write) -> io::Result<()> {
+    let Results { requests, suites, recordings } = results;
+    let record = Object {
+        members: members(json!({ "requests": plain(requests) })),
+        lists: vec![("recordings", list(recordings, |one| Item::Value(plain(one))))],
+        objects: Vec::new(),
+    };
     let document = Object {
         members: members(json!({
             "layout": LAYOUT,
             "tool": { "name": env!("CARGO_PKG_NAME"), "version": env!("CARGO_PKG_VERSION") },
         })),
-        lists: vec![("suites", list(reports, move |report| Item::Object(suite_object(report, requests))))],
-        objects: Vec::new(),
+        lists: vec![("suites", list(suites, move |report| Item::Object(suite_object(report, requests))))],
+        objects: vec![("record", record)],
     };
     serde_json::to_writer_pretty(&mut out, &document)?;
     out.write_all(b"\n")
@@ -104,9 +119,10 @@ fn suite_object<'v>(report: &'v SuiteReport, requests: &'v Requests) -> Object<'
     let mut own = members(json!({
         "suite": report.identity.suite,
         "file": report.identity.file,
-        "seed": report.identity.seed,
+        "seed": plain(&Whole(report.identity.seed)),
         "wall_time_s": report.wall_time.as_secs_f64(),
         "interrupted": report.interrupted,
+        "record": { "started": plain(&report.started) },
     }));
     if !report.identity.set.is_empty() {
         own.insert("set".into(), json!(report.identity.set));
@@ -134,6 +150,15 @@ fn trial_object<'v>(report: &'v TrialReport, requests: &'v Requests) -> Object<'
     let criteria: Rc<Vec<_>> = Rc::new(report.trial.criteria.iter().filter_map(per_run).collect());
     let run = move |outcome: &Outcome| {
         let mut value = outcome_value(outcome, requests);
+        let Outcome { critical, presences, cut_off, wall_time, .. } = outcome;
+        value["record"] = json!({
+            "critical": plain(critical),
+            "presences": plain(presences),
+            "wall_time": plain(wall_time),
+        });
+        if let Some(cut_off) = cut_off {
+            value["record"]["cut_off"] = plain(cut_off);
+        }
         let standings: Vec<_> = criteria.iter().map(|one| one.standing(outcome, requests)).collect();
         value["criteria"] = plain(&standings);
         Item::Value(value)
@@ -144,6 +169,7 @@ fn trial_object<'v>(report: &'v TrialReport, requests: &'v Requests) -> Object<'
         "tags": report.trial.tags,
         "variation": variation_value(variation),
         "wall_time_s": report.wall_time.as_secs_f64(),
+        "record": { "trial": plain(&report.trial), "departures": report.departures },
     }));
     let warnings = trial_warnings(report);
     if !warnings.is_empty() {
@@ -170,10 +196,12 @@ fn trial_object<'v>(report: &'v TrialReport, requests: &'v Requests) -> Object<'
             fields.insert("verdict".into(), "not_finished".into());
             fields.insert("message".into(), cut.to_string().into());
             fields.insert("cut_by".into(), plain(&cut.by()));
+            fields["record"]["cut"] = plain(cut);
         }
         TrialState::Skipped(reason) => {
             fields.insert("verdict".into(), "skipped".into());
             fields.insert("message".into(), reason.to_string().into());
+            fields["record"]["skip"] = plain(reason);
         }
     }
     Object { members: fields, lists: vec![("runs", list(&report.outcomes, run))], objects }
@@ -198,6 +226,7 @@ fn recorded_value(report: &RecordedReport, requests: &Requests) -> Value {
         "scenario": report.recorded.scenario,
         "against": report.recorded.against,
         "wall_time_s": report.wall_time.as_secs_f64(),
+        "record": { "recorded": plain(&report.recorded), "state": plain(&report.state) },
     });
     let fields = value.as_object_mut().expect("it was made as an object");
     let (verdict, message) = match &report.state {
@@ -223,6 +252,7 @@ fn gate_value(report: &GateReport) -> Value {
         "key": report.key,
         "gate": report.gate.name,
         "rules": report.gate.rules.iter().map(|rule| rule.text.as_str()).collect::<Vec<_>>(),
+        "record": { "gate": plain(&report.gate) },
     });
     let fields = value.as_object_mut().expect("it was made as an object");
     match &report.state {
@@ -241,6 +271,7 @@ fn gate_value(report: &GateReport) -> Value {
         GateState::NotJudged(why) => {
             fields.insert("verdict".into(), "not_judged".into());
             fields.insert("message".into(), why.to_string().into());
+            fields["record"]["not_judged"] = plain(why);
         }
     }
     value
@@ -252,6 +283,7 @@ fn block_value(report: &BlockReport) -> Value {
         "kind": report.block.kind(),
         "name": report.block.name(),
         "wall_time_s": report.wall_time.as_secs_f64(),
+        "record": { "block": plain(&report.block) },
     });
     let fields = value.as_object_mut().expect("it was made as an object");
     let (verdict, message) = match &report.state {
@@ -263,9 +295,13 @@ fn block_value(report: &BlockReport) -> Value {
         BlockState::Errored(message) => ("error", Some(message.clone())),
         BlockState::NotFinished(cut) => {
             fields.insert("cut_by".into(), plain(&cut.by()));
+            fields["record"]["cut"] = plain(cut);
             ("not_finished", Some(cut.to_string()))
         }
-        BlockState::Skipped(reason) => ("skipped", Some(reason.to_string())),
+        BlockState::Skipped(reason) => {
+            fields["record"]["skip"] = plain(reason);
+            ("skipped", Some(reason.to_string()))
+        }
     };
     fields.insert("verdict".into(), verdict.into());
     if let Some(message) = message {
@@ -285,7 +321,7 @@ pub(super) fn outcome_value(outcome: &Outcome, requests: &Requests) -> Value {
     let open: Map<_, _> = open.collect();
     let mut value = json!({
         "key": outcome.key,
-        "seed": outcome.seed,
+        "seed": plain(&Whole(outcome.seed)),
         "individuals": outcome.individuals,
         "ending": outcome.ending,
         "metrics": metrics,
@@ -296,6 +332,10 @@ pub(super) fn outcome_value(outcome: &Outcome, requests: &Requests) -> Value {
     }
     value
 }
+
+/// A seed, which as a number other languages might round.
+#[derive(Serialize)]
+struct Whole(#[serde(with = "number::whole")] u64);
 
 pub(super) fn plain(value: &impl Serialize) -> Value {
     serde_json::to_value(value).expect("plain data serialises")
@@ -329,7 +369,7 @@ mod tests {
     }
 
     fn schema() -> Value {
-        serde_json::from_str(include_str!("../../docs/results.schema.json")).expect("the schema is JSON")
+        serde_json::from_str(include_str!("../../../docs/results.schema.json")).expect("the schema is JSON")
     }
 
     #[test]

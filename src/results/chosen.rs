@@ -2,11 +2,14 @@
 
 use std::collections::HashSet;
 
-use crate::report::figures::scenarios;
-use crate::results::{SuiteReport, TrialReport, TrialState, Verdict};
+use serde::{Deserialize, Serialize};
+
+use super::suite::SuiteReport;
+use super::trial::{TrialReport, TrialState};
+use super::verdict::Verdict;
 
 /// A run that is to be drawn.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Chosen {
     pub key: String,
     /// Why it is animated; `None` for a run that is only a line in the chart of trajectories.
@@ -30,7 +33,7 @@ pub fn choose_runs(report: &SuiteReport) -> Vec<Chosen> {
         }
     }
     let most = chosen.len() + MOST_EXAMPLES;
-    let scenarios = scenarios(report);
+    let scenarios = report.scenarios();
     for key in examples(&scenarios) {
         if chosen.len() == most {
             break;
