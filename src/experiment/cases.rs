@@ -6,9 +6,10 @@ use serde::{Deserialize, Serialize};
 
 use super::{ExperimentError, Laboratory, Results, overrides};
 use crate::files;
-use crate::plan::{self, derive_seed};
+use crate::numbers::random::Stream;
+use crate::numbers::random::derive_seed;
+use crate::plan;
 use crate::scenario::{Assignment, Case, CaseSet, Individual, SampleSize, Target, Value};
-use crate::sim::random::Stream;
 
 /// Cases with a name.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -8,11 +8,12 @@ use super::cases::SavedCase;
 use super::parameters::ParameterFile;
 use super::runs::CaseRun;
 use super::{ExperimentError, Laboratory, Progress, Results, overrides};
-use crate::judge::statistics::{Interval, mean, paired_difference, rate_change};
 use crate::judge::{Seen, aggregate, aggregate_against, undecided};
 use crate::metrics::{MetricKind, Worst, metric};
+use crate::numbers::inference::{Interval, paired_difference, rate_change};
+use crate::numbers::random::derive_seed;
+use crate::numbers::summary::mean;
 use crate::pedestrian;
-use crate::plan::derive_seed;
 use crate::run::{Outcome, Requests};
 use crate::scenario::{
     Aggregate, Case, Comparison, Condition, Declaration, Evaluate, Measure, MetricReference, Notation,

@@ -11,6 +11,7 @@ use super::runs::CaseRun;
 use super::search::{Course, CoursePoint, Found, SearchResult};
 use super::statement::{ClaimResult, ClaimValues, StatementResult};
 use super::tune::{Candidate, TuneResult};
+use crate::numbers::random::digest_bits;
 use crate::optimise::Value;
 
 impl BlockResult {
@@ -23,8 +24,7 @@ impl BlockResult {
             Self::Evaluate(evaluate) => mixture.evaluate(evaluate),
             Self::Statement(statement) => mixture.statement(statement),
         }
-        let digest = mixture.0.finalize();
-        u64::from_le_bytes(std::array::from_fn(|index| digest[index]))
+        digest_bits(mixture.0)
     }
 }
 

@@ -7,6 +7,7 @@ use super::cases::SavedCase;
 use super::{ExperimentError, Laboratory};
 use crate::judge::{Seen, aggregate_against, counted, holds_undefined};
 use crate::metrics::{MetricKind, metric};
+use crate::numbers::summary::variance_of_mean;
 use crate::run::{Outcome, Unwatched, run_case};
 use crate::scenario::{Aggregate, Case, Comparison, Goal, MetricReference, Relation};
 
@@ -67,7 +68,7 @@ impl Laboratory<'_> {
         let variance = match objective {
             Aggregate::Mean(metric) if value.is_some() => {
                 let counted = counted(metric, relation, outcomes, &self.requests);
-                error_variance(&counted.into_iter().flatten().collect::<Vec<_>>())
+                variance_of_mean(&counted.into_iter().flatten().collect::<Vec<_>>())
             }
             _ => None,
         };
@@ -175,12 +176,4 @@ fn margin(relation: Relation, value: f64, bound: f64) -> f64 {
         // A strict relation is violated at its bound already, where the margin is 0.
         margin.unwrap_or(-1.0).min(-f64::MIN_POSITIVE)
     }
-}
-
-/// Variance of the mean of some values; `None` for fewer than two.
-fn error_variance(values: &[f64]) -> Option<f64> {
-    let count = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / count;
-    let squares: f64 = values.iter().map(|value| (value - mean) * (value - mean)).sum();
-    (values.len() > 1).then(|| squares / (count - 1.0) / count)
 }

@@ -9,13 +9,14 @@ use super::cases::{SavedCase, SavedSet};
 use super::journal::Record;
 use super::runs::CaseRun;
 use super::{ExperimentError, Laboratory, Progress, overrides};
-use crate::judge::statistics::mean;
 use crate::metrics;
+use crate::numbers::random::derive_seed;
+use crate::numbers::summary::mean;
 use crate::optimise::{
     self, Definition, Evaluation, InitialDesign, Measurement, Method, Optimiser, Proposal, SlicePoint,
     StopReason,
 };
-use crate::plan::{self, derive_seed};
+use crate::plan;
 use crate::run::Outcome;
 use crate::scenario::{
     self, Assignment, Budget, Case, Goal, Individual, Objective, Range, Scenario, Search, ShownIn,

@@ -12,8 +12,8 @@ use super::runs::MetricSummary;
 use super::search::definition;
 use super::{ExperimentError, Laboratory, Progress, Results, overrides};
 use crate::metrics;
+use crate::numbers::random::derive_seed;
 use crate::optimise::{self, Evaluation, Margin, Measurement, Optimiser, Proposal, SlicePoint, StopReason};
-use crate::plan::derive_seed;
 use crate::run::Outcome;
 use crate::scenario::{Case, Goal, Objective, Range, ShownIn, Target, Tune, Value};
 

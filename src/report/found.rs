@@ -5,7 +5,7 @@ use std::fmt::Write;
 use super::columns::columns;
 use super::experiment::{WITHOUT_VALUE, short};
 use crate::experiment::{Found, SearchResult};
-use crate::judge::statistics::quantile;
+use crate::numbers::summary::quantile;
 use crate::optimise::Value;
 use crate::scenario::{Goal, ShownIn};
 

@@ -6,9 +6,9 @@ use super::measure::{Differences, TrialChange, difference, differences, sign, wo
 use super::power::{self, Power};
 use super::questions::{About, Place, Question, RunPair};
 use crate::judge::baseline::RecordedMetric;
-use crate::judge::statistics::{MeanChange, rate_change, rate_rise};
 use crate::metrics;
-use crate::plan::derive_seed;
+use crate::numbers::inference::{MeanChange, rate_change, rate_rise};
+use crate::numbers::random::derive_seed;
 use crate::scenario::{MetricReference, Tolerance};
 
 /// One metric compared in one place.

@@ -12,8 +12,8 @@ mod tests;
 use serde::Serialize;
 
 use super::baseline::{Baseline, Incompatible, Pairing, pair};
-use super::statistics::holm;
 use super::verdict::Verdict;
+use crate::numbers::inference::holm;
 use crate::scenario::{Gate, GateRule, MetricReference, Settings, Tolerance};
 
 pub use check::{ChangedRun, Check, CheckOutcome, Subject};
