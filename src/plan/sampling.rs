@@ -118,6 +118,20 @@ mod tests {
     }
 
     #[test]
+    fn any_number_of_names_may_vary_together() {
+        for scheme in [SamplingScheme::LatinHypercube, SamplingScheme::Sobol] {
+            let points = design(scheme, 8, 300, 1);
+            let slices = |dimension: usize| {
+                let mut slices: Vec<_> =
+                    points.iter().map(|point| (8.0 * point[dimension]) as usize).collect();
+                slices.sort_unstable();
+                slices
+            };
+            assert!((0..300).all(|dimension| slices(dimension) == (0..8).collect::<Vec<_>>()), "{scheme:?}");
+        }
+    }
+
+    #[test]
     fn normals_have_their_moments_and_limits() {
         let normal = Distribution::Normal { mean: 1.3.into(), standard_deviation: 0.2.into() };
         let drawn = numbers(&samples(SamplingScheme::LatinHypercube, normal));
