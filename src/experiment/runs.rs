@@ -7,7 +7,7 @@ use super::cases::SavedCase;
 use super::{ExperimentError, Laboratory};
 use crate::judge::{Seen, aggregate_against, counted, holds_undefined};
 use crate::metrics::{MetricKind, metric};
-use crate::numbers::summary::variance_of_mean;
+use crate::numbers::summary::{mean, variance_of_mean};
 use crate::run::{Outcome, Unwatched, run_case};
 use crate::scenario::{Aggregate, Case, Comparison, Goal, MetricReference, Relation};
 
@@ -112,12 +112,11 @@ impl Laboratory<'_> {
                 let seen = self.seen(reference, outcomes);
                 let mut values: Vec<f64> = seen.into_iter().filter_map(Seen::value).collect();
                 values.sort_by(f64::total_cmp);
-                let mean = values.iter().sum::<f64>() / values.len() as f64;
                 MetricSummary {
                     metric: reference.label(),
                     runs: outcomes.len(),
                     defined: values.len(),
-                    mean: (!values.is_empty()).then_some(mean),
+                    mean: mean(&values),
                     min: values.first().copied(),
                     max: values.last().copied(),
                 }
