@@ -5,11 +5,11 @@
 use std::hint::black_box;
 
 use divan::{AllocProfiler, Bencher};
+use scenario_runner::numbers::random::Stream;
 use scenario_runner::pedestrian::commotions::meeting::{Driver, Meeting, PEDESTRIAN, VEHICLE};
 use scenario_runner::pedestrian::commotions::{
     Agent, Conflict, Control, Parameters, Rules, Sight, State, Variant,
 };
-use scenario_runner::sim::random::Stream;
 
 #[global_allocator]
 static ALLOCATOR: AllocProfiler = AllocProfiler::system();

@@ -3,11 +3,13 @@
 //! `cargo bench --bench coverage -- 50` their rows for 50 runs.
 
 use rayon::prelude::*;
-use scenario_runner::judge::statistics::{
-    ConfidenceSequence, Interval, MeanChange, Unit, clopper_pearson, holm, mean, mean_interval,
-    mean_of_bounded, quantile_interval, rate_change, rate_rise, std, student_above, wilson,
+use scenario_runner::numbers::distributions::student_above;
+use scenario_runner::numbers::inference::{
+    ConfidenceSequence, Interval, MeanChange, Unit, clopper_pearson, holm, mean_interval, mean_of_bounded,
+    quantile_interval, rate_change, rate_rise, wilson,
 };
-use scenario_runner::sim::random::Stream;
+use scenario_runner::numbers::random::Stream;
+use scenario_runner::numbers::summary::{mean, std};
 
 const EXPERIMENTS: u64 = 10_000;
 const CONFIDENCE: f64 = 0.95;

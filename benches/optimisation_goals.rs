@@ -6,9 +6,15 @@
 //!
 //! Both methods get 60 evaluations, 15 of them initial. `benches/gp_minimize.py` writes the reference's runs.
 
+#[path = "optimisation/cpu.rs"]
+mod cpu;
+#[path = "optimisation/medians.rs"]
+mod medians;
 #[path = "optimisation/problems.rs"]
 mod problems;
 
+use cpu::thread_cpu_s;
+use medians::{bootstrap_medians, median_interval, quantile};
 use problems::{PROBLEMS, Problem};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
@@ -75,17 +81,6 @@ fn arguments() -> Arguments {
         }
     }
     parsed
-}
-
-/// CPU seconds of this thread so far, where the system says; otherwise the clock.
-fn thread_cpu_s() -> f64 {
-    let nanoseconds = std::fs::read_to_string("/proc/thread-self/schedstat")
-        .ok()
-        .and_then(|text| text.split_whitespace().next()?.parse::<f64>().ok());
-    nanoseconds.map_or_else(
-        || std::time::UNIX_EPOCH.elapsed().map_or(f64::NAN, |time| time.as_secs_f64()),
-        |nanoseconds| nanoseconds * 1e-9,
-    )
 }
 
 fn coordinates(point: &[Value]) -> Vec<f64> {
@@ -191,37 +186,6 @@ fn theirs(problem: &Problem, reference: &ReferenceRun) -> Outcome {
         optimiser.observe(&point, Evaluation::of(value)).expect("the points are in the space");
     }
     judged(problem, &optimiser, reference.cpu_s)
-}
-
-fn quantile(values: &[f64], share: f64) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    match sorted.len() {
-        0 => f64::NAN,
-        count => {
-            let place = share * (count - 1) as f64;
-            let (low, high) = (place.floor() as usize, place.ceil() as usize);
-            if sorted[low] == sorted[high] {
-                sorted[low]
-            } else {
-                sorted[low] + place.fract() * (sorted[high] - sorted[low])
-            }
-        }
-    }
-}
-
-/// Medians of samples drawn from `values` with replacement.
-fn bootstrap_medians(values: &[f64], seed: u64) -> Vec<f64> {
-    let mut generator = ChaCha8Rng::seed_from_u64(seed);
-    let mut again = || values[generator.random_range(0..values.len())];
-    let mut median = |_| quantile(&(0..values.len()).map(|_| again()).collect::<Vec<f64>>(), 0.5);
-    (0..500).map(&mut median).collect()
-}
-
-/// Median with the central 90 % of its bootstrap distribution.
-fn median_interval(values: &[f64]) -> String {
-    let medians = bootstrap_medians(values, 1);
-    format!("{:.4} [{:.4}, {:.4}]", quantile(values, 0.5), quantile(&medians, 0.05), quantile(&medians, 0.95))
 }
 
 /// How much larger the median of `a` is than that of `b`, with the central 90 % of its bootstrap distribution.

@@ -47,7 +47,7 @@ fn first(candidates: &[Candidate], most: f64) -> Option<usize> {
     candidates.iter().position(|one| cost(one).is_some_and(|cost| cost <= most)).map(|index| index + 1)
 }
 
-/// "41 (24 .. 66), 9 of 10": median, range and how many of the runs got there.
+/// "41 (24 .. 66), 9 of 10": median (of two the smaller: candidates are whole), range and how many of the runs got there.
 fn summary(counts: &[Option<usize>]) -> String {
     let mut reached: Vec<usize> = counts.iter().flatten().copied().collect();
     reached.sort_unstable();

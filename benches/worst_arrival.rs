@@ -11,10 +11,11 @@
 
 use rayon::prelude::*;
 use scenario_runner::lang;
+use scenario_runner::numbers::random::derive_seed;
 use scenario_runner::optimise::{
     Definition, Dimension, Evaluation, InitialDesign, Method, Optimiser, Proposal, Space,
 };
-use scenario_runner::plan::{concrete_case, derive_seed, select_people};
+use scenario_runner::plan::{concrete_case, select_people};
 use scenario_runner::results::Requests;
 use scenario_runner::run::{FreeFlows, Unwatched, run_case};
 use scenario_runner::scenario::{

@@ -16,6 +16,7 @@ pub mod files;
 pub mod judge;
 pub mod lang;
 pub mod metrics;
+pub mod numbers;
 pub mod optimise;
 pub mod pedestrian;
 pub mod plan;

@@ -3,11 +3,11 @@
 mod support;
 
 use proptest::prelude::*;
+use scenario_runner::numbers::random::Stream;
 use scenario_runner::scenario::{
     Appearance, CrossingKind, Direction, ModelSetup, PedestrianSetup, Position, Road, Settings, Shape, Side,
     Value, VehicleReference, VehicleSetup, VehicleStart, World,
 };
-use scenario_runner::sim::random::Stream;
 use scenario_runner::sim::{
     Driven, Ending, Motion, Observer, Pedestrian, RoadUsers, Scene, Snapshot, Step, StopReason, simulate,
 };

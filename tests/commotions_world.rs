@@ -3,10 +3,10 @@
 use scenario_runner::calibrate::{
     Calibration, Candidates, Design, Request, calibrate, published_criteria, published_grid,
 };
+use scenario_runner::numbers::random::derive_seed;
 use scenario_runner::pedestrian;
 use scenario_runner::pedestrian::commotions::Variant;
 use scenario_runner::pedestrian::population::Population;
-use scenario_runner::plan::derive_seed;
 use scenario_runner::run::road_users;
 use scenario_runner::scenario::{
     Appearance, Direction, ModelSetup, PedestrianSetup, Position, Road, Settings, Shape, Side, Value,

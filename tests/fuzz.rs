@@ -9,7 +9,7 @@ use std::panic;
 use std::path::PathBuf;
 
 use rayon::prelude::*;
-use scenario_runner::sim::random::Stream;
+use scenario_runner::numbers::random::Stream;
 
 /// Cases per property unless `FUZZ_CASES` says otherwise.
 const CASES: u64 = 1500;

@@ -2,8 +2,8 @@
 
 mod support;
 
+use scenario_runner::numbers::random::Stream;
 use scenario_runner::scenario::Settings;
-use scenario_runner::sim::random::Stream;
 use support::zebra::{Car, Checks, Course, STEPS, Zebra, number, settings, word};
 
 /// Times hold within this, s.

@@ -10,6 +10,7 @@ use std::sync::{Arc, Mutex};
 
 use proptest::prelude::*;
 use scenario_runner::metrics::{METRICS, Measurement, MetricKind};
+use scenario_runner::numbers::random::Stream;
 use scenario_runner::pedestrian;
 use scenario_runner::results::Requests;
 use scenario_runner::run::{FreeFlows, Unwatched, road_users, run_case};
@@ -17,7 +18,6 @@ use scenario_runner::scenario::{
     Appearance, Case, Dimension, Direction, ModelSetup, PedestrianSetup, Position, Road, Settings, Shape,
     Side, Value, VehicleReference, VehicleSetup, VehicleStart, World,
 };
-use scenario_runner::sim::random::Stream;
 use scenario_runner::sim::{
     Command, Controller, Ending, Observation, Observer, Schedule, Snapshot, Step, StopReason, simulate,
 };

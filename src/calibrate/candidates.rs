@@ -4,11 +4,11 @@ use std::fmt;
 
 use thiserror::Error;
 
+use crate::numbers::design::Slices;
+use crate::numbers::random::{Draws, Stream, derive_seed};
 use crate::pedestrian::commotions::parameters::fitted_by;
 use crate::pedestrian::commotions::{Parameters, Variant};
-use crate::plan::derive_seed;
 use crate::scenario::{Declaration, SettingError, Value};
-use crate::sim::random::Stream;
 
 /// The values a parameter may take: log-spaced between two ends.
 #[derive(Debug, Clone, PartialEq)]
@@ -192,14 +192,14 @@ impl Candidates {
                 })
                 .collect(),
             Design::LatinHypercube(_) => {
-                let mut strata: Vec<Vec<usize>> = ranges.iter().map(|_| stream.shuffled(count)).collect();
-                let sets: Vec<usize> = stream.shuffled(count).iter().map(|i| i % sets).collect();
+                let slices: Vec<Slices> = ranges.iter().map(|_| Slices::drawn(count, &mut stream)).collect();
+                // Rows of the base in turn, in random order.
+                let turns = stream.shuffled(count);
                 (0..count)
-                    .map(|i| {
-                        let mut row = base.rows[sets[i]].clone();
-                        for (range, strata) in ranges.iter().zip(&mut strata) {
-                            let share = (strata[i] as f64 + stream.uniform()) / count as f64;
-                            row.push(range.at(share));
+                    .map(|index| {
+                        let mut row = base.rows[turns[index] % sets].clone();
+                        for (range, slices) in ranges.iter().zip(&slices) {
+                            row.push(range.at(slices.place(index, &mut stream)));
                         }
                         row
                     })

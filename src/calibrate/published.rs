@@ -1,10 +1,10 @@
 //! The candidates of the published fit of the default variant, as far as the published individuals show them.
 
+use crate::numbers::random::Stream;
+use crate::numbers::random::derive_seed;
 use crate::pedestrian::commotions::model::COMMOTIONS;
 use crate::pedestrian::commotions::{Variant, VariantError};
 use crate::pedestrian::population::{Population, PopulationError};
-use crate::plan::derive_seed;
-use crate::sim::random::Stream;
 
 use super::candidates::Candidates;
 
@@ -60,11 +60,7 @@ pub fn published_candidates(file: &str, count: usize, seed: u64) -> Result<Candi
     }
     if count < rows.len() {
         let mut stream = Stream::seeded(derive_seed(seed, "published candidates"));
-        for place in 0..count {
-            let other = place + stream.index(rows.len() - place);
-            rows.swap(place, other);
-        }
-        rows.truncate(count);
+        stream.draw(&mut rows, count);
     }
     let names = base.parameters.iter().chain(noise).cloned().collect();
     Ok(Candidates { names, rows })

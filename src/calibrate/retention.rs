@@ -8,10 +8,10 @@ use thiserror::Error;
 use super::candidates::{CandidateError, Candidates};
 use super::criteria::{Criterion, Showing};
 use super::journal::{Journal, JournalError};
+use crate::numbers::random::derive_seed;
 use crate::pedestrian::commotions::model::COMMOTIONS;
 use crate::pedestrian::commotions::{Parameters, Variant};
 use crate::pedestrian::population::Population;
-use crate::plan::derive_seed;
 
 /// What candidates are put through.
 #[derive(Debug, Clone, PartialEq)]

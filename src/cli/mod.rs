@@ -25,6 +25,7 @@ mod parameters;
 mod project;
 mod record;
 mod replay;
+mod report;
 mod run;
 pub(crate) mod set;
 mod shrink;
@@ -86,6 +87,8 @@ enum Command {
     Search(experiment::ExperimentArguments),
     /// Run a `tune` block: find the controller parameters that are best on a set of cases.
     Tune(experiment::ExperimentArguments),
+    /// Make reports of results that a run wrote with `--json`.
+    Report(report::ReportArguments),
     /// Record, show and compare what the runs of a suite came to, as files to commit.
     Baseline(baseline::BaselineArguments),
     /// Is a candidate worse than a base, beyond what is tolerated and beyond doubt?
@@ -153,6 +156,7 @@ fn obey(cli: Cli) -> Exit {
         Some(Command::Models(arguments)) => models::models(&arguments),
         Some(Command::Search(arguments)) => experiment::search(&arguments),
         Some(Command::Tune(arguments)) => experiment::tune(&arguments),
+        Some(Command::Report(arguments)) => report::report(&arguments),
         Some(Command::Baseline(arguments)) => baseline::baseline(&arguments),
         Some(Command::Compare(arguments)) => compare::compare(&arguments),
         Some(Command::Calibrate(arguments)) => calibrate::run(&arguments),

@@ -3,6 +3,7 @@
 use sha2::{Digest, Sha256};
 use thiserror::Error;
 
+use crate::numbers::random::digest_bits;
 use crate::plan::{self, PlanError};
 use crate::results::{Outcome, Recorded};
 use crate::scenario::{Case, Criterion, Population, Suite};
@@ -23,8 +24,7 @@ pub enum Stale {
 /// The first eight bytes of SHA-256 over everything that decides a run: its world and its seed.
 pub fn case_hash(case: &Case) -> u64 {
     let text = serde_json::to_vec(&(&case.world, case.seed)).expect("plain data serialises");
-    let digest = Sha256::digest(text);
-    u64::from_le_bytes(std::array::from_fn(|index| digest[index]))
+    digest_bits(Sha256::new().chain_update(text))
 }
 
 /// What is kept of a run, and what it spoke against.

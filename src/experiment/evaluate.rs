@@ -1,22 +1,22 @@
 //! `evaluate`: sets of parameters compared on the same cases.
 
+use super::parameters::ParameterFile;
+use super::{EarlierResults, ExperimentError, Laboratory, Progress, overrides};
+use crate::judge::{Seen, aggregate, aggregate_against, undecided};
+use crate::metrics::{MetricKind, Worst, metric};
+use crate::numbers::inference::{paired_difference, rate_change};
+use crate::numbers::random::derive_seed;
+use crate::numbers::summary::mean;
+use crate::pedestrian;
 use crate::results::{
     ConditionResult, Difference, EvaluateResult, Outcome, ParameterValue, Requests, SavedCase,
 };
-use std::path::Path;
-
-use super::parameters::ParameterFile;
-use super::{EarlierResults, ExperimentError, Laboratory, Progress, overrides};
-use crate::judge::statistics::{mean, paired_difference, rate_change};
-use crate::judge::{Seen, aggregate, aggregate_against, undecided};
-use crate::metrics::{MetricKind, Worst, metric};
-use crate::pedestrian;
-use crate::plan::derive_seed;
 use crate::scenario::{
     Aggregate, Case, Comparison, Condition, Declaration, Evaluate, Measure, MetricReference, Notation,
     ParameterKind, ParameterSet, Part, Relation, Target, Value, WhenUndefined,
 };
 use crate::vehicle;
+use std::path::Path;
 
 /// Confidence of the intervals of differences.
 const CONFIDENCE: f64 = 0.95;

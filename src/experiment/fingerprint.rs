@@ -3,13 +3,13 @@
 //! It covers what was simulated and what was found by it, not the words in which a report says so. Metrics that are
 //! only summed up for tables stay out, so that a new metric leaves it alone.
 
+use crate::numbers::random::digest_bits;
+use crate::optimise::Value;
 use crate::results::{
     BlockResult, Candidate, CaseRun, ClaimResult, ClaimValues, ConditionResult, Course, CoursePoint,
     EvaluateResult, Found, SearchResult, StatementResult, TuneResult,
 };
 use sha2::{Digest, Sha256};
-
-use crate::optimise::Value;
 
 impl BlockResult {
     /// The first eight bytes of SHA-256 over everything that the block measured.
@@ -21,8 +21,7 @@ impl BlockResult {
             Self::Evaluate(evaluate) => mixture.evaluate(evaluate),
             Self::Statement(statement) => mixture.statement(statement),
         }
-        let digest = mixture.0.finalize();
-        u64::from_le_bytes(std::array::from_fn(|index| digest[index]))
+        digest_bits(mixture.0)
     }
 }
 

@@ -1,13 +1,13 @@
 //! Cases run for an experiment, and metrics summed up over them.
 
-use crate::results::{CaseRun, MetricSummary, Outcome, SavedCase};
-use rayon::prelude::*;
-
 use super::{ExperimentError, Laboratory};
 use crate::judge::{Seen, aggregate_against, counted, holds_undefined};
 use crate::metrics::{MetricKind, metric};
+use crate::numbers::summary::{mean, variance_of_mean};
+use crate::results::{CaseRun, MetricSummary, Outcome, SavedCase};
 use crate::run::{Unwatched, run_case};
 use crate::scenario::{Aggregate, Case, Comparison, Goal, MetricReference, Relation};
+use rayon::prelude::*;
 
 impl Laboratory<'_> {
     /// Runs every case side by side; the outcomes are in the order of the cases.
@@ -66,7 +66,7 @@ impl Laboratory<'_> {
         let variance = match objective {
             Aggregate::Mean(metric) if value.is_some() => {
                 let counted = counted(metric, relation, outcomes, &self.requests);
-                error_variance(&counted.into_iter().flatten().collect::<Vec<_>>())
+                variance_of_mean(&counted.into_iter().flatten().collect::<Vec<_>>())
             }
             _ => None,
         };
@@ -110,12 +110,11 @@ impl Laboratory<'_> {
                 let seen = self.seen(reference, outcomes);
                 let mut values: Vec<f64> = seen.into_iter().filter_map(Seen::value).collect();
                 values.sort_by(f64::total_cmp);
-                let mean = values.iter().sum::<f64>() / values.len() as f64;
                 MetricSummary {
                     metric: reference.label(),
                     runs: outcomes.len(),
                     defined: values.len(),
-                    mean: (!values.is_empty()).then_some(mean),
+                    mean: mean(&values),
                     min: values.first().copied(),
                     max: values.last().copied(),
                 }
@@ -140,12 +139,4 @@ fn margin(relation: Relation, value: f64, bound: f64) -> f64 {
         // A strict relation is violated at its bound already, where the margin is 0.
         margin.unwrap_or(-1.0).min(-f64::MIN_POSITIVE)
     }
-}
-
-/// Variance of the mean of some values; `None` for fewer than two.
-fn error_variance(values: &[f64]) -> Option<f64> {
-    let count = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / count;
-    let squares: f64 = values.iter().map(|value| (value - mean) * (value - mean)).sum();
-    (values.len() > 1).then(|| squares / (count - 1.0) / count)
 }

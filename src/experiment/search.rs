@@ -1,21 +1,21 @@
 //! `search`: the plausible case that is worst, per individual or over the whole population.
 
-use crate::results::{CaseRun, Course, CoursePoint, Found, Outcome, SavedCase, SavedSet, SearchResult};
-use std::sync::atomic::{AtomicUsize, Ordering};
-
-use rayon::prelude::*;
-
 use super::journal::Record;
 use super::{ExperimentError, Laboratory, Progress, overrides};
-use crate::judge::statistics::mean;
 use crate::metrics;
+use crate::numbers::random::derive_seed;
+use crate::numbers::summary::mean;
 use crate::optimise::{
     self, Definition, Evaluation, InitialDesign, Measurement, Method, Optimiser, Proposal,
 };
-use crate::plan::{self, derive_seed};
+use crate::plan;
+use crate::results::{CaseRun, Course, CoursePoint, Found, Outcome, SavedCase, SavedSet, SearchResult};
 use crate::scenario::{
     self, Assignment, Budget, Case, Goal, Individual, Objective, Range, Scenario, Search, ShownIn,
 };
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use rayon::prelude::*;
 
 /// Runs with fresh seeds that tell how much of a best value was luck.
 const FRESH_RUNS: u32 = 20;

@@ -1,15 +1,13 @@
 //! Whether the runs there will be can show what a criterion claims at its confidence: looked at before anything runs.
 
-use crate::results::Verdict;
-use std::collections::HashSet;
-
 use super::confidence::{self, Bounds};
-use super::statistics::{self, ConfidenceSequence};
-
 use crate::lang::{Code, Diagnostic, Sources, Span};
+use crate::numbers::inference::{self, ConfidenceSequence};
 use crate::plan::{self, Outline};
+use crate::results::Verdict;
 use crate::run::drawing;
 use crate::scenario::{Aggregate, Claim, Criterion, Origin, People, Relation, Scenario, Suite, constant};
+use std::collections::HashSet;
 
 /// What it takes for a claim to pass.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -77,7 +75,7 @@ fn mean_needs(relation: Relation, bound: f64, (low, high): (f64, f64), confidenc
         Relation::Less | Relation::LessOrEqual => high - bound,
         Relation::Equal | Relation::NotEqual => return None,
     };
-    statistics::runs_for_mean(distance / (high - low), confidence)
+    inference::runs_for_mean(distance / (high - low), confidence)
 }
 
 /// The fewest values of which the extreme one bounds the quantile.
@@ -92,8 +90,8 @@ fn quantile_needs(relation: Relation, level: f64, confidence: f64, bounds: Bound
 /// The fewest runs that show at least `share` if all of them hold.
 fn all_alike_need(share: f64, confidence: f64, bounds: Bounds) -> Option<u64> {
     match bounds {
-        Bounds::Fixed => statistics::runs_needed(share, confidence),
-        Bounds::People(_) => statistics::runs_for_mean(share, confidence),
+        Bounds::Fixed => inference::runs_needed(share, confidence),
+        Bounds::People(_) => inference::runs_for_mean(share, confidence),
         Bounds::Sequential => ConfidenceSequence { confidence }.runs_needed(share),
     }
 }
@@ -357,8 +355,8 @@ pub(super) fn at(code: Code, origin: &Origin, message: impl Into<String>, source
 
 #[cfg(test)]
 mod tests {
-    use super::super::statistics::quantile_interval;
     use super::*;
+    use crate::numbers::inference::quantile_interval;
     use statrs::distribution::{Binomial, DiscreteCDF};
 
     const AT_LEAST: Relation = Relation::GreaterOrEqual;

@@ -1,8 +1,7 @@
 //! Verdicts at a stated confidence: passed or failed only where luck would seldom do the same.
 
-use super::statistics::{self, ConfidenceSequence, Interval, Unit};
+use crate::numbers::inference::{self, ConfidenceSequence, Interval, Unit};
 use crate::results::Verdict;
-
 use crate::scenario::{Aggregate, Relation};
 
 /// How bounds are taken.
@@ -26,7 +25,7 @@ impl Bounds<'_> {
             Self::People(whose) => {
                 let flags: Vec<_> = held.iter().map(|held| Some(f64::from(*held))).collect();
                 let units = per_person(&flags, whose);
-                statistics::mean_of_bounded(&units, (0.0, 1.0), confidence)
+                inference::mean_of_bounded(&units, (0.0, 1.0), confidence)
                     .expect("shares lie between 0 and 1")
             }
             Self::Fixed => fixed_share(holding, runs, confidence),
@@ -64,13 +63,13 @@ impl Bounds<'_> {
             Self::Fixed | Self::Sequential => values.iter().map(|value| Unit::of_run(*value)).collect(),
         };
         if let Some(limits) = limits {
-            return statistics::mean_of_bounded(&units, limits, confidence);
+            return inference::mean_of_bounded(&units, limits, confidence);
         }
         if self == Self::Sequential {
             return None;
         }
         let means: Vec<f64> = units.iter().filter_map(Unit::mean).collect();
-        statistics::mean_interval(&means, 2.0 * confidence - 1.0, seed)
+        inference::mean_interval(&means, 2.0 * confidence - 1.0, seed)
     }
 
     /// Too few values for a bound bound nothing.
@@ -83,7 +82,7 @@ impl Bounds<'_> {
                 let share = |counts: &dyn Fn(f64) -> bool| {
                     let flags: Vec<_> =
                         values.iter().map(|value| value.map(|value| f64::from(counts(value)))).collect();
-                    statistics::mean_of_bounded(&per_person(&flags, whose), (0.0, 1.0), confidence)
+                    inference::mean_of_bounded(&per_person(&flags, whose), (0.0, 1.0), confidence)
                         .expect("shares lie between 0 and 1")
                 };
                 let low = sorted.partition_point(|bound| share(&|value| value < *bound).high < level);
@@ -91,7 +90,7 @@ impl Bounds<'_> {
                 (low.checked_sub(1).map(|place| sorted[place]), sorted.get(high).copied())
             }
             Self::Fixed | Self::People(_) => {
-                statistics::quantile_interval(&sorted, level, 2.0 * confidence - 1.0)
+                inference::quantile_interval(&sorted, level, 2.0 * confidence - 1.0)
             }
         };
         Interval { low: low.unwrap_or(f64::NEG_INFINITY), high: high.unwrap_or(f64::INFINITY) }
@@ -100,8 +99,8 @@ impl Bounds<'_> {
 
 fn fixed_share(holding: u64, runs: u64, confidence: f64) -> Interval {
     Interval {
-        low: statistics::lower_bound(holding, runs, confidence),
-        high: statistics::upper_bound(holding, runs, confidence),
+        low: inference::lower_bound(holding, runs, confidence),
+        high: inference::upper_bound(holding, runs, confidence),
     }
 }
 

@@ -5,9 +5,9 @@ use std::cell::RefCell;
 use std::collections::BTreeMap;
 
 use super::confidence::Bounds;
-use super::statistics::{Interval, MeanChange, mean_interval, rate_change};
+use crate::numbers::inference::{Interval, MeanChange, mean_interval, rate_change};
+use crate::numbers::random::Stream;
 use crate::scenario::{Aggregate, MetricReference, Settings};
-use crate::sim::random::Stream;
 
 const CONFIDENCE: f64 = 0.95;
 const EXPERIMENTS: u64 = 400;

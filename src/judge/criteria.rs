@@ -1,14 +1,12 @@
 //! Each criterion of a trial against the trial's outcomes.
 
-use crate::results::{Finding, Horizon, Measure, Outcome, Regarding, Requests, TrialVerdict, Verdict};
-
 use super::confidence::{self, Bounds};
-use super::horizon::{self};
+use super::horizon;
 use super::nearest::nearest;
 use super::seen::Seen;
-use super::statistics;
-use super::vacuity::{self};
-
+use super::vacuity;
+use crate::numbers::summary;
+use crate::results::{Finding, Horizon, Measure, Outcome, Regarding, Requests, TrialVerdict, Verdict};
 use crate::scenario::{
     Aggregate, Claim, Comparison, Criterion, Individual, MetricReference, People, Relation, WhenUndefined,
     constant,
@@ -430,12 +428,12 @@ fn aggregate_of(aggregate: &Aggregate, mut values: Vec<f64>) -> Option<f64> {
     // Sorted, so that sums do not depend on the order of the runs.
     values.sort_by(f64::total_cmp);
     match aggregate {
-        Aggregate::Mean(_) => statistics::mean(&values),
-        Aggregate::Median(_) => statistics::median(&values),
+        Aggregate::Mean(_) => summary::mean(&values),
+        Aggregate::Median(_) => summary::median(&values),
         Aggregate::Min(_) => values.first().copied(),
         Aggregate::Max(_) => values.last().copied(),
-        Aggregate::Std(_) => statistics::std(&values),
-        Aggregate::Quantile(level, _) => statistics::quantile(&values, *level),
+        Aggregate::Std(_) => summary::std(&values),
+        Aggregate::Quantile(level, _) => summary::quantile(&values, *level),
         Aggregate::Rate(_) | Aggregate::Count(_) => {
             unreachable!("rates and counts are not aggregates of values")
         }

@@ -14,7 +14,6 @@ mod nearest;
 mod per_run;
 mod seen;
 mod single;
-pub mod statistics;
 mod stopping;
 mod trivial;
 mod vacuity;

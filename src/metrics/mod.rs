@@ -20,9 +20,10 @@ mod sliding;
 mod tests;
 mod travel;
 
+use crate::numbers::json;
 use serde::{Deserialize, Serialize};
 
-use crate::scenario::{Aggregate, Declaration, Dimension, MetricReference, Settings, World, number};
+use crate::scenario::{Aggregate, Declaration, Dimension, MetricReference, Settings, World};
 use crate::sim::{Snapshot, Solid, Step};
 
 pub use encounter::{
@@ -114,10 +115,10 @@ pub struct End<'a> {
 /// Between which values a metric would have come to lie, had its run not been cut off.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Open {
-    #[serde(with = "number::low")]
+    #[serde(with = "json::low")]
     pub low: f64,
     /// Infinite where nothing bounds it.
-    #[serde(with = "number::high")]
+    #[serde(with = "json::high")]
     pub high: f64,
 }
 

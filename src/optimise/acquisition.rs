@@ -1,7 +1,7 @@
 //! Acquisition functions: how much is to be gained by evaluating at a point, in logarithms.
 
-use super::normal::{log_cumulative, log_improvement};
 use super::surrogate::Posterior;
+use crate::numbers::distributions::normal_tail::{log_cumulative, log_improvement};
 use serde::{Deserialize, Serialize};
 
 /// Standard deviations below this count as this: no logarithm of zero.

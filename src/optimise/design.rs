@@ -1,17 +1,19 @@
-//! Space-filling designs in the unit cube: random, Latin hypercube, scrambled Sobol and grid.
+//! Designs in a search space: random, Latin hypercube, scrambled Sobol and grid, each value at its dimension's nearest.
 
 use super::random::{Purpose, stream};
 use super::space::Space;
+use crate::numbers::design;
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
 
-/// Most points of a Sobol sequence that keep its balance (the generator's own limit).
-const SOBOL_LIMIT: usize = 1 << 16;
+fn snapped(space: &Space, mut points: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+    points.iter_mut().for_each(|point| space.snap(point));
+    points
+}
 
 /// `count` independent uniform points.
 pub(super) fn uniform(space: &Space, count: usize, generator: &mut ChaCha8Rng) -> Vec<Vec<f64>> {
-    let dimensions = space.dimensions();
-    (0..count).map(|_| dimensions.iter().map(|d| d.snap(generator.random::<f64>())).collect()).collect()
+    snapped(space, design::uniform(count, space.dimensions().len(), generator))
 }
 
 /// The whole random design of a run; its first points do not depend on `count`.
@@ -19,40 +21,17 @@ pub(super) fn random(space: &Space, count: usize, seed: u64) -> Vec<Vec<f64>> {
     uniform(space, count, &mut stream(seed, 0, Purpose::Design))
 }
 
-/// A Latin hypercube: each of `count` equal slices of each dimension holds one point (McKay, Beckman and Conover 1979).
+/// A Latin hypercube of `count` points.
 pub(super) fn latin_hypercube(space: &Space, count: usize, seed: u64) -> Vec<Vec<f64>> {
     let mut generator = stream(seed, 0, Purpose::Design);
-    let mut points = vec![vec![0.0; space.dimensions().len()]; count];
-    for (i, dimension) in space.dimensions().iter().enumerate() {
-        let mut slices: Vec<usize> = (0..count).collect();
-        for last in (1..count).rev() {
-            slices.swap(last, generator.random_range(0..=last));
-        }
-        for (point, slice) in points.iter_mut().zip(slices) {
-            let within = generator.random::<f64>();
-            point[i] = dimension.snap((slice as f64 + within) / count as f64);
-        }
-    }
-    points
+    snapped(space, design::latin_hypercube(count, space.dimensions().len(), &mut generator))
 }
 
-/// The first `count` points of a Sobol sequence with Owen scrambling (Burley 2020).
+/// The first `count` points of a scrambled Sobol sequence.
 pub(super) fn sobol(space: &Space, count: usize, seed: u64) -> Vec<Vec<f64>> {
     let scramble: u32 = stream(seed, 0, Purpose::Design).random();
-    (0..count)
-        .map(|index| {
-            // Past the generator's limit the sequence starts anew with another scrambling.
-            let round = (index / SOBOL_LIMIT) as u32;
-            let dimensions = space.dimensions().iter().enumerate();
-            dimensions
-                .map(|(i, dimension)| {
-                    let index = (index % SOBOL_LIMIT) as u32;
-                    let unit = sobol_burley::sample(index, i as u32, scramble.wrapping_add(round));
-                    dimension.snap(f64::from(unit))
-                })
-                .collect()
-        })
-        .collect()
+    let point = |index| design::sobol_point(index, space.dimensions().len(), scramble);
+    snapped(space, (0..count).map(point).collect())
 }
 
 /// Levels of each dimension of a grid of at most `budget` points (but at least two each, or all of a smaller discrete one).

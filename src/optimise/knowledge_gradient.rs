@@ -6,8 +6,8 @@
 
 use super::acquisition::SMALLEST_DEVIATION;
 use super::models::{Models, Scaled};
-use super::normal::log_improvement;
 use super::surrogate::Surrogate;
+use crate::numbers::distributions::normal_tail::log_improvement;
 
 /// A posterior mean as a function of a standard normal number, the surprise of one more evaluation.
 #[derive(Debug, Clone, Copy)]
@@ -104,8 +104,8 @@ fn log_sum(a: f64, b: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::normal::density;
     use super::*;
+    use crate::numbers::distributions::normal::density;
     use proptest::prelude::*;
 
     fn lines(numbers: &[(f64, f64)]) -> Vec<Line> {

@@ -28,7 +28,6 @@ mod journal;
 mod knowledge_gradient;
 mod maximise;
 mod models;
-mod normal;
 mod optimiser;
 mod pareto;
 mod random;

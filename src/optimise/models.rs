@@ -4,10 +4,10 @@ use super::Error;
 use super::acquisition::SMALLEST_DEVIATION;
 use super::definition::Definition;
 use super::history::{Datum, Trial, merged};
-use super::normal::{log_cumulative, quantile};
 use super::surrogate::{
     Dataset, FriedrichSurrogate, HyperParameters, Noise, Outliers, Posterior, Standardisation, Surrogate,
 };
+use crate::numbers::distributions::{normal, normal_tail::log_cumulative};
 use serde::{Deserialize, Serialize};
 
 /// The surrogate in use; the one place that names it.
@@ -208,7 +208,7 @@ impl Models {
         let mut total = vec![0.0; points.len()];
         // Each constraint's share, so that all of them together reach the probability.
         let share = libm::pow(feasibility, 1.0 / self.constraints.len().max(1) as f64);
-        let deviations = quantile(share);
+        let deviations = normal::quantile(share);
         for model in &self.constraints {
             let noise = model.surrogate.data().noise_of_another(model.surrogate.hyper_parameters().noise);
             let posteriors = model.surrogate.scan(points);
@@ -275,7 +275,6 @@ fn impute(model: Scaled, seen: &[Datum], censored: &[Datum], categorical: &[bool
 #[cfg(test)]
 mod tests {
     use super::super::history::{Evaluation, Margin};
-    use super::super::normal::density;
     use super::super::space::{Dimension, Space};
     use super::*;
     use proptest::prelude::*;
@@ -339,7 +338,7 @@ mod tests {
             let expected: f64 = (0..steps)
                 .map(|step| -9.0 + 18.0 * (f64::from(step) + 0.5) / f64::from(steps))
                 .filter(|z| mean + variance / (variance + noise) * z * spread >= asked * left)
-                .map(|z| density(z) * 18.0 / f64::from(steps))
+                .map(|z| normal::density(z) * 18.0 / f64::from(steps))
                 .sum();
             prop_assert!((got - expected).abs() < 1e-3, "{} {}", got, expected);
         }

@@ -1,6 +1,6 @@
 //! Where the optimiser's randomness comes from: one portable generator per proposal and purpose, so nothing depends on order.
 
-use rand::SeedableRng;
+use crate::numbers::random::generator;
 use rand::rngs::ChaCha8Rng;
 
 /// What a stream of random numbers is used for. Each purpose of each proposal has a stream of its own.
@@ -16,9 +16,7 @@ const PURPOSES: u64 = 8;
 
 /// The generator of one purpose at one proposal (or 0 for what belongs to the whole run).
 pub(super) fn stream(seed: u64, proposal: u64, purpose: Purpose) -> ChaCha8Rng {
-    let mut generator = ChaCha8Rng::seed_from_u64(seed);
-    generator.set_stream(proposal * PURPOSES + purpose as u64);
-    generator
+    generator(seed, proposal * PURPOSES + purpose as u64)
 }
 
 #[cfg(test)]

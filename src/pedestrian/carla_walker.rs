@@ -6,11 +6,12 @@
 use nalgebra::Vector2;
 
 use super::{PedestrianContext, PedestrianModel, sum_in_any_order};
+use crate::numbers::random::Stream;
 use crate::scenario::{
     Chance, ChoiceOption, Declaration, Dimension, Literal, Parameter, Position, Preset, PresetFamily,
     Settings,
 };
-use crate::sim::random::{Agent, Purpose, Stream, stream};
+use crate::sim::random::{Agent, Purpose, stream};
 use crate::sim::{ModelError, Motion, Pedestrian, Scene, VehicleState, geometry};
 
 const WALKER: &str = "CARLA LibCarla/source/carla/nav";

@@ -6,8 +6,9 @@
 use nalgebra::Vector2;
 
 use super::{PedestrianContext, PedestrianModel, sum_in_any_order};
+use crate::numbers::random::Stream;
 use crate::scenario::{Chance, Declaration, Dimension, Parameter};
-use crate::sim::random::{Agent, Purpose, Stream, stream};
+use crate::sim::random::{Agent, Purpose, stream};
 use crate::sim::{ModelError, Motion, Pedestrian, Scene, VehicleState};
 
 const PAPER: &str = "Helbing & Molnar 1995, Phys. Rev. E 51:4282";

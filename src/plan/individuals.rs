@@ -6,13 +6,14 @@ use std::path::Path;
 
 use sha2::{Digest, Sha256};
 
-use super::{PlanError, derive_seed};
+use super::PlanError;
+use crate::numbers::random::Stream;
+use crate::numbers::random::derive_seed;
 use crate::pedestrian::population::Population as People;
 use crate::pedestrian::{self, population};
 use crate::scenario::{
     Expression, Individual, Individuals, Pedestrian, Population, Scenario, Settings, Suite, Value,
 };
-use crate::sim::random::Stream;
 
 /// The groups of people that the scenario is run with; one empty group when nobody is an individual.
 ///

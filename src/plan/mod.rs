@@ -4,7 +4,6 @@ mod check;
 mod individuals;
 mod overlap;
 mod sampling;
-mod seed;
 mod setup;
 mod standalone;
 mod variation;
@@ -16,13 +15,13 @@ use std::sync::Arc;
 use thiserror::Error;
 
 use crate::metrics;
+use crate::numbers::random::derive_seed;
 use crate::scenario::{
     Assignment, Case, Criterion, Expression, Individual, Origin, Rounds, RunBudget, Scenario, Suite, Trial,
     Value,
 };
 
 pub use individuals::{label as people_label, select as select_people};
-pub use seed::derive_seed;
 pub use standalone::standalone;
 use variation::Combinations;
 pub use variation::expand as combinations;

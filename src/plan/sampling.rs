@@ -3,10 +3,12 @@
 use std::collections::HashMap;
 
 use super::Variables;
+use crate::numbers::design::{SOBOL_CELL, latin_hypercube, sobol_point, uniform};
+use crate::numbers::distributions::normal::Normal;
+use crate::numbers::random::Stream;
 use crate::scenario::{
     Assignment, DistributionError, KnownDistribution, Samples, SamplingScheme, Value, significant,
 };
-use crate::sim::random::{Stream, normal_quantile};
 
 /// One row per sample, one assignment per name. `known` are the variations that distributions may depend on; so they may on
 /// earlier names of their row.
@@ -42,59 +44,32 @@ pub fn draw(
 }
 
 /// `count` points of the open unit cube.
-pub fn design(scheme: SamplingScheme, count: usize, dimensions: usize, seed: u64) -> Vec<Vec<f64>> {
+fn design(scheme: SamplingScheme, count: usize, dimensions: usize, seed: u64) -> Vec<Vec<f64>> {
     let mut stream = Stream::seeded(seed);
     match scheme {
-        SamplingScheme::Random => {
-            (0..count).map(|_| (0..dimensions).map(|_| stream.uniform()).collect()).collect()
-        }
-        SamplingScheme::LatinHypercube => {
-            let mut points = vec![vec![0.0; dimensions]; count];
-            for dimension in 0..dimensions {
-                let slices = stream.shuffled(count);
-                for (point, slice) in points.iter_mut().zip(slices) {
-                    point[dimension] = (slice as f64 + stream.uniform()) / count as f64;
-                }
-            }
-            points
-        }
+        SamplingScheme::Random => uniform(count, dimensions, &mut stream),
+        SamplingScheme::LatinHypercube => latin_hypercube(count, dimensions, &mut stream),
         SamplingScheme::Sobol => {
-            let scramble = derive_scramble(seed);
-            let sample = |index: usize, dimension: usize| {
-                // Past 2^16 points the sequence starts anew with another scrambling.
-                let (round, index) = ((index >> 16) as u32, (index & 0xffff) as u32);
-                let unit = sobol_burley::sample(index, dimension as u32, scramble.wrapping_add(round));
-                // In the middle of its cell of 2^-24, so never on the edge.
-                f64::from(unit) + 0.5 / f64::from(1 << 24)
-            };
-            (0..count)
-                .map(|index| (0..dimensions).map(|dimension| sample(index, dimension)).collect())
-                .collect()
+            let scramble = (seed ^ (seed >> 32)) as u32;
+            // In the middle of its cell, so never on the edge.
+            let inside = |corner: f64| corner + 0.5 * SOBOL_CELL;
+            let point = |index| sobol_point(index, dimensions, scramble).into_iter().map(inside).collect();
+            (0..count).map(point).collect()
         }
     }
-}
-
-fn derive_scramble(seed: u64) -> u32 {
-    (seed ^ (seed >> 32)) as u32
 }
 
 fn quantile(distribution: &KnownDistribution, share: f64, unit: &str) -> (Value, String) {
     let number = match *distribution {
         KnownDistribution::Uniform { low, high } => low + (high - low) * share,
         KnownDistribution::Normal { mean, standard_deviation } => {
-            mean + standard_deviation * normal_quantile(share)
+            Normal { mean, standard_deviation }.quantile(share)
         }
         KnownDistribution::TruncatedNormal { mean, standard_deviation: 0.0, low, high } => {
             mean.clamp(low, high)
         }
         KnownDistribution::TruncatedNormal { mean, standard_deviation, low, high } => {
-            let cumulative = |value: f64| {
-                0.5 * libm::erfc((mean - value) / (standard_deviation * std::f64::consts::SQRT_2))
-            };
-            let (below, above) = (cumulative(low), cumulative(high));
-            let inside = below + (above - below) * share;
-            // Far out in a tail the cumulative distribution is flat, and rounding may leave the interval.
-            (mean + standard_deviation * normal_quantile(inside.clamp(1e-300, 1.0 - 1e-16))).clamp(low, high)
+            Normal { mean, standard_deviation }.quantile_within(share, low, high)
         }
         KnownDistribution::Choice(options) => {
             let option = &options[((share * options.len() as f64) as usize).min(options.len() - 1)];
@@ -139,6 +114,20 @@ mod tests {
                 slices.sort_unstable();
                 assert_eq!(slices, (0..64).collect::<Vec<_>>(), "{scheme:?}");
             }
+        }
+    }
+
+    #[test]
+    fn any_number_of_names_may_vary_together() {
+        for scheme in [SamplingScheme::LatinHypercube, SamplingScheme::Sobol] {
+            let points = design(scheme, 8, 300, 1);
+            let slices = |dimension: usize| {
+                let mut slices: Vec<_> =
+                    points.iter().map(|point| (8.0 * point[dimension]) as usize).collect();
+                slices.sort_unstable();
+                slices
+            };
+            assert!((0..300).all(|dimension| slices(dimension) == (0..8).collect::<Vec<_>>()), "{scheme:?}");
         }
     }
 

@@ -1,6 +1,7 @@
 //! Variations: the combinations of values that a scenario is run for.
 
-use super::{PlanError, Variables, derive_seed, sampling};
+use super::{PlanError, Variables, sampling};
+use crate::numbers::random::derive_seed;
 use crate::scenario::{Assignment, DistributionError, Samples, Scenario, Variation};
 
 /// Per run of a variation the values of its names.

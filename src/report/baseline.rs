@@ -6,8 +6,8 @@ use super::format::{count, quantity, share};
 use crate::escape::markdown;
 use crate::judge::baseline::{Baseline, RecordedMetric, RecordedTrial, pair};
 use crate::judge::gate::vehicle_changes;
-use crate::judge::statistics::mean;
 use crate::metrics::{self, MetricKind};
+use crate::numbers::summary::mean;
 
 const STRING: &str = "writing to a string cannot fail";
 

@@ -40,7 +40,7 @@ fn junit_has_an_error_for_each_and_one_for_the_suite() {
 fn json_names_who_cut_it_off() {
     let session = Session::new();
     let mut text = Vec::new();
-    write_json(&[session.interrupted()], &session.requests, &mut text).unwrap();
+    write_json(&session.results(session.interrupted()), &mut text).unwrap();
     let value: serde_json::Value = serde_json::from_slice(&text).unwrap();
     let schema = serde_json::from_str(include_str!("../../docs/results.schema.json")).unwrap();
     assert_eq!(violations(&schema, &value), [""; 0]);

@@ -148,7 +148,7 @@ fn change(difference: Option<&Difference>, unit: &Unit) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::judge::statistics::Interval;
+    use crate::numbers::inference::Interval;
     use crate::report::fixture::evaluation;
 
     #[test]

@@ -6,8 +6,8 @@ mod trials;
 
 use crate::results::{
     BlockReport, BlockResult, BlockState, Critical, Cut, Outcome, Reason, Recorded, RecordedReport,
-    RecordedState, Requests, Rerun, RunsTaken as Stopped, Skip, Stopping, SuiteIdentity, SuiteReport,
-    TrialReport, TrialState, TrialVerdict, Vacuity, Verdict,
+    RecordedState, Requests, Rerun, Results, RunsTaken as Stopped, Skip, Stopping, SuiteIdentity,
+    SuiteReport, TrialReport, TrialState, TrialVerdict, Vacuity, Verdict, choose_runs,
 };
 use std::sync::Arc;
 use std::time::{Duration, SystemTime};
@@ -227,6 +227,12 @@ impl Session {
             reports.push(BlockReport { block, key, state, wall_time: Duration::from_millis(750) });
         }
         reports
+    }
+
+    /// A report with the courses of its runs, as a session hands it on.
+    pub fn results(&self, report: SuiteReport) -> Results {
+        let recordings = self.record(choose_runs(&report));
+        Results { requests: self.requests.clone(), suites: vec![report], recordings }
     }
 
     /// Every trial a hundred times over.

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::columns::columns;
 use super::experiment::{WITHOUT_VALUE, short};
-use crate::judge::statistics::quantile;
+use crate::numbers::summary::quantile;
 use crate::optimise::Value;
 use crate::results::{Found, SearchResult};
 use crate::scenario::{Goal, ShownIn};

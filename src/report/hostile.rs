@@ -1,7 +1,7 @@
 //! Every format with names, files, words and messages of people who wish us ill: their readers read what was said and obey
 //! nothing.
 
-use crate::results::{SuiteReport, TrialReport, UnitReport};
+use crate::results::{SuiteReport, TrialReport, UnitReport, choose_runs};
 use std::collections::BTreeSet;
 use std::path::Path;
 
@@ -13,9 +13,7 @@ use quick_xml::events::Event as Xml;
 use super::fixture::Session;
 use super::junit::tests::junit;
 use super::tap::tests::tap;
-use super::{
-    Repository, annotations, choose_runs, explain, render_gates, render_tables, step_summary, to_html,
-};
+use super::{Repository, annotations, explain, render_gates, render_tables, step_summary, to_html};
 use crate::escape::{hostile, terminal, terminal_styled, xml_line};
 
 fn is_safe(letter: char) -> bool {

@@ -1,5 +1,6 @@
 //! What became of a block.
 
+use crate::results::Verdict;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -8,7 +9,6 @@ use serde::{Deserialize, Serialize};
 use super::cut::Cut;
 use super::skip::Skip;
 use super::standing::Standing;
-use super::verdict::Verdict;
 use super::{EvaluateResult, SearchResult, StatementResult, TuneResult};
 use crate::scenario::Block;
 

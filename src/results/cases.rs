@@ -1,9 +1,10 @@
 //! Cases that a block found or ran, with what came of them.
 
+use crate::numbers::json;
 use serde::{Deserialize, Serialize};
 
 use super::outcome::Outcome;
-use crate::scenario::{Assignment, Individual, Target, Value, number};
+use crate::scenario::{Assignment, Individual, Target, Value};
 
 /// Cases with a name.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -25,7 +26,7 @@ pub struct SavedCase {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub settings: Vec<(Target, Value)>,
     pub individuals: Vec<Individual>,
-    #[serde(with = "number::whole")]
+    #[serde(with = "json::whole")]
     pub seed: u64,
     /// What the search minimised or maximised, as observed in the run.
     pub value: Option<f64>,

@@ -1,10 +1,11 @@
 //! What was found of one criterion of a trial.
 
+use crate::numbers::json;
+use crate::results::Verdict;
 use serde::{Deserialize, Serialize};
 
 use super::outcome::Critical;
-use super::verdict::Verdict;
-use crate::scenario::{Origin, People, number};
+use crate::scenario::{Origin, People};
 
 /// One criterion's verdict and what it rests on.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -24,15 +25,15 @@ pub struct Finding {
     /// Runs that the horizon ended before the metric was decided: each counts as the worst that it could still have come to.
     pub cut_off: usize,
     /// The aggregate's value or the share of runs; `None` if no run gives one. Infinite where runs that have none decide.
-    #[serde(with = "number::extended")]
+    #[serde(with = "json::extended")]
     pub observed: Option<f64>,
     /// What it was compared to.
     pub bound: f64,
     /// Signed distance from failing in the unit of what was compared; negative when failing.
-    #[serde(with = "number::extended")]
+    #[serde(with = "json::extended")]
     pub margin: Option<f64>,
     /// Bounds on the estimate, each by itself at the stated confidence.
-    #[serde(with = "number::interval")]
+    #[serde(with = "json::interval")]
     pub interval: Option<(f64, f64)>,
     /// The stated confidence (0..1).
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -87,7 +88,7 @@ pub struct WorstRun {
     pub value: Option<f64>,
     /// Signed distance of the value from speaking against the criterion, in the metric's unit; negative where it does.
     /// `None` where there is no distance: of flags, words, and values that do not exist.
-    #[serde(with = "number::extended")]
+    #[serde(with = "json::extended")]
     pub margin: Option<f64>,
     /// Whether the horizon ended the run before the metric was decided; the value is then that of what was seen so far.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]

@@ -1,13 +1,14 @@
 //! What became of a gate, and its comparisons.
 
+use crate::numbers::json;
+use crate::results::Verdict;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::standing::Standing;
-use super::verdict::Verdict;
-use crate::scenario::{Gate, number};
+use crate::scenario::Gate;
 
 /// What became of a gate.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -155,7 +156,7 @@ pub struct Check {
     pub base: f64,
     pub candidate: f64,
     /// Where `candidate - base` lies at the stated confidence; ends may be infinite (`null` in JSON).
-    #[serde(with = "number::interval")]
+    #[serde(with = "json::interval")]
     pub interval: Option<(f64, f64)>,
     pub confidence: f64,
     /// How much worse is tolerated, in the metric's unit or as a share of runs.

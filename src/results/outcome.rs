@@ -1,5 +1,6 @@
 //! What one run came to.
 
+use crate::numbers::json;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -7,14 +8,14 @@ use serde::{Deserialize, Serialize};
 
 use super::requests::Requests;
 use crate::metrics::{Open, Presence};
-use crate::scenario::{Criterion, Individual, number};
+use crate::scenario::{Criterion, Individual};
 use crate::sim::Ending;
 
 /// The result of one case.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Outcome {
     pub key: String,
-    #[serde(with = "number::whole")]
+    #[serde(with = "json::whole")]
     pub seed: u64,
     pub individuals: Vec<Individual>,
     pub ending: Ending,
@@ -31,7 +32,7 @@ pub struct Outcome {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cut_off: Option<Box<CutOff>>,
     /// See [`crate::sim::Fingerprint`].
-    #[serde(with = "number::hexadecimal")]
+    #[serde(with = "json::hexadecimal")]
     pub fingerprint: u64,
     pub wall_time: Duration,
 }

@@ -1,5 +1,7 @@
 //! What became of runs that failed before and were run again.
 
+use crate::numbers::json;
+use crate::results::Verdict;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -10,8 +12,7 @@ use super::outcome::Outcome;
 use super::skip::Skip;
 use super::standing::Standing;
 use super::trial::{TrialState, TrialVerdict};
-use super::verdict::Verdict;
-use crate::scenario::{Assignment, number};
+use crate::scenario::Assignment;
 
 /// What is kept of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -20,16 +21,16 @@ pub struct Recorded {
     pub key: String,
     pub scenario: String,
     /// The seed of the run.
-    #[serde(with = "number::whole")]
+    #[serde(with = "json::whole")]
     pub seed: u64,
     pub variation: Vec<Assignment>,
     /// Pedestrian, number and population of each person.
     pub people: Vec<(String, u32, String)>,
     /// Hash over everything that decides the run.
-    #[serde(with = "number::hexadecimal")]
+    #[serde(with = "json::hexadecimal")]
     pub case: u64,
     /// The run's fingerprint.
-    #[serde(with = "number::hexadecimal")]
+    #[serde(with = "json::hexadecimal")]
     pub fingerprint: u64,
     /// What it spoke against, such as `no collision: collision yes`.
     pub against: Vec<String>,

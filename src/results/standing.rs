@@ -1,7 +1,7 @@
 //! How a unit stands, whatever its kind.
 
 use super::cut::CutBy;
-use super::verdict::Verdict;
+use crate::results::Verdict;
 
 /// How a unit stands, whatever its kind. The order is from good to bad.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

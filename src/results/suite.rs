@@ -1,5 +1,6 @@
 //! What became of a suite.
 
+use crate::numbers::json;
 use std::path::Path;
 use std::time::{Duration, SystemTime};
 
@@ -10,7 +11,6 @@ use super::gate::GateReport;
 use super::recorded::RecordedReport;
 use super::standing::Standing;
 use super::trial::TrialReport;
-use crate::scenario::number;
 
 /// Which suite was run, and how to run it again.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -18,7 +18,7 @@ pub struct SuiteIdentity {
     pub suite: String,
     /// The file that was run, as the user named it.
     pub file: String,
-    #[serde(with = "number::whole")]
+    #[serde(with = "json::whole")]
     pub seed: u64,
     /// What was set on the command line: `av.speed=40km/h`.
     pub set: Vec<String>,

@@ -2,9 +2,9 @@
 
 use thiserror::Error;
 
+use crate::numbers::random::ranks;
 use crate::pedestrian::{self, PedestrianContext};
 use crate::scenario::World;
-use crate::sim::random::ranks;
 use crate::sim::{Driven, ModelError, RoadUsers};
 use crate::vehicle::{self, ControllerContext};
 

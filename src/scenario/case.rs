@@ -1,5 +1,6 @@
 //! One concrete run: every expression evaluated, every parameter filled in.
 
+use crate::numbers::json;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
@@ -17,7 +18,7 @@ pub struct Case {
     /// The parameter sets drawn for pedestrians, in the order of the pedestrians that have one.
     pub individuals: Vec<Individual>,
     pub repetition: u32,
-    #[serde(with = "super::number::whole")]
+    #[serde(with = "json::whole")]
     pub seed: u64,
     /// Shared by all repetitions.
     pub world: Arc<World>,

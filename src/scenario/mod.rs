@@ -16,7 +16,6 @@ mod expression;
 mod gate;
 pub mod limits;
 mod notation;
-pub mod number;
 mod optimisation;
 mod road;
 mod statement;

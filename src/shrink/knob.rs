@@ -1,5 +1,6 @@
 //! What of a case can be moved, and where it is declared to be: its nominal value.
 
+use crate::numbers::summary::median_of;
 use crate::pedestrian;
 use crate::plan::{PlanError, Variables, concrete_case, variables};
 use crate::scenario::{
@@ -122,7 +123,7 @@ fn nominal(variation: &Variation, name: &str, values: &Variables) -> Option<(f64
     let index = variation.names().iter().position(|varied| varied == name)?;
     let of_list = |values: Vec<&VariedValue>| {
         let numbers: Option<Vec<f64>> = values.iter().map(|one| one.value.as_number()).collect();
-        Some((median(numbers?)?, "the middle of its values"))
+        Some((median_of(&numbers?)?, "the middle of its values"))
     };
     match variation {
         Variation::Grid { names, rows } if names.len() == 1 => {
@@ -140,12 +141,6 @@ fn nominal(variation: &Variation, name: &str, values: &Variables) -> Option<(f64
             KnownDistribution::Choice(options) => of_list(options.iter().collect()),
         },
     }
-}
-
-fn median(mut numbers: Vec<f64>) -> Option<f64> {
-    numbers.sort_by(f64::total_cmp);
-    let (low, high) = (*numbers.get(numbers.len().checked_sub(1)? / 2)?, numbers[numbers.len() / 2]);
-    Some(low + (high - low) / 2.0)
 }
 
 #[cfg(test)]

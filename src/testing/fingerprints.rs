@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use sha2::{Digest, Sha256};
 
 use crate::files;
+use crate::numbers::random::digest_bits;
 use crate::results::{Requests, UnitReport};
 
 /// Set to `overwrite`, it records the files anew.
@@ -60,9 +61,7 @@ pub fn lines<'a>(
         }
     }
     for (label, digest) in metrics {
-        let digest = digest.finalize();
-        let first = u64::from_le_bytes(std::array::from_fn(|index| digest[index]));
-        line(&mut text, &format!("metric {label}"), first);
+        line(&mut text, &format!("metric {label}"), digest_bits(digest));
     }
     Ok(text)
 }

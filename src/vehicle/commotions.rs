@@ -1,12 +1,13 @@
 //! The COMMOTIONS model as a driver: a vehicle that negotiates with pedestrians as a person at the wheel would.
 
 use super::{CommandKind, ControllerContext, ControllerModel};
+use crate::numbers::random::Stream;
 use crate::pedestrian::commotions::model::{Bodies, Person, extent};
 use crate::pedestrian::commotions::parameters::PARAMETERS;
 use crate::pedestrian::commotions::state::{Body, Control};
 use crate::pedestrian::commotions::{Agent, Conflict, Rules, Sight, State};
 use crate::scenario::{Chance, Declaration};
-use crate::sim::random::{self, Purpose, Stream};
+use crate::sim::random::{self, Purpose};
 use crate::sim::{Command, Controller, EgoState, ModelError, Observation, Schedule, SeenPedestrian};
 
 /// The registry entry.

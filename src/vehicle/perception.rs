@@ -3,8 +3,9 @@
 use nalgebra::Vector2;
 
 use super::ControllerContext;
+use crate::numbers::random::Stream;
 use crate::scenario::{Body, Chance, Declaration, Dimension, Parameter, Settings};
-use crate::sim::random::{Agent, Purpose, Stream, stream};
+use crate::sim::random::{Agent, Purpose, stream};
 use crate::sim::{Command, Controller, ModelError, Observation, Schedule, SeenPedestrian, SeenVehicle};
 
 const FREE: &str = "free choice";

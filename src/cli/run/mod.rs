@@ -1,11 +1,11 @@
 //! `scenario-runner FILES`: runs suites, reports every trial and block, writes the reports that were asked for.
 
 mod hints;
-mod output;
+pub mod output;
 mod partition;
 mod remember;
 mod select;
-mod targets;
+pub mod targets;
 mod watch;
 
 use std::collections::BTreeSet;

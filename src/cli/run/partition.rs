@@ -4,6 +4,8 @@ use std::str::FromStr;
 
 use sha2::{Digest, Sha256};
 
+use crate::numbers::random::digest_bits;
+
 /// Share `part` of `of`, counted from 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Partition {
@@ -34,8 +36,7 @@ impl Partition {
 /// The first eight bytes of the key's SHA-256, as a little-endian number. Never to be changed: machines with different
 /// versions must agree on the shares.
 fn hash(key: &str) -> u64 {
-    let digest = Sha256::digest(key);
-    u64::from_le_bytes(std::array::from_fn(|index| digest[index]))
+    digest_bits(Sha256::new().chain_update(key))
 }
 
 impl FromStr for Partition {

@@ -6,9 +6,9 @@ use super::measure::{Differences, difference, differences, sign, worse_by, worst
 use super::power::{self};
 use super::questions::{About, Place, Question, RunPair};
 use crate::judge::baseline::RecordedMetric;
-use crate::judge::statistics::{MeanChange, rate_change, rate_rise};
 use crate::metrics;
-use crate::plan::derive_seed;
+use crate::numbers::inference::{MeanChange, rate_change, rate_rise};
+use crate::numbers::random::derive_seed;
 use crate::scenario::{MetricReference, Tolerance};
 
 /// Everything but the outcome, which depends on the other comparisons.

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 
 use super::questions::{About, Question, RunPair};
 use crate::judge::baseline::TestedVehicle;
-use crate::judge::statistics::mean;
+use crate::numbers::summary::mean;
 use crate::scenario::ModelSetup;
 
 /// Which way a quantity gets worse.

@@ -9,11 +9,9 @@ mod questions;
 #[cfg(test)]
 mod tests;
 
-use crate::results::{BlindPlace, Check, CheckOutcome, GateVerdict, Power, Verdict};
-
 use super::baseline::{Baseline, Incompatible, Pairing, pair};
-use super::statistics::holm;
-
+use crate::numbers::inference::holm;
+use crate::results::{BlindPlace, Check, CheckOutcome, GateVerdict, Power, Verdict};
 use crate::scenario::{Gate, GateRule, MetricReference, Settings, Tolerance};
 
 pub use measure::vehicle_changes;

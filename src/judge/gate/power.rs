@@ -2,8 +2,9 @@
 
 use crate::results::Power;
 
-use crate::judge::statistics::{MeanChange, beta_quantile, rate_rise, student_quantile};
-use crate::sim::random::normal_quantile;
+use crate::numbers::distributions::normal;
+use crate::numbers::distributions::{beta_quantile, student_quantile};
+use crate::numbers::inference::{MeanChange, rate_rise};
 
 /// How often it must be caught to count.
 pub const OFTEN: f64 = 0.8;
@@ -22,7 +23,7 @@ pub fn of_mean(change: &MeanChange, tolerance: f64, level: f64) -> Power {
     }
     let error = change.error();
     if error > 0.0 {
-        let reach = student_quantile(1.0 - level, (change.pairs() - 1) as f64) + normal_quantile(OFTEN);
+        let reach = student_quantile(1.0 - level, (change.pairs() - 1) as f64) + normal::quantile(OFTEN);
         return Power::Shift(tolerance + reach * error);
     }
     Power::Share(share_for(needed, change.pairs()))
@@ -54,7 +55,7 @@ fn share_for(least: usize, pairs: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::judge::statistics::binomial_at_least;
+    use crate::numbers::distributions::binomial_at_least;
 
     #[test]
     fn pairs_that_a_comparison_needs() {

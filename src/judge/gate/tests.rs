@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 
 use super::*;
 use crate::judge::baseline::{Part, Parts, RecordedMetric, RecordedTrial};
+use crate::numbers::random::Stream;
 use crate::scenario::{MetricReference, Settings};
-use crate::sim::random::Stream;
 
 /// One trial: key, scenario, whether it is certain, labels of its runs.
 struct Trial {

@@ -6,13 +6,11 @@
 #[cfg(test)]
 mod tests;
 
-use crate::results::{Finding, Outcome, Reason, Requests, RunsTaken, TrialVerdict, Verdict};
-
 use super::confidence::Bounds;
 use super::criteria::{Evidence, bounded_above, find};
 use super::seen::Seen;
-use super::statistics::{ConfidenceSequence, Decision, MeanWatch, Unit};
-
+use crate::numbers::inference::{ConfidenceSequence, Decision, MeanWatch, Unit};
+use crate::results::{Finding, Outcome, Reason, Requests, RunsTaken, TrialVerdict, Verdict};
 use crate::scenario::{
     Aggregate, Claim, Comparison, Criterion, Relation, Rounds, Trial, WhenUndefined, constant,
 };

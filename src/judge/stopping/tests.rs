@@ -1,8 +1,8 @@
 //! When trials have enough runs, over made-up outcomes.
 
 use super::*;
+use crate::numbers::random::Stream;
 use crate::scenario::{Expression, MetricReference, Origin, Reach, Settings};
-use crate::sim::random::Stream;
 use crate::sim::{Ending, StopReason};
 use std::time::Duration;
 

@@ -90,7 +90,8 @@ impl Dataset {
         self.noise[i].shared * noise + self.noise[i].known
     }
 
-    /// Variance of the noise of one more evaluation when the fitted one is `noise`; where every datum's is known, their median.
+    /// Variance of the noise of one more evaluation when the fitted one is `noise`; where every datum's is known, the middle
+    /// one of them (of two, the larger: rather more noise than less).
     pub(crate) fn noise_of_another(&self, noise: f64) -> f64 {
         let shared = self.noise.iter().map(|datum| datum.shared).fold(0.0, f64::max);
         if shared > 0.0 {

@@ -1,5 +1,6 @@
 //! Output scaling: mean and standard deviation for well-behaved values, median and absolute deviation when there are outliers.
 
+use crate::numbers::summary::median_of;
 use serde::{Deserialize, Serialize};
 
 /// Robust z-score past which a value counts as an outlier.
@@ -39,17 +40,17 @@ impl Standardisation {
         if outliers == Outliers::Keep {
             return usual;
         }
-        let mut sorted = values.to_vec();
-        let centre = median(&mut sorted);
-        let mut deviations: Vec<f64> = values.iter().map(|value| (value - centre).abs()).collect();
-        let mut scale = NORMAL_CONSISTENCY * median(&mut deviations);
+        let median = |values: &[f64]| median_of(values).unwrap_or(0.0);
+        let centre = median(values);
+        let deviations: Vec<f64> = values.iter().map(|value| (value - centre).abs()).collect();
+        let mut scale = NORMAL_CONSISTENCY * median(&deviations);
         if scale <= 0.0 {
             // More than half the values are equal: the typical size of the others' deviations.
-            let mut others: Vec<f64> = deviations.into_iter().filter(|&deviation| deviation > 0.0).collect();
+            let others: Vec<f64> = deviations.into_iter().filter(|&deviation| deviation > 0.0).collect();
             if others.is_empty() {
                 return usual;
             }
-            scale = median(&mut others);
+            scale = median(&others);
         }
         let worst = values.iter().map(|value| match outliers {
             Outliers::CompressBoth => (value - centre).abs(),
@@ -97,16 +98,6 @@ impl Standardisation {
             Outliers::CompressBoth => expanded(z.abs()).copysign(z),
         };
         self.centre + self.scale * z
-    }
-}
-
-/// The median; 0 of nothing. Sorts its argument.
-fn median(values: &mut [f64]) -> f64 {
-    values.sort_by(f64::total_cmp);
-    match values.len() {
-        0 => 0.0,
-        n if n % 2 == 1 => values[n / 2],
-        n => 0.5 * values[n / 2 - 1] + 0.5 * values[n / 2],
     }
 }
 

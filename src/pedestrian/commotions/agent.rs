@@ -322,7 +322,7 @@ mod tests {
     use super::super::draws::RecordedDraws;
     use super::super::meeting::{PEDESTRIAN, VEHICLE};
     use super::*;
-    use crate::sim::random::Stream;
+    use crate::numbers::random::Stream;
 
     const DT: f64 = 0.025;
 

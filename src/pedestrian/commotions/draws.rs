@@ -81,7 +81,7 @@ impl StandardNormals for RecordedDraws<'_> {
     }
 }
 
-impl StandardNormals for crate::sim::random::Stream {
+impl StandardNormals for crate::numbers::random::Stream {
     fn next_normal(&mut self) -> f64 {
         self.normal()
     }

@@ -12,7 +12,8 @@ use serde::{Deserialize, Serialize};
 use super::meeting::{Driver, Meeting, PEDESTRIAN, VEHICLE};
 use super::parameters::Parameters;
 use super::variant::{Variant, VariantError};
-use crate::plan::derive_seed;
+use crate::numbers::random::derive_seed;
+use crate::numbers::summary::median;
 
 /// When the first car has passed and the pedestrian may enter (s).
 const FIRST_CAR_PASSES: f64 = 3.0;
@@ -203,16 +204,6 @@ impl Reference {
     fn median_of(&self, runs: &ReferenceRuns) -> Option<f64> {
         let middle = self.quantile_levels.iter().position(|&level| level == 0.5)?;
         runs.quantiles.as_ref()?.get(middle).copied()
-    }
-}
-
-/// The middle of sorted values.
-fn median(sorted: &[f64]) -> Option<f64> {
-    let middle = sorted.len() / 2;
-    match sorted.len() {
-        0 => None,
-        n if n % 2 == 1 => Some(sorted[middle]),
-        _ => Some((sorted[middle - 1] + sorted[middle]) / 2.0),
     }
 }
 

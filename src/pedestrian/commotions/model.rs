@@ -4,9 +4,10 @@ use super::agent::{Agent, Conflict, Rules, Sight};
 use super::parameters::{PARAMETERS, Parameters};
 use super::state::{Body, Control, State};
 use super::variant::{Accumulation, Variant, VariantError};
+use crate::numbers::random::Stream;
 use crate::pedestrian::{PedestrianContext, PedestrianModel};
 use crate::scenario::{Chance, Declaration, Dimension, Road, Settings, Shape, VehicleReference, show_both};
-use crate::sim::random::{self, Purpose, Stream};
+use crate::sim::random::{self, Purpose};
 use crate::sim::{ModelError, Motion, Pedestrian, Scene, VehicleState};
 
 /// The registry entry.

@@ -205,7 +205,7 @@ mod tests {
     #[test]
     fn the_filter_learns_distance_and_speed_under_constant_noise() {
         let mut senses = senses("oVAoSNcoPF", |p| p.distance_noise = 1.0);
-        let mut draws = crate::sim::random::Stream::seeded(5);
+        let mut draws = crate::numbers::random::Stream::seeded(5);
         let mut percept = Percept::default();
         for k in 0..240 {
             percept = senses.perceive(3.0, 60.0 - 10.0 * 0.025 * f64::from(k), 10.0, &mut draws);

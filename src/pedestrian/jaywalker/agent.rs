@@ -6,9 +6,9 @@ use super::declaration::{Triggers, Walking};
 use super::forces::{Retreat, Stop, Yang, clipped, destination};
 use super::gap::{GapModel, Opportunity};
 use super::perception::{Encounter, Perception};
+use crate::numbers::random::Stream;
 use crate::pedestrian::sum_in_any_order;
 use crate::scenario::{Settings, Side};
-use crate::sim::random::Stream;
 use crate::sim::{Motion, Pedestrian, Scene, VehicleState};
 
 /// Nearer to its goal than this it has arrived, m.

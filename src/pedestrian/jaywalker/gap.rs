@@ -1,8 +1,8 @@
 //! Whether the jaywalker takes a gap: Brewer's logistic acceptance, always, or the late start that seeks a conflict.
 
 use super::declaration::Walking;
+use crate::numbers::random::Stream;
 use crate::scenario::Settings;
-use crate::sim::random::Stream;
 
 /// The tick that Brewer's acceptance probability belongs to, s.
 const REFERENCE_TICK: f64 = 0.04;

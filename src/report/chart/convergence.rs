@@ -5,7 +5,7 @@ use super::mark::Mark;
 use super::panel::{Axis, Panel, Quantity};
 use super::scale::nice_range;
 use super::slice::Tried;
-use crate::judge::statistics::quantile;
+use crate::numbers::summary::quantile;
 use crate::scenario::Goal;
 
 /// One course: every evaluation, and the best so far as a staircase.

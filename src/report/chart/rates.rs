@@ -3,7 +3,7 @@
 use super::look::{Entry, Look};
 use super::panel::{Axis, Panel, Quantity, Rule};
 use super::scale::with_room;
-use crate::judge::statistics::{Interval, wilson};
+use crate::numbers::inference::{Interval, wilson};
 
 /// A chart of rates in per cent.
 #[derive(Debug, Clone, PartialEq)]

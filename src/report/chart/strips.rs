@@ -3,7 +3,7 @@
 use super::look::First;
 use super::panel::{Axis, Panel, Quantity, Rule};
 use super::scale::nice_range;
-use crate::judge::statistics::quantile;
+use crate::numbers::summary::quantile;
 
 /// A chart of distributions: one strip per variation value or condition.
 #[derive(Debug, Clone, PartialEq)]

@@ -65,6 +65,7 @@ pub fn to_html(reports: &[SuiteReport], requests: &Requests, recordings: &[(Chos
 
 #[cfg(test)]
 mod tests {
+    use crate::results::choose_runs;
     use std::time::Duration;
 
     use super::*;

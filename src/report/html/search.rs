@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::figure::Figure;
 use super::space::{Dimension, Measured, point_text, sign};
-use crate::judge::statistics::mean;
+use crate::numbers::summary::mean;
 use crate::optimise::{StopReason, Value};
 use crate::report::chart::{
     self, Along, Convergence, Convergences, Course, Dot, Entry, First, Individuals, Look, Mark, Rule, Slice,

@@ -1,5 +1,6 @@
 //! Results as JSON, for programs. The same suite and seed give the same file on every machine, but for the times.
 
+use crate::numbers::json;
 use crate::results::{
     BlockReport, BlockState, GateReport, GateState, Horizon, Outcome, RecordedReport, RecordedState,
     Requests, SuiteReport, TrialReport, TrialState,
@@ -19,7 +20,7 @@ use crate::results::Results;
 pub use read::{ResultsError, read_results};
 
 use crate::judge::per_run;
-use crate::scenario::{Assignment, number};
+use crate::scenario::Assignment;
 
 /// Version of the layout; raised when a reader would have to change.
 ///
@@ -335,7 +336,7 @@ pub(super) fn outcome_value(outcome: &Outcome, requests: &Requests) -> Value {
 
 /// A seed, which as a number other languages might round.
 #[derive(Serialize)]
-struct Whole(#[serde(with = "number::whole")] u64);
+struct Whole(#[serde(with = "json::whole")] u64);
 
 pub(super) fn plain(value: &impl Serialize) -> Value {
     serde_json::to_value(value).expect("plain data serialises")
@@ -349,21 +350,21 @@ mod tests {
     use crate::results::{BlockResult, Conclusion};
     use crate::scenario::Standing;
 
-    fn text(report: SuiteReport, requests: &Requests) -> String {
+    fn text(results: &Results) -> String {
         let mut text = Vec::new();
-        write_json(&[report], requests, &mut text).expect("there is room");
+        write_json(results, &mut text).expect("there is room");
         String::from_utf8(text).expect("it is text")
     }
 
     fn results() -> Value {
         let session = Session::new();
-        serde_json::from_str(&text(session.report(), &session.requests)).expect("it is JSON")
+        serde_json::from_str(&text(&session.results(session.report()))).expect("it is JSON")
     }
 
     #[test]
     fn what_is_written_in_pieces_is_what_is_written_at_once() {
         let session = Session::new();
-        let text = text(session.report(), &session.requests);
+        let text = text(&session.results(session.report()));
         let value: Value = serde_json::from_str(&text).expect("it is JSON");
         assert_eq!(text, serde_json::to_string_pretty(&value).expect("plain data serialises") + "\n");
     }
@@ -384,7 +385,7 @@ mod tests {
         let TrialState::Judged(judged) = &mut report.trials[0].state else { panic!("it was judged") };
         judged.findings[0].interval = Some((f64::NEG_INFINITY, 1.5));
         judged.findings[1].interval = Some((0.5, f64::INFINITY));
-        let results: Value = serde_json::from_str(&text(report, &session.requests)).unwrap();
+        let results: Value = serde_json::from_str(&text(&session.results(report))).unwrap();
         let findings = results.pointer("/suites/0/trials/0/findings").unwrap();
         assert_eq!(
             (&findings[0]["interval"], &findings[1]["interval"]),

@@ -1,5 +1,6 @@
 //! Results read back from JSON, so that reports can be made of them later.
 
+use crate::numbers::json;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, SystemTime};
@@ -18,7 +19,7 @@ use crate::results::{
     Refusal, Requests, Results, RunsTaken, Skip, SuiteIdentity, SuiteReport, TrialReport, TrialState,
     TrialVerdict, Verdict,
 };
-use crate::scenario::{Block, Gate, Individual, Trial, number};
+use crate::scenario::{Block, Gate, Individual, Trial};
 use crate::sim::Ending;
 
 /// The largest file that is read: about a million runs.
@@ -137,14 +138,14 @@ struct TrialRecord {
 #[derive(Deserialize)]
 pub(super) struct Run {
     pub key: String,
-    #[serde(with = "number::whole")]
+    #[serde(with = "json::whole")]
     pub seed: u64,
     individuals: Vec<Individual>,
     ending: Ending,
     pub metrics: Map<String, Value>,
     #[serde(default)]
     open: std::collections::BTreeMap<String, Open>,
-    #[serde(with = "number::hexadecimal")]
+    #[serde(with = "json::hexadecimal")]
     fingerprint: u64,
     #[serde(default)]
     record: Option<RunRecord>,

@@ -10,8 +10,8 @@ use super::profile::{Profile, ProfileConstants, Stop};
 use super::site::{Ego, Site};
 use super::stop_position::{CrosswalkStop, StopConstants};
 use super::tracker::Tracker;
+use crate::numbers::random::Stream;
 use crate::scenario::Settings;
-use crate::sim::random::Stream;
 use crate::sim::{Command, Controller, Observation, Schedule};
 
 /// Slower than this the ego is not under way yet, m/s.

@@ -4,9 +4,9 @@ use std::collections::VecDeque;
 
 use nalgebra::Vector2;
 
+use crate::numbers::random::Stream;
 use crate::scenario::{Settings, Shape};
 use crate::sim::Observation;
-use crate::sim::random::Stream;
 
 /// Absorbs the rounding of differences of times, s.
 const TOLERANCE: f64 = 1e-6;

@@ -1,35 +1,7 @@
-//! Aggregates of a metric over runs, and what they say of quantiles of all runs there could be.
+//! What order statistics say of a quantile, without assumptions about the distribution.
 
-use super::distributions::{binomial_at_least, binomial_at_most};
-
-/// `None` of no values.
-pub fn mean(values: &[f64]) -> Option<f64> {
-    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
-}
-
-/// The sample standard deviation (divisor n - 1); `None` of fewer than two values.
-pub fn std(values: &[f64]) -> Option<f64> {
-    let mean = mean(values).filter(|_| values.len() > 1)?;
-    let squares: f64 = values.iter().map(|value| (value - mean) * (value - mean)).sum();
-    Some((squares / (values.len() - 1) as f64).sqrt())
-}
-
-/// The median of sorted values; `None` of none.
-pub fn median(sorted: &[f64]) -> Option<f64> {
-    quantile(sorted, 0.5)
-}
-
-/// The quantile at `level` (0..1) of sorted values, linear between order statistics; `None` of none.
-///
-/// Source: type 7 of R. J. Hyndman & Y. Fan, Am. Stat. 50, 1996.
-pub fn quantile(sorted: &[f64], level: f64) -> Option<f64> {
-    let last = sorted.len().checked_sub(1)?;
-    let place = level * last as f64;
-    let below = place.floor() as usize;
-    let (low, high) = (sorted[below], sorted[(below + 1).min(last)]);
-    // Values may be infinite, as those of runs that never got to the end.
-    Some(if low == high || place == below as f64 { low } else { low + (place - below as f64) * (high - low) })
-}
+use super::largest_true;
+use crate::numbers::distributions::{binomial_at_least, binomial_at_most};
 
 /// Bounds on the quantile at `level` of the distribution behind sorted values: two of the values themselves, without
 /// assumptions about the distribution. Each bound is wrong with probability at most (1 - `confidence`)/2, or is `None`
@@ -47,33 +19,12 @@ pub fn quantile_interval(sorted: &[f64], level: f64, confidence: f64) -> (Option
     (low.map(|k| sorted[k as usize - 1]), high.map(|k| sorted[(n - k) as usize]))
 }
 
-/// The largest of 1..=n for which something holds that holds up to it and not beyond.
-pub fn largest_true(n: u64, holds: impl Fn(u64) -> bool) -> Option<u64> {
-    let (mut below, mut above) = (0, n + 1);
-    while above - below > 1 {
-        let middle = below + (above - below) / 2;
-        if holds(middle) { below = middle } else { above = middle }
-    }
-    (below > 0).then_some(below)
-}
-
 #[cfg(test)]
 mod tests {
-    use super::super::distributions::binomial_at_most;
     use super::*;
 
     fn numbers(n: u64) -> Vec<f64> {
         (1..=n).map(|k| k as f64).collect()
-    }
-
-    #[test]
-    fn aggregates_of_few_values() {
-        assert_eq!((mean(&[]), std(&[1.0]), median(&[])), (None, None, None));
-        assert_eq!(mean(&[1.0, 2.0, 6.0]), Some(3.0));
-        assert_eq!(std(&[1.0, 3.0]), Some(2.0_f64.sqrt()));
-        assert_eq!(median(&[1.0, 2.0, 4.0, 9.0]), Some(3.0));
-        assert_eq!(quantile(&[1.0, 2.0, 3.0, 4.0, 5.0], 0.9), Some(4.6));
-        assert_eq!(quantile(&[7.0], 1.0), Some(7.0));
     }
 
     #[test]

@@ -6,10 +6,10 @@
 //! is then bounded by the limits of the metric or not at all, and that it is beyond a margin shown by exchanging alone.
 
 use super::Interval;
-use super::betting::{Unit, mean_of_bounded};
-use super::bootstrap::Estimate;
-use super::distributions::student_above;
-use crate::sim::random::Stream;
+use super::bounded_mean::{Unit, mean_of_bounded};
+use super::mean::Estimate;
+use crate::numbers::distributions::student_above;
+use crate::numbers::random::Stream;
 
 /// A probability below this, from the first resamples, is looked at again with more of them.
 const WORTH_A_CLOSER_LOOK: f64 = 0.02;

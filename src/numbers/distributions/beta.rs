@@ -1,4 +1,4 @@
-//! Tails of the binomial and of Student's distribution, and the beta distribution behind them.
+//! The beta distribution, and the tails of the binomial and of Student's distribution that follow from it.
 
 /// The regularised incomplete beta function I_x(a, b) for a, b > 0.
 ///

@@ -213,9 +213,9 @@ pub fn runs_for_mean(distance: f64, confidence: f64) -> Option<u64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::proportion::clopper_pearson;
+    use super::super::clopper_pearson;
     use super::*;
-    use crate::sim::random::Stream;
+    use crate::numbers::random::Stream;
 
     fn runs(values: &[f64]) -> Vec<Unit> {
         values.iter().map(|value| Unit::of_run(Some(*value))).collect()

@@ -1,8 +1,7 @@
 //! What a number of runs says about a share: intervals, bounds, and how many runs a claim needs.
 
 use super::Interval;
-use super::distributions::{beta_quantile, binomial_at_least};
-use crate::sim::random::normal_quantile;
+use crate::numbers::distributions::{beta_quantile, binomial_at_least, normal};
 
 /// The score interval for `successes` of `runs` (> 0): narrow and centred well, for showing; it may cover a little less
 /// than stated.
@@ -10,7 +9,7 @@ use crate::sim::random::normal_quantile;
 /// Source: E. B. Wilson, J. Am. Stat. Assoc. 22, 1927.
 pub fn wilson(successes: u64, runs: u64, confidence: f64) -> Interval {
     let (n, share) = (runs as f64, successes as f64 / runs as f64);
-    let z = normal_quantile(0.5 + confidence / 2.0);
+    let z = normal::quantile(0.5 + confidence / 2.0);
     let spread = z * z / n;
     let centre = (share + spread / 2.0) / (1.0 + spread);
     let half = z * (share * (1.0 - share) / n + spread / (4.0 * n)).sqrt() / (1.0 + spread);

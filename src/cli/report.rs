@@ -1,0 +1,61 @@
+//! `scenario-runner report`: reports of results that were written before.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::Exit;
+use super::run::{Colour, output, verdict};
+use crate::console::{stderr, stdout};
+use crate::report::{read_results, render_gates, render_tables};
+
+/// Makes reports of results that a run wrote with `--json`. Nothing is run.
+///
+/// The reports are those that the run itself would have written, byte for byte, and the exit code is the one that it
+/// earned by its verdicts. Results of version 0.1 have neither courses nor criteria, so their pages have fewer pictures;
+/// those with searches, tunes or other blocks have to be run again.
+#[derive(Debug, Args)]
+pub struct ReportArguments {
+    /// What `--json` wrote.
+    #[arg(value_name = "RESULTS")]
+    results: PathBuf,
+
+    #[command(flatten)]
+    output: output::OutputArguments,
+
+    /// When to use colours.
+    #[arg(long, value_enum, default_value_t = Colour::Auto)]
+    color: Colour,
+}
+
+pub fn report(arguments: &ReportArguments) -> Exit {
+    let path = arguments.results.to_string_lossy();
+    if let Err(complaint) = super::run::targets::check(&arguments.output.files(), &[&path]) {
+        writeln!(stderr(), "error: {complaint}");
+        writeln!(stderr(), "help: name another file; nothing was written");
+        return Exit::Usage;
+    }
+    let results = match read_results(&arguments.results) {
+        Ok(results) => results,
+        Err(error) => {
+            writeln!(stderr(), "error: cannot report {path}: {error}");
+            return Exit::Usage;
+        }
+    };
+    let colour = arguments.color.wanted(stdout());
+    for suite in &results.suites {
+        stdout().styled(&render_tables(suite, &results.requests, colour));
+    }
+    stdout().styled(&render_gates(&results.suites, colour));
+    let complaints = output::write(&arguments.output, &results);
+    for complaint in &complaints {
+        writeln!(stderr(), "error: {complaint}");
+    }
+    if results.suites.iter().any(|suite| suite.interrupted) {
+        Exit::Interrupted
+    } else if complaints.is_empty() {
+        verdict(&results.suites)
+    } else {
+        Exit::Output
+    }
+}

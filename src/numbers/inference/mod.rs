@@ -1,0 +1,50 @@
+//! Statistical inference: intervals with stated confidence, sequential decisions, paired comparisons.
+
+mod bounded_mean;
+mod comparison;
+mod mean;
+mod paired_means;
+mod paired_rates;
+mod quantile;
+mod sequential;
+mod share;
+mod trinomial;
+
+pub use bounded_mean::{MeanWatch, Unit, mean_of_bounded, runs_for_mean};
+pub use comparison::{McNemar, holm, mcnemar};
+pub use mean::{mean_interval, paired_difference};
+pub use paired_means::MeanChange;
+pub use paired_rates::{rate_change, rate_rise};
+pub use quantile::quantile_interval;
+pub use sequential::{ConfidenceSequence, Decision, Sequential, Sprt};
+pub use share::{
+    clopper_pearson, confidence_of_worst, failures_allowed, lower_bound, runs_needed, upper_bound, wilson,
+};
+
+use super::json;
+use serde::{Deserialize, Serialize};
+
+/// Where a quantity lies at a stated confidence; both ends belong to it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Interval {
+    #[serde(with = "json::low")]
+    pub low: f64,
+    #[serde(with = "json::high")]
+    pub high: f64,
+}
+
+impl Interval {
+    pub fn contains(&self, value: f64) -> bool {
+        self.low <= value && value <= self.high
+    }
+}
+
+/// The largest of 1..=n for which something holds that holds up to it and not beyond.
+fn largest_true(n: u64, holds: impl Fn(u64) -> bool) -> Option<u64> {
+    let (mut below, mut above) = (0, n + 1);
+    while above - below > 1 {
+        let middle = below + (above - below) / 2;
+        if holds(middle) { below = middle } else { above = middle }
+    }
+    (below > 0).then_some(below)
+}
