@@ -511,7 +511,7 @@ fn values(metric: &MetricReference, outcomes: &[Outcome], requests: &Requests) -
 }
 
 /// `None` where the aggregate does not exist: of no values, or the spread of one.
-fn aggregate_of(aggregate: &Aggregate, mut values: Vec<f64>) -> Option<f64> {
+pub(super) fn aggregate_of(aggregate: &Aggregate, mut values: Vec<f64>) -> Option<f64> {
     // Sorted, so that sums do not depend on the order of the runs.
     values.sort_by(f64::total_cmp);
     match aggregate {

@@ -9,7 +9,7 @@ use super::criteria::Finding;
 use super::vacuity::Vacuity;
 use super::verdict::Verdict;
 use crate::metrics::{self, Scope, Worst};
-use crate::run::{CutOff, OnCourse, Outcome};
+use crate::run::{OnCourse, Outcome};
 use crate::scenario::{Claim, Criterion, MetricReference, Relation, WhenUndefined};
 use crate::sim::StopReason;
 
@@ -96,13 +96,19 @@ pub(super) fn mark(findings: &mut [Finding], criteria: &[Criterion], outcomes: &
     }
 }
 
-/// In how many runs the end of what a metric measures was not seen: somebody whom it is about was on a collision course, or
-/// could still be met and it is an extreme of what was seen so far.
+/// In how many runs the end of what a metric measures was not seen.
 pub fn cut_off_runs<'o>(
     reference: &MetricReference,
     outcomes: impl IntoIterator<Item = &'o Outcome>,
 ) -> usize {
-    let Some(metric) = metrics::metric(&reference.name) else { return 0 };
+    outcomes.into_iter().filter(|outcome| cut_off_of(reference, outcome)).count()
+}
+
+/// Whether the end of what a metric measures was not seen: somebody whom it is about was on a collision course, or could still
+/// be met and it is an extreme of what was seen so far.
+pub(super) fn cut_off_of(reference: &MetricReference, outcome: &Outcome) -> bool {
+    let Some(cut_off) = &outcome.cut_off else { return false };
+    let Some(metric) = metrics::metric(&reference.name) else { return false };
     let is_extreme = EXTREMES.contains(&reference.name.as_str());
     let of_vehicle = metric.scope == Scope::Vehicle;
     let meets = matches!(metric.scope, Scope::Pair | Scope::Contact) || (of_vehicle && is_extreme);
@@ -112,14 +118,11 @@ pub fn cut_off_runs<'o>(
                 || (car == two && (of_vehicle || other == one))
         })
     };
-    let concerned = |cut_off: &CutOff| {
-        let mut courses = cut_off.on_course.iter();
-        let mut unfinished = cut_off.unfinished.iter();
-        courses.any(|pair| concerns(&pair.vehicle, &pair.with))
-            || (is_extreme && unfinished.any(|pair| concerns(&pair.vehicle, &pair.pedestrian)))
-    };
-    let cut_off = outcomes.into_iter().filter_map(|outcome| outcome.cut_off.as_ref());
-    if meets { cut_off.filter(|cut_off| concerned(cut_off)).count() } else { 0 }
+    let mut courses = cut_off.on_course.iter();
+    let mut unfinished = cut_off.unfinished.iter();
+    meets
+        && (courses.any(|pair| concerns(&pair.vehicle, &pair.with))
+            || (is_extreme && unfinished.any(|pair| concerns(&pair.vehicle, &pair.pedestrian))))
 }
 
 /// Whether a claim that every run has an extreme beyond a bound stays true whatever comes: extremes only grow.
@@ -145,7 +148,7 @@ mod tests {
     use super::*;
     use crate::judge::judge;
     use crate::metrics::Open;
-    use crate::run::Requests;
+    use crate::run::{CutOff, Requests};
     use crate::scenario::{Aggregate, Comparison, Origin, Settings};
     use crate::sim::Ending;
     use std::time::Duration;
