@@ -51,6 +51,10 @@ pub struct Regarding {
     pub people: usize,
 }
 
+fn is_none(runs: &usize) -> bool {
+    *runs == 0
+}
+
 /// One criterion's verdict and what it rests on.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Finding {
@@ -68,6 +72,10 @@ pub struct Finding {
     pub undefined: usize,
     /// Runs that the horizon ended before the metric was decided: each counts as the worst that it could still have come to.
     pub cut_off: usize,
+    /// Runs that ended, by the horizon or another's contact, before what the metric is about was over, so that an extreme of what
+    /// was seen so far may have got worse.
+    #[serde(skip_serializing_if = "is_none")]
+    pub unseen: usize,
     /// The aggregate's value or the share of runs; `None` if no run gives one. Infinite where runs that have none decide.
     pub observed: Option<f64>,
     /// What it was compared to.
@@ -475,6 +483,7 @@ fn against(
         holding: held.count,
         undefined: held.undefined(),
         cut_off: held.cut_off(),
+        unseen: 0,
         observed,
         bound,
         margin: observed.and_then(|value| relation.margin(value, bound)),

@@ -79,18 +79,18 @@ const EXTREMES: [&str; 9] = [
     "rms_jerk",
 ];
 
-/// Marks the findings that passed although runs ended, by the horizon or by somebody else's contact, before all that they are
-/// about was over: the end was not seen.
+/// Says of each finding in how many runs the end of what it is about was not seen, because the horizon or somebody else's contact
+/// ended them, and marks those that passed although there are any.
 pub(super) fn mark(findings: &mut [Finding], criteria: &[Criterion], outcomes: &[Outcome]) {
     if outcomes.iter().all(|outcome| outcome.cut_off.is_none()) {
         return;
     }
     for (finding, criterion) in findings.iter_mut().zip(criteria) {
-        if finding.verdict == Verdict::Passed
-            && finding.vacuous.is_none()
-            && !stays_so(&criterion.claim)
-            && cut_off_runs(criterion.claim.metric(), outcomes) > 0
-        {
+        if stays_so(&criterion.claim) {
+            continue;
+        }
+        finding.unseen = cut_off_runs(criterion.claim.metric(), outcomes);
+        if finding.unseen > 0 && finding.verdict == Verdict::Passed && finding.vacuous.is_none() {
             finding.vacuous = Some(Vacuity::CutOff);
         }
     }

@@ -6,7 +6,7 @@ use super::excerpt::Excerpt;
 use super::format::share;
 use super::replay::{block_command, replay_command};
 use super::table::paint;
-use super::wording::{metric_value, run_in_words, run_value, stopping, whom};
+use super::wording::{metric_value, run_in_words, run_value, stopping, unseen, whom};
 use super::{BlockReport, BlockState, CutBy, SuiteIdentity, TrialState, UnitReport};
 use crate::escape::terminal;
 use crate::judge::{Finding, Measure, Verdict};
@@ -77,6 +77,9 @@ pub(super) fn render_finding(suite: &SuiteIdentity, finding: &Finding, colour: b
             "{} of {} runs ended before `{}` was decided; each counts as the worst that could still have come",
             finding.cut_off, finding.runs, finding.metric
         ));
+    }
+    if finding.unseen > 0 {
+        notes.push(format!("{}: what would have come is not in it", unseen(finding)));
     }
     notes.extend(bounds(finding));
     let runs = finding.worst.iter().chain(&finding.closest);
@@ -192,6 +195,7 @@ mod tests {
             holding: 356,
             undefined: 4,
             cut_off: 40,
+            unseen: 0,
             observed: Some(2.41),
             bound: 2.0,
             margin: Some(-0.41),
