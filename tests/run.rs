@@ -355,6 +355,33 @@ fn what_was_not_begun_is_run_with_what_failed() {
     assert_eq!(names_in(&place, &["mixed.suite", "--last-failed", "--list"]).len(), 3);
 }
 
+/// A name that a flipped bit changed would be a failure that is forgotten.
+#[test]
+fn a_damaged_memory_of_what_failed_runs_everything() {
+    let place = Place::new("");
+    let scenarios = format!("\"{}\", \"{}\"", shipped("unsafe/stands_in_lane"), shipped("zebra/scripted"));
+    place.write("mixed.suite", &format!("suite mixed {{ scenarios {scenarios} }}"));
+    let all = names_in(&place, &["mixed.suite", "--list"]);
+    place.run(&["mixed.suite"]);
+    let memory = place.path(".scenario-runner/last-run.json");
+    let good = fs::read_to_string(&memory).unwrap();
+    assert_eq!(names_in(&place, &["mixed.suite", "--last-failed", "--list"]).len(), 3);
+    let cut = &good[..good.len() / 2];
+    for damaged in
+        [&*good.replacen("tta=4s", "tta=5s", 1), &*good.replacen("\"failed\"", "\"fa1led\"", 1), cut, ""]
+    {
+        fs::write(&memory, damaged).unwrap();
+        let listed = place.run(&["mixed.suite", "--last-failed", "--list"]);
+        let said = "what failed when it was last run cannot be read, or is damaged: all of it is run";
+        assert!(stderr(&listed).contains(said), "{}", stderr(&listed));
+        assert_eq!(stdout(&listed).lines().count(), all.len(), "{}", stdout(&listed));
+    }
+    // One of an earlier version has no checksum.
+    let before: Vec<&str> = good.lines().filter(|line| !line.contains("\"crc\"")).collect();
+    fs::write(&memory, before.join("\n").replace("},\n}", "}\n}")).unwrap();
+    assert_eq!(names_in(&place, &["mixed.suite", "--last-failed", "--list"]).len(), 3);
+}
+
 #[cfg(unix)]
 mod interrupts {
     use std::io::{BufRead, BufReader, Read};

@@ -420,16 +420,24 @@ fn a_commotions_driver_minds_those_who_matter_and_nobody_else() {
     }
 }
 
-/// People who walk over a zebra by a script, one after the other, before a COMMOTIONS driver.
-fn stream_of_people(driver: &Settings, first: f64, headway: f64) -> World {
-    let script = |k: i32| {
-        let delay = Value::Number(0.5 + headway * f64::from(k));
-        model("scripted", &Settings::from([("speed", Value::Number(1.3)), ("delay", delay)]))
+/// Somebody who walks by a script before a COMMOTIONS driver: how fast (m/s), after how long (s) and from where (m).
+type Crosser = (f64, f64, f64);
+
+/// When somebody at 1.3 m/s sets off, s; one after the other.
+fn one_after_the_other(headway: f64) -> Vec<Crosser> {
+    (0..8).map(|k| (1.3, 0.5 + headway * f64::from(k), -4.0)).collect()
+}
+
+/// A COMMOTIONS driver so many seconds before people who walk by a script: they neither look nor give way.
+fn before_people(driver: &Settings, first: f64, kind: CrossingKind, people: &[Crosser]) -> World {
+    let walker = |(k, &(speed, delay, from)): (usize, &Crosser)| {
+        let given = [("speed", Value::Number(speed)), ("delay", Value::Number(delay))];
+        street::walker(&format!("walker{k}"), model("scripted", &Settings::from(given)), from, 8.0)
     };
-    let people = (0..8).map(|k| street::walker(&format!("walker{k}"), script(k), -4.0, 8.0)).collect();
     let mut av = car("av", 0, SPEED, at(first * SPEED));
     av.controller = controller("commotions", driver);
-    let mut world = street(SPEED, vec![av], people);
+    let mut world = street(SPEED, vec![av], people.iter().enumerate().map(walker).collect());
+    world.road.crossing.kind = kind;
     world.horizon = 40.0;
     world
 }
@@ -437,8 +445,42 @@ fn stream_of_people(driver: &Settings, first: f64, headway: f64) -> World {
 #[test]
 fn a_commotions_driver_touches_nobody_of_a_stream_of_people_who_have_priority() {
     for (first, headway) in [(4.0, 2.0), (6.0, 2.0), (6.0, 3.0), (8.0, 5.0)] {
-        let stream = runs(200, |driver| stream_of_people(&driver, first, headway));
+        let people = one_after_the_other(headway);
+        let stream = runs(200, |driver| before_people(&driver, first, CrossingKind::Zebra, &people));
         assert!(stream.iter().all(|course| !course.hit()), "{first} and {headway} s");
+    }
+}
+
+/// On an unmarked road the model expects people to give way, and these do not: the measure is what it makes of one of them.
+/// A driver who has given way to one is late for the next, so that this is one who comes at any time.
+#[test]
+fn before_a_commotions_driver_a_stream_of_people_is_no_more_dangerous_than_the_worst_of_them_alone() {
+    let hits = |first: f64, people: &[Crosser]| -> Vec<f64> {
+        let courses = runs(200, |driver| before_people(&driver, first, CrossingKind::Unmarked, people));
+        courses.iter().map(|course| f64::from(u8::from(course.hit()))).collect()
+    };
+    let count = |hits: &[f64]| hits.iter().sum::<f64>();
+    // The same drivers in both, so that differences are those of pairs.
+    let assert_no_more = |what: &str, stream: &[f64], alone: &[f64]| {
+        let more: Vec<f64> = stream.iter().zip(alone).map(|(stream, alone)| stream - alone).collect();
+        let (more, error) = mean(&more);
+        println!("{what}: {} contacts of 200 in a stream, {} alone", count(stream), count(alone));
+        assert!(more <= 3.0 * error, "{what}: {more} ± {error}");
+    };
+    for first in [4.0, 6.0] {
+        let timings = (0..10).map(|half| hits(first, &[(1.3, first - 4.0 + 0.5 * f64::from(half), -4.0)]));
+        let worst = timings.max_by(|one, other| count(one).total_cmp(&count(other))).unwrap();
+        assert!(count(&worst) > 100.0, "at the worst moment few brake for somebody who does not");
+        for headway in [1.5, 2.0, 3.0, 4.0, 5.0] {
+            let stream = hits(first, &one_after_the_other(headway));
+            assert_no_more(&format!("{first} s, every {headway} s"), &stream, &worst);
+        }
+        // At 2 s each steps into the way as the one before leaves it: as one who takes 16 s for it, from the same moment on.
+        let slow = 2.6 / 16.0;
+        let enters = 0.5 + 2.7 / 1.3;
+        let alone = hits(first, &[(slow, 0.0, -1.3 - slow * enters)]);
+        let stream = hits(first, &one_after_the_other(2.0));
+        assert_no_more(&format!("{first} s, somebody in the way for 16 s"), &stream, &alone);
     }
 }
 

@@ -223,6 +223,14 @@ fn what_passed_without_being_put_to_the_test_is_warned_of() {
     // Braking may have been still to come.
     assert_eq!(trial()["findings"][1]["vacuous"], json!("cut_off"));
 
+    // Some builds must not rest on that.
+    let denied = scenario_runner(folder.path(), &["walk.scn", "--deny", "untested"]);
+    assert_eq!(denied.status.code(), Some(102));
+    let said_so = "in 1 trial criteria passed untested, which `--deny untested` does not count as passed";
+    let errors = String::from_utf8_lossy(&denied.stderr);
+    assert!(errors.contains(said_so), "{errors}");
+    assert_eq!(scenario_runner(folder.path(), &["walk.scn", "--deny", "all"]).status.code(), Some(2));
+
     // A criterion that is stated twice is one.
     walk(folder.path(), "horizon 1 s; repeat 3; expect { no collision; no collision }");
     let output = scenario_runner(folder.path(), &["walk.scn"]);
@@ -235,6 +243,21 @@ fn what_passed_without_being_put_to_the_test_is_warned_of() {
     assert!(!stdout(&output).contains("no pedestrian came"), "{}", stdout(&output));
     walk(folder.path(), "expect { no collision }");
     assert_eq!(vacuous(&trial()), Value::Null);
+    assert_eq!(scenario_runner(folder.path(), &["walk.scn", "--deny", "untested"]).status.code(), Some(0));
+    // What failed stays so.
+    walk(folder.path(), "horizon 1 s; expect { no collision; min_distance >= 1000 m }");
+    let failed = scenario_runner(folder.path(), &["walk.scn", "--deny", "untested"]);
+    assert_eq!(failed.status.code(), Some(100));
+
+    // How many runs were cut off is said of counts as of everything else, passed or not.
+    walk(
+        folder.path(),
+        "horizon 1 s; repeat 3; expect { count(collision) <= 1; count(min_distance < 1000 m) <= 1 }",
+    );
+    let output = scenario_runner(folder.path(), &["walk.scn"]);
+    let over = "3 of 3 runs ended before what that is about was over: what would have come is not in it";
+    assert!(stdout(&output).contains(over), "{}", stdout(&output));
+    assert_eq!([0, 1].map(|index| trial()["findings"][index]["unseen"].clone()), [json!(3), json!(3)]);
 }
 
 #[test]

@@ -18,7 +18,8 @@ pub enum Exit {
     Unformatted = 5,
     /// A verdict failed, or something could not be run.
     Failed = 100,
-    /// No verdict failed, but one could not be decided with the runs there were, or there is none at all.
+    /// No verdict failed, but one could not be decided with the runs there were, or there is none at all, or a criterion passed
+    /// untested and that is denied.
     Inconclusive = 102,
     /// A baseline is missing, or may not be compared with.
     Baseline = 103,
@@ -41,7 +42,8 @@ Exit codes:
     4  no trial or block was selected
     5  `fmt --check` found a file that is not in the one style
   100  a verdict failed, or something could not be run
-  102  no verdict failed, but one is inconclusive, or nothing was judged
+  102  no verdict failed, but one is inconclusive, or nothing was judged,
+       or with `--deny untested` a criterion passed untested
   103  a baseline is missing or may not be compared with
   104  something is worse than the baseline
   105  interrupted: what was finished is reported

@@ -89,10 +89,15 @@ fn run(arguments: &ExperimentArguments, kind: &'static str) -> Exit {
         let folder = arguments.journal.display();
         writeln!(stderr(), "interrupted: what was evaluated is kept in {folder}");
         let seed = arguments.seed.map(|seed| format!(" --seed {seed}")).unwrap_or_default();
-        let seed = seed + &set_options(&suites[0].suite.set);
+        let journal = if arguments.journal == Path::new(super::JOURNAL) {
+            String::new()
+        } else {
+            format!(" --journal '{}'", arguments.journal.to_string_lossy().replace('\'', r"'\''"))
+        };
+        let options = seed + &set_options(&suites[0].suite.set) + &journal;
         writeln!(
             stderr(),
-            "help: `scenario-runner {kind} {} {}{seed}` goes on from there",
+            "help: `scenario-runner {kind} {} {}{options}` goes on from there",
             arguments.name,
             arguments.file
         );

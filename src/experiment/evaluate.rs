@@ -2,7 +2,7 @@
 
 use super::parameters::ParameterFile;
 use super::{EarlierResults, ExperimentError, Laboratory, Progress, overrides};
-use crate::judge::{Seen, aggregate, aggregate_against, undecided};
+use crate::judge::{Seen, Span, aggregate, aggregate_against, span_of, undecided};
 use crate::metrics::{MetricKind, Worst, metric};
 use crate::numbers::inference::{paired_difference, rate_change};
 use crate::numbers::random::derive_seed;
@@ -250,6 +250,15 @@ pub(super) fn measured(measure: &Aggregate, outcomes: &[Outcome], requests: &Req
         Aggregate::Rate(_) | Aggregate::Count(_) => aggregate(measure, outcomes, requests),
         of_values => aggregate_against(of_values, side(of_values.metric()), outcomes, requests),
     }
+}
+
+/// As [`measured`], between what the runs that were cut off could still have made of it.
+pub(super) fn measured_between(
+    measure: &Aggregate,
+    outcomes: &[Outcome],
+    requests: &Requests,
+) -> Option<Span> {
+    span_of(measure, side(measure.metric()), outcomes, requests)
 }
 
 /// What somebody would claim of a metric's values who says that they are good.

@@ -7,6 +7,7 @@
 
 mod block;
 mod cases;
+mod claim;
 mod evaluate;
 mod fingerprint;
 mod journal;

@@ -1,14 +1,14 @@
 //! `statement`: what a source says, held against the results of the suite.
 
-use crate::results::{ClaimResult, ClaimValues, Conclusion, Outcome, StatementResult, TrendPoint};
-
+use super::claim::{Operand, combine, follows, in_words, name_of};
 use super::{EarlierResults, ExperimentError, Laboratory, evaluate};
-use crate::judge::cut_off_runs;
+use crate::judge::{Span, open_runs};
 use crate::metrics::unit_of;
 use crate::plan::variables;
+use crate::results::{ClaimResult, ClaimValues, Conclusion, Outcome, StatementResult, TrendPoint};
 use crate::scenario::{
-    Assignment, BinaryOperator, Measured, OutcomesOf, Quantity, Standing, Statement, StatementClaim,
-    StatementClaimKind, TrendDirection, Value,
+    Assignment, Measured, OutcomesOf, Quantity, Standing, Statement, StatementClaim, StatementClaimKind,
+    Value, significant,
 };
 
 /// Looks at one statement. `results` holds everything that it names.
@@ -89,12 +89,6 @@ struct Court<'a> {
     results: &'a EarlierResults,
 }
 
-/// A number with its unit, which plain numbers take from what they are compared with; or why there is none.
-struct Operand {
-    value: Result<f64, String>,
-    unit: Option<String>,
-}
-
 /// Outcomes with the values of their variations.
 type Runs<'a> = Vec<(&'a [Assignment], &'a Outcome)>;
 
@@ -109,14 +103,14 @@ impl Court<'_> {
                     relation: *relation,
                     right: right.value.clone().ok(),
                 };
-                let holds = left.value.and_then(|left| Ok(relation.holds(left, right.value?)));
+                let holds = left.span.and_then(|left| Ok(left.holds(*relation, right.span?)));
                 (holds, values, unit)
             }
             StatementClaimKind::Trend { measured, direction, variable } => {
                 let (holds, points) = match self.runs(measured)? {
                     Ok(runs) => {
-                        let points = self.points(measured, variable, &runs);
-                        (follows(*direction, &points, variable, measured), points)
+                        let (points, spans) = self.points(measured, variable, &runs);
+                        (follows(*direction, &points, &spans, variable, measured), points)
                     }
                     Err(reason) => (Err(reason), Vec::new()),
                 };
@@ -124,9 +118,10 @@ impl Court<'_> {
                 (holds, values, unit_of(&measured.aggregate))
             }
         };
-        let holds = match (holds, self.cut_off(claim)?) {
-            (Ok(true), Some(reason)) => Err(reason),
-            (holds, _) => holds,
+        let holds = match holds {
+            Ok(Some(holds)) => Ok(holds),
+            Ok(None) => Err(self.cut_off(claim)?),
+            Err(reason) => Err(reason),
         };
         Ok(ClaimResult {
             text: claim.text.clone(),
@@ -137,28 +132,45 @@ impl Court<'_> {
         })
     }
 
-    /// Of how many runs that a claim rests on the end was not seen, in words; `None` if of all.
-    fn cut_off(&self, claim: &StatementClaim) -> Result<Option<String>, ExperimentError> {
+    /// Of how many runs that a claim rests on the end was not seen, when they ended and what that leaves open, in words.
+    fn cut_off(&self, claim: &StatementClaim) -> Result<String, ExperimentError> {
+        let mut said = Vec::new();
         for measured in measured_by(claim) {
             let Ok(runs) = self.runs(measured)? else { continue };
-            let outcomes = runs.iter().map(|(_, outcome)| *outcome);
-            let cut_off = cut_off_runs(measured.aggregate.metric(), outcomes);
-            if cut_off > 0 {
-                let (of, all) = (name_of(&measured.of), runs.len());
-                let reason =
-                    format!("{cut_off} of {all} runs of {of} were cut off before the encounter was over");
-                return Ok(Some(reason));
+            let outcomes: Vec<Outcome> = runs.iter().map(|(_, outcome)| (*outcome).clone()).collect();
+            let requests = &self.laboratory.requests;
+            let open = open_runs(measured.aggregate.metric(), &outcomes, requests);
+            let times = Span::around(open.iter().map(|outcome| outcome.ending.time));
+            if open.is_empty() {
+                continue;
             }
+            let seconds = |time| significant(time, 4);
+            let when = match times {
+                Span { low, high } if low == high => format!("at {} s", seconds(low)),
+                Span { low, high } => format!("at {} s to {} s", seconds(low), seconds(high)),
+            };
+            let (cut_off, all, of) = (open.len(), runs.len(), name_of(&measured.of));
+            let reason = format!("{cut_off} of {all} runs of {of} were cut off {when}");
+            let span = evaluate::measured_between(&measured.aggregate, &outcomes, requests);
+            said.push(match (&claim.kind, span) {
+                (StatementClaimKind::Compares { .. }, Some(span)) => {
+                    format!("{reason}, which leaves {}", in_words(span, &unit_of(&measured.aggregate)))
+                }
+                _ => reason,
+            });
         }
-        Ok(None)
+        said.dedup();
+        Ok(said.join("; "))
     }
 
     fn quantity(&self, quantity: &Quantity) -> Result<Operand, ExperimentError> {
         Ok(match quantity {
-            Quantity::Number(number) => Operand { value: Ok(*number), unit: None },
+            Quantity::Number(number) => Operand::known(Ok(*number), None),
             Quantity::Measured(measured) => {
-                let value = self.runs(measured)?.and_then(|runs| self.value(measured, &runs));
-                Operand { value, unit: Some(unit_of(&measured.aggregate)) }
+                let runs = self.runs(measured)?;
+                let value = runs.as_ref().map_err(String::clone).and_then(|runs| self.value(measured, runs));
+                let span = runs.and_then(|runs| self.span(measured, &runs));
+                Operand { value, span, unit: Some(unit_of(&measured.aggregate)) }
             }
             Quantity::Chosen { tune, target } => {
                 let result = self.results.tune(tune)?;
@@ -173,7 +185,7 @@ impl Court<'_> {
                 };
                 let declared = self.laboratory.suite.tunes.iter().find(|one| one.name == *tune);
                 let range = declared.and_then(|tune| tune.over.iter().find(|range| range.target == *target));
-                Operand { value, unit: range.map(|range| range.unit.clone()) }
+                Operand::known(value, range.map(|range| range.unit.clone()))
             }
             Quantity::Binary { operator, left, right } => {
                 combine(*operator, self.quantity(left)?, self.quantity(right)?)
@@ -223,18 +235,24 @@ impl Court<'_> {
 
     fn value(&self, measured: &Measured, runs: &Runs) -> Result<f64, String> {
         let outcomes: Vec<Outcome> = runs.iter().map(|(_, outcome)| (*outcome).clone()).collect();
-        evaluate::measured(&measured.aggregate, &outcomes, &self.laboratory.requests).ok_or_else(|| {
-            let of = name_of(&measured.of);
-            if runs.is_empty() {
-                return format!("no run of {of} is asked about");
-            }
-            let metric = measured.aggregate.metric().label();
-            format!("`{metric}` exists in too few of the {} runs of {of}", runs.len())
-        })
+        let value = evaluate::measured(&measured.aggregate, &outcomes, &self.laboratory.requests);
+        value.ok_or_else(|| too_few(measured, runs))
+    }
+
+    /// Between what the runs that were cut off could still have made of it.
+    fn span(&self, measured: &Measured, runs: &Runs) -> Result<Span, String> {
+        let outcomes: Vec<Outcome> = runs.iter().map(|(_, outcome)| (*outcome).clone()).collect();
+        let span = evaluate::measured_between(&measured.aggregate, &outcomes, &self.laboratory.requests);
+        span.ok_or_else(|| too_few(measured, runs))
     }
 
     /// The aggregate at every value of a variation, in ascending order.
-    fn points(&self, measured: &Measured, variable: &str, runs: &Runs) -> Vec<TrendPoint> {
+    fn points(
+        &self,
+        measured: &Measured,
+        variable: &str,
+        runs: &Runs,
+    ) -> (Vec<TrendPoint>, Vec<Option<Span>>) {
         let mut groups: Vec<(f64, String, Runs)> = Vec::new();
         for (variation, outcome) in runs {
             let assigned = variation.iter().find(|assignment| assignment.name == variable);
@@ -247,74 +265,22 @@ impl Court<'_> {
             }
         }
         groups.sort_by(|left, right| left.0.total_cmp(&right.0));
+        let spans = groups.iter().map(|(_, _, runs)| self.span(measured, runs).ok()).collect();
         let point = |(at, label, runs): (f64, String, Runs)| TrendPoint {
             label,
             at,
             value: self.value(measured, &runs).ok(),
             runs: runs.len(),
         };
-        groups.into_iter().map(point).collect()
+        (groups.into_iter().map(point).collect(), spans)
     }
 }
 
-/// Whether the values never move the other way and end beyond where they began.
-fn follows(
-    direction: TrendDirection,
-    points: &[TrendPoint],
-    variable: &str,
-    measured: &Measured,
-) -> Result<bool, String> {
+fn too_few(measured: &Measured, runs: &Runs) -> String {
     let of = name_of(&measured.of);
-    if points.len() < 2 {
-        return Err(format!("{of} has {} values of {variable}; a trend needs two", points.len()));
+    if runs.is_empty() {
+        return format!("no run of {of} is asked about");
     }
-    let sign = match direction {
-        TrendDirection::Rises => 1.0,
-        TrendDirection::Falls => -1.0,
-    };
-    let mut values = Vec::with_capacity(points.len());
-    for point in points {
-        let missing = || {
-            let metric = measured.aggregate.metric().label();
-            let at = format!("{variable} {}", point.label);
-            format!("`{metric}` exists in too few of the {} runs of {of} at {at}", point.runs)
-        };
-        values.push(sign * point.value.ok_or_else(missing)?);
-    }
-    let steady = values.windows(2).all(|pair| pair[1] >= pair[0]);
-    Ok(steady && values[values.len() - 1] > values[0])
-}
-
-fn combine(operator: BinaryOperator, left: Operand, right: Operand) -> Operand {
-    let unit = match operator {
-        BinaryOperator::Add | BinaryOperator::Subtract => left.unit.or(right.unit),
-        BinaryOperator::Multiply => match (left.unit, right.unit) {
-            (None, unit) | (unit, None) => unit,
-            (Some(left), Some(right)) => Some([left, right].join(" ").trim().to_string()),
-        },
-        BinaryOperator::Divide => match (left.unit, right.unit) {
-            (unit, None) => unit,
-            (Some(left), Some(right)) if left == right => Some(String::new()),
-            (left, Some(right)) => Some(format!("{}/{right}", left.unwrap_or_else(|| "1".to_string()))),
-        },
-    };
-    let value = left.value.and_then(|left| {
-        let right = right.value?;
-        let value = match operator {
-            BinaryOperator::Add => left + right,
-            BinaryOperator::Subtract => left - right,
-            BinaryOperator::Multiply => left * right,
-            BinaryOperator::Divide => left / right,
-        };
-        if value.is_finite() { Ok(value) } else { Err("a division by 0".to_string()) }
-    });
-    Operand { value, unit }
-}
-
-/// As a claim would say it.
-fn name_of(of: &OutcomesOf) -> String {
-    match of {
-        OutcomesOf::Scenario(name) | OutcomesOf::Search(name) => format!("`{name}`"),
-        OutcomesOf::Condition { evaluate, condition } => format!("`{evaluate}.{condition}`"),
-    }
+    let metric = measured.aggregate.metric().label();
+    format!("`{metric}` exists in too few of the {} runs of {of}", runs.len())
 }

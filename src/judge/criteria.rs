@@ -388,6 +388,7 @@ fn against(
         holding: held.count,
         undefined: held.undefined(),
         cut_off: held.cut_off(),
+        unseen: 0,
         observed,
         bound,
         margin: observed.and_then(|value| relation.margin(value, bound)),
@@ -424,7 +425,7 @@ fn values(metric: &MetricReference, outcomes: &[Outcome], requests: &Requests) -
 }
 
 /// `None` where the aggregate does not exist: of no values, or the spread of one.
-fn aggregate_of(aggregate: &Aggregate, mut values: Vec<f64>) -> Option<f64> {
+pub(super) fn aggregate_of(aggregate: &Aggregate, mut values: Vec<f64>) -> Option<f64> {
     // Sorted, so that sums do not depend on the order of the runs.
     values.sort_by(f64::total_cmp);
     match aggregate {

@@ -1,9 +1,8 @@
 //! Runs that ended before everything was seen: how many, who had not arrived, who was about to touch, and which criteria
 //! that leaves untested.
 
-use crate::results::{CourseOfRun, CutOff, Finding, Horizon, Outcome, Stranded, Vacuity, Verdict};
-
 use crate::metrics::{self, Scope, Worst};
+use crate::results::{CourseOfRun, Finding, Horizon, Outcome, Stranded, Vacuity, Verdict};
 use crate::scenario::{Claim, Criterion, MetricReference, Relation, WhenUndefined};
 use crate::sim::StopReason;
 
@@ -45,30 +44,36 @@ const EXTREMES: [&str; 9] = [
     "rms_jerk",
 ];
 
-/// Marks the findings that passed although runs ended, by the horizon or by somebody else's contact, before all that they are
-/// about was over: the end was not seen.
+/// Says of each finding in how many runs the end of what it is about was not seen, because the horizon or somebody else's contact
+/// ended them, and marks those that passed although there are any.
 pub(super) fn mark(findings: &mut [Finding], criteria: &[Criterion], outcomes: &[Outcome]) {
     if outcomes.iter().all(|outcome| outcome.cut_off.is_none()) {
         return;
     }
     for (finding, criterion) in findings.iter_mut().zip(criteria) {
-        if finding.verdict == Verdict::Passed
-            && finding.vacuous.is_none()
-            && !stays_so(&criterion.claim)
-            && cut_off_runs(criterion.claim.metric(), outcomes) > 0
-        {
+        if stays_so(&criterion.claim) {
+            continue;
+        }
+        finding.unseen = cut_off_runs(criterion.claim.metric(), outcomes);
+        if finding.unseen > 0 && finding.verdict == Verdict::Passed && finding.vacuous.is_none() {
             finding.vacuous = Some(Vacuity::CutOff);
         }
     }
 }
 
-/// In how many runs the end of what a metric measures was not seen: somebody whom it is about was on a collision course, or
-/// could still be met and it is an extreme of what was seen so far.
+/// In how many runs the end of what a metric measures was not seen.
 pub fn cut_off_runs<'o>(
     reference: &MetricReference,
     outcomes: impl IntoIterator<Item = &'o Outcome>,
 ) -> usize {
-    let Some(metric) = metrics::metric(&reference.name) else { return 0 };
+    outcomes.into_iter().filter(|outcome| cut_off_of(reference, outcome)).count()
+}
+
+/// Whether the end of what a metric measures was not seen: somebody whom it is about was on a collision course, or could still
+/// be met and it is an extreme of what was seen so far.
+pub(super) fn cut_off_of(reference: &MetricReference, outcome: &Outcome) -> bool {
+    let Some(cut_off) = &outcome.cut_off else { return false };
+    let Some(metric) = metrics::metric(&reference.name) else { return false };
     let is_extreme = EXTREMES.contains(&reference.name.as_str());
     let of_vehicle = metric.scope == Scope::Vehicle;
     let meets = matches!(metric.scope, Scope::Pair | Scope::Contact) || (of_vehicle && is_extreme);
@@ -78,14 +83,11 @@ pub fn cut_off_runs<'o>(
                 || (car == two && (of_vehicle || other == one))
         })
     };
-    let concerned = |cut_off: &CutOff| {
-        let mut courses = cut_off.on_course.iter();
-        let mut unfinished = cut_off.unfinished.iter();
-        courses.any(|pair| concerns(&pair.vehicle, &pair.with))
-            || (is_extreme && unfinished.any(|pair| concerns(&pair.vehicle, &pair.pedestrian)))
-    };
-    let cut_off = outcomes.into_iter().filter_map(|outcome| outcome.cut_off.as_ref());
-    if meets { cut_off.filter(|cut_off| concerned(cut_off)).count() } else { 0 }
+    let mut courses = cut_off.on_course.iter();
+    let mut unfinished = cut_off.unfinished.iter();
+    meets
+        && (courses.any(|pair| concerns(&pair.vehicle, &pair.with))
+            || (is_extreme && unfinished.any(|pair| concerns(&pair.vehicle, &pair.pedestrian))))
 }
 
 /// Whether a claim that every run has an extreme beyond a bound stays true whatever comes: extremes only grow.
@@ -111,7 +113,7 @@ mod tests {
     use super::*;
     use crate::judge::judge;
     use crate::metrics::Open;
-    use crate::results::Requests;
+    use crate::results::{CutOff, Requests};
     use crate::scenario::{Aggregate, Comparison, Origin, Settings};
     use crate::sim::Ending;
     use std::time::Duration;

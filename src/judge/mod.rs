@@ -14,6 +14,7 @@ mod nearest;
 mod per_run;
 mod seen;
 mod single;
+mod span;
 mod stopping;
 mod trivial;
 mod vacuity;
@@ -23,6 +24,7 @@ pub use horizon::cut_off_runs;
 pub use nearest::RunStanding;
 pub use per_run::{PerRun, per_run};
 pub use seen::{Seen, holds, holds_undefined};
+pub use span::{Span, open_runs, span_of};
 pub use stopping::Watch;
 
 use crate::lang::{Diagnostic, Sources};

@@ -12,6 +12,7 @@ use crate::scenario::{
     Aggregate, Claim, Comparison, Criterion, Expression, MetricReference, Relation, Scenario, Suite, Value,
     WhenUndefined, constant, significant,
 };
+use crate::sim;
 
 /// What a criterion can come to.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,7 +53,7 @@ fn of_scenario<'s>(suite: &Suite, scenario: &'s Scenario) -> Vec<(&'s Criterion,
     let people = plan::select_people(suite.seed, scenario).map_or(1, |people| people.len());
     let most = scenario.runs.as_ref().map(|budget| budget.most as usize);
     let runs = most.unwrap_or_else(|| people.saturating_mul(scenario.repeat as usize));
-    let longest = scenario.horizon + scenario.step;
+    let longest = sim::longest_run(scenario.horizon, scenario.step);
     let known = |criterion: &Criterion| {
         let mut criterion = criterion.clone();
         criterion.reach.limits = metrics::limits(criterion.claim.metric(), longest);
@@ -91,10 +92,18 @@ fn finding(criterion: &Criterion, power: Power, sources: &Sources) -> Option<Dia
         Power::OnlyAbsence(why) => {
             let metric = &criterion.claim.metric().name;
             let message = format!("no value of `{metric}` makes `{text}` fail");
+            let Limits { always_there, can_be_open, .. } = Limits::of(criterion);
+            let absent = format!("in which `{metric}` does not exist");
+            let open = "that end before it is decided";
+            let only_by = match (always_there, can_be_open) {
+                (true, _) => open.to_string(),
+                (false, false) => absent,
+                (false, true) => format!("{absent}, or {open}"),
+            };
             at(Code::CannotFail, &criterion.origin, message, sources)
                 .label("holds for every value that there can be")
                 .note(why)
-                .note(format!("it fails only in runs in which `{metric}` does not exist"))
+                .note(format!("it fails only by runs {only_by}"))
                 .hint(other_side)
         }
         Power::NeverHolds(why) => {
@@ -149,6 +158,8 @@ struct Limits<'c> {
     always_there: bool,
     /// Whether the horizon can end a run before it is decided.
     can_be_open: bool,
+    /// What it could have come to at most without a horizon.
+    most_open: f64,
     /// SI unit, with the blank before it.
     unit: String,
 }
@@ -174,7 +185,8 @@ impl<'c> Limits<'c> {
             low,
             high,
             always_there: metric.absence == Absence::Open && (of_one || is_word),
-            can_be_open: is_time || is_word || metric.range == Range::YesOrNo,
+            can_be_open: is_time || is_word || metric.kind == MetricKind::Flag,
+            most_open: if is_time { f64::INFINITY } else { high },
             unit,
         }
     }
@@ -190,12 +202,11 @@ impl<'c> Limits<'c> {
         }
         if self.can_be_open {
             for so_far in [self.low, self.high] {
-                let open = Seen::Open { so_far: None, range: Open { low: so_far, high: f64::INFINITY } };
-                let holds = open.holds(comparison, unknown);
+                let range = Open { low: so_far, high: self.most_open };
+                let holds = Seen::Open { so_far: None, range }.holds(comparison, unknown);
                 truth.can_hold |= holds;
                 truth.can_fail |= !holds;
                 truth.held_by_value |= holds;
-                truth.by_value |= !holds;
             }
         }
         truth
@@ -250,22 +261,19 @@ impl<'c> Limits<'c> {
             };
         }
         let (mut hold, mut fail) = self.of_ends(relation, bound);
-        let mut counted = |seen: Seen| {
-            if let Some(worst) = seen.worst(&self.metric.name, relation) {
-                fail |= !relation.holds(worst, bound);
-            }
+        let fails = |seen: Seen| {
+            seen.worst(&self.metric.name, relation).is_some_and(|worst| !relation.holds(worst, bound))
         };
-        if self.can_be_open {
-            let open = |low| Seen::Open { so_far: None, range: Open { low, high: f64::INFINITY } };
-            [self.low, self.high].into_iter().for_each(|low| counted(open(low)));
-        }
+        let open = |low| Seen::Open { so_far: None, range: Open { low, high: self.most_open } };
+        let only_open = self.can_be_open && [self.low, self.high].into_iter().any(|low| fails(open(low)));
         if !self.always_there {
-            counted(Seen::Undefined);
+            fail |= fails(Seen::Undefined);
             hold |= when_undefined == WhenUndefined::Passes;
         }
         match (hold, fail) {
             (false, _) => Power::NeverHolds(self.in_words()),
             (true, true) => Power::Decides,
+            (true, false) if only_open => Power::OnlyAbsence(self.in_words()),
             // Where no run has a value there is nothing to compare.
             (true, false) if self.always_there || when_undefined == WhenUndefined::Passes => {
                 Power::NeverFails(self.in_words())
@@ -366,10 +374,15 @@ mod tests {
         assert!(never_fails(runs("stopped_time", GreaterOrEqual, 0.0)));
         assert_eq!(runs("stopped_time", Greater, 0.0), Power::Decides);
         // Whoever has not arrived when time is up has stopped for nobody knows how long.
-        assert_eq!(runs("stopped_time", LessOrEqual, 100.0), Power::Decides);
+        for bound in [LONGEST, 100.0] {
+            let power = runs("stopped_time", LessOrEqual, bound);
+            assert!(matches!(power, Power::OnlyAbsence(_)), "{bound}: {power:?}");
+        }
+        assert_eq!(runs("stopped_time", LessOrEqual, LONGEST - 0.001), Power::Decides);
+        assert!(matches!(runs("pet", LessOrEqual, LONGEST), Power::OnlyAbsence(_)));
         assert!(never_holds(runs("stopped_time", Greater, 100.0)));
         // Who never arrives is worse than any bound.
-        assert_eq!(runs("time_lost", LessOrEqual, 100.0), Power::Decides);
+        assert!(matches!(runs("time_lost", LessOrEqual, 100.0), Power::OnlyAbsence(_)));
         assert_eq!(runs("time_lost", GreaterOrEqual, 100.0), Power::Decides);
         assert!(
             never_holds(runs("time_lost", Less, 0.0)) && never_fails(runs("time_lost", GreaterOrEqual, 0.0))
@@ -396,6 +409,23 @@ mod tests {
             10
         )));
         assert_eq!(runs("pedestrian_delay", GreaterOrEqual, 0.0), Power::Decides);
+    }
+
+    #[test]
+    fn what_parameters_make_a_metric_blind_to_cannot_fail() {
+        let of_braking = |name: &str, settings: Settings, relation, bound: f64| {
+            let mut comparison = comparison(name, relation, bound, WhenUndefined::AsDeclared);
+            comparison.metric.settings = settings;
+            power(&of(Claim::Runs { comparison, share: None, confidence: None }), 10)
+        };
+        let standstill = |speed| Settings::from([("standstill", Value::Number(speed))]);
+        for (name, relation, bound) in
+            [("max_deceleration", LessOrEqual, 3.0), ("sudden_speed_change", Equal, 0.0)]
+        {
+            assert!(never_fails(of_braking(name, standstill(100.0), relation, bound)), "{name}");
+            assert_eq!(of_braking(name, standstill(1.0), relation, bound), Power::Decides, "{name}");
+        }
+        assert!(never_holds(of_braking("sudden_speed_change", standstill(100.0), Equal, 1.0)));
     }
 
     #[test]

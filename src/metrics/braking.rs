@@ -38,7 +38,7 @@ pub static MAX_DECELERATION: Metric = Metric {
     scope: Scope::Vehicle,
     worst: Worst::Largest,
     absence: Absence::Open,
-    range: Range::SpeedsWithin("window"),
+    range: Range::DropWithin { window: "window", floor: "standstill" },
     build: |context| Box::new(MaxDeceleration(Deceleration::new(context))),
 };
 
@@ -81,7 +81,7 @@ pub static SUDDEN_SPEED_CHANGE: Metric = Metric {
     scope: Scope::Vehicle,
     worst: Worst::Largest,
     absence: Absence::Open,
-    range: Range::YesOrNo,
+    range: Range::DropAbove { threshold: "threshold", window: "window", floor: "standstill" },
     build: |context| {
         let threshold = context.settings.number("threshold");
         Box::new(SuddenSpeedChange { threshold, deceleration: Deceleration::new(context) })

@@ -1,15 +1,14 @@
 //! Why a trial failed, for the terminal and, in the same words, for JUnit.
 
+use super::excerpt::Excerpt;
+use super::format::share;
+use super::table::paint;
+use super::wording::{metric_value, run_in_words, run_value, stopping, unseen, whom};
+use crate::escape::terminal;
 use crate::results::{
     BlockReport, BlockState, CutBy, Finding, Measure, SuiteIdentity, TrialState, UnitReport, Verdict,
 };
 use anstyle::AnsiColor;
-
-use super::excerpt::Excerpt;
-use super::format::share;
-use super::table::paint;
-use super::wording::{metric_value, run_in_words, run_value, stopping, whom};
-use crate::escape::terminal;
 
 /// Why a unit did not pass.
 pub fn explain(suite: &SuiteIdentity, report: &UnitReport, colour: bool) -> String {
@@ -77,6 +76,9 @@ pub(super) fn render_finding(suite: &SuiteIdentity, finding: &Finding, colour: b
             "{} of {} runs ended before `{}` was decided; each counts as the worst that could still have come",
             finding.cut_off, finding.runs, finding.metric
         ));
+    }
+    if finding.unseen > 0 {
+        notes.push(format!("{}: what would have come is not in it", unseen(finding)));
     }
     notes.extend(bounds(finding));
     let runs = finding.worst.iter().chain(&finding.closest);
@@ -192,6 +194,7 @@ mod tests {
             holding: 356,
             undefined: 4,
             cut_off: 40,
+            unseen: 0,
             observed: Some(2.41),
             bound: 2.0,
             margin: Some(-0.41),

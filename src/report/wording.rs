@@ -309,9 +309,10 @@ pub fn untested(findings: &[Finding]) -> Vec<String> {
         let mut named = HashSet::new();
         criteria.retain(|criterion| named.insert(criterion.clone()));
         if *reason == Vacuity::CutOff {
-            vacuous.first()?;
-            let criteria = criteria.join(", ");
-            return Some(format!("{criteria} passed, but runs ended before what that is about was over"));
+            let most = vacuous.iter().max_by_key(|one| one.unseen)?;
+            let same = vacuous.iter().all(|one| one.unseen == most.unseen);
+            let (up_to, criteria) = (if same { "" } else { "up to " }, criteria.join(", "));
+            return Some(format!("{criteria} passed, but {up_to}{}", unseen(most)));
         }
         let runs = match vacuous.first()?.runs {
             1 => "the run".to_string(),
@@ -320,6 +321,11 @@ pub fn untested(findings: &[Finding]) -> Vec<String> {
         Some(format!("{} passed untested: {what} in {runs}", criteria.join(", ")))
     });
     said.chain(alike(findings)).collect()
+}
+
+/// `3 of 40 runs ended before what that is about was over`.
+pub(super) fn unseen(finding: &Finding) -> String {
+    format!("{} of {} runs ended before what that is about was over", finding.unseen, finding.runs)
 }
 
 /// The criteria with a confidence that rests on runs of which none is another.

@@ -7,6 +7,12 @@ use serde::{Deserialize, Serialize};
 use super::outcome::Critical;
 use crate::scenario::{Origin, People};
 
+// The signature is serde's.
+#[allow(clippy::trivially_copy_pass_by_ref)]
+fn is_none(runs: &usize) -> bool {
+    *runs == 0
+}
+
 /// One criterion's verdict and what it rests on.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Finding {
@@ -24,6 +30,10 @@ pub struct Finding {
     pub undefined: usize,
     /// Runs that the horizon ended before the metric was decided: each counts as the worst that it could still have come to.
     pub cut_off: usize,
+    /// Runs that ended, by the horizon or another's contact, before what the metric is about was over, so that an extreme of what
+    /// was seen so far may have got worse.
+    #[serde(default, skip_serializing_if = "is_none")]
+    pub unseen: usize,
     /// The aggregate's value or the share of runs; `None` if no run gives one. Infinite where runs that have none decide.
     #[serde(with = "json::extended")]
     pub observed: Option<f64>,

@@ -28,4 +28,4 @@ pub use start::{blocked_lanes, collision_course, overlaps};
 pub use state::{Longitudinal, PedestrianState, Snapshot, VehicleState, velocity_inside};
 pub use timeline::{Event, Happening, Timeline};
 pub use trace::{Mark, Sample, Trace};
-pub use world::{Driven, RoadUsers, has_arrived, simulate};
+pub use world::{Driven, RoadUsers, has_arrived, longest_run, simulate};

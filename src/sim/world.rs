@@ -32,6 +32,15 @@ const TIME_TOLERANCE: f64 = 1e-9;
 /// Where a settling vehicle believes to be: too far from the crossing for it to matter, m.
 const FAR_AWAY: f64 = 1e6;
 
+/// The time at which a run ends that nothing ends before its horizon, s: a whole number of steps.
+pub fn longest_run(horizon: f64, step: f64) -> f64 {
+    steps_within(horizon, step) as f64 * step
+}
+
+fn steps_within(horizon: f64, step: f64) -> u64 {
+    (horizon / step - TIME_TOLERANCE).ceil().max(1.0) as u64
+}
+
 /// Runs `world` to its end. `users` must hold one mind per setup.
 ///
 /// A pure function of its arguments: no clock, no global state, and nothing is allocated after the first step.
@@ -40,7 +49,7 @@ pub fn simulate(world: &World, users: &mut RoadUsers, observer: &mut dyn Observe
     debug_assert_eq!(world.pedestrians.len(), users.pedestrians.len());
     let mut run = Run::start(world, users);
     observer.begin(&run.now);
-    let steps = (world.horizon / world.step - TIME_TOLERANCE).ceil().max(1.0) as u64;
+    let steps = steps_within(world.horizon, world.step);
     for index in 0..steps {
         let time = index as f64 * world.step;
         run.decide(time, users);

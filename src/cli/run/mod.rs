@@ -75,6 +75,10 @@ pub struct RunArguments {
     #[command(flatten)]
     output: output::OutputArguments,
 
+    /// What does not count as passed, though by itself it does.
+    #[arg(long, value_enum, value_name = "WHAT")]
+    deny: Vec<Deny>,
+
     /// Leave trials that a gate's baseline lacks out of the comparison, instead of refusing to judge the gate.
     #[arg(long)]
     baseline_lenient: bool,
@@ -122,6 +126,13 @@ enum NoTests {
     Warn,
     /// Nothing.
     Pass,
+}
+
+/// What a build may not rest on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Deny {
+    /// Criteria that passed without being put to the test, of which every report warns: the exit code is 102.
+    Untested,
 }
 
 /// After how many failures nothing more begins; `None` for never.
@@ -220,10 +231,12 @@ pub fn run(arguments: RunArguments) -> Exit {
     if arguments.select.last_failed && !asked.contains(&true) {
         asked = select(None);
         if asked.contains(&true) {
-            writeln!(
-                stderr(),
-                "note: nothing of this is known to have failed when it was last run: all of it is run"
-            );
+            let why = if last.is_damaged {
+                "what failed when it was last run cannot be read, or is damaged"
+            } else {
+                "nothing of this is known to have failed when it was last run"
+            };
+            writeln!(stderr(), "note: {why}: all of it is run");
         }
     }
     let chosen = dispatch::with_needs(&units, asked);
@@ -290,8 +303,24 @@ pub fn run(arguments: RunArguments) -> Exit {
         if exit == Exit::Inconclusive && !anything_judged(reports) {
             writeln!(stderr(), "warning: nothing was judged: no criterion applies to what was run");
         }
-        exit
+        if arguments.deny.contains(&Deny::Untested) { deny_untested(exit, &reports) } else { exit }
     }
+}
+
+/// Takes what passed untested for what could not be decided.
+fn deny_untested(exit: Exit, reports: &[SuiteReport]) -> Exit {
+    let trials = reports.iter().flat_map(|report| &report.trials);
+    let untested = trials.filter(|trial| trial.findings().iter().any(|finding| finding.vacuous.is_some()));
+    let trials = match untested.count() {
+        0 => return exit,
+        1 => "1 trial".to_string(),
+        number => format!("{number} trials"),
+    };
+    writeln!(
+        stderr(),
+        "error: in {trials} criteria passed untested, which `--deny untested` does not count as passed"
+    );
+    if exit == Exit::Success { Exit::Inconclusive } else { exit }
 }
 
 /// Whether there is a verdict on anything, so that something can have passed.

@@ -131,6 +131,12 @@ pub struct LastRun {
     /// Failing runs by key and seed.
     #[serde(default)]
     pub runs: BTreeMap<String, SeenRun>,
+    /// Of both, where it was written: a changed name would be a failure forgotten.
+    #[serde(default)]
+    crc: Option<String>,
+    /// Whether there is something that cannot be understood.
+    #[serde(skip)]
+    pub is_damaged: bool,
 }
 
 /// A run as the last session saw it, in hexadecimal digits.
@@ -141,10 +147,22 @@ pub struct SeenRun {
 }
 
 impl LastRun {
-    /// What is remembered; nothing if there is no such file or it cannot be understood.
+    /// What is remembered; nothing if there is no such file or it is damaged.
     pub fn read() -> Self {
-        let text = store::read(LAST_RUN).unwrap_or_default();
-        serde_json::from_str(&text).unwrap_or_default()
+        let damaged = || Self { is_damaged: true, ..Self::default() };
+        let text = match store::read(LAST_RUN) {
+            Ok(text) => text,
+            Err(error) if error.is_missing() => return Self::default(),
+            Err(_) => return damaged(),
+        };
+        let read: Option<Self> = serde_json::from_str(&text).ok();
+        let is_whole = |read: &Self| read.crc.as_ref().is_none_or(|crc| *crc == read.checksum());
+        read.filter(is_whole).unwrap_or_else(damaged)
+    }
+
+    fn checksum(&self) -> String {
+        let content = serde_json::to_vec(&(&self.failed, &self.runs)).expect("plain data serialises");
+        format!("{:08x}", crc32fast::hash(&content))
     }
 
     /// The name of a run: a key alone says nothing about the seed.
@@ -220,10 +238,11 @@ impl LastRun {
     }
 
     /// Writes it, if there is or was anything to remember.
-    pub fn write(&self) -> io::Result<()> {
+    pub fn write(&mut self) -> io::Result<()> {
         if self.failed.is_empty() && self.runs.is_empty() {
             return store::remove(LAST_RUN);
         }
+        self.crc = Some(self.checksum());
         store::write(LAST_RUN, &(serde_json::to_string_pretty(self).expect("plain data serialises") + "\n"))
     }
 }
