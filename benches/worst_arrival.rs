@@ -11,14 +11,13 @@
 
 use rayon::prelude::*;
 use scenario_runner::lang;
+use scenario_runner::models::standard;
 use scenario_runner::optimise::{
     Definition, Dimension, Evaluation, InitialDesign, Method, Optimiser, Proposal, Space,
 };
 use scenario_runner::plan::{concrete_case, derive_seed, select_people};
 use scenario_runner::run::{FreeFlows, Requests, Unwatched, run_case};
-use scenario_runner::scenario::{
-    Assignment, Individual, MetricReference, Population, Scenario, Settings, Value,
-};
+use scenario_runner::scenario::{Assignment, Individual, MetricReference, Population, Scenario, Value};
 use serde::Deserialize;
 use std::io::{BufRead, Write};
 use std::path::Path;
@@ -41,7 +40,7 @@ struct Encounters {
 impl Encounters {
     fn load() -> Self {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/zebra/commotions_carla.scn");
-        let loaded = lang::load(&path)
+        let loaded = lang::load(&path, &standard())
             .unwrap_or_else(|failure| panic!("{}", failure.render(lang::Style { colour: false })));
         let mut scenario = loaded.suite.scenarios[0].clone();
         for pedestrian in &mut scenario.pedestrians {
@@ -50,7 +49,7 @@ impl Encounters {
             }
         }
         let people = select_people(loaded.suite.seed, &scenario).expect("the population has enough people");
-        let mut requests = Requests::defaults();
+        let mut requests = Requests::defaults(&standard());
         requests.add(&pet());
         Encounters { scenario, people, requests, free_flows: FreeFlows::default() }
     }
@@ -79,7 +78,7 @@ impl Encounters {
 }
 
 fn pet() -> MetricReference {
-    MetricReference { name: "pet".into(), settings: Settings::default(), pair: None }
+    MetricReference::plain(standard().metrics().get("pet").unwrap())
 }
 
 /// The seed of evaluation `id`: the same for every method.

@@ -13,6 +13,7 @@ use crate::console::{stderr, stdout};
 use crate::dispatch::{self, Orders, Unit, Work, Workshop, dispatch};
 use crate::experiment::{Block, BlockResult, CaseFile, ParameterFile};
 use crate::files;
+use crate::registry::Registry;
 use crate::report::{BlockReport, BlockState, Live, Terminal, render_block, set_options, tuned_parameters};
 use crate::scenario::Suite;
 
@@ -51,18 +52,18 @@ pub struct ExperimentArguments {
 }
 
 /// Runs a `search` block.
-pub fn search(arguments: &ExperimentArguments) -> Exit {
-    run(arguments, "search")
+pub fn search(arguments: &ExperimentArguments, registry: &Registry) -> Exit {
+    run(arguments, "search", registry)
 }
 
 /// Runs a `tune` block, after what it builds on.
-pub fn tune(arguments: &ExperimentArguments) -> Exit {
-    run(arguments, "tune")
+pub fn tune(arguments: &ExperimentArguments, registry: &Registry) -> Exit {
+    run(arguments, "tune", registry)
 }
 
-fn run(arguments: &ExperimentArguments, kind: &'static str) -> Exit {
+fn run(arguments: &ExperimentArguments, kind: &'static str, registry: &Registry) -> Exit {
     let colour = stderr().takes_colour();
-    let suites = match load::load_all(&[&arguments.file], arguments.seed, &arguments.set, colour) {
+    let suites = match load::load_all(&[&arguments.file], arguments.seed, &arguments.set, colour, registry) {
         Ok(suites) => suites,
         Err(exit) => return exit,
     };
@@ -76,7 +77,7 @@ fn run(arguments: &ExperimentArguments, kind: &'static str) -> Exit {
     if let Err(exit) = store::prepare(&arguments.journal) {
         return exit;
     }
-    let workshop = Workshop::new(&suites, Some(arguments.journal.clone()), &stop);
+    let workshop = Workshop::new(&suites, Some(arguments.journal.clone()), &stop, registry);
     let threads = thread::available_parallelism().map_or(1, usize::from);
     let orders = Orders { chosen: &chosen, first: &[], threads, max_failures: None };
     let mut watcher = Terminal::quiet(shows_progress(arguments.no_progress).then(Live::new));

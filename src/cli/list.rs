@@ -14,6 +14,7 @@ use crate::experiment::Block;
 use crate::lang::filter::{SCENARIO, Subject};
 use crate::lang::{self, Style};
 use crate::plan::{self, Plan, Trial};
+use crate::registry::Registry;
 use crate::scenario::{Gate, Origin, Suite};
 
 #[derive(Debug, Args)]
@@ -60,7 +61,7 @@ struct Line<'a> {
     origin: &'a Origin,
 }
 
-pub fn list(arguments: &ListArguments) -> Exit {
+pub fn list(arguments: &ListArguments, registry: &Registry) -> Exit {
     let colour = stderr().takes_colour();
     let filters = match arguments.filter.read(colour) {
         Ok(filters) => filters,
@@ -69,7 +70,7 @@ pub fn list(arguments: &ListArguments) -> Exit {
     let mut exit = Exit::Success;
     let mut suites: Vec<(&str, Suite, Plan)> = Vec::new();
     for file in &arguments.files {
-        match planned(file, colour) {
+        match planned(file, colour, registry) {
             Some((suite, plan)) => suites.push((file, suite, plan)),
             None => exit = Exit::Scenario,
         }
@@ -171,8 +172,8 @@ fn size(block: &Block) -> Vec<(&'static str, usize)> {
     }]
 }
 
-fn planned(file: &str, colour: bool) -> Option<(Suite, Plan)> {
-    let suite = match lang::load(Path::new(file)) {
+fn planned(file: &str, colour: bool, registry: &Registry) -> Option<(Suite, Plan)> {
+    let suite = match lang::load(Path::new(file), registry) {
         Ok(loaded) => loaded.suite,
         Err(failure) => {
             stderr().styled(&failure.render(Style { colour }));

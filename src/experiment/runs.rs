@@ -6,9 +6,9 @@ use serde::{Deserialize, Serialize, Serializer};
 use super::cases::SavedCase;
 use super::{ExperimentError, Laboratory};
 use crate::judge::{Seen, aggregate_against, counted, holds_undefined};
-use crate::metrics::{MetricKind, metric};
+use crate::metrics::MetricKind;
 use crate::run::{Outcome, Unwatched, run_case};
-use crate::scenario::{Aggregate, Case, Comparison, Goal, MetricReference, Relation};
+use crate::scenario::{Aggregate, Case, Comparison, Goal, MetricReference, Relation, Text};
 
 impl Laboratory<'_> {
     /// Runs every case side by side; the outcomes are in the order of the cases.
@@ -85,11 +85,11 @@ impl Laboratory<'_> {
                 Seen::Value(value) => margin(relation, value, bound),
                 // However it would have gone on.
                 Seen::Open { .. } if seen.holds(constraint, false) => {
-                    let farthest = seen.worst(&constraint.metric.name, relation);
+                    let farthest = seen.worst(&constraint.metric, relation);
                     farthest.map_or(1.0, |value| margin(relation, value, bound))
                 }
                 Seen::Open { .. } => {
-                    let farthest = seen.worst(&constraint.metric.name, relation);
+                    let farthest = seen.worst(&constraint.metric, relation);
                     let nearest = seen.best(relation).filter(|value| !relation.holds(*value, bound));
                     margin(relation, farthest.filter(|value| value.is_finite()).or(nearest)?, bound)
                 }
@@ -102,7 +102,7 @@ impl Laboratory<'_> {
     /// Every quantity and flag over the outcomes, for tables. Categories have no mean.
     pub(super) fn summaries(&self, outcomes: &[Outcome]) -> Vec<MetricSummary> {
         let has_mean = |reference: &&MetricReference| {
-            metric(&reference.name).is_some_and(|metric| !matches!(metric.kind, MetricKind::Category(_)))
+            reference.known().is_some_and(|metric| !matches!(metric.kind, MetricKind::Category(_)))
         };
         self.requests
             .iter()
@@ -114,6 +114,7 @@ impl Laboratory<'_> {
                 let mean = values.iter().sum::<f64>() / values.len() as f64;
                 MetricSummary {
                     metric: reference.label(),
+                    kind: reference.known().map(|metric| metric.kind.clone()),
                     runs: outcomes.len(),
                     defined: values.len(),
                     mean: (!values.is_empty()).then_some(mean),
@@ -125,10 +126,10 @@ impl Laboratory<'_> {
     }
 
     /// Who passed first in an outcome, in the metric's own words.
-    pub(super) fn passed_first(&self, outcome: &Outcome) -> Option<&'static str> {
-        let index = self.requests.iter().position(|reference| reference.name == "passed_first")?;
-        let MetricKind::Category(words) = metric("passed_first")?.kind else { return None };
-        words.get(outcome.metrics[index]? as usize).copied()
+    pub(super) fn passed_first(&self, outcome: &Outcome) -> Option<Text> {
+        let index = self.requests.iter().position(|reference| reference.name() == "passed_first")?;
+        let MetricKind::Category(words) = &self.requests.as_slice()[index].known()?.kind else { return None };
+        words.get(outcome.metrics[index]? as usize).cloned()
     }
 }
 
@@ -139,7 +140,7 @@ pub struct CaseRun {
     /// Its metrics are in the order of the laboratory's requests.
     #[serde(serialize_with = "outcome_alone")]
     pub outcome: Outcome,
-    pub passed_first: Option<&'static str>,
+    pub passed_first: Option<Text>,
 }
 
 /// Without what the case says already.
@@ -158,6 +159,9 @@ fn outcome_alone<S: Serializer>(outcome: &Outcome, serializer: S) -> Result<S::O
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MetricSummary {
     pub metric: String,
+    /// What its values are; not known of results that were read.
+    #[serde(skip)]
+    pub kind: Option<MetricKind>,
     pub runs: usize,
     /// Runs in which the metric exists and was decided before the horizon: what the other numbers are of.
     pub defined: usize,

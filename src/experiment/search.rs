@@ -10,7 +10,6 @@ use super::journal::Record;
 use super::runs::CaseRun;
 use super::{ExperimentError, Laboratory, Progress, overrides};
 use crate::judge::statistics::mean;
-use crate::metrics;
 use crate::optimise::{
     self, Definition, Evaluation, InitialDesign, Measurement, Method, Optimiser, Proposal, SlicePoint,
     StopReason,
@@ -18,7 +17,7 @@ use crate::optimise::{
 use crate::plan::{self, derive_seed};
 use crate::run::Outcome;
 use crate::scenario::{
-    self, Assignment, Budget, Case, Goal, Individual, Objective, Range, Scenario, Search, ShownIn,
+    self, Assignment, Budget, Case, Goal, Individual, Objective, Range, Scenario, Search, ShownIn, Text,
 };
 
 /// Runs with fresh seeds that tell how much of a best value was luck.
@@ -70,7 +69,7 @@ pub struct Found {
     pub fresh: Option<f64>,
     /// In how many runs of that the metric exists and was decided before the horizon.
     pub fresh_runs: u32,
-    pub passed_first: Option<&'static str>,
+    pub passed_first: Option<Text>,
     /// Objective of every evaluation in order; `None` where it is undefined.
     pub evaluations: Vec<(Vec<optimise::Value>, Option<f64>)>,
     pub stop: Option<StopReason>,
@@ -144,7 +143,7 @@ pub fn run_search(
         objective: search.objective.text.clone(),
         direction: search.objective.direction,
         shown_in: search.over.iter().map(Range::shown_in).collect(),
-        objective_in: ShownIn::new(search.objective.notation, &metrics::unit_of(&search.objective.aggregate)),
+        objective_in: ShownIn::new(search.objective.notation, &search.objective.aggregate.unit()),
         metrics: laboratory.requests.iter().map(|reference| reference.label()).collect(),
         kept: SavedSet {
             name: search.name.clone(),

@@ -4,7 +4,6 @@ use serde::Serialize;
 
 use super::{ExperimentError, Laboratory, Results, evaluate};
 use crate::judge::cut_off_runs;
-use crate::metrics::unit_of;
 use crate::plan::variables;
 use crate::run::Outcome;
 use crate::scenario::{
@@ -200,7 +199,7 @@ impl Court<'_> {
                     Err(reason) => (Err(reason), Vec::new()),
                 };
                 let values = ClaimValues::Trend { direction: *direction, variable: variable.clone(), points };
-                (holds, values, unit_of(&measured.aggregate))
+                (holds, values, measured.aggregate.unit())
             }
         };
         let holds = match (holds, self.cut_off(claim)?) {
@@ -237,7 +236,7 @@ impl Court<'_> {
             Quantity::Number(number) => Operand { value: Ok(*number), unit: None },
             Quantity::Measured(measured) => {
                 let value = self.runs(measured)?.and_then(|runs| self.value(measured, &runs));
-                Operand { value, unit: Some(unit_of(&measured.aggregate)) }
+                Operand { value, unit: Some(measured.aggregate.unit()) }
             }
             Quantity::Chosen { tune, target } => {
                 let result = self.results.tune(tune)?;

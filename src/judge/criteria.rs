@@ -12,8 +12,8 @@ use super::vacuity::{self, Vacuity};
 use super::verdict::Verdict;
 use crate::run::{Outcome, Requests};
 use crate::scenario::{
-    Aggregate, Claim, Comparison, Criterion, Individual, MetricReference, Origin, People, Relation,
-    WhenUndefined, constant,
+    Aggregate, Claim, Comparison, Criterion, Individual, Metric, MetricReference, Origin, People, Reference,
+    Relation, WhenUndefined, constant,
 };
 
 /// A trial's verdict: the worst of its findings; without any it is `Passed`, which [says nothing](Self::claims_nothing).
@@ -58,7 +58,7 @@ pub struct Finding {
     pub origin: Origin,
     pub verdict: Verdict,
     /// The metric that the criterion is about.
-    pub metric: String,
+    pub metric: Reference<Metric>,
     pub measure: Measure,
     /// Where runs are added, those after which the criterion was decided: the trial may have had more for others.
     pub runs: usize,
@@ -236,7 +236,7 @@ fn of_values(
 ) -> Finding {
     let metric = aggregate.metric();
     let seen = seen(metric, evidence);
-    let counted: Vec<Option<f64>> = seen.iter().map(|one| one.worst(&metric.name, relation)).collect();
+    let counted: Vec<Option<f64>> = seen.iter().map(|one| one.worst(metric, relation)).collect();
     let worst: Vec<f64> = counted.iter().copied().flatten().collect();
     let held = Held { count: seen.iter().filter(|one| one.is_value()).count(), against: Vec::new(), seen };
     let by_rank = !matches!(aggregate, Aggregate::Mean(_) | Aggregate::Std(_));
@@ -349,7 +349,7 @@ pub fn counted(
     requests: &Requests,
 ) -> Vec<Option<f64>> {
     let seen = seen(metric, &Evidence { outcomes, requests, bounds: Bounds::Fixed });
-    seen.into_iter().map(|one| one.worst(&metric.name, relation)).collect()
+    seen.into_iter().map(|one| one.worst(metric, relation)).collect()
 }
 
 /// As [`aggregate`], for somebody who would like it to be in `relation` to something: runs that the horizon cut off, or in
@@ -425,7 +425,7 @@ fn runs(
     if share.is_none() {
         // The run nearest to failing says more than the share of runs.
         let margins = held.seen.iter().filter_map(|one| {
-            comparison.relation.margin(one.worst(&comparison.metric.name, comparison.relation)?, bound)
+            comparison.relation.margin(one.worst(&comparison.metric, comparison.relation)?, bound)
         });
         let margins = margins.filter(|margin| margin.is_finite());
         finding.margin = margins.reduce(f64::min);
@@ -469,7 +469,7 @@ fn against(
         criterion: criterion.text.clone(),
         origin: criterion.origin.clone(),
         verdict: if holds { Verdict::Passed } else { Verdict::Failed },
-        metric: criterion.claim.metric().name.clone(),
+        metric: criterion.claim.metric().metric.clone(),
         measure,
         runs: held.seen.len(),
         holding: held.count,

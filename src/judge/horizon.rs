@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::criteria::Finding;
 use super::vacuity::Vacuity;
 use super::verdict::Verdict;
-use crate::metrics::{self, Scope, Worst};
+use crate::metrics::{Scope, Worst};
 use crate::run::{CutOff, OnCourse, Outcome};
 use crate::scenario::{Claim, Criterion, MetricReference, Relation, WhenUndefined};
 use crate::sim::StopReason;
@@ -102,8 +102,8 @@ pub fn cut_off_runs<'o>(
     reference: &MetricReference,
     outcomes: impl IntoIterator<Item = &'o Outcome>,
 ) -> usize {
-    let Some(metric) = metrics::metric(&reference.name) else { return 0 };
-    let is_extreme = EXTREMES.contains(&reference.name.as_str());
+    let Some(metric) = reference.known() else { return 0 };
+    let is_extreme = EXTREMES.contains(&reference.name());
     let of_vehicle = metric.scope == Scope::Vehicle;
     let meets = matches!(metric.scope, Scope::Pair | Scope::Contact) || (of_vehicle && is_extreme);
     let concerns = |one: &str, two: &str| {
@@ -125,7 +125,7 @@ pub fn cut_off_runs<'o>(
 /// Whether a claim that every run has an extreme beyond a bound stays true whatever comes: extremes only grow.
 fn stays_so(claim: &Claim) -> bool {
     let Claim::Runs { comparison, .. } = claim else { return false };
-    let name = comparison.metric.name.as_str();
+    let name = comparison.metric.name();
     // A mean over the run may go either way.
     if !EXTREMES.contains(&name) || name == "rms_jerk" {
         return false;
@@ -136,7 +136,7 @@ fn stays_so(claim: &Claim) -> bool {
         Relation::Equal => return name == "collision" && comparison.constant_bound() == 1.0,
         Relation::NotEqual => return name == "collision" && comparison.constant_bound() == 0.0,
     };
-    metrics::metric(name).is_some_and(|metric| upwards == (metric.worst == Worst::Largest))
+    comparison.metric.known().is_some_and(|metric| upwards == (metric.worst == Worst::Largest))
         && comparison.when_undefined != WhenUndefined::Passes
 }
 
@@ -146,7 +146,7 @@ mod tests {
     use crate::judge::judge;
     use crate::metrics::Open;
     use crate::run::Requests;
-    use crate::scenario::{Aggregate, Comparison, Origin, Settings};
+    use crate::scenario::{Aggregate, Comparison, Origin};
     use crate::sim::Ending;
     use std::time::Duration;
 
@@ -156,7 +156,7 @@ mod tests {
     }
 
     fn metric() -> MetricReference {
-        MetricReference { name: "time_lost".into(), settings: Settings::default(), pair: None }
+        crate::models::known::measured("time_lost")
     }
 
     /// An aggregate of the time lost, compared to 10 s or a share.

@@ -45,7 +45,7 @@ pub(super) fn nearest(
         Relation::Greater | Relation::GreaterOrEqual => true,
         Relation::Less | Relation::LessOrEqual => false,
         Relation::Equal | Relation::NotEqual => {
-            metrics::metric(&metric.name).is_some_and(|metric| metric.worst == metrics::Worst::Smallest)
+            metric.known().is_some_and(|metric| metric.worst == metrics::Worst::Smallest)
         }
     };
     let badness = |value: Option<f64>| match value {

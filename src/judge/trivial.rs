@@ -6,7 +6,7 @@ use super::budget::at;
 use super::criteria::bounded_above;
 use super::seen::{Seen, holds_undefined};
 use crate::lang::{Code, Diagnostic, Sources};
-use crate::metrics::{self, Absence, MetricKind, Open, Range, Scope};
+use crate::metrics::{Absence, MetricKind, MetricRange, Open, Scope};
 use crate::plan;
 use crate::scenario::{
     Aggregate, Claim, Comparison, Criterion, Expression, MetricReference, Relation, Scenario, Suite, Value,
@@ -55,7 +55,9 @@ fn of_scenario<'s>(suite: &Suite, scenario: &'s Scenario) -> Vec<(&'s Criterion,
     let longest = scenario.horizon + scenario.step;
     let known = |criterion: &Criterion| {
         let mut criterion = criterion.clone();
-        criterion.reach.limits = metrics::limits(criterion.claim.metric(), longest);
+        let reference = criterion.claim.metric();
+        criterion.reach.limits =
+            reference.known().and_then(|known| known.limits(&reference.settings, longest));
         for bound in criterion.claim.bounds_mut() {
             *bound = Expression::Constant(bound.evaluate(&BTreeMap::<String, Value>::new()).ok()?);
         }
@@ -89,7 +91,7 @@ fn finding(criterion: &Criterion, power: Power, sources: &Sources) -> Option<Dia
                 .hint(other_side)
         }
         Power::OnlyAbsence(why) => {
-            let metric = &criterion.claim.metric().name;
+            let metric = &criterion.claim.metric().name();
             let message = format!("no value of `{metric}` makes `{text}` fail");
             at(Code::CannotFail, &criterion.origin, message, sources)
                 .label("holds for every value that there can be")
@@ -156,15 +158,15 @@ struct Limits<'c> {
 impl<'c> Limits<'c> {
     fn of(criterion: &'c Criterion) -> Self {
         let reference = criterion.claim.metric();
-        let metric = metrics::metric(&reference.name).expect("criteria are about registered metrics");
-        let (low, high) = criterion.reach.limits.unwrap_or(match (metric.range, metric.kind) {
-            (Range::NotNegative, _) => (0.0, f64::INFINITY),
+        let metric = reference.known().expect("criteria are about registered metrics");
+        let (low, high) = criterion.reach.limits.unwrap_or(match (&metric.range, &metric.kind) {
+            (MetricRange::NotNegative, _) => (0.0, f64::INFINITY),
             (_, MetricKind::Category(words)) => (0.0, words.len() as f64 - 1.0),
             _ => (f64::NEG_INFINITY, f64::INFINITY),
         });
         let of_one = matches!(metric.scope, Scope::Vehicle | Scope::Contact);
         let is_word = matches!(metric.kind, MetricKind::Category(_));
-        let unit = match metric.kind {
+        let unit = match &metric.kind {
             MetricKind::Quantity(dimension) => format!(" {}", dimension.si_unit()),
             MetricKind::Flag | MetricKind::Category(_) => String::new(),
         };
@@ -174,7 +176,7 @@ impl<'c> Limits<'c> {
             low,
             high,
             always_there: metric.absence == Absence::Open && (of_one || is_word),
-            can_be_open: is_time || is_word || metric.range == Range::YesOrNo,
+            can_be_open: is_time || is_word || metric.range == MetricRange::YesOrNo,
             unit,
         }
     }
@@ -251,7 +253,7 @@ impl<'c> Limits<'c> {
         }
         let (mut hold, mut fail) = self.of_ends(relation, bound);
         let mut counted = |seen: Seen| {
-            if let Some(worst) = seen.worst(&self.metric.name, relation) {
+            if let Some(worst) = seen.worst(self.metric, relation) {
                 fail |= !relation.holds(worst, bound);
             }
         };
@@ -278,9 +280,9 @@ impl<'c> Limits<'c> {
         let Self { metric, low, high, unit, .. } = self;
         let show = |value: f64| format!("{}{unit}", significant(value, 6));
         match (low.is_finite(), high.is_finite()) {
-            (true, true) => format!("`{}` lies between {} and {}", metric.name, show(*low), show(*high)),
-            (true, false) => format!("`{}` is never below {}", metric.name, show(*low)),
-            _ => format!("`{}` can be anything", metric.name),
+            (true, true) => format!("`{}` lies between {} and {}", metric.name(), show(*low), show(*high)),
+            (true, false) => format!("`{}` is never below {}", metric.name(), show(*low)),
+            _ => format!("`{}` can be anything", metric.name()),
         }
     }
 }
@@ -302,19 +304,20 @@ fn possible(relation: Relation, bound: f64, (low, high): (f64, f64)) -> (bool, b
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::metrics::METRICS;
-    use crate::scenario::{Origin, Reach, Settings};
+    use crate::metrics::metrics;
+    use crate::scenario::{Origin, Reach};
 
     const LONGEST: f64 = 60.0;
 
     fn of(claim: Claim) -> Criterion {
-        let limits = metrics::limits(claim.metric(), LONGEST);
+        let reference = claim.metric();
+        let limits = reference.known().and_then(|known| known.limits(&reference.settings, LONGEST));
         let reach = Reach { people: None, limits };
         Criterion { claim, when: Vec::new(), text: String::new(), reach, origin: Origin::default() }
     }
 
     fn comparison(name: &str, relation: Relation, bound: f64, when_undefined: WhenUndefined) -> Comparison {
-        let metric = MetricReference { name: name.into(), settings: Settings::default(), pair: None };
+        let metric = crate::models::known::measured(name);
         Comparison { metric, relation, bound: bound.into(), when_undefined }
     }
 
@@ -400,8 +403,7 @@ mod tests {
 
     #[test]
     fn sums_of_values_lie_where_the_values_do() {
-        let metric =
-            |name: &str| MetricReference { name: name.into(), settings: Settings::default(), pair: None };
+        let metric = |name: &str| crate::models::known::measured(name);
         let mean = |name, relation, bound| summed_up(Aggregate::Mean(metric(name)), relation, bound);
         assert!(never_fails(mean("stopped_time", GreaterOrEqual, 0.0)));
         assert!(never_holds(mean("stopped_time", Less, 0.0)));
@@ -418,9 +420,9 @@ mod tests {
 
     #[test]
     fn ordinary_criteria_of_every_metric_can_do_both() {
-        for metric in METRICS {
-            let name = metric.declaration.name;
-            match metric.kind {
+        for metric in metrics() {
+            let name = &*metric.declaration.name;
+            match &metric.kind {
                 MetricKind::Quantity(_) => {
                     for relation in [Less, LessOrEqual, Greater, GreaterOrEqual] {
                         assert_eq!(runs(name, relation, 1.5), Power::Decides, "{name} {relation:?}");

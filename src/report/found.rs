@@ -78,7 +78,7 @@ fn line(result: &SearchResult, found: &Found) -> Vec<String> {
             .predicted
             .map_or("–".into(), |(mean, sd)| format!("{} ± {}", unit.number(mean), unit.show(sd))),
         format!("{} ({})", of_objective(found.fresh), found.fresh_runs),
-        found.passed_first.unwrap_or("–").to_string(),
+        found.passed_first.as_deref().unwrap_or("–").to_string(),
         found.evaluations.len().to_string(),
     ]
 }
@@ -113,7 +113,7 @@ fn spread(result: &SearchResult) -> String {
     row("fresh seeds", unit, found.iter().filter_map(|one| one.fresh).collect());
     let mut text = columns(&lines);
     let mut first: Vec<(&str, usize)> = Vec::new();
-    for who in found.iter().map(|one| one.passed_first.unwrap_or("nobody")) {
+    for who in found.iter().map(|one| one.passed_first.as_deref().unwrap_or("nobody")) {
         match first.iter_mut().find(|(name, _)| *name == who) {
             Some((_, count)) => *count += 1,
             None => first.push((who, 1)),
@@ -157,7 +157,8 @@ mod tests {
             found.best = Some(vec![("tta".into(), Value::Real(6.0 + value))]);
             (found.observed, found.predicted) = (Some(value), Some((value + 0.5, 0.1)));
             found.fresh = Some(if number == 7 { 0.125 } else { value + 0.625 });
-            found.passed_first = Some(if number.is_multiple_of(3) { "vehicle" } else { "pedestrian" });
+            found.passed_first =
+                Some(if number.is_multiple_of(3) { "vehicle".into() } else { "pedestrian".into() });
             if number == 9 {
                 (found.best, found.observed, found.predicted, found.fresh) = (None, None, None, None);
                 (found.passed_first, found.fresh_runs) = (None, 0);

@@ -14,7 +14,6 @@ use crate::judge::baseline::{Incompatible, Part};
 use crate::judge::gate::{
     BlindPlace, ChangedRun, Check, CheckOutcome, GateVerdict, Power, Subject, TrialChange,
 };
-use crate::metrics;
 use crate::scenario::significant;
 
 /// More runs than this are counted, not named.
@@ -314,8 +313,7 @@ pub fn flips(check: &Check, replay: Replay) -> Vec<String> {
 
 /// `1.2 s -> 0.3 s  zebra/walker/tta=6s/rep=2`.
 pub fn changed(check: &Check, run: &ChangedRun) -> String {
-    let value =
-        |value| metrics::metric(&check.metric).map_or("?".to_string(), |metric| quantity(metric, value));
+    let value = |value| check.metric.known().map_or("?".to_string(), |metric| quantity(metric, value));
     format!("{} -> {}  {}", value(run.base), value(run.candidate), run.key)
 }
 
@@ -378,8 +376,9 @@ fn some(names: &[String]) -> String {
 /// A mean in the metric's unit, or a share.
 fn show(check: &Check, value: f64) -> String {
     match check.subject {
-        Subject::Mean => metrics::metric(&check.metric)
-            .map_or_else(|| significant(value, 4), |metric| quantity(metric, Some(value))),
+        Subject::Mean => {
+            check.metric.known().map_or_else(|| significant(value, 4), |metric| quantity(metric, Some(value)))
+        }
         Subject::Rate | Subject::Existence | Subject::New => share(value),
     }
 }

@@ -20,7 +20,6 @@ use super::{
 };
 use crate::experiment::BlockResult;
 use crate::judge::Verdict;
-use crate::metrics;
 use crate::run::Requests;
 use crate::scenario::Origin;
 
@@ -207,7 +206,7 @@ fn trial_case(report: &SuiteReport, trial: &TrialReport, requests: &Requests) ->
         case.property("stopping", &stopping(stopped));
     }
     for (index, reference) in requests.iter().enumerate() {
-        let Some(metric) = metrics::metric(&reference.name) else { continue };
+        let Some(metric) = reference.known() else { continue };
         let unit = written_unit(&trial.trial.criteria, reference, metric);
         case.property(&reference.label(), &Digest::new(metric, unit, &trial.outcomes, index).long());
     }

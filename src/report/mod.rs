@@ -74,7 +74,7 @@ pub use github::{annotations, step_summary};
 pub use html::{Chosen, choose_runs, to_html};
 pub use json::write_json;
 pub use junit::write_junit;
-pub use models::{registered_names, render_model, render_models};
+pub use models::{render_model, render_models};
 pub use pages::{ModelPage, model_pages};
 pub use recorded::{RecordedReport, RecordedState, Rerun};
 pub use recording::{PairCourse, Place, Recording};

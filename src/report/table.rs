@@ -8,7 +8,7 @@ use super::wording::{closest_calls, judged_words};
 use super::{SuiteReport, TrialReport, TrialState};
 use crate::escape::{terminal, terminal_line};
 use crate::judge::Verdict;
-use crate::metrics::{self, Metric};
+use crate::metrics::Metric;
 use crate::run::Requests;
 use crate::scenario::Notation;
 
@@ -21,16 +21,16 @@ const WIDEST_LABEL: usize = 40;
 const HEADLINES: [&str; 5] = ["collision", "gap_accepted", "pet", "max_deceleration", "time_lost"];
 
 /// A metric as it is shown.
-pub struct Column {
+pub struct Column<'r> {
     /// In the outcomes.
     pub index: usize,
-    pub metric: &'static Metric,
+    pub metric: &'r Metric,
     pub label: String,
     /// That of the first criterion about it; `None` for the SI unit.
     pub unit: Option<Notation>,
 }
 
-impl Column {
+impl Column<'_> {
     /// What stands above it, in two lines.
     pub fn heading(&self) -> (String, String) {
         Digest::heading(self.metric, &self.label, self.unit)
@@ -42,13 +42,13 @@ impl Column {
 }
 
 /// The metrics that the criteria of `trials` are about, in their order; without criteria those that tell most.
-pub fn columns(trials: &[&TrialReport], requests: &Requests) -> Vec<Column> {
+pub fn columns<'r>(trials: &[&'r TrialReport], requests: &'r Requests) -> Vec<Column<'r>> {
     let mut columns: Vec<Column> = Vec::new();
     let criteria = || trials.iter().flat_map(|trial| &trial.trial.criteria);
-    let headlines = requests.iter().filter(|reference| HEADLINES.contains(&reference.name.as_str()));
+    let headlines = requests.iter().filter(|reference| HEADLINES.contains(&reference.name()));
     let headlines = headlines.filter(|_| criteria().next().is_none());
     for reference in criteria().map(|criterion| criterion.claim.metric()).chain(headlines) {
-        if let (Some(index), Some(metric)) = (requests.index(reference), metrics::metric(&reference.name))
+        if let (Some(index), Some(metric)) = (requests.index(reference), reference.known())
             && !columns.iter().any(|known| known.index == index)
         {
             let unit = written_unit(criteria(), reference, metric);

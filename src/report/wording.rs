@@ -7,7 +7,7 @@ use super::format::{count, in_notation, quantity, share};
 use super::{BlockReport, RecordedReport, Skip, Standing, SuiteReport, TrialReport, TrialState};
 use crate::judge::{Finding, Horizon, Measure, Reason, Regarding, Stopping, Vacuity, Verdict, WorstRun};
 use crate::lang;
-use crate::metrics::{self, MetricKind};
+use crate::metrics::MetricKind;
 use crate::run::{OnCourse, departures};
 use crate::scenario::{Comparison, Notation, People, Relation, significant};
 
@@ -75,7 +75,7 @@ fn signed(margin: f64, size: String) -> String {
 /// A comparison with a constant bound, shown in `unit` if it has one: `pet < 1.5 s`, `no collision`, `passed_first = pedestrian`.
 pub fn comparison_text(comparison: &Comparison, unit: Option<Notation>) -> String {
     let (label, bound) = (comparison.metric.label(), comparison.constant_bound());
-    let metric = metrics::metric(&comparison.metric.name);
+    let metric = comparison.metric.known();
     let flag = metric.is_some_and(|metric| metric.kind == MetricKind::Flag);
     match comparison.relation {
         Relation::Equal | Relation::NotEqual if flag => {
@@ -102,7 +102,7 @@ pub fn comparison_rule(comparison: &Comparison, unit: Option<Notation>) -> Rule 
         other => other.symbol(),
     };
     let bound = comparison.constant_bound();
-    let shown = match (unit, metrics::metric(&comparison.metric.name)) {
+    let shown = match (unit, comparison.metric.known()) {
         (Some(unit), _) => in_notation(bound, unit),
         (None, Some(metric)) if matches!(metric.kind, MetricKind::Quantity(_)) => {
             quantity(metric, Some(bound))
@@ -150,7 +150,7 @@ pub fn run_in_words(finding: &Finding, run: &WorstRun) -> String {
 /// `pet 0.83 s`
 pub fn run_value(finding: &Finding, run: &WorstRun) -> String {
     let so_far = if run.cut_off { " when time was up" } else { "" };
-    match metrics::metric(&finding.metric) {
+    match finding.metric.known() {
         Some(_) => format!("{} {}{so_far}", finding.metric, metric_value(finding, run.value)),
         None => "?".to_string(),
     }
@@ -158,11 +158,11 @@ pub fn run_value(finding: &Finding, run: &WorstRun) -> String {
 
 /// A value of the finding's metric as [`quantity`] gives it, but in the unit that the criterion is written in.
 pub fn metric_value(finding: &Finding, value: Option<f64>) -> String {
-    let Some(metric) = metrics::metric(&finding.metric) else {
+    let Some(metric) = finding.metric.known() else {
         return value.map_or_else(|| "?".to_string(), |value| significant(value, 4));
     };
-    let unit = match metric.kind {
-        MetricKind::Quantity(dimension) => lang::unit_in(&finding.criterion, dimension),
+    let unit = match &metric.kind {
+        MetricKind::Quantity(dimension) => lang::unit_in(&finding.criterion, *dimension),
         MetricKind::Flag | MetricKind::Category(_) => None,
     };
     match (unit, value) {
@@ -362,10 +362,8 @@ pub fn verdict_mark(verdict: Verdict) -> &'static str {
 
 /// A value in the unit of the finding's metric. Differences and aggregates of flags are shares of runs.
 fn in_unit(finding: &Finding, value: f64) -> String {
-    match metrics::metric(&finding.metric) {
-        Some(metric) if matches!(metric.kind, metrics::MetricKind::Quantity(_)) => {
-            metric_value(finding, Some(value))
-        }
+    match finding.metric.known() {
+        Some(metric) if matches!(metric.kind, MetricKind::Quantity(_)) => metric_value(finding, Some(value)),
         _ => significant(value, 4),
     }
 }
@@ -385,12 +383,12 @@ pub fn interruption(report: &SuiteReport) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::{MetricReference, Settings, WhenUndefined};
+    use crate::scenario::WhenUndefined;
 
     #[test]
     fn comparisons_read_as_they_are_written() {
         let text = |name: &str, relation, bound: f64| {
-            let metric = MetricReference { name: name.into(), settings: Settings::default(), pair: None };
+            let metric = crate::models::known::measured(name);
             let when_undefined = WhenUndefined::Fails;
             comparison_text(&Comparison { metric, relation, bound: bound.into(), when_undefined }, None)
         };

@@ -5,8 +5,9 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
-use crate::metrics::{METRICS, Open, Presence};
-use crate::scenario::{Criterion, Individual, MetricReference, Settings};
+use crate::metrics::{Open, Presence};
+use crate::registry::Registry;
+use crate::scenario::{Criterion, Individual, MetricReference};
 use crate::sim::Ending;
 
 /// The result of one case.
@@ -131,13 +132,8 @@ pub struct Requests(Vec<MetricReference>);
 
 impl Requests {
     /// Every registered metric with its defaults.
-    pub fn defaults() -> Self {
-        let plain = |name: &str| MetricReference {
-            name: name.to_string(),
-            settings: Settings::default(),
-            pair: None,
-        };
-        Self(METRICS.iter().map(|metric| plain(metric.declaration.name)).collect())
+    pub fn defaults(registry: &Registry) -> Self {
+        Self(registry.metrics().iter().map(MetricReference::plain).collect())
     }
 
     /// Adds whatever the criteria need that is not there yet.

@@ -26,6 +26,7 @@ use crate::dispatch::{self, Orders, Unit, Workshop, dispatch, judge_gates};
 use crate::escape::terminal_line;
 use crate::files;
 use crate::judge::Verdict;
+use crate::registry::Registry;
 use crate::report::{
     GateReport, GateState, Live, NotJudged, Standing, StatusLevel, SuiteReport, Terminal, render_gates,
 };
@@ -161,7 +162,7 @@ impl ValueEnum for StatusLevel {
     }
 }
 
-pub fn run(arguments: RunArguments) -> Exit {
+pub fn run(arguments: RunArguments, registry: &Registry) -> Exit {
     let (files, filters): (Vec<_>, Vec<_>) =
         arguments.words.iter().partition(|word| load::names_a_file(word));
     if arguments.words.is_empty() {
@@ -194,7 +195,7 @@ pub fn run(arguments: RunArguments) -> Exit {
         Ok(expressions) => expressions,
         Err(exit) => return exit,
     };
-    let suites = match load::load_all(&files, arguments.seed, &arguments.set, colour) {
+    let suites = match load::load_all(&files, arguments.seed, &arguments.set, colour, registry) {
         Ok(suites) => suites,
         Err(exit) => return exit,
     };
@@ -255,7 +256,7 @@ pub fn run(arguments: RunArguments) -> Exit {
     }
     let watcher = arguments.trace.as_deref().map(watch::Traces::new);
     let watch = watcher.as_ref().map(|traces| |case: &_, trace: &_| traces.save(case, trace));
-    let mut workshop = Workshop::new(&suites, Some(arguments.journal.clone()), &stop);
+    let mut workshop = Workshop::new(&suites, Some(arguments.journal.clone()), &stop, registry);
     if let Some(watch) = &watch {
         workshop = workshop.watched_by(watch);
     }

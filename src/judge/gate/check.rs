@@ -7,9 +7,8 @@ use super::power::{self, Power};
 use super::questions::{About, Place, Question, RunPair};
 use crate::judge::baseline::RecordedMetric;
 use crate::judge::statistics::{MeanChange, rate_change, rate_rise};
-use crate::metrics;
 use crate::plan::derive_seed;
-use crate::scenario::{MetricReference, Tolerance};
+use crate::scenario::{Metric, Reference, Tolerance};
 
 /// One metric compared in one place.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -17,7 +16,7 @@ pub struct Check {
     /// Index of the gate's rule.
     pub rule: usize,
     /// The metric's name and label.
-    pub metric: String,
+    pub metric: Reference<Metric>,
     pub label: String,
     pub subject: Subject,
     /// The scenario, or the trial where `certain`.
@@ -231,8 +230,7 @@ impl Check {
 fn widest(question: &Question) -> Option<f64> {
     let About::Mean(_) = question.about else { return Some(1.0) };
     let RecordedMetric { name, settings, .. } = question.metric;
-    let reference = MetricReference { name: name.clone(), settings: settings.clone(), pair: None };
-    let (low, high) = metrics::limits(&reference, f64::INFINITY)?;
+    let (low, high) = name.known()?.limits(settings, f64::INFINITY)?;
     Some(high - low).filter(|widest| widest.is_finite())
 }
 

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::*;
 use crate::judge::baseline::{Part, Parts, RecordedMetric, RecordedTrial};
-use crate::scenario::{MetricReference, Settings};
+use crate::scenario::Settings;
 use crate::sim::random::Stream;
 
 /// One trial: key, scenario, whether it is certain, labels of its runs.
@@ -57,7 +57,7 @@ fn baseline(
             .iter()
             .map(|name| RecordedMetric {
                 label: name.to_string(),
-                name: name.to_string(),
+                name: crate::models::known::metric(name),
                 unit: if *name == "collision" { "yes or no".into() } else { "s".into() },
                 settings: Settings::default(),
                 pair: None,
@@ -73,7 +73,7 @@ fn five_percent() -> Vec<GateRule> {
 }
 
 fn named(metric: &str, tolerance: Tolerance) -> GateRule {
-    let metric = MetricReference { name: metric.into(), settings: Settings::default(), pair: None };
+    let metric = crate::models::known::measured(metric);
     GateRule { metric: Some(metric), tolerance, ..blanket_rule(0.0, 0.95) }
 }
 

@@ -15,7 +15,9 @@ use super::statistics::{ConfidenceSequence, Decision, MeanWatch, Unit};
 use super::verdict::Verdict;
 use crate::plan::{Rounds, Trial};
 use crate::run::{Outcome, Requests};
-use crate::scenario::{Aggregate, Claim, Comparison, Criterion, Relation, WhenUndefined, constant};
+use crate::scenario::{
+    Aggregate, Claim, Comparison, Criterion, MetricReference, Relation, WhenUndefined, constant,
+};
 
 /// How many runs a trial took, and why there were no more.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -65,7 +67,7 @@ enum About {
     /// A claim about the share of runs in which an event happens.
     Share(Share),
     /// A claim about the mean of a metric that has limits, and its relation: what a run counts as that has no value.
-    Mean(Box<MeanWatch>, String, Relation),
+    Mean(Box<MeanWatch>, MetricReference, Relation),
 }
 
 struct Share {
@@ -172,7 +174,7 @@ impl Test {
                     Aggregate::Quantile(level, _) => quantile(*level),
                     Aggregate::Mean(metric) => {
                         let watch = MeanWatch::new(constant(bound), criterion.reach.limits?, confidence);
-                        About::Mean(Box::new(watch), metric.name.clone(), claimed)
+                        About::Mean(Box::new(watch), metric.clone(), claimed)
                     }
                     _ => return None,
                 }
@@ -222,7 +224,7 @@ impl Share {
         let happened = match self.claimed {
             None => Some(seen.holds(&self.event, self.unknown)),
             Some(claimed) => {
-                let value = seen.worst(&self.event.metric.name, claimed);
+                let value = seen.worst(&self.event.metric, claimed);
                 value.map(|value| self.event.relation.holds(value, self.event.constant_bound()))
             }
         };

@@ -1,7 +1,7 @@
 //! When trials have enough runs, over made-up outcomes.
 
 use super::*;
-use crate::scenario::{Expression, MetricReference, Origin, Reach, Settings};
+use crate::scenario::{Expression, MetricReference, Origin, Reach};
 use crate::sim::random::Stream;
 use crate::sim::{Ending, StopReason};
 use std::time::Duration;
@@ -9,7 +9,7 @@ use std::time::Duration;
 const ROUNDS: Rounds = Rounds { size: 4, least: 20, most: 400 };
 
 fn pet() -> MetricReference {
-    MetricReference { name: "pet".into(), settings: Settings::default(), pair: None }
+    crate::models::known::measured("pet")
 }
 
 fn requests() -> Requests {

@@ -7,7 +7,7 @@ use super::space::{Measured, short_names};
 use crate::experiment::{CaseRun, ConditionResult, Difference, EvaluateResult, ParameterValue};
 use crate::judge::holds;
 use crate::judge::statistics::{Interval, mean, mean_interval, wilson};
-use crate::metrics::{MetricKind, metric, unit_of};
+use crate::metrics::MetricKind;
 use crate::report::SuiteReport;
 use crate::report::chart::{Dot, First, Rows, Rule, Strip, Strips, first_legend};
 use crate::report::evaluation::without_value;
@@ -62,7 +62,7 @@ impl Section {
         let measured: Vec<Measured> = result
             .measures
             .iter()
-            .map(|one| Measured::new(&one.text, unit_of(&one.aggregate)).written_in(one.notation))
+            .map(|one| Measured::new(&one.text, one.aggregate.unit()).written_in(one.notation))
             .collect();
         let table = Table { result, measured: &measured };
         let parameters = result.conditions.iter().map(|one| &one.parameters).find(|all| !all.is_empty());
@@ -227,7 +227,7 @@ impl Charts<'_> {
     fn figures(&self) -> Vec<Figure> {
         let mut quantities: Vec<&MetricReference> = Vec::new();
         for reference in self.result.measures.iter().map(|measure| measure.aggregate.metric()) {
-            let kind = metric(&reference.name).map(|metric| metric.kind);
+            let kind = reference.known().map(|metric| &metric.kind);
             if matches!(kind, Some(MetricKind::Quantity(_))) && !quantities.contains(&reference) {
                 quantities.push(reference);
             }
@@ -246,7 +246,7 @@ impl Charts<'_> {
     fn distributions(&self, reference: &MetricReference, index: usize) -> Option<Figure> {
         let strip = |condition: &ConditionResult| {
             let dot = |run: &CaseRun| {
-                let (first, name) = (First::of(run.passed_first), run.case.key.clone());
+                let (first, name) = (First::of(run.passed_first.as_deref()), run.case.key.clone());
                 run.outcome.metrics[index].map(|value| Dot { value, first, name })
             };
             let dots: Vec<Dot> = condition.runs.iter().filter_map(dot).collect();
@@ -266,7 +266,11 @@ impl Charts<'_> {
             let pairs = first.runs.iter().zip(&condition.runs);
             let dot = |(before, after): (&CaseRun, &CaseRun)| {
                 let value = after.outcome.metrics[index]? - before.outcome.metrics[index]?;
-                Some(Dot { value, first: First::of(after.passed_first), name: after.case.key.clone() })
+                Some(Dot {
+                    value,
+                    first: First::of(after.passed_first.as_deref()),
+                    name: after.case.key.clone(),
+                })
             };
             let dots: Vec<Dot> = pairs.filter_map(dot).collect();
             Strip { name: condition.name.clone(), undefined: condition.runs.len() - dots.len(), dots }

@@ -43,7 +43,7 @@ struct Row {
     observed: String,
     predicted: String,
     fresh: String,
-    first: &'static str,
+    first: String,
     evaluations: usize,
     stop: &'static str,
 }
@@ -187,7 +187,7 @@ impl Hunt<'_> {
                 Some(fresh) => format!("{} ({})", self.objective.rough(fresh, 3), found.fresh_runs),
                 None => "–".into(),
             },
-            first: found.passed_first.unwrap_or("–"),
+            first: found.passed_first.as_deref().unwrap_or("–").to_string(),
             evaluations: found.evaluations.len(),
             stop: match found.stop {
                 Some(StopReason::Budget { .. }) => "budget spent",
@@ -422,5 +422,5 @@ fn runs(count: u32) -> String {
 }
 
 fn first(found: &Found) -> First {
-    First::of(found.passed_first)
+    First::of(found.passed_first.as_deref())
 }

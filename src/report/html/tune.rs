@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::figure::Figure;
 use super::space::{Dimension, Measured, point_text};
 use crate::experiment::{Candidate, Comparison, MetricSummary, TuneResult, Violations};
-use crate::metrics::{MetricKind, metric};
+use crate::metrics::MetricKind;
 use crate::optimise::StopReason;
 use crate::report::chart::{Convergence, Front, Mark, Quantity, Rule, Slice, Tried};
 use crate::report::experiment::tuned_parameters;
@@ -387,8 +387,7 @@ impl<'a> Bench<'a> {
 
 impl SummaryCell {
     fn new(summary: &MetricSummary) -> Self {
-        let name = summary.metric.split('(').next().unwrap_or_default();
-        let unit = match metric(name).map(|metric| metric.kind) {
+        let unit = match &summary.kind {
             Some(MetricKind::Quantity(dimension)) => dimension.si_unit(),
             Some(MetricKind::Flag) => {
                 let mean = summary.mean.map_or("–".to_string(), share);

@@ -10,7 +10,6 @@ use super::figure::Figure;
 use super::statement::Statements;
 use super::{Chosen, block, gate};
 use crate::judge::{Finding, Measure, Verdict};
-use crate::metrics;
 use crate::report::digest::written_unit;
 use crate::report::failure::render_failure;
 use crate::report::figures::{figures, scenarios, short_name};
@@ -91,7 +90,7 @@ struct Suite {
 struct Heading {
     label: String,
     below: String,
-    about: &'static str,
+    about: String,
 }
 
 #[derive(Debug, Serialize)]
@@ -251,20 +250,25 @@ impl Counts {
     }
 }
 
-fn suite(report: &SuiteReport, requests: &Requests, drawn: &[Recording], animated: &[String]) -> Suite {
+fn suite<'r>(
+    report: &SuiteReport,
+    requests: &'r Requests,
+    drawn: &[Recording],
+    animated: &[String],
+) -> Suite {
     let mut counts = Counts::default();
     report.trials.iter().for_each(|trial| counts.add(trial));
     // In one unit for all trials, which may be filtered and sorted together.
     let criteria = || report.trials.iter().flat_map(|trial| &trial.trial.criteria);
-    let column = |(index, reference): (usize, &MetricReference)| {
-        let metric = metrics::metric(&reference.name)?;
+    let column = |(index, reference): (usize, &'r MetricReference)| {
+        let metric = reference.known()?;
         let unit = written_unit(criteria(), reference, metric);
         Some(Column { index, metric, label: reference.label(), unit })
     };
     let columns: Vec<Column> = requests.iter().enumerate().filter_map(column).collect();
     let heading = |column: &Column| {
         let (label, below) = column.heading();
-        Heading { label, below, about: column.metric.declaration.summary }
+        Heading { label, below, about: column.metric.declaration.summary.to_string() }
     };
     Suite {
         name: report.identity.suite.to_string(),
