@@ -10,13 +10,12 @@ use super::runs::CaseRun;
 use super::{ExperimentError, Laboratory, Progress, Results, overrides};
 use crate::judge::statistics::{Interval, mean, paired_difference, rate_change};
 use crate::judge::{Seen, aggregate, aggregate_against, undecided};
-use crate::metrics::{MetricKind, Worst};
 use crate::plan::derive_seed;
 use crate::run::{Outcome, Requests};
 use crate::scenario::{
-    Aggregate, Case, Comparison, Condition, Declaration, Evaluate, Measure, MetricReference, ModelSetup,
-    Notation, ParameterKind, ParameterSet, Part, Registered, Relation, Settings, Target, Value,
-    WhenUndefined,
+    Aggregate, Case, Comparison, Condition, Declaration, Evaluate, Measure, MetricKind, MetricReference,
+    ModelSetup, Notation, ParameterKind, ParameterSet, Part, Registered, Relation, Settings, Target, Value,
+    WhenUndefined, Worst,
 };
 
 /// Confidence of the intervals of differences.

@@ -6,9 +6,8 @@ use serde::{Deserialize, Serialize, Serializer};
 use super::cases::SavedCase;
 use super::{ExperimentError, Laboratory};
 use crate::judge::{Seen, aggregate_against, counted, holds_undefined};
-use crate::metrics::MetricKind;
 use crate::run::{Outcome, Unwatched, run_case};
-use crate::scenario::{Aggregate, Case, Comparison, Goal, MetricReference, Relation, Text};
+use crate::scenario::{Aggregate, Case, Comparison, Goal, MetricKind, MetricReference, Relation, Text};
 
 impl Laboratory<'_> {
     /// Runs every case side by side; the outcomes are in the order of the cases.

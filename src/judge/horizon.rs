@@ -8,9 +8,8 @@ use serde::Serialize;
 use super::criteria::Finding;
 use super::vacuity::Vacuity;
 use super::verdict::Verdict;
-use crate::metrics::{Scope, Worst};
 use crate::run::{CutOff, OnCourse, Outcome};
-use crate::scenario::{Claim, Criterion, MetricReference, Relation, WhenUndefined};
+use crate::scenario::{Claim, Criterion, MetricReference, Relation, Scope, WhenUndefined, Worst};
 use crate::sim::StopReason;
 
 /// The runs of a trial that the horizon ended.

@@ -7,9 +7,8 @@ use serde::Serialize;
 use super::criteria::Evidence;
 use super::per_run::PerRun;
 use super::seen::Seen;
-use crate::metrics;
 use crate::run::{Critical, Outcome, Requests};
-use crate::scenario::{Claim, MetricReference, Relation};
+use crate::scenario::{Claim, MetricReference, Relation, Worst};
 
 /// A run that a finding names.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -45,7 +44,7 @@ pub(super) fn nearest(
         Relation::Greater | Relation::GreaterOrEqual => true,
         Relation::Less | Relation::LessOrEqual => false,
         Relation::Equal | Relation::NotEqual => {
-            metric.known().is_some_and(|metric| metric.worst == metrics::Worst::Smallest)
+            metric.known().is_some_and(|metric| metric.worst == Worst::Smallest)
         }
     };
     let badness = |value: Option<f64>| match value {

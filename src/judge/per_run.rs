@@ -1,7 +1,6 @@
 //! What a criterion over many runs says of a single one.
 
-use crate::metrics::Absence;
-use crate::scenario::{Aggregate, Claim, Comparison, Criterion, Relation, WhenUndefined};
+use crate::scenario::{Absence, Aggregate, Claim, Comparison, Criterion, Relation, WhenUndefined};
 
 /// A criterion as it bears on one run.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,8 +1,8 @@
 //! What a run says of a metric, and what it counts as where that is no number: undefined, or cut off by the horizon.
 
-use crate::metrics::{Absence, MetricKind, Open, Worst};
+use crate::metrics::Open;
 use crate::run::Outcome;
-use crate::scenario::{Comparison, MetricReference, Relation, WhenUndefined};
+use crate::scenario::{Absence, Comparison, MetricKind, MetricReference, Relation, WhenUndefined, Worst};
 
 /// A metric in one run.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -6,11 +6,11 @@ use super::budget::at;
 use super::criteria::bounded_above;
 use super::seen::{Seen, holds_undefined};
 use crate::lang::{Code, Diagnostic, Sources};
-use crate::metrics::{Absence, MetricKind, MetricRange, Open, Scope};
+use crate::metrics::Open;
 use crate::plan;
 use crate::scenario::{
-    Aggregate, Claim, Comparison, Criterion, Expression, MetricReference, Relation, Scenario, Suite, Value,
-    WhenUndefined, constant, significant,
+    Absence, Aggregate, Claim, Comparison, Criterion, Expression, MetricKind, MetricRange, MetricReference,
+    Relation, Scenario, Scope, Suite, Value, WhenUndefined, constant, significant,
 };
 
 /// What a criterion can come to.

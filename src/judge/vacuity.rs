@@ -5,9 +5,11 @@ use serde::Serialize;
 use super::criteria::Finding;
 use super::trivial::cannot_fail;
 use super::verdict::Verdict;
-use crate::metrics::{self, MetricKind, Presence, Scope};
+use crate::metrics::{self, Presence};
 use crate::run::Outcome;
-use crate::scenario::{Aggregate, Claim, Criterion, Dimension, Expression, MetricReference, constant};
+use crate::scenario::{
+    Aggregate, Claim, Criterion, Dimension, Expression, MetricKind, MetricReference, Scope, constant,
+};
 
 /// Why a criterion that passed was never put to the test.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]

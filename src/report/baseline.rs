@@ -8,7 +8,7 @@ use crate::escape::markdown;
 use crate::judge::baseline::{Baseline, RecordedMetric, RecordedTrial, pair};
 use crate::judge::gate::vehicle_changes;
 use crate::judge::statistics::mean;
-use crate::metrics::MetricKind;
+use crate::scenario::MetricKind;
 
 const STRING: &str = "writing to a string cannot fail";
 

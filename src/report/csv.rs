@@ -9,9 +9,8 @@ use super::rows::{Row, What, each_row};
 use super::{SuiteReport, verdict_word};
 use crate::escape::csv_cell;
 use crate::judge::{PerRun, per_run};
-use crate::metrics::{Metric, MetricKind};
 use crate::run::{Outcome, Requests};
-use crate::scenario::{Individual, Value};
+use crate::scenario::{Individual, Metric, MetricKind, Value};
 use crate::sim::StopReason;
 
 /// Columns of every file, before those that depend on the suites.

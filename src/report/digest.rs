@@ -2,9 +2,8 @@
 
 use super::format::{in_notation, quantity, share};
 use crate::lang;
-use crate::metrics::{Metric, MetricKind, Worst};
 use crate::run::Outcome;
-use crate::scenario::{Criterion, MetricReference, Notation, Text};
+use crate::scenario::{Criterion, Metric, MetricKind, MetricReference, Notation, Text, Worst};
 
 /// What a metric came to over several runs.
 pub struct Digest<'a> {

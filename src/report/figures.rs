@@ -10,9 +10,8 @@ use super::recording::Recording;
 use super::variable::Variable;
 use super::wording::comparison_rule;
 use super::{SuiteReport, TrialReport};
-use crate::metrics::{MetricKind, Worst};
 use crate::run::{Outcome, Requests};
-use crate::scenario::{Aggregate, Claim, Expression, MetricReference, Value};
+use crate::scenario::{Aggregate, Claim, Expression, MetricKind, MetricReference, Value, Worst};
 
 /// Charts that belong together, one per panel.
 #[derive(Debug, Clone, PartialEq)]

@@ -8,9 +8,8 @@ use super::wording::{closest_calls, judged_words};
 use super::{SuiteReport, TrialReport, TrialState};
 use crate::escape::{terminal, terminal_line};
 use crate::judge::Verdict;
-use crate::metrics::Metric;
 use crate::run::Requests;
-use crate::scenario::Notation;
+use crate::scenario::{Metric, Notation};
 
 /// A scenario with more trials shows only those that did not pass.
 const MOST_ROWS: usize = 24;

@@ -7,9 +7,8 @@ use super::format::{count, in_notation, quantity, share};
 use super::{BlockReport, RecordedReport, Skip, Standing, SuiteReport, TrialReport, TrialState};
 use crate::judge::{Finding, Horizon, Measure, Reason, Regarding, Stopping, Vacuity, Verdict, WorstRun};
 use crate::lang;
-use crate::metrics::MetricKind;
 use crate::run::{OnCourse, departures};
-use crate::scenario::{Comparison, Notation, People, Relation, significant};
+use crate::scenario::{Comparison, MetricKind, Notation, People, Relation, significant};
 
 /// What was found: `holds in 18 of 20 runs`, `85 %`, `1.62 s`; `–` if no run has a value.
 pub fn observed(finding: &Finding) -> String {

@@ -4,11 +4,10 @@ use serde::Serialize;
 use sha2::{Digest, Sha256};
 
 use super::{Baseline, Parts, RecordedMetric, RecordedTrial, TestedVehicle};
-use crate::metrics::MetricKind;
 use crate::plan::{Plan, Trial};
 use crate::registry::Registry;
 use crate::run::{Outcome, Requests, departures, drawing};
-use crate::scenario::{ANOTHER_MODEL, Case, MetricReference, PedestrianSetup, Suite};
+use crate::scenario::{ANOTHER_MODEL, Case, MetricKind, MetricReference, PedestrianSetup, Suite};
 
 /// Digits of a value that are kept: enough for any comparison, and short enough to read.
 const DIGITS: usize = 9;

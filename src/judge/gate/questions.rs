@@ -2,8 +2,7 @@
 
 use super::measure::{Direction, Event};
 use crate::judge::baseline::{Incompatible, Pairing, RecordedMetric, RecordedTrial};
-use crate::metrics::{Absence, Metric, MetricKind, Worst};
-use crate::scenario::{GateRule, MetricReference, Tolerance};
+use crate::scenario::{Absence, GateRule, Metric, MetricKind, MetricReference, Tolerance, Worst};
 
 /// One comparison to make.
 pub struct Question<'a> {

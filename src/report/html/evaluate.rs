@@ -7,13 +7,14 @@ use super::space::{Measured, short_names};
 use crate::experiment::{CaseRun, ConditionResult, Difference, EvaluateResult, ParameterValue};
 use crate::judge::holds;
 use crate::judge::statistics::{Interval, mean, mean_interval, wilson};
-use crate::metrics::MetricKind;
 use crate::report::SuiteReport;
 use crate::report::chart::{Dot, First, Rows, Rule, Strip, Strips, first_legend};
 use crate::report::evaluation::without_value;
 use crate::report::format::in_written_unit;
 use crate::report::wording::comparison_rule;
-use crate::scenario::{Aggregate, CaseSet, Comparison, Evaluate, Measure, MetricReference, ParameterSet};
+use crate::scenario::{
+    Aggregate, CaseSet, Comparison, Evaluate, Measure, MetricKind, MetricReference, ParameterSet,
+};
 
 /// More conditions than this stand below each other.
 const MOST_STRIPS: usize = 6;

@@ -5,13 +5,12 @@ use serde::Serialize;
 use super::figure::Figure;
 use super::space::{Dimension, Measured, point_text};
 use crate::experiment::{Candidate, Comparison, MetricSummary, TuneResult, Violations};
-use crate::metrics::MetricKind;
 use crate::optimise::StopReason;
 use crate::report::chart::{Convergence, Front, Mark, Quantity, Rule, Slice, Tried};
 use crate::report::experiment::tuned_parameters;
 use crate::report::format::{in_unit, share};
 use crate::report::wording::comparison_text;
-use crate::scenario::{MetricReference, Tune, significant};
+use crate::scenario::{MetricKind, MetricReference, Tune, significant};
 
 /// Charts of margins that are seen at once.
 const OPEN_MARGINS: usize = 6;
