@@ -1,11 +1,12 @@
 //! What one control step of the reduced Autoware costs, planning ticks included.
 
 use nalgebra::Vector2;
+use scenario_runner::models::standard;
 use scenario_runner::scenario::{
     Direction, ModelSetup, Road, Settings, Shape, VehicleSetup, VehicleStart, World,
 };
 use scenario_runner::sim::{Controller, EgoState, Observation, RoadView, SeenPedestrian};
-use scenario_runner::vehicle::{self, ControllerContext};
+use scenario_runner::vehicle::ControllerContext;
 
 const CRUISE: f64 = 30.0 / 3.6;
 const PERIOD: f64 = 0.03;
@@ -30,12 +31,13 @@ fn approach_of_333_control_steps(bencher: divan::Bencher, pedestrians: usize) {
 }
 
 fn controller() -> Box<dyn Controller> {
-    let model = vehicle::controller("autoware").unwrap();
+    let model = standard().controllers().get("autoware").unwrap().clone();
     let settings = model.declaration.resolve(&Settings::default()).unwrap();
     let setup = VehicleSetup {
         name: "av".to_string(),
-        controller: ModelSetup { name: "autoware".to_string(), settings: settings.clone() },
-        dynamics: ModelSetup { name: "delay_lag".to_string(), settings: Settings::default() },
+        controller: ModelSetup::resolved(&model, &settings).unwrap(),
+        dynamics: ModelSetup::resolved(standard().dynamics().get("delay_lag").unwrap(), &Settings::default())
+            .unwrap(),
         length: 4.89,
         width: 1.896,
         lane: 0,

@@ -7,6 +7,7 @@ use std::path::Path;
 use scenario_runner::judge::baseline::{Baseline, record};
 use scenario_runner::judge::gate::{blanket_rule, judge_gate};
 use scenario_runner::lang;
+use scenario_runner::models::standard;
 use scenario_runner::plan::plan;
 use scenario_runner::results::{Check, CheckOutcome, GateVerdict, Requests, Subject, Verdict};
 use scenario_runner::run::{FreeFlows, Stop, run_batch};
@@ -79,7 +80,7 @@ fn longer(pedal: f64, percent: f64) -> f64 {
 
 fn suite(path: &str) -> Suite {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
-    lang::load(&path).unwrap_or_else(|_| panic!("{} is a suite", path.display())).suite
+    lang::load(&path, &standard()).unwrap_or_else(|_| panic!("{} is a suite", path.display())).suite
 }
 
 fn with(suite: &Suite, parameter: &str, value: f64) -> Suite {
@@ -92,7 +93,7 @@ fn with(suite: &Suite, parameter: &str, value: f64) -> Suite {
 
 fn runs(suite: &Suite) -> Baseline {
     let plan = plan(suite).expect("the suite can be planned");
-    let requests = Requests::defaults();
+    let requests = Requests::defaults(&standard());
     let free_flows = FreeFlows::default();
     let trials: Vec<_> = plan
         .trials

@@ -3,10 +3,11 @@
 use divan::Bencher;
 use divan::counter::ItemsCount;
 use nalgebra::Vector2;
-use scenario_runner::metrics::{FreeFlow, METRICS, Measurement};
+use scenario_runner::metrics::{FreeFlow, Measurement};
+use scenario_runner::models::standard;
 use scenario_runner::scenario::{
-    Appearance, Direction, MetricReference, ModelSetup, PedestrianSetup, Position, Road, Settings, Shape,
-    Side, VehicleSetup, VehicleStart, World,
+    Appearance, Direction, MetricReference, ModelSetup, PedestrianSetup, Position, Reference, Road, Settings,
+    Shape, Side, VehicleSetup, VehicleStart, World,
 };
 use scenario_runner::sim::{Longitudinal, Observer, PedestrianState, Snapshot, Step, VehicleState};
 
@@ -20,12 +21,17 @@ const STEPS: usize = 600;
 /// Every metric together; the item count is in steps, so items per second are steps per second.
 #[divan::bench]
 fn all_metrics(bencher: Bencher) {
-    let names: Vec<_> = METRICS.iter().map(|metric| metric.declaration.name).collect();
+    let registry = standard();
+    let names: Vec<_> = registry.metrics().names().collect();
     measure(bencher, &names);
 }
 
+fn names() -> Vec<String> {
+    standard().metrics().names().map(str::to_string).collect()
+}
+
 /// Each metric by itself, on top of what all of a pair share.
-#[divan::bench(args = METRICS.iter().map(|metric| metric.declaration.name))]
+#[divan::bench(args = names())]
 fn one_metric(bencher: Bencher, name: &str) {
     measure(bencher, &[name]);
 }
@@ -33,10 +39,8 @@ fn one_metric(bencher: Bencher, name: &str) {
 fn measure(bencher: Bencher, names: &[&str]) {
     let world = world();
     let states: Vec<_> = (0..=STEPS).map(state).collect();
-    let requests: Vec<_> = names
-        .iter()
-        .map(|name| MetricReference { name: name.to_string(), settings: Settings::default(), pair: None })
-        .collect();
+    let requests: Vec<_> =
+        names.iter().map(|name| MetricReference::plain(standard().metrics().get(name).unwrap())).collect();
     let free_flow = FreeFlow { finish_time: Some(12.0), finish_speed: 10.0 };
     bencher
         .counter(ItemsCount::new(STEPS))
@@ -83,13 +87,15 @@ fn state(k: usize) -> Snapshot {
 }
 
 fn world() -> World {
-    let model = ModelSetup { name: String::new(), settings: Settings::default() };
+    fn nobody<T>() -> ModelSetup<T> {
+        ModelSetup { model: Reference::unresolved(""), settings: Settings::default() }
+    }
     World {
         road: Road::zebra(&[Direction::Forward], 10.0),
         vehicles: vec![VehicleSetup {
             name: "av".into(),
-            controller: model.clone(),
-            dynamics: model.clone(),
+            controller: nobody(),
+            dynamics: nobody(),
             length: 4.5,
             width: 2.0,
             lane: 0,
@@ -99,7 +105,7 @@ fn world() -> World {
         }],
         pedestrians: vec![PedestrianSetup {
             name: "walker".into(),
-            model,
+            model: nobody(),
             shape: Shape::Disc { radius: 0.25 },
             side: Side::Near,
             start: Position { x: 0.0, y: -4.0 },

@@ -9,6 +9,7 @@
 use rayon::prelude::*;
 use scenario_runner::experiment::{EarlierResults, Laboratory, Silent, run_block};
 use scenario_runner::lang;
+use scenario_runner::models::standard;
 use scenario_runner::results::{BlockResult, Candidate};
 use scenario_runner::scenario::{Block, Method, Tune};
 use std::path::Path;
@@ -63,10 +64,10 @@ fn summary(counts: &[Option<usize>]) -> String {
 fn main() {
     let arguments = arguments();
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("suites/gentle_braking.suite");
-    let loaded = lang::load(&path)
+    let loaded = lang::load(&path, &standard())
         .unwrap_or_else(|failure| panic!("{}", failure.render(lang::Style { colour: false })));
     let suite = loaded.suite;
-    let laboratory = Laboratory::new(&suite, None);
+    let laboratory = Laboratory::new(&suite, None, &standard());
     let mut results = EarlierResults::default();
     let search = Block::Search(suite.searches[0].clone());
     let found = run_block(&search, &laboratory, &results, &Silent).expect("the search runs");

@@ -11,6 +11,7 @@
 
 use rayon::prelude::*;
 use scenario_runner::lang;
+use scenario_runner::models::standard;
 use scenario_runner::numbers::random::derive_seed;
 use scenario_runner::optimise::{
     Definition, Dimension, Evaluation, InitialDesign, Method, Optimiser, Proposal, Space,
@@ -18,9 +19,7 @@ use scenario_runner::optimise::{
 use scenario_runner::plan::{concrete_case, select_people};
 use scenario_runner::results::Requests;
 use scenario_runner::run::{FreeFlows, Unwatched, run_case};
-use scenario_runner::scenario::{
-    Assignment, Individual, MetricReference, Population, Scenario, Settings, Value,
-};
+use scenario_runner::scenario::{Assignment, Individual, MetricReference, Population, Scenario, Value};
 use serde::Deserialize;
 use std::io::{BufRead, Write};
 use std::path::Path;
@@ -43,7 +42,7 @@ struct Encounters {
 impl Encounters {
     fn load() -> Self {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/zebra/commotions_carla.scn");
-        let loaded = lang::load(&path)
+        let loaded = lang::load(&path, &standard())
             .unwrap_or_else(|failure| panic!("{}", failure.render(lang::Style { colour: false })));
         let mut scenario = loaded.suite.scenarios[0].clone();
         for pedestrian in &mut scenario.pedestrians {
@@ -52,7 +51,7 @@ impl Encounters {
             }
         }
         let people = select_people(loaded.suite.seed, &scenario).expect("the population has enough people");
-        let mut requests = Requests::defaults();
+        let mut requests = Requests::defaults(&standard());
         requests.add(&pet());
         Encounters { scenario, people, requests, free_flows: FreeFlows::default() }
     }
@@ -81,7 +80,7 @@ impl Encounters {
 }
 
 fn pet() -> MetricReference {
-    MetricReference { name: "pet".into(), settings: Settings::default(), pair: None }
+    MetricReference::plain(standard().metrics().get("pet").unwrap())
 }
 
 /// The seed of evaluation `id`: the same for every method.

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use scenario_runner::lang::filter::{Filters, SCENARIO, Subject};
 use scenario_runner::lang::{self, Sources, Style};
+use scenario_runner::models::standard;
 use scenario_runner::scenario::{Assignment, Value};
 
 /// A file name in a folder that does not exist, so that the texts' own file names lead nowhere.
@@ -40,14 +41,14 @@ pub fn scn(text: &str) {
     if leaves_its_folder(text) {
         return;
     }
-    shown(lang::check(&nowhere("fuzz.scn"), text));
-    shown(lang::check(&nowhere("fuzz.suite"), text));
+    shown(lang::check(&nowhere("fuzz.scn"), text, &standard()));
+    shown(lang::check(&nowhere("fuzz.suite"), text, &standard()));
     let (tree, _) = lang::Tree::parse(Sources::default().add("", ""), text.into());
     let places = text.char_indices().map(|(at, _)| at).step_by(text.len() / 8 + 1);
     for at in places.chain([text.len()]) {
-        lang::hover(&tree, at);
-        lang::complete(&nowhere("fuzz.scn"), text, at);
-        lang::definition(&nowhere("fuzz.scn"), text, at);
+        lang::hover(&tree, at, &standard());
+        lang::complete(&nowhere("fuzz.scn"), text, at, &standard());
+        lang::definition(&nowhere("fuzz.scn"), text, at, &standard());
     }
 }
 
@@ -56,7 +57,7 @@ pub fn yaml(text: &str) {
     if leaves_its_folder(text) {
         return;
     }
-    shown(lang::check(&nowhere("fuzz.yaml"), text));
+    shown(lang::check(&nowhere("fuzz.yaml"), text, &standard()));
     let source = Sources::default().add("", "");
     if let Ok(scn) = lang::from_yaml(source, text)
         && let Ok(yaml) = lang::to_yaml(source, &scn)

@@ -3,5 +3,5 @@
 #![warn(clippy::disallowed_methods)]
 
 fn main() -> std::process::ExitCode {
-    scenario_runner::cli::main()
+    scenario_runner::cli::main(&scenario_runner::models::standard())
 }

@@ -3,15 +3,16 @@
 mod support;
 
 use proptest::prelude::*;
+use scenario_runner::models::standard;
 use scenario_runner::numbers::random::Stream;
 use scenario_runner::scenario::{
-    Appearance, CrossingKind, Direction, ModelSetup, PedestrianSetup, Position, Road, Settings, Shape, Side,
-    Value, VehicleReference, VehicleSetup, VehicleStart, World,
+    Appearance, CrossingKind, Direction, ModelSetup, PedestrianModel, PedestrianSetup, Position, Reference,
+    Road, Settings, Shape, Side, Value, VehicleReference, VehicleSetup, VehicleStart, World,
 };
 use scenario_runner::sim::{
     Driven, Ending, Motion, Observer, Pedestrian, RoadUsers, Scene, Snapshot, Step, StopReason, simulate,
 };
-use scenario_runner::vehicle::{self, ControllerContext};
+use scenario_runner::vehicle::ControllerContext;
 use support::counting::{Counting, allocations};
 
 const CRUISE: f64 = 30.0 / 3.6;
@@ -75,8 +76,8 @@ fn heedless(speed: f64, delay: f64, pause_at: f64, pause: f64) -> Box<dyn Pedest
     })
 }
 
-fn model(name: &str, settings: Settings) -> ModelSetup {
-    ModelSetup { name: name.to_string(), settings }
+fn nobody() -> ModelSetup<PedestrianModel> {
+    ModelSetup { model: Reference::unresolved("test"), settings: Settings::default() }
 }
 
 fn preset(name: &str) -> Settings {
@@ -84,14 +85,14 @@ fn preset(name: &str) -> Settings {
 }
 
 fn world(settings: &Settings, time_to_arrival: f64) -> World {
-    let controller = &vehicle::controller("autoware").unwrap().declaration;
-    let dynamics = vehicle::dynamics("delay_lag").unwrap();
+    let controller = standard().controllers().get("autoware").unwrap().clone();
+    let dynamics = standard().dynamics().get("delay_lag").unwrap().clone();
     World {
         road: Road::zebra(&[Direction::Forward], CRUISE),
         vehicles: vec![VehicleSetup {
             name: "av".to_string(),
-            controller: model("autoware", controller.resolve(settings).unwrap()),
-            dynamics: model("delay_lag", dynamics.declaration.resolve(&Settings::default()).unwrap()),
+            controller: ModelSetup::resolved(&controller, settings).unwrap(),
+            dynamics: ModelSetup::resolved(&dynamics, &Settings::default()).unwrap(),
             length: dynamics.size.0,
             width: dynamics.size.1,
             lane: 0,
@@ -115,7 +116,7 @@ fn at_side(side: Side) -> PedestrianSetup {
     let sign = side.walking_sign();
     PedestrianSetup {
         name: "walker".to_string(),
-        model: model("", Settings::default()),
+        model: nobody(),
         shape: Shape::Disc { radius: 0.25 },
         side,
         start: Position { x: 0.0, y: -4.0 * sign },
@@ -212,9 +213,9 @@ impl Run {
 fn driven(world: &World) -> Driven {
     let setup = &world.vehicles[0];
     let context = ControllerContext { settings: &setup.controller.settings, setup, world, rank: 0, seed: 1 };
-    let dynamics = vehicle::dynamics(&setup.dynamics.name).unwrap();
+    let dynamics = setup.dynamics.model.entry().unwrap();
     Driven {
-        controller: (vehicle::controller("autoware").unwrap().build)(&context).unwrap(),
+        controller: (standard().controllers().get("autoware").unwrap().build)(&context).unwrap(),
         dynamics: (dynamics.build)(&setup.dynamics.settings).unwrap(),
     }
 }
@@ -460,7 +461,7 @@ fn another_cruise_speed_is_settled_before_the_start() {
 fn refusal(world: &World) -> String {
     let setup = &world.vehicles[0];
     let context = ControllerContext { settings: &setup.controller.settings, setup, world, rank: 0, seed: 1 };
-    (vehicle::controller("autoware").unwrap().build)(&context).err().unwrap().hint.unwrap()
+    (standard().controllers().get("autoware").unwrap().build)(&context).err().unwrap().hint.unwrap()
 }
 
 #[test]

@@ -6,6 +6,7 @@ use std::process::Command;
 use scenario_runner::cli::{Exit, guarded};
 use scenario_runner::dispatch::{Orders, Prepared, Workshop, dispatch, units};
 use scenario_runner::lang;
+use scenario_runner::models::standard;
 use scenario_runner::plan::plan;
 use scenario_runner::results::{Event, Reporter, Requests, TrialState};
 use scenario_runner::run::{FreeFlows, Stop, note_places, run_case};
@@ -16,7 +17,8 @@ const WHERE: &str = "SCENARIO_RUNNER_TEST_PANIC";
 
 fn prepared() -> [Prepared; 1] {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("suites/zebra_unsafe.suite");
-    let suite = lang::load(&path).unwrap_or_else(|_| panic!("{} is a suite", path.display())).suite;
+    let suite =
+        lang::load(&path, &standard()).unwrap_or_else(|_| panic!("{} is a suite", path.display())).suite;
     let plan = plan(&suite).unwrap();
     [Prepared { file: "zebra_unsafe.suite".into(), suite, plan, recorded: Vec::new() }]
 }
@@ -60,9 +62,11 @@ fn panicking(place: &str) -> Exit {
         "outside" => panic!("nobody expected this"),
         "run" => {
             let case = &suites[0].plan.trials[0].cases[0];
-            drop(run_case(case, &Requests::defaults(), &FreeFlows::default(), &mut Panicking));
+            drop(run_case(case, &Requests::defaults(&standard()), &FreeFlows::default(), &mut Panicking));
         }
-        "reporter" => drop(run_all(&mut Startled, &Workshop::new(&suites, None, &Stop::default()))),
+        "reporter" => {
+            drop(run_all(&mut Startled, &Workshop::new(&suites, None, &Stop::default(), &standard())))
+        }
         other => panic!("there is no place called {other}"),
     }
     Exit::Success
@@ -124,7 +128,7 @@ fn a_panic_in_a_trial_is_an_error_of_it_and_the_others_finish() {
         assert!(!case.key.starts_with(broken.as_str()), "watched too closely");
     };
     let stop = Stop::default();
-    let workshop = Workshop::new(&suites, None, &stop).watched_by(&watch);
+    let workshop = Workshop::new(&suites, None, &stop, &standard()).watched_by(&watch);
     for (key, state) in run_all(&mut Deaf, &workshop) {
         match state {
             TrialState::Errored(message) if key == *broken => {

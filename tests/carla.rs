@@ -1,12 +1,12 @@
 //! CARLA's agent meets CARLA's walker at Town01's zebra: what follows from both codes taken together.
 
+use scenario_runner::models::standard;
 use scenario_runner::results::{Outcome, Requests};
 use scenario_runner::run::{FreeFlows, Unwatched, run_case};
 use scenario_runner::scenario::{
     Appearance, Case, Direction, MetricReference, ModelSetup, PedestrianSetup, Position, Road, Settings,
     Shape, Side, Value, VehicleReference, VehicleSetup, VehicleStart, World,
 };
-use scenario_runner::{pedestrian, vehicle};
 
 fn settings(pairs: &[(&str, Value)]) -> Settings {
     Settings::from(pairs)
@@ -22,17 +22,16 @@ fn word(word: &str) -> Value {
 
 /// The encounter at a time to arrival (s) after the pedestrian's appearance.
 fn encounter(tta: f64, car: &str, agent: &[(&str, Value)], walker: &[(&str, Value)]) -> Outcome {
-    let controller = vehicle::controller("carla_behavior").unwrap();
-    let dynamics = vehicle::dynamics(car).unwrap();
-    let model = pedestrian::model("carla_walker").unwrap();
-    let setup = |name: &str, settings| ModelSetup { name: name.into(), settings };
+    let controller = standard().controllers().get("carla_behavior").unwrap().clone();
+    let dynamics = standard().dynamics().get(car).unwrap().clone();
+    let model = standard().pedestrians().get("carla_walker").unwrap().clone();
     let (length, width) = dynamics.size;
     let world = World {
         road: Road::zebra(&[Direction::Forward, Direction::Backward], 30.0 / 3.6),
         vehicles: vec![VehicleSetup {
             name: "av".into(),
-            controller: setup("carla_behavior", controller.declaration.resolve(&settings(agent)).unwrap()),
-            dynamics: setup(car, dynamics.declaration.resolve(&Settings::default()).unwrap()),
+            controller: ModelSetup::resolved(&controller, &settings(agent)).unwrap(),
+            dynamics: ModelSetup::resolved(&dynamics, &Settings::default()).unwrap(),
             length,
             width,
             lane: 0,
@@ -42,7 +41,7 @@ fn encounter(tta: f64, car: &str, agent: &[(&str, Value)], walker: &[(&str, Valu
         }],
         pedestrians: vec![PedestrianSetup {
             name: "walker".into(),
-            model: setup("carla_walker", model.declaration.resolve(&settings(walker)).unwrap()),
+            model: ModelSetup::resolved(&model, &settings(walker)).unwrap(),
             shape: Shape::Rectangle { length: 0.375, width: 0.375 },
             side: Side::Near,
             start: Position { x: 0.0, y: -4.0 },
@@ -63,12 +62,12 @@ fn encounter(tta: f64, car: &str, agent: &[(&str, Value)], walker: &[(&str, Valu
         seed: 1,
         world: world.into(),
     };
-    run_case(&case, &Requests::defaults(), &FreeFlows::default(), &mut Unwatched).unwrap()
+    run_case(&case, &Requests::defaults(&standard()), &FreeFlows::default(), &mut Unwatched).unwrap()
 }
 
 fn metric(outcome: &Outcome, name: &str) -> Option<f64> {
-    let reference = MetricReference { name: name.into(), settings: Settings::default(), pair: None };
-    outcome.metrics[Requests::defaults().index(&reference).unwrap()]
+    let reference = MetricReference::plain(standard().metrics().get(name).unwrap());
+    outcome.metrics[Requests::defaults(&standard()).index(&reference).unwrap()]
 }
 
 fn collides(outcome: &Outcome) -> bool {

@@ -3,8 +3,8 @@
 use scenario_runner::calibrate::{
     Calibration, Candidates, Design, Request, calibrate, published_criteria, published_grid,
 };
+use scenario_runner::models::standard;
 use scenario_runner::numbers::random::derive_seed;
-use scenario_runner::pedestrian;
 use scenario_runner::pedestrian::commotions::Variant;
 use scenario_runner::pedestrian::population::Population;
 use scenario_runner::run::road_users;
@@ -13,7 +13,6 @@ use scenario_runner::scenario::{
     VehicleReference, VehicleSetup, VehicleStart, World,
 };
 use scenario_runner::sim::{Ending, Observer, Step, StopReason, simulate};
-use scenario_runner::vehicle;
 
 use proptest::prelude::*;
 use rayon::prelude::*;
@@ -23,22 +22,15 @@ const SPEED: f64 = 30.0 / 3.6;
 /// The paper's zebra: 30 km/h, one pedestrian 4 m from the centre line of the lane and 2 m from the kerb, who appears
 /// at a time to arrival.
 fn zebra(controller: &str, tta: f64, person: Settings) -> World {
-    let controller_model = vehicle::controller(controller).unwrap();
-    let settings = controller_model.declaration.resolve(&Settings::default()).unwrap();
-    let walker = pedestrian::model("commotions").unwrap().declaration.resolve(&person).unwrap();
+    let controller_model = standard().controllers().get(controller).unwrap().clone();
+    let ideal = standard().dynamics().get("ideal").unwrap().clone();
+    let walker = standard().pedestrians().get("commotions").unwrap().clone();
     World {
         road: Road::zebra(&[Direction::Forward, Direction::Backward], SPEED),
         vehicles: vec![VehicleSetup {
             name: "av".into(),
-            controller: ModelSetup { name: controller.into(), settings },
-            dynamics: ModelSetup {
-                name: "ideal".into(),
-                settings: vehicle::dynamics("ideal")
-                    .unwrap()
-                    .declaration
-                    .resolve(&Settings::default())
-                    .unwrap(),
-            },
+            controller: ModelSetup::resolved(&controller_model, &Settings::default()).unwrap(),
+            dynamics: ModelSetup::resolved(&ideal, &Settings::default()).unwrap(),
             length: 4.2,
             width: 1.8,
             lane: 0,
@@ -48,7 +40,7 @@ fn zebra(controller: &str, tta: f64, person: Settings) -> World {
         }],
         pedestrians: vec![PedestrianSetup {
             name: "walker".into(),
-            model: ModelSetup { name: "commotions".into(), settings: walker },
+            model: ModelSetup::resolved(&walker, &person).unwrap(),
             shape: Shape::Rectangle { length: 0.8, width: 0.8 },
             side: Side::Near,
             start: Position { x: 0.0, y: -4.0 },
@@ -91,13 +83,14 @@ fn run(world: &World, seed: u64) -> (Ending, Passing) {
     (ending, passing)
 }
 
-fn standard() -> Population {
-    Population::read("standard", &pedestrian::model("commotions").unwrap().declaration, None).unwrap()
+fn people() -> Population {
+    Population::read("standard", &standard().pedestrians().get("commotions").unwrap().declaration, None)
+        .unwrap()
 }
 
 #[test]
 fn gap_acceptance_rises_with_the_time_to_arrival() {
-    let people = standard();
+    let people = people();
     let rate = |tta: f64| {
         let accepted = (1..=400).into_par_iter().filter(|&run_number| {
             // Individuals spread over the population, one run each.
@@ -124,7 +117,7 @@ fn gap_acceptance_rises_with_the_time_to_arrival() {
 
 #[test]
 fn two_agents_meet_without_colliding_and_both_get_across() {
-    let people = standard();
+    let people = people();
     let collisions: Vec<usize> = (1..=60)
         .filter(|&number| {
             let mut world = zebra("commotions", 6.0, people.individual(number * 18).unwrap());
@@ -143,7 +136,7 @@ fn two_agents_meet_without_colliding_and_both_get_across() {
 
 /// A calibration small enough to be repeated.
 fn small_calibration() -> Request {
-    let model = &pedestrian::model("commotions").unwrap().declaration;
+    let model = &standard().pedestrians().get("commotions").unwrap().declaration.clone();
     let variant = Variant::STANDARD;
     let candidates = Candidates::design(
         &Candidates::nothing_given(),
@@ -183,7 +176,7 @@ proptest! {
             Just("oVAoBEvoAIoEAoSNvoPF"), Just("oVAaoVAloBEooBEvoAIoDAoSNcoPF"), Just("oVAoBEvoAIoEAoAN"),
         ],
     ) {
-        let mut person = standard().individual(number).unwrap();
+        let mut person = people().individual(number).unwrap();
         person.set("variant", Value::Word(variant.into()));
         let world = zebra(if agents { "commotions" } else { "constant_speed" }, tta, person);
         let forwards: Vec<_> = seeds.iter().map(|&seed| run(&world, seed)).collect();

@@ -14,6 +14,7 @@ use std::process::Command;
 use scenario_runner::judge;
 use scenario_runner::lang::filter::Filters;
 use scenario_runner::lang::{self, Code, Diagnostic, Severity, Sources, Style};
+use scenario_runner::models::standard;
 use scenario_runner::plan;
 use scenario_runner::results::Requests;
 use scenario_runner::run::{FreeFlows, Unwatched, run_case};
@@ -37,7 +38,7 @@ fn files(name: &str) -> Vec<PathBuf> {
 }
 
 fn findings(path: &Path) -> (Vec<Diagnostic>, Sources) {
-    match lang::load(path) {
+    match lang::load(path, &standard()) {
         Ok(loaded) => {
             let more = judge::examine_claims(&loaded.suite, &loaded.sources);
             (loaded.warnings.into_iter().chain(more).collect(), loaded.sources)
@@ -146,7 +147,7 @@ fn files_that_cannot_be_run_are_refused_by_check_and_by_run() {
     };
     for path in files("run_fails") {
         let name = path.display().to_string();
-        if let Err(failure) = lang::load(&path) {
+        if let Err(failure) = lang::load(&path, &standard()) {
             panic!("the language takes {name}:\n{}", failure.render(Style::default()));
         }
         let text = std::fs::read_to_string(&path).unwrap();
@@ -251,7 +252,7 @@ fn every_finding_says_what_to_do() {
 #[test]
 fn good_files_have_no_errors() {
     for path in files("ok") {
-        if let Err(failure) = lang::load(&path) {
+        if let Err(failure) = lang::load(&path, &standard()) {
             panic!("{}", failure.render(Style::default()));
         }
     }
@@ -267,7 +268,9 @@ fn good_files_stay_what_they_are_when_formatted() {
         let source = Sources::default().add("test", "");
         let Ok(once) = lang::format(source, &text) else { continue };
         assert_eq!(lang::format(source, &once).unwrap(), once, "{}", path.display());
-        if let (Ok(before), Ok(after)) = (lang::load(&path), lang::check(&path, &once)) {
+        if let (Ok(before), Ok(after)) =
+            (lang::load(&path, &standard()), lang::check(&path, &once, &standard()))
+        {
             assert_eq!(before.suite.scenarios.len(), after.suite.scenarios.len());
             for (before, after) in before.suite.scenarios.iter().zip(&after.suite.scenarios) {
                 assert_eq!(without_places(before), without_places(after), "{}", path.display());
@@ -281,7 +284,8 @@ fn runnable() -> Vec<PathBuf> {
     let patterns = ["tests/language/ok/*", "scenarios/**/*.scn", "suites/*.suite", "templates/**/*.s[cu]*"];
     let paths = patterns.iter().flat_map(|pattern| glob::glob(pattern).unwrap().map(Result::unwrap));
     let known = |path: &PathBuf| path.extension().is_some_and(|kind| kind == "scn" || kind == "suite");
-    let mut paths: Vec<_> = paths.filter(known).filter(|path| lang::load(path).is_ok()).collect();
+    let mut paths: Vec<_> =
+        paths.filter(known).filter(|path| lang::load(path, &standard()).is_ok()).collect();
     paths.sort();
     paths
 }
@@ -296,9 +300,9 @@ fn yaml_says_the_same() {
         let source = Sources::default().add("test", "");
         let yaml = lang::to_yaml(source, &text).unwrap();
         // Beside the original, where the paths in it lead to the same files.
-        let loaded = lang::check(&path.with_extension("yaml"), &yaml)
+        let loaded = lang::check(&path.with_extension("yaml"), &yaml, &standard())
             .unwrap_or_else(|failure| panic!("{yaml}\n{}", failure.render(Style::default())));
-        let original = lang::load(&path).unwrap();
+        let original = lang::load(&path, &standard()).unwrap();
         let lines = |suite: &Suite| serde_json::to_string_pretty(&without_places(suite)).unwrap();
         let (before, after) = (lines(&original.suite), lines(&loaded.suite));
         let differs = before.lines().zip(after.lines()).position(|(before, after)| before != after);
@@ -316,7 +320,8 @@ fn yaml_says_the_same() {
 /// What the test above compares is there to be compared.
 #[test]
 fn the_good_files_hold_one_of_everything() {
-    let suites: Vec<Suite> = files("ok").iter().map(|path| lang::load(path).unwrap().suite).collect();
+    let suites: Vec<Suite> =
+        files("ok").iter().map(|path| lang::load(path, &standard()).unwrap().suite).collect();
     let count = |of: fn(&Suite) -> usize| suites.iter().map(of).sum::<usize>();
     assert!(count(|suite| suite.searches.len()) > 0 && count(|suite| suite.tunes.len()) > 0);
     assert!(count(|suite| suite.evaluates.len()) > 0 && count(|suite| suite.statements.len()) > 0);
@@ -381,7 +386,7 @@ scenario all {
 ";
     let path = Path::new("all.scn");
     let read = |text: &str| {
-        lang::check(path, text)
+        lang::check(path, text, &standard())
             .unwrap_or_else(|failure| panic!("{text}\n{}", failure.render(Default::default())))
     };
     let before = read(text).suite.scenarios.remove(0);
@@ -402,7 +407,7 @@ scenario all {
 
 #[test]
 fn a_full_scenario_becomes_the_data_it_describes() {
-    let loaded = lang::load(&folder("ok/whole.suite")).unwrap();
+    let loaded = lang::load(&folder("ok/whole.suite"), &standard()).unwrap();
     insta::with_settings!({ prepend_module_to_snapshot => false, snapshot_path => "language/snapshots", omit_expression => true }, {
         insta::assert_json_snapshot!("whole_suite", loaded.suite);
     });
@@ -410,7 +415,7 @@ fn a_full_scenario_becomes_the_data_it_describes() {
 
 #[test]
 fn blocks_bring_what_they_build_on() {
-    let suite = lang::load(&folder("ok/parts.suite")).unwrap().suite;
+    let suite = lang::load(&folder("ok/parts.suite"), &standard()).unwrap().suite;
     // What is measured is run; what is only searched or drawn from is there for that alone.
     assert_eq!(suite.scenarios.iter().map(|one| one.name.as_str()).collect::<Vec<_>>(), ["stroll"]);
     assert_eq!(suite.supporting.iter().map(|one| one.name.as_str()).collect::<Vec<_>>(), ["walk"]);
@@ -420,7 +425,7 @@ fn blocks_bring_what_they_build_on() {
 
 #[test]
 fn the_same_file_over_two_ways_is_one() {
-    let loaded = lang::load(&folder("ok/twice.suite"))
+    let loaded = lang::load(&folder("ok/twice.suite"), &standard())
         .unwrap_or_else(|failure| panic!("{}", failure.render(Style::default())));
     let suite = loaded.suite;
     assert_eq!(suite.scenarios.iter().map(|one| one.name.as_str()).collect::<Vec<_>>(), ["walk", "stroll"]);
@@ -433,13 +438,13 @@ fn the_same_file_over_two_ways_is_one() {
 
 #[test]
 fn variations_choose_what_drives_and_walks() {
-    let suite = lang::load(&folder("ok/choices.scn")).unwrap().suite;
+    let suite = lang::load(&folder("ok/choices.scn"), &standard()).unwrap().suite;
     let plan = scenario_runner::plan::plan(&suite).unwrap();
     let chosen = |key: &str| {
         let trial = plan.trials.iter().find(|trial| trial.key == key).unwrap_or_else(|| panic!("no {key}"));
         let world = &trial.cases[0].world;
         let car = &world.vehicles[0];
-        [car.controller.name.as_str(), car.dynamics.name.as_str(), world.pedestrians[0].model.name.as_str()]
+        [car.controller.model.name(), car.dynamics.model.name(), world.pedestrians[0].model.model.name()]
     };
     let open = "choices/open_settings/vehicle_dynamics";
     assert_eq!(chosen(&format!("{open}=model3/mode=stock/gap=9m")), ["carla_behavior", "model3", "scripted"]);
@@ -450,7 +455,7 @@ fn variations_choose_what_drives_and_walks() {
     let drawn = plan.trials.iter().filter(|trial| trial.scenario == "drawn");
     for trial in drawn {
         let car = &trial.cases[0].world.vehicles[0];
-        assert!(trial.key.contains(&format!("wheels={}", car.dynamics.name)), "{}", trial.key);
+        assert!(trial.key.contains(&format!("wheels={}", car.dynamics.model)), "{}", trial.key);
     }
 }
 
@@ -520,7 +525,7 @@ fn examples(language: &str) -> Vec<String> {
 /// Simulates the first case of every scenario, so that an example that cannot be run is found.
 fn run_one_of_each(suite: &Suite) {
     let plan = plan::plan(suite).unwrap_or_else(|errors| panic!("{errors:?}"));
-    let mut requests = Requests::defaults();
+    let mut requests = Requests::defaults(&standard());
     plan.trials.iter().for_each(|trial| requests.include(&trial.criteria));
     for trials in plan.trials.chunk_by(|one, next| one.scenario == next.scenario) {
         let case = &trials[0].cases[0];
@@ -536,7 +541,7 @@ fn the_reference_compiles_and_runs() {
     let suites = examples("suite").into_iter().map(|text| ("docs/example.suite", text));
     let yaml = examples("yaml").into_iter().map(|text| ("docs/example.yaml", text));
     for (name, text) in pieces.into_iter().chain(suites).chain(yaml) {
-        match lang::check(Path::new(name), &text) {
+        match lang::check(Path::new(name), &text, &standard()) {
             Ok(loaded) => {
                 assert!(
                     loaded.warnings.is_empty(),
@@ -553,7 +558,7 @@ fn the_reference_compiles_and_runs() {
 
 #[test]
 fn the_schema_in_the_repository_is_current() {
-    let current = format!("{:#}\n", lang::yaml_schema());
+    let current = format!("{:#}\n", lang::yaml_schema(&standard()));
     let path = "grammar/scenario.schema.json";
     if std::env::var_os("UPDATE_DOCS").is_some() {
         std::fs::write(path, &current).unwrap();
@@ -579,6 +584,6 @@ fn editors_highlight_every_keyword() {
 #[test]
 fn a_file_for_others_to_use_may_be_checked_but_not_run() {
     let path = folder("support/street.scn");
-    assert!(lang::examine(&path, None).found.is_empty());
-    assert_eq!(lang::load(&path).unwrap_err().diagnostics[0].code, Code::NoScenario);
+    assert!(lang::examine(&path, None, &standard()).found.is_empty());
+    assert_eq!(lang::load(&path, &standard()).unwrap_err().diagnostics[0].code, Code::NoScenario);
 }

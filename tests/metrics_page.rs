@@ -2,7 +2,8 @@
 
 use std::fmt::Write;
 
-use scenario_runner::metrics::{Absence, METRICS, Metric, MetricKind, Scope, Worst};
+use scenario_runner::metrics::{Absence, Metric, MetricKind, Scope, Worst};
+use scenario_runner::models::standard;
 use scenario_runner::scenario::{Parameter, ParameterKind};
 
 const INTRODUCTION: &str = "\
@@ -26,7 +27,7 @@ This page is generated from the registry in `src/metrics/`.
 #[test]
 fn the_page_says_what_the_registry_says() {
     let mut page = INTRODUCTION.to_string();
-    for metric in METRICS {
+    for metric in standard().metrics() {
         page.push_str(&section(metric));
     }
     let assert = snapbox::Assert::new().action_env(snapbox::assert::DEFAULT_ACTION_ENV);
@@ -35,7 +36,7 @@ fn the_page_says_what_the_registry_says() {
 
 fn section(metric: &Metric) -> String {
     let declaration = &metric.declaration;
-    let value = match metric.kind {
+    let value = match &metric.kind {
         MetricKind::Flag => "yes or no".to_string(),
         MetricKind::Category(words) => format!("one of {}", words.join(", ")),
         MetricKind::Quantity(dimension) => format!("{} in {}", dimension.name(), dimension.si_unit()),
@@ -46,7 +47,7 @@ fn section(metric: &Metric) -> String {
         Scope::Vehicle => "per vehicle",
         Scope::Pedestrian => "per pedestrian",
     };
-    let worst = match (metric.kind, metric.worst) {
+    let worst = match (&metric.kind, metric.worst) {
         (MetricKind::Quantity(_), Worst::Smallest) => "the smallest counts",
         (MetricKind::Quantity(_), Worst::Largest) => "the largest counts",
         (MetricKind::Flag, Worst::Smallest) => "one no counts",
@@ -61,7 +62,7 @@ fn section(metric: &Metric) -> String {
         Absence::Bad => text.push_str("- Undefined: worse than any value\n"),
         Absence::Open => {}
     }
-    match (metric.range.in_words(), metric.kind) {
+    match (metric.range.in_words(), &metric.kind) {
         (Some(range), _) => writeln!(text, "- Range: {range}").unwrap(),
         (None, MetricKind::Quantity(_)) => {
             text.push_str("- Range: not limited, so that bounds on its mean are approximate\n")
@@ -72,7 +73,7 @@ fn section(metric: &Metric) -> String {
     if !declaration.parameters.is_empty() {
         text.push_str("\n| parameter | default | range | meaning | source |\n|---|---|---|---|---|\n");
     }
-    for parameter in declaration.parameters {
+    for parameter in &declaration.parameters {
         let (default, range) = default_and_range(parameter);
         let Parameter { name, doc, source, .. } = parameter;
         writeln!(text, "| `{name}` | {default} | {range} | {doc} | {source} |").unwrap();
@@ -81,7 +82,7 @@ fn section(metric: &Metric) -> String {
 }
 
 fn default_and_range(parameter: &Parameter) -> (String, String) {
-    match parameter.kind {
+    match &parameter.kind {
         ParameterKind::Number { dimension, default, range: (low, high) } => {
             let unit = dimension.si_unit();
             let default = default.map_or("\u{2013}".to_string(), |number| format!("{number} {unit}"));

@@ -6,6 +6,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use scenario_runner::models::standard;
 use scenario_runner::report::{ModelPage, model_pages};
 
 const BEGIN: &str = "<!-- Generated from the registry: change the declaration, then `UPDATE_DOCS=1 cargo test --test model_pages`. -->";
@@ -59,7 +60,7 @@ fn prose_problem(page: &ModelPage, prose: &str) -> Option<String> {
 #[test]
 fn pages_are_there_and_up_to_date() {
     let update = std::env::var_os("UPDATE_DOCS").is_some();
-    let pages = model_pages();
+    let pages = model_pages(&standard());
     let mut problems = Vec::new();
     if update {
         fs::create_dir_all(folder()).unwrap();

@@ -5,13 +5,14 @@
 //! they stay alike, every metric is within a stated multiple of the step; where one tips (a threshold is met one period
 //! earlier or later, and from there on the runs part), it may not be, and such knife edges are counted apart and are few.
 
+use scenario_runner::scenario::MetricKind;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
 
 use proptest::prelude::*;
-use scenario_runner::metrics::{METRICS, Measurement, MetricKind};
+use scenario_runner::metrics::Measurement;
+use scenario_runner::models::standard;
 use scenario_runner::numbers::random::Stream;
-use scenario_runner::pedestrian;
 use scenario_runner::results::Requests;
 use scenario_runner::run::{FreeFlows, Unwatched, road_users, run_case};
 use scenario_runner::scenario::{
@@ -21,7 +22,7 @@ use scenario_runner::scenario::{
 use scenario_runner::sim::{
     Command, Controller, Ending, Observation, Observer, Schedule, Snapshot, Step, StopReason, simulate,
 };
-use scenario_runner::vehicle::{self, ControllerModel, DynamicsModel};
+use scenario_runner::vehicle::{ControllerModel, DynamicsModel};
 
 /// What was commanded when, s.
 type Commands = Arc<Mutex<Vec<(f64, Command)>>>;
@@ -90,10 +91,9 @@ fn settings(controller: &str, draws: &mut Stream) -> Settings {
     settings
 }
 
-fn encounter(controller: &ControllerModel, dynamics: &DynamicsModel, draws: &mut Stream) -> World {
-    let given = settings(controller.declaration.name, draws);
-    let setup = |name: &str, settings| ModelSetup { name: name.into(), settings };
-    let walker = pedestrian::model("scripted").unwrap();
+fn encounter(controller: &Arc<ControllerModel>, dynamics: &Arc<DynamicsModel>, draws: &mut Stream) -> World {
+    let given = settings(&controller.declaration.name, draws);
+    let walker = standard().pedestrians().get("scripted").unwrap().clone();
     // In whole tenths: every step below divides them, so that the people are the same at each.
     let tenths = |low: f64, high: f64, draws: &mut Stream| (drawn(draws, low, high) * 10.0).round() / 10.0;
     let mut script = Settings::from([
@@ -109,11 +109,8 @@ fn encounter(controller: &ControllerModel, dynamics: &DynamicsModel, draws: &mut
         road: Road::zebra(&[Direction::Forward, Direction::Backward], 30.0 / 3.6),
         vehicles: vec![VehicleSetup {
             name: "av".into(),
-            controller: setup(controller.declaration.name, controller.declaration.resolve(&given).unwrap()),
-            dynamics: setup(
-                dynamics.declaration.name,
-                dynamics.declaration.resolve(&Settings::default()).unwrap(),
-            ),
+            controller: ModelSetup::resolved(controller, &given).unwrap(),
+            dynamics: ModelSetup::resolved(dynamics, &Settings::default()).unwrap(),
             length,
             width,
             lane: 0,
@@ -127,7 +124,7 @@ fn encounter(controller: &ControllerModel, dynamics: &DynamicsModel, draws: &mut
         }],
         pedestrians: vec![PedestrianSetup {
             name: "walker".into(),
-            model: setup("scripted", walker.declaration.resolve(&script).unwrap()),
+            model: ModelSetup::resolved(&walker, &script).unwrap(),
             shape: Shape::Disc { radius: 0.25 },
             side: Side::Near,
             start: Position { x: 0.0, y: -4.0 },
@@ -232,13 +229,14 @@ const KNIFE_EDGED: [&str; 3] = ["drac", "min_ttc", "tta_at_entry"];
 
 #[test]
 fn half_the_step_changes_no_metric_by_more_than_a_step_can() {
-    let requests = Requests::defaults();
+    let registry = standard();
+    let requests = Requests::defaults(&registry);
     let (mut all, mut edges) = (0, 0);
     let mut told: BTreeMap<&str, (usize, usize)> = BTreeMap::new();
     let mut failures = Vec::new();
-    for model in vehicle::CONTROLLERS {
-        for dynamics in vehicle::DYNAMICS.iter().filter(|dynamics| dynamics.takes.contains(&model.gives)) {
-            let name = model.declaration.name;
+    for model in registry.controllers() {
+        for dynamics in registry.dynamics().iter().filter(|dynamics| dynamics.takes.contains(&model.gives)) {
+            let name = &*model.declaration.name;
             // COMMOTIONS refuses steps that do not divide its own.
             let steps: &[f64] = if name == "commotions" { &[0.025] } else { &[0.05, 0.025, 0.01] };
             for &step in steps {
@@ -254,8 +252,8 @@ fn half_the_step_changes_no_metric_by_more_than_a_step_can() {
                         edges += 1;
                         continue;
                     }
-                    for (index, metric) in METRICS.iter().enumerate() {
-                        let metric_name = metric.declaration.name;
+                    for (index, metric) in registry.metrics().iter().enumerate() {
+                        let metric_name = &*metric.declaration.name;
                         let (one, other) = (coarse.metrics[index], fine.metrics[index]);
                         let within = match metric.kind {
                             _ if KNIFE_EDGED.contains(&metric_name) => true,
@@ -288,19 +286,19 @@ fn half_the_step_changes_no_metric_by_more_than_a_step_can() {
         let share = if *name == "commotions" { 0.6 } else { 0.15 };
         assert!(*tipped as f64 <= share * *encounters as f64, "{name}: {tipped} of {encounters}");
     }
-    assert!(all > 1000 && told.len() == vehicle::CONTROLLERS.len());
+    assert!(all > 1000 && told.len() == registry.controllers().iter().count());
 }
 
 /// A controller that brakes at once when somebody is in its way, asked how often and when at steps that do not divide its
 /// period.
 #[test]
 fn controllers_decide_at_moments_of_their_own() {
-    let requests = Requests::defaults();
+    let requests = Requests::defaults(&standard());
     for (name, moments) in
         [("idm_aeb", [0.0, 0.025, 0.05, 0.075, 0.1]), ("autoware", [0.0, 0.05, 0.075, 0.1, 0.125])]
     {
-        let model = vehicle::controller(name).unwrap();
-        let world = encounter(model, vehicle::dynamics("ideal").unwrap(), &mut Stream::seeded(1));
+        let model = standard().controllers().get(name).unwrap().clone();
+        let world = encounter(&model, standard().dynamics().get("ideal").unwrap(), &mut Stream::seeded(1));
         for step in [0.1, 0.04, 0.025, 0.01, 0.007] {
             let course = run(&world, step, &requests);
             for (found, expected) in course.commands.iter().zip(moments) {
@@ -320,19 +318,19 @@ fn measured(world: &World, seed: u64) -> impl Fn(&str) -> Option<f64> + use<> {
         seed,
         world: Arc::new(world.clone()),
     };
-    let requests = Requests::defaults();
+    let requests = Requests::defaults(&standard());
     let outcome = run_case(&case, &requests, &FreeFlows::default(), &mut Unwatched).unwrap();
     move |name| {
-        let index = requests.iter().position(|request| request.name == name).expect("a metric");
+        let index = requests.iter().position(|request| request.name() == name).expect("a metric");
         outcome.metrics[index]
     }
 }
 
 /// Somebody who walks by a script, and a vehicle far away that keeps its speed.
 fn undisturbed(speed: f64, start: f64, along: f64, appears: f64, step: f64) -> World {
-    let model = vehicle::controller("constant_speed").unwrap();
-    let mut world = encounter(model, vehicle::dynamics("ideal").unwrap(), &mut Stream::seeded(1));
-    let walker = pedestrian::model("scripted").unwrap();
+    let model = standard().controllers().get("constant_speed").unwrap().clone();
+    let mut world = encounter(&model, standard().dynamics().get("ideal").unwrap(), &mut Stream::seeded(1));
+    let walker = standard().pedestrians().get("scripted").unwrap().clone();
     world.vehicles[0].start = VehicleStart::Distance(400.0);
     world.pedestrians[0].model.settings =
         walker.declaration.resolve(&Settings::from([("speed", number(speed))])).unwrap();
@@ -370,9 +368,9 @@ fn a_negative_delay_is_the_time_that_hurrying_saved() {
             self.0 = self.0.max(step.after.pedestrians[0].velocity.norm());
         }
     }
-    let requests = Requests::defaults();
-    let delay = requests.iter().position(|request| request.name == "pedestrian_delay").unwrap();
-    let model = pedestrian::model("commotions").unwrap();
+    let requests = Requests::defaults(&standard());
+    let delay = requests.iter().position(|request| request.name() == "pedestrian_delay").unwrap();
+    let model = standard().pedestrians().get("commotions").unwrap().clone();
     let (mut hurried, mut waited) = (0, 0);
     for (seed, arrival) in (0..12).flat_map(|seed| [(seed, 3.0), (seed, 4.5), (seed, 6.0)]) {
         let mut world = undisturbed(1.0, 4.0, 0.0, 0.0, 0.025);
@@ -382,7 +380,7 @@ fn a_negative_delay_is_the_time_that_hurrying_saved() {
             VehicleStart::TimeToArrival { time: arrival, reference: VehicleReference::Centre, x: 0.0 };
         let settings = model.declaration.resolve(&Settings::default()).unwrap();
         let free = settings.number("ped_free_speed");
-        world.pedestrians[0].model = ModelSetup { name: "commotions".into(), settings };
+        world.pedestrians[0].model = ModelSetup { model: (&model).into(), settings };
         world.finish = 2000.0;
         let case = Case {
             key: "fast".into(),

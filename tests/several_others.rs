@@ -7,24 +7,28 @@ mod support;
 
 use proptest::prelude::*;
 use rayon::prelude::*;
-use scenario_runner::pedestrian;
+use scenario_runner::models::standard;
 use scenario_runner::run::road_users;
 use scenario_runner::scenario::{
     Appearance, CrossingKind, ModelSetup, Settings, Value, VehicleSetup, VehicleStart, World,
 };
 use scenario_runner::sim::{Observer, Step, simulate};
-use scenario_runner::vehicle;
 use support::counting::{Counting, allocations};
 use support::street::{self, Course, car, controller, model, person, run, street};
 
 /// 30 km/h
 const SPEED: f64 = 30.0 / 3.6;
 
+/// A name that outlives the registry it is from.
+fn leaked(name: &str) -> &'static str {
+    name.to_string().leak()
+}
+
 /// Every pedestrian model, with what it needs to decide on vehicles.
 fn pedestrians() -> Vec<(&'static str, Settings)> {
-    let mut all: Vec<_> = pedestrian::MODELS.iter().map(|model| model.declaration.name).collect();
-    all.extend(["jaywalker dash", "jaywalker yang", "jaywalker brewer"]);
-    all.into_iter().map(|name| (name.split(' ').next().unwrap(), settings_of(name))).collect()
+    let registry = standard();
+    let all = registry.pedestrians().names().chain(["jaywalker dash", "jaywalker yang", "jaywalker brewer"]);
+    all.map(|name| (leaked(name.split(' ').next().unwrap()), settings_of(name))).collect()
 }
 
 fn settings_of(name: &str) -> Settings {
@@ -45,7 +49,8 @@ fn settings_of(name: &str) -> Settings {
 
 /// Every controller, with what it needs.
 fn controllers() -> Vec<(&'static str, Settings)> {
-    let all = scenario_runner::vehicle::CONTROLLERS.iter().map(|model| model.declaration.name);
+    let registry = standard();
+    let all = registry.controllers().names().map(leaked);
     let settings = |name: &str| match name {
         "timeline" => Settings::from([
             ("steps", Value::Word("at t1 speed v1".into())),
@@ -492,8 +497,8 @@ fn who_has_crossed_and_is_out_of_sight_holds_nobody_up() {
             let mut av = car("av", 0, SPEED, at(4.0 * SPEED));
             av.controller = controller("commotions", &driver);
             let given = Settings::from([("field_of_view", Value::Number(0.7))]);
-            let settings = vehicle::PERCEPTION.resolve(&given).expect("good settings");
-            av.sees = sees.then(|| ModelSetup { name: "sees".into(), settings });
+            let perceived = ModelSetup::resolved(standard().perception(), &given).expect("good settings");
+            av.sees = sees.then_some(perceived);
             let mut world = street(
                 SPEED,
                 vec![av],

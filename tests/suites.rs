@@ -12,6 +12,7 @@ use std::process::ExitCode;
 use libtest_mimic::{Failed, Trial};
 use scenario_runner::corpus::case_hash;
 use scenario_runner::lang;
+use scenario_runner::models::standard;
 use scenario_runner::plan::plan;
 use scenario_runner::testing::{Suites, TestingError, conclude};
 
@@ -39,7 +40,7 @@ fn main() -> ExitCode {
 
 fn trials() -> Result<Vec<Trial>, TestingError> {
     let folder = Path::new("tests/fingerprints");
-    let suites = Suites::load(&[PASSING, OTHERS, LONG].concat())?;
+    let suites = Suites::load(&[PASSING, OTHERS, LONG].concat(), &standard())?;
     let mut trials = suites.tests(PASSING)?;
     trials.extend(suites.fingerprints(&[PASSING, OTHERS].concat(), folder)?);
     trials.extend(suites.fingerprints(LONG, folder)?.into_iter().map(|test| test.with_ignored_flag(true)));
@@ -75,7 +76,7 @@ fn parts_are_parts() -> Result<(), Failed> {
 }
 
 fn cases(file: &str) -> Result<HashMap<String, u64>, Failed> {
-    let suite = lang::load(Path::new(file)).map_err(|_| format!("{file} has errors"))?.suite;
+    let suite = lang::load(Path::new(file), &standard()).map_err(|_| format!("{file} has errors"))?.suite;
     let plan = plan(&suite).map_err(|errors| errors[0].message.clone())?;
     let cases = plan.trials.iter().flat_map(|trial| &trial.cases);
     Ok(cases.map(|case| (case.key.clone(), case_hash(case))).collect())

@@ -4,6 +4,7 @@
 use proptest::prelude::*;
 use scenario_runner::experiment::{Laboratory, Silent, run_search};
 use scenario_runner::lang::{self, Override};
+use scenario_runner::models::standard;
 use scenario_runner::plan::{self, PlanError};
 use scenario_runner::scenario::Suite;
 
@@ -166,7 +167,8 @@ fn refusal(text: &str, set: &[Override]) -> Result<(), String> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("values.scn");
     std::fs::write(&path, text).unwrap();
-    let loaded = lang::load_set(&path, set).map_err(|failure| failure.render(lang::Style::default()))?;
+    let loaded =
+        lang::load_set(&path, set, &standard()).map_err(|failure| failure.render(lang::Style::default()))?;
     let plan = plan::plan(&loaded.suite).map_err(|errors| {
         let PlanError { case, .. } = &errors[0];
         assert!(case.as_ref().is_some_and(|case| case.starts_with("values/a")), "{errors:?}");
@@ -184,7 +186,7 @@ fn refused(statement: &Statement, way: &str, value: f64) -> Result<(), String> {
 }
 
 fn searched(suite: &Suite) -> Result<(), String> {
-    let laboratory = Laboratory::new(suite, None);
+    let laboratory = Laboratory::new(suite, None, &standard());
     suite.searches.iter().try_for_each(|search| {
         run_search(&laboratory, search, &Silent).map(|_| ()).map_err(|error| error.to_string())
     })

@@ -8,13 +8,13 @@ use crate::numbers::design::Slices;
 use crate::numbers::random::{Draws, Stream, derive_seed};
 use crate::pedestrian::commotions::parameters::fitted_by;
 use crate::pedestrian::commotions::{Parameters, Variant};
-use crate::scenario::{Declaration, SettingError, Value};
+use crate::scenario::{Declaration, SettingError, Text, Value};
 
 /// The values a parameter may take: log-spaced between two ends.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ParameterRange {
     /// The parameter.
-    pub name: &'static str,
+    pub name: Text,
     /// Smallest value.
     pub low: f64,
     /// Largest value.
@@ -57,7 +57,7 @@ pub fn published_grid(variant: &Variant) -> Vec<ParameterRange> {
             "tau_d" => (0.5, 500.0),
             _ => (0.005, 5.0),
         };
-        ParameterRange { name, low, high, levels: 10 }
+        ParameterRange { name: name.into(), low, high, levels: 10 }
     };
     fitted_by(variant).into_iter().map(range).collect()
 }
@@ -108,7 +108,7 @@ pub enum CandidateError {
     #[error("the range of `{name}` is {low} .. {high}; it must be positive and rising")]
     BadRange {
         /// The parameter.
-        name: &'static str,
+        name: Text,
         /// Its low end.
         low: f64,
         /// Its high end.
@@ -139,16 +139,16 @@ impl Candidates {
         ranges: &[ParameterRange],
         design: Design,
         seed: u64,
-        model: &'static Declaration,
+        model: &Declaration,
     ) -> Result<Self, CandidateError> {
         let ranges: Vec<&ParameterRange> =
-            ranges.iter().filter(|range| !base.names.iter().any(|name| name == range.name)).collect();
+            ranges.iter().filter(|range| !base.names.iter().any(|name| *name == range.name)).collect();
         for range in &ranges {
-            let ParameterRange { name, low, high, .. } = **range;
+            let ParameterRange { name, low, high, .. } = (*range).clone();
             let parameter =
-                model.parameter(name).ok_or_else(|| CandidateError::UnknownParameter(name.to_owned()))?;
-            parameter.check(model.name, &Value::Number(low))?;
-            parameter.check(model.name, &Value::Number(high))?;
+                model.parameter(&name).ok_or_else(|| CandidateError::UnknownParameter(name.to_string()))?;
+            parameter.check(&model.name, &Value::Number(low))?;
+            parameter.check(&model.name, &Value::Number(high))?;
             if !(low > 0.0 && high >= low) {
                 return Err(CandidateError::BadRange { name, low, high });
             }
@@ -206,7 +206,7 @@ impl Candidates {
                     .collect()
             }
         };
-        let varied = ranges.iter().map(|range| range.name.to_owned());
+        let varied = ranges.iter().map(|range| range.name.to_string());
         Ok(Self { names: base.names.iter().cloned().chain(varied).collect(), rows })
     }
 
@@ -241,16 +241,16 @@ fn six_digits(x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::pedestrian::commotions::model::COMMOTIONS;
+    use crate::pedestrian::commotions::model::commotions;
     use std::collections::BTreeSet;
 
     const RANGES: [ParameterRange; 2] = [
-        ParameterRange { name: "T_delta", low: 10.0, high: 100.0, levels: 10 },
-        ParameterRange { name: "T", low: 0.1, high: 0.5, levels: 10 },
+        ParameterRange { name: Text::Borrowed("T_delta"), low: 10.0, high: 100.0, levels: 10 },
+        ParameterRange { name: Text::Borrowed("T"), low: 0.1, high: 0.5, levels: 10 },
     ];
 
     fn design(base: &Candidates, design: Design) -> Result<Candidates, CandidateError> {
-        Candidates::design(base, &RANGES, design, 1, &COMMOTIONS.declaration)
+        Candidates::design(base, &RANGES, design, 1, &commotions().declaration)
     }
 
     fn bits(rows: &[Vec<f64>]) -> BTreeSet<Vec<u64>> {
@@ -299,9 +299,9 @@ mod tests {
             design(&none, Design::FromGrid(101)),
             Err(CandidateError::TooMany { wanted: 101, most: 100 })
         );
-        let with = |name, low, high| {
-            let ranges = [ParameterRange { name, low, high, levels: 3 }];
-            Candidates::design(&none, &ranges, Design::Grid, 1, &COMMOTIONS.declaration)
+        let with = |name: &'static str, low, high| {
+            let ranges = [ParameterRange { name: name.into(), low, high, levels: 3 }];
+            Candidates::design(&none, &ranges, Design::Grid, 1, &commotions().declaration)
                 .unwrap_err()
                 .to_string()
         };

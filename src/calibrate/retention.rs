@@ -9,7 +9,7 @@ use super::candidates::{CandidateError, Candidates};
 use super::criteria::{Criterion, Showing};
 use super::journal::{Journal, JournalError};
 use crate::numbers::random::derive_seed;
-use crate::pedestrian::commotions::model::COMMOTIONS;
+use crate::pedestrian::commotions::model::commotions;
 use crate::pedestrian::commotions::{Parameters, Variant};
 use crate::pedestrian::population::Population;
 
@@ -179,7 +179,7 @@ impl Report {
             ("criteria", json!(failed)),
         ];
         Population {
-            model: COMMOTIONS.declaration.name.to_owned(),
+            model: commotions().declaration.name.to_string(),
             variant: Some(variant.to_string()),
             source: "retained by the procedure of Markkula et al., PNAS Nexus 2(6), 2023".to_owned(),
             provenance: provenance.map(|(name, value)| (name.to_owned(), value)).into(),

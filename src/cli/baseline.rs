@@ -10,6 +10,7 @@ use super::set::SetArguments;
 use super::{measured, project};
 use crate::console::{stderr, stdout};
 use crate::judge::baseline::measured_metrics;
+use crate::registry::Registry;
 use crate::report::{Form, count, render_baseline, render_difference};
 
 #[derive(Debug, Args)]
@@ -84,12 +85,14 @@ impl From<Format> for Form {
     }
 }
 
-pub fn baseline(arguments: &BaselineArguments) -> Exit {
+pub fn baseline(arguments: &BaselineArguments, registry: &Registry) -> Exit {
     let result = match &arguments.action {
-        Action::Save { file, out, seed, set, force } => save(file, out.as_deref(), *seed, set, *force),
-        Action::Show { path, format } => measured::read_baseline(path)
+        Action::Save { file, out, seed, set, force } => {
+            save(file, out.as_deref(), *seed, set, *force, registry)
+        }
+        Action::Show { path, format } => measured::read_baseline(path, registry)
             .map(|baseline| write!(stdout(), "{}", render_baseline(&baseline, (*format).into()))),
-        Action::Diff { base, candidate, format } => diff(base, candidate, *format),
+        Action::Diff { base, candidate, format } => diff(base, candidate, *format, registry),
     };
     result.err().unwrap_or(Exit::Success)
 }
@@ -100,8 +103,9 @@ fn save(
     seed: Option<u64>,
     set: &SetArguments,
     force: bool,
+    registry: &Registry,
 ) -> Result<(), Exit> {
-    let suite = measured::load_suite(file, seed, set)?;
+    let suite = measured::load_suite(file, seed, set, registry)?;
     let path = match out {
         Some(path) => path.to_owned(),
         None => {
@@ -114,7 +118,7 @@ fn save(
         project::may_be_replaced(&path, &suite.name)?;
     }
     let stop = stop_on_interrupt();
-    let measured = measured::run_suite(&suite, &measured_metrics(&suite), "baseline", &stop);
+    let measured = measured::run_suite(&suite, &measured_metrics(&suite, registry), "baseline", &stop);
     let interrupted = matches!(measured, Err(Exit::Interrupted)) || stop.is_requested();
     if interrupted {
         writeln!(stderr(), "interrupted: nothing saved");
@@ -133,8 +137,9 @@ fn save(
     Ok(())
 }
 
-fn diff(base: &Path, candidate: &Path, format: Format) -> Result<(), Exit> {
-    let (base, candidate) = (measured::read_baseline(base)?, measured::read_baseline(candidate)?);
+fn diff(base: &Path, candidate: &Path, format: Format, registry: &Registry) -> Result<(), Exit> {
+    let (base, candidate) =
+        (measured::read_baseline(base, registry)?, measured::read_baseline(candidate, registry)?);
     write!(stdout(), "{}", render_difference(&base, &candidate, format.into()));
     Ok(())
 }

@@ -12,7 +12,7 @@ use crate::calibrate::{
 };
 use crate::console::{stderr, stdout};
 use crate::files;
-use crate::pedestrian::commotions::model::COMMOTIONS;
+use crate::pedestrian::commotions::model::commotions;
 use crate::pedestrian::commotions::{Variant, VariantError};
 use crate::pedestrian::population::{Population, PopulationError};
 
@@ -182,7 +182,7 @@ fn candidates(
     variant: &Variant,
 ) -> Result<(Candidates, String), CalibrateError> {
     let read = |file: &PathBuf, variant: Option<&str>| {
-        Population::read(&file.to_string_lossy(), &COMMOTIONS.declaration, variant)
+        Population::read(&file.to_string_lossy(), &commotions().declaration, variant)
             .map(|population| Candidates { names: population.parameters, rows: population.individuals })
     };
     let name = |file: &PathBuf| {
@@ -209,8 +209,8 @@ fn candidates(
         Designs::LogUniform => Design::LogUniform(count),
         Designs::LatinHypercube => Design::LatinHypercube(count),
     };
-    let candidates = Candidates::design(&base, &ranges, design, arguments.seed, &COMMOTIONS.declaration)?;
-    let varied = ranges.iter().filter(|range| !base.names.contains(&range.name.to_owned()));
+    let candidates = Candidates::design(&base, &ranges, design, arguments.seed, &commotions().declaration)?;
+    let varied = ranges.iter().filter(|range| !base.names.contains(&range.name.to_string()));
     let varied: Vec<String> = varied.map(|r| format!("{} {}..{}", r.name, r.low, r.high)).collect();
     let mut words = format!("{design} over {}", varied.join(", "));
     if let Some(file) = &arguments.base {
@@ -241,7 +241,8 @@ fn parse_range(text: &str) -> Result<ParameterRange, String> {
     let (low, high) = range.split_once("..").ok_or_else(expected)?;
     let number = |text: &str| text.trim().parse::<f64>().map_err(|_| expected());
     let name = name.trim();
-    let parameter = COMMOTIONS.declaration.parameter(name);
-    let name = parameter.ok_or_else(|| format!("the model has no parameter `{name}`"))?.name;
+    let declaration = commotions().declaration;
+    let parameter = declaration.parameter(name);
+    let name = parameter.ok_or_else(|| format!("the model has no parameter `{name}`"))?.name.clone();
     Ok(ParameterRange { name, low: number(low)?, high: number(high)?, levels })
 }

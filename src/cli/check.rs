@@ -9,6 +9,7 @@ use super::Exit;
 use super::load;
 use crate::console::{stderr, stdout};
 use crate::lang::{self, Diagnostic, Severity, Sources};
+use crate::registry::Registry;
 use crate::report::{Repository, findings};
 
 #[derive(Debug, Args)]
@@ -34,10 +35,10 @@ enum Format {
 }
 
 /// Checks every file and shows all findings of all files.
-pub fn check(arguments: &CheckArguments) -> Exit {
+pub fn check(arguments: &CheckArguments, registry: &Registry) -> Exit {
     let mut checked: Vec<(Vec<Diagnostic>, Sources)> = Vec::new();
     for file in &arguments.files {
-        checked.push(load::examine(file, None));
+        checked.push(load::examine(file, None, registry));
     }
     forget_repeated(&mut checked);
     let failed = checked.iter().flat_map(|(found, _)| found).any(|found| found.severity == Severity::Error);

@@ -1,19 +1,19 @@
 //! `scenario-runner compare BASE CANDIDATE`: is the candidate worse, beyond what is tolerated and beyond doubt?
 
-use std::path::{Path, PathBuf};
-
-use clap::{Args, ValueEnum};
-
 use super::interrupt::stop_on_interrupt;
 use super::set::SetArguments;
 use super::{Exit, measured, parameters};
 use crate::console::{stderr, stdout};
 use crate::judge::baseline::{Baseline, Incompatible, measured_metrics, pair};
 use crate::judge::gate::{blanket_rule, collision_rule, judge_rules};
+use crate::registry::Registry;
 use crate::report::{gate_markdown, render_gate};
 use crate::results::{CheckOutcome, GateVerdict, Verdict, record_command, set_options};
 use crate::run::Stop;
 use crate::scenario::{Gate, Suite};
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -100,9 +100,9 @@ fn confidence(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "a number of percent above 50 and below 100, such as `95`".to_string())
 }
 
-pub fn compare(arguments: &CompareArguments) -> Exit {
+pub fn compare(arguments: &CompareArguments, registry: &Registry) -> Exit {
     let stop = stop_on_interrupt();
-    match judged(arguments, &stop) {
+    match judged(arguments, registry, &stop) {
         Err(Exit::Interrupted) => interrupted(),
         Ok(_) if stop.is_requested() => interrupted(),
         Ok(verdicts) => {
@@ -129,32 +129,49 @@ struct Side {
 }
 
 impl Side {
-    fn open(file: &str, arguments: &CompareArguments) -> Result<Self, Exit> {
-        let suite = || measured::load_suite(file, arguments.seed, &arguments.set);
+    fn open(file: &str, arguments: &CompareArguments, registry: &Registry) -> Result<Self, Exit> {
+        let suite = || measured::load_suite(file, arguments.seed, &arguments.set, registry);
         let suite = if measured::is_baseline(file) { None } else { Some(suite()?) };
         Ok(Self { file: file.to_string(), suite, as_declared: true })
     }
 
     /// The suite with the parameters of a file over its own.
-    fn with_parameters(file: &str, path: &Path, arguments: &CompareArguments) -> Result<Self, Exit> {
-        let mut suite = measured::load_suite(file, arguments.seed, &arguments.set)?;
-        parameters::put_over(&mut suite, file, path)?;
+    fn with_parameters(
+        file: &str,
+        path: &Path,
+        arguments: &CompareArguments,
+        registry: &Registry,
+    ) -> Result<Self, Exit> {
+        let mut suite = measured::load_suite(file, arguments.seed, &arguments.set, registry)?;
+        parameters::put_over(&mut suite, file, path, registry)?;
         Ok(Self { file: format!("{file} with {}", path.display()), suite: Some(suite), as_declared: false })
     }
 
-    fn baseline(&self, gates: &[Gate], title: &str, stop: &Stop) -> Result<Baseline, Exit> {
-        let Some(suite) = &self.suite else { return measured::read_baseline(Path::new(&self.file)) };
-        let mut requests = measured_metrics(suite);
+    fn baseline(
+        &self,
+        gates: &[Gate],
+        title: &str,
+        registry: &Registry,
+        stop: &Stop,
+    ) -> Result<Baseline, Exit> {
+        let Some(suite) = &self.suite else {
+            return measured::read_baseline(Path::new(&self.file), registry);
+        };
+        let mut requests = measured_metrics(suite, registry);
         gates.iter().for_each(|gate| measured::include_gate(&mut requests, gate));
         measured::run_suite(suite, &requests, title, stop)
     }
 }
 
-fn judged(arguments: &CompareArguments, stop: &Stop) -> Result<Vec<(GateVerdict, Option<String>)>, Exit> {
-    let (base, candidate) = sides(arguments)?;
+fn judged(
+    arguments: &CompareArguments,
+    registry: &Registry,
+    stop: &Stop,
+) -> Result<Vec<(GateVerdict, Option<String>)>, Exit> {
+    let (base, candidate) = sides(arguments, registry)?;
     let gates = gates(arguments, &base, &candidate)?;
-    let before = base.baseline(&gates, "base", stop)?;
-    let after = candidate.baseline(&gates, "candidate", stop)?;
+    let before = base.baseline(&gates, "base", registry, stop)?;
+    let after = candidate.baseline(&gates, "candidate", registry, stop)?;
     let refuse = |reasons: Vec<Incompatible>| {
         writeln!(stderr(), "error: {} and {} cannot be compared", base.file, candidate.file);
         for reason in &reasons {
@@ -186,9 +203,9 @@ fn judged(arguments: &CompareArguments, stop: &Stop) -> Result<Vec<(GateVerdict,
     Ok(verdicts)
 }
 
-fn sides(arguments: &CompareArguments) -> Result<(Side, Side), Exit> {
+fn sides(arguments: &CompareArguments, registry: &Registry) -> Result<(Side, Side), Exit> {
     let file = &arguments.base;
-    let with = |path: &PathBuf| Side::with_parameters(file, path, arguments);
+    let with = |path: &PathBuf| Side::with_parameters(file, path, arguments, registry);
     if !arguments.parameters.is_empty() && measured::is_baseline(file) {
         writeln!(stderr(), "error: {file} is no suite that could be run with other parameters");
         return Err(Exit::Usage);
@@ -199,8 +216,10 @@ fn sides(arguments: &CompareArguments) -> Result<(Side, Side), Exit> {
         return Err(Exit::Usage);
     }
     match (&arguments.candidate, &arguments.parameters[..]) {
-        (Some(candidate), _) => Ok((Side::open(file, arguments)?, Side::open(candidate, arguments)?)),
-        (None, [only]) => Ok((Side::open(file, arguments)?, with(only)?)),
+        (Some(candidate), _) => {
+            Ok((Side::open(file, arguments, registry)?, Side::open(candidate, arguments, registry)?))
+        }
+        (None, [only]) => Ok((Side::open(file, arguments, registry)?, with(only)?)),
         (None, [was, now]) => Ok((with(was)?, with(now)?)),
         (None, _) => {
             writeln!(stderr(), "error: --parameters may be given once or twice");

@@ -1,11 +1,5 @@
 //! `scenario-runner search NAME FILE` and `tune NAME FILE`: one block of a suite, with what it builds on.
 
-use std::io;
-use std::path::{Path, PathBuf};
-use std::thread;
-
-use clap::Args;
-
 use super::interrupt::stop_on_interrupt;
 use super::set::SetArguments;
 use super::{Exit, load, shows_progress, store};
@@ -13,9 +7,15 @@ use crate::console::{stderr, stdout};
 use crate::dispatch::{self, Orders, Unit, Work, Workshop, dispatch};
 use crate::experiment::{CaseFile, ParameterFile};
 use crate::files;
+use crate::registry::Registry;
 use crate::report::{Live, Terminal, render_block, tuned_parameters};
 use crate::results::{BlockReport, BlockResult, BlockState, set_options};
 use crate::scenario::{Block, Suite};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::thread;
+
+use clap::Args;
 
 #[derive(Debug, Args)]
 pub struct ExperimentArguments {
@@ -52,18 +52,18 @@ pub struct ExperimentArguments {
 }
 
 /// Runs a `search` block.
-pub fn search(arguments: &ExperimentArguments) -> Exit {
-    run(arguments, "search")
+pub fn search(arguments: &ExperimentArguments, registry: &Registry) -> Exit {
+    run(arguments, "search", registry)
 }
 
 /// Runs a `tune` block, after what it builds on.
-pub fn tune(arguments: &ExperimentArguments) -> Exit {
-    run(arguments, "tune")
+pub fn tune(arguments: &ExperimentArguments, registry: &Registry) -> Exit {
+    run(arguments, "tune", registry)
 }
 
-fn run(arguments: &ExperimentArguments, kind: &'static str) -> Exit {
+fn run(arguments: &ExperimentArguments, kind: &'static str, registry: &Registry) -> Exit {
     let colour = stderr().takes_colour();
-    let suites = match load::load_all(&[&arguments.file], arguments.seed, &arguments.set, colour) {
+    let suites = match load::load_all(&[&arguments.file], arguments.seed, &arguments.set, colour, registry) {
         Ok(suites) => suites,
         Err(exit) => return exit,
     };
@@ -77,7 +77,7 @@ fn run(arguments: &ExperimentArguments, kind: &'static str) -> Exit {
     if let Err(exit) = store::prepare(&arguments.journal) {
         return exit;
     }
-    let workshop = Workshop::new(&suites, Some(arguments.journal.clone()), &stop);
+    let workshop = Workshop::new(&suites, Some(arguments.journal.clone()), &stop, registry);
     let threads = thread::available_parallelism().map_or(1, usize::from);
     let orders = Orders { chosen: &chosen, first: &[], threads, max_failures: None };
     let mut watcher = Terminal::quiet(shows_progress(arguments.no_progress).then(Live::new));

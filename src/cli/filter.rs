@@ -51,12 +51,12 @@ pub fn trial<'a>(suite: &'a str, file: &'a str, trial: &'a PlannedTrial) -> Subj
         models: world
             .iter()
             .flat_map(|world| &world.pedestrians)
-            .map(|walker| walker.model.name.as_str())
+            .map(|walker| walker.model.model.name())
             .collect(),
         controllers: world
             .iter()
             .flat_map(|world| &world.vehicles)
-            .map(|car| car.controller.name.as_str())
+            .map(|car| car.controller.model.name())
             .collect(),
         files: vec![&trial.origin.file, file],
         variation: case.map_or(&[], |case| &case.variation),
@@ -73,8 +73,8 @@ pub fn recorded<'a>(suite: &'a Suite, file: &'a str, recorded: &'a Recorded) -> 
         kind: SCENARIO,
         name: &recorded.scenario,
         tags: scenario.map_or(&[], |scenario| &scenario.tags),
-        models: walkers.map(|walker| walker.model.name.as_str()).collect(),
-        controllers: cars.map(|car| car.controller.name.as_str()).collect(),
+        models: walkers.map(|walker| walker.model.first.name()).collect(),
+        controllers: cars.map(|car| car.controller.first.name()).collect(),
         files: scenario.map(|scenario| &*scenario.origin.file).into_iter().chain([file]).collect(),
         variation: &recorded.variation,
     }
@@ -90,8 +90,8 @@ pub fn block<'a>(suite: &'a Suite, file: &'a str, block: &'a Block) -> Subject<'
         kind: block.kind(),
         name: block.name(),
         tags: scenarios.first().map_or(&[], |scenario| &scenario.tags),
-        models: walkers.map(|walker| walker.model.name.as_str()).collect(),
-        controllers: cars.map(|car| car.controller.name.as_str()).collect(),
+        models: walkers.map(|walker| walker.model.first.name()).collect(),
+        controllers: cars.map(|car| car.controller.first.name()).collect(),
         files: vec![&block.origin().file, file],
         variation: &[],
     }

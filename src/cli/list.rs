@@ -1,19 +1,19 @@
 //! `scenario-runner list`: the scenarios, blocks and gates of suites, with tags and counts.
 
-use crate::plan::{self, Plan, PlannedTrial};
-use std::collections::BTreeMap;
-use std::path::Path;
-
-use clap::{Args, ValueEnum};
-use serde_json::{Map, Value, json};
-
 use super::Exit;
 use super::filter::{self, FilterArguments};
 use super::load;
 use crate::console::{stderr, stdout};
 use crate::lang::filter::{SCENARIO, Subject};
 use crate::lang::{self, Style};
+use crate::plan::{self, Plan, PlannedTrial};
+use crate::registry::Registry;
 use crate::scenario::{Block, Gate, Origin, Suite};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use clap::{Args, ValueEnum};
+use serde_json::{Map, Value, json};
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -59,7 +59,7 @@ struct Line<'a> {
     origin: &'a Origin,
 }
 
-pub fn list(arguments: &ListArguments) -> Exit {
+pub fn list(arguments: &ListArguments, registry: &Registry) -> Exit {
     let colour = stderr().takes_colour();
     let filters = match arguments.filter.read(colour) {
         Ok(filters) => filters,
@@ -68,7 +68,7 @@ pub fn list(arguments: &ListArguments) -> Exit {
     let mut exit = Exit::Success;
     let mut suites: Vec<(&str, Suite, Plan)> = Vec::new();
     for file in &arguments.files {
-        match planned(file, colour) {
+        match planned(file, colour, registry) {
             Some((suite, plan)) => suites.push((file, suite, plan)),
             None => exit = Exit::Scenario,
         }
@@ -172,8 +172,8 @@ fn size(block: &Block) -> Vec<(&'static str, usize)> {
     }]
 }
 
-fn planned(file: &str, colour: bool) -> Option<(Suite, Plan)> {
-    let suite = match lang::load(Path::new(file)) {
+fn planned(file: &str, colour: bool, registry: &Registry) -> Option<(Suite, Plan)> {
+    let suite = match lang::load(Path::new(file), registry) {
         Ok(loaded) => loaded.suite,
         Err(failure) => {
             stderr().styled(&failure.render(Style { colour }));

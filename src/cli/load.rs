@@ -1,8 +1,5 @@
 //! Files to plans: what every command that runs something begins with.
 
-use crate::plan::{Plan, PlanError, PlannedTrial, plan};
-use std::path::Path;
-
 use super::Exit;
 use super::set::SetArguments;
 use crate::console::stderr;
@@ -11,9 +8,12 @@ use crate::dispatch::Prepared;
 use crate::experiment::rehearse_searches;
 use crate::judge::examine_claims;
 use crate::lang::{self, Code, Diagnostic, Override, Severity, Sources};
+use crate::plan::{Plan, PlanError, PlannedTrial, plan};
+use crate::registry::Registry;
 use crate::report::Excerpt;
 use crate::run::{Departing, Obstacle, Stage, departing, rehearse, rehearse_trials};
 use crate::scenario::{Suite, show};
+use std::path::Path;
 
 /// Whether a word of the command line is meant as a file.
 pub fn names_a_file(word: &str) -> bool {
@@ -27,6 +27,7 @@ pub fn load_all(
     seed: Option<u64>,
     set: &SetArguments,
     colour: bool,
+    registry: &Registry,
 ) -> Result<Vec<Prepared>, Exit> {
     let set = set.all().map_err(|name| {
         writeln!(stderr(), "error: `{name}` is set twice");
@@ -36,7 +37,7 @@ pub fn load_all(
     let mut loaded = Vec::new();
     let mut failed = false;
     for file in files {
-        match load(file, seed, &set, colour) {
+        match load(file, seed, &set, colour, registry) {
             Ok(suite) => loaded.push(suite),
             Err(()) => failed = true,
         }
@@ -45,8 +46,8 @@ pub fn load_all(
 }
 
 /// Everything that is to be said about a file before it is run; `text` stands for what is on disk.
-pub fn examine(path: &Path, text: Option<&str>) -> (Vec<Diagnostic>, Sources) {
-    let lang::Examined { suite, mut found, sources } = lang::examine(path, text);
+pub fn examine(path: &Path, text: Option<&str>, registry: &Registry) -> (Vec<Diagnostic>, Sources) {
+    let lang::Examined { suite, mut found, sources } = lang::examine(path, text, registry);
     if let Some(suite) = &suite {
         found.extend(examine_claims(suite, &sources));
         let obstacles = rehearse(suite).into_iter().chain(rehearse_searches(suite));
@@ -57,8 +58,14 @@ pub fn examine(path: &Path, text: Option<&str>) -> (Vec<Diagnostic>, Sources) {
     (found, sources)
 }
 
-fn load(file: &str, seed: Option<u64>, set: &[Override], colour: bool) -> Result<Prepared, ()> {
-    let lang::Loaded { mut suite, sources, warnings } = read(file, set, colour)?;
+fn load(
+    file: &str,
+    seed: Option<u64>,
+    set: &[Override],
+    colour: bool,
+    registry: &Registry,
+) -> Result<Prepared, ()> {
+    let lang::Loaded { mut suite, sources, warnings } = read(file, set, colour, registry)?;
     suite.seed = seed.unwrap_or(suite.seed);
     refuse_hopeless(&suite, &sources, colour)?;
     let plan = plan(&suite).map_err(|errors| show_plan_errors(&errors, colour))?;
@@ -170,9 +177,9 @@ fn build_everybody(suite: &Suite, plan: &Plan, colour: bool) -> Result<(), ()> {
 }
 
 /// Loads and checks one file with the values that are set; warnings and errors go to stderr.
-fn read(file: &str, set: &[Override], colour: bool) -> Result<lang::Loaded, ()> {
+fn read(file: &str, set: &[Override], colour: bool, registry: &Registry) -> Result<lang::Loaded, ()> {
     let style = lang::Style { colour };
-    match lang::load_set(Path::new(file), set) {
+    match lang::load_set(Path::new(file), set, registry) {
         Ok(loaded) => {
             for warning in &loaded.warnings {
                 stderr().styled(&format!("{}\n\n", lang::render(warning, &loaded.sources, style)));

@@ -4,13 +4,13 @@ use std::path::{Path, PathBuf};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use super::Exit;
-use super::load;
 use super::set::SetArguments;
+use super::{Exit, load};
 use crate::console::stderr;
 use crate::files;
 use crate::judge::baseline::{Baseline, record};
 use crate::plan::{self, Plan};
+use crate::registry::Registry;
 use crate::results::{Requests, record_command};
 use crate::run::{BatchError, FreeFlows, Stop, run_batch};
 use crate::scenario::{Gate, Suite};
@@ -21,9 +21,14 @@ pub fn is_baseline(file: &str) -> bool {
 }
 
 /// A suite that is to be run for its numbers; what is wrong with it goes to stderr.
-pub fn load_suite(file: &str, seed: Option<u64>, set: &SetArguments) -> Result<Suite, Exit> {
+pub fn load_suite(
+    file: &str,
+    seed: Option<u64>,
+    set: &SetArguments,
+    registry: &Registry,
+) -> Result<Suite, Exit> {
     let colour = stderr().takes_colour();
-    let mut prepared = load::load_all(&[&file.to_string()], seed, set, colour)?;
+    let mut prepared = load::load_all(&[&file.to_string()], seed, set, colour, registry)?;
     Ok(prepared.remove(0).suite)
 }
 
@@ -93,9 +98,10 @@ pub fn warn_of_unchecked(path: &Path) {
 }
 
 /// Reads a baseline, or says on stderr why it cannot be read.
-pub fn read_baseline(path: &Path) -> Result<Baseline, Exit> {
+pub fn read_baseline(path: &Path, registry: &Registry) -> Result<Baseline, Exit> {
     warn_of_unchecked(path);
-    Baseline::read(path).map_err(|error| {
+    let read = Baseline::read(path).map(|baseline| baseline.resolved(registry));
+    read.map_err(|error| {
         writeln!(stderr(), "error: {error}");
         writeln!(stderr(), "help: {}", error.hint(&record_command("SUITE", &[], path)));
         Exit::Baseline

@@ -41,6 +41,7 @@ pub use bug::guarded;
 pub use exit::Exit;
 
 use crate::console::{stderr, stdout};
+use crate::registry::Registry;
 use crate::run::note_places;
 
 /// Tests automated-vehicle controllers against pedestrians who behave like people.
@@ -113,10 +114,12 @@ fn shows_progress(unwanted: bool) -> bool {
     !unwanted && stderr().is_terminal() && env::var_os("CI").is_none()
 }
 
-/// Parses the arguments of this process, does what they ask and says how it went.
-pub fn main() -> ExitCode {
+/// Parses the arguments of this process, does what they ask and says how it went. Scenarios may name what is in
+/// `registry`.
+pub fn main(registry: &Registry) -> ExitCode {
     note_places();
-    let exit = guarded(|| Cli::try_parse().map_or_else(|error| misunderstood(&error), obey));
+    let exit =
+        guarded(|| Cli::try_parse().map_or_else(|error| misunderstood(&error), |cli| obey(cli, registry)));
     all_said(exit).into()
 }
 
@@ -142,27 +145,27 @@ fn all_said(exit: Exit) -> Exit {
     exit
 }
 
-fn obey(cli: Cli) -> Exit {
+fn obey(cli: Cli, registry: &Registry) -> Exit {
     match cli.command {
-        None => run::run(cli.run),
+        None => run::run(cli.run, registry),
         Some(Command::Init(arguments)) => init::init(&arguments),
-        Some(Command::Run(arguments)) => run::run(arguments),
-        Some(Command::Check(arguments)) => check::check(&arguments),
+        Some(Command::Run(arguments)) => run::run(arguments, registry),
+        Some(Command::Check(arguments)) => check::check(&arguments, registry),
         Some(Command::Fmt(arguments)) => format::format(&arguments),
         Some(Command::Convert(arguments)) => convert::convert(&arguments),
-        Some(Command::Lsp(arguments)) => lsp::lsp(&arguments),
+        Some(Command::Lsp(arguments)) => lsp::lsp(&arguments, registry),
         Some(Command::Explain(arguments)) => explain::explain(&arguments),
-        Some(Command::List(arguments)) => list::list(&arguments),
-        Some(Command::Models(arguments)) => models::models(&arguments),
-        Some(Command::Search(arguments)) => experiment::search(&arguments),
-        Some(Command::Tune(arguments)) => experiment::tune(&arguments),
-        Some(Command::Report(arguments)) => report::report(&arguments),
-        Some(Command::Baseline(arguments)) => baseline::baseline(&arguments),
-        Some(Command::Compare(arguments)) => compare::compare(&arguments),
+        Some(Command::List(arguments)) => list::list(&arguments, registry),
+        Some(Command::Models(arguments)) => models::models(&arguments, registry),
+        Some(Command::Search(arguments)) => experiment::search(&arguments, registry),
+        Some(Command::Tune(arguments)) => experiment::tune(&arguments, registry),
+        Some(Command::Report(arguments)) => report::report(&arguments, registry),
+        Some(Command::Baseline(arguments)) => baseline::baseline(&arguments, registry),
+        Some(Command::Compare(arguments)) => compare::compare(&arguments, registry),
         Some(Command::Calibrate(arguments)) => calibrate::run(&arguments),
         Some(Command::Validate(arguments)) => validate::run(&arguments),
-        Some(Command::Replay(arguments)) => replay::replay(&arguments),
-        Some(Command::Shrink(arguments)) => shrink::shrink(&arguments),
+        Some(Command::Replay(arguments)) => replay::replay(&arguments, registry),
+        Some(Command::Shrink(arguments)) => shrink::shrink(&arguments, registry),
         Some(Command::Help(arguments)) => help::help(&arguments),
     }
 }

@@ -1,10 +1,11 @@
-//! `scenario-runner models`: the registries.
+//! `scenario-runner models`: what is registered.
 
 use clap::Args;
 
 use super::Exit;
 use crate::console::{stderr, stdout};
-use crate::report::{registered_names, render_model, render_models};
+use crate::registry::Registry;
+use crate::report::{render_model, render_models};
 
 #[derive(Debug, Args)]
 pub struct ModelsArguments {
@@ -12,15 +13,16 @@ pub struct ModelsArguments {
     name: Option<String>,
 }
 
-pub fn models(arguments: &ModelsArguments) -> Exit {
+pub fn models(arguments: &ModelsArguments, registry: &Registry) -> Exit {
     match &arguments.name {
-        None => write!(stdout(), "{}", render_models()),
-        Some(name) => match render_model(name) {
+        None => write!(stdout(), "{}", render_models(registry)),
+        Some(name) => match render_model(name, registry) {
             Some(text) => write!(stdout(), "{text}"),
             None => {
                 writeln!(stderr(), "error: nothing is called `{name}`");
                 let similar = |known: &&str| (strsim::jaro_winkler(known, name) * 1000.0) as u32;
-                if let Some(nearest) = registered_names().into_iter().max_by_key(similar) {
+                let all = registry.declarations().into_iter().flat_map(|(_, declarations)| declarations);
+                if let Some(nearest) = all.map(|one| &*one.name).max_by_key(similar) {
                     writeln!(
                         stderr(),
                         "help: the nearest name is `{nearest}`; `scenario-runner models` lists them all"

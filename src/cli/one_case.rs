@@ -10,6 +10,7 @@ use super::load;
 use super::set::SetArguments;
 use crate::console::stderr;
 use crate::dispatch::{Prepared, Work, units};
+use crate::registry::Registry;
 use crate::scenario::{Case, Criterion};
 
 #[derive(Debug, Args)]
@@ -39,7 +40,7 @@ pub struct Found<'a> {
 
 impl CaseArguments {
     /// The suites in which the run is to be found; what is wrong goes to stderr. `command` is what was asked for.
-    pub fn load(&self, command: &str) -> Result<Vec<Prepared>, Exit> {
+    pub fn load(&self, command: &str, registry: &Registry) -> Result<Vec<Prepared>, Exit> {
         let files = match &self.files[..] {
             [] => match default_file(&self.key) {
                 Some(file) => vec![file],
@@ -58,7 +59,7 @@ impl CaseArguments {
             },
             files => files.to_vec(),
         };
-        load::load_all(&files.iter().collect::<Vec<_>>(), self.seed, &self.set, false)
+        load::load_all(&files.iter().collect::<Vec<_>>(), self.seed, &self.set, false, registry)
     }
 
     /// The run of that key: one of the plan, or a recorded one by the key of its unit. If there is none, says so on

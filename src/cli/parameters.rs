@@ -6,17 +6,17 @@ use super::{Exit, load};
 use crate::console::stderr;
 use crate::experiment::{ParameterFile, apply_settings};
 use crate::lang::{self, NamedValue, Style, nearest};
+use crate::registry::Registry;
 use crate::report::Excerpt;
 use crate::scenario::{Declaration, ParameterKind, Part, Scenario, Settings, Suite, Target, Value};
-use crate::vehicle;
 
 /// Puts what the parameter file at `path` says over the vehicles of `suite`, which was read from `file`. Definitions
 /// reach every vehicle that has a parameter of that name, or the one that a whole name such as
 /// `av_controller_braking_distance` begins with; JSON names vehicle and part. What is wrong goes to stderr.
-pub fn put_over(suite: &mut Suite, file: &str, path: &Path) -> Result<(), Exit> {
+pub fn put_over(suite: &mut Suite, file: &str, path: &Path, registry: &Registry) -> Result<(), Exit> {
     let colour = stderr().takes_colour();
     if load::names_a_file(&path.to_string_lossy()) {
-        let values = lang::named_values(path).map_err(|failure| {
+        let values = lang::named_values(path, registry).map_err(|failure| {
             stderr().styled(&failure.render(Style { colour }));
             Exit::Scenario
         })?;
@@ -60,11 +60,11 @@ fn put_named(suite: &mut Suite, file: &str, value: &NamedValue, colour: bool) ->
         stderr().styled(&format!("{}\n\n", excerpt.render(colour)));
         Exit::Usage
     };
-    let mut known: Vec<&'static str> = Vec::new();
+    let mut known: Vec<String> = Vec::new();
     let mut fits = false;
     for scenario in &mut suite.scenarios {
         for (road_user, part, declaration) in tested_parts(scenario) {
-            known.extend(declaration.parameters.iter().map(|parameter| parameter.name));
+            known.extend(declaration.parameters.iter().map(|parameter| parameter.name.to_string()));
             let target = |parameter: &str| {
                 let road_user = road_user.clone();
                 Target::Setting { road_user, part, parameter: parameter.to_string() }
@@ -86,7 +86,8 @@ fn put_named(suite: &mut Suite, file: &str, value: &NamedValue, colour: bool) ->
     if fits || value.used {
         return Ok(());
     }
-    let help = nearest(&value.name, known).map(|near| format!("did you mean `{near}`?"));
+    let help =
+        nearest(&value.name, known.iter().map(String::as_str)).map(|near| format!("did you mean `{near}`?"));
     Err(wrong(format!("no vehicle of {file} has a parameter `{}`", value.name), help))
 }
 
@@ -94,14 +95,12 @@ fn put_named(suite: &mut Suite, file: &str, value: &NamedValue, colour: bool) ->
 fn tested_parts(scenario: &Scenario) -> Vec<(String, Part, Declaration)> {
     let mut parts = Vec::new();
     for car in &scenario.vehicles {
-        let controller = vehicle::controller(&car.controller.name).map(|found| found.declaration);
-        let dynamics = car.dynamics.as_ref().and_then(|model| vehicle::dynamics(&model.name));
         let found = [
-            (Part::Controller, controller),
-            (Part::Dynamics, dynamics.map(|found| found.declaration)),
-            (Part::Sees, car.sees.as_ref().map(|_| vehicle::PERCEPTION)),
+            (Part::Controller, car.controller.first.declaration()),
+            (Part::Dynamics, car.dynamics.as_ref().and_then(|model| model.first.declaration())),
+            (Part::Sees, car.sees.as_ref().and_then(|model| model.first.declaration())),
         ];
-        let found = found.into_iter().filter_map(|(part, declaration)| Some((part, declaration?)));
+        let found = found.into_iter().filter_map(|(part, declaration)| Some((part, declaration?.clone())));
         parts.extend(found.map(|(part, declaration)| (car.name.clone(), part, declaration)));
     }
     parts
@@ -109,14 +108,15 @@ fn tested_parts(scenario: &Scenario) -> Vec<(String, Part, Declaration)> {
 
 /// Whether it has such a parameter, or its family of presets is called so.
 fn takes(declaration: &Declaration, name: &str) -> bool {
-    declaration.parameter(name).is_some() || declaration.presets.is_some_and(|family| family.word == name)
+    declaration.parameter(name).is_some()
+        || declaration.presets.as_ref().is_some_and(|family| family.word == name)
 }
 
 fn check(declaration: &Declaration, value: &NamedValue) -> Result<(), String> {
     if let Some(ParameterKind::Number { dimension, .. }) =
-        declaration.parameter(&value.name).map(|parameter| parameter.kind)
+        declaration.parameter(&value.name).map(|parameter| &parameter.kind)
         && let Some(found) = value.dimension
-        && found != dimension
+        && found != *dimension
     {
         let (wanted, found) = (dimension.name(), found.name());
         return Err(format!("`{}` of `{}` is a {wanted}, not a {found}", value.name, declaration.name));

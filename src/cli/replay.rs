@@ -11,6 +11,7 @@ use super::run::LastRun;
 use crate::console::{stderr, stdout};
 use crate::corpus::{case_hash, corpus_path};
 use crate::files::WholeFile;
+use crate::registry::Registry;
 use crate::report::{ReplayIntroduction, case_values, render_replay, replay_reasons, write_trace};
 use crate::results::Requests;
 use crate::run::{FreeFlows, Unwatched, run_case};
@@ -29,10 +30,10 @@ pub struct ReplayArguments {
     trace: Option<PathBuf>,
 }
 
-pub fn replay(arguments: &ReplayArguments) -> Exit {
-    let replayed = arguments.case.load("replay").and_then(|suites| {
+pub fn replay(arguments: &ReplayArguments, registry: &Registry) -> Exit {
+    let replayed = arguments.case.load("replay", registry).and_then(|suites| {
         let found = arguments.case.find(&suites)?;
-        Ok(replay_case(arguments, &found))
+        Ok(replay_case(arguments, &found, registry))
     });
     replayed.unwrap_or_else(|exit| exit)
 }
@@ -46,9 +47,9 @@ struct Expected {
     source: String,
 }
 
-fn replay_case(arguments: &ReplayArguments, found: &Found) -> Exit {
+fn replay_case(arguments: &ReplayArguments, found: &Found, registry: &Registry) -> Exit {
     let Found { suite, case, .. } = found;
-    let mut requests = Requests::defaults();
+    let mut requests = Requests::defaults(registry);
     suite.plan.trials.iter().for_each(|trial| requests.include(&trial.criteria));
     requests.include(&found.criteria);
     let free_flows = FreeFlows::default();

@@ -7,6 +7,7 @@ use clap::Args;
 use super::Exit;
 use super::run::{Colour, output, verdict};
 use crate::console::{stderr, stdout};
+use crate::registry::Registry;
 use crate::report::{read_results, render_gates, render_tables};
 
 /// Makes reports of results that a run wrote with `--json`. Nothing is run.
@@ -28,14 +29,14 @@ pub struct ReportArguments {
     color: Colour,
 }
 
-pub fn report(arguments: &ReportArguments) -> Exit {
+pub fn report(arguments: &ReportArguments, registry: &Registry) -> Exit {
     let path = arguments.results.to_string_lossy();
     if let Err(complaint) = super::run::targets::check(&arguments.output.files(), &[&path]) {
         writeln!(stderr(), "error: {complaint}");
         writeln!(stderr(), "help: name another file; nothing was written");
         return Exit::Usage;
     }
-    let results = match read_results(&arguments.results) {
+    let results = match read_results(&arguments.results, registry) {
         Ok(results) => results,
         Err(error) => {
             writeln!(stderr(), "error: cannot report {path}: {error}");

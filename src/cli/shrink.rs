@@ -1,23 +1,22 @@
 //! `scenario-runner shrink KEY`: a failing run as a small scenario file of its own.
 
-use std::path::{Path, PathBuf};
-
-use clap::Args;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-
 use super::interrupt::stop_on_interrupt;
 use super::one_case::{CaseArguments, Found};
 use super::{Exit, shows_progress};
 use crate::console::{stderr, stdout};
 use crate::files::{self, Lines};
 use crate::judge::{PerRun, per_run};
-use crate::lang;
-use crate::plan;
+use crate::registry::Registry;
 use crate::report::{SHRUNK_BY, render_shrunk, run_words, shrunk_file};
 use crate::results::{Outcome, Requests, SuiteIdentity};
 use crate::run::{FreeFlows, Unwatched, run_case};
 use crate::scenario::Case;
-use crate::shrink::{Place, Shrunk, requests, shrink as shrink_case, unmoved};
+use crate::shrink::{Place, Shrunk, shrink as shrink_case, unmoved};
+use crate::{lang, plan};
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 /// A failing run as a small scenario file of its own
 ///
@@ -62,18 +61,18 @@ pub struct ShrinkArguments {
     no_progress: bool,
 }
 
-pub fn shrink(arguments: &ShrinkArguments) -> Exit {
-    let result = arguments.case.load("shrink").and_then(|suites| {
+pub fn shrink(arguments: &ShrinkArguments, registry: &Registry) -> Exit {
+    let result = arguments.case.load("shrink", registry).and_then(|suites| {
         let found = arguments.case.find(&suites)?;
-        let criterion = choose(arguments, &found)?;
-        shrink_found(arguments, &found, &criterion)
+        let criterion = choose(arguments, &found, registry)?;
+        shrink_found(arguments, &found, &criterion, registry)
     });
     result.unwrap_or_else(|exit| exit)
 }
 
 /// The criterion that was asked for, if the run speaks against it; else the first such, those that one run decides before
 /// those about many.
-fn choose(arguments: &ShrinkArguments, found: &Found) -> Result<PerRun, Exit> {
+fn choose(arguments: &ShrinkArguments, found: &Found, registry: &Registry) -> Result<PerRun, Exit> {
     let key = &arguments.case.key;
     let mut criteria: Vec<PerRun> = found.criteria.iter().filter_map(per_run).collect();
     if let Some(words) = &arguments.criterion {
@@ -85,7 +84,7 @@ fn choose(arguments: &ShrinkArguments, found: &Found) -> Result<PerRun, Exit> {
             return Err(Exit::Usage);
         }
     }
-    let mut requests = Requests::defaults();
+    let mut requests = Requests::defaults(registry);
     requests.include(&found.criteria);
     let outcome = run(&found.case, &requests)?;
     let holds = |one: &PerRun| one.standing(&outcome, &requests).holds;
@@ -108,7 +107,12 @@ fn choose(arguments: &ShrinkArguments, found: &Found) -> Result<PerRun, Exit> {
     Ok(chosen)
 }
 
-fn shrink_found(arguments: &ShrinkArguments, found: &Found, criterion: &PerRun) -> Result<Exit, Exit> {
+fn shrink_found(
+    arguments: &ShrinkArguments,
+    found: &Found,
+    criterion: &PerRun,
+    registry: &Registry,
+) -> Result<Exit, Exit> {
     let Found { suite, case, .. } = found;
     let declared = suite.suite.scenarios.iter().find(|scenario| scenario.name == case.scenario);
     let scenario = declared.expect("a case belongs to a scenario of its suite").clone();
@@ -125,12 +129,12 @@ fn shrink_found(arguments: &ShrinkArguments, found: &Found, criterion: &PerRun) 
         seed: case.seed,
     };
     let shrunk = if arguments.as_is {
-        unmoved(place, criterion)
+        unmoved(place, criterion, registry)
     } else {
         let stop = stop_on_interrupt();
         let bar = progress_bar(shows_progress(arguments.no_progress));
         let told = |runs: usize, what: &str| bar.set_message(format!("{runs} runs, moving {what}"));
-        let shrunk = shrink_case(place, criterion, &stop, &mut { told });
+        let shrunk = shrink_case(place, criterion, registry, &stop, &mut { told });
         bar.finish_and_clear();
         shrunk
     };
@@ -148,7 +152,7 @@ fn shrink_found(arguments: &ShrinkArguments, found: &Found, criterion: &PerRun) 
         writeln!(stderr(), "error: {}: {error}", case.key);
         Exit::Scenario
     })?;
-    verify(&text, &shrunk, criterion, &path)?;
+    verify(&text, &shrunk, &path, registry)?;
     // It may have come there while the case was shrinking.
     may_be_written(&path, arguments.force)?;
     let written = if path.exists() { files::write(&path, &text) } else { files::create_new(&path, &text) };
@@ -212,15 +216,16 @@ fn run(case: &Case, requests: &Requests) -> Result<Outcome, Exit> {
 }
 
 /// Reads the file again and runs it: it has to be the same run.
-fn verify(text: &str, shrunk: &Shrunk, criterion: &PerRun, path: &Path) -> Result<(), Exit> {
+fn verify(text: &str, shrunk: &Shrunk, path: &Path, registry: &Registry) -> Result<(), Exit> {
     let again = || -> Result<Outcome, String> {
         // A device has no ending that says what is in it.
         let named = if path.exists() && !path.is_file() { Path::new("shrunk.scn") } else { path };
-        let loaded = lang::check(named, text).map_err(|failure| failure.render(lang::Style::default()))?;
+        let loaded =
+            lang::check(named, text, registry).map_err(|failure| failure.render(lang::Style::default()))?;
         let scenario = loaded.suite.scenarios.first().ok_or("it has no scenario")?;
         let trials = plan::plan_scenario(&loaded.suite, scenario).map_err(|error| error.to_string())?;
         let case = trials.first().and_then(|trial| trial.cases.first()).ok_or("it has no run")?;
-        run_case(case, &requests(criterion), &FreeFlows::default(), &mut Unwatched)
+        run_case(case, &shrunk.requests, &FreeFlows::default(), &mut Unwatched)
             .map_err(|error| error.to_string())
     };
     let why = match again() {

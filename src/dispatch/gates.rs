@@ -129,7 +129,7 @@ pub fn measured_trials(
     let trials: Vec<_> = outcomes.iter().map(|(trial, outcomes)| (*trial, &outcomes[..])).collect();
     let mut all = record(&prepared.plan, &trials, requests);
     // Other suites of the session may have asked for more.
-    all.keep_metrics(&measured_metrics(&prepared.suite));
+    all.keep_metrics(&measured_metrics(&prepared.suite, workshop.registry()));
     Ok(all)
 }
 
@@ -162,16 +162,19 @@ mod tests {
     use super::*;
     use crate::dispatch::Prepared;
     use crate::lang;
+    use crate::models::standard;
     use crate::plan::plan;
     use crate::run::{SharedTrial, Stop};
 
     #[test]
     fn trials_that_were_decided_early_are_run_to_their_end() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/zebra/carla_walker.scn");
-        let suite = lang::load(&path).unwrap_or_else(|_| panic!("{} is a scenario", path.display())).suite;
+        let suite = lang::load(&path, &standard())
+            .unwrap_or_else(|_| panic!("{} is a scenario", path.display()))
+            .suite;
         let plan = plan(&suite).unwrap();
         let suites = [Prepared { file: "walker.scn".into(), suite, plan, recorded: Vec::new() }];
-        let workshop = Workshop::new(&suites, None, &Stop::default());
+        let workshop = Workshop::new(&suites, None, &Stop::default(), &standard());
         let mut trials: Vec<_> = suites[0]
             .plan
             .trials

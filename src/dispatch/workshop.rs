@@ -1,15 +1,11 @@
 //! Where one unit is run: a trial from its first case to its verdict, a block to its result.
 
-use crate::experiment::{EarlierResults, ExperimentError, Laboratory, Progress, run_block};
-use std::mem;
-use std::path::PathBuf;
-use std::sync::{Arc, PoisonError};
-use std::time::{Duration, Instant};
-
 use super::unit::{Prepared, Unit, Work};
 use crate::corpus::{self, case_hash};
+use crate::experiment::{EarlierResults, ExperimentError, Laboratory, Progress, run_block};
 use crate::judge::{self, PerRun, judge, per_run};
 use crate::plan::PlannedTrial;
+use crate::registry::Registry;
 use crate::results::{
     BlockReport, BlockState, Cut, Outcome, Recorded, RecordedReport, RecordedState, Requests, Rerun, Skip,
     SuiteIdentity, TrialReport, TrialState, UnitReport, Verdict,
@@ -19,6 +15,10 @@ use crate::run::{
 };
 use crate::scenario::{Block, Case};
 use crate::sim::Trace;
+use std::mem;
+use std::path::PathBuf;
+use std::sync::{Arc, PoisonError};
+use std::time::{Duration, Instant};
 
 /// Given the course of every run of a trial.
 pub type Watch<'a> = dyn Fn(&Case, &Trace) + Sync + 'a;
@@ -30,31 +30,38 @@ pub struct Workshop<'a> {
     laboratories: Vec<Laboratory<'a>>,
     /// Every metric that anything in any of the suites asks for: all runs are measured alike.
     requests: Requests,
+    registry: Registry,
     stop: Stop,
     watch: Option<&'a Watch<'a>>,
 }
 
 impl<'a> Workshop<'a> {
     /// `journals` is where searches and tunes keep what they have evaluated.
-    pub fn new(suites: &'a [Prepared], journals: Option<PathBuf>, stop: &Stop) -> Self {
+    pub fn new(suites: &'a [Prepared], journals: Option<PathBuf>, stop: &Stop, registry: &Registry) -> Self {
         let mut laboratories: Vec<_> = suites
             .iter()
-            .map(|suite| Laboratory::new(&suite.suite, journals.clone()).stopped_by(stop.clone()))
+            .map(|suite| Laboratory::new(&suite.suite, journals.clone(), registry).stopped_by(stop.clone()))
             .collect();
-        let mut requests = Requests::defaults();
+        let mut requests = Requests::defaults(registry);
         for laboratory in &laboratories {
             laboratory.requests.iter().for_each(|request| requests.add(request));
         }
         for laboratory in &mut laboratories {
             laboratory.requests = requests.clone();
         }
-        Self { suites, laboratories, requests, stop: stop.clone(), watch: None }
+        let registry = registry.clone();
+        Self { suites, laboratories, requests, registry, stop: stop.clone(), watch: None }
     }
 
     /// With somebody who is given the course of every run of a trial.
     pub fn watched_by(mut self, watch: &'a Watch<'a>) -> Self {
         self.watch = Some(watch);
         self
+    }
+
+    /// What the suites may name.
+    pub fn registry(&self) -> &Registry {
+        &self.registry
     }
 
     /// What is measured in every run, in the order of the outcomes' metrics.
@@ -269,6 +276,7 @@ impl<'a> Workshop<'a> {
 
 #[cfg(test)]
 mod tests {
+    use crate::models::standard;
     use std::path::Path;
     use std::sync::Arc;
 
@@ -280,10 +288,12 @@ mod tests {
     #[test]
     fn of_a_run_no_more_is_kept_than_its_trial_needs() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/zebra/carla_walker.scn");
-        let suite = lang::load(&path).unwrap_or_else(|_| panic!("{} is a scenario", path.display())).suite;
+        let suite = lang::load(&path, &standard())
+            .unwrap_or_else(|_| panic!("{} is a scenario", path.display()))
+            .suite;
         let plan = plan(&suite).unwrap();
         let suites = [Prepared { file: "walker.scn".into(), suite, plan, recorded: Vec::new() }];
-        let workshop = Workshop::new(&suites, None, &Stop::default());
+        let workshop = Workshop::new(&suites, None, &Stop::default(), &standard());
         let trial = &suites[0].plan.trials[0];
         let report = workshop.trial(0, &SharedTrial::new(trial), &|| ());
         let asked: Vec<_> = trial.criteria.iter().map(|one| one.claim.metric()).collect();
@@ -295,7 +305,7 @@ mod tests {
                         assert!(
                             asked.contains(&reference),
                             "nobody asks for the moment of {}",
-                            reference.name
+                            reference.name()
                         );
                         kept += 1;
                     }

@@ -3,19 +3,17 @@
 use super::parameters::ParameterFile;
 use super::{EarlierResults, ExperimentError, Laboratory, Progress, overrides};
 use crate::judge::{Seen, Span, aggregate, aggregate_against, span_of, undecided};
-use crate::metrics::{MetricKind, Worst, metric};
 use crate::numbers::inference::{paired_difference, rate_change};
 use crate::numbers::random::derive_seed;
 use crate::numbers::summary::mean;
-use crate::pedestrian;
 use crate::results::{
     ConditionResult, Difference, EvaluateResult, Outcome, ParameterValue, Requests, SavedCase,
 };
 use crate::scenario::{
-    Aggregate, Case, Comparison, Condition, Declaration, Evaluate, Measure, MetricReference, Notation,
-    ParameterKind, ParameterSet, Part, Relation, Target, Value, WhenUndefined,
+    Aggregate, Case, Comparison, Condition, Declaration, Evaluate, Measure, MetricKind, MetricReference,
+    ModelSetup, Notation, ParameterKind, ParameterSet, Part, Registered, Relation, Settings, Target, Value,
+    WhenUndefined, Worst,
 };
-use crate::vehicle;
 use std::path::Path;
 
 /// Confidence of the intervals of differences.
@@ -208,8 +206,7 @@ impl Series<'_> {
         let index = requests.index(measure.aggregate.metric())?;
         match &measure.aggregate {
             Aggregate::Mean(reference) => {
-                let counted =
-                    |outcome: &Outcome| Seen::of(outcome, index).worst(&reference.name, side(reference));
+                let counted = |outcome: &Outcome| Seen::of(outcome, index).worst(reference, side(reference));
                 let known = |outcomes: &[Outcome]| outcomes.iter().filter_map(counted).all(f64::is_finite);
                 if !known(base) || !known(outcomes) {
                     return None;
@@ -263,7 +260,7 @@ pub(super) fn measured_between(
 
 /// What somebody would claim of a metric's values who says that they are good.
 fn side(reference: &MetricReference) -> Relation {
-    match metric(&reference.name).map(|metric| metric.worst) {
+    match reference.known().map(|metric| metric.worst) {
         Some(Worst::Smallest) => Relation::GreaterOrEqual,
         _ => Relation::LessOrEqual,
     }
@@ -300,7 +297,7 @@ impl Laboratory<'_> {
     fn all_measures(&self) -> Vec<Measure> {
         let measure = |reference: &MetricReference| {
             let label = reference.label();
-            match metric(&reference.name)?.kind {
+            match reference.known()?.kind {
                 MetricKind::Category(_) => None,
                 MetricKind::Flag => Some(Measure {
                     aggregate: Aggregate::Rate(Comparison {
@@ -340,21 +337,23 @@ fn parameter(target: &Target, cases: &[Case], given_in: &[(Target, Notation)]) -
 /// What a case sets a parameter to, with its unit.
 fn resolved(target: &Target, case: &Case) -> Option<(Value, String)> {
     let Target::Setting { road_user, part, parameter } = target else { return None };
-    let (setup, declaration): (_, &Declaration) = if *part == Part::Model {
-        let pedestrian = case.world.pedestrians.iter().find(|one| one.name == *road_user)?;
-        (&pedestrian.model, &pedestrian::model(&pedestrian.model.name)?.declaration)
+    fn of<T: Registered>(setup: &ModelSetup<T>) -> Option<(&Settings, &Declaration)> {
+        Some((&setup.settings, setup.model.declaration()?))
+    }
+    let (settings, declaration) = if *part == Part::Model {
+        of(&case.world.pedestrians.iter().find(|one| one.name == *road_user)?.model)?
     } else {
         let car = case.world.vehicles.iter().find(|one| one.name == *road_user)?;
         match part {
-            Part::Controller => (&car.controller, &vehicle::controller(&car.controller.name)?.declaration),
-            Part::Dynamics => (&car.dynamics, &vehicle::dynamics(&car.dynamics.name)?.declaration),
-            _ => (car.sees.as_ref()?, &vehicle::PERCEPTION),
+            Part::Controller => of(&car.controller)?,
+            Part::Dynamics => of(&car.dynamics)?,
+            _ => of(car.sees.as_ref()?)?,
         }
     };
-    let unit = declaration.parameters.iter().find(|known| known.name == parameter).map(|known| known.kind);
+    let unit = declaration.parameter(parameter).map(|known| &known.kind);
     let unit = match unit {
         Some(ParameterKind::Number { dimension, .. }) => dimension.si_unit(),
         _ => String::new(),
     };
-    Some((setup.settings.get(parameter)?.clone(), unit))
+    Some((settings.get(parameter)?.clone(), unit))
 }

@@ -28,6 +28,7 @@ use thiserror::Error;
 
 use crate::optimise;
 use crate::plan::PlanError;
+use crate::registry::Registry;
 use crate::results::Requests;
 use crate::run::{FreeFlows, RunError, Stop};
 use crate::scenario::{Scenario, Suite};
@@ -57,8 +58,8 @@ pub struct Laboratory<'a> {
 
 impl<'a> Laboratory<'a> {
     /// With every metric that anything in the suite asks for.
-    pub fn new(suite: &'a Suite, journals: Option<PathBuf>) -> Self {
-        let mut requests = Requests::defaults();
+    pub fn new(suite: &'a Suite, journals: Option<PathBuf>, registry: &Registry) -> Self {
+        let mut requests = Requests::defaults(registry);
         suite.scenarios.iter().for_each(|scenario| requests.include(&scenario.criteria));
         for search in &suite.searches {
             requests.add(search.objective.aggregate.metric());

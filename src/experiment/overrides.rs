@@ -2,7 +2,7 @@
 
 use super::ExperimentError;
 use crate::optimise;
-use crate::scenario::{Assignment, Expression, Model, Part, Range, RangeValues, Scenario, Target, Value};
+use crate::scenario::{Assignment, Expression, Part, Range, RangeValues, Scenario, Target, Value};
 
 /// The optimiser's dimension for a declared range.
 pub fn dimension(range: &Range) -> optimise::Dimension {
@@ -53,9 +53,9 @@ pub fn apply(scenario: &mut Scenario, settings: &[(Target, Value)]) -> Result<()
     for (target, value) in settings {
         let Target::Setting { road_user, part, parameter } = target else { continue };
         let missing = ExperimentError::UnknownTarget(target.to_string(), scenario.name.clone());
-        let model = model_mut(scenario, road_user, *part).ok_or(missing)?;
-        model.settings.retain(|(name, _)| name != parameter);
-        model.settings.push((parameter.clone(), Expression::Constant(value.clone())));
+        let said = settings_mut(scenario, road_user, *part).ok_or(missing)?;
+        said.retain(|(name, _)| name != parameter);
+        said.push((parameter.clone(), Expression::Constant(value.clone())));
     }
     Ok(())
 }
@@ -70,18 +70,20 @@ pub fn without_variations(scenario: &Scenario, ranges: &[Range]) -> Scenario {
     changed
 }
 
-fn model_mut<'a>(scenario: &'a mut Scenario, road_user: &str, part: Part) -> Option<&'a mut Model> {
+/// What a scenario says of the parameters of a road user's part.
+fn settings_mut<'a>(
+    scenario: &'a mut Scenario,
+    road_user: &str,
+    part: Part,
+) -> Option<&'a mut Vec<(String, Expression)>> {
+    if part == Part::Model {
+        let person = scenario.pedestrians.iter_mut().find(|one| one.name == road_user)?;
+        return Some(&mut person.model.settings);
+    }
+    let vehicle = scenario.vehicles.iter_mut().find(|one| one.name == road_user)?;
     match part {
-        Part::Model => {
-            scenario.pedestrians.iter_mut().find(|one| one.name == road_user).map(|one| &mut one.model)
-        }
-        Part::Controller | Part::Dynamics | Part::Sees => {
-            let vehicle = scenario.vehicles.iter_mut().find(|one| one.name == road_user)?;
-            match part {
-                Part::Controller => Some(&mut vehicle.controller),
-                Part::Dynamics => vehicle.dynamics.as_mut(),
-                _ => vehicle.sees.as_mut(),
-            }
-        }
+        Part::Dynamics => vehicle.dynamics.as_mut().map(|model| &mut model.settings),
+        Part::Sees => vehicle.sees.as_mut().map(|model| &mut model.settings),
+        Part::Controller | Part::Model => Some(&mut vehicle.controller.settings),
     }
 }

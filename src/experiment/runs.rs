@@ -2,11 +2,10 @@
 
 use super::{ExperimentError, Laboratory};
 use crate::judge::{Seen, aggregate_against, counted, holds_undefined};
-use crate::metrics::{MetricKind, metric};
 use crate::numbers::summary::{mean, variance_of_mean};
 use crate::results::{CaseRun, MetricSummary, Outcome, SavedCase};
 use crate::run::{Unwatched, run_case};
-use crate::scenario::{Aggregate, Case, Comparison, Goal, MetricReference, Relation};
+use crate::scenario::{Aggregate, Case, Comparison, Goal, MetricKind, MetricReference, Relation};
 use rayon::prelude::*;
 
 impl Laboratory<'_> {
@@ -86,11 +85,11 @@ impl Laboratory<'_> {
                 Seen::Value(value) => margin(relation, value, bound),
                 // However it would have gone on.
                 Seen::Open { .. } if seen.holds(constraint, false) => {
-                    let farthest = seen.worst(&constraint.metric.name, relation);
+                    let farthest = seen.worst(&constraint.metric, relation);
                     farthest.map_or(1.0, |value| margin(relation, value, bound))
                 }
                 Seen::Open { .. } => {
-                    let farthest = seen.worst(&constraint.metric.name, relation);
+                    let farthest = seen.worst(&constraint.metric, relation);
                     let nearest = seen.best(relation).filter(|value| !relation.holds(*value, bound));
                     margin(relation, farthest.filter(|value| value.is_finite()).or(nearest)?, bound)
                 }
@@ -103,7 +102,7 @@ impl Laboratory<'_> {
     /// Every quantity and flag over the outcomes, for tables. Categories have no mean.
     pub(super) fn summaries(&self, outcomes: &[Outcome]) -> Vec<MetricSummary> {
         let has_mean = |reference: &&MetricReference| {
-            metric(&reference.name).is_some_and(|metric| !matches!(metric.kind, MetricKind::Category(_)))
+            reference.known().is_some_and(|metric| !matches!(metric.kind, MetricKind::Category(_)))
         };
         self.requests
             .iter()
@@ -114,6 +113,7 @@ impl Laboratory<'_> {
                 values.sort_by(f64::total_cmp);
                 MetricSummary {
                     metric: reference.label(),
+                    kind: reference.known().map(|metric| metric.kind.clone()),
                     runs: outcomes.len(),
                     defined: values.len(),
                     mean: mean(&values),
@@ -126,8 +126,8 @@ impl Laboratory<'_> {
 
     /// Who passed first in an outcome, in the metric's own words.
     pub(super) fn passed_first(&self, outcome: &Outcome) -> Option<String> {
-        let index = self.requests.iter().position(|reference| reference.name == "passed_first")?;
-        let MetricKind::Category(words) = metric("passed_first")?.kind else { return None };
+        let index = self.requests.iter().position(|reference| reference.name() == "passed_first")?;
+        let MetricKind::Category(words) = &self.requests.as_slice()[index].known()?.kind else { return None };
         words.get(outcome.metrics[index]? as usize).map(ToString::to_string)
     }
 }

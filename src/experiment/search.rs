@@ -2,7 +2,6 @@
 
 use super::journal::Record;
 use super::{ExperimentError, Laboratory, Progress, overrides};
-use crate::metrics;
 use crate::numbers::random::derive_seed;
 use crate::numbers::summary::mean;
 use crate::optimise::{
@@ -62,7 +61,7 @@ pub fn run_search(
         objective: search.objective.text.clone(),
         direction: search.objective.direction,
         shown_in: search.over.iter().map(Range::shown_in).collect(),
-        objective_in: ShownIn::new(search.objective.notation, &metrics::unit_of(&search.objective.aggregate)),
+        objective_in: ShownIn::new(search.objective.notation, &search.objective.aggregate.unit()),
         metrics: laboratory.requests.iter().map(|reference| reference.label()).collect(),
         kept: SavedSet {
             name: search.name.clone(),

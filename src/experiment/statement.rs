@@ -3,7 +3,6 @@
 use super::claim::{Operand, combine, follows, in_words, name_of};
 use super::{EarlierResults, ExperimentError, Laboratory, evaluate};
 use crate::judge::{Span, open_runs};
-use crate::metrics::unit_of;
 use crate::plan::variables;
 use crate::results::{ClaimResult, ClaimValues, Conclusion, Outcome, StatementResult, TrendPoint};
 use crate::scenario::{
@@ -115,7 +114,7 @@ impl Court<'_> {
                     Err(reason) => (Err(reason), Vec::new()),
                 };
                 let values = ClaimValues::Trend { direction: *direction, variable: variable.clone(), points };
-                (holds, values, unit_of(&measured.aggregate))
+                (holds, values, measured.aggregate.unit())
             }
         };
         let holds = match holds {
@@ -154,7 +153,7 @@ impl Court<'_> {
             let span = evaluate::measured_between(&measured.aggregate, &outcomes, requests);
             said.push(match (&claim.kind, span) {
                 (StatementClaimKind::Compares { .. }, Some(span)) => {
-                    format!("{reason}, which leaves {}", in_words(span, &unit_of(&measured.aggregate)))
+                    format!("{reason}, which leaves {}", in_words(span, &measured.aggregate.unit()))
                 }
                 _ => reason,
             });
@@ -170,7 +169,7 @@ impl Court<'_> {
                 let runs = self.runs(measured)?;
                 let value = runs.as_ref().map_err(String::clone).and_then(|runs| self.value(measured, runs));
                 let span = runs.and_then(|runs| self.span(measured, &runs));
-                Operand { value, span, unit: Some(unit_of(&measured.aggregate)) }
+                Operand { value, span, unit: Some(measured.aggregate.unit()) }
             }
             Quantity::Chosen { tune, target } => {
                 let result = self.results.tune(tune)?;

@@ -6,27 +6,31 @@ mod statement;
 mod survivors;
 
 use super::*;
+use crate::models::standard;
+use crate::registry::Table;
 use crate::scenario::{
     self, Aggregate, Block, Budget, CaseSet, Comparison as Bound, DeclaredAppearance, DeclaredVehicleStart,
     Direction, Evaluate, Expression, Goal, Individuals, InitialDesign, Measure, Measured, Method,
     MetricReference, Model, Objective, Origin, OutcomesOf, ParameterSet, Part, Pedestrian, Population,
-    Quantity, Range, RangeValues, Relation, Road, SampleSize, Search, Settings, Side, Standing, Statement,
+    Quantity, Range, RangeValues, Registered, Relation, Road, SampleSize, Search, Side, Standing, Statement,
     StatementClaim, StatementClaimKind, Target, TrendDirection, Tune, Value, Variation, VariationCondition,
     VariedValue, Vehicle, VehicleReference, WhenUndefined,
 };
 
 fn metric(name: &str) -> MetricReference {
-    MetricReference { name: name.into(), settings: Settings::default(), pair: None }
+    crate::models::known::measured(name)
 }
 
 fn condition(name: &str, relation: Relation, bound: f64) -> Bound {
     Bound { metric: metric(name), relation, bound: bound.into(), when_undefined: WhenUndefined::Fails }
 }
 
-fn model(name: &str, settings: &[(&str, Value)]) -> Model {
+fn model<T: Registered>(all: &Table<T>, name: &str, settings: &[(&str, Value)]) -> Model<T> {
     let settings =
         settings.iter().map(|(name, value)| (name.to_string(), Expression::Constant(value.clone())));
-    Model { name: name.into(), varied_by: None, settings: settings.collect(), origin: Origin::default() }
+    let first = all.get(name).expect("it is registered").into();
+    let (varied, others) = (Vec::new(), Vec::new());
+    Model { first, varied_by: None, varied, others, settings: settings.collect(), origin: Origin::default() }
 }
 
 fn scenario() -> Scenario {
@@ -38,7 +42,11 @@ fn scenario() -> Scenario {
         road: Road::zebra(&[Direction::Forward, Direction::Backward], 30.0 / 3.6),
         vehicles: vec![Vehicle {
             name: "av".into(),
-            controller: model("carla_behavior", &[("obstacle_distance", Value::Word("extended".into()))]),
+            controller: model(
+                standard().controllers(),
+                "carla_behavior",
+                &[("obstacle_distance", Value::Word("extended".into()))],
+            ),
             dynamics: None,
             size: None,
             speed: (30.0 / 3.6).into(),
@@ -49,7 +57,7 @@ fn scenario() -> Scenario {
         }],
         pedestrians: vec![Pedestrian {
             name: "walker".into(),
-            model: model("commotions", &[]),
+            model: model(standard().pedestrians(), "commotions", &[]),
             shape: None,
             side: Side::Near,
             start_from_lane_centre: 4.0.into(),
@@ -205,7 +213,7 @@ fn evaluated_suite() -> Suite {
 
 /// Every block of a suite in order, with the runs of its scenario.
 fn run_all(suite: &Suite) -> EarlierResults {
-    let laboratory = Laboratory::new(suite, None);
+    let laboratory = Laboratory::new(suite, None, &standard());
     let mut results = EarlierResults::default();
     let cases: Vec<_> = crate::plan::plan_scenario(suite, &suite.scenarios[0])
         .unwrap()

@@ -3,7 +3,6 @@
 use super::journal::Record;
 use super::search::definition;
 use super::{EarlierResults, ExperimentError, Laboratory, Progress, overrides};
-use crate::metrics;
 use crate::numbers::random::derive_seed;
 use crate::optimise::{self, Evaluation, Margin, Measurement, Optimiser, Proposal};
 use crate::results::{BeforeAndAfter, Candidate, Outcome, SavedCase, TuneResult, Violations};
@@ -195,7 +194,7 @@ impl Bench<'_> {
         let written =
             || tune.constraints.iter().enumerate().map(|(index, one)| (one, tune.constraint_in(index)));
         let constraints = || written().map(|(one, unit)| one.text(unit)).collect();
-        let objective_in = |one: &Objective| ShownIn::new(one.notation, &metrics::unit_of(&one.aggregate));
+        let objective_in = |one: &Objective| ShownIn::new(one.notation, &one.aggregate.unit());
         Ok(TuneResult {
             name: tune.name.clone(),
             objectives: tune.objectives.iter().map(|objective| objective.text.clone()).collect(),
@@ -205,9 +204,7 @@ impl Bench<'_> {
             parameters: tune.over.iter().map(|range| range.target.to_string()).collect(),
             shown_in: tune.over.iter().map(Range::shown_in).collect(),
             objectives_in: tune.objectives.iter().map(objective_in).collect(),
-            margins_in: written()
-                .map(|(one, unit)| ShownIn::new(unit, &metrics::unit_of_metric(&one.metric)))
-                .collect(),
+            margins_in: written().map(|(one, unit)| ShownIn::new(unit, &one.metric.unit())).collect(),
             chosen: chosen.map(candidate),
             violations,
             pareto: if tune.objectives.len() > 1 {

@@ -135,7 +135,7 @@ pub fn decide(relation: Relation, interval: Interval, bound: f64) -> Verdict {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::{MetricReference, Settings};
+
     use statrs::distribution::{Beta, Binomial, ContinuousCDF, DiscreteCDF};
 
     /// So many runs, of which the first ones hold.
@@ -176,7 +176,7 @@ mod tests {
 
     #[test]
     fn quantiles_are_bounded_by_order_statistics() {
-        let metric = MetricReference { name: "pet".into(), settings: Settings::default(), pair: None };
+        let metric = crate::models::known::measured("pet");
         let interval = |runs: u32, level: f64, confidence: f64| {
             // In no order, as runs come.
             let values: Vec<_> = (0..runs).map(|k| Some(f64::from(k * 37 % runs + 1))).collect();
@@ -217,8 +217,7 @@ mod tests {
     }
 
     fn mean_of(values: &[f64], bounds: Bounds, limits: Option<(f64, f64)>) -> Option<Interval> {
-        let metric =
-            MetricReference { name: "stopped_time".into(), settings: Settings::default(), pair: None };
+        let metric = crate::models::known::measured("stopped_time");
         let values: Vec<_> = values.iter().copied().map(Some).collect();
         bounds.of_values(&Aggregate::Mean(metric), &values, limits, 0.95, 1)
     }
@@ -248,7 +247,7 @@ mod tests {
         // With one run each they are as independent as runs.
         let once: Vec<usize> = (0..30).collect();
         assert_eq!(Bounds::People(&once).of_share(&held, 0.95), runs);
-        let metric = MetricReference { name: "pet".into(), settings: Settings::default(), pair: None };
+        let metric = crate::models::known::measured("pet");
         let median = |bounds: Bounds| {
             let values: Vec<_> = (0..30).map(|run| Some(f64::from(run))).collect();
             bounds.of_values(&Aggregate::Median(metric.clone()), &values, None, 0.95, 1).unwrap()

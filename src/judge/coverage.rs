@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use super::confidence::Bounds;
 use crate::numbers::inference::{Interval, MeanChange, mean_interval, rate_change};
 use crate::numbers::random::Stream;
-use crate::scenario::{Aggregate, MetricReference, Settings};
+use crate::scenario::{Aggregate, MetricReference};
 
 const CONFIDENCE: f64 = 0.95;
 const EXPERIMENTS: u64 = 400;
@@ -34,7 +34,7 @@ fn holds(what: &str, truth: f64, find: impl Fn(&mut Stream) -> Vec<Option<Interv
 }
 
 fn of(aggregate: fn(MetricReference) -> Aggregate) -> Aggregate {
-    aggregate(MetricReference { name: "stopped_time".into(), settings: Settings::default(), pair: None })
+    aggregate(crate::models::known::measured("stopped_time"))
 }
 
 fn draws(count: usize, mut draw: impl FnMut() -> f64) -> Vec<Option<f64>> {
@@ -76,7 +76,7 @@ fn bounds_on_shares() {
 fn bounds_on_quantiles() {
     for (level, truth) in [(0.5, std::f64::consts::LN_2), (0.9, std::f64::consts::LN_10)] {
         let quantile = |metric| Aggregate::Quantile(level, metric);
-        let name = MetricReference { name: "pet".into(), settings: Settings::default(), pair: None };
+        let name = crate::models::known::measured("pet");
         let aggregate = quantile(name);
         holds("a quantile", truth, |stream| {
             let values = draws(60, || exponential(stream));

@@ -149,7 +149,7 @@ fn of_values(
 ) -> Finding {
     let metric = aggregate.metric();
     let seen = seen(metric, evidence);
-    let counted: Vec<Option<f64>> = seen.iter().map(|one| one.worst(&metric.name, relation)).collect();
+    let counted: Vec<Option<f64>> = seen.iter().map(|one| one.worst(metric, relation)).collect();
     let worst: Vec<f64> = counted.iter().copied().flatten().collect();
     let held = Held { count: seen.iter().filter(|one| one.is_value()).count(), against: Vec::new(), seen };
     let by_rank = !matches!(aggregate, Aggregate::Mean(_) | Aggregate::Std(_));
@@ -262,7 +262,7 @@ pub fn counted(
     requests: &Requests,
 ) -> Vec<Option<f64>> {
     let seen = seen(metric, &Evidence { outcomes, requests, bounds: Bounds::Fixed });
-    seen.into_iter().map(|one| one.worst(&metric.name, relation)).collect()
+    seen.into_iter().map(|one| one.worst(metric, relation)).collect()
 }
 
 /// As [`aggregate`], for somebody who would like it to be in `relation` to something: runs that the horizon cut off, or in
@@ -338,7 +338,7 @@ fn runs(
     if share.is_none() {
         // The run nearest to failing says more than the share of runs.
         let margins = held.seen.iter().filter_map(|one| {
-            comparison.relation.margin(one.worst(&comparison.metric.name, comparison.relation)?, bound)
+            comparison.relation.margin(one.worst(&comparison.metric, comparison.relation)?, bound)
         });
         let margins = margins.filter(|margin| margin.is_finite());
         finding.margin = margins.reduce(f64::min);
@@ -382,7 +382,7 @@ fn against(
         criterion: criterion.text.clone(),
         origin: criterion.origin.clone(),
         verdict: if holds { Verdict::Passed } else { Verdict::Failed },
-        metric: criterion.claim.metric().name.clone(),
+        metric: criterion.claim.metric().metric.clone(),
         measure,
         runs: held.seen.len(),
         holding: held.count,

@@ -1,9 +1,8 @@
 //! Runs that ended before everything was seen: how many, who had not arrived, who was about to touch, and which criteria
 //! that leaves untested.
 
-use crate::metrics::{self, Scope, Worst};
 use crate::results::{CourseOfRun, Finding, Horizon, Outcome, Stranded, Vacuity, Verdict};
-use crate::scenario::{Claim, Criterion, MetricReference, Relation, WhenUndefined};
+use crate::scenario::{Claim, Criterion, MetricReference, Relation, Scope, WhenUndefined, Worst};
 use crate::sim::StopReason;
 
 impl Horizon {
@@ -73,8 +72,8 @@ pub fn cut_off_runs<'o>(
 /// be met and it is an extreme of what was seen so far.
 pub(super) fn cut_off_of(reference: &MetricReference, outcome: &Outcome) -> bool {
     let Some(cut_off) = &outcome.cut_off else { return false };
-    let Some(metric) = metrics::metric(&reference.name) else { return false };
-    let is_extreme = EXTREMES.contains(&reference.name.as_str());
+    let Some(metric) = reference.known() else { return false };
+    let is_extreme = EXTREMES.contains(&reference.name());
     let of_vehicle = metric.scope == Scope::Vehicle;
     let meets = matches!(metric.scope, Scope::Pair | Scope::Contact) || (of_vehicle && is_extreme);
     let concerns = |one: &str, two: &str| {
@@ -93,7 +92,7 @@ pub(super) fn cut_off_of(reference: &MetricReference, outcome: &Outcome) -> bool
 /// Whether a claim that every run has an extreme beyond a bound stays true whatever comes: extremes only grow.
 fn stays_so(claim: &Claim) -> bool {
     let Claim::Runs { comparison, .. } = claim else { return false };
-    let name = comparison.metric.name.as_str();
+    let name = comparison.metric.name();
     // A mean over the run may go either way.
     if !EXTREMES.contains(&name) || name == "rms_jerk" {
         return false;
@@ -104,7 +103,7 @@ fn stays_so(claim: &Claim) -> bool {
         Relation::Equal => return name == "collision" && comparison.constant_bound() == 1.0,
         Relation::NotEqual => return name == "collision" && comparison.constant_bound() == 0.0,
     };
-    metrics::metric(name).is_some_and(|metric| upwards == (metric.worst == Worst::Largest))
+    comparison.metric.known().is_some_and(|metric| upwards == (metric.worst == Worst::Largest))
         && comparison.when_undefined != WhenUndefined::Passes
 }
 
@@ -114,7 +113,7 @@ mod tests {
     use crate::judge::judge;
     use crate::metrics::Open;
     use crate::results::{CutOff, Requests};
-    use crate::scenario::{Aggregate, Comparison, Origin, Settings};
+    use crate::scenario::{Aggregate, Comparison, Origin};
     use crate::sim::Ending;
     use std::time::Duration;
 
@@ -124,7 +123,7 @@ mod tests {
     }
 
     fn metric() -> MetricReference {
-        MetricReference { name: "time_lost".into(), settings: Settings::default(), pair: None }
+        crate::models::known::measured("time_lost")
     }
 
     /// An aggregate of the time lost, compared to 10 s or a share.

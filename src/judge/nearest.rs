@@ -1,15 +1,13 @@
 //! Runs that speak against a criterion, or come nearest to that: how far from the bound, when and for whom.
 
-use crate::results::{Outcome, Requests, WorstRun};
-use std::sync::Arc;
-
-use serde::Serialize;
-
 use super::criteria::Evidence;
 use super::per_run::PerRun;
 use super::seen::Seen;
-use crate::metrics;
-use crate::scenario::{Claim, MetricReference, Relation};
+use crate::results::{Outcome, Requests, WorstRun};
+use crate::scenario::{Claim, MetricReference, Relation, Worst};
+use std::sync::Arc;
+
+use serde::Serialize;
 
 /// How many runs a finding names.
 const WORST_RUNS: usize = 3;
@@ -28,7 +26,7 @@ pub(super) fn nearest(
         Relation::Greater | Relation::GreaterOrEqual => true,
         Relation::Less | Relation::LessOrEqual => false,
         Relation::Equal | Relation::NotEqual => {
-            metrics::metric(&metric.name).is_some_and(|metric| metric.worst == metrics::Worst::Smallest)
+            metric.known().is_some_and(|metric| metric.worst == Worst::Smallest)
         }
     };
     let badness = |value: Option<f64>| match value {

@@ -1,7 +1,6 @@
 //! What a criterion over many runs says of a single one.
 
-use crate::metrics::{self, Absence};
-use crate::scenario::{Aggregate, Claim, Comparison, Criterion, Relation, WhenUndefined};
+use crate::scenario::{Absence, Aggregate, Claim, Comparison, Criterion, Relation, WhenUndefined};
 
 /// A criterion as it bears on one run.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,7 +43,7 @@ pub fn per_run(criterion: &Criterion) -> Option<PerRun> {
                         bound: bound.clone(),
                         // An aggregate leaves out the runs in which its metric does not exist, unless that is worse than
                         // any value.
-                        when_undefined: match metrics::metric(&metric.name).map(|metric| metric.absence) {
+                        when_undefined: match metric.known().map(|metric| metric.absence) {
                             Some(Absence::Bad) => WhenUndefined::AsDeclared,
                             _ => WhenUndefined::Passes,
                         },
@@ -76,10 +75,10 @@ fn negated(comparison: &Comparison) -> Comparison {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::{Expression, MetricReference, Origin, Reach, Settings, Value};
+    use crate::scenario::{Expression, MetricReference, Origin, Reach, Value};
 
     fn metric(name: &str) -> MetricReference {
-        MetricReference { name: name.into(), settings: Settings::default(), pair: None }
+        crate::models::known::measured(name)
     }
 
     fn comparison(relation: Relation, bound: f64, when_undefined: WhenUndefined) -> Comparison {

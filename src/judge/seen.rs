@@ -1,8 +1,8 @@
 //! What a run says of a metric, and what it counts as where that is no number: undefined, or cut off by the horizon.
 
-use crate::metrics::{self, Absence, MetricKind, Open, Worst};
+use crate::metrics::Open;
 use crate::results::Outcome;
-use crate::scenario::{Comparison, Relation, WhenUndefined};
+use crate::scenario::{Absence, Comparison, MetricKind, MetricReference, Relation, WhenUndefined, Worst};
 
 /// A metric in one run.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -60,7 +60,9 @@ impl Seen {
             Self::Value(value) => relation.holds(value, bound),
             Self::Undefined => holds_undefined(comparison, unknown),
             Self::Open { so_far, range: Open { low, high } } => {
-                let is_word = metrics::metric(&comparison.metric.name)
+                let is_word = comparison
+                    .metric
+                    .known()
                     .is_some_and(|metric| matches!(metric.kind, MetricKind::Category(_)));
                 let inside = low <= bound && bound <= high;
                 let point = low == high && inside;
@@ -83,7 +85,7 @@ impl Seen {
 
     /// What it counts as for a claim that an aggregate of `metric` is in `relation` to a bound: of all that is possible
     /// what speaks most against it. `None`: it is left out, which no value could be worse than.
-    pub fn worst(self, metric: &str, relation: Relation) -> Option<f64> {
+    pub fn worst(self, metric: &MetricReference, relation: Relation) -> Option<f64> {
         match self {
             Self::Value(value) => Some(value),
             Self::Open { range, .. } => match relation {
@@ -126,14 +128,14 @@ pub fn holds_undefined(comparison: &Comparison, unknown: bool) -> bool {
     match comparison.when_undefined {
         WhenUndefined::Passes => true,
         WhenUndefined::Fails => false,
-        WhenUndefined::AsDeclared => extreme(&comparison.metric.name)
+        WhenUndefined::AsDeclared => extreme(&comparison.metric)
             .map_or(unknown, |value| comparison.relation.holds(value, comparison.constant_bound())),
     }
 }
 
 /// The value that stands for a metric that does not exist: worse or better than any. `None` where neither is sure.
-fn extreme(name: &str) -> Option<f64> {
-    let metric = metrics::metric(name)?;
+fn extreme(reference: &MetricReference) -> Option<f64> {
+    let metric = reference.known()?;
     match (metric.absence, metric.worst) {
         (Absence::Open, _) => None,
         (Absence::Bad, Worst::Largest) | (Absence::Good, Worst::Smallest) => Some(f64::INFINITY),
@@ -144,10 +146,10 @@ fn extreme(name: &str) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::{MetricReference, Settings};
+    use crate::models::known::measured;
 
     fn comparison(name: &str, relation: Relation, bound: f64, when_undefined: WhenUndefined) -> Comparison {
-        let metric = MetricReference { name: name.into(), settings: Settings::default(), pair: None };
+        let metric = measured(name);
         Comparison { metric, relation, bound: bound.into(), when_undefined }
     }
 
@@ -211,15 +213,15 @@ mod tests {
     #[test]
     fn aggregates_count_what_speaks_against_them() {
         let (up, down) = (Relation::GreaterOrEqual, Relation::LessOrEqual);
-        assert_eq!(open(3.0, f64::INFINITY).worst("time_lost", down), Some(f64::INFINITY));
-        assert_eq!(open(3.0, f64::INFINITY).worst("time_lost", up), Some(3.0));
-        assert_eq!(Seen::Undefined.worst("time_lost", down), Some(f64::INFINITY));
-        assert_eq!(Seen::Undefined.worst("time_lost", up), None);
+        assert_eq!(open(3.0, f64::INFINITY).worst(&measured("time_lost"), down), Some(f64::INFINITY));
+        assert_eq!(open(3.0, f64::INFINITY).worst(&measured("time_lost"), up), Some(3.0));
+        assert_eq!(Seen::Undefined.worst(&measured("time_lost"), down), Some(f64::INFINITY));
+        assert_eq!(Seen::Undefined.worst(&measured("time_lost"), up), None);
         // Leaving out runs without danger only makes what is left worse; where danger is asked for, they count.
-        assert_eq!(Seen::Undefined.worst("min_ttc", up), None);
-        assert_eq!(Seen::Undefined.worst("min_ttc", down), Some(f64::INFINITY));
-        assert_eq!(Seen::Undefined.worst("drac", up), Some(f64::NEG_INFINITY));
-        assert_eq!(Seen::Undefined.worst("pet", up), None);
+        assert_eq!(Seen::Undefined.worst(&measured("min_ttc"), up), None);
+        assert_eq!(Seen::Undefined.worst(&measured("min_ttc"), down), Some(f64::INFINITY));
+        assert_eq!(Seen::Undefined.worst(&measured("drac"), up), Some(f64::NEG_INFINITY));
+        assert_eq!(Seen::Undefined.worst(&measured("pet"), up), None);
         assert_eq!(open(3.0, f64::INFINITY).best(down), Some(3.0));
         assert_eq!(Seen::Undefined.best(down), None);
     }

@@ -3,10 +3,11 @@
 use super::criteria::{aggregate_against, aggregate_of};
 use super::horizon::cut_off_of;
 use super::seen::Seen;
-use crate::metrics::{self, MetricKind, Open, Range, Worst};
+use crate::metrics::Open;
 use crate::results::Outcome;
 use crate::results::Requests;
 use crate::scenario::{Aggregate, Comparison, MetricReference, Relation};
+use crate::scenario::{MetricKind, MetricRange, Worst};
 
 /// All values that something may have, both ends included; one where nothing is open.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -125,7 +126,7 @@ fn of_quantity(
         match may_be(reference, outcome, index) {
             May::Be(span) => sure.push(span),
             May::BeOrNot(span) => maybe.push(span),
-            May::NotBe => sure.extend(Seen::Undefined.worst(&reference.name, counting).map(Span::point)),
+            May::NotBe => sure.extend(Seen::Undefined.worst(reference, counting).map(Span::point)),
         }
     }
     // Those that may be nothing may all be the same: with none or with all of them it is least and greatest.
@@ -178,7 +179,7 @@ fn may_be(reference: &MetricReference, outcome: &Outcome, index: usize) -> May {
         Seen::Open { range: Open { low, high }, .. } => May::Be(Span { low, high }),
         Seen::Value(value) if !is_cut_off => May::Be(Span::point(value)),
         Seen::Value(_) if is_either_way(reference) => May::Be(limits),
-        Seen::Value(value) => match metrics::metric(&reference.name).map(|metric| metric.worst) {
+        Seen::Value(value) => match reference.known().map(|metric| metric.worst) {
             Some(Worst::Smallest) => May::Be(Span { low: limits.low.min(value), high: value }),
             _ => May::Be(Span { low: value, high: limits.high.max(value) }),
         },
@@ -188,21 +189,20 @@ fn may_be(reference: &MetricReference, outcome: &Outcome, index: usize) -> May {
 }
 
 fn is_either_way(reference: &MetricReference) -> bool {
-    let is_word =
-        metrics::metric(&reference.name).is_some_and(|metric| matches!(metric.kind, MetricKind::Category(_)));
-    is_word || reference.name == "rms_jerk"
+    let is_word = reference.known().is_some_and(|metric| matches!(metric.kind, MetricKind::Category(_)));
+    is_word || reference.name() == "rms_jerk"
 }
 
 /// However long a run would have been.
 fn limits(reference: &MetricReference) -> Span {
-    let metric = metrics::metric(&reference.name);
-    let (low, high) = metrics::limits(reference, f64::INFINITY).unwrap_or_else(|| {
-        match metric.map(|metric| (metric.range, metric.kind)) {
+    let metric = reference.known();
+    let (low, high) = metric
+        .and_then(|metric| metric.limits(&reference.settings, f64::INFINITY))
+        .unwrap_or_else(|| match metric.map(|metric| (&metric.range, &metric.kind)) {
             Some((_, MetricKind::Category(words))) => (0.0, words.len() as f64 - 1.0),
-            Some((Range::NotNegative, _)) => (0.0, f64::INFINITY),
+            Some((MetricRange::NotNegative, _)) => (0.0, f64::INFINITY),
             _ => (f64::NEG_INFINITY, f64::INFINITY),
-        }
-    });
+        });
     Span { low, high }
 }
 
@@ -214,7 +214,7 @@ mod tests {
 
     use super::*;
     use crate::results::{CutOff, Unfinished};
-    use crate::scenario::{Settings, WhenUndefined};
+    use crate::scenario::WhenUndefined;
     use crate::sim::{Ending, StopReason};
 
     /// What a run came to, and what it would have come to had it not been cut off.
@@ -250,7 +250,7 @@ mod tests {
     }
 
     fn reference(name: &str) -> MetricReference {
-        MetricReference { name: name.into(), settings: Settings::default(), pair: None }
+        crate::models::known::measured(name)
     }
 
     const METRICS: [&str; 4] = ["time_lost", "min_distance", "drac", "rms_jerk"];

@@ -6,11 +6,11 @@ use super::budget::at;
 use super::criteria::bounded_above;
 use super::seen::{Seen, holds_undefined};
 use crate::lang::{Code, Diagnostic, Sources};
-use crate::metrics::{self, Absence, MetricKind, Open, Range, Scope};
+use crate::metrics::Open;
 use crate::plan;
 use crate::scenario::{
-    Aggregate, Claim, Comparison, Criterion, Expression, MetricReference, Relation, Scenario, Suite, Value,
-    WhenUndefined, constant, significant,
+    Absence, Aggregate, Claim, Comparison, Criterion, Expression, MetricKind, MetricRange, MetricReference,
+    Relation, Scenario, Scope, Suite, Value, WhenUndefined, constant, significant,
 };
 use crate::sim;
 
@@ -56,7 +56,9 @@ fn of_scenario<'s>(suite: &Suite, scenario: &'s Scenario) -> Vec<(&'s Criterion,
     let longest = sim::longest_run(scenario.horizon, scenario.step);
     let known = |criterion: &Criterion| {
         let mut criterion = criterion.clone();
-        criterion.reach.limits = metrics::limits(criterion.claim.metric(), longest);
+        let reference = criterion.claim.metric();
+        criterion.reach.limits =
+            reference.known().and_then(|known| known.limits(&reference.settings, longest));
         for bound in criterion.claim.bounds_mut() {
             *bound = Expression::Constant(bound.evaluate(&BTreeMap::<String, Value>::new()).ok()?);
         }
@@ -90,7 +92,7 @@ fn finding(criterion: &Criterion, power: Power, sources: &Sources) -> Option<Dia
                 .hint(other_side)
         }
         Power::OnlyAbsence(why) => {
-            let metric = &criterion.claim.metric().name;
+            let metric = &criterion.claim.metric().name();
             let message = format!("no value of `{metric}` makes `{text}` fail");
             let Limits { always_there, can_be_open, .. } = Limits::of(criterion);
             let absent = format!("in which `{metric}` does not exist");
@@ -167,15 +169,15 @@ struct Limits<'c> {
 impl<'c> Limits<'c> {
     fn of(criterion: &'c Criterion) -> Self {
         let reference = criterion.claim.metric();
-        let metric = metrics::metric(&reference.name).expect("criteria are about registered metrics");
-        let (low, high) = criterion.reach.limits.unwrap_or(match (metric.range, metric.kind) {
-            (Range::NotNegative, _) => (0.0, f64::INFINITY),
+        let metric = reference.known().expect("criteria are about registered metrics");
+        let (low, high) = criterion.reach.limits.unwrap_or(match (&metric.range, &metric.kind) {
+            (MetricRange::NotNegative, _) => (0.0, f64::INFINITY),
             (_, MetricKind::Category(words)) => (0.0, words.len() as f64 - 1.0),
             _ => (f64::NEG_INFINITY, f64::INFINITY),
         });
         let of_one = matches!(metric.scope, Scope::Vehicle | Scope::Contact);
         let is_word = matches!(metric.kind, MetricKind::Category(_));
-        let unit = match metric.kind {
+        let unit = match &metric.kind {
             MetricKind::Quantity(dimension) => format!(" {}", dimension.si_unit()),
             MetricKind::Flag | MetricKind::Category(_) => String::new(),
         };
@@ -261,9 +263,8 @@ impl<'c> Limits<'c> {
             };
         }
         let (mut hold, mut fail) = self.of_ends(relation, bound);
-        let fails = |seen: Seen| {
-            seen.worst(&self.metric.name, relation).is_some_and(|worst| !relation.holds(worst, bound))
-        };
+        let fails =
+            |seen: Seen| seen.worst(self.metric, relation).is_some_and(|worst| !relation.holds(worst, bound));
         let open = |low| Seen::Open { so_far: None, range: Open { low, high: self.most_open } };
         let only_open = self.can_be_open && [self.low, self.high].into_iter().any(|low| fails(open(low)));
         if !self.always_there {
@@ -286,9 +287,9 @@ impl<'c> Limits<'c> {
         let Self { metric, low, high, unit, .. } = self;
         let show = |value: f64| format!("{}{unit}", significant(value, 6));
         match (low.is_finite(), high.is_finite()) {
-            (true, true) => format!("`{}` lies between {} and {}", metric.name, show(*low), show(*high)),
-            (true, false) => format!("`{}` is never below {}", metric.name, show(*low)),
-            _ => format!("`{}` can be anything", metric.name),
+            (true, true) => format!("`{}` lies between {} and {}", metric.name(), show(*low), show(*high)),
+            (true, false) => format!("`{}` is never below {}", metric.name(), show(*low)),
+            _ => format!("`{}` can be anything", metric.name()),
         }
     }
 }
@@ -310,19 +311,21 @@ fn possible(relation: Relation, bound: f64, (low, high): (f64, f64)) -> (bool, b
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::metrics::METRICS;
-    use crate::scenario::{Origin, Reach, Settings};
+    use crate::metrics::metrics;
+    use crate::scenario::Settings;
+    use crate::scenario::{Origin, Reach};
 
     const LONGEST: f64 = 60.0;
 
     fn of(claim: Claim) -> Criterion {
-        let limits = metrics::limits(claim.metric(), LONGEST);
+        let reference = claim.metric();
+        let limits = reference.known().and_then(|known| known.limits(&reference.settings, LONGEST));
         let reach = Reach { people: None, limits };
         Criterion { claim, when: Vec::new(), text: String::new(), reach, origin: Origin::default() }
     }
 
     fn comparison(name: &str, relation: Relation, bound: f64, when_undefined: WhenUndefined) -> Comparison {
-        let metric = MetricReference { name: name.into(), settings: Settings::default(), pair: None };
+        let metric = crate::models::known::measured(name);
         Comparison { metric, relation, bound: bound.into(), when_undefined }
     }
 
@@ -430,8 +433,7 @@ mod tests {
 
     #[test]
     fn sums_of_values_lie_where_the_values_do() {
-        let metric =
-            |name: &str| MetricReference { name: name.into(), settings: Settings::default(), pair: None };
+        let metric = |name: &str| crate::models::known::measured(name);
         let mean = |name, relation, bound| summed_up(Aggregate::Mean(metric(name)), relation, bound);
         assert!(never_fails(mean("stopped_time", GreaterOrEqual, 0.0)));
         assert!(never_holds(mean("stopped_time", Less, 0.0)));
@@ -448,9 +450,9 @@ mod tests {
 
     #[test]
     fn ordinary_criteria_of_every_metric_can_do_both() {
-        for metric in METRICS {
-            let name = metric.declaration.name;
-            match metric.kind {
+        for metric in metrics() {
+            let name = &*metric.declaration.name;
+            match &metric.kind {
                 MetricKind::Quantity(_) => {
                     for relation in [Less, LessOrEqual, Greater, GreaterOrEqual] {
                         assert_eq!(runs(name, relation, 1.5), Power::Decides, "{name} {relation:?}");

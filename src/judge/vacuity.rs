@@ -1,11 +1,11 @@
 //! Passes that mean nothing: criteria about an encounter that never came about.
 
-use crate::results::{Finding, Outcome, Vacuity, Verdict};
-
 use super::trivial::cannot_fail;
-
-use crate::metrics::{self, MetricKind, Presence, Scope};
-use crate::scenario::{Aggregate, Claim, Criterion, Dimension, Expression, MetricReference, constant};
+use crate::metrics::{self, Presence};
+use crate::results::{Finding, Outcome, Vacuity, Verdict};
+use crate::scenario::{
+    Aggregate, Claim, Criterion, Dimension, Expression, MetricKind, MetricReference, Scope, constant,
+};
 
 /// Metrics that say who goes: a criterion about one of them declares what is expected, staying at the kerb included.
 const WHO_GOES: [&str; 2] = ["passed_first", "gap_accepted"];
@@ -27,7 +27,7 @@ pub(super) fn mark(findings: &mut [Finding], criteria: &[Criterion], outcomes: &
         .collect();
     let says_who_goes = |((finding, criterion), vacuous): ((&Finding, &Criterion), &Option<Vacuity>)| {
         finding.verdict == Verdict::Passed
-            && WHO_GOES.contains(&finding.metric.as_str())
+            && WHO_GOES.contains(&finding.metric.name())
             && *vacuous != Some(Vacuity::NobodyAppeared)
             && !cannot_fail(criterion, outcomes.len())
     };
@@ -46,10 +46,10 @@ fn vacuity(criterion: &Criterion, outcomes: &[Outcome]) -> Option<Vacuity> {
         all.filter(|(name, _)| concerned(name)).map(|(_, presence)| presence)
     };
     let nobody = |did: fn(&Presence) -> bool| presences().next().is_some() && !presences().any(did);
-    let scope = metrics::metric(&reference.name).map(|metric| metric.scope);
+    let scope = reference.known().map(|metric| metric.scope);
     let needs_entry = scope.is_some_and(|scope| scope != Scope::Vehicle);
     let needs_meeting = matches!(scope, Some(Scope::Pair | Scope::Contact))
-        && !OF_CROSSING.contains(&reference.name.as_str())
+        && !OF_CROSSING.contains(&reference.name())
         && !keeps_apart(&criterion.claim);
     if nobody(|presence| presence.appeared) {
         Some(Vacuity::NobodyAppeared)
@@ -65,8 +65,7 @@ fn vacuity(criterion: &Criterion, outcomes: &[Outcome]) -> Option<Vacuity> {
 /// Whether a claim is itself that there are more seconds between them than where they meet.
 fn keeps_apart(claim: &Claim) -> bool {
     let is_time = |reference: &MetricReference| {
-        metrics::metric(&reference.name)
-            .is_some_and(|metric| metric.kind == MetricKind::Quantity(Dimension::TIME))
+        reference.known().is_some_and(|metric| metric.kind == MetricKind::Quantity(Dimension::TIME))
     };
     let is_far = |bound: &Expression| constant(bound) >= metrics::MEETING_TIME;
     match claim {
@@ -85,9 +84,11 @@ mod tests {
     use super::*;
     use crate::judge::judge;
     use crate::results::Requests;
-    use crate::scenario::{
-        Claim, Comparison, MetricReference, Origin, Reach, Relation, Settings, WhenUndefined,
-    };
+    use crate::scenario::Comparison;
+    use crate::scenario::Origin;
+    use crate::scenario::Reach;
+    use crate::scenario::Relation;
+    use crate::scenario::WhenUndefined;
     use crate::sim::{Ending, StopReason};
     use std::time::Duration;
 
@@ -96,7 +97,7 @@ mod tests {
         let (relation, bound) =
             if name == "passed_first" { (Relation::Equal, 2.0) } else { (Relation::Greater, 0.5) };
         let pair = whom.map(|whom| ("av".to_string(), whom.to_string()));
-        let metric = MetricReference { name: name.into(), settings: Settings::default(), pair };
+        let metric = MetricReference { pair, ..crate::models::known::measured(name) };
         let when_undefined = WhenUndefined::Passes;
         let comparison = Comparison { metric, relation, bound: bound.into(), when_undefined };
         let claim = Claim::Runs { comparison, share: None, confidence: None };

@@ -2,18 +2,17 @@
 
 use std::path::Path;
 
-use super::check::{OBSTACLE, SIGNALISED, UNMARKED, ZEBRA};
+use super::check::{obstacle, signalised, unmarked, zebra};
 use super::files::Files;
 use super::source::{Sources, Span};
 use super::statements;
 use super::tree::{Node, Rule, Tree};
 use super::units;
-use crate::metrics::metric;
+use crate::registry::Registry;
 use crate::scenario::{Declaration, Parameter, ParameterKind};
-use crate::{pedestrian, vehicle};
 
 /// What the word at byte `offset` means, in Markdown, with the bytes it is about.
-pub fn hover(tree: &Tree, offset: usize) -> Option<(Span, String)> {
+pub fn hover(tree: &Tree, offset: usize, registry: &Registry) -> Option<(Span, String)> {
     let path = path_to(tree, offset);
     let node = *path.last()?;
     let parent = path.len().checked_sub(2).map(|index| path[index]);
@@ -23,15 +22,15 @@ pub fn hover(tree: &Tree, offset: usize) -> Option<(Span, String)> {
             format!("`{}`: {}, a unit of {}", unit.symbol, unit.doc, unit.dimension.name())
         }
         (Rule::name, Some(Rule::controller | Rule::dynamics | Rule::model)) => {
-            declared(&declaration_of(parent?)?)
+            declared(&declaration_of(parent?, registry)?)
         }
-        (Rule::name, Some(Rule::metric)) => declared(&metric(node.text())?.declaration),
+        (Rule::name, Some(Rule::metric)) => declared(&registry.metrics().get(node.text())?.declaration),
         (Rule::setting_name, _) => {
-            let owner = path.iter().rev().find_map(|node| declaration_of(*node))?;
+            let owner = path.iter().rev().find_map(|node| declaration_of(*node, registry))?;
             match owner.parameter(node.text()) {
                 Some(found) => parameter(found),
                 None => {
-                    let family = owner.presets.filter(|family| family.word == node.text())?;
+                    let family = owner.presets.as_ref().filter(|family| family.word == node.text())?;
                     let names: Vec<_> = family
                         .presets
                         .iter()
@@ -74,18 +73,18 @@ pub(super) fn path_to(tree: &Tree, offset: usize) -> Vec<Node<'_>> {
 }
 
 /// What a statement that names something registered declares.
-pub(super) fn declaration_of(statement: Node) -> Option<Declaration> {
+pub(super) fn declaration_of(statement: Node, registry: &Registry) -> Option<Declaration> {
     let name = statement.child(Rule::name).map_or("", Node::text);
     match statement.rule() {
-        Rule::controller => vehicle::controller(name).map(|found| found.declaration),
-        Rule::dynamics => vehicle::dynamics(name).map(|found| found.declaration),
-        Rule::model => pedestrian::model(name).map(|found| found.declaration),
-        Rule::metric => metric(name).map(|found| found.declaration),
-        Rule::sees => Some(vehicle::PERCEPTION),
-        Rule::obstacle => Some(OBSTACLE),
-        Rule::crossing if statement.has(Rule::kw_zebra) => Some(ZEBRA),
-        Rule::crossing if statement.has(Rule::kw_unmarked) => Some(UNMARKED),
-        Rule::crossing => Some(SIGNALISED),
+        Rule::controller => registry.controllers().get(name).map(|found| found.declaration.clone()),
+        Rule::dynamics => registry.dynamics().get(name).map(|found| found.declaration.clone()),
+        Rule::model => registry.pedestrians().get(name).map(|found| found.declaration.clone()),
+        Rule::metric => registry.metrics().get(name).map(|found| found.declaration.clone()),
+        Rule::sees => Some(registry.perception().declaration.clone()),
+        Rule::obstacle => Some(obstacle()),
+        Rule::crossing if statement.has(Rule::kw_zebra) => Some(zebra()),
+        Rule::crossing if statement.has(Rule::kw_unmarked) => Some(unmarked()),
+        Rule::crossing => Some(signalised()),
         _ => None,
     }
 }
@@ -93,14 +92,14 @@ pub(super) fn declaration_of(statement: Node) -> Option<Declaration> {
 fn declared(declaration: &Declaration) -> String {
     let mut text =
         format!("**{}** – {}\n\nSource: {}\n", declaration.name, declaration.summary, declaration.source);
-    for found in declaration.parameters {
+    for found in &declaration.parameters {
         text.push_str(&format!("\n- `{}`: {}", found.name, found.doc));
     }
     text
 }
 
 fn parameter(found: &Parameter) -> String {
-    let range = match found.kind {
+    let range = match &found.kind {
         ParameterKind::Number { dimension, range: (low, high), .. } => {
             format!(", {low} .. {high} {}", dimension.si_unit())
         }
@@ -112,8 +111,8 @@ fn parameter(found: &Parameter) -> String {
 }
 
 /// Where the name at byte `offset` of the file at `path` is defined, possibly in a file that it uses.
-pub fn definition(path: &Path, text: &str, offset: usize) -> Option<(Span, Sources)> {
-    let mut files = Files::default();
+pub fn definition(path: &Path, text: &str, offset: usize, registry: &Registry) -> Option<(Span, Sources)> {
+    let mut files = Files::new(registry);
     files.overlay(path, text);
     let file = files.open(path, None, &mut Vec::new())?;
     let tree = files.tree(file);
@@ -165,6 +164,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
+    use crate::models::standard;
 
     const TEXT: &str = "let pace = 1.4 m/s\nscenario a {\n  vehicle av {\n    controller carla_behavior { braking_distance: 5 m }\n    \
                         speed pace\n  }\n  expect { no collision }\n}\n";
@@ -176,7 +176,7 @@ mod tests {
     #[test]
     fn hover_says_what_the_registry_says() {
         let (tree, _) = Tree::parse(Sources::default().add("a.scn", TEXT), Arc::from(TEXT));
-        let hovered = |word| hover(&tree, at(word)).map(|(_, text)| text).unwrap_or_default();
+        let hovered = |word| hover(&tree, at(word), &standard()).map(|(_, text)| text).unwrap_or_default();
         assert!(hovered("carla_behavior").starts_with("**carla_behavior**"), "{}", hovered("carla_behavior"));
         assert!(hovered("braking_distance").contains("a length in m"), "{}", hovered("braking_distance"));
         assert!(hovered("collision").starts_with("**collision**"));
@@ -187,14 +187,14 @@ mod tests {
         let text = "tune t {\n  otherwise fewest violations\n}\nstatement s {\n  differs \"why\"\n}\n";
         let (tree, _) = Tree::parse(Sources::default().add("a.scn", text), Arc::from(text));
         for (word, doc) in [("otherwise", "fewest runs"), ("differs", "not to be reproduced")] {
-            let (_, said) = hover(&tree, text.find(word).unwrap() + 1).unwrap();
+            let (_, said) = hover(&tree, text.find(word).unwrap() + 1, &standard()).unwrap();
             assert!(said.contains(doc), "{said}");
         }
     }
 
     #[test]
     fn definitions_are_found() {
-        let (span, sources) = definition(Path::new("nowhere/a.scn"), TEXT, at("pace")).unwrap();
+        let (span, sources) = definition(Path::new("nowhere/a.scn"), TEXT, at("pace"), &standard()).unwrap();
         assert_eq!(sources.text(span), "pace");
         assert_eq!(sources.location(span).line, 1);
     }

@@ -7,15 +7,14 @@ use std::collections::HashSet;
 use std::path::Path;
 
 use super::assist::{declaration_of, path_to, statements_of};
-use super::check::{AGGREGATES, DISTRIBUTIONS, OBSTACLE, SIGNALISED, UNMARKED, ZEBRA};
+use super::check::{AGGREGATES, DISTRIBUTIONS, obstacle, signalised, unmarked, zebra};
 use super::files::{FileId, Files};
 use super::lexer::{self, Token, TokenKind};
 use super::syntax_error::goes_on_with;
 use super::tree::{Node, Rule};
 use super::units;
-use crate::metrics::{METRICS, Scope, metric};
-use crate::scenario::{Declaration, ParameterKind};
-use crate::{pedestrian, vehicle};
+use crate::registry::{Registry, Table};
+use crate::scenario::{Declaration, ParameterKind, Registered, Scope};
 
 /// A word that could stand somewhere.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -26,7 +25,7 @@ pub struct Proposal {
 }
 
 /// The words that could stand at byte `offset` of the file at `path`, with the names that it defines or uses.
-pub fn complete(path: &Path, text: &str, offset: usize) -> Vec<Proposal> {
+pub fn complete(path: &Path, text: &str, offset: usize, registry: &Registry) -> Vec<Proposal> {
     let before = &text[..offset.min(text.len())];
     let tokens: Vec<Token> =
         lexer::tokens(before).into_iter().filter(|token| token.kind != TokenKind::Space).collect();
@@ -60,32 +59,38 @@ pub fn complete(path: &Path, text: &str, offset: usize) -> Vec<Proposal> {
         statement.pop();
     }
     let owner = open.last().map_or(&[] as &[&str], Vec::as_slice);
-    if let Some(declaration) = settings_of(owner) {
+    if let Some(declaration) = settings_of(owner, registry) {
         return setting(&declaration, &statement);
     }
     let block = block_of(owner);
     match statement.as_slice() {
-        [] => first_words(block),
+        [] => first_words(block, registry),
         [.., number] if number.starts_with(|c: char| c.is_ascii_digit()) => units(),
-        ["controller"] => vehicle::CONTROLLERS.iter().map(|known| of(&known.declaration)).collect(),
-        ["dynamics"] => vehicle::DYNAMICS.iter().map(|known| of(&known.declaration)).collect(),
-        ["model"] => pedestrian::MODELS.iter().map(|known| of(&known.declaration)).collect(),
+        ["controller"] => all(registry.controllers()),
+        ["dynamics"] => all(registry.dynamics()),
+        ["model"] => all(registry.pedestrians()),
         ["crossing"] => {
-            let kinds = [("zebra", ZEBRA), ("unmarked", UNMARKED), ("signalised", SIGNALISED)];
-            kinds.iter().map(|(name, kind)| proposal(name, kind.summary)).collect()
+            let kinds = [("zebra", zebra()), ("unmarked", unmarked()), ("signalised", signalised())];
+            kinds.iter().map(|(name, kind)| proposal(name, &kind.summary)).collect()
         }
-        [.., "no"] if !matches!(block, Rule::road_block | Rule::gate_block) => metrics(),
-        ["road"] => visible(path, &without_line(text, before.len()), &[Rule::road_definition]),
+        [.., "no"] if !matches!(block, Rule::road_block | Rule::gate_block) => all(registry.metrics()),
+        ["road"] => visible(path, &without_line(text, before.len()), registry, &[Rule::road_definition]),
         [.., ":"] if block == Rule::file => {
-            visible(path, &without_line(text, before.len()), &[Rule::scenario, Rule::define])
+            visible(path, &without_line(text, before.len()), registry, &[Rule::scenario, Rule::define])
         }
         [.., "in" | "on" | "of" | "with" | "as"] if refers(block, &statement) => {
             let blocks = [Rule::search, Rule::tune, Rule::evaluate];
-            visible(path, &without_line(text, before.len()), &[&blocks[..], &[Rule::scenario]].concat())
+            visible(
+                path,
+                &without_line(text, before.len()),
+                registry,
+                &[&blocks[..], &[Rule::scenario]].concat(),
+            )
         }
         _ => {
             let end = writing.map_or(before.len(), |token| token.start);
-            let place = Place { path, text: without_line(text, before.len()), line: line_start(before) };
+            let text = without_line(text, before.len());
+            let place = Place { path, text, line: line_start(before), registry };
             place.go_on(block, &statement, &before[start.min(end)..end])
         }
     }
@@ -107,12 +112,13 @@ struct Place<'a> {
     path: &'a Path,
     text: String,
     line: usize,
+    registry: &'a Registry,
 }
 
 impl Place<'_> {
     /// What a statement could go on with after `written`, as far as the grammar says it.
     fn go_on(&self, block: Rule, statement: &[&str], written: &str) -> Vec<Proposal> {
-        let mut files = Files::default();
+        let mut files = Files::new(self.registry);
         files.overlay(self.path, self.text.as_str());
         let Some(file) = files.open(self.path, None, &mut Vec::new()) else { return Vec::new() };
         let first = statement.first().copied().unwrap_or_default();
@@ -124,7 +130,7 @@ impl Place<'_> {
         for rule in rules {
             match rule {
                 Rule::metric | Rule::condition | Rule::criterion | Rule::constraint => {
-                    found.extend(metrics())
+                    found.extend(all(self.registry.metrics()))
                 }
                 Rule::rate
                 | Rule::quantile
@@ -148,10 +154,12 @@ impl Place<'_> {
                         &[Rule::vary, Rule::varied, Rule::vehicle, Rule::pedestrian],
                     ));
                 }
-                Rule::name | Rule::when_condition | Rule::run_condition => match named(statement) {
-                    Some(kinds) => found.extend(self.names(&files, file, kinds)),
-                    None => found.extend(metrics()),
-                },
+                Rule::name | Rule::when_condition | Rule::run_condition => {
+                    match named(statement, self.registry) {
+                        Some(kinds) => found.extend(self.names(&files, file, kinds)),
+                        None => found.extend(all(self.registry.metrics())),
+                    }
+                }
                 Rule::setting_name => {
                     if let [.., user, ".", part, "."] = statement {
                         found.extend(self.parameters(&files, file, user, part));
@@ -219,14 +227,15 @@ impl Place<'_> {
             .filter(|node| node.child(Rule::name).is_some_and(|name| name.text() == user))
             .flat_map(Node::descendants)
             .filter(|node| node.text().split_whitespace().next() == Some(part));
-        let declared = statements.filter_map(declaration_of).next();
-        let declared = declared.or_else(|| (part == "sees").then_some(vehicle::PERCEPTION));
+        let declared = statements.filter_map(|statement| declaration_of(statement, self.registry)).next();
+        let declared =
+            declared.or_else(|| (part == "sees").then(|| self.registry.perception().declaration.clone()));
         declared.map_or_else(Vec::new, |declaration| setting(&declaration, &[]))
     }
 }
 
 /// The kinds of statements that give the names that could follow; `None` where a metric could.
-fn named(statement: &[&str]) -> Option<&'static [Rule]> {
+fn named(statement: &[&str], registry: &Registry) -> Option<&'static [Rule]> {
     const USERS: &[Rule] = &[Rule::vehicle, Rule::pedestrian];
     const SOLIDS: &[Rule] = &[Rule::vehicle, Rule::pedestrian, Rule::obstacle];
     const VARIED: &[Rule] = &[Rule::vary, Rule::varied];
@@ -241,7 +250,11 @@ fn named(statement: &[&str]) -> Option<&'static [Rule]> {
         (_, Some("time_to_arrival")) => Some(&[Rule::vehicle]),
         (_, Some("chosen")) | (Some("over"), None) => Some(TARGETS),
         (_, Some(call)) if AGGREGATES.iter().any(|(word, _)| *word == call) => None,
-        (_, Some(call)) if metric(call).is_some_and(|known| known.scope == Scope::Contact) => Some(SOLIDS),
+        (_, Some(call))
+            if registry.metrics().get(call).is_some_and(|known| known.scope == Scope::Contact) =>
+        {
+            Some(SOLIDS)
+        }
         (_, Some(_)) => Some(USERS),
         (Some("minimise" | "maximise" | "keep" | "subject" | "measure"), None) => None,
         _ => Some(VARIED),
@@ -275,8 +288,8 @@ fn without_line(text: &str, offset: usize) -> String {
 
 /// The names of some kinds that a file defines or sees in files that it uses, in the order of the alphabet, with the line that
 /// defines each.
-fn visible(path: &Path, text: &str, kinds: &[Rule]) -> Vec<Proposal> {
-    let mut files = Files::default();
+fn visible(path: &Path, text: &str, registry: &Registry, kinds: &[Rule]) -> Vec<Proposal> {
+    let mut files = Files::new(registry);
     files.overlay(path, text);
     let Some(file) = files.open(path, None, &mut Vec::new()) else { return Vec::new() };
     let names = files.names(file);
@@ -298,15 +311,15 @@ fn proposal(word: &str, detail: &str) -> Proposal {
 }
 
 fn of(declaration: &Declaration) -> Proposal {
-    proposal(declaration.name, declaration.summary)
+    proposal(&declaration.name, &declaration.summary)
 }
 
 fn units() -> Vec<Proposal> {
     units::UNITS.iter().map(|unit| proposal(unit.symbol, unit.doc)).collect()
 }
 
-fn metrics() -> Vec<Proposal> {
-    METRICS.iter().map(|known| of(&known.declaration)).collect()
+fn all<T: Registered>(table: &Table<T>) -> Vec<Proposal> {
+    table.declarations().map(of).collect()
 }
 
 fn aggregates() -> Vec<Proposal> {
@@ -333,9 +346,10 @@ fn block_of(owner: &[&str]) -> Rule {
     }
 }
 
-fn first_words(block: Rule) -> Vec<Proposal> {
+fn first_words(block: Rule, registry: &Registry) -> Vec<Proposal> {
     if block == Rule::expect_block {
-        return [vec![proposal("no", "What must not happen.")], aggregates(), metrics()].concat();
+        return [vec![proposal("no", "What must not happen.")], aggregates(), all(registry.metrics())]
+            .concat();
     }
     let mut words: Vec<Proposal> = Vec::new();
     for known in statements_of(block).iter().filter(|known| !known.word.is_empty()) {
@@ -347,16 +361,16 @@ fn first_words(block: Rule) -> Vec<Proposal> {
 }
 
 /// What the settings belong to that a statement opens.
-fn settings_of(owner: &[&str]) -> Option<Declaration> {
+fn settings_of(owner: &[&str], registry: &Registry) -> Option<Declaration> {
     match owner {
-        ["controller", name] => vehicle::controller(name).map(|found| found.declaration),
-        ["dynamics", name] => vehicle::dynamics(name).map(|found| found.declaration),
-        ["model", name] => pedestrian::model(name).map(|found| found.declaration),
-        ["sees"] => Some(vehicle::PERCEPTION),
-        ["box" | "parked", _] => Some(OBSTACLE),
-        ["crossing", "zebra"] => Some(ZEBRA),
-        ["crossing", "unmarked"] => Some(UNMARKED),
-        ["crossing", "signalised"] => Some(SIGNALISED),
+        ["controller", name] => registry.controllers().get(name).map(|found| found.declaration.clone()),
+        ["dynamics", name] => registry.dynamics().get(name).map(|found| found.declaration.clone()),
+        ["model", name] => registry.pedestrians().get(name).map(|found| found.declaration.clone()),
+        ["sees"] => Some(registry.perception().declaration.clone()),
+        ["box" | "parked", _] => Some(obstacle()),
+        ["crossing", "zebra"] => Some(zebra()),
+        ["crossing", "unmarked"] => Some(unmarked()),
+        ["crossing", "signalised"] => Some(signalised()),
         _ => None,
     }
 }
@@ -366,21 +380,22 @@ fn setting(declaration: &Declaration, statement: &[&str]) -> Vec<Proposal> {
     let current = statement.rsplit(|word| *word == ",").next().unwrap_or_default();
     match current {
         [] => {
-            let presets = declaration.presets.map(|family| proposal(family.word, "Named settings."));
+            let presets =
+                declaration.presets.as_ref().map(|family| proposal(&family.word, "Named settings."));
             declaration
                 .parameters
                 .iter()
-                .map(|found| proposal(found.name, found.doc))
+                .map(|found| proposal(&found.name, &found.doc))
                 .chain(presets)
                 .collect()
         }
         [name, ":"] => {
-            if let Some(family) = declaration.presets.filter(|family| family.word == *name) {
-                return family.presets.iter().map(|preset| proposal(preset.name, preset.doc)).collect();
+            if let Some(family) = declaration.presets.as_ref().filter(|family| family.word == *name) {
+                return family.presets.iter().map(|preset| proposal(&preset.name, &preset.doc)).collect();
             }
-            match declaration.parameter(name).map(|found| found.kind) {
+            match declaration.parameter(name).map(|found| &found.kind) {
                 Some(ParameterKind::Choice { options, .. }) => {
-                    options.iter().map(|option| proposal(option.name, option.doc)).collect()
+                    options.iter().map(|option| proposal(&option.name, &option.doc)).collect()
                 }
                 Some(ParameterKind::Flag { .. }) => vec![proposal("true", ""), proposal("false", "")],
                 _ => Vec::new(),
@@ -394,11 +409,12 @@ fn setting(declaration: &Declaration, statement: &[&str]) -> Vec<Proposal> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::models::standard;
 
     #[test]
     fn completion_knows_where_it_is() {
         let words = |text: &str| {
-            complete(Path::new("nowhere/a.scn"), text, text.len())
+            complete(Path::new("nowhere/a.scn"), text, text.len(), &standard())
                 .into_iter()
                 .map(|found| found.word)
                 .collect::<Vec<_>>()
@@ -417,13 +433,16 @@ mod tests {
         let text = "define base {\n}\nscenario a : base {\n}\nsearch s {\n  in a\n}\ntune t {\n  on ";
         assert_eq!(words(text), ["a", "s", "t"]);
         assert_eq!(words(&format!("{text}s\n}}\nscenario b : ")), ["a", "base"]);
-        assert_eq!(complete(Path::new("nowhere/a.scn"), &format!("{text}\n}}\n"), text.len()).len(), 3);
+        assert_eq!(
+            complete(Path::new("nowhere/a.scn"), &format!("{text}\n}}\n"), text.len(), &standard()).len(),
+            3
+        );
     }
 
     #[test]
     fn statements_go_on_as_the_grammar_says() {
         let words = |text: &str| {
-            let found = complete(Path::new("nowhere/a.scn"), text, text.len());
+            let found = complete(Path::new("nowhere/a.scn"), text, text.len(), &standard());
             found.into_iter().map(|found| found.word).collect::<Vec<_>>()
         };
         let text = "let pace = 1 m/s\nscenario walk {\n  vehicle av {\n    controller carla_behavior\n  }\n  \

@@ -13,6 +13,7 @@ use super::tree::{Node, NodeIndex, Rule, Tree};
 use super::value::{self, Binding, Scope, unquote};
 use super::yaml;
 use crate::files::{ReadError, check_kind, read_bytes};
+use crate::registry::Registry;
 
 /// Larger files are refused.
 pub const LARGEST_FILE: usize = 16 << 20;
@@ -50,8 +51,9 @@ struct File {
 }
 
 /// Every file that was read, each once.
-#[derive(Default)]
 pub struct Files {
+    /// What they may name.
+    pub registry: Registry,
     pub sources: Sources,
     files: Vec<File>,
     /// By canonical path; `None` while it is being read or when it could not be.
@@ -69,9 +71,24 @@ pub struct Files {
 }
 
 impl Files {
-    /// None yet; in all of them these values will be set.
-    pub fn with_set(set: &[Override]) -> Self {
-        Self { overrides: Overrides::new(set), ..Self::default() }
+    /// None yet, that may name what is in `registry`.
+    pub fn new(registry: &Registry) -> Self {
+        Self {
+            registry: registry.clone(),
+            sources: Sources::default(),
+            files: Vec::new(),
+            by_path: HashMap::new(),
+            overlays: HashMap::new(),
+            reading: Vec::new(),
+            overrides: Overrides::default(),
+            set: Vec::new(),
+            size: 0,
+        }
+    }
+
+    /// The same; in all of them these values will be set.
+    pub fn with_set(self, set: &[Override]) -> Self {
+        Self { overrides: Overrides::new(set), ..self }
     }
 
     /// Lets `text` stand for the file at `path`.
@@ -173,7 +190,7 @@ impl Files {
         if !unreadable.is_empty() {
             return (text.into(), Vec::new());
         }
-        let edits = self.overrides.edits(&tree);
+        let edits = self.overrides.edits(&tree, &self.registry);
         (overrides::apply(text, &edits).into(), edits)
     }
 

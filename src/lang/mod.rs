@@ -1,7 +1,7 @@
 //! The scenario language: from `.scn` and `.suite` files to a checked suite, or to everything that is wrong with them.
 //!
 //! A text becomes a lossless [`Tree`]; `check` turns trees into plain [`crate::scenario`] data; what is wrong is a
-//! list of [`Diagnostic`]s, which [`render`] shows.
+//! list of [`Diagnostic`]s, which [`render`] shows. What a text may name is in the [`Registry`] that it is read with.
 
 mod assist;
 mod blocks;
@@ -54,6 +54,7 @@ use pest::Parser;
 use pest::iterators::Pair;
 use tree::Grammar;
 
+use crate::registry::Registry;
 use crate::scenario::{Dimension, Expression, Notation, Origin, Suite, Value};
 use files::Files;
 use value::{Binding, Kind, Typed};
@@ -95,8 +96,8 @@ pub struct NamedValue {
 }
 
 /// The constants that a file defines, by name: what `tune --save` writes.
-pub fn named_values(path: &Path) -> Result<Vec<NamedValue>, Failure> {
-    let (mut files, mut report) = (Files::default(), Vec::new());
+pub fn named_values(path: &Path, registry: &Registry) -> Result<Vec<NamedValue>, Failure> {
+    let (mut files, mut report) = (Files::new(registry), Vec::new());
     let file = files.open(path, None, &mut report);
     let names = file.into_iter().flat_map(|file| &files.scope(file).names);
     let constant = |(name, binding): (&String, &Binding)| {
@@ -123,18 +124,18 @@ pub fn named_values(path: &Path) -> Result<Vec<NamedValue>, Failure> {
 }
 
 /// Reads and checks a `.suite` file, or a `.scn` file as a suite named after it with seed [`DEFAULT_SEED`].
-pub fn load(path: &Path) -> Result<Loaded, Failure> {
-    load_with(path, Files::default())
+pub fn load(path: &Path, registry: &Registry) -> Result<Loaded, Failure> {
+    load_with(path, Files::new(registry))
 }
 
 /// As [`load`], with values that are set from outside, in this file and all it uses.
-pub fn load_set(path: &Path, set: &[Override]) -> Result<Loaded, Failure> {
-    load_with(path, Files::with_set(set))
+pub fn load_set(path: &Path, set: &[Override], registry: &Registry) -> Result<Loaded, Failure> {
+    load_with(path, Files::new(registry).with_set(set))
 }
 
 /// As [`load`], for a text that stands for the file at `path`; files it uses are read from disk.
-pub fn check(path: &Path, text: &str) -> Result<Loaded, Failure> {
-    let mut files = Files::default();
+pub fn check(path: &Path, text: &str, registry: &Registry) -> Result<Loaded, Failure> {
+    let mut files = Files::new(registry);
     files.overlay(path, text);
     load_with(path, files)
 }
@@ -170,8 +171,8 @@ pub fn suite_doc(text: &str) -> Option<String> {
 
 /// Everything that is to be said about a file, which may be there only to be used by others; `text` stands for what is
 /// on disk.
-pub fn examine(path: &Path, text: Option<&str>) -> Examined {
-    let mut files = Files::default();
+pub fn examine(path: &Path, text: Option<&str>, registry: &Registry) -> Examined {
+    let mut files = Files::new(registry);
     if let Some(text) = text {
         files.overlay(path, text);
     }

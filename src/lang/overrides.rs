@@ -11,9 +11,8 @@ use std::str::FromStr;
 use pest::Parser;
 
 use super::tree::{Grammar, Node, Rule, Tree};
-use crate::pedestrian;
+use crate::registry::Registry;
 use crate::scenario::Declaration;
-use crate::vehicle;
 
 /// A value for everything that has this name.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -107,8 +106,8 @@ impl Overrides {
     }
 
     /// What is to be changed in a file, in the order of the text.
-    pub fn edits(&mut self, tree: &Tree) -> Vec<Edit> {
-        let mut edits = Edits { overrides: self, edits: Vec::new() };
+    pub fn edits(&mut self, tree: &Tree, registry: &Registry) -> Vec<Edit> {
+        let mut edits = Edits { overrides: self, registry, edits: Vec::new() };
         for node in tree.nodes() {
             match node.rule() {
                 Rule::binding | Rule::argument => edits.named(node),
@@ -192,6 +191,7 @@ const SCENARIO: &[Statement] = &[
 /// Edits while they are gathered.
 struct Edits<'o> {
     overrides: &'o mut Overrides,
+    registry: &'o Registry,
     edits: Vec<Edit>,
 }
 
@@ -336,7 +336,7 @@ impl Edits<'_> {
     /// Settings of `controller NAME { … }` and the like, under names that begin with `prefix`. What a model has no parameter for
     /// stays out of it.
     fn settings(&mut self, said: Node, rule: Rule, prefix: &str) {
-        let declaration = declaration(said, rule);
+        let declaration = declaration(said, rule, self.registry);
         let settings = said.child(Rule::settings);
         let mut names: BTreeSet<String> = settings
             .iter()
@@ -347,7 +347,7 @@ impl Edits<'_> {
         match declaration {
             Some(declaration) => {
                 names.extend(declaration.parameters.iter().map(|parameter| parameter.name.to_string()));
-                names.extend(declaration.presets.map(|family| family.word.to_string()));
+                names.extend(declaration.presets.as_ref().map(|family| family.word.to_string()));
             }
             // Which of several it is differs between runs: whether they all have the parameter is checked later.
             None => {
@@ -380,15 +380,15 @@ impl Edits<'_> {
 }
 
 /// What a statement's model declares, unless the name is one of a variation.
-fn declaration(said: Node, rule: Rule) -> Option<&'static Declaration> {
+fn declaration<'r>(said: Node, rule: Rule, registry: &'r Registry) -> Option<&'r Declaration> {
     if rule == Rule::sees {
-        return Some(&vehicle::PERCEPTION);
+        return Some(&registry.perception().declaration);
     }
     let name = said.child(Rule::name)?.text();
     match rule {
-        Rule::controller => vehicle::controller(name).map(|known| &known.declaration),
-        Rule::dynamics => vehicle::dynamics(name).map(|known| &known.declaration),
-        _ => pedestrian::model(name).map(|known| &known.declaration),
+        Rule::controller => registry.controllers().get(name).map(|known| &known.declaration),
+        Rule::dynamics => registry.dynamics().get(name).map(|known| &known.declaration),
+        _ => registry.pedestrians().get(name).map(|known| &known.declaration),
     }
 }
 
@@ -419,7 +419,7 @@ mod tests {
         let (tree, found) = Tree::parse(Sources::default().add("test", ""), text.into());
         assert!(found.is_empty(), "{found:?}");
         let mut overrides = Overrides::new(&all);
-        let changed = apply(text, &overrides.edits(&tree));
+        let changed = apply(text, &overrides.edits(&tree, &crate::models::standard()));
         let (_, found) = Tree::parse(Sources::default().add("test", ""), changed.as_str().into());
         assert!(found.is_empty(), "{changed}: {found:?}");
         (changed, overrides.unknown().0.iter().map(ToString::to_string).collect())

@@ -50,9 +50,9 @@ pub fn check_texts(
         settings.iter().any(|(said, _)| said == name)
             || declaration.parameter(name).is_some_and(|parameter| parameter.default_value().is_some())
     };
-    for parameter in declaration.parameters {
-        let ParameterKind::Text { default, check } = parameter.kind else { continue };
-        let said = settings.iter().find(|(name, _)| name == parameter.name);
+    for parameter in &declaration.parameters {
+        let ParameterKind::Text { default, check } = &parameter.kind else { continue };
+        let said = settings.iter().find(|(name, _)| *name == parameter.name);
         let place = node.iter().flat_map(|node| node.all(Rule::setting)).find_map(|setting| {
             let name = setting.child(Rule::setting_name)?;
             (name.text() == parameter.name).then(|| setting.child(Rule::expression)).flatten()
@@ -130,16 +130,16 @@ pub fn one(
     report: &mut Vec<Diagnostic>,
 ) -> Option<Typed> {
     let what = format!("`{}` of `{}`", name.text(), declaration.name);
-    if let Some(family) = declaration.presets.filter(|family| family.word == name.text()) {
-        let options: Vec<_> = family.presets.iter().map(|preset| preset.name).collect();
+    if let Some(family) = declaration.presets.as_ref().filter(|family| family.word == name.text()) {
+        let options: Vec<_> = family.presets.iter().map(|preset| &*preset.name).collect();
         return chosen(given, &what, &options, scope, report);
     }
     let Some(parameter) = declaration.parameter(name.text()) else {
         let known = declaration
             .parameters
             .iter()
-            .map(|parameter| parameter.name)
-            .chain(declaration.presets.map(|family| family.word));
+            .map(|parameter| &*parameter.name)
+            .chain(declaration.presets.as_ref().map(|family| &*family.word));
         report.push(
             Diagnostic::new(
                 Code::UnknownParameter,
@@ -151,19 +151,19 @@ pub fn one(
         );
         return None;
     };
-    match parameter.kind {
+    match &parameter.kind {
         ParameterKind::Choice { options, .. } => {
-            let options: Vec<_> = options.iter().map(|option: &ChoiceOption| option.name).collect();
+            let options: Vec<_> = options.iter().map(|option: &ChoiceOption| &*option.name).collect();
             chosen(given, &what, &options, scope, report)
         }
         ParameterKind::Text { .. } => {
             word(given, scope, report).filter(|value| value::expect_kind(value, Kind::Word, &what, report))
         }
         ParameterKind::Number { dimension, range, .. } => {
-            value::quantity_in(given, dimension, range, &what, scope, report)
+            value::quantity_in(given, *dimension, *range, &what, scope, report)
         }
         ParameterKind::Whole { range: (low, high), .. } => {
-            let range = (low as f64, high as f64);
+            let range = (*low as f64, *high as f64);
             let value = value::quantity_in(given, Dimension::NUMBER, range, &what, scope, report)?;
             value::possible(&value.expression, scope)
                 .iter()

@@ -11,6 +11,7 @@ use super::files::{Definition, FileId, Files, join};
 use super::source::Span;
 use super::tree::{Node, Rule};
 use super::value::{self, unquote};
+use crate::registry::Registry;
 use crate::scenario::{Dimension, Scenario, Suite};
 
 /// The seed of a suite that names none, and of a scenario file that is run by itself.
@@ -219,7 +220,7 @@ fn declared(files: &mut Files, file: FileId, path: &Path, report: &mut Vec<Diagn
         }
     }
     let blocks = blocks.check(files, &all_definitions, [&scenarios, &supporting], report);
-    let cast = everybody(&scenarios);
+    let cast = everybody(&scenarios, &files.registry);
     let mut gate_names: HashMap<&str, Span> = HashMap::new();
     let gates: Vec<_> = block
         .all(Rule::gate)
@@ -257,7 +258,7 @@ fn declared(files: &mut Files, file: FileId, path: &Path, report: &mut Vec<Diagn
 }
 
 /// Every road user of any scenario.
-fn everybody(scenarios: &[Scenario]) -> check::Cast<'_> {
+fn everybody<'a>(scenarios: &'a [Scenario], registry: &'a Registry) -> check::Cast<'a> {
     check::Cast {
         vehicles: scenarios.iter().flat_map(|s| &s.vehicles).map(|vehicle| vehicle.name.as_str()).collect(),
         pedestrians: scenarios
@@ -267,6 +268,7 @@ fn everybody(scenarios: &[Scenario]) -> check::Cast<'_> {
             .collect(),
         boxes: scenarios.iter().flat_map(|s| &s.road.boxes).map(|body| body.name.as_str()).collect(),
         individuals: None,
+        metrics: registry.metrics(),
     }
 }
 

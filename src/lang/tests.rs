@@ -6,6 +6,7 @@ use std::sync::Arc;
 use proptest::prelude::*;
 
 use super::*;
+use crate::models::standard;
 
 /// Pieces that scenario files are made of, so that random texts get past the first token.
 const PIECES: &[&str] = &[
@@ -141,7 +142,7 @@ proptest! {
     #[test]
     fn no_text_makes_the_checker_panic(text in text(), is_suite: bool) {
         let name = if is_suite { "nowhere/test.suite" } else { "nowhere/test.scn" };
-        if let Err(failure) = check(Path::new(name), &text) {
+        if let Err(failure) = check(Path::new(name), &text, &standard()) {
             prop_assert!(!failure.diagnostics.is_empty());
             let _ = failure.render(Style { colour: is_suite });
         }
@@ -155,7 +156,7 @@ fn long_texts_without_structure_end() {
     let negated = format!("let a = {}1", "-".repeat(100_000));
     let words = "foo bar ".repeat(100_000);
     for text in [nested, chained, negated, words] {
-        assert!(check(Path::new("test.scn"), &text).is_err());
+        assert!(check(Path::new("test.scn"), &text, &standard()).is_err());
     }
 }
 

@@ -2,45 +2,57 @@
 
 use super::encounter::lerp;
 use super::sliding::Sliding;
-use super::{Absence, Encounters, Meter, Metric, MetricContext, MetricKind, Range, Scope, Worst};
+use super::{
+    Absence, Encounters, Meter, Metric, MetricContext, MetricKind, MetricRange, Scope, Worst, meters,
+};
 use crate::scenario::{Declaration, Dimension, Parameter};
 use crate::sim::Step;
 
-const WINDOW: Parameter = Parameter::number(
-    "window",
-    Dimension::TIME,
-    0.2,
-    (0.001, 10.0),
-    "Time over which the drop of speed is taken.",
-    "several control periods of 0.05 s, so that no single jump of a simulator decides",
-);
+fn window() -> Parameter {
+    Parameter::number(
+        "window",
+        Dimension::TIME,
+        0.2,
+        (0.001, 10.0),
+        "Time over which the drop of speed is taken.",
+        "several control periods of 0.05 s, so that no single jump of a simulator \
+         decides",
+    )
+}
 
-const STANDSTILL: Parameter = Parameter::number(
-    "standstill",
-    Dimension::SPEED,
-    1.0,
-    (0.0, 100.0),
-    "Drops below this speed do not count: simulators stop cars abruptly at the end.",
-    "CARLA zeroes speeds below about 1 m/s at once, with spikes of 10 to 20 m/s^2 (issue 3906)",
-);
+fn standstill() -> Parameter {
+    Parameter::number(
+        "standstill",
+        Dimension::SPEED,
+        1.0,
+        (0.0, 100.0),
+        "Drops below this speed do not count: simulators stop cars abruptly at the end.",
+        "CARLA zeroes speeds below about 1 m/s at once, with spikes of 10 to 20 m/s^2 \
+         (issue 3906)",
+    )
+}
 
-pub static MAX_DECELERATION: Metric = Metric {
-    declaration: Declaration {
-        name: "max_deceleration",
-        summary: "Largest deceleration of the vehicle: drop of speed over a sliding window, divided by the window; 0 if \
-                  it never slows down.",
-        source: "exact for speeds that are linear inside a step; to 1e-9 m/s^2, so that rounding breaks no limit that \
-                 is kept exactly",
-        parameters: &[WINDOW, STANDSTILL],
-        presets: None,
-    },
-    kind: MetricKind::Quantity(Dimension::ACCELERATION),
-    scope: Scope::Vehicle,
-    worst: Worst::Largest,
-    absence: Absence::Open,
-    range: Range::DropWithin { window: "window", floor: "standstill" },
-    build: |context| Box::new(MaxDeceleration(Deceleration::new(context))),
-};
+pub fn max_deceleration() -> Metric {
+    let declaration = Declaration::new(
+        "max_deceleration",
+        "Largest deceleration of the vehicle: drop of speed over a sliding window, \
+         divided by the window; 0 if it never slows down.",
+    )
+    .source(
+        "exact for speeds that are linear inside a step; to 1e-9 m/s^2, so that \
+         rounding breaks no limit that is kept exactly",
+    )
+    .parameters([window(), standstill()]);
+    Metric {
+        declaration,
+        kind: MetricKind::Quantity(Dimension::ACCELERATION),
+        scope: Scope::Vehicle,
+        worst: Worst::Largest,
+        absence: Absence::Open,
+        range: MetricRange::DropWithin { window: "window".into(), floor: "standstill".into() },
+        meters: meters(|context| Box::new(MaxDeceleration(Deceleration::new(context)))),
+    }
+}
 
 struct MaxDeceleration(Deceleration);
 
@@ -58,35 +70,39 @@ impl Meter for MaxDeceleration {
     }
 }
 
-pub static SUDDEN_SPEED_CHANGE: Metric = Metric {
-    declaration: Declaration {
-        name: "sudden_speed_change",
-        summary: "Whether max_deceleration exceeds a threshold.",
-        source: "Carlowitz 2024",
-        parameters: &[
-            Parameter::number(
-                "threshold",
-                Dimension::ACCELERATION,
-                2.5,
-                (0.0, 100.0),
-                "Decelerations above this are sudden.",
-                "Carlowitz 2024",
-            ),
-            WINDOW,
-            STANDSTILL,
-        ],
-        presets: None,
-    },
-    kind: MetricKind::Flag,
-    scope: Scope::Vehicle,
-    worst: Worst::Largest,
-    absence: Absence::Open,
-    range: Range::DropAbove { threshold: "threshold", window: "window", floor: "standstill" },
-    build: |context| {
-        let threshold = context.settings.number("threshold");
-        Box::new(SuddenSpeedChange { threshold, deceleration: Deceleration::new(context) })
-    },
-};
+pub fn sudden_speed_change() -> Metric {
+    let declaration =
+        Declaration::new("sudden_speed_change", "Whether max_deceleration exceeds a threshold.")
+            .source("Carlowitz 2024")
+            .parameters([
+                Parameter::number(
+                    "threshold",
+                    Dimension::ACCELERATION,
+                    2.5,
+                    (0.0, 100.0),
+                    "Decelerations above this are sudden.",
+                    "Carlowitz 2024",
+                ),
+                window(),
+                standstill(),
+            ]);
+    Metric {
+        declaration,
+        kind: MetricKind::Flag,
+        scope: Scope::Vehicle,
+        worst: Worst::Largest,
+        absence: Absence::Open,
+        range: MetricRange::DropAbove {
+            threshold: "threshold".into(),
+            window: "window".into(),
+            floor: "standstill".into(),
+        },
+        meters: meters(|context| {
+            let threshold = context.settings.number("threshold");
+            Box::new(SuddenSpeedChange { threshold, deceleration: Deceleration::new(context) })
+        }),
+    }
+}
 
 struct SuddenSpeedChange {
     threshold: f64,

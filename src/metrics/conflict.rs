@@ -6,34 +6,42 @@
 use super::encounter::along;
 use super::passage::Reached;
 use super::{
-    Absence, Encounter, Encounters, End, Meter, Metric, MetricContext, MetricKind, Open, Passing, Range,
-    Scope, Visit, Worst, difference,
+    Absence, Encounter, Encounters, End, Meter, Metric, MetricContext, MetricKind, MetricRange, Open,
+    Passing, Scope, Visit, Worst, difference, meters,
 };
 use crate::scenario::{ChoiceOption, Declaration, Dimension, Parameter};
 
-const ZERO_ON_COLLISION: Parameter = Parameter::flag(
-    "zero_on_collision",
-    true,
-    "Whether a collision counts as 0 s, though the run may end before anybody passes; otherwise as undefined.",
-    "both were at one place at one time",
-);
+fn zero_on_collision_parameter() -> Parameter {
+    Parameter::flag(
+        "zero_on_collision",
+        true,
+        "Whether a collision counts as 0 s, though the run may end before anybody \
+         passes; otherwise as undefined.",
+        "both were at one place at one time",
+    )
+}
 
-pub static PET: Metric = Metric {
-    declaration: Declaration {
-        name: "pet",
-        summary: "Post-encroachment time: between the centres of the two passing the conflict point. The smallest over \
-                  all passings if the pedestrian retreats; undefined if one of them never passes.",
-        source: "|t_ped - t_veh| by centres; Peesapati et al. 2018",
-        parameters: &[ZERO_ON_COLLISION],
-        presets: None,
-    },
-    kind: MetricKind::Quantity(Dimension::TIME),
-    scope: Scope::Pair,
-    worst: Worst::Smallest,
-    absence: Absence::Open,
-    range: Range::WithinRun,
-    build: |context| Box::new(Pet { pair: pair(context), zero_on_collision: zero_on_collision(context) }),
-};
+pub fn pet() -> Metric {
+    let declaration = Declaration::new(
+        "pet",
+        "Post-encroachment time: between the centres of the two passing the conflict \
+         point. The smallest over all passings if the pedestrian retreats; undefined \
+         if one of them never passes.",
+    )
+    .source("|t_ped - t_veh| by centres; Peesapati et al. 2018")
+    .parameters([zero_on_collision_parameter()]);
+    Metric {
+        declaration,
+        kind: MetricKind::Quantity(Dimension::TIME),
+        scope: Scope::Pair,
+        worst: Worst::Smallest,
+        absence: Absence::Open,
+        range: MetricRange::WithinRun,
+        meters: meters(|context| {
+            Box::new(Pet { pair: pair(context), zero_on_collision: zero_on_collision(context) })
+        }),
+    }
+}
 
 struct Pet {
     pair: (usize, usize),
@@ -101,28 +109,33 @@ fn smaller(one: (f64, f64), other: (f64, f64)) -> (f64, f64) {
     if other.0 < one.0 { other } else { one }
 }
 
-pub static PET_AREA: Metric = Metric {
-    declaration: Declaration {
-        name: "pet_area",
-        summary: "Post-encroachment time by footprints: from the rear of the first leaving the shared area to the front \
-                  of the second entering it; 0 on overlap in time, undefined if one of them never enters.",
-        source: "Allen, Shin & Cooper 1978; Varhelyi 1998. The shared area is the strip that the vehicle sweeps, as far \
-                 along the road as the pedestrian's footprint reaches while in it; every visit counts, the smallest \
-                 time wins",
-        parameters: &[ZERO_ON_COLLISION],
-        presets: None,
-    },
-    kind: MetricKind::Quantity(Dimension::TIME),
-    scope: Scope::Pair,
-    worst: Worst::Smallest,
-    absence: Absence::Open,
-    range: Range::WithinRun,
-    build: |context| {
-        let half_length = context.world.vehicles[context.vehicle].length / 2.0;
-        let zero_on_collision = zero_on_collision(context);
-        Box::new(PetArea { pair: pair(context), half_length, zero_on_collision })
-    },
-};
+pub fn pet_area() -> Metric {
+    let declaration = Declaration::new(
+        "pet_area",
+        "Post-encroachment time by footprints: from the rear of the first leaving the \
+         shared area to the front of the second entering it; 0 on overlap in time, \
+         undefined if one of them never enters.",
+    )
+    .source(
+        "Allen, Shin & Cooper 1978; Varhelyi 1998. The shared area is the strip that \
+         the vehicle sweeps, as far along the road as the pedestrian's footprint \
+         reaches while in it; every visit counts, the smallest time wins",
+    )
+    .parameters([zero_on_collision_parameter()]);
+    Metric {
+        declaration,
+        kind: MetricKind::Quantity(Dimension::TIME),
+        scope: Scope::Pair,
+        worst: Worst::Smallest,
+        absence: Absence::Open,
+        range: MetricRange::WithinRun,
+        meters: meters(|context| {
+            let half_length = context.world.vehicles[context.vehicle].length / 2.0;
+            let zero_on_collision = zero_on_collision(context);
+            Box::new(PetArea { pair: pair(context), half_length, zero_on_collision })
+        }),
+    }
+}
 
 struct PetArea {
     pair: (usize, usize),
@@ -181,23 +194,26 @@ const NOBODY: f64 = 0.0;
 const PEDESTRIAN: f64 = 1.0;
 const VEHICLE: f64 = 2.0;
 
-pub static PASSED_FIRST: Metric = Metric {
-    declaration: Declaration {
-        name: "passed_first",
-        summary: "Whose centre passed the conflict point first; of a pedestrian who retreats, the passing that was \
-                  carried through counts.",
-        source: "order at the conflict point as in pet; where the pedestrian never passes, the vehicle does so opposite \
-                 its start",
-        parameters: &[],
-        presets: None,
-    },
-    kind: MetricKind::Category(&["none", "pedestrian", "vehicle"]),
-    scope: Scope::Pair,
-    worst: Worst::Largest,
-    absence: Absence::Open,
-    range: Range::Unlimited,
-    build: |context| Box::new(PassedFirst(Order::new(context))),
-};
+pub fn passed_first() -> Metric {
+    let declaration = Declaration::new(
+        "passed_first",
+        "Whose centre passed the conflict point first; of a pedestrian who retreats, \
+         the passing that was carried through counts.",
+    )
+    .source(
+        "order at the conflict point as in pet; where the pedestrian never passes, the \
+         vehicle does so opposite its start",
+    );
+    Metric {
+        declaration,
+        kind: MetricKind::Category(vec!["none".into(), "pedestrian".into(), "vehicle".into()]),
+        scope: Scope::Pair,
+        worst: Worst::Largest,
+        absence: Absence::Open,
+        range: MetricRange::Unlimited,
+        meters: meters(|context| Box::new(PassedFirst(Order::new(context)))),
+    }
+}
 
 struct PassedFirst(Order);
 
@@ -215,22 +231,24 @@ impl Meter for PassedFirst {
     }
 }
 
-pub static GAP_ACCEPTED: Metric = Metric {
-    declaration: Declaration {
-        name: "gap_accepted",
-        summary: "Whether the pedestrian passed the conflict point before the vehicle reached it; undefined if neither \
-                  ever did or nobody appeared, false on a collision before the pedestrian passed.",
-        source: "order at the conflict point as in passed_first",
-        parameters: &[],
-        presets: None,
-    },
-    kind: MetricKind::Flag,
-    scope: Scope::Pair,
-    worst: Worst::Smallest,
-    absence: Absence::Open,
-    range: Range::YesOrNo,
-    build: |context| Box::new(GapAccepted(Order::new(context))),
-};
+pub fn gap_accepted() -> Metric {
+    let declaration = Declaration::new(
+        "gap_accepted",
+        "Whether the pedestrian passed the conflict point before the vehicle reached \
+         it; undefined if neither ever did or nobody appeared, false on a collision \
+         before the pedestrian passed.",
+    )
+    .source("order at the conflict point as in passed_first");
+    Metric {
+        declaration,
+        kind: MetricKind::Flag,
+        scope: Scope::Pair,
+        worst: Worst::Smallest,
+        absence: Absence::Open,
+        range: MetricRange::YesOrNo,
+        meters: meters(|context| Box::new(GapAccepted(Order::new(context)))),
+    }
+}
 
 struct GapAccepted(Order);
 
@@ -290,35 +308,37 @@ impl Order {
     }
 }
 
-pub static TTA_AT_ENTRY: Metric = Metric {
-    declaration: Declaration {
-        name: "tta_at_entry",
-        summary: "The vehicle's time to arrival at the pedestrian when its centre first enters the lane; undefined if it \
-                  never does, or if the vehicle stands or is past it.",
-        source: "distance along the lane over speed at that moment",
-        parameters: &[Parameter::choice(
-            "reference",
-            "centre",
-            &[
-                ChoiceOption { name: "centre", doc: "from the vehicle's centre" },
-                ChoiceOption { name: "front", doc: "from the vehicle's front" },
-            ],
-            "The part of the vehicle that arrives.",
-            "centre as for pet",
-        )],
-        presets: None,
-    },
-    kind: MetricKind::Quantity(Dimension::TIME),
-    scope: Scope::Pair,
-    worst: Worst::Smallest,
-    absence: Absence::Open,
-    range: Range::NotNegative,
-    build: |context| {
-        let from_front = context.settings.word("reference") == "front";
-        let ahead = if from_front { context.world.vehicles[context.vehicle].length / 2.0 } else { 0.0 };
-        Box::new(TtaAtEntry { pair: pair(context), ahead })
-    },
-};
+pub fn tta_at_entry() -> Metric {
+    let declaration = Declaration::new(
+        "tta_at_entry",
+        "The vehicle's time to arrival at the pedestrian when its centre first enters \
+         the lane; undefined if it never does, or if the vehicle stands or is past it.",
+    )
+    .source("distance along the lane over speed at that moment")
+    .parameters([Parameter::choice(
+        "reference",
+        "centre",
+        [
+            ChoiceOption::new("centre", "from the vehicle's centre"),
+            ChoiceOption::new("front", "from the vehicle's front"),
+        ],
+        "The part of the vehicle that arrives.",
+        "centre as for pet",
+    )]);
+    Metric {
+        declaration,
+        kind: MetricKind::Quantity(Dimension::TIME),
+        scope: Scope::Pair,
+        worst: Worst::Smallest,
+        absence: Absence::Open,
+        range: MetricRange::NotNegative,
+        meters: meters(|context| {
+            let from_front = context.settings.word("reference") == "front";
+            let ahead = if from_front { context.world.vehicles[context.vehicle].length / 2.0 } else { 0.0 };
+            Box::new(TtaAtEntry { pair: pair(context), ahead })
+        }),
+    }
+}
 
 struct TtaAtEntry {
     pair: (usize, usize),

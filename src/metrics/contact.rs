@@ -1,27 +1,33 @@
 //! How near the footprints come: collision and impact speed with anything, smallest distance of a vehicle and a pedestrian.
 
 use super::{
-    Absence, Contact, Encounters, Meter, Metric, MetricContext, MetricKind, Range, Scope, Worst, difference,
+    Absence, Contact, Encounters, Meter, Metric, MetricContext, MetricKind, MetricRange, Scope, Worst,
+    difference, meters,
 };
 use crate::scenario::{Declaration, Dimension};
 use crate::sim::geometry::distance;
 use crate::sim::{PedestrianState, Solid, Step, VehicleState};
 
-pub static COLLISION: Metric = Metric {
-    declaration: Declaration {
-        name: "collision",
-        summary: "Whether the vehicle touches anything solid at any time: a pedestrian, another vehicle or a box.",
-        source: "footprints as in the scenario: vehicles and boxes rectangles, pedestrians discs or rectangles",
-        parameters: &[],
-        presets: None,
-    },
-    kind: MetricKind::Flag,
-    scope: Scope::Contact,
-    worst: Worst::Largest,
-    absence: Absence::Open,
-    range: Range::YesOrNo,
-    build: |context| Box::new(Collision(Contacted::new(context))),
-};
+pub fn collision() -> Metric {
+    let declaration = Declaration::new(
+        "collision",
+        "Whether the vehicle touches anything solid at any time: a pedestrian, another \
+         vehicle or a box.",
+    )
+    .source(
+        "footprints as in the scenario: vehicles and boxes rectangles, pedestrians \
+         discs or rectangles",
+    );
+    Metric {
+        declaration,
+        kind: MetricKind::Flag,
+        scope: Scope::Contact,
+        worst: Worst::Largest,
+        absence: Absence::Open,
+        range: MetricRange::YesOrNo,
+        meters: meters(|context| Box::new(Collision(Contacted::new(context)))),
+    }
+}
 
 /// A vehicle and what it may touch; nothing, if it is alone.
 struct Contacted {
@@ -51,22 +57,24 @@ impl Meter for Collision {
     }
 }
 
-pub static IMPACT_SPEED: Metric = Metric {
-    declaration: Declaration {
-        name: "impact_speed",
-        summary: "Relative speed of the vehicle and what it touches (a pedestrian, another vehicle or a box) when their \
-                  footprints first touch; undefined without collision.",
-        source: "length of the difference of the velocities at that moment",
-        parameters: &[],
-        presets: None,
-    },
-    kind: MetricKind::Quantity(Dimension::SPEED),
-    scope: Scope::Contact,
-    worst: Worst::Largest,
-    absence: Absence::Good,
-    range: Range::TwoSpeeds,
-    build: |context| Box::new(ImpactSpeed(Contacted::new(context))),
-};
+pub fn impact_speed() -> Metric {
+    let declaration = Declaration::new(
+        "impact_speed",
+        "Relative speed of the vehicle and what it touches (a pedestrian, another \
+         vehicle or a box) when their footprints first touch; undefined without \
+         collision.",
+    )
+    .source("length of the difference of the velocities at that moment");
+    Metric {
+        declaration,
+        kind: MetricKind::Quantity(Dimension::SPEED),
+        scope: Scope::Contact,
+        worst: Worst::Largest,
+        absence: Absence::Good,
+        range: MetricRange::TwoSpeeds,
+        meters: meters(|context| Box::new(ImpactSpeed(Contacted::new(context)))),
+    }
+}
 
 struct ImpactSpeed(Contacted);
 
@@ -80,21 +88,23 @@ impl Meter for ImpactSpeed {
     }
 }
 
-pub static MIN_DISTANCE: Metric = Metric {
-    declaration: Declaration {
-        name: "min_distance",
-        summary: "Smallest distance between the footprints; 0 on collision, undefined if the pedestrian never appears.",
-        source: "Euclidean distance of the footprints, also between the simulation's steps",
-        parameters: &[],
-        presets: None,
-    },
-    kind: MetricKind::Quantity(Dimension::LENGTH),
-    scope: Scope::Pair,
-    worst: Worst::Smallest,
-    absence: Absence::Open,
-    range: Range::NotNegative,
-    build: |context| Box::new(MinDistance::new(context)),
-};
+pub fn min_distance() -> Metric {
+    let declaration = Declaration::new(
+        "min_distance",
+        "Smallest distance between the footprints; 0 on collision, undefined if the \
+         pedestrian never appears.",
+    )
+    .source("Euclidean distance of the footprints, also between the simulation's steps");
+    Metric {
+        declaration,
+        kind: MetricKind::Quantity(Dimension::LENGTH),
+        scope: Scope::Pair,
+        worst: Worst::Smallest,
+        absence: Absence::Open,
+        range: MetricRange::NotNegative,
+        meters: meters(|context| Box::new(MinDistance::new(context))),
+    }
+}
 
 struct MinDistance {
     pair: (usize, usize),

@@ -2,37 +2,41 @@
 
 use super::encounter::rising;
 use super::{
-    Absence, Encounters, End, Meter, Metric, MetricContext, MetricKind, Open, Range, Scope, Worst, difference,
+    Absence, Encounters, End, Meter, Metric, MetricContext, MetricKind, MetricRange, Open, Scope, Worst,
+    difference, meters,
 };
 use crate::scenario::{Declaration, Dimension, Parameter};
 use crate::sim::{Step, velocity_inside};
 
-pub static CROSSING_INITIATION_TIME: Metric = Metric {
-    declaration: Declaration {
-        name: "crossing_initiation_time",
-        summary: "From the pedestrian's appearance to its first motion; undefined if it never moves.",
-        source: "first moment at which it is faster than the parameter",
-        parameters: &[Parameter::number(
-            "speed",
-            Dimension::SPEED,
-            0.01,
-            (0.0, 10.0),
-            "Above this speed the pedestrian moves.",
-            "as in event timelines",
-        )],
-        presets: None,
-    },
-    kind: MetricKind::Quantity(Dimension::TIME),
-    scope: Scope::Pedestrian,
-    worst: Worst::Largest,
-    absence: Absence::Bad,
-    range: Range::WithinRun,
-    build: |context| {
-        let threshold = context.settings.number("speed");
-        let pedestrian = context.pedestrian;
-        Box::new(InitiationTime { pedestrian, threshold, appeared: None, moved: None })
-    },
-};
+pub fn crossing_initiation_time() -> Metric {
+    let declaration = Declaration::new(
+        "crossing_initiation_time",
+        "From the pedestrian's appearance to its first motion; undefined if it never \
+         moves.",
+    )
+    .source("first moment at which it is faster than the parameter")
+    .parameters([Parameter::number(
+        "speed",
+        Dimension::SPEED,
+        0.01,
+        (0.0, 10.0),
+        "Above this speed the pedestrian moves.",
+        "as in event timelines",
+    )]);
+    Metric {
+        declaration,
+        kind: MetricKind::Quantity(Dimension::TIME),
+        scope: Scope::Pedestrian,
+        worst: Worst::Largest,
+        absence: Absence::Bad,
+        range: MetricRange::WithinRun,
+        meters: meters(|context| {
+            let threshold = context.settings.number("speed");
+            let pedestrian = context.pedestrian;
+            Box::new(InitiationTime { pedestrian, threshold, appeared: None, moved: None })
+        }),
+    }
+}
 
 struct InitiationTime {
     pedestrian: usize,
@@ -71,22 +75,24 @@ impl Meter for InitiationTime {
     }
 }
 
-pub static CROSSING_DURATION: Metric = Metric {
-    declaration: Declaration {
-        name: "crossing_duration",
-        summary: "From the pedestrian's entry into the vehicle's lane to its exit on the other side, by its centre; after \
-                  a retreat, from the last entry; undefined if it never gets across.",
-        source: "entry to exit of the lane",
-        parameters: &[],
-        presets: None,
-    },
-    kind: MetricKind::Quantity(Dimension::TIME),
-    scope: Scope::Pair,
-    worst: Worst::Largest,
-    absence: Absence::Bad,
-    range: Range::WithinRun,
-    build: |context| Box::new(CrossingDuration { pair: (context.vehicle, context.pedestrian) }),
-};
+pub fn crossing_duration() -> Metric {
+    let declaration = Declaration::new(
+        "crossing_duration",
+        "From the pedestrian's entry into the vehicle's lane to its exit on the other \
+         side, by its centre; after a retreat, from the last entry; undefined if it \
+         never gets across.",
+    )
+    .source("entry to exit of the lane");
+    Metric {
+        declaration,
+        kind: MetricKind::Quantity(Dimension::TIME),
+        scope: Scope::Pair,
+        worst: Worst::Largest,
+        absence: Absence::Bad,
+        range: MetricRange::WithinRun,
+        meters: meters(|context| Box::new(CrossingDuration { pair: (context.vehicle, context.pedestrian) })),
+    }
+}
 
 struct CrossingDuration {
     pair: (usize, usize),
@@ -109,23 +115,25 @@ impl Meter for CrossingDuration {
     }
 }
 
-pub static PEDESTRIAN_DELAY: Metric = Metric {
-    declaration: Declaration {
-        name: "pedestrian_delay",
-        summary: "Time from appearance to the far edge of the vehicle's lane beyond that of a free walk straight towards \
-                  the goal. Negative is time saved, by going faster than its free speed or by a shorter way than the \
-                  straight one to the goal; 0 is as if nobody else were there. Undefined if it never gets across.",
-        source: "free walk at the model's own free speed from the first moment on",
-        parameters: &[],
-        presets: None,
-    },
-    kind: MetricKind::Quantity(Dimension::TIME),
-    scope: Scope::Pair,
-    worst: Worst::Largest,
-    absence: Absence::Bad,
-    range: Range::Unlimited,
-    build: |context| Box::new(PedestrianDelay::new(context)),
-};
+pub fn pedestrian_delay() -> Metric {
+    let declaration = Declaration::new(
+        "pedestrian_delay",
+        "Time from appearance to the far edge of the vehicle's lane beyond that of a \
+         free walk straight towards the goal. Negative is time saved, by going faster \
+         than its free speed or by a shorter way than the straight one to the goal; 0 \
+         is as if nobody else were there. Undefined if it never gets across.",
+    )
+    .source("free walk at the model's own free speed from the first moment on");
+    Metric {
+        declaration,
+        kind: MetricKind::Quantity(Dimension::TIME),
+        scope: Scope::Pair,
+        worst: Worst::Largest,
+        absence: Absence::Bad,
+        range: MetricRange::Unlimited,
+        meters: meters(|context| Box::new(PedestrianDelay::new(context))),
+    }
+}
 
 struct PedestrianDelay {
     pair: (usize, usize),

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 
-use super::{FreeFlow, METRICS, Measurement, Open, Presence, Reading};
+use super::{FreeFlow, Measurement, Open, Presence, Reading, metrics};
 use crate::scenario::{Appearance, MetricReference, Settings, Value, World};
 use crate::sim::{
     Contacts, Ending, Longitudinal, Observer, PedestrianState, Snapshot, Step, StopReason, VehicleState,
@@ -115,26 +115,26 @@ fn observe(world: &World, requests: &[MetricReference], car: &Profile, walk: &Wa
 
 /// What every metric with its defaults could still come to when time is up.
 pub fn open_of(world: &World, car: &Profile, walk: &Walk) -> impl Fn(&str) -> Option<Open> + use<> {
-    let requests: Vec<_> = METRICS.iter().map(|metric| request(metric.declaration.name, [])).collect();
+    let requests: Vec<_> = metrics().iter().map(|metric| request(&metric.declaration.name, [])).collect();
     let readings = measure(world, &requests, car, walk);
     move |name| {
-        let index = requests.iter().position(|request| request.name == name).expect("a metric's name");
+        let index = requests.iter().position(|request| request.name() == name).expect("a metric's name");
         readings[index].open
     }
 }
 
 /// The worst values of every metric with its defaults, and a way to look them up.
 pub fn measure_all(world: &World, car: &Profile, walk: &Walk) -> impl Fn(&str) -> Option<f64> + use<> {
-    let requests: Vec<_> = METRICS.iter().map(|metric| request(metric.declaration.name, [])).collect();
+    let requests: Vec<_> = metrics().iter().map(|metric| request(&metric.declaration.name, [])).collect();
     let readings = measure(world, &requests, car, walk);
     move |name| {
-        let index = requests.iter().position(|request| request.name == name).expect("a metric's name");
+        let index = requests.iter().position(|request| request.name() == name).expect("a metric's name");
         readings[index].worst.and_then(|worst| worst.value)
     }
 }
 
 pub fn request<const N: usize>(name: &str, settings: [(&str, Value); N]) -> MetricReference {
-    MetricReference { name: name.into(), settings: Settings::from(settings), pair: None }
+    MetricReference { settings: Settings::from(settings), ..crate::models::known::measured(name) }
 }
 
 fn snapshot(world: &World, car: &Profile, walk: &Walk, time: f64) -> Snapshot {

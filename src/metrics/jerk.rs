@@ -1,37 +1,44 @@
 //! How smoothly the vehicle drives: largest and root mean square jerk.
 
 use super::sliding::Sliding;
-use super::{Absence, Encounters, Meter, Metric, MetricContext, MetricKind, Range, Scope, Worst};
+use super::{
+    Absence, Encounters, Meter, Metric, MetricContext, MetricKind, MetricRange, Scope, Worst, meters,
+};
 use crate::scenario::{Declaration, Dimension, Parameter};
 use crate::sim::Step;
 
-const WINDOW: Parameter = Parameter::number(
-    "window",
-    Dimension::TIME,
-    0.2,
-    (0.001, 10.0),
-    "Time over which speeds and then accelerations are compared.",
-    "as for max_deceleration; without one, a step of the acceleration would have as much jerk as the simulation has steps",
-);
+fn window() -> Parameter {
+    Parameter::number(
+        "window",
+        Dimension::TIME,
+        0.2,
+        (0.001, 10.0),
+        "Time over which speeds and then accelerations are compared.",
+        "as for max_deceleration; without one, a step of the acceleration would have \
+         as much jerk as the simulation has steps",
+    )
+}
 
-const SOURCE: &str = "(v(t) - 2 v(t - w) + v(t - 2 w)) / w^2 of the realised speed v over a window w: the change of the \
-                      mean acceleration from one window to the next";
+const SOURCE: &str = "(v(t) - 2 v(t - w) + v(t - 2 w)) / w^2 of the realised speed v over a window \
+                      w: the change of the mean acceleration from one window to the next";
 
-pub static MAX_JERK: Metric = Metric {
-    declaration: Declaration {
-        name: "max_jerk",
-        summary: "Largest jerk of the vehicle in either direction, of the realised acceleration.",
-        source: SOURCE,
-        parameters: &[WINDOW],
-        presets: None,
-    },
-    kind: MetricKind::Quantity(Dimension::JERK),
-    scope: Scope::Vehicle,
-    worst: Worst::Largest,
-    absence: Absence::Open,
-    range: Range::NotNegative,
-    build: |context| Box::new(MaxJerk(Jerk::new(context))),
-};
+pub fn max_jerk() -> Metric {
+    let declaration = Declaration::new(
+        "max_jerk",
+        "Largest jerk of the vehicle in either direction, of the realised acceleration.",
+    )
+    .source(SOURCE)
+    .parameters([window()]);
+    Metric {
+        declaration,
+        kind: MetricKind::Quantity(Dimension::JERK),
+        scope: Scope::Vehicle,
+        worst: Worst::Largest,
+        absence: Absence::Open,
+        range: MetricRange::NotNegative,
+        meters: meters(|context| Box::new(MaxJerk(Jerk::new(context)))),
+    }
+}
 
 struct MaxJerk(Jerk);
 
@@ -49,21 +56,24 @@ impl Meter for MaxJerk {
     }
 }
 
-pub static RMS_JERK: Metric = Metric {
-    declaration: Declaration {
-        name: "rms_jerk",
-        summary: "Root mean square of the vehicle's jerk over the run, of the realised acceleration.",
-        source: SOURCE,
-        parameters: &[WINDOW],
-        presets: None,
-    },
-    kind: MetricKind::Quantity(Dimension::JERK),
-    scope: Scope::Vehicle,
-    worst: Worst::Largest,
-    absence: Absence::Open,
-    range: Range::NotNegative,
-    build: |context| Box::new(RmsJerk(Jerk::new(context))),
-};
+pub fn rms_jerk() -> Metric {
+    let declaration = Declaration::new(
+        "rms_jerk",
+        "Root mean square of the vehicle's jerk over the run, of the realised \
+         acceleration.",
+    )
+    .source(SOURCE)
+    .parameters([window()]);
+    Metric {
+        declaration,
+        kind: MetricKind::Quantity(Dimension::JERK),
+        scope: Scope::Vehicle,
+        worst: Worst::Largest,
+        absence: Absence::Open,
+        range: MetricRange::NotNegative,
+        meters: meters(|context| Box::new(RmsJerk(Jerk::new(context)))),
+    }
+}
 
 struct RmsJerk(Jerk);
 

@@ -1,7 +1,7 @@
 //! All requested metrics of one run at once: the worst over pairs, with whose it was.
 
 use super::encounter::{Encounters, Presence};
-use super::{Absence, End, FreeFlow, Meter, MetricContext, Open, Scope, Worst, metric};
+use super::{Absence, BuildMeter, End, FreeFlow, Meter, MetricContext, Open, Scope, Worst};
 use crate::scenario::{MetricReference, World};
 use crate::sim::{Ending, Observer, Snapshot, Solid, Step, StopReason};
 
@@ -51,7 +51,7 @@ struct Request {
 }
 
 impl Measurement {
-    /// `requests` must have been checked against the registry. `free_flows` has one entry per vehicle, `free_speeds`
+    /// `requests` must have been checked against a registry. `free_flows` has one entry per vehicle, `free_speeds`
     /// (m/s) one per pedestrian; without them the metrics that compare to them do not exist.
     pub fn new(
         world: &World,
@@ -60,7 +60,8 @@ impl Measurement {
         free_speeds: &[f64],
     ) -> Self {
         let meters = |reference: &MetricReference| {
-            let metric = metric(&reference.name).expect("requests were checked against the registry");
+            let metric = reference.known().expect("requests were checked against a registry");
+            let build: &BuildMeter = metric.meters.get().expect("`meters` makes all that there are");
             let settings = metric.declaration.resolve(&reference.settings).expect("settings were checked");
             let subjects = subjects(metric.scope, world)
                 .filter(|subject| concerns(reference, world, *subject))
@@ -75,7 +76,7 @@ impl Measurement {
                         free_flow: vehicle.and_then(|index| free_flows.get(index).copied()),
                         free_speed: pedestrian.and_then(|index| free_speeds.get(index).copied()),
                     };
-                    ((vehicle, with), (metric.build)(&context))
+                    ((vehicle, with), build(&context))
                 });
             Request { worst: metric.worst, absence: metric.absence, meters: subjects.collect() }
         };

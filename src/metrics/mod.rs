@@ -1,6 +1,6 @@
-//! Metrics: numbers read off a run while it happens, one file a family, and their registry.
+//! Metrics: numbers read off a run while it happens, one file a family, and a list of them.
 //!
-//! To add one: declare a [`Metric`] in the file of its family (or a new file) and list it in [`METRICS`]. Events inside
+//! To add one: make a [`Metric`] in the file of its family (or a new file) and list it in [`metrics`]. Events inside
 //! a step are interpolated linearly; a metric that does not exist in a run is `None`, never a magic number.
 
 mod braking;
@@ -14,7 +14,6 @@ mod jerk;
 mod measurement;
 mod passage;
 mod proximity;
-mod range;
 mod sliding;
 #[cfg(test)]
 mod tests;
@@ -23,65 +22,23 @@ mod travel;
 use crate::numbers::json;
 use serde::{Deserialize, Serialize};
 
-use crate::scenario::{Aggregate, Declaration, Dimension, MetricReference, Settings, World};
+use crate::scenario::{Meters, Settings, World};
 use crate::sim::{Snapshot, Solid, Step};
 
+pub use crate::scenario::{Absence, Metric, MetricKind, MetricRange, Scope, Worst};
 pub use encounter::{
     Contact, Encounter, Encounters, Entry, LaneCrossing, MEETING_TIME, Passing, Presence, Visit,
 };
 pub(crate) use encounter::{along, half_extent};
 pub use measurement::{Measurement, Reading, SubjectValue};
 pub use passage::{Passage, Reached};
-pub use range::{Range, limits};
 
-/// A registered metric.
-pub struct Metric {
-    pub declaration: Declaration,
-    pub kind: MetricKind,
-    pub scope: Scope,
-    /// Which of several values, one per pair, is the one that counts for the run.
-    pub worst: Worst,
-    pub absence: Absence,
-    pub range: Range,
-    pub build: fn(&MetricContext) -> Box<dyn Meter>,
-}
+/// Builds the meter of one subject.
+type BuildMeter = Box<dyn Fn(&MetricContext) -> Box<dyn Meter> + Send + Sync>;
 
-/// What a metric's number means.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum MetricKind {
-    Quantity(Dimension),
-    /// 1 for true, 0 for false.
-    Flag,
-    /// The index of one of these words.
-    Category(&'static [&'static str]),
-}
-
-/// Whom a metric is measured for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Scope {
-    /// A vehicle and a pedestrian.
-    Pair,
-    /// A vehicle and anything solid: a pedestrian, another vehicle or a box.
-    Contact,
-    Vehicle,
-    Pedestrian,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Worst {
-    Smallest,
-    Largest,
-}
-
-/// What it says of a run that a metric does not exist in it, for criteria and for comparisons of runs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Absence {
-    /// The danger that it measures never arose.
-    Good,
-    /// Somebody never got to the end.
-    Bad,
-    /// Neither for sure, or it exists in every run.
-    Open,
+/// How a metric is measured: by a meter for each subject.
+pub fn meters(build: impl Fn(&MetricContext) -> Box<dyn Meter> + Send + Sync + 'static) -> Meters {
+    Meters::new::<BuildMeter>(Box::new(build))
 }
 
 /// Reads one metric for one subject (a pair, a vehicle or a pedestrian) off a run.
@@ -164,48 +121,28 @@ fn difference(one: f64, other: f64) -> f64 {
     if difference.abs() < ROUNDING { 0.0 } else { difference }
 }
 
-/// Every metric there is, by name.
-pub static METRICS: &[&Metric] = &[
-    &contact::COLLISION,
-    &contact::IMPACT_SPEED,
-    &conflict::PET,
-    &conflict::PET_AREA,
-    &conflict::PASSED_FIRST,
-    &conflict::GAP_ACCEPTED,
-    &conflict::TTA_AT_ENTRY,
-    &proximity::MIN_TTC,
-    &contact::MIN_DISTANCE,
-    &proximity::DRAC,
-    &braking::MAX_DECELERATION,
-    &braking::SUDDEN_SPEED_CHANGE,
-    &jerk::MAX_JERK,
-    &jerk::RMS_JERK,
-    &travel::TIME_LOST,
-    &travel::TRAVEL_TIME,
-    &travel::STOPPED_TIME,
-    &crossing::CROSSING_INITIATION_TIME,
-    &crossing::CROSSING_DURATION,
-    &crossing::PEDESTRIAN_DELAY,
-];
-
-/// The metric of that name.
-pub fn metric(name: &str) -> Option<&'static Metric> {
-    METRICS.iter().copied().find(|metric| metric.declaration.name == name)
-}
-
-/// SI unit of an aggregate's value; `%` for a rate, which is a share in 0..1, and nothing for plain numbers.
-pub fn unit_of(aggregate: &Aggregate) -> String {
-    match aggregate {
-        Aggregate::Rate(_) => "%".to_string(),
-        Aggregate::Count(_) => String::new(),
-        of_values => unit_of_metric(of_values.metric()),
-    }
-}
-
-/// SI unit of a metric's values; nothing for those that are no quantities.
-pub fn unit_of_metric(reference: &MetricReference) -> String {
-    match metric(&reference.name).map(|metric| metric.kind) {
-        Some(MetricKind::Quantity(dimension)) => dimension.si_unit(),
-        _ => String::new(),
-    }
+/// The metrics that ship, in the order of reports.
+pub fn metrics() -> Vec<Metric> {
+    vec![
+        contact::collision(),
+        contact::impact_speed(),
+        conflict::pet(),
+        conflict::pet_area(),
+        conflict::passed_first(),
+        conflict::gap_accepted(),
+        conflict::tta_at_entry(),
+        proximity::min_ttc(),
+        contact::min_distance(),
+        proximity::drac(),
+        braking::max_deceleration(),
+        braking::sudden_speed_change(),
+        jerk::max_jerk(),
+        jerk::rms_jerk(),
+        travel::time_lost(),
+        travel::travel_time(),
+        travel::stopped_time(),
+        crossing::crossing_initiation_time(),
+        crossing::crossing_duration(),
+        crossing::pedestrian_delay(),
+    ]
 }

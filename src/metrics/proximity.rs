@@ -1,28 +1,34 @@
 //! How urgent it gets: time to collision and the deceleration that would avoid a crash.
 
 use super::encounter::{along, half_extent};
-use super::{Absence, Encounters, Meter, Metric, MetricContext, MetricKind, Range, Scope, Worst};
+use super::{
+    Absence, Encounters, Meter, Metric, MetricContext, MetricKind, MetricRange, Scope, Worst, meters,
+};
 use crate::scenario::{Declaration, Dimension, Parameter};
 use crate::sim::{PedestrianState, Step, VehicleState};
 
-pub static MIN_TTC: Metric = Metric {
-    declaration: Declaration {
-        name: "min_ttc",
-        summary: "Smallest time to collision of the footprints if both kept their velocities; 0 on collision, undefined \
-                  if they are never on a collision course.",
-        source: "Hayward 1972; exact contact time of the moving footprints, looked at after every step",
-        parameters: &[],
-        presets: None,
-    },
-    kind: MetricKind::Quantity(Dimension::TIME),
-    scope: Scope::Pair,
-    worst: Worst::Smallest,
-    absence: Absence::Good,
-    range: Range::NotNegative,
-    build: |context| {
-        Box::new(MinTtc { pair: (context.vehicle, context.pedestrian), smallest: None, instant: 0.0 })
-    },
-};
+pub fn min_ttc() -> Metric {
+    let declaration = Declaration::new(
+        "min_ttc",
+        "Smallest time to collision of the footprints if both kept their velocities; 0 \
+         on collision, undefined if they are never on a collision course.",
+    )
+    .source(
+        "Hayward 1972; exact contact time of the moving footprints, looked at after \
+         every step",
+    );
+    Metric {
+        declaration,
+        kind: MetricKind::Quantity(Dimension::TIME),
+        scope: Scope::Pair,
+        worst: Worst::Smallest,
+        absence: Absence::Good,
+        range: MetricRange::NotNegative,
+        meters: meters(|context| {
+            Box::new(MinTtc { pair: (context.vehicle, context.pedestrian), smallest: None, instant: 0.0 })
+        }),
+    }
+}
 
 struct MinTtc {
     pair: (usize, usize),
@@ -53,30 +59,37 @@ impl Meter for MinTtc {
     }
 }
 
-pub static DRAC: Metric = Metric {
-    declaration: Declaration {
-        name: "drac",
-        summary: "Largest deceleration rate to avoid a crash: what the vehicle would have had to brake by, from then on, \
-                  while on a collision course with the pedestrian ahead of its front; undefined if never.",
-        source: "Cooper & Ferguson 1976, v^2/(2 g) with the gap g along the lane and the relative speed v; where the \
-                 pedestrian leaves the vehicle's strip at t < 2 g/v, the smaller 2 (v t - g)/t^2 that lets it pass",
-        parameters: &[Parameter::number(
-            "ceiling",
-            Dimension::ACCELERATION,
-            20.0,
-            (1.0, 1000.0),
-            "Reported where no deceleration up to this one would do, as when the front is about to hit.",
-            "the rate grows without bound as the gap closes; twice what tyres can do",
-        )],
-        presets: None,
-    },
-    kind: MetricKind::Quantity(Dimension::ACCELERATION),
-    scope: Scope::Pair,
-    worst: Worst::Largest,
-    absence: Absence::Good,
-    range: Range::UpTo("ceiling"),
-    build: |context| Box::new(Drac::new(context)),
-};
+pub fn drac() -> Metric {
+    let declaration = Declaration::new(
+        "drac",
+        "Largest deceleration rate to avoid a crash: what the vehicle would have had \
+         to brake by, from then on, while on a collision course with the pedestrian \
+         ahead of its front; undefined if never.",
+    )
+    .source(
+        "Cooper & Ferguson 1976, v^2/(2 g) with the gap g along the lane and the \
+         relative speed v; where the pedestrian leaves the vehicle's strip at t < 2 \
+         g/v, the smaller 2 (v t - g)/t^2 that lets it pass",
+    )
+    .parameters([Parameter::number(
+        "ceiling",
+        Dimension::ACCELERATION,
+        20.0,
+        (1.0, 1000.0),
+        "Reported where no deceleration up to this one would do, as when the front is \
+         about to hit.",
+        "the rate grows without bound as the gap closes; twice what tyres can do",
+    )]);
+    Metric {
+        declaration,
+        kind: MetricKind::Quantity(Dimension::ACCELERATION),
+        scope: Scope::Pair,
+        worst: Worst::Largest,
+        absence: Absence::Good,
+        range: MetricRange::UpTo("ceiling".into()),
+        meters: meters(|context| Box::new(Drac::new(context))),
+    }
+}
 
 struct Drac {
     pair: (usize, usize),

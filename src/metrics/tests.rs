@@ -369,9 +369,10 @@ fn the_worst_pair_is_named() {
 
 #[test]
 fn names_are_unique_and_defaults_resolve() {
-    for (index, one) in METRICS.iter().enumerate() {
+    let all = metrics();
+    for (index, one) in all.iter().enumerate() {
         assert!(one.declaration.resolve(&Settings::default()).is_ok(), "{}", one.declaration.name);
-        assert!(METRICS[..index].iter().all(|other| other.declaration.name != one.declaration.name));
+        assert!(all[..index].iter().all(|other| other.declaration.name != one.declaration.name));
     }
 }
 
@@ -413,8 +414,8 @@ proptest! {
         let mut backward = near.clone();
         backward.road.lanes[0].direction = Direction::Backward;
         let mirrored = [measure_all(&far, &car, &walk(-1.0, 1.0)), measure_all(&backward, &car, &walk(1.0, -1.0))];
-        for metric in METRICS {
-            let name = metric.declaration.name;
+        for metric in metrics() {
+            let name = &*metric.declaration.name;
             for other in &mirrored {
                 match (found(name), other(name)) {
                     (Some(one), Some(two)) => prop_assert!((one - two).abs() < 1e-9, "{}: {} {}", name, one, two),
@@ -444,10 +445,10 @@ fn instants(
     car: &Profile,
     walk: &Walk,
 ) -> impl Fn(&str) -> Option<f64> + use<> {
-    let requests: Vec<_> = METRICS.iter().map(|metric| request(metric.declaration.name, [])).collect();
+    let requests: Vec<_> = metrics().iter().map(|metric| request(&metric.declaration.name, [])).collect();
     let readings = measure(world, &requests, car, walk);
     move |name| {
-        let index = METRICS.iter().position(|metric| metric.declaration.name == name).unwrap();
+        let index = metrics().iter().position(|metric| metric.declaration.name == name).unwrap();
         readings[index].worst.and_then(|worst| worst.instant)
     }
 }

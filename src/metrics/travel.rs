@@ -2,35 +2,39 @@
 
 use super::encounter::{lerp, rising};
 use super::{
-    Absence, Encounters, End, FreeFlow, Meter, Metric, MetricContext, MetricKind, Open, Range, Scope, Worst,
-    difference,
+    Absence, Encounters, End, FreeFlow, Meter, Metric, MetricContext, MetricKind, MetricRange, Open, Scope,
+    Worst, difference, meters,
 };
 use crate::scenario::{Declaration, Dimension, Parameter};
 use crate::sim::Step;
 
-pub static TIME_LOST: Metric = Metric {
-    declaration: Declaration {
-        name: "time_lost",
-        summary: "Travel time to the finish line beyond that of the same vehicle without pedestrian, at least 0; \
-                  undefined if it does not get there or is not back at its free speed there.",
-        source: "max(0, T_int - T_free), by the vehicle's centre",
-        parameters: &[Parameter::number(
-            "speed_tolerance",
-            Dimension::SPEED,
-            0.5,
-            (0.0, 100.0),
-            "How far the speed at the finish line may be from that in free flow; else the line is too near to tell.",
-            "regaining 0.5 m/s at 1 m/s^2 and 30 km/h costs another 0.015 s",
-        )],
-        presets: None,
-    },
-    kind: MetricKind::Quantity(Dimension::TIME),
-    scope: Scope::Vehicle,
-    worst: Worst::Largest,
-    absence: Absence::Bad,
-    range: Range::WithinRun,
-    build: |context| Box::new(TimeLost::new(context)),
-};
+pub fn time_lost() -> Metric {
+    let declaration = Declaration::new(
+        "time_lost",
+        "Travel time to the finish line beyond that of the same vehicle without \
+         pedestrian, at least 0; undefined if it does not get there or is not back at \
+         its free speed there.",
+    )
+    .source("max(0, T_int - T_free), by the vehicle's centre")
+    .parameters([Parameter::number(
+        "speed_tolerance",
+        Dimension::SPEED,
+        0.5,
+        (0.0, 100.0),
+        "How far the speed at the finish line may be from that in free flow; else the \
+         line is too near to tell.",
+        "regaining 0.5 m/s at 1 m/s^2 and 30 km/h costs another 0.015 s",
+    )]);
+    Metric {
+        declaration,
+        kind: MetricKind::Quantity(Dimension::TIME),
+        scope: Scope::Vehicle,
+        worst: Worst::Largest,
+        absence: Absence::Bad,
+        range: MetricRange::WithinRun,
+        meters: meters(|context| Box::new(TimeLost::new(context))),
+    }
+}
 
 struct TimeLost {
     vehicle: usize,
@@ -78,24 +82,26 @@ fn crosses(step: &Step, vehicle: usize, line: f64) -> Option<(f64, f64)> {
     Some((step.time + part * step.duration, lerp(before.speed, after.speed, part)))
 }
 
-pub static TRAVEL_TIME: Metric = Metric {
-    declaration: Declaration {
-        name: "travel_time",
-        summary: "Time from the start to the finish line; undefined if the vehicle does not get there. What tunes of \
-                  the cruise speed minimise: driving slower loses no time against itself.",
-        source: "by the vehicle's centre",
-        parameters: &[],
-        presets: None,
-    },
-    kind: MetricKind::Quantity(Dimension::TIME),
-    scope: Scope::Vehicle,
-    worst: Worst::Largest,
-    absence: Absence::Bad,
-    range: Range::WithinRun,
-    build: |context| {
-        Box::new(TravelTime { vehicle: context.vehicle, line: context.world.finish, finish: None })
-    },
-};
+pub fn travel_time() -> Metric {
+    let declaration = Declaration::new(
+        "travel_time",
+        "Time from the start to the finish line; undefined if the vehicle does not get \
+         there. What tunes of the cruise speed minimise: driving slower loses no time \
+         against itself.",
+    )
+    .source("by the vehicle's centre");
+    Metric {
+        declaration,
+        kind: MetricKind::Quantity(Dimension::TIME),
+        scope: Scope::Vehicle,
+        worst: Worst::Largest,
+        absence: Absence::Bad,
+        range: MetricRange::WithinRun,
+        meters: meters(|context| {
+            Box::new(TravelTime { vehicle: context.vehicle, line: context.world.finish, finish: None })
+        }),
+    }
+}
 
 struct TravelTime {
     vehicle: usize,
@@ -117,31 +123,30 @@ impl Meter for TravelTime {
     }
 }
 
-pub static STOPPED_TIME: Metric = Metric {
-    declaration: Declaration {
-        name: "stopped_time",
-        summary: "How long the vehicle stands during the run.",
-        source: "time with a speed below the parameter, interpolated inside a step",
-        parameters: &[Parameter::number(
+pub fn stopped_time() -> Metric {
+    let declaration = Declaration::new("stopped_time", "How long the vehicle stands during the run.")
+        .source("time with a speed below the parameter, interpolated inside a step")
+        .parameters([Parameter::number(
             "speed",
             Dimension::SPEED,
             0.1,
             (0.0, 10.0),
             "At or below this speed the vehicle stands.",
             "controllers approach a standstill without quite reaching it",
-        )],
-        presets: None,
-    },
-    kind: MetricKind::Quantity(Dimension::TIME),
-    scope: Scope::Vehicle,
-    worst: Worst::Largest,
-    absence: Absence::Open,
-    range: Range::WithinRun,
-    build: |context| {
-        let speed = context.settings.number("speed");
-        Box::new(StoppedTime { vehicle: context.vehicle, line: context.world.finish, speed, total: 0.0 })
-    },
-};
+        )]);
+    Metric {
+        declaration,
+        kind: MetricKind::Quantity(Dimension::TIME),
+        scope: Scope::Vehicle,
+        worst: Worst::Largest,
+        absence: Absence::Open,
+        range: MetricRange::WithinRun,
+        meters: meters(|context| {
+            let speed = context.settings.number("speed");
+            Box::new(StoppedTime { vehicle: context.vehicle, line: context.world.finish, speed, total: 0.0 })
+        }),
+    }
+}
 
 struct StoppedTime {
     vehicle: usize,

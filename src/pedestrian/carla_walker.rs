@@ -8,238 +8,220 @@ use nalgebra::Vector2;
 use super::{PedestrianContext, PedestrianModel, sum_in_any_order};
 use crate::numbers::random::Stream;
 use crate::scenario::{
-    Chance, ChoiceOption, Declaration, Dimension, Literal, Parameter, Position, Preset, PresetFamily,
-    Settings,
+    ChoiceOption, Declaration, Dimension, Parameter, Position, Preset, PresetFamily, Settings, Value,
 };
 use crate::sim::random::{Agent, Purpose, stream};
 use crate::sim::{ModelError, Motion, Pedestrian, Scene, VehicleState, geometry};
 
 const WALKER: &str = "CARLA LibCarla/source/carla/nav";
 const EVENT: &str = "CARLA nav/WalkerEvent.cpp, nav/WalkerManager.cpp";
-const LIGHTS: &str =
-    "derived from CARLA's default signal timing (issue 7684); the share is free to calibrate";
+const LIGHTS: &str = "derived from CARLA's default signal timing (issue 7684); the share is free to \
+                      calibrate";
 
-pub static CARLA_WALKER: PedestrianModel = PedestrianModel {
-    declaration: Declaration {
-        name: "carla_walker",
-        summary: "CARLA's AI walker: pauses near the kerb, looks once for a vehicle within 6 m, then crosses blindly.",
-        source: "CARLA WalkerAIController on a Detour crowd, 0.9.14 and 0.9.15, reduced",
-        parameters: &[
-            Parameter::number(
-                "walking_speed",
-                Dimension::SPEED,
-                1.4,
-                (0.0, 12.0),
-                "Speed of walking; CARLA's navigation default is 1.47 m/s.",
-                WALKER,
-            ),
-            Parameter::number(
-                "arrival_distance",
-                Dimension::LENGTH,
-                0.6,
-                (0.01, 10.0),
-                "Distance from the goal below which it slows down in proportion.",
-                WALKER,
-            ),
-            Parameter::number(
-                "start_delay",
-                Dimension::TIME,
-                0.0,
-                (0.0, 600.0),
-                "Time that it stands after it appeared.",
-                "one or two ticks in CARLA",
-            ),
-            Parameter::flag(
-                "checks",
-                true,
-                "Whether it pauses and looks for vehicles before the kerb.",
-                EVENT,
-            ),
-            Parameter::number(
-                "check_distance",
-                Dimension::LENGTH,
-                1.0,
-                (0.0, 10.0),
-                "Distance from the kerb at which it pauses.",
-                EVENT,
-            ),
-            Parameter::number(
-                "check_timeout",
-                Dimension::TIME,
-                60.0,
-                (0.0, 3600.0),
-                "Pause after which it gives up crossing and walks away along the road.",
-                EVENT,
-            ),
-            Parameter::number(
-                "look_distance",
-                Dimension::LENGTH,
-                6.0,
-                (0.0, 200.0),
-                "It waits for vehicles whose centre is at most this far away.",
-                EVENT,
-            ),
-            Parameter::number(
-                "look_cosine",
-                Dimension::NUMBER,
-                0.34,
-                (-1.0, 1.0),
-                "Cosine of the angle to its way across within which it sees vehicles (0.34 is 70 degrees).",
-                EVENT,
-            ),
-            Parameter::optional(
-                "kerb_wait",
-                Dimension::TIME,
-                (0.0, 600.0),
-                "Shortest pause before the kerb; without it, it is drawn anew in every run from the mixture below.",
-                LIGHTS,
-            ),
-            Parameter::number(
-                "kerb_wait_share",
-                Dimension::NUMBER,
-                0.3,
-                (0.0, 1.0),
-                "Share of runs with a pause (the nearest traffic light happens to be green for vehicles); the others have none.",
-                LIGHTS,
-            ),
-            Parameter::number(
-                "kerb_wait_min",
-                Dimension::TIME,
-                0.0,
-                (0.0, 600.0),
-                "Shortest such pause.",
-                LIGHTS,
-            ),
-            Parameter::number(
-                "kerb_wait_max",
-                Dimension::TIME,
-                13.0,
-                (0.0, 600.0),
-                "Longest such pause; uniform in between.",
-                LIGHTS,
-            ),
-            Parameter::choice(
-                "vehicles_nearby",
-                "push",
-                &[
-                    ChoiceOption {
-                        name: "push",
-                        doc: "Is driven off by vehicles within `separation_range` and pushed out of their margin.",
-                    },
-                    ChoiceOption {
-                        name: "static",
-                        doc: "Stands while a vehicle's margin overlaps it; otherwise walks straight.",
-                    },
+pub fn carla_walker() -> PedestrianModel {
+    let declaration = Declaration::new(
+        "carla_walker",
+        "CARLA's AI walker: pauses near the kerb, looks once for a vehicle within 6 m, \
+         then crosses blindly.",
+    )
+    .source("CARLA WalkerAIController on a Detour crowd, 0.9.14 and 0.9.15, reduced")
+    .parameters([
+        Parameter::number(
+            "walking_speed",
+            Dimension::SPEED,
+            1.4,
+            (0.0, 12.0),
+            "Speed of walking; CARLA's navigation default is 1.47 m/s.",
+            WALKER,
+        ),
+        Parameter::number(
+            "arrival_distance",
+            Dimension::LENGTH,
+            0.6,
+            (0.01, 10.0),
+            "Distance from the goal below which it slows down in proportion.",
+            WALKER,
+        ),
+        Parameter::number(
+            "start_delay",
+            Dimension::TIME,
+            0.0,
+            (0.0, 600.0),
+            "Time that it stands after it appeared.",
+            "one or two ticks in CARLA",
+        ),
+        Parameter::flag("checks", true, "Whether it pauses and looks for vehicles before the kerb.", EVENT),
+        Parameter::number(
+            "check_distance",
+            Dimension::LENGTH,
+            1.0,
+            (0.0, 10.0),
+            "Distance from the kerb at which it pauses.",
+            EVENT,
+        ),
+        Parameter::number(
+            "check_timeout",
+            Dimension::TIME,
+            60.0,
+            (0.0, 3600.0),
+            "Pause after which it gives up crossing and walks away along the road.",
+            EVENT,
+        ),
+        Parameter::number(
+            "look_distance",
+            Dimension::LENGTH,
+            6.0,
+            (0.0, 200.0),
+            "It waits for vehicles whose centre is at most this far away.",
+            EVENT,
+        ),
+        Parameter::number(
+            "look_cosine",
+            Dimension::NUMBER,
+            0.34,
+            (-1.0, 1.0),
+            "Cosine of the angle to its way across within which it sees vehicles (0.34 is \
+             70 degrees).",
+            EVENT,
+        ),
+        Parameter::optional(
+            "kerb_wait",
+            Dimension::TIME,
+            (0.0, 600.0),
+            "Shortest pause before the kerb; without it, it is drawn anew in every run \
+             from the mixture below.",
+            LIGHTS,
+        ),
+        Parameter::number(
+            "kerb_wait_share",
+            Dimension::NUMBER,
+            0.3,
+            (0.0, 1.0),
+            "Share of runs with a pause (the nearest traffic light happens to be green for \
+             vehicles); the others have none.",
+            LIGHTS,
+        ),
+        Parameter::number(
+            "kerb_wait_min",
+            Dimension::TIME,
+            0.0,
+            (0.0, 600.0),
+            "Shortest such pause.",
+            LIGHTS,
+        ),
+        Parameter::number(
+            "kerb_wait_max",
+            Dimension::TIME,
+            13.0,
+            (0.0, 600.0),
+            "Longest such pause; uniform in between.",
+            LIGHTS,
+        ),
+        Parameter::choice(
+            "vehicles_nearby",
+            "push",
+            [
+                ChoiceOption::new(
+                    "push",
+                    "Is driven off by vehicles within `separation_range` and pushed out of their \
+                     margin.",
+                ),
+                ChoiceOption::new(
+                    "static",
+                    "Stands while a vehicle's margin overlaps it; otherwise walks straight.",
+                ),
+            ],
+            "What vehicles do to it while it walks.",
+            WALKER,
+        ),
+        Parameter::number("margin", Dimension::LENGTH, 0.8, (0.0, 10.0), "Margin around vehicles.", WALKER),
+        Parameter::number(
+            "front_margin",
+            Dimension::LENGTH,
+            0.2,
+            (0.0, 10.0),
+            "Additional margin in front of vehicles.",
+            WALKER,
+        ),
+        Parameter::number(
+            "radius",
+            Dimension::LENGTH,
+            0.3,
+            (0.0, 2.0),
+            "Its radius in the crowd; only with `vehicles_nearby: static`.",
+            WALKER,
+        ),
+        Parameter::number(
+            "separation_weight",
+            Dimension::NUMBER,
+            0.5,
+            (0.0, 100.0),
+            "Weight of being driven off by vehicles.",
+            WALKER,
+        ),
+        Parameter::number(
+            "separation_range",
+            Dimension::LENGTH,
+            10.0,
+            (0.1, 200.0),
+            "Distance from a vehicle's margin within which it drives the walker off.",
+            WALKER,
+        ),
+        Parameter::number(
+            "push_speed",
+            Dimension::SPEED,
+            1.4,
+            (0.0, 100.0),
+            "Fastest that a vehicle's margin pushes it; a faster vehicle makes contact.",
+            "assumption: the limit in CARLA is not known",
+        ),
+        Parameter::number(
+            "stuck_time",
+            Dimension::TIME,
+            4.0,
+            (0.0, 3600.0),
+            "Walking less than `stuck_distance` within this time, it turns to a new place \
+             on either pavement, up to 20 m along the road (assumption); 0: never.",
+            EVENT,
+        ),
+        Parameter::number("stuck_distance", Dimension::LENGTH, 0.5, (0.0, 100.0), "See `stuck_time`.", EVENT),
+        Parameter::number(
+            "snap_min",
+            Dimension::LENGTH,
+            0.0,
+            (-5.0, 5.0),
+            "Least distance that it starts farther from the road than declared; CARLA's \
+             spawning snaps by about -0.5 .. 1 m.",
+            "observed offsets of CARLA spawns",
+        ),
+        Parameter::number(
+            "snap_max",
+            Dimension::LENGTH,
+            0.0,
+            (-5.0, 5.0),
+            "Largest such distance; uniform in between.",
+            "observed offsets of CARLA spawns",
+        ),
+    ])
+    .presets(PresetFamily::new(
+        "release",
+        "recent",
+        [
+            Preset::new("recent", "CARLA 0.9.15 and later: also waits for the nearest traffic light.", []),
+            Preset::new(
+                "old",
+                "CARLA up to 0.9.14: pauses farther from the kerb, gives up after 5 s, knows \
+                 no traffic lights.",
+                [
+                    ("check_distance", Value::Number(2.0)),
+                    ("check_timeout", Value::Number(5.0)),
+                    ("kerb_wait_share", Value::Number(0.0)),
                 ],
-                "What vehicles do to it while it walks.",
-                WALKER,
-            ),
-            Parameter::number(
-                "margin",
-                Dimension::LENGTH,
-                0.8,
-                (0.0, 10.0),
-                "Margin around vehicles.",
-                WALKER,
-            ),
-            Parameter::number(
-                "front_margin",
-                Dimension::LENGTH,
-                0.2,
-                (0.0, 10.0),
-                "Additional margin in front of vehicles.",
-                WALKER,
-            ),
-            Parameter::number(
-                "radius",
-                Dimension::LENGTH,
-                0.3,
-                (0.0, 2.0),
-                "Its radius in the crowd; only with `vehicles_nearby: static`.",
-                WALKER,
-            ),
-            Parameter::number(
-                "separation_weight",
-                Dimension::NUMBER,
-                0.5,
-                (0.0, 100.0),
-                "Weight of being driven off by vehicles.",
-                WALKER,
-            ),
-            Parameter::number(
-                "separation_range",
-                Dimension::LENGTH,
-                10.0,
-                (0.1, 200.0),
-                "Distance from a vehicle's margin within which it drives the walker off.",
-                WALKER,
-            ),
-            Parameter::number(
-                "push_speed",
-                Dimension::SPEED,
-                1.4,
-                (0.0, 100.0),
-                "Fastest that a vehicle's margin pushes it; a faster vehicle makes contact.",
-                "assumption: the limit in CARLA is not known",
-            ),
-            Parameter::number(
-                "stuck_time",
-                Dimension::TIME,
-                4.0,
-                (0.0, 3600.0),
-                "Walking less than `stuck_distance` within this time, it turns to a new place on either pavement, up to 20 m along the road (assumption); 0: never.",
-                EVENT,
-            ),
-            Parameter::number(
-                "stuck_distance",
-                Dimension::LENGTH,
-                0.5,
-                (0.0, 100.0),
-                "See `stuck_time`.",
-                EVENT,
-            ),
-            Parameter::number(
-                "snap_min",
-                Dimension::LENGTH,
-                0.0,
-                (-5.0, 5.0),
-                "Least distance that it starts farther from the road than declared; CARLA's spawning snaps by about -0.5 .. 1 m.",
-                "observed offsets of CARLA spawns",
-            ),
-            Parameter::number(
-                "snap_max",
-                Dimension::LENGTH,
-                0.0,
-                (-5.0, 5.0),
-                "Largest such distance; uniform in between.",
-                "observed offsets of CARLA spawns",
             ),
         ],
-        presets: Some(PresetFamily {
-            word: "release",
-            default: "recent",
-            presets: &[
-                Preset {
-                    name: "recent",
-                    doc: "CARLA 0.9.15 and later: also waits for the nearest traffic light.",
-                    values: &[],
-                },
-                Preset {
-                    name: "old",
-                    doc: "CARLA up to 0.9.14: pauses farther from the kerb, gives up after 5 s, knows no traffic lights.",
-                    values: &[
-                        ("check_distance", Literal::Number(2.0)),
-                        ("check_timeout", Literal::Number(5.0)),
-                        ("kerb_wait_share", Literal::Number(0.0)),
-                    ],
-                },
-            ],
-        }),
-    },
-    takes_individuals: false,
-    chance: Chance::Always,
-    build,
-};
+    ));
+    PedestrianModel::new(declaration, build)
+}
 
 #[derive(Clone, Copy, PartialEq)]
 enum State {

@@ -14,70 +14,71 @@ use crate::sim::{ModelError, Motion, Pedestrian, Scene, VehicleState};
 const IDEA: &str = "Yang, Kujanpaa et al. 2023, ITSC, arXiv 2309.00249";
 const CHOICE: &str = "our choice; the paper's agent is learned";
 
-pub static INTERCEPTOR: PedestrianModel = PedestrianModel {
-    declaration: Declaration {
-        name: "interceptor",
-        summary: "Suicidal pedestrian: lurks at the kerb, then runs so as to meet the vehicle's bumper.",
-        source: "after Yang, Kujanpaa et al. 2023, ITSC, arXiv 2309.00249, reduced to a script",
-        parameters: &[
-            Parameter::choice(
-                "mode",
-                "fast",
-                &[
-                    ChoiceOption { name: "fast", doc: "Runs at the last moment, for a hit at high speed." },
-                    ChoiceOption { name: "any", doc: "Leaves early enough to walk, for any hit." },
-                ],
-                "What it is after.",
-                IDEA,
-            ),
-            Parameter::number(
-                "aim_offset",
-                Dimension::LENGTH,
-                0.0,
-                (-1.5, 1.5),
-                "Where across the vehicle's path it wants to be hit: beyond the lane's centre if positive.",
-                CHOICE,
-            ),
-            Parameter::number(
-                "aim_spread",
-                Dimension::NUMBER,
-                0.0,
-                (0.0, 1.0),
-                "Adds to the aim a uniform draw from this share of the vehicle's half width, to either side.",
-                CHOICE,
-            ),
-            Parameter::number("max_speed", Dimension::SPEED, 3.0, (2.0, 4.0), "Its fastest run.", CHOICE),
-            Parameter::number(
-                "max_acceleration",
-                Dimension::ACCELERATION,
-                4.0,
-                (2.0, 6.0),
-                "Its largest change of speed.",
-                CHOICE,
-            ),
-            Parameter::number(
-                "lead",
-                Dimension::TIME,
-                0.1,
-                (0.0, 0.3),
-                "It wants to be in place this long before the bumper.",
-                CHOICE,
-            ),
-            Parameter::number(
-                "hold_time",
-                Dimension::TIME,
-                3.0,
-                (0.0, 10.0),
-                "It leaves a vehicle that has stood for this long.",
-                CHOICE,
-            ),
-        ],
-        presets: None,
-    },
-    takes_individuals: false,
-    chance: Chance::If(|settings| settings.number("aim_spread") > 0.0),
-    build,
-};
+pub fn interceptor() -> PedestrianModel {
+    let declaration = Declaration::new(
+        "interceptor",
+        "Suicidal pedestrian: lurks at the kerb, then runs so as to meet the vehicle's \
+         bumper.",
+    )
+    .source("after Yang, Kujanpaa et al. 2023, ITSC, arXiv 2309.00249, reduced to a script")
+    .parameters([
+        Parameter::choice(
+            "mode",
+            "fast",
+            [
+                ChoiceOption::new("fast", "Runs at the last moment, for a hit at high speed."),
+                ChoiceOption::new("any", "Leaves early enough to walk, for any hit."),
+            ],
+            "What it is after.",
+            IDEA,
+        ),
+        Parameter::number(
+            "aim_offset",
+            Dimension::LENGTH,
+            0.0,
+            (-1.5, 1.5),
+            "Where across the vehicle's path it wants to be hit: beyond the lane's centre \
+             if positive.",
+            CHOICE,
+        ),
+        Parameter::number(
+            "aim_spread",
+            Dimension::NUMBER,
+            0.0,
+            (0.0, 1.0),
+            "Adds to the aim a uniform draw from this share of the vehicle's half width, \
+             to either side.",
+            CHOICE,
+        ),
+        Parameter::number("max_speed", Dimension::SPEED, 3.0, (2.0, 4.0), "Its fastest run.", CHOICE),
+        Parameter::number(
+            "max_acceleration",
+            Dimension::ACCELERATION,
+            4.0,
+            (2.0, 6.0),
+            "Its largest change of speed.",
+            CHOICE,
+        ),
+        Parameter::number(
+            "lead",
+            Dimension::TIME,
+            0.1,
+            (0.0, 0.3),
+            "It wants to be in place this long before the bumper.",
+            CHOICE,
+        ),
+        Parameter::number(
+            "hold_time",
+            Dimension::TIME,
+            3.0,
+            (0.0, 10.0),
+            "It leaves a vehicle that has stood for this long.",
+            CHOICE,
+        ),
+    ]);
+    PedestrianModel::new(declaration, build)
+        .chance(Chance::If(|settings| settings.number("aim_spread") > 0.0))
+}
 
 /// m/s
 const WALKING_SPEED: f64 = 1.4;
@@ -285,18 +286,18 @@ mod tests {
 
     #[test]
     fn it_needs_a_kerb_to_lurk_behind() {
-        let mut walk = Walk::new(&INTERCEPTOR, Settings::default());
+        let mut walk = Walk::new(&interceptor(), Settings::default());
         walk.world.road.kerbs = false;
-        assert!(walk.rebuild(&INTERCEPTOR, Settings::default()).expect_err("no kerb").hint.is_some());
+        assert!(walk.rebuild(&interceptor(), Settings::default()).expect_err("no kerb").hint.is_some());
         walk.world.road.kerbs = true;
         walk.world.pedestrians[0].start.y = 0.0;
-        let error = walk.rebuild(&INTERCEPTOR, Settings::default()).expect_err("in the road");
+        let error = walk.rebuild(&interceptor(), Settings::default()).expect_err("in the road");
         assert!(error.message.contains("2 m inside"));
     }
 
     #[test]
     fn it_lurks_where_it_should_without_a_vehicle() {
-        let mut walk = Walk::new(&INTERCEPTOR, Settings::default());
+        let mut walk = Walk::new(&interceptor(), Settings::default());
         walk.go(20.0);
         assert_eq!(walk.pedestrian.mode(), "lurking");
         assert!((walk.position().y + 2.3).abs() < 1e-3, "{}", walk.position().y);

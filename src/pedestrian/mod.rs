@@ -1,4 +1,4 @@
-//! Pedestrian models, one file or folder each, and their registry.
+//! Pedestrian models, one file or folder each, and a list of them.
 
 pub mod commotions;
 pub mod population;
@@ -14,42 +14,20 @@ mod timeline;
 
 use nalgebra::Vector2;
 
-use crate::scenario::{Chance, Declaration, PedestrianSetup, Settings, World};
-use crate::sim::{ModelError, Pedestrian};
+pub use crate::scenario::{PedestrianContext, PedestrianModel};
 
-/// A registered pedestrian model.
-pub struct PedestrianModel {
-    pub declaration: Declaration,
-    /// Whether its parameter sets may come from a population of individuals.
-    pub takes_individuals: bool,
-    pub chance: Chance,
-    pub build: fn(&PedestrianContext) -> Result<Box<dyn Pedestrian>, ModelError>,
+/// The pedestrian models that ship, by name.
+pub fn models() -> Vec<PedestrianModel> {
+    vec![
+        carla_walker::carla_walker(),
+        commotions::model::commotions(),
+        interceptor::interceptor(),
+        jaywalker::jaywalker(),
+        scripted::scripted(),
+        social_force::social_force(),
+        timeline::timeline(),
+    ]
 }
-
-/// What a pedestrian model is built from.
-#[derive(Clone, Copy)]
-pub struct PedestrianContext<'a> {
-    /// Resolved against the model's declaration.
-    pub settings: &'a Settings,
-    pub setup: &'a PedestrianSetup,
-    pub world: &'a World,
-    /// The pedestrian's place among the names of its kind, by which it draws.
-    pub rank: usize,
-    /// The run's seed, for [`crate::sim::random::stream`].
-    pub seed: u64,
-}
-
-/// Every pedestrian model there is, by name.
-#[rustfmt::skip]
-pub static MODELS: &[&PedestrianModel] = &[
-    &carla_walker::CARLA_WALKER,
-    &commotions::model::COMMOTIONS,
-    &interceptor::INTERCEPTOR,
-    &jaywalker::JAYWALKER,
-    &scripted::SCRIPTED,
-    &social_force::SOCIAL_FORCE,
-    &timeline::TIMELINE,
-];
 
 /// The sum of `terms`, the same bits in whatever order they come; of none it is zero.
 fn sum_in_any_order(terms: impl Iterator<Item = Vector2<f64>> + Clone) -> Vector2<f64> {
@@ -69,11 +47,6 @@ fn sum_in_any_order(terms: impl Iterator<Item = Vector2<f64>> + Clone) -> Vector
         (0..equal).for_each(|_| sum += next);
         last = Some(next);
     }
-}
-
-/// The model of that name.
-pub fn model(name: &str) -> Option<&'static PedestrianModel> {
-    MODELS.iter().copied().find(|model| model.declaration.name == name)
 }
 
 #[cfg(test)]

@@ -110,7 +110,7 @@ pub enum PopulationError {
         /// The population's.
         found: String,
         /// The pedestrian's.
-        expected: &'static str,
+        expected: String,
     },
     /// The individuals are those of another variant.
     #[error("{}: a population of the variant `{found}`, but the pedestrian's variant is `{expected}`", file.display())]
@@ -142,9 +142,9 @@ pub enum PopulationError {
         /// The name.
         found: String,
         /// The model.
-        model: &'static str,
+        model: String,
         /// The nearest name there is.
-        nearest: Option<&'static str>,
+        nearest: Option<String>,
     },
     /// Two columns name the same parameter.
     #[error("{}, column {column}: `{name}` stands there a second time", file.display())]
@@ -209,8 +209,8 @@ fn listed(variants: &[String]) -> String {
     }
 }
 
-fn did_you_mean(nearest: &Option<&'static str>) -> String {
-    nearest.map(|name| format!("; did you mean `{name}`?")).unwrap_or_default()
+fn did_you_mean(nearest: &Option<String>) -> String {
+    nearest.as_ref().map(|name| format!("; did you mean `{name}`?")).unwrap_or_default()
 }
 
 impl Population {
@@ -221,11 +221,7 @@ impl Population {
     ///
     /// # Errors
     /// Whatever is wrong with the file, with row, column and allowed range.
-    pub fn read(
-        name: &str,
-        model: &'static Declaration,
-        variant: Option<&str>,
-    ) -> Result<Self, PopulationError> {
+    pub fn read(name: &str, model: &Declaration, variant: Option<&str>) -> Result<Self, PopulationError> {
         if name == STANDARD {
             return Self::from_json(Path::new(STANDARD), STANDARD_FILE, model, variant);
         }
@@ -248,7 +244,7 @@ impl Population {
     pub fn from_json(
         file: &Path,
         text: &str,
-        model: &'static Declaration,
+        model: &Declaration,
         variant: Option<&str>,
     ) -> Result<Self, PopulationError> {
         let malformed = |error| PopulationError::Json { file: file.to_owned(), error };
@@ -271,7 +267,7 @@ impl Population {
     pub fn from_csv(
         file: &Path,
         text: &str,
-        model: &'static Declaration,
+        model: &Declaration,
         variant: Option<&str>,
     ) -> Result<Self, PopulationError> {
         let malformed = |error| PopulationError::Csv { file: file.to_owned(), error };
@@ -304,7 +300,7 @@ impl Population {
             individuals.push(record.iter().zip(&parameters).map(number).collect::<Result<_, _>>()?);
         }
         let population = Self {
-            model: model.name.to_owned(),
+            model: model.name.to_string(),
             variant: variant.map(str::to_owned),
             source: file.display().to_string(),
             provenance: BTreeMap::new(),
@@ -349,18 +345,13 @@ impl Population {
         Some(settings)
     }
 
-    fn check(
-        &self,
-        file: &Path,
-        model: &'static Declaration,
-        variant: Option<&str>,
-    ) -> Result<(), PopulationError> {
+    fn check(&self, file: &Path, model: &Declaration, variant: Option<&str>) -> Result<(), PopulationError> {
         let file = || file.to_owned();
         if self.model != model.name {
             return Err(PopulationError::OtherModel {
                 file: file(),
                 found: self.model.clone(),
-                expected: model.name,
+                expected: model.name.to_string(),
             });
         }
         if let (Some(found), Some(expected)) = (&self.variant, variant)
@@ -372,16 +363,16 @@ impl Population {
                 expected: expected.to_owned(),
             });
         }
-        let mut columns: Vec<&'static Parameter> = Vec::with_capacity(self.parameters.len());
+        let mut columns: Vec<&Parameter> = Vec::with_capacity(self.parameters.len());
         for (index, name) in self.parameters.iter().enumerate() {
             let parameter = model.parameter(name).ok_or_else(|| PopulationError::UnknownParameter {
                 file: file(),
                 column: index + 1,
                 found: name.clone(),
-                model: model.name,
+                model: model.name.to_string(),
                 nearest: nearest(name, model),
             })?;
-            if columns.iter().any(|earlier| earlier.name == name) {
+            if columns.iter().any(|earlier| earlier.name == name.as_str()) {
                 return Err(PopulationError::RepeatedParameter {
                     file: file(),
                     column: index + 1,
@@ -401,11 +392,11 @@ impl Population {
                 });
             }
             for (value, parameter) in values.iter().zip(&columns) {
-                parameter.check(model.name, &Value::Number(*value)).map_err(|problem| {
+                parameter.check(&model.name, &Value::Number(*value)).map_err(|problem| {
                     PopulationError::OutOfRange {
                         file: file(),
                         row,
-                        column: parameter.name.to_owned(),
+                        column: parameter.name.to_string(),
                         problem: Box::new(problem),
                     }
                 })?;
@@ -435,7 +426,7 @@ impl PublishedFits {
             });
         };
         Ok(Population {
-            model: model.name.to_owned(),
+            model: model.name.to_string(),
             variant: Some(wanted.to_owned()),
             source: self.source,
             provenance: BTreeMap::new(),
@@ -445,38 +436,38 @@ impl PublishedFits {
     }
 }
 
-fn default_variant(model: &'static Declaration) -> Option<&'static str> {
-    match model.parameter(VARIANT)?.kind {
+fn default_variant(model: &Declaration) -> Option<&str> {
+    match &model.parameter(VARIANT)?.kind {
         crate::scenario::ParameterKind::Text { default, .. } => Some(default),
         _ => None,
     }
 }
 
-fn nearest(name: &str, model: &'static Declaration) -> Option<&'static str> {
-    let candidates = model.parameters.iter().map(|parameter| parameter.name);
+fn nearest(name: &str, model: &Declaration) -> Option<String> {
+    let candidates = model.parameters.iter().map(|parameter| &*parameter.name);
     candidates
         .map(|candidate| (strsim::damerau_levenshtein(candidate, name), candidate))
         .filter(|&(distance, candidate)| distance * 2 <= candidate.len().max(2))
         .min()
-        .map(|(_, candidate)| candidate)
+        .map(|(_, candidate)| candidate.to_string())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::pedestrian::commotions::model::COMMOTIONS;
+    use crate::pedestrian::commotions::model::commotions;
 
     fn csv(text: &str) -> Result<Population, PopulationError> {
-        Population::from_csv(Path::new("people.csv"), text, &COMMOTIONS.declaration, None)
+        Population::from_csv(Path::new("people.csv"), text, &commotions().declaration, None)
     }
 
     fn json(text: &str, variant: Option<&str>) -> Result<Population, PopulationError> {
-        Population::from_json(Path::new("people.json"), text, &COMMOTIONS.declaration, variant)
+        Population::from_json(Path::new("people.json"), text, &commotions().declaration, variant)
     }
 
     #[test]
     fn the_shipped_population_has_a_thousand_individuals_and_its_provenance() {
-        let standard = Population::read(STANDARD, &COMMOTIONS.declaration, None).unwrap();
+        let standard = Population::read(STANDARD, &commotions().declaration, None).unwrap();
         assert!(standard.len() >= 1000, "{}", standard.len());
         assert_eq!(standard.variant.as_deref(), Some("oVAoBEvoAIoEAoSNvoPF"));
         for what in ["tool", "design", "seed", "repetitions", "candidates", "retained", "criteria"] {
@@ -528,8 +519,8 @@ mod tests {
             json(&own("[[10]]"), Some("oVAoAI")),
             json(&own("[[10]]").replace("commotions", "carla_walker"), None),
             json(published, None),
-            Population::read("people.txt", &COMMOTIONS.declaration, None),
-            Population::read("/nowhere/people.csv", &COMMOTIONS.declaration, None),
+            Population::read("people.txt", &commotions().declaration, None),
+            Population::read("/nowhere/people.csv", &commotions().declaration, None),
         ]
         .into_iter()
         .map(|result| result.unwrap_err().to_string())

@@ -6,42 +6,40 @@ use crate::sim::{ModelError, Motion, Pedestrian, Scene};
 
 const FREE: &str = "free choice";
 
-pub static SCRIPTED: PedestrianModel = PedestrianModel {
-    declaration: Declaration {
-        name: "scripted",
-        summary: "Walks to its goal at a constant speed after a delay, blind to traffic; may stop on the way and go on.",
-        source: "fixed script",
-        parameters: &[
-            Parameter::number("speed", Dimension::SPEED, 1.4, (0.0, 12.0), "Walking speed.", FREE),
-            Parameter::number(
-                "delay",
-                Dimension::TIME,
-                0.0,
-                (0.0, 600.0),
-                "Time that it stands after it appeared.",
-                FREE,
-            ),
-            Parameter::optional(
-                "stop_after",
-                Dimension::LENGTH,
-                (0.0, 1000.0),
-                "Stops after walking this far; without it, it never stops.",
-                FREE,
-            ),
-            Parameter::optional(
-                "stop_for",
-                Dimension::TIME,
-                (0.0, 600.0),
-                "Time that it stands there before it walks on; without it, it stays.",
-                FREE,
-            ),
-        ],
-        presets: None,
-    },
-    takes_individuals: false,
-    chance: Chance::Never,
-    build,
-};
+pub fn scripted() -> PedestrianModel {
+    let declaration = Declaration::new(
+        "scripted",
+        "Walks to its goal at a constant speed after a delay, blind to traffic; may \
+         stop on the way and go on.",
+    )
+    .source("fixed script")
+    .parameters([
+        Parameter::number("speed", Dimension::SPEED, 1.4, (0.0, 12.0), "Walking speed.", FREE),
+        Parameter::number(
+            "delay",
+            Dimension::TIME,
+            0.0,
+            (0.0, 600.0),
+            "Time that it stands after it appeared.",
+            FREE,
+        ),
+        Parameter::optional(
+            "stop_after",
+            Dimension::LENGTH,
+            (0.0, 1000.0),
+            "Stops after walking this far; without it, it never stops.",
+            FREE,
+        ),
+        Parameter::optional(
+            "stop_for",
+            Dimension::TIME,
+            (0.0, 600.0),
+            "Time that it stands there before it walks on; without it, it stays.",
+            FREE,
+        ),
+    ]);
+    PedestrianModel::new(declaration, build).chance(Chance::Never)
+}
 
 struct Scripted {
     speed: f64,
@@ -125,7 +123,7 @@ mod tests {
 
     #[test]
     fn walks_after_the_delay_and_stops_at_the_goal() {
-        let mut walk = Walk::new(&SCRIPTED, Settings::from([("delay", number(1.0))]));
+        let mut walk = Walk::new(&scripted(), Settings::from([("delay", number(1.0))]));
         walk.go(1.0);
         assert_eq!(walk.position().y, -4.0);
         walk.go(1.0);
@@ -137,19 +135,19 @@ mod tests {
     #[test]
     fn stops_where_told_and_goes_on() {
         let settings = [("stop_after", number(3.0)), ("stop_for", number(2.0)), ("speed", number(1.0))];
-        let mut walk = Walk::new(&SCRIPTED, Settings::from(settings));
+        let mut walk = Walk::new(&scripted(), Settings::from(settings));
         walk.go(4.5);
         assert!((walk.position().y + 1.0).abs() < 1e-9);
         walk.go(1.5);
         assert!((walk.position().y - 0.0).abs() < 1e-9, "{}", walk.position().y);
-        let mut stays = Walk::new(&SCRIPTED, Settings::from([("stop_after", number(3.0))]));
+        let mut stays = Walk::new(&scripted(), Settings::from([("stop_after", number(3.0))]));
         stays.go(100.0);
         assert!((stays.position().y + 1.0).abs() < 1e-9);
     }
 
     #[test]
     fn a_stop_without_a_place_is_an_error() {
-        let error = Walk::try_new(&SCRIPTED, Settings::from([("stop_for", number(2.0))])).err().unwrap();
+        let error = Walk::try_new(&scripted(), Settings::from([("stop_for", number(2.0))])).err().unwrap();
         assert!(error.hint.is_some());
     }
 }

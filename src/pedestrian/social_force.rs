@@ -14,126 +14,132 @@ use crate::sim::{ModelError, Motion, Pedestrian, Scene, VehicleState};
 const PAPER: &str = "Helbing & Molnar 1995, Phys. Rev. E 51:4282";
 const CHOICE: &str = "our choice; the paper has no vehicles";
 
-pub static SOCIAL_FORCE: PedestrianModel = PedestrianModel {
-    declaration: Declaration {
-        name: "social_force",
-        summary: "Helbing-Molnar social force: walks to its goal and is repelled by vehicles, without any decision.",
-        source: "Helbing & Molnar 1995, Phys. Rev. E 51:4282; vehicles as obstacles by our choice",
-        parameters: &[
-            Parameter::optional(
-                "desired_speed",
-                Dimension::SPEED,
-                (0.1, 3.0),
-                "Speed at which it wants to walk; without it, drawn once per run from the normal distribution below.",
-                PAPER,
-            ),
-            Parameter::number(
-                "desired_speed_mean",
-                Dimension::SPEED,
-                1.34,
-                (0.5, 3.0),
-                "Mean of the drawn desired speed.",
-                PAPER,
-            ),
-            Parameter::number(
-                "desired_speed_deviation",
-                Dimension::SPEED,
-                0.26,
-                (0.0, 1.0),
-                "Standard deviation of the drawn desired speed; draws below 0.1 m/s are raised to it.",
-                PAPER,
-            ),
-            Parameter::number(
-                "relaxation_time",
-                Dimension::TIME,
-                0.5,
-                (0.07, 2.0),
-                "Time in which it approaches its desired speed.",
-                PAPER,
-            ),
-            Parameter::number(
-                "max_speed_factor",
-                Dimension::NUMBER,
-                1.3,
-                (1.0, 3.0),
-                "Its speed never exceeds this many times its desired speed.",
-                PAPER,
-            ),
-            Parameter::number(
-                "start_delay",
-                Dimension::TIME,
-                0.0,
-                (0.0, 600.0),
-                "Time that it stands after it appeared; vary it up to the vehicle's arrival time for conflicts.",
-                CHOICE,
-            ),
-            Parameter::number(
-                "vehicle_strength",
-                Dimension::new(2, -2, 0),
-                10.0,
-                (0.0, 100.0),
-                "Strength of a vehicle's repulsive potential; the paper's value for borders.",
-                CHOICE,
-            ),
-            Parameter::number(
-                "vehicle_range",
-                Dimension::LENGTH,
-                1.0,
-                (0.3, 10.0),
-                "Range of a vehicle's repulsive potential: a design choice, to be swept from 0.5 to 5 m.",
-                CHOICE,
-            ),
-            Parameter::number(
-                "look_ahead",
-                Dimension::TIME,
-                2.0,
-                (0.0, 10.0),
-                "Driving time by which a vehicle's potential stretches ahead of it.",
-                PAPER,
-            ),
-            Parameter::number(
-                "view_angle",
-                Dimension::ANGLE,
-                200.0 * std::f64::consts::PI / 180.0,
-                (0.0, 2.0 * std::f64::consts::PI),
-                "Full angle of its view, around its way.",
-                PAPER,
-            ),
-            Parameter::number(
-                "unseen_weight",
-                Dimension::NUMBER,
-                0.5,
-                (0.0, 1.0),
-                "Weight of repulsion from outside its view.",
-                PAPER,
-            ),
-            Parameter::number(
-                "body_radius",
-                Dimension::LENGTH,
-                0.3,
-                (0.2, 0.35),
-                "Its body's radius, taken off its distance from vehicles together with half their width.",
-                CHOICE,
-            ),
-            Parameter::number(
-                "noise",
-                Dimension::SPEED,
-                0.0,
-                (0.0, 1.0),
-                "Standard deviation of the fluctuation of its speed in free walking.",
-                "form of the paper's fluctuations by our choice",
-            ),
-        ],
-        presets: None,
-    },
-    takes_individuals: false,
-    chance: Chance::If(|settings| {
+pub fn social_force() -> PedestrianModel {
+    let declaration = Declaration::new(
+        "social_force",
+        "Helbing-Molnar social force: walks to its goal and is repelled by vehicles, \
+         without any decision.",
+    )
+    .source(
+        "Helbing & Molnar 1995, Phys. Rev. E 51:4282; vehicles as obstacles by our \
+         choice",
+    )
+    .parameters([
+        Parameter::optional(
+            "desired_speed",
+            Dimension::SPEED,
+            (0.1, 3.0),
+            "Speed at which it wants to walk; without it, drawn once per run from the \
+             normal distribution below.",
+            PAPER,
+        ),
+        Parameter::number(
+            "desired_speed_mean",
+            Dimension::SPEED,
+            1.34,
+            (0.5, 3.0),
+            "Mean of the drawn desired speed.",
+            PAPER,
+        ),
+        Parameter::number(
+            "desired_speed_deviation",
+            Dimension::SPEED,
+            0.26,
+            (0.0, 1.0),
+            "Standard deviation of the drawn desired speed; draws below 0.1 m/s are raised \
+             to it.",
+            PAPER,
+        ),
+        Parameter::number(
+            "relaxation_time",
+            Dimension::TIME,
+            0.5,
+            (0.07, 2.0),
+            "Time in which it approaches its desired speed.",
+            PAPER,
+        ),
+        Parameter::number(
+            "max_speed_factor",
+            Dimension::NUMBER,
+            1.3,
+            (1.0, 3.0),
+            "Its speed never exceeds this many times its desired speed.",
+            PAPER,
+        ),
+        Parameter::number(
+            "start_delay",
+            Dimension::TIME,
+            0.0,
+            (0.0, 600.0),
+            "Time that it stands after it appeared; vary it up to the vehicle's arrival \
+             time for conflicts.",
+            CHOICE,
+        ),
+        Parameter::number(
+            "vehicle_strength",
+            Dimension::new(2, -2, 0),
+            10.0,
+            (0.0, 100.0),
+            "Strength of a vehicle's repulsive potential; the paper's value for borders.",
+            CHOICE,
+        ),
+        Parameter::number(
+            "vehicle_range",
+            Dimension::LENGTH,
+            1.0,
+            (0.3, 10.0),
+            "Range of a vehicle's repulsive potential: a design choice, to be swept from \
+             0.5 to 5 m.",
+            CHOICE,
+        ),
+        Parameter::number(
+            "look_ahead",
+            Dimension::TIME,
+            2.0,
+            (0.0, 10.0),
+            "Driving time by which a vehicle's potential stretches ahead of it.",
+            PAPER,
+        ),
+        Parameter::number(
+            "view_angle",
+            Dimension::ANGLE,
+            200.0 * std::f64::consts::PI / 180.0,
+            (0.0, 2.0 * std::f64::consts::PI),
+            "Full angle of its view, around its way.",
+            PAPER,
+        ),
+        Parameter::number(
+            "unseen_weight",
+            Dimension::NUMBER,
+            0.5,
+            (0.0, 1.0),
+            "Weight of repulsion from outside its view.",
+            PAPER,
+        ),
+        Parameter::number(
+            "body_radius",
+            Dimension::LENGTH,
+            0.3,
+            (0.2, 0.35),
+            "Its body's radius, taken off its distance from vehicles together with half \
+             their width.",
+            CHOICE,
+        ),
+        Parameter::number(
+            "noise",
+            Dimension::SPEED,
+            0.0,
+            (0.0, 1.0),
+            "Standard deviation of the fluctuation of its speed in free walking.",
+            "form of the paper's fluctuations by our choice",
+        ),
+    ]);
+    PedestrianModel::new(declaration, build).chance(Chance::If(|settings| {
         let drawn_speed = settings.optional_number("desired_speed").is_none()
             && settings.number("desired_speed_deviation") > 0.0;
         drawn_speed || settings.number("noise") > 0.0
-    }),
-    build,
-};
+    }))
+}
 
 /// Nearer to its goal than this it has arrived, m.
 const ARRIVAL: f64 = 0.2;
@@ -318,7 +324,7 @@ mod tests {
             ("desired_speed", Value::Number(1.3)),
             ("max_speed_factor", Value::Number(3.0)),
         ]);
-        let mut walk = Walk::new(&SOCIAL_FORCE, given);
+        let mut walk = Walk::new(&social_force(), given);
         walk.world.pedestrians[0].goal.y = 1e6;
         let speeds: Vec<_> = (0..40_000)
             .map(|_| {
@@ -336,7 +342,7 @@ mod tests {
     fn walks_to_its_goal_at_its_drawn_speed_and_stays() {
         let mut speeds = Vec::new();
         for seed in 0..50 {
-            let mut walk = Walk::seeded(&SOCIAL_FORCE, Settings::default(), seed).unwrap();
+            let mut walk = Walk::seeded(&social_force(), Settings::default(), seed).unwrap();
             speeds.push(walk.pedestrian.free_speed());
             walk.go(40.0);
             assert!((walk.position().y - 6.0).abs() < 0.2 && walk.state().velocity.norm() == 0.0);

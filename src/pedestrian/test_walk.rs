@@ -3,9 +3,8 @@
 use nalgebra::Vector2;
 
 use super::{PedestrianContext, PedestrianModel};
-use crate::scenario::{
-    Appearance, Direction, ModelSetup, PedestrianSetup, Position, Road, Settings, Shape, Side, World,
-};
+use crate::scenario::{Appearance, Direction, PedestrianSetup, Position, Road, Settings, Shape, Side, World};
+use crate::sim::fixture::nobody;
 use crate::sim::{Longitudinal, ModelError, Motion, Pedestrian, PedestrianState, Scene, VehicleState};
 
 /// One pedestrian from 4 m before the lane's centre to 6 m behind it, near kerb at -2 m.
@@ -140,7 +139,7 @@ fn world() -> World {
         vehicles: Vec::new(),
         pedestrians: vec![PedestrianSetup {
             name: "walker".into(),
-            model: ModelSetup { name: String::new(), settings: Settings::default() },
+            model: nobody(),
             shape: Shape::Rectangle { length: 0.375, width: 0.375 },
             side: Side::Near,
             start: Position { x: 0.0, y: -4.0 },

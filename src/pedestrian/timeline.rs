@@ -7,14 +7,8 @@ use crate::scenario::{Chance, Declaration, Dimension, Parameter, Side, TextError
 use crate::sim::script::{Action, Quantity, Script, parameters};
 use crate::sim::{ModelError, Motion, Pedestrian, Scene, geometry};
 
-pub static TIMELINE: PedestrianModel = PedestrianModel {
-    declaration: Declaration {
-        name: "timeline",
-        summary: "Walks by scripted steps; `when` compares distance, time_to_arrival, vehicle_speed, walked, distance_to_kerb or speed.",
-        source: "conditions and actions after ASAM OpenSCENARIO",
-        parameters: &parameters::<2, 19>(
-            check,
-            [
+pub fn timeline() -> PedestrianModel {
+    let declaration = Declaration::new("timeline", "Walks by scripted steps; `when` compares distance, time_to_arrival, vehicle_speed, walked, distance_to_kerb or speed.").source("conditions and actions after ASAM OpenSCENARIO").parameters(parameters(check)).parameters([
                 Parameter::number(
                     "walking_speed",
                     Dimension::SPEED,
@@ -29,14 +23,9 @@ pub static TIMELINE: PedestrianModel = PedestrianModel {
                     "Whether it walks from the beginning; otherwise it stands until a step says more.",
                     "free choice",
                 ),
-            ],
-        ),
-        presets: None,
-    },
-    takes_individuals: false,
-    chance: Chance::Never,
-    build,
-};
+            ]);
+    PedestrianModel::new(declaration, build).chance(Chance::Never)
+}
 
 /// `distance`: to the nearest vehicle's footprint; `time_to_arrival`: of the front of the next vehicle at the
 /// pedestrian's place along the road; `vehicle_speed`: of the nearest vehicle; `walked`: since it appeared;
@@ -145,7 +134,7 @@ mod tests {
         for (name, value) in numbers {
             settings.set(*name, Value::Number(*value));
         }
-        Walk::new(&TIMELINE, settings)
+        Walk::new(&timeline(), settings)
     }
 
     #[test]

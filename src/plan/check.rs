@@ -3,14 +3,12 @@
 
 use super::PlanError;
 use super::overlap::refuse_overlaps;
-use crate::pedestrian;
 use crate::scenario::limits::{self, Limit};
 use crate::scenario::{
-    Appearance, Body, CrossingKind, Declaration, DeclaredVehicleStart, Dimension, ModelSetup, Origin,
-    ParameterKind, PedestrianSetup, Scenario, Shape, Side, Value, VehicleSetup, VehicleStart, World,
+    Appearance, Body, CrossingKind, DeclaredVehicleStart, Dimension, ModelSetup, Origin, ParameterKind,
+    PedestrianSetup, Registered, Scenario, Shape, Side, Value, VehicleSetup, VehicleStart, World,
     out_of_range, show,
 };
-use crate::vehicle::{self, PERCEPTION};
 
 /// Whether the world, which `scenario` was resolved to, can be run: every number finite and within its limits, nobody
 /// inside another body.
@@ -131,19 +129,12 @@ impl Checker<'_> {
                 }
             }
         }
-        let controller = vehicle::controller(&setup.controller.name).map(|known| &known.declaration);
-        self.settings(
-            &format!("{name}.controller"),
-            controller,
-            &setup.controller,
-            &declared.controller.origin,
-        )?;
-        let dynamics = vehicle::dynamics(&setup.dynamics.name).map(|known| &known.declaration);
+        self.settings(&format!("{name}.controller"), &setup.controller, &declared.controller.origin)?;
         let origin = declared.dynamics.as_ref().map_or(own, |model| &model.origin);
-        self.settings(&format!("{name}.dynamics"), dynamics, &setup.dynamics, origin)?;
+        self.settings(&format!("{name}.dynamics"), &setup.dynamics, origin)?;
         if let Some(sees) = &setup.sees {
             let origin = declared.sees.as_ref().map_or(own, |model| &model.origin);
-            self.settings(&format!("{name}.sees"), Some(&PERCEPTION), sees, origin)?;
+            self.settings(&format!("{name}.sees"), sees, origin)?;
         }
         Ok(())
     }
@@ -188,8 +179,7 @@ impl Checker<'_> {
                 within("appears", what, time, limits::APPEARS_WHEN)?;
             }
         }
-        let model = pedestrian::model(&setup.model.name).map(|known| &known.declaration);
-        self.settings(&format!("{name}.model"), model, &setup.model, &declared.model.origin)
+        self.settings(&format!("{name}.model"), &setup.model, &declared.model.origin)
     }
 
     /// The limit of a start; a scenario that was not read from a text says it from the lane's centre.
@@ -201,32 +191,31 @@ impl Checker<'_> {
     }
 
     /// Every value of a model, those of people and presets included.
-    fn settings(
+    fn settings<T: Registered>(
         &self,
         part: &str,
-        declaration: Option<&Declaration>,
-        setup: &ModelSetup,
+        setup: &ModelSetup<T>,
         origin: &Origin,
     ) -> Result<(), PlanError> {
-        let Some(declaration) = declaration else {
-            let message = format!("there is nothing called `{}`", setup.name);
+        let Some(declaration) = setup.model.declaration() else {
+            let message = format!("there is nothing called `{}`", setup.model);
             return Err(
                 PlanError::new(origin, message).with_hint("`scenario-runner models` lists what there is")
             );
         };
-        for parameter in declaration.parameters {
-            let Some(value) = setup.settings.get(parameter.name) else { continue };
-            let Err(error) = parameter.check(declaration.name, value) else { continue };
+        for parameter in &declaration.parameters {
+            let Some(value) = setup.settings.get(&parameter.name) else { continue };
+            let Err(error) = parameter.check(&declaration.name, value) else { continue };
             let name = format!("{part}.{}", parameter.name);
             let what = format!("`{}` of `{}`", parameter.name, declaration.name);
-            match (value, parameter.kind) {
+            match (value, &parameter.kind) {
                 (Value::Number(found), ParameterKind::Number { dimension, range, .. }) => {
-                    self.number(&name, &what, *found, (dimension, range), origin)?;
+                    self.number(&name, &what, *found, (*dimension, *range), origin)?;
                 }
                 (Value::Number(found), ParameterKind::Whole { range: (low, high), .. })
                     if found.fract() == 0.0 =>
                 {
-                    let range = (low as f64, high as f64);
+                    let range = (*low as f64, *high as f64);
                     self.number(&name, &what, *found, (Dimension::NUMBER, range), origin)?;
                 }
                 (Value::Number(found), ParameterKind::Whole { .. }) => {

@@ -7,10 +7,9 @@ use std::path::Path;
 use sha2::{Digest, Sha256};
 
 use super::PlanError;
-use crate::numbers::random::Stream;
-use crate::numbers::random::derive_seed;
+use crate::numbers::random::{Stream, derive_seed};
+use crate::pedestrian::population;
 use crate::pedestrian::population::Population as People;
-use crate::pedestrian::{self, population};
 use crate::scenario::{
     Expression, Individual, Individuals, Pedestrian, Population, Scenario, Settings, Suite, Value,
 };
@@ -88,8 +87,8 @@ fn choose(
 /// Everybody in the population of a pedestrian.
 fn read(pedestrian: &Pedestrian, individuals: &Individuals) -> Result<People, PlanError> {
     let origin = &individuals.origin;
-    let name = &pedestrian.model.name;
-    let model = pedestrian::model(name).ok_or_else(|| {
+    let name = &pedestrian.model.first;
+    let model = name.entry().ok_or_else(|| {
         PlanError::new(&pedestrian.model.origin, format!("there is no pedestrian model called `{name}`"))
     })?;
     if !model.takes_individuals {
@@ -110,7 +109,7 @@ pub fn populations(suite: &Suite) -> Result<BTreeMap<String, String>, PlanError>
     let mut known: BTreeMap<(&str, &str, Option<&str>), Vec<u8>> = BTreeMap::new();
     for pedestrian in pedestrians {
         let Some(individuals) = &pedestrian.individuals else { continue };
-        let key = (individuals.population.as_str(), pedestrian.model.name.as_str(), variant(pedestrian));
+        let key = (individuals.population.as_str(), pedestrian.model.first.name(), variant(pedestrian));
         if let Entry::Vacant(place) = known.entry(key) {
             let people = read(pedestrian, individuals)?;
             let everybody: Vec<Settings> =
@@ -171,6 +170,7 @@ pub fn label(people: &[Individual]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::models::standard;
     use crate::scenario::{DeclaredAppearance, Direction, Model, Origin, Road, Side};
 
     fn pedestrian(name: &str, model: &str, variant: Option<&str>, selection: Population) -> Pedestrian {
@@ -180,8 +180,10 @@ mod tests {
         Pedestrian {
             name: name.to_string(),
             model: Model {
+                first: standard().pedestrians().get(model).unwrap().into(),
                 varied_by: None,
-                name: model.to_string(),
+                varied: Vec::new(),
+                others: Vec::new(),
                 settings: settings.into_iter().collect(),
                 origin: Origin::default(),
             },
@@ -278,7 +280,8 @@ mod tests {
                 pedestrian("other", "commotions", None, Population::Count(3)),
             ]),
         ];
-        let there_are = People::read("standard", &pedestrian::model("commotions").unwrap().declaration, None);
+        let there_are =
+            People::read("standard", &standard().pedestrians().get("commotions").unwrap().declaration, None);
         let there_are = format!("there are {}", there_are.unwrap().len());
         insta::assert_snapshot!(said.join("\n").replace(&there_are, "there are N"));
     }

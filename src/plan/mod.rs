@@ -14,7 +14,6 @@ use std::sync::Arc;
 
 use thiserror::Error;
 
-use crate::metrics;
 use crate::numbers::random::derive_seed;
 use crate::scenario::{
     Assignment, Case, Criterion, Expression, Individual, Origin, Rounds, RunBudget, Scenario, Suite, Trial,
@@ -295,7 +294,10 @@ pub fn criteria(scenario: &Scenario, variables: &Variables) -> Result<Vec<Criter
             let mut criterion = criterion.clone();
             // The last step may end beyond the horizon.
             let longest = scenario.horizon + scenario.step;
-            criterion.reach.limits = metrics::limits(criterion.claim.metric(), longest);
+            criterion.reach.limits = {
+                let reference = criterion.claim.metric();
+                reference.known().and_then(|metric| metric.limits(&reference.settings, longest))
+            };
             for bound in criterion.claim.bounds_mut() {
                 *bound = Expression::Constant(bound.evaluate(variables).map_err(failed)?);
             }

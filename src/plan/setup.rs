@@ -1,14 +1,14 @@
 //! One world of a scenario: expressions evaluated, settings resolved, places worked out.
 
+use std::sync::Arc;
+
 use super::check::check;
 use super::{PlanError, Variables};
-use crate::pedestrian;
 use crate::scenario::{
     Appearance, Declaration, DeclaredAppearance, DeclaredShape, DeclaredVehicleStart, Expression, Individual,
     Model, ModelSetup, Origin, Pedestrian, PedestrianSetup, Position, Scenario, SettingError, Settings,
     Shape, Side, Vehicle, VehicleReference, VehicleSetup, VehicleStart, World,
 };
-use crate::vehicle::{self, PERCEPTION};
 
 const DEFAULT_SHAPE: Shape = Shape::Disc { radius: 0.25 };
 
@@ -46,24 +46,17 @@ fn vehicle_setup(
     pedestrians: &[PedestrianSetup],
 ) -> Result<VehicleSetup, PlanError> {
     let number = |expression: &Expression| number(expression, variables, &declared.origin);
-    let unknown = |kind: &str, model: &Model, name: &str| {
-        PlanError::new(&model.origin, format!("there is no {kind} called `{name}`"))
-    };
-    let controller_name = name(&declared.controller, variables)?;
-    let controller = vehicle::controller(controller_name)
-        .ok_or_else(|| unknown("controller", &declared.controller, controller_name))?;
+    let controller = chosen(&declared.controller, "controller", variables)?;
     let (dynamics, dynamics_settings) = match &declared.dynamics {
         Some(model) => {
-            let name = name(model, variables)?;
-            let found = vehicle::dynamics(name).ok_or_else(|| unknown("vehicle dynamics", model, name))?;
-            (found, resolve(&found.declaration, model, variables)?)
+            let found = chosen(model, "vehicle dynamics", variables)?;
+            let settings = resolve(&found.declaration, model, variables)?;
+            (found, settings)
         }
         None => {
-            let found = vehicle::dynamics(controller.default_dynamics).ok_or_else(|| {
-                PlanError::new(
-                    &declared.origin,
-                    format!("there are no vehicle dynamics called `{}`", controller.default_dynamics),
-                )
+            let default = &controller.default_dynamics;
+            let found = default.entry().cloned().ok_or_else(|| {
+                PlanError::new(&declared.origin, format!("there are no vehicle dynamics called `{default}`"))
             })?;
             let settings = found.declaration.resolve(&Settings::default());
             (found, settings.map_err(|error| PlanError::new(&declared.origin, error.to_string()))?)
@@ -99,19 +92,20 @@ fn vehicle_setup(
         }
     };
     let sees = match &declared.sees {
-        Some(model) => Some(ModelSetup {
-            name: PERCEPTION.name.to_string(),
-            settings: resolve(&PERCEPTION, model, variables)?,
-        }),
+        Some(model) => {
+            let perception = chosen(model, "perception", variables)?;
+            let settings = resolve(&perception.declaration, model, variables)?;
+            Some(ModelSetup { model: perception.into(), settings })
+        }
         None => None,
     };
     Ok(VehicleSetup {
         name: declared.name.clone(),
         controller: ModelSetup {
-            name: controller_name.to_string(),
             settings: resolve(&controller.declaration, &declared.controller, variables)?,
+            model: controller.into(),
         },
-        dynamics: ModelSetup { name: dynamics.declaration.name.to_string(), settings: dynamics_settings },
+        dynamics: ModelSetup { model: dynamics.into(), settings: dynamics_settings },
         length,
         width,
         lane: declared.lane,
@@ -154,11 +148,7 @@ fn pedestrian_setup(
     people: &[Individual],
 ) -> Result<PedestrianSetup, PlanError> {
     let number = |expression: &Expression| number(expression, variables, &declared.origin);
-    let model_name = name(&declared.model, variables)?;
-    let model = pedestrian::model(model_name).ok_or_else(|| {
-        let message = format!("there is no pedestrian model called `{model_name}`");
-        PlanError::new(&declared.model.origin, message)
-    })?;
+    let model = chosen(&declared.model, "pedestrian model", variables)?;
     let road = &scenario.road;
     let (own_lane, opposite) = match declared.side {
         Side::Near => (0, Side::Far),
@@ -196,7 +186,7 @@ fn pedestrian_setup(
         model.declaration.fill_in(&given).map_err(|error| refused(&declared.model.origin, &error))?;
     Ok(PedestrianSetup {
         name: declared.name.clone(),
-        model: ModelSetup { name: model_name.to_string(), settings },
+        model: ModelSetup { model: model.into(), settings },
         shape,
         side: declared.side,
         start,
@@ -205,7 +195,11 @@ fn pedestrian_setup(
     })
 }
 
-fn resolve(declaration: &Declaration, model: &Model, variables: &Variables) -> Result<Settings, PlanError> {
+fn resolve<T>(
+    declaration: &Declaration,
+    model: &Model<T>,
+    variables: &Variables,
+) -> Result<Settings, PlanError> {
     declaration.fill_in(&evaluate(model, variables)?).map_err(|error| refused(&model.origin, &error))
 }
 
@@ -214,19 +208,22 @@ fn refused(origin: &Origin, error: &SettingError) -> PlanError {
     PlanError::new(origin, error.to_string())
 }
 
-fn evaluate(model: &Model, variables: &Variables) -> Result<Settings, PlanError> {
+fn evaluate<T>(model: &Model<T>, variables: &Variables) -> Result<Settings, PlanError> {
     let mut settings = Settings::default();
     for (name, expression) in &model.settings {
         let value = expression.evaluate(variables).map_err(|error| {
-            PlanError::new(&model.origin, format!("`{name}` of `{}`: {error}", model.name))
+            PlanError::new(&model.origin, format!("`{name}` of `{}`: {error}", model.first))
         })?;
         settings.set(name.clone(), value);
     }
     Ok(settings)
 }
 
-fn name<'a>(model: &'a Model, variables: &'a Variables) -> Result<&'a str, PlanError> {
-    model.name_where(variables).map_err(|error| PlanError::new(&model.origin, error.to_string()))
+/// What a model is where variations have these values.
+fn chosen<T>(model: &Model<T>, kind: &str, variables: &Variables) -> Result<Arc<T>, PlanError> {
+    let chosen = model.chosen(variables).map_err(|error| PlanError::new(&model.origin, error.to_string()))?;
+    let unknown = || PlanError::new(&model.origin, format!("there is no {kind} called `{chosen}`"));
+    chosen.entry().cloned().ok_or_else(unknown)
 }
 
 fn number(expression: &Expression, variables: &Variables, origin: &Origin) -> Result<f64, PlanError> {

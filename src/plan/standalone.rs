@@ -1,7 +1,6 @@
 //! One case as a scenario of its own: everything put in that it draws or varies.
 
 use super::{PlanError, Variables, variables};
-use crate::pedestrian;
 use crate::scenario::{
     Assignment, DeclaredAppearance, DeclaredShape, DeclaredVehicleStart, Expression, Individual, Model,
     Origin, Pedestrian, Scenario, Settings, Vehicle,
@@ -36,8 +35,9 @@ pub fn standalone(
 }
 
 fn fix_vehicle(car: &mut Vehicle, variables: &Variables) -> Result<(), PlanError> {
-    let models = [Some(&mut car.controller), car.dynamics.as_mut(), car.sees.as_mut()];
-    models.into_iter().flatten().try_for_each(|model| fix_model(model, variables))?;
+    fix_model(&mut car.controller, variables)?;
+    car.dynamics.iter_mut().try_for_each(|model| fix_model(model, variables))?;
+    car.sees.iter_mut().try_for_each(|model| fix_model(model, variables))?;
     let size = car.size.iter_mut().flat_map(|(length, width)| [length, width]);
     let start = match &mut car.start {
         DeclaredVehicleStart::Automatic => None,
@@ -60,10 +60,10 @@ fn fix_pedestrian(person: &mut Pedestrian, variables: &Variables) -> Result<(), 
     expressions.try_for_each(|expression| fix(expression, variables, &person.origin))
 }
 
-fn fix_model(model: &mut Model, variables: &Variables) -> Result<(), PlanError> {
-    let name =
-        model.name_where(variables).map_err(|error| PlanError::new(&model.origin, error.to_string()))?;
-    (model.name, model.varied_by) = (name.to_string(), None);
+fn fix_model<T>(model: &mut Model<T>, variables: &Variables) -> Result<(), PlanError> {
+    let chosen = model.chosen(variables).map_err(|error| PlanError::new(&model.origin, error.to_string()))?;
+    (model.first, model.varied_by) = (chosen, None);
+    (model.varied, model.others) = (Vec::new(), Vec::new());
     model.settings.iter_mut().try_for_each(|(_, value)| fix(value, variables, &model.origin))
 }
 
@@ -81,8 +81,8 @@ fn add_individual(person: &mut Pedestrian, individual: &Individual) {
             said.set(name.clone(), value.clone());
         }
     }
-    let model = pedestrian::model(&person.model.name);
-    let usual = model.and_then(|model| model.declaration.resolve(&said).ok()).unwrap_or_default();
+    let declaration = person.model.first.declaration();
+    let usual = declaration.and_then(|declaration| declaration.resolve(&said).ok()).unwrap_or_default();
     for (name, value) in &individual.parameters.0 {
         if !said.0.contains_key(name) && usual.0.get(name) != Some(value) {
             person.model.settings.push((name.clone(), Expression::Constant(value.clone())));

@@ -6,8 +6,8 @@ use super::format::{count, quantity, share};
 use crate::escape::markdown;
 use crate::judge::baseline::{Baseline, RecordedMetric, RecordedTrial, pair};
 use crate::judge::gate::vehicle_changes;
-use crate::metrics::{self, MetricKind};
 use crate::numbers::summary::mean;
+use crate::scenario::MetricKind;
 
 const STRING: &str = "writing to a string cannot fail";
 
@@ -23,7 +23,7 @@ pub fn render_baseline(baseline: &Baseline, form: Form) -> String {
     let mut text = heading(baseline, form);
     for (index, vehicles) in baseline.vehicles.iter().enumerate() {
         for vehicle in vehicles {
-            let drives = format!("{} on {}", vehicle.controller.name, vehicle.dynamics.name);
+            let drives = format!("{} on {}", vehicle.controller.model, vehicle.dynamics.model);
             let trials = baseline.trials.iter().filter(|trial| trial.vehicles == index).count();
             line(&mut text, form, &format!("{}: {drives} in {trials} trials", vehicle.name));
         }
@@ -159,7 +159,7 @@ fn line(text: &mut String, form: Form, content: &str) {
 fn summary(metric: &RecordedMetric, row: &[Option<f64>]) -> String {
     let values: Vec<f64> = row.iter().copied().flatten().collect();
     let Some(centre) = mean(&values) else { return "–".to_string() };
-    let text = match metrics::metric(&metric.name).map(|metric| metric.kind) {
+    let text = match metric.name.known().map(|metric| &metric.kind) {
         Some(MetricKind::Flag) => share(centre),
         Some(MetricKind::Category(words)) => {
             let count = |index: usize| values.iter().filter(|value| **value as usize == index).count();
@@ -174,7 +174,7 @@ fn summary(metric: &RecordedMetric, row: &[Option<f64>]) -> String {
 }
 
 fn shown(metric: &RecordedMetric, value: Option<f64>) -> String {
-    metrics::metric(&metric.name).map_or_else(|| "?".to_string(), |metric| quantity(metric, value))
+    metric.name.known().map_or_else(|| "?".to_string(), |metric| quantity(metric, value))
 }
 
 /// The first row is the heading; the first two columns stand left.

@@ -1,18 +1,16 @@
 //! Every run as a row of CSV (RFC 4180), for spreadsheets and data frames. No wall times: the same suites and seeds give
 //! the same bytes, on any number of threads.
 
-use crate::results::{Outcome, Requests, SuiteReport};
-use std::io::{self, Write};
-
-use ::csv::{Terminator, Writer, WriterBuilder};
-
 use super::rows::{Row, What, each_row};
 use super::verdict_word;
 use crate::escape::csv_cell;
 use crate::judge::{PerRun, per_run};
-use crate::metrics::{self, Metric, MetricKind};
-use crate::scenario::{Individual, Value};
+use crate::results::{Outcome, Requests, SuiteReport};
+use crate::scenario::{Individual, Metric, MetricKind, Value};
 use crate::sim::StopReason;
+use std::io::{self, Write};
+
+use ::csv::{Terminator, Writer, WriterBuilder};
 
 /// Columns of every file, before those that depend on the suites.
 const FIRST: [&str; 10] = [
@@ -34,7 +32,7 @@ const LAST: [&str; 2] = ["fingerprint", "message"];
 struct Columns<'r> {
     variations: Vec<&'r str>,
     /// Index in the outcomes, metric and heading.
-    metrics: Vec<(usize, &'static Metric, String)>,
+    metrics: Vec<(usize, &'r Metric, String)>,
     criteria: Vec<&'r str>,
 }
 
@@ -53,7 +51,7 @@ pub fn write_csv(reports: &[SuiteReport], requests: &Requests, out: impl Write) 
 }
 
 impl<'r> Columns<'r> {
-    fn of(reports: &'r [SuiteReport], requests: &Requests) -> Self {
+    fn of(reports: &'r [SuiteReport], requests: &'r Requests) -> Self {
         let mut variations: Vec<&str> = Vec::new();
         let mut criteria: Vec<&str> = Vec::new();
         let add = |columns: &mut Vec<&'r str>, name: &'r str| {
@@ -66,12 +64,9 @@ impl<'r> Columns<'r> {
             let judged = trial.trial.criteria.iter().filter(|criterion| per_run(criterion).is_some());
             judged.for_each(|criterion| add(&mut criteria, &criterion.text));
         }
-        let metric = |(index, reference): (usize, &crate::scenario::MetricReference)| {
-            let metric = metrics::metric(&reference.name)?;
-            let unit = match metric.kind {
-                MetricKind::Quantity(dimension) => dimension.si_unit(),
-                MetricKind::Flag | MetricKind::Category(_) => String::new(),
-            };
+        let metric = |(index, reference): (usize, &'r crate::scenario::MetricReference)| {
+            let metric = reference.known()?;
+            let unit = metric.unit();
             let label = reference.label();
             let heading = if unit.is_empty() { label } else { format!("{label} [{unit}]") };
             Some((index, metric, heading))
@@ -144,8 +139,10 @@ impl<'r> Columns<'r> {
 
 /// In SI units with all digits; flags as 0 and 1, words as words.
 fn number(metric: &Metric, value: f64) -> String {
-    match metric.kind {
-        MetricKind::Category(words) => words.get(value as usize).copied().unwrap_or_default().to_string(),
+    match &metric.kind {
+        MetricKind::Category(words) => {
+            words.get(value as usize).map(|word| word.to_string()).unwrap_or_default()
+        }
         MetricKind::Flag | MetricKind::Quantity(_) => value.to_string(),
     }
 }
@@ -194,7 +191,7 @@ mod tests {
         let runs: Vec<_> = report.trials.iter().flat_map(|trial| &trial.outcomes).collect();
         let rows: Vec<_> = reader.records().map(Result::unwrap).collect();
         let read = rows.iter().filter(|row| &row[at("state")] == "finished").skip(report.recorded.len() - 1);
-        let index = session.requests.iter().position(|one| one.name == "pet").unwrap();
+        let index = session.requests.iter().position(|one| one.name() == "pet").unwrap();
         for (row, run) in read.zip(&runs) {
             assert_eq!(row[at("run")], run.key);
             assert_eq!(row[at("pet [s]")].parse().ok(), run.metrics[index]);

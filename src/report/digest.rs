@@ -2,9 +2,8 @@
 
 use super::format::{in_notation, quantity, share};
 use crate::lang;
-use crate::metrics::{Metric, MetricKind, Worst};
 use crate::results::Outcome;
-use crate::scenario::{Criterion, MetricReference, Notation};
+use crate::scenario::{Criterion, Metric, MetricKind, MetricReference, Notation, Text, Worst};
 
 /// What a metric came to over several runs.
 pub struct Digest<'a> {
@@ -40,7 +39,7 @@ impl<'a> Digest<'a> {
             0 => String::new(),
             _ => format!(" in {} of {} runs", self.values.len(), self.runs),
         };
-        match self.metric.kind {
+        match &self.metric.kind {
             _ if low == high => format!("{}{defined}", show(low)),
             MetricKind::Flag => format!("yes in {} of {} runs", self.holding(), self.runs),
             MetricKind::Category(words) => self.words(words),
@@ -53,7 +52,7 @@ impl<'a> Digest<'a> {
     /// For a cell under a heading with [`Self::heading`]: `10 %`, `2.31 (1.05)`; `–` where there is no value.
     pub fn short(&self) -> String {
         let Some((low, high)) = self.range() else { return "–".to_string() };
-        match self.metric.kind {
+        match &self.metric.kind {
             MetricKind::Flag => share(self.holding() as f64 / self.values.len() as f64),
             MetricKind::Category(words) => self.words(words),
             MetricKind::Quantity(_) if low == high => self.number(low),
@@ -66,7 +65,7 @@ impl<'a> Digest<'a> {
 
     /// The heading of a column of [`Self::short`]s: name, and unit with what the numbers are.
     pub fn heading(metric: &Metric, label: &str, unit: Option<Notation>) -> (String, String) {
-        let below = match metric.kind {
+        let below = match &metric.kind {
             MetricKind::Flag => "of runs".to_string(),
             MetricKind::Category(_) => "runs each".to_string(),
             MetricKind::Quantity(dimension) => {
@@ -95,7 +94,7 @@ impl<'a> Digest<'a> {
         self.values.iter().filter(|value| **value != 0.0).count()
     }
 
-    fn words(&self, words: &[&str]) -> String {
+    fn words(&self, words: &[Text]) -> String {
         let count = |index| self.values.iter().filter(|value| **value as usize == index).count();
         let counts = words.iter().enumerate().map(|(index, word)| (word, count(index)));
         let said = counts.filter(|(_, count)| *count > 0).map(|(word, count)| format!("{word} {count}"));

@@ -5,7 +5,6 @@ use std::fmt::Write;
 use super::columns::columns;
 use super::format::in_written_unit;
 use crate::judge::cut_off_runs;
-use crate::metrics::unit_of;
 use crate::results::{ConditionResult, Difference, EvaluateResult, ParameterValue};
 use crate::scenario::{Aggregate, Notation, Target};
 
@@ -27,7 +26,7 @@ pub fn render_evaluate(result: &EvaluateResult) -> String {
         runs => format!("each {runs} times under fresh seeds\n"),
     };
     let units: Vec<Unit> =
-        result.measures.iter().map(|measure| (measure.notation, unit_of(&measure.aggregate))).collect();
+        result.measures.iter().map(|measure| (measure.notation, measure.aggregate.unit())).collect();
     let parameters = result.conditions.iter().map(|one| &one.parameters).find(|all| !all.is_empty());
     let parameters: Vec<String> = parameters.into_iter().flatten().map(heading).collect();
     let mut headings = vec![String::new()];

@@ -188,7 +188,7 @@ mod tests {
             criterion: "mean(time_lost) <= 2 s with 95 % confidence".into(),
             origin: Origin::default(),
             verdict,
-            metric: "time_lost".into(),
+            metric: crate::models::known::metric("time_lost"),
             measure,
             runs: 400,
             holding: 356,

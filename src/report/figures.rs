@@ -1,17 +1,14 @@
 //! The charts of a suite's report: which there are, and their data out of trials and recorded runs.
 
-use crate::results::{Outcome, Requests, SuiteReport, TrialReport};
-use std::collections::{BTreeMap, BTreeSet};
-
 use super::chart::{
     Dot, Entry, First, Found, Individuals, Path, Paths, Quantity, Rate, RateSeries, Rates, Rows, Rule, Strip,
     Strips, first_legend, is_drawn, with_room,
 };
 use super::variable::Variable;
 use super::wording::comparison_rule;
-use crate::metrics::{self, MetricKind, Worst};
-use crate::results::Recording;
-use crate::scenario::{Aggregate, Claim, Expression, MetricReference, Value};
+use crate::results::{Outcome, Recording, Requests, SuiteReport, TrialReport};
+use crate::scenario::{Aggregate, Claim, Expression, MetricKind, MetricReference, Value, Worst};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Charts that belong together, one per panel.
 #[derive(Debug, Clone, PartialEq)]
@@ -78,14 +75,14 @@ impl Data<'_> {
         &self.requests.as_slice()[index]
     }
 
-    fn kind(&self, index: usize) -> Option<MetricKind> {
-        metrics::metric(&self.reference(index).name).map(|metric| metric.kind)
+    fn kind(&self, index: usize) -> Option<&MetricKind> {
+        self.reference(index).known().map(|metric| &metric.kind)
     }
 
     /// Indices of the metrics to chart: the usual ones and those of criteria.
     fn charted(&self) -> Vec<usize> {
         let usual = |reference: &MetricReference| {
-            let name = reference.name.as_str();
+            let name = reference.name();
             let plain = reference.settings.0.is_empty() && reference.pair.is_none();
             plain && (FLAGS.contains(&name) || QUANTITIES.contains(&name))
         };
@@ -98,23 +95,20 @@ impl Data<'_> {
     }
 
     fn quantity(&self, index: usize) -> Quantity {
-        let unit = match self.kind(index) {
-            Some(MetricKind::Quantity(dimension)) => dimension.si_unit(),
-            _ => String::new(),
-        };
-        Quantity::new(self.reference(index).label(), unit)
+        let reference = self.reference(index);
+        Quantity::new(reference.label(), reference.unit())
     }
 
     fn first(&self, outcome: &Outcome) -> First {
         let is_it = |reference: &MetricReference| {
-            reference.name == "passed_first" && reference.settings.0.is_empty() && reference.pair.is_none()
+            reference.name() == "passed_first" && reference.settings.0.is_empty() && reference.pair.is_none()
         };
-        let value = self.requests.iter().position(is_it).and_then(|index| outcome.metrics[index]);
-        let word = match (value, metrics::metric("passed_first").map(|metric| metric.kind)) {
-            (Some(value), Some(MetricKind::Category(words))) => words.get(value as usize).copied(),
+        let Some(index) = self.requests.iter().position(is_it) else { return First::of(None) };
+        let word = match (outcome.metrics[index], self.kind(index)) {
+            (Some(value), Some(MetricKind::Category(words))) => words.get(value as usize),
             _ => None,
         };
-        First::of(word)
+        First::of(word.map(|word| &**word))
     }
 
     fn strip(&self, name: String, trials: &[&TrialReport], index: usize) -> Strip {
@@ -181,7 +175,7 @@ impl Data<'_> {
             }
             Rates { title: self.reference(*index).label(), x: variable.quantity.clone(), series, rule: None }
         };
-        let flags = charted.iter().filter(|index| self.kind(**index) == Some(MetricKind::Flag));
+        let flags = charted.iter().filter(|index| self.kind(**index) == Some(&MetricKind::Flag));
         let charts: Vec<Rates> = flags.map(chart).collect();
         let series = &charts.first()?.series;
         if series.is_empty() || series.len() > MOST_SERIES {
@@ -267,7 +261,7 @@ impl Data<'_> {
     /// is sampled, every run.
     fn individuals(&self, index: usize) -> Option<Figure> {
         let variable = self.variable.as_ref()?;
-        let metric = metrics::metric(&self.reference(index).name)?;
+        let metric = self.reference(index).known()?;
         let mut charts = Vec::new();
         let (mut tied, mut left_out) = (0, 0);
         for (name, trials) in &self.scenarios {

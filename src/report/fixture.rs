@@ -180,7 +180,7 @@ impl Session {
                 trial.criteria.iter().filter_map(per_run).filter(|one| one.decisive).collect();
             let mut criteria: Vec<_> = criteria.into_iter().map(|one| one.criterion).collect();
             for criterion in &mut criteria {
-                if criterion.claim.metric().name == "pet" {
+                if criterion.claim.metric().name() == "pet" {
                     criterion.claim.bounds_mut().into_iter().for_each(|bound| *bound = least.into());
                 }
             }
@@ -255,7 +255,7 @@ impl Session {
     fn outcomes(&self, trial: &PlannedTrial) -> Vec<Outcome> {
         let outcome = |case: &Case| {
             let (run, tta) = (f64::from(case.repetition), case.variation[0].value.as_number().unwrap_or(0.0));
-            let value = |reference: &MetricReference| match reference.name.as_str() {
+            let value = |reference: &MetricReference| match reference.name() {
                 "collision" => Some(0.0),
                 "pet" => (case.repetition != 3).then_some(tta / 8.0 + 0.25 * run),
                 "passed_first" => Some(word(if run + tta > 13.0 { "pedestrian" } else { "vehicle" })),

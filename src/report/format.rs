@@ -1,15 +1,14 @@
 //! Numbers for people: few digits, with units.
 
-use crate::metrics::{Metric, MetricKind};
-use crate::scenario::{Dimension, Notation, significant};
+use crate::scenario::{Dimension, Metric, MetricKind, Notation, significant};
 
 /// A metric's value with its unit, such as `1.23 s`, `yes` or `pedestrian`; `–` where it does not exist.
 pub fn quantity(metric: &Metric, value: Option<f64>) -> String {
     let Some(value) = value else { return "–".to_string() };
-    match metric.kind {
+    match &metric.kind {
         MetricKind::Flag => if value != 0.0 { "yes" } else { "no" }.to_string(),
-        MetricKind::Category(words) => words.get(value as usize).copied().unwrap_or("?").to_string(),
-        MetricKind::Quantity(dimension) => with_unit(value, dimension),
+        MetricKind::Category(words) => words.get(value as usize).map_or("?", |word| word).to_string(),
+        MetricKind::Quantity(dimension) => with_unit(value, *dimension),
     }
 }
 

@@ -1,20 +1,18 @@
 //! What gates and comparisons found, for the terminal.
 
-use crate::results::{
-    BlindPlace, ChangedRun, Check, CheckOutcome, GateReport, GateState, GateVerdict, Power, Subject,
-    SuiteIdentity, SuiteReport, TrialChange, Verdict,
-};
-use std::fmt::Write;
-
-use anstyle::{AnsiColor, Style};
-
 use super::Excerpt;
 use super::format::{count, quantity, share};
 use super::table::paint;
 use crate::escape::{terminal, terminal_line};
 use crate::judge::baseline::some;
-use crate::metrics;
+use crate::results::{
+    BlindPlace, ChangedRun, Check, CheckOutcome, GateReport, GateState, GateVerdict, Power, Subject,
+    SuiteIdentity, SuiteReport, TrialChange, Verdict,
+};
 use crate::scenario::significant;
+use std::fmt::Write;
+
+use anstyle::{AnsiColor, Style};
 
 /// More runs than this are counted, not named.
 pub const MOST_RUNS_NAMED: usize = 5;
@@ -313,16 +311,16 @@ pub fn flips(check: &Check, replay: Replay) -> Vec<String> {
 
 /// `1.2 s -> 0.3 s  zebra/walker/tta=6s/rep=2`.
 pub fn changed(check: &Check, run: &ChangedRun) -> String {
-    let value =
-        |value| metrics::metric(&check.metric).map_or("?".to_string(), |metric| quantity(metric, value));
+    let value = |value| check.metric.known().map_or("?".to_string(), |metric| quantity(metric, value));
     format!("{} -> {}  {}", value(run.base), value(run.candidate), run.key)
 }
 
 /// A mean in the metric's unit, or a share.
 fn show(check: &Check, value: f64) -> String {
     match check.subject {
-        Subject::Mean => metrics::metric(&check.metric)
-            .map_or_else(|| significant(value, 4), |metric| quantity(metric, Some(value))),
+        Subject::Mean => {
+            check.metric.known().map_or_else(|| significant(value, 4), |metric| quantity(metric, Some(value)))
+        }
         Subject::Rate | Subject::Existence | Subject::New => share(value),
     }
 }

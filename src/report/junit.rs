@@ -3,24 +3,22 @@
 
 mod document;
 
-use super::wording::recorded_remark;
-use crate::results::{
-    BlockReport, BlockResult, BlockState, Cut, CutBy, GateReport, GateState, NotJudged, RecordedReport,
-    Requests, SuiteReport, TrialReport, TrialState, Verdict,
-};
-use std::collections::HashMap;
-use std::io::{self, Write};
-use std::time::Duration;
-
-use self::document::{Case, Counts, Document, Kind, Problem, Suite};
 use super::Repository;
 use super::digest::{Digest, written_unit};
 use super::experiment::render_block;
 use super::failure::{render_block_failure, render_failure};
 use super::gate::{blindness as gate_blindness, render_gate_report};
-use super::wording::{in_words, interruption, nothing_claimed, stopping, trial_warnings};
-use crate::metrics;
+use super::wording::{in_words, interruption, nothing_claimed, recorded_remark, stopping, trial_warnings};
+use crate::results::{
+    BlockReport, BlockResult, BlockState, Cut, CutBy, GateReport, GateState, NotJudged, RecordedReport,
+    Requests, SuiteReport, TrialReport, TrialState, Verdict,
+};
 use crate::scenario::Origin;
+use std::collections::HashMap;
+use std::io::{self, Write};
+use std::time::Duration;
+
+use self::document::{Case, Counts, Document, Kind, Problem, Suite};
 
 /// Writes the report as an XML document, a testcase at a time. A failed criterion is a failure; a trial that could not run
 /// is an error. Every testcase says where it stands, in `file` and `line`, from the root of the repository on.
@@ -205,7 +203,7 @@ fn trial_case(report: &SuiteReport, trial: &TrialReport, requests: &Requests) ->
         case.property("stopping", &stopping(stopped));
     }
     for (index, reference) in requests.iter().enumerate() {
-        let Some(metric) = metrics::metric(&reference.name) else { continue };
+        let Some(metric) = reference.known() else { continue };
         let unit = written_unit(&trial.trial.criteria, reference, metric);
         case.property(&reference.label(), &Digest::new(metric, unit, &trial.outcomes, index).long());
     }

@@ -58,7 +58,7 @@ pub use github::{annotations, step_summary};
 pub use html::to_html;
 pub use json::{ResultsError, read_results, write_json};
 pub use junit::write_junit;
-pub use models::{registered_names, render_model, render_models};
+pub use models::{render_model, render_models};
 pub use pages::{ModelPage, model_pages};
 pub use replay::{ReplayIntroduction, case_values, render_replay, replay_reasons};
 pub use repository::Repository;

@@ -1,33 +1,16 @@
-//! The registries for people: what models, controllers, dynamics and metrics there are.
+//! A registry for people: what models, controllers, dynamics and metrics there are.
 
 use std::fmt::Write;
+use std::sync::Arc;
 
 use super::format::with_unit;
-use crate::metrics::{METRICS, MetricKind, metric};
-use crate::pedestrian::MODELS;
-use crate::scenario::{Declaration, Dimension, Parameter, ParameterKind};
-use crate::vehicle::{CONTROLLERS, DYNAMICS, PERCEPTION};
-
-/// Everything that is registered, by kind, with its declaration.
-fn registered() -> [(&'static str, Vec<&'static Declaration>); 5] {
-    [
-        ("pedestrian models", MODELS.iter().map(|model| &model.declaration).collect()),
-        ("controllers", CONTROLLERS.iter().map(|model| &model.declaration).collect()),
-        ("vehicle dynamics", DYNAMICS.iter().map(|model| &model.declaration).collect()),
-        ("perception", vec![&PERCEPTION]),
-        ("metrics", METRICS.iter().map(|metric| &metric.declaration).collect()),
-    ]
-}
-
-/// The names of everything registered.
-pub fn registered_names() -> Vec<&'static str> {
-    registered().into_iter().flat_map(|(_, declarations)| declarations).map(|one| one.name).collect()
-}
+use crate::registry::Registry;
+use crate::scenario::{Declaration, Dimension, Metric, MetricKind, Parameter, ParameterKind};
 
 /// One line each.
-pub fn render_models() -> String {
+pub fn render_models(registry: &Registry) -> String {
     let mut text = String::new();
-    for (kind, declarations) in registered() {
+    for (kind, declarations) in registry.declarations() {
         let width = declarations.iter().map(|one| one.name.len()).max().unwrap_or(0);
         writeln!(text, "{kind}").expect("writing to a string cannot fail");
         for one in declarations {
@@ -41,20 +24,21 @@ pub fn render_models() -> String {
 }
 
 /// All about one registered thing; `None` if nothing has that name.
-pub fn render_model(name: &str) -> Option<String> {
-    let found: Vec<String> = registered()
+pub fn render_model(name: &str, registry: &Registry) -> Option<String> {
+    let found: Vec<String> = registry
+        .declarations()
         .into_iter()
         .flat_map(|(kind, declarations)| declarations.into_iter().map(move |one| (kind, one)))
         .filter(|(_, one)| one.name == name)
-        .map(|(kind, one)| render_declaration(kind, one) + &render_range(one.name))
+        .map(|(kind, one)| render_declaration(kind, one) + &render_range(registry.metrics().get(&one.name)))
         .collect();
     (!found.is_empty()).then(|| found.join("\n"))
 }
 
 /// Between what limits a metric lies; nothing for anything else.
-fn render_range(name: &str) -> String {
-    let Some(metric) = metric(name) else { return String::new() };
-    match (metric.range.in_words(), metric.kind) {
+fn render_range(metric: Option<&Arc<Metric>>) -> String {
+    let Some(metric) = metric else { return String::new() };
+    match (metric.range.in_words(), &metric.kind) {
         (Some(range), _) => format!("\n  range: {range}\n"),
         (None, MetricKind::Quantity(_)) => {
             "\n  range: not limited, so that bounds on its mean are approximate\n".to_string()
@@ -72,10 +56,10 @@ fn render_declaration(kind: &str, one: &Declaration) -> String {
     line(&format!("{} ({})", one.name, kind.trim_end_matches('s')));
     line(&format!("  {}", one.summary));
     line(&format!("  source: {}", one.source));
-    if let Some(family) = one.presets {
+    if let Some(family) = &one.presets {
         line("");
         line(&format!("  {}: (default {})", family.word, family.default));
-        for preset in family.presets {
+        for preset in &family.presets {
             line(&format!("    {:<14} {}", preset.name, preset.doc));
         }
     }
@@ -83,10 +67,10 @@ fn render_declaration(kind: &str, one: &Declaration) -> String {
         line("");
         line("  parameters");
     }
-    for parameter in one.parameters {
+    for parameter in &one.parameters {
         line(&format!("    {:<28} {}", parameter.name, parameter.doc));
         line(&format!("    {:<28} {}; {}", "", value(parameter), parameter.source));
-        if let ParameterKind::Choice { options, .. } = parameter.kind {
+        if let ParameterKind::Choice { options, .. } = &parameter.kind {
             for option in options {
                 line(&format!("    {:<28}   {}: {}", "", option.name, option.doc));
             }
@@ -97,19 +81,19 @@ fn render_declaration(kind: &str, one: &Declaration) -> String {
 
 /// Default and range, such as `5 m (0 m .. 50 m)`.
 fn value(parameter: &Parameter) -> String {
-    match parameter.kind {
+    match &parameter.kind {
         ParameterKind::Number { dimension, default, range: (low, high) } => {
             let default =
-                default.map_or_else(|| "not set".to_string(), |number| with_unit(number, dimension));
-            format!("{default} ({} .. {})", with_unit(low, dimension), with_unit(high, dimension))
+                default.map_or_else(|| "not set".to_string(), |number| with_unit(number, *dimension));
+            format!("{default} ({} .. {})", with_unit(*low, *dimension), with_unit(*high, *dimension))
         }
         ParameterKind::Whole { default, range: (low, high) } => {
             let show = |number: i64| with_unit(number as f64, Dimension::NUMBER);
-            format!("{} ({} .. {})", show(default), show(low), show(high))
+            format!("{} ({} .. {})", show(*default), show(*low), show(*high))
         }
         ParameterKind::Flag { default } => format!("{default} (true or false)"),
         ParameterKind::Choice { default, .. } => format!("{default} (one of)"),
-        ParameterKind::Text { default: "", .. } => "not set (text)".to_string(),
+        ParameterKind::Text { default, .. } if default.is_empty() => "not set (text)".to_string(),
         ParameterKind::Text { default, .. } => default.to_string(),
     }
 }

@@ -1,19 +1,18 @@
-//! The registries as Markdown: the generated part of every page in `docs/models/`.
+//! A registry as Markdown: the generated part of every page in `docs/models/`.
 
 use std::fmt::Write;
 
 use super::format::with_unit;
-use crate::pedestrian::MODELS;
-use crate::scenario::{Declaration, Dimension, Literal, Parameter, ParameterKind, PresetFamily};
-use crate::vehicle::{CONTROLLERS, DYNAMICS, PERCEPTION};
+use crate::registry::Registry;
+use crate::scenario::{Declaration, Dimension, Parameter, ParameterKind, PresetFamily, Value};
 
 /// A page about one registered model.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ModelPage {
     /// `pedestrian`, `controller`, `dynamics` or `perception`.
     pub kind: &'static str,
-    pub name: &'static str,
-    pub summary: &'static str,
+    pub name: String,
+    pub summary: String,
     /// Everything that the registry knows of it, as Markdown.
     pub reference: String,
 }
@@ -21,7 +20,8 @@ pub struct ModelPage {
 impl ModelPage {
     fn new(kind: &'static str, declaration: &Declaration, facts: &[String]) -> Self {
         let reference = reference(declaration, facts);
-        Self { kind, name: declaration.name, summary: declaration.summary, reference }
+        let (name, summary) = (declaration.name.to_string(), declaration.summary.to_string());
+        Self { kind, name, summary, reference }
     }
 
     /// Without folder, such as `controller-carla_behavior.md`.
@@ -30,18 +30,18 @@ impl ModelPage {
     }
 }
 
-/// One page for every pedestrian model, controller, vehicle dynamics, and perception, in the registries' order.
-pub fn model_pages() -> Vec<ModelPage> {
-    let pedestrians = MODELS.iter().map(|model| {
+/// One page for every pedestrian model, controller, vehicle dynamics, and perception, in the registry's order.
+pub fn model_pages(registry: &Registry) -> Vec<ModelPage> {
+    let pedestrians = registry.pedestrians().iter().map(|model| {
         let people =
             model.takes_individuals.then(|| "Parameter sets may come from a population.".to_string());
         ModelPage::new("pedestrian", &model.declaration, people.as_slice())
     });
-    let controllers = CONTROLLERS.iter().map(|model| {
+    let controllers = registry.controllers().iter().map(|model| {
         let dynamics = format!("Drives `{}` unless told otherwise.", model.default_dynamics);
         ModelPage::new("controller", &model.declaration, &[dynamics])
     });
-    let dynamics = DYNAMICS.iter().map(|model| {
+    let dynamics = registry.dynamics().iter().map(|model| {
         let (length, width) = model.size;
         let size = format!(
             "Length {}, width {} unless told otherwise.",
@@ -50,7 +50,7 @@ pub fn model_pages() -> Vec<ModelPage> {
         );
         ModelPage::new("dynamics", &model.declaration, &[size])
     });
-    let perception = ModelPage::new("perception", &PERCEPTION, &[]);
+    let perception = ModelPage::new("perception", &registry.perception().declaration, &[]);
     pedestrians.chain(controllers).chain(dynamics).chain([perception]).collect()
 }
 
@@ -59,15 +59,15 @@ fn reference(one: &Declaration, facts: &[String]) -> String {
     for fact in facts {
         write!(text, "\n{fact}\n").expect("writing to a string cannot fail");
     }
-    if let Some(family) = one.presets {
-        text.push_str(&presets(one, &family));
+    if let Some(family) = &one.presets {
+        text.push_str(&presets(one, family));
     }
     if !one.parameters.is_empty() {
         text.push_str(
             "\n### Parameters\n\n| name | default | range | meaning | source |\n|---|---|---|---|---|\n",
         );
     }
-    for parameter in one.parameters {
+    for parameter in &one.parameters {
         let (default, range) = default_and_range(parameter);
         let cells = [
             format!("`{}`", parameter.name),
@@ -78,8 +78,8 @@ fn reference(one: &Declaration, facts: &[String]) -> String {
         ];
         text.push_str(&row(&cells));
     }
-    for parameter in one.parameters {
-        if let ParameterKind::Choice { options, .. } = parameter.kind {
+    for parameter in &one.parameters {
+        if let ParameterKind::Choice { options, .. } = &parameter.kind {
             write!(text, "\n`{}`\n\n", parameter.name).expect("writing to a string cannot fail");
             for option in options {
                 writeln!(text, "- `{}`: {}", option.name, option.doc)
@@ -95,11 +95,11 @@ fn presets(one: &Declaration, family: &PresetFamily) -> String {
         "\n### Presets: `{}` (default `{}`)\n\n| name | meaning | values |\n|---|---|---|\n",
         family.word, family.default
     );
-    for preset in family.presets {
+    for preset in &family.presets {
         let values: Vec<_> = preset
             .values
             .iter()
-            .map(|(name, value)| format!("`{name}` {}", literal(one.parameter(name), *value)))
+            .map(|(name, value)| format!("`{name}` {}", literal(one.parameter(name), value)))
             .collect();
         let values = if values.is_empty() { "the defaults below".to_string() } else { values.join(", ") };
         text.push_str(&row(&[format!("`{}`", preset.name), preset.doc.to_string(), values]));
@@ -107,23 +107,23 @@ fn presets(one: &Declaration, family: &PresetFamily) -> String {
     text
 }
 
-fn literal(parameter: Option<&Parameter>, value: Literal) -> String {
-    match (value, parameter.map(|parameter| parameter.kind)) {
-        (Literal::Number(number), Some(ParameterKind::Number { dimension, .. })) => {
-            with_unit(number, dimension)
+fn literal(parameter: Option<&Parameter>, value: &Value) -> String {
+    match (value, parameter.map(|parameter| &parameter.kind)) {
+        (Value::Number(number), Some(ParameterKind::Number { dimension, .. })) => {
+            with_unit(*number, *dimension)
         }
-        (Literal::Number(number), _) => with_unit(number, Dimension::NUMBER),
-        (Literal::Flag(flag), _) => flag.to_string(),
-        (Literal::Word(word), _) => word.to_string(),
+        (Value::Number(number), _) => with_unit(*number, Dimension::NUMBER),
+        (Value::Flag(flag), _) => flag.to_string(),
+        (Value::Word(word), _) => word.to_string(),
     }
 }
 
 fn default_and_range(parameter: &Parameter) -> (String, String) {
     let between = |low: String, high: String| format!("{low} .. {high}");
-    match parameter.kind {
+    match &parameter.kind {
         ParameterKind::Number { dimension, default, range: (low, high) } => {
-            let show = |number| with_unit(number, dimension);
-            (default.map_or_else(|| "not set".to_string(), show), between(show(low), show(high)))
+            let show = |number| with_unit(number, *dimension);
+            (default.map_or_else(|| "not set".to_string(), show), between(show(*low), show(*high)))
         }
         ParameterKind::Whole { default, range: (low, high) } => {
             (default.to_string(), between(low.to_string(), high.to_string()))
@@ -133,7 +133,9 @@ fn default_and_range(parameter: &Parameter) -> (String, String) {
             let names: Vec<_> = options.iter().map(|option| format!("`{}`", option.name)).collect();
             (format!("`{default}`"), names.join(", "))
         }
-        ParameterKind::Text { default: "", .. } => ("not set".to_string(), "text".to_string()),
+        ParameterKind::Text { default, .. } if default.is_empty() => {
+            ("not set".to_string(), "text".to_string())
+        }
         ParameterKind::Text { default, .. } => (format!("`{default}`"), "text".to_string()),
     }
 }
@@ -146,10 +148,11 @@ fn row(cells: &[String]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::models::standard;
 
     #[test]
     fn a_page_has_all_that_is_declared() {
-        let pages = model_pages();
+        let pages = model_pages(&standard());
         let page = pages.iter().find(|page| page.name == "delay_lag").unwrap();
         assert_eq!(page.file_name(), "dynamics-delay_lag.md");
         insta::assert_snapshot!(page.reference);
@@ -157,7 +160,7 @@ mod tests {
 
     #[test]
     fn file_names_are_unique() {
-        let mut names: Vec<_> = model_pages().iter().map(ModelPage::file_name).collect();
+        let mut names: Vec<_> = model_pages(&standard()).iter().map(ModelPage::file_name).collect();
         let count = names.len();
         names.sort();
         names.dedup();

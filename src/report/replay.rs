@@ -1,14 +1,12 @@
 //! One run again: the command for it and the timeline that it prints.
 
-use crate::results::{Outcome, Requests};
-use std::fmt::Write;
-
 use super::format::{quantity, with_unit};
 use super::shrunk::run_words;
 use crate::judge::per_run;
-use crate::metrics;
+use crate::results::{Outcome, Requests};
 use crate::scenario::{Assignment, Case, Criterion, Dimension, Scenario, Value, Written, show};
 use crate::sim::{Event, Happening, StopReason};
+use std::fmt::Write;
 
 /// The values that a case has of its own, in the units that they are written in: what its scenario varies.
 pub fn case_values(case: &Case, scenario: &Scenario) -> Vec<(String, String)> {
@@ -95,8 +93,8 @@ pub fn render_replay(
     line(format!("  {:>8.3} s  {reason}", outcome.ending.time));
     line(String::new());
     for (reference, value) in requests.iter().zip(&outcome.metrics) {
-        let Some(metric) = metrics::metric(&reference.name) else { continue };
-        let mut name = reference.name.clone();
+        let Some(metric) = reference.known() else { continue };
+        let mut name = reference.name().to_string();
         for (setting, value) in &reference.settings.0 {
             write!(name, " {setting}={value}").expect("writing to a string cannot fail");
         }

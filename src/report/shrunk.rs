@@ -6,7 +6,7 @@ use crate::lang::{self, UNITS, Unit};
 use crate::plan::{self, PlanError};
 use crate::results::{Outcome, Requests, SuiteIdentity, WorstRun};
 use crate::scenario::{Claim, significant};
-use crate::shrink::{Knob, Move, Shrunk, requests};
+use crate::shrink::{Knob, Move, Shrunk};
 
 /// What the second line of such a file says, before the version: by this it is known again.
 pub const SHRUNK_BY: &str = "as a scenario of its own, by `scenario-runner shrink`";
@@ -52,8 +52,7 @@ pub fn shrunk_file(shrunk: &Shrunk, criterion: &PerRun, suite: &SuiteIdentity) -
 }
 
 fn story(shrunk: &Shrunk, criterion: &PerRun) -> Vec<String> {
-    let metric = requests(criterion);
-    let fails = run_words(criterion, &shrunk.outcome, &metric);
+    let fails = run_words(criterion, &shrunk.outcome, &shrunk.requests);
     let mut lines = vec![format!("It fails `{}`: {fails}.", criterion.criterion.text)];
     let (moved, stayed): (Vec<&Move>, Vec<&Move>) = shrunk.moves.iter().partition(|one| one.to != one.from);
     if !moved.is_empty() {

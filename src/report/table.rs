@@ -1,14 +1,12 @@
 //! A compact table per scenario for the terminal: variation values down, the criteria's metrics across.
 
-use crate::results::{Requests, SuiteReport, TrialReport, TrialState, Verdict};
-use anstyle::{AnsiColor, Style};
-
 use super::digest::{Digest, written_unit};
 use super::figures::short_name;
 use super::wording::{closest_calls, judged_words};
 use crate::escape::{terminal, terminal_line};
-use crate::metrics::{self, Metric};
-use crate::scenario::Notation;
+use crate::results::{Requests, SuiteReport, TrialReport, TrialState, Verdict};
+use crate::scenario::{Metric, Notation};
+use anstyle::{AnsiColor, Style};
 
 /// A scenario with more trials shows only those that did not pass.
 const MOST_ROWS: usize = 24;
@@ -19,16 +17,16 @@ const WIDEST_LABEL: usize = 40;
 const HEADLINES: [&str; 5] = ["collision", "gap_accepted", "pet", "max_deceleration", "time_lost"];
 
 /// A metric as it is shown.
-pub struct Column {
+pub struct Column<'r> {
     /// In the outcomes.
     pub index: usize,
-    pub metric: &'static Metric,
+    pub metric: &'r Metric,
     pub label: String,
     /// That of the first criterion about it; `None` for the SI unit.
     pub unit: Option<Notation>,
 }
 
-impl Column {
+impl Column<'_> {
     /// What stands above it, in two lines.
     pub fn heading(&self) -> (String, String) {
         Digest::heading(self.metric, &self.label, self.unit)
@@ -40,13 +38,13 @@ impl Column {
 }
 
 /// The metrics that the criteria of `trials` are about, in their order; without criteria those that tell most.
-pub fn columns(trials: &[&TrialReport], requests: &Requests) -> Vec<Column> {
+pub fn columns<'r>(trials: &[&'r TrialReport], requests: &'r Requests) -> Vec<Column<'r>> {
     let mut columns: Vec<Column> = Vec::new();
     let criteria = || trials.iter().flat_map(|trial| &trial.trial.criteria);
-    let headlines = requests.iter().filter(|reference| HEADLINES.contains(&reference.name.as_str()));
+    let headlines = requests.iter().filter(|reference| HEADLINES.contains(&reference.name()));
     let headlines = headlines.filter(|_| criteria().next().is_none());
     for reference in criteria().map(|criterion| criterion.claim.metric()).chain(headlines) {
-        if let (Some(index), Some(metric)) = (requests.index(reference), metrics::metric(&reference.name))
+        if let (Some(index), Some(metric)) = (requests.index(reference), reference.known())
             && !columns.iter().any(|known| known.index == index)
         {
             let unit = written_unit(criteria(), reference, metric);

@@ -1,17 +1,15 @@
 //! What findings and comparisons say, in parts for tables and charts, each number with its unit.
 
+use super::chart::Rule;
+use super::format::{count, in_notation, quantity, share};
+use crate::lang;
 use crate::results::{
     BlockReport, BlockState, Finding, Horizon, Measure, OnCourse, Reason, RecordedReport, RecordedState,
     Regarding, RunsTaken, Skip, Standing, SuiteReport, TrialReport, TrialState, UnitReport, Vacuity, Verdict,
     WorstRun,
 };
+use crate::scenario::{Comparison, MetricKind, Notation, People, Relation, significant};
 use std::collections::HashSet;
-
-use super::chart::Rule;
-use super::format::{count, in_notation, quantity, share};
-use crate::lang;
-use crate::metrics::{self, MetricKind};
-use crate::scenario::{Comparison, Notation, People, Relation, significant};
 
 /// What was found: `holds in 18 of 20 runs`, `85 %`, `1.62 s`; `–` if no run has a value.
 pub fn observed(finding: &Finding) -> String {
@@ -77,7 +75,7 @@ fn signed(margin: f64, size: String) -> String {
 /// A comparison with a constant bound, shown in `unit` if it has one: `pet < 1.5 s`, `no collision`, `passed_first = pedestrian`.
 pub fn comparison_text(comparison: &Comparison, unit: Option<Notation>) -> String {
     let (label, bound) = (comparison.metric.label(), comparison.constant_bound());
-    let metric = metrics::metric(&comparison.metric.name);
+    let metric = comparison.metric.known();
     let flag = metric.is_some_and(|metric| metric.kind == MetricKind::Flag);
     match comparison.relation {
         Relation::Equal | Relation::NotEqual if flag => {
@@ -104,7 +102,7 @@ pub fn comparison_rule(comparison: &Comparison, unit: Option<Notation>) -> Rule 
         other => other.symbol(),
     };
     let bound = comparison.constant_bound();
-    let shown = match (unit, metrics::metric(&comparison.metric.name)) {
+    let shown = match (unit, comparison.metric.known()) {
         (Some(unit), _) => in_notation(bound, unit),
         (None, Some(metric)) if matches!(metric.kind, MetricKind::Quantity(_)) => {
             quantity(metric, Some(bound))
@@ -152,7 +150,7 @@ pub fn run_in_words(finding: &Finding, run: &WorstRun) -> String {
 /// `pet 0.83 s`
 pub fn run_value(finding: &Finding, run: &WorstRun) -> String {
     let so_far = if run.cut_off { " when time was up" } else { "" };
-    match metrics::metric(&finding.metric) {
+    match finding.metric.known() {
         Some(_) => format!("{} {}{so_far}", finding.metric, metric_value(finding, run.value)),
         None => "?".to_string(),
     }
@@ -160,11 +158,11 @@ pub fn run_value(finding: &Finding, run: &WorstRun) -> String {
 
 /// A value of the finding's metric as [`quantity`] gives it, but in the unit that the criterion is written in.
 pub fn metric_value(finding: &Finding, value: Option<f64>) -> String {
-    let Some(metric) = metrics::metric(&finding.metric) else {
+    let Some(metric) = finding.metric.known() else {
         return value.map_or_else(|| "?".to_string(), |value| significant(value, 4));
     };
-    let unit = match metric.kind {
-        MetricKind::Quantity(dimension) => lang::unit_in(&finding.criterion, dimension),
+    let unit = match &metric.kind {
+        MetricKind::Quantity(dimension) => lang::unit_in(&finding.criterion, *dimension),
         MetricKind::Flag | MetricKind::Category(_) => None,
     };
     match (unit, value) {
@@ -404,10 +402,8 @@ pub fn verdict_mark(verdict: Verdict) -> &'static str {
 
 /// A value in the unit of the finding's metric. Differences and aggregates of flags are shares of runs.
 fn in_unit(finding: &Finding, value: f64) -> String {
-    match metrics::metric(&finding.metric) {
-        Some(metric) if matches!(metric.kind, metrics::MetricKind::Quantity(_)) => {
-            metric_value(finding, Some(value))
-        }
+    match finding.metric.known() {
+        Some(metric) if matches!(metric.kind, MetricKind::Quantity(_)) => metric_value(finding, Some(value)),
         _ => significant(value, 4),
     }
 }
@@ -427,12 +423,12 @@ pub fn interruption(report: &SuiteReport) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::{MetricReference, Settings, WhenUndefined};
+    use crate::scenario::WhenUndefined;
 
     #[test]
     fn comparisons_read_as_they_are_written() {
         let text = |name: &str, relation, bound: f64| {
-            let metric = MetricReference { name: name.into(), settings: Settings::default(), pair: None };
+            let metric = crate::models::known::measured(name);
             let when_undefined = WhenUndefined::Fails;
             comparison_text(&Comparison { metric, relation, bound: bound.into(), when_undefined }, None)
         };

@@ -4,7 +4,7 @@ use crate::numbers::json;
 use serde::{Deserialize, Serialize};
 
 use super::outcome::Outcome;
-use crate::scenario::{Assignment, Individual, Target, Value};
+use crate::scenario::{Assignment, Individual, MetricKind, Target, Value};
 
 /// Cases with a name.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -45,6 +45,9 @@ pub struct CaseRun {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MetricSummary {
     pub metric: String,
+    /// What its values are.
+    #[serde(default)]
+    pub kind: Option<MetricKind>,
     pub runs: usize,
     /// Runs in which the metric exists and was decided before the horizon: what the other numbers are of.
     pub defined: usize,

@@ -5,7 +5,7 @@ use crate::results::Verdict;
 use serde::{Deserialize, Serialize};
 
 use super::outcome::Critical;
-use crate::scenario::{Origin, People};
+use crate::scenario::{Metric, Origin, People, Reference};
 
 // The signature is serde's.
 #[allow(clippy::trivially_copy_pass_by_ref)]
@@ -20,7 +20,7 @@ pub struct Finding {
     pub origin: Origin,
     pub verdict: Verdict,
     /// The metric that the criterion is about.
-    pub metric: String,
+    pub metric: Reference<Metric>,
     pub measure: Measure,
     /// Where runs are added, those after which the criterion was decided: the trial may have had more for others.
     pub runs: usize,

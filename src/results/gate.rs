@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::standing::Standing;
-use crate::scenario::Gate;
+use crate::scenario::{Gate, Metric, Reference};
 
 /// What became of a gate.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -140,7 +140,7 @@ pub struct Check {
     /// Index of the gate's rule.
     pub rule: usize,
     /// The metric's name and label.
-    pub metric: String,
+    pub metric: Reference<Metric>,
     pub label: String,
     pub subject: Subject,
     /// The scenario, or the trial where `certain`.

@@ -1,15 +1,14 @@
 //! What one run came to.
 
+use super::requests::Requests;
+use crate::metrics::{Open, Presence};
 use crate::numbers::json;
+use crate::scenario::{Criterion, Individual};
+use crate::sim::Ending;
 use std::sync::Arc;
 use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
-
-use super::requests::Requests;
-use crate::metrics::{Open, Presence};
-use crate::scenario::{Criterion, Individual};
-use crate::sim::Ending;
 
 /// The result of one case.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::metrics::METRICS;
-use crate::scenario::{Criterion, MetricReference, Settings};
+use crate::registry::Registry;
+use crate::scenario::{Criterion, MetricReference};
 
 /// The metrics that are read off every run of a suite: each with its defaults, and what criteria ask for besides.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -11,13 +11,8 @@ pub struct Requests(Vec<MetricReference>);
 
 impl Requests {
     /// Every registered metric with its defaults.
-    pub fn defaults() -> Self {
-        let plain = |name: &str| MetricReference {
-            name: name.to_string(),
-            settings: Settings::default(),
-            pair: None,
-        };
-        Self(METRICS.iter().map(|metric| plain(metric.declaration.name)).collect())
+    pub fn defaults(registry: &Registry) -> Self {
+        Self(registry.metrics().iter().map(MetricReference::plain).collect())
     }
 
     /// Adds whatever the criteria need that is not there yet.
@@ -34,6 +29,10 @@ impl Requests {
 
     pub fn index(&self, reference: &MetricReference) -> Option<usize> {
         self.0.iter().position(|known| known == reference)
+    }
+
+    pub fn iter_mut(&mut self) -> impl Iterator<Item = &mut MetricReference> {
+        self.0.iter_mut()
     }
 
     pub fn iter(&self) -> impl Iterator<Item = &MetricReference> {

@@ -1,12 +1,10 @@
-//! Road users from their setups: the registries' models brought to life.
+//! Road users from their setups: registered models brought to life.
 
 use thiserror::Error;
 
 use crate::numbers::random::ranks;
-use crate::pedestrian::{self, PedestrianContext};
-use crate::scenario::World;
+use crate::scenario::{ControllerContext, PedestrianContext, Reference, World};
 use crate::sim::{Driven, ModelError, RoadUsers};
-use crate::vehicle::{self, ControllerContext};
 
 /// Why a case cannot be run.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
@@ -27,9 +25,14 @@ impl RunError {
     }
 }
 
+/// What a reference stands for.
+fn resolved<'a, T>(reference: &'a Reference<T>, kind: &'static str) -> Result<&'a T, RunError> {
+    let unknown = || RunError::Unknown { kind, name: reference.to_string() };
+    reference.known().ok_or_else(unknown)
+}
+
 /// Builds every road user of `world` for the run with seed `seed`.
 pub fn road_users(world: &World, seed: u64) -> Result<RoadUsers, RunError> {
-    let unknown = |kind, name: &str| RunError::Unknown { kind, name: name.to_string() };
     let named = |who: &str| {
         let who = who.to_string();
         move |error| RunError::Model { who, error }
@@ -40,15 +43,14 @@ pub fn road_users(world: &World, seed: u64) -> Result<RoadUsers, RunError> {
         .iter()
         .zip(ranks(&names))
         .map(|(setup, rank)| {
-            let model = vehicle::controller(&setup.controller.name)
-                .ok_or_else(|| unknown("controller", &setup.controller.name))?;
-            let dynamics = vehicle::dynamics(&setup.dynamics.name)
-                .ok_or_else(|| unknown("vehicle dynamics", &setup.dynamics.name))?;
+            let model = resolved(&setup.controller.model, "controller")?;
+            let dynamics = resolved(&setup.dynamics.model, "vehicle dynamics")?;
             let context =
                 ControllerContext { settings: &setup.controller.settings, setup, world, rank, seed };
             let mut controller = (model.build)(&context).map_err(named(&setup.name))?;
             if let Some(sees) = &setup.sees {
-                controller = vehicle::with_perception(controller, &sees.settings, &context)
+                let perception = resolved(&sees.model, "perception")?;
+                controller = (perception.perceive)(controller, &sees.settings, &context)
                     .map_err(named(&setup.name))?;
             }
             Ok(Driven {
@@ -63,8 +65,7 @@ pub fn road_users(world: &World, seed: u64) -> Result<RoadUsers, RunError> {
         .iter()
         .zip(ranks(&names))
         .map(|(setup, rank)| {
-            let model = pedestrian::model(&setup.model.name)
-                .ok_or_else(|| unknown("pedestrian model", &setup.model.name))?;
+            let model = resolved(&setup.model.model, "pedestrian model")?;
             let context = PedestrianContext { settings: &setup.model.settings, setup, world, rank, seed };
             (model.build)(&context).map_err(named(&setup.name))
         })

@@ -1,43 +1,35 @@
 //! Whether chance plays a part in a world: a property of what is built, not of how runs happened to go.
 
-use crate::pedestrian;
-use crate::scenario::{ModelSetup, World};
-use crate::vehicle::{self, PERCEPTION_CHANCE};
+use crate::scenario::{Chance, ModelSetup, World};
 
 /// What can draw from the run's random streams, such as "`walker` (`carla_walker`)". Where nothing can, every run is the
 /// same, whatever its seed. Vehicle dynamics cannot: they are not given a stream.
 pub fn drawing(world: &World) -> Vec<String> {
     let mut all = Vec::new();
-    let mut note = |name: &str, setup: &ModelSetup| all.push(format!("`{name}` (`{}`)", setup.name));
     for one in &world.vehicles {
-        // What is not registered cannot be run, and nothing is known of it.
-        let drives = vehicle::controller(&one.controller.name)
-            .is_none_or(|model| model.chance.possible(&one.controller.settings));
-        if drives {
-            note(&one.name, &one.controller);
-        }
-        if let Some(sees) = one.sees.as_ref().filter(|sees| PERCEPTION_CHANCE.possible(&sees.settings)) {
-            note(&one.name, sees);
-        }
+        all.extend(note(&one.name, &one.controller, |model| model.chance));
+        all.extend(one.sees.as_ref().and_then(|sees| note(&one.name, sees, |model| model.chance)));
     }
     for one in &world.pedestrians {
-        let draws =
-            pedestrian::model(&one.model.name).is_none_or(|model| model.chance.possible(&one.model.settings));
-        if draws {
-            note(&one.name, &one.model);
-        }
+        all.extend(note(&one.name, &one.model, |model| model.chance));
     }
     all
+}
+
+/// What to say of a model if it can draw. Of a mere name nothing is known, and it cannot be run.
+fn note<T>(who: &str, setup: &ModelSetup<T>, chance: impl Fn(&T) -> Chance) -> Option<String> {
+    let draws = setup.model.entry().is_none_or(|model| chance(model).possible(&setup.settings));
+    draws.then(|| format!("`{who}` (`{}`)", setup.model))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::lang;
+    use crate::models::standard;
     use crate::plan::plan;
     use crate::results::Requests;
     use crate::run::{FreeFlows, Unwatched, run_case};
-    use crate::vehicle::CONTROLLERS;
 
     /// Who may draw in a meeting of the two, and whether its runs under three seeds are the same; `None` if they cannot
     /// meet.
@@ -55,10 +47,12 @@ mod tests {
 "
         );
         std::fs::write(&path, text).unwrap();
-        let suite = lang::load(&path).ok()?.suite;
+        let suite = lang::load(&path, &standard()).ok()?.suite;
         let plan = plan(&suite).ok()?;
         let cases = &plan.trials[0].cases;
-        let run = |case| run_case(case, &Requests::defaults(), &FreeFlows::default(), &mut Unwatched).ok();
+        let run = |case| {
+            run_case(case, &Requests::defaults(&standard()), &FreeFlows::default(), &mut Unwatched).ok()
+        };
         let runs: Vec<_> = cases.iter().map(run).collect::<Option<_>>()?;
         let same = runs.windows(2).all(|pair| pair[0].fingerprint == pair[1].fingerprint);
         Some((drawing(&cases[0].world), same))
@@ -66,8 +60,9 @@ mod tests {
 
     #[test]
     fn what_cannot_draw_is_the_same_under_every_seed() {
-        let controllers = CONTROLLERS.iter().map(|model| (model.declaration.name, "scripted"));
-        let people = pedestrian::MODELS.iter().map(|model| ("carla_behavior", model.declaration.name));
+        let registry = standard();
+        let controllers = registry.controllers().names().map(|name| (name, "scripted"));
+        let people = registry.pedestrians().names().map(|name| ("carla_behavior", name));
         let mut certain = 0;
         for (vehicle, model) in controllers.chain(people) {
             let Some((draws, same)) = meeting(vehicle, model) else { continue };

@@ -1,12 +1,9 @@
 //! Models that a world makes other ones than were published: what every report and baseline names.
 
 use crate::plan::{self, PlannedTrial};
+use crate::scenario::{Case, Departure, ModelSetup, Origin, Registered, Scenario, Suite, World};
 use std::collections::HashSet;
 use std::sync::Arc;
-
-use crate::pedestrian;
-use crate::scenario::{Case, Departure, Origin, Scenario, Suite, World};
-use crate::vehicle;
 
 /// A road user whose model is another one than was published.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,16 +20,17 @@ pub struct Departing {
 /// Each of a world's, with the road user's name.
 fn of_world(world: &World) -> Vec<(&str, Departure)> {
     let people = world.pedestrians.iter().flat_map(|person| {
-        let model = pedestrian::model(&person.model.name);
-        let departures = model.map(|model| model.declaration.departures(&person.model.settings));
-        departures.unwrap_or_default().into_iter().map(|departure| (person.name.as_str(), departure))
+        of_model(&person.model).into_iter().map(|departure| (person.name.as_str(), departure))
     });
     let cars = world.vehicles.iter().flat_map(|car| {
-        let model = vehicle::controller(&car.controller.name);
-        let departures = model.map(|model| model.declaration.departures(&car.controller.settings));
-        departures.unwrap_or_default().into_iter().map(|departure| (car.name.as_str(), departure))
+        of_model(&car.controller).into_iter().map(|departure| (car.name.as_str(), departure))
     });
     people.chain(cars).collect()
+}
+
+fn of_model<T: Registered>(setup: &ModelSetup<T>) -> Vec<Departure> {
+    let declaration = setup.model.declaration();
+    declaration.map(|declaration| declaration.departures(&setup.settings)).unwrap_or_default()
 }
 
 /// What is to be warned of in a trial, each thing once: `` `walker`: `dt` of `commotions` is … ``.

@@ -1,4 +1,4 @@
-//! Executing cases: road users built from the registries, metrics read off, trials within their time limit.
+//! Executing cases: road users built from registered models, metrics read off, trials within their time limit.
 
 mod batch;
 mod build;

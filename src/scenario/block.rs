@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Evaluate, Origin, Search, Statement, Suite, Tune};
+use super::{Evaluate, MetricReference, Origin, Search, Statement, StatementClaim, Suite, Tune};
 
 /// Something in a suite that takes simulations and gives one result.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -67,6 +67,28 @@ impl Block {
             Self::Tune(tune) => &tune.origin,
             Self::Evaluate(evaluate) => &evaluate.origin,
             Self::Statement(statement) => &statement.origin,
+        }
+    }
+
+    /// Every metric that it names.
+    pub fn metrics_mut(&mut self) -> Vec<&mut MetricReference> {
+        match self {
+            Self::Search(search) => {
+                let kept = search.keep.iter_mut().map(|keep| &mut keep.metric);
+                [search.objective.aggregate.metric_mut()].into_iter().chain(kept).collect()
+            }
+            Self::Tune(tune) => {
+                let objectives = tune.objectives.iter_mut().map(|objective| objective.aggregate.metric_mut());
+                objectives
+                    .chain(tune.constraints.iter_mut().map(|constraint| &mut constraint.metric))
+                    .collect()
+            }
+            Self::Evaluate(evaluate) => {
+                evaluate.measures.iter_mut().map(|measure| measure.aggregate.metric_mut()).collect()
+            }
+            Self::Statement(statement) => {
+                statement.claims.iter_mut().flat_map(StatementClaim::metrics_mut).collect()
+            }
         }
     }
 }

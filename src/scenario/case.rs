@@ -1,11 +1,14 @@
 //! One concrete run: every expression evaluated, every parameter filled in.
 
+use super::{
+    ControllerModel, DynamicsModel, PedestrianModel, PerceptionModel, Reference, Registered, Road,
+    SettingError, Settings, Side, Value,
+};
 use crate::numbers::json;
+use std::fmt;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
-
-use super::{Road, Settings, Side, Value};
 
 /// One run. Everything that decides its outcome is in here.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -57,18 +60,48 @@ pub struct World {
     pub end_on_collision: bool,
 }
 
-/// A registered model, controller or dynamics with every declared parameter resolved.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct ModelSetup {
-    pub name: String,
+/// A registered model, controller, dynamics or perception with every declared parameter resolved.
+#[derive(Serialize, Deserialize)]
+#[serde(bound = "")]
+pub struct ModelSetup<T> {
+    #[serde(rename = "name")]
+    pub model: Reference<T>,
     pub settings: Settings,
+}
+
+impl<T: Registered> ModelSetup<T> {
+    /// An entry with these settings, and its defaults for the others.
+    ///
+    /// # Errors
+    /// The first setting that does not fit what the entry declares.
+    pub fn resolved(entry: &Arc<T>, given: &Settings) -> Result<Self, SettingError> {
+        Ok(Self { settings: entry.declaration().resolve(given)?, model: entry.into() })
+    }
+}
+
+impl<T> fmt::Debug for ModelSetup<T> {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.debug_struct("ModelSetup").field("name", &self.model).field("settings", &self.settings).finish()
+    }
+}
+
+impl<T> Clone for ModelSetup<T> {
+    fn clone(&self) -> Self {
+        Self { model: self.model.clone(), settings: self.settings.clone() }
+    }
+}
+
+impl<T> PartialEq for ModelSetup<T> {
+    fn eq(&self, other: &Self) -> bool {
+        self.model == other.model && self.settings == other.settings
+    }
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct VehicleSetup {
     pub name: String,
-    pub controller: ModelSetup,
-    pub dynamics: ModelSetup,
+    pub controller: ModelSetup<ControllerModel>,
+    pub dynamics: ModelSetup<DynamicsModel>,
     /// m
     pub length: f64,
     /// m
@@ -79,7 +112,7 @@ pub struct VehicleSetup {
     pub speed: f64,
     pub start: VehicleStart,
     /// `None`: perfect perception.
-    pub sees: Option<ModelSetup>,
+    pub sees: Option<ModelSetup<PerceptionModel>>,
 }
 
 /// Where a vehicle's centre is at time 0.
@@ -105,7 +138,7 @@ pub enum VehicleReference {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PedestrianSetup {
     pub name: String,
-    pub model: ModelSetup,
+    pub model: ModelSetup<PedestrianModel>,
     pub shape: Shape,
     pub side: Side,
     pub start: Position,

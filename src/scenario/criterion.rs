@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Dimension, EvaluationError, Expression, Notation, Settings, Value, show};
+use super::{Dimension, EvaluationError, Expression, Metric, Notation, Reference, Settings, Value, show};
 
 /// Where in a file something was said; enough to show it again without reading the file.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -115,7 +115,8 @@ pub enum WhenUndefined {
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MetricReference {
-    pub name: String,
+    #[serde(rename = "name")]
+    pub metric: Reference<Metric>,
     /// Given parameters only; the metric's declaration has the defaults.
     #[serde(default)]
     pub settings: Settings,
@@ -240,18 +241,73 @@ impl Claim {
     }
 }
 
+impl Claim {
+    /// The metric that it is about.
+    pub fn metric_mut(&mut self) -> &mut MetricReference {
+        match self {
+            Self::Runs { comparison, .. } => &mut comparison.metric,
+            Self::Aggregate { aggregate, .. } => aggregate.metric_mut(),
+        }
+    }
+}
+
 impl MetricReference {
+    /// A metric with its defaults, for everybody.
+    pub fn plain(metric: impl Into<Reference<Metric>>) -> Self {
+        Self { metric: metric.into(), settings: Settings::default(), pair: None }
+    }
+
+    pub fn name(&self) -> &str {
+        self.metric.name()
+    }
+
+    /// What is known of the metric; `None` if it is only a name yet.
+    pub fn known(&self) -> Option<&Metric> {
+        self.metric.known()
+    }
+
+    /// The SI unit of its values; nothing for those that are no quantities.
+    pub fn unit(&self) -> String {
+        self.known().map(Metric::unit).unwrap_or_default()
+    }
+
     /// The name that reports give it: `pet`, `max_deceleration(window=0.5)` or `pet(av, walker)`.
     pub fn label(&self) -> String {
         let settings = self.settings.0.iter().map(|(name, value)| format!("{name}={value}"));
         let pair = self.pair.iter().flat_map(|(vehicle, other)| [vehicle.clone(), other.clone()]);
         let pair = pair.filter(|name| !name.is_empty());
         let inside: Vec<_> = pair.chain(settings).collect();
-        if inside.is_empty() { self.name.clone() } else { format!("{}({})", self.name, inside.join(", ")) }
+        if inside.is_empty() {
+            self.name().to_string()
+        } else {
+            format!("{}({})", self.name(), inside.join(", "))
+        }
     }
 }
 
 impl Aggregate {
+    /// As [`Self::metric`].
+    pub fn metric_mut(&mut self) -> &mut MetricReference {
+        match self {
+            Self::Mean(metric)
+            | Self::Median(metric)
+            | Self::Min(metric)
+            | Self::Max(metric)
+            | Self::Std(metric)
+            | Self::Quantile(_, metric) => metric,
+            Self::Rate(comparison) | Self::Count(comparison) => &mut comparison.metric,
+        }
+    }
+
+    /// The SI unit of its value; `%` for a rate, which is a share in 0..1, and nothing for plain numbers.
+    pub fn unit(&self) -> String {
+        match self {
+            Self::Rate(_) => "%".to_string(),
+            Self::Count(_) => String::new(),
+            of_values => of_values.metric().unit(),
+        }
+    }
+
     /// The metric that is aggregated.
     pub fn metric(&self) -> &MetricReference {
         match self {

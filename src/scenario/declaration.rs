@@ -1,21 +1,27 @@
 //! How models, controllers, dynamics and metrics declare themselves: the one vocabulary of every registry.
 //!
 //! The checker, `scenario-runner models`, the documentation, the JSON Schema and the ranges of `tune` all read these.
+//! A declaration owns what it says, so that it may be made at run time, from a file or from another language.
+
+use std::borrow::Cow;
 
 use thiserror::Error;
 
 use super::{Dimension, Settings, Value, show, show_both, show_outside};
 
+/// What a declaration says: in the program, or read at run time.
+pub type Text = Cow<'static, str>;
+
 /// What a registered thing says about itself.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct Declaration {
     /// The word used in scenario files.
-    pub name: &'static str,
+    pub name: Text,
     /// One line.
-    pub summary: &'static str,
+    pub summary: Text,
     /// Where it comes from: paper and equation, or file and version.
-    pub source: &'static str,
-    pub parameters: &'static [Parameter],
+    pub source: Text,
+    pub parameters: Vec<Parameter>,
     pub presets: Option<PresetFamily>,
 }
 
@@ -41,46 +47,50 @@ impl Chance {
 }
 
 /// Named sets of defaults, chosen by one word such as `profile: aggressive`.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct PresetFamily {
     /// The name that the preset is chosen by, such as `profile`.
-    pub word: &'static str,
-    pub default: &'static str,
-    pub presets: &'static [Preset],
+    pub word: Text,
+    pub default: Text,
+    pub presets: Vec<Preset>,
 }
 
-#[derive(Debug, Clone, Copy)]
+impl PresetFamily {
+    pub fn new(
+        word: impl Into<Text>,
+        default: impl Into<Text>,
+        presets: impl IntoIterator<Item = Preset>,
+    ) -> Self {
+        Self { word: word.into(), default: default.into(), presets: presets.into_iter().collect() }
+    }
+}
+
+#[derive(Debug, Clone)]
 pub struct Preset {
-    pub name: &'static str,
-    pub doc: &'static str,
-    pub values: &'static [(&'static str, Literal)],
+    pub name: Text,
+    pub doc: Text,
+    /// Values by the names of parameters.
+    pub values: Vec<(Text, Value)>,
 }
 
-/// A [`Value`] that can stand in a constant.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Literal {
-    Flag(bool),
-    Number(f64),
-    Word(&'static str),
-}
-
-impl From<Literal> for Value {
-    fn from(literal: Literal) -> Self {
-        match literal {
-            Literal::Flag(flag) => Self::Flag(flag),
-            Literal::Number(number) => Self::Number(number),
-            Literal::Word(word) => Self::Word(word.to_string()),
-        }
+impl Preset {
+    pub fn new(
+        name: impl Into<Text>,
+        doc: impl Into<Text>,
+        values: impl IntoIterator<Item = (&'static str, Value)>,
+    ) -> Self {
+        let values = values.into_iter().map(|(name, value)| (name.into(), value)).collect();
+        Self { name: name.into(), doc: doc.into(), values }
     }
 }
 
 /// One parameter of a registered thing.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct Parameter {
-    pub name: &'static str,
+    pub name: Text,
     /// One line.
-    pub doc: &'static str,
-    pub source: &'static str,
+    pub doc: Text,
+    pub source: Text,
     pub kind: ParameterKind,
     /// The one value that was published beside the other settings, for a number that is no free choice: with another the
     /// model is another one, which nobody fitted to anything.
@@ -101,14 +111,14 @@ pub const ANOTHER_MODEL: &str = "another_model";
     show_both(*found, *published, *dimension).1
 )]
 pub struct Departure {
-    pub owner: &'static str,
-    pub parameter: &'static str,
+    pub owner: String,
+    pub parameter: String,
     pub found: f64,
     pub published: f64,
     pub dimension: Dimension,
 }
 
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub enum ParameterKind {
     /// A quantity in SI units within an inclusive range; without a default it may stay absent.
     Number {
@@ -125,12 +135,12 @@ pub enum ParameterKind {
         default: bool,
     },
     Choice {
-        default: &'static str,
-        options: &'static [ChoiceOption],
+        default: Text,
+        options: Vec<ChoiceOption>,
     },
     /// Free text in a language of the model's own, such as a variant's name.
     Text {
-        default: &'static str,
+        default: Text,
         check: TextCheck,
     },
 }
@@ -150,95 +160,109 @@ pub struct TextError {
 }
 
 /// One word that a [`ParameterKind::Choice`] may take.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct ChoiceOption {
-    pub name: &'static str,
-    pub doc: &'static str,
+    pub name: Text,
+    pub doc: Text,
+}
+
+impl ChoiceOption {
+    pub fn new(name: impl Into<Text>, doc: impl Into<Text>) -> Self {
+        Self { name: name.into(), doc: doc.into() }
+    }
 }
 
 /// Why a setting does not fit its declaration.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum SettingError {
     #[error("`{owner}` has no parameter `{name}`")]
-    UnknownParameter { owner: &'static str, name: String },
+    UnknownParameter { owner: String, name: String },
     #[error("`{name}` of `{owner}` must be {expected}, but is {found}")]
-    WrongType { owner: &'static str, name: String, expected: String, found: String },
+    WrongType { owner: String, name: String, expected: String, found: String },
     #[error("`{name}` of `{owner}` is {}, outside {low} .. {high}{unit}", show_outside(*found, (*low, *high)))]
-    OutOfRange { owner: &'static str, name: String, found: f64, low: f64, high: f64, unit: String },
+    OutOfRange { owner: String, name: String, found: f64, low: f64, high: f64, unit: String },
     #[error("`{name}` of `{owner}` has no option `{found}`")]
-    UnknownOption { owner: &'static str, name: String, found: String, options: Vec<&'static str> },
+    UnknownOption { owner: String, name: String, found: String, options: Vec<String> },
 }
 
 impl Parameter {
-    pub const fn number(
-        name: &'static str,
+    fn new(
+        name: impl Into<Text>,
+        kind: ParameterKind,
+        doc: impl Into<Text>,
+        source: impl Into<Text>,
+    ) -> Self {
+        Self { name: name.into(), doc: doc.into(), source: source.into(), kind, published: None }
+    }
+
+    pub fn number(
+        name: impl Into<Text>,
         dimension: Dimension,
         default: f64,
         range: (f64, f64),
-        doc: &'static str,
-        source: &'static str,
+        doc: impl Into<Text>,
+        source: impl Into<Text>,
     ) -> Self {
-        let kind = ParameterKind::Number { dimension, default: Some(default), range };
-        Self { name, doc, source, kind, published: None }
+        Self::new(name, ParameterKind::Number { dimension, default: Some(default), range }, doc, source)
     }
 
     /// A number that may stay absent.
-    pub const fn optional(
-        name: &'static str,
+    pub fn optional(
+        name: impl Into<Text>,
         dimension: Dimension,
         range: (f64, f64),
-        doc: &'static str,
-        source: &'static str,
+        doc: impl Into<Text>,
+        source: impl Into<Text>,
     ) -> Self {
-        let kind = ParameterKind::Number { dimension, default: None, range };
-        Self { name, doc, source, kind, published: None }
+        Self::new(name, ParameterKind::Number { dimension, default: None, range }, doc, source)
     }
 
-    pub const fn whole(
-        name: &'static str,
+    pub fn whole(
+        name: impl Into<Text>,
         default: i64,
         range: (i64, i64),
-        doc: &'static str,
-        source: &'static str,
+        doc: impl Into<Text>,
+        source: impl Into<Text>,
     ) -> Self {
-        Self { name, doc, source, kind: ParameterKind::Whole { default, range }, published: None }
+        Self::new(name, ParameterKind::Whole { default, range }, doc, source)
     }
 
-    pub const fn flag(name: &'static str, default: bool, doc: &'static str, source: &'static str) -> Self {
-        Self { name, doc, source, kind: ParameterKind::Flag { default }, published: None }
+    pub fn flag(name: impl Into<Text>, default: bool, doc: impl Into<Text>, source: impl Into<Text>) -> Self {
+        Self::new(name, ParameterKind::Flag { default }, doc, source)
     }
 
-    pub const fn choice(
-        name: &'static str,
-        default: &'static str,
-        options: &'static [ChoiceOption],
-        doc: &'static str,
-        source: &'static str,
+    pub fn choice(
+        name: impl Into<Text>,
+        default: impl Into<Text>,
+        options: impl IntoIterator<Item = ChoiceOption>,
+        doc: impl Into<Text>,
+        source: impl Into<Text>,
     ) -> Self {
-        Self { name, doc, source, kind: ParameterKind::Choice { default, options }, published: None }
+        let kind = ParameterKind::Choice { default: default.into(), options: options.into_iter().collect() };
+        Self::new(name, kind, doc, source)
     }
 
-    pub const fn text(
-        name: &'static str,
-        default: &'static str,
+    pub fn text(
+        name: impl Into<Text>,
+        default: impl Into<Text>,
         check: TextCheck,
-        doc: &'static str,
-        source: &'static str,
+        doc: impl Into<Text>,
+        source: impl Into<Text>,
     ) -> Self {
-        Self { name, doc, source, kind: ParameterKind::Text { default, check }, published: None }
+        Self::new(name, ParameterKind::Text { default: default.into(), check }, doc, source)
     }
 
     /// The same, published with the value that `published` says.
-    pub const fn published_with(self, published: Published) -> Self {
+    pub fn published_with(self, published: Published) -> Self {
         Self { published: Some(published), ..self }
     }
 
     /// The value it has when nobody says otherwise.
     pub fn default_value(&self) -> Option<Value> {
-        match self.kind {
+        match &self.kind {
             ParameterKind::Number { default, .. } => default.map(Value::Number),
-            ParameterKind::Whole { default, .. } => Some(Value::Number(default as f64)),
-            ParameterKind::Flag { default } => Some(Value::Flag(default)),
+            ParameterKind::Whole { default, .. } => Some(Value::Number(*default as f64)),
+            ParameterKind::Flag { default } => Some(Value::Flag(*default)),
             ParameterKind::Choice { default, .. } | ParameterKind::Text { default, .. } => {
                 Some(Value::Word(default.to_string()))
             }
@@ -246,9 +270,9 @@ impl Parameter {
     }
 
     /// Checks type, range and options of one value; `owner` is named in the error.
-    pub fn check(&self, owner: &'static str, value: &Value) -> Result<(), SettingError> {
+    pub fn check(&self, owner: &str, value: &Value) -> Result<(), SettingError> {
         let wrong = |expected: String| SettingError::WrongType {
-            owner,
+            owner: owner.to_string(),
             name: self.name.to_string(),
             expected,
             found: match value {
@@ -257,42 +281,42 @@ impl Parameter {
             },
         };
         let outside = |found: f64, low: f64, high: f64, unit: String| SettingError::OutOfRange {
-            owner,
+            owner: owner.to_string(),
             name: self.name.to_string(),
             found,
             low,
             high,
             unit: if unit.is_empty() { unit } else { format!(" {unit}") },
         };
-        match (self.kind, value) {
+        match (&self.kind, value) {
             (ParameterKind::Number { dimension, range: (low, high), .. }, Value::Number(number)) => {
-                if (low..=high).contains(number) {
+                if (low..=high).contains(&number) {
                     Ok(())
                 } else {
-                    Err(outside(*number, low, high, dimension.si_unit()))
+                    Err(outside(*number, *low, *high, dimension.si_unit()))
                 }
             }
             (ParameterKind::Whole { range: (low, high), .. }, Value::Number(number)) => {
                 if number.fract() != 0.0 {
                     Err(wrong("a whole number".to_string()))
-                } else if (low as f64..=high as f64).contains(number) {
+                } else if (*low as f64..=*high as f64).contains(number) {
                     Ok(())
                 } else {
-                    Err(outside(*number, low as f64, high as f64, String::new()))
+                    Err(outside(*number, *low as f64, *high as f64, String::new()))
                 }
             }
             (ParameterKind::Flag { .. }, Value::Flag(_)) | (ParameterKind::Text { .. }, Value::Word(_)) => {
                 Ok(())
             }
             (ParameterKind::Choice { options, .. }, Value::Word(word)) => {
-                if options.iter().any(|option| option.name == word) {
+                if options.iter().any(|option| option.name == word.as_str()) {
                     Ok(())
                 } else {
                     Err(SettingError::UnknownOption {
-                        owner,
+                        owner: owner.to_string(),
                         name: self.name.to_string(),
                         found: word.clone(),
-                        options: options.iter().map(|option| option.name).collect(),
+                        options: options.iter().map(|option| option.name.to_string()).collect(),
                     })
                 }
             }
@@ -319,27 +343,70 @@ impl ParameterKind {
 }
 
 impl Declaration {
-    pub fn parameter(&self, name: &str) -> Option<&'static Parameter> {
+    /// Without parameters; each of the methods below adds one.
+    pub fn new(name: impl Into<Text>, summary: impl Into<Text>) -> Self {
+        Self {
+            name: name.into(),
+            summary: summary.into(),
+            source: Text::default(),
+            parameters: Vec::new(),
+            presets: None,
+        }
+    }
+
+    pub fn source(self, source: impl Into<Text>) -> Self {
+        Self { source: source.into(), ..self }
+    }
+
+    pub fn with(mut self, parameter: Parameter) -> Self {
+        self.parameters.push(parameter);
+        self
+    }
+
+    pub fn parameters(mut self, parameters: impl IntoIterator<Item = Parameter>) -> Self {
+        self.parameters.extend(parameters);
+        self
+    }
+
+    /// A quantity in SI units within an inclusive range, from the declaration's own source.
+    pub fn number(
+        self,
+        name: impl Into<Text>,
+        dimension: Dimension,
+        default: f64,
+        range: (f64, f64),
+        doc: impl Into<Text>,
+    ) -> Self {
+        let source = self.source.clone();
+        self.with(Parameter::number(name, dimension, default, range, doc, source))
+    }
+
+    pub fn presets(self, presets: PresetFamily) -> Self {
+        Self { presets: Some(presets), ..self }
+    }
+
+    /// The parameter of that name.
+    pub fn parameter(&self, name: &str) -> Option<&Parameter> {
         self.parameters.iter().find(|parameter| parameter.name == name)
     }
 
-    pub fn preset(&self, name: &str) -> Option<&'static Preset> {
-        self.presets?.presets.iter().find(|preset| preset.name == name)
+    pub fn preset(&self, name: &str) -> Option<&Preset> {
+        self.presets.as_ref()?.presets.iter().find(|preset| preset.name == name)
     }
 
     /// Whatever of resolved `settings` makes another model than was published.
     pub fn departures(&self, settings: &Settings) -> Vec<Departure> {
         let departure = |parameter: &Parameter| {
             let (published, found) =
-                (parameter.published?(settings), settings.optional_number(parameter.name)?);
+                (parameter.published?(settings), settings.optional_number(&parameter.name)?);
             let dimension = match parameter.kind {
                 ParameterKind::Number { dimension, .. } => dimension,
                 _ => Dimension::NUMBER,
             };
             let differs = (found - published).abs() > 1e-9 * published.abs();
             differs.then_some(Departure {
-                owner: self.name,
-                parameter: parameter.name,
+                owner: self.name.to_string(),
+                parameter: parameter.name.to_string(),
                 found,
                 published,
                 dimension,
@@ -351,8 +418,8 @@ impl Declaration {
     /// Fills in every parameter: defaults, then the chosen preset, then `given`. Every value is checked.
     pub fn resolve(&self, given: &Settings) -> Result<Settings, SettingError> {
         let resolved = self.fill_in(given)?;
-        for parameter in self.parameters {
-            given.get(parameter.name).map_or(Ok(()), |value| parameter.check(self.name, value))?;
+        for parameter in &self.parameters {
+            given.get(&parameter.name).map_or(Ok(()), |value| parameter.check(&self.name, value))?;
         }
         Ok(resolved)
     }
@@ -360,34 +427,35 @@ impl Declaration {
     /// As [`Self::resolve`], but values are not checked; names are.
     pub fn fill_in(&self, given: &Settings) -> Result<Settings, SettingError> {
         let mut resolved = Settings::default();
-        for parameter in self.parameters {
+        for parameter in &self.parameters {
             if let Some(value) = parameter.default_value() {
-                resolved.set(parameter.name, value);
+                resolved.set(&*parameter.name, value);
             }
         }
-        if let Some(family) = self.presets {
-            let chosen = match given.get(family.word) {
+        if let Some(family) = &self.presets {
+            let chosen = match given.get(&family.word) {
                 None => family.default.to_string(),
                 Some(Value::Word(word)) => word.clone(),
                 Some(other) => other.to_string(),
             };
             let preset = self.preset(&chosen).ok_or_else(|| SettingError::UnknownOption {
-                owner: self.name,
+                owner: self.name.to_string(),
                 name: family.word.to_string(),
                 found: chosen.clone(),
-                options: family.presets.iter().map(|preset| preset.name).collect(),
+                options: family.presets.iter().map(|preset| preset.name.to_string()).collect(),
             })?;
-            for &(name, literal) in preset.values {
-                resolved.set(name, literal.into());
+            for (name, value) in &preset.values {
+                resolved.set(&**name, value.clone());
             }
-            resolved.set(family.word, Value::Word(chosen));
+            resolved.set(&*family.word, Value::Word(chosen));
         }
         for (name, value) in &given.0 {
-            if self.presets.is_some_and(|family| family.word == name) {
+            if self.presets.as_ref().is_some_and(|family| family.word == name.as_str()) {
                 continue;
             }
             if self.parameter(name).is_none() {
-                return Err(SettingError::UnknownParameter { owner: self.name, name: name.clone() });
+                let owner = self.name.to_string();
+                return Err(SettingError::UnknownParameter { owner, name: name.clone() });
             }
             resolved.set(name.clone(), value.clone());
         }
@@ -399,39 +467,33 @@ impl Declaration {
 mod tests {
     use super::*;
 
-    const CAR: Declaration = Declaration {
-        name: "car",
-        summary: "A car.",
-        source: "none",
-        parameters: &[
-            Parameter::number("gap", Dimension::LENGTH, 5.0, (0.0, 50.0), "A gap.", "none"),
-            Parameter::flag("careful", false, "Takes care.", "none"),
-            Parameter::optional("speed", Dimension::SPEED, (0.0, 50.0), "A speed.", "none"),
-        ],
-        presets: Some(PresetFamily {
-            word: "profile",
-            default: "normal",
-            presets: &[
-                Preset { name: "normal", doc: "", values: &[] },
-                Preset { name: "wild", doc: "", values: &[("gap", Literal::Number(1.0))] },
-            ],
-        }),
-    };
+    fn car() -> Declaration {
+        let presets = [
+            Preset::new("normal", "", [("gap", Value::Number(5.0))]),
+            Preset::new("wild", "", [("gap", Value::Number(1.0))]),
+        ];
+        Declaration::new("car", "A car.")
+            .number("gap", Dimension::LENGTH, 5.0, (0.0, 50.0), "A gap.")
+            .with(Parameter::flag("careful", false, "Takes care.", "none"))
+            .with(Parameter::optional("speed", Dimension::SPEED, (0.0, 50.0), "A speed.", "none"))
+            .presets(PresetFamily::new("profile", "normal", presets))
+    }
 
     #[test]
     fn explicit_settings_win_over_presets_and_defaults() {
         let wild = Settings::from([("profile", Value::Word("wild".into()))]);
-        assert_eq!(CAR.resolve(&Settings::default()).unwrap().number("gap"), 5.0);
-        assert_eq!(CAR.resolve(&wild).unwrap().number("gap"), 1.0);
+        assert_eq!(car().resolve(&Settings::default()).unwrap().number("gap"), 5.0);
+        assert_eq!(car().resolve(&wild).unwrap().number("gap"), 1.0);
         let both = Settings::from([("profile", Value::Word("wild".into())), ("gap", Value::Number(7.0))]);
-        assert_eq!(CAR.resolve(&both).unwrap().number("gap"), 7.0);
-        assert_eq!(CAR.resolve(&both).unwrap().optional_number("speed"), None);
+        assert_eq!(car().resolve(&both).unwrap().number("gap"), 7.0);
+        assert_eq!(car().resolve(&both).unwrap().optional_number("speed"), None);
     }
 
     #[test]
     fn bad_settings_are_named() {
-        let error =
-            |name: &str, value: Value| CAR.resolve(&Settings::from([(name, value)])).unwrap_err().to_string();
+        let error = |name: &str, value: Value| {
+            car().resolve(&Settings::from([(name, value)])).unwrap_err().to_string()
+        };
         assert_eq!(error("gap", Value::Number(99.0)), "`gap` of `car` is 99, outside 0 .. 50 m");
         assert_eq!(error("gap", Value::Number(f64::NAN)), "`gap` of `car` is NaN, outside 0 .. 50 m");
         assert_eq!(error("gab", Value::Number(1.0)), "`car` has no parameter `gab`");

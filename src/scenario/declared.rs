@@ -1,12 +1,14 @@
 //! What a user declared: suites and scenarios whose values may still depend on variations.
 
 use std::collections::BTreeMap;
+use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Criterion, Distribution, Evaluate, EvaluationError, Expression, Gate, Origin, Road, Search, Side,
-    Statement, Tune, Value, VehicleReference, Written,
+    ControllerModel, Criterion, Distribution, DynamicsModel, Evaluate, EvaluationError, Expression, Gate,
+    Origin, PedestrianModel, PerceptionModel, Reference, Road, Search, Side, Statement, Tune, Value,
+    VehicleReference, Written,
 };
 
 /// A suite: scenarios and what holds for all of them. A bare `.scn` file becomes a suite named after the file.
@@ -81,14 +83,22 @@ pub struct RunBudget {
     pub origin: Origin,
 }
 
-/// A model, controller or dynamics by name with the settings that were given.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Model {
+/// A model, controller, dynamics or perception with the settings that were given.
+#[derive(Serialize, Deserialize)]
+#[serde(bound = "")]
+pub struct Model<T> {
     /// With [`Self::varied_by`], the first of those that it takes.
-    pub name: String,
+    #[serde(rename = "name")]
+    pub first: Reference<T>,
     /// The variation whose words replace the name.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub varied_by: Option<String>,
+    /// What the words of that variation stand for; empty without one.
+    #[serde(skip)]
+    pub varied: Vec<Reference<T>>,
+    /// What else it may be where a search or a saved case gives that variation words of its own; empty without one.
+    #[serde(skip)]
+    pub others: Vec<Reference<T>>,
     pub settings: Vec<(String, Expression)>,
     pub origin: Origin,
 }
@@ -96,9 +106,9 @@ pub struct Model {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Vehicle {
     pub name: String,
-    pub controller: Model,
+    pub controller: Model<ControllerModel>,
     /// `None`: the controller's default dynamics.
-    pub dynamics: Option<Model>,
+    pub dynamics: Option<Model<DynamicsModel>>,
     /// Length and width in m; `None`: those of the dynamics.
     pub size: Option<(Expression, Expression)>,
     /// Speed of the steady cruise at the start in m/s.
@@ -107,7 +117,7 @@ pub struct Vehicle {
     /// Index into [`Road::lanes`].
     pub lane: usize,
     /// `sees { … }`: what the controller's perception leaves out; `None` is perfect perception.
-    pub sees: Option<Model>,
+    pub sees: Option<Model<PerceptionModel>>,
     pub origin: Origin,
 }
 
@@ -125,7 +135,7 @@ pub enum DeclaredVehicleStart {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Pedestrian {
     pub name: String,
-    pub model: Model,
+    pub model: Model<PedestrianModel>,
     /// `None`: a disc of 0.25 m radius.
     pub shape: Option<DeclaredShape>,
     pub side: Side,
@@ -212,28 +222,66 @@ pub enum SamplingScheme {
     Sobol,
 }
 
-impl Model {
-    /// The name where variations have the values `variables`.
+impl<T> Model<T> {
+    /// What it is where variations have the values `variables`.
     ///
     /// # Errors
     /// If the variation that decides has no value there, or none that is a word.
-    pub fn name_where<'a>(
-        &'a self,
-        variables: &'a BTreeMap<String, Value>,
-    ) -> Result<&'a str, EvaluationError> {
-        let Some(variation) = &self.varied_by else { return Ok(&self.name) };
+    pub fn chosen(&self, variables: &BTreeMap<String, Value>) -> Result<Reference<T>, EvaluationError> {
+        let Some(variation) = &self.varied_by else { return Ok(self.first.clone()) };
         match variables.get(variation) {
-            Some(Value::Word(word)) => Ok(word),
+            Some(Value::Word(word)) => {
+                let known = self.varied.iter().chain(&self.others).find(|one| one.name() == word);
+                Ok(known.cloned().unwrap_or_else(|| Reference::unresolved(word.as_str())))
+            }
             Some(other) => Err(EvaluationError::NotAWord(other.to_string())),
             None => Err(EvaluationError::Unbound(variation.clone())),
         }
     }
 
-    /// Every name that it has in some run of a scenario with these variations.
-    pub fn names<'a>(&'a self, variations: &'a [Variation]) -> Vec<&'a str> {
-        let Some(varied_by) = &self.varied_by else { return vec![&self.name] };
-        let words = variations.iter().find_map(|variation| variation.values_of(varied_by));
-        words.into_iter().flatten().filter_map(Value::as_word).collect()
+    /// Everything that the scenario says it is in some run.
+    pub fn all(&self) -> &[Reference<T>] {
+        if self.varied_by.is_some() { &self.varied } else { std::slice::from_ref(&self.first) }
+    }
+}
+
+impl<T> Clone for Model<T> {
+    fn clone(&self) -> Self {
+        let Self { first, varied_by, varied, others, settings, origin } = self;
+        Self {
+            first: first.clone(),
+            varied_by: varied_by.clone(),
+            varied: varied.clone(),
+            others: others.clone(),
+            settings: settings.clone(),
+            origin: origin.clone(),
+        }
+    }
+}
+
+impl<T> PartialEq for Model<T> {
+    fn eq(&self, other: &Self) -> bool {
+        let Self { first, varied_by, varied, others, settings, origin } = self;
+        *first == other.first
+            && *varied_by == other.varied_by
+            && *varied == other.varied
+            && *others == other.others
+            && *settings == other.settings
+            && *origin == other.origin
+    }
+}
+
+impl<T> fmt::Debug for Model<T> {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { first, varied_by, varied, others, settings, origin } = self;
+        out.debug_struct("Model")
+            .field("name", first)
+            .field("varied_by", varied_by)
+            .field("varied", varied)
+            .field("others", others)
+            .field("settings", settings)
+            .field("origin", origin)
+            .finish()
     }
 }
 

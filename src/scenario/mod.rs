@@ -1,9 +1,12 @@
-//! The checked scenario and suite: plain data in SI units, without text or behaviour.
+//! The checked scenario and suite: data in SI units, and what they refer to.
 //!
 //! [`Suite`] and [`Scenario`] are what a user declared; values may still be [`Expression`]s over variations.
 //! [`Case`] is one concrete run, every expression evaluated. [`Declaration`] is how models, controllers and metrics
-//! describe themselves to the checker, the documentation and the optimiser.
+//! describe themselves to the checker, the documentation and the optimiser. What a scenario names it holds, as a
+//! [`Reference`] to the entry that a registry gave: nobody below looks a name up again. [`agent`] has the seams that
+//! such entries plug into.
 
+pub mod agent;
 mod block;
 mod case;
 mod criterion;
@@ -11,12 +14,15 @@ mod declaration;
 mod declared;
 mod dimension;
 mod distribution;
+mod entry;
 mod evaluate;
 mod expression;
 mod gate;
 pub mod limits;
+mod metric;
 mod notation;
 mod optimisation;
+mod reference;
 mod road;
 mod statement;
 mod symbol;
@@ -33,8 +39,8 @@ pub use criterion::{
     VariationCondition, WhenUndefined, constant,
 };
 pub use declaration::{
-    ANOTHER_MODEL, Chance, ChoiceOption, Declaration, Departure, Literal, Parameter, ParameterKind, Preset,
-    PresetFamily, Published, SettingError, TextCheck, TextError,
+    ANOTHER_MODEL, Chance, ChoiceOption, Declaration, Departure, Parameter, ParameterKind, Preset,
+    PresetFamily, Published, SettingError, Text, TextCheck, TextError,
 };
 pub use declared::{
     DeclaredAppearance, DeclaredShape, DeclaredVehicleStart, Individuals, Model, Pedestrian, Population,
@@ -42,14 +48,20 @@ pub use declared::{
 };
 pub use dimension::Dimension;
 pub use distribution::{Distribution, DistributionError, KnownDistribution};
+pub use entry::{
+    BuildController, BuildDynamics, BuildPedestrian, CommandKind, ControllerContext, ControllerModel,
+    DynamicsModel, PedestrianContext, PedestrianModel, Perceive, PerceptionModel,
+};
 pub use evaluate::{Condition, Evaluate, Measure, ParameterSet};
 pub use expression::{BinaryOperator, EvaluationError, Expression};
 pub use gate::{Gate, GateRule, Tolerance};
+pub use metric::{Absence, Meters, Metric, MetricKind, MetricRange, Scope, Worst};
 pub use notation::{Notation, Written, out_of_range, show, show_both, show_outside};
 pub use optimisation::{
     Budget, CaseSet, Goal, InitialDesign, Method, Objective, Part, Range, RangeValues, SampleSize, Search,
     ShownIn, Target, Tune,
 };
+pub use reference::{Reference, Registered};
 pub use road::{Body, Crossing, CrossingKind, Direction, Lane, Road, Side};
 pub use statement::{
     Measured, OutcomesOf, Quantity, Standing, Statement, StatementClaim, StatementClaimKind, TrendDirection,

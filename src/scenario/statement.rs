@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Aggregate, BinaryOperator, Origin, Relation, Target, VariationCondition};
+use super::{Aggregate, BinaryOperator, MetricReference, Origin, Relation, Target, VariationCondition};
 
 /// Something that a source says, and what must hold in our results for it to count as reproduced.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -101,4 +101,28 @@ pub enum OutcomesOf {
     Search(String),
     /// The runs of one condition of an `evaluate` block.
     Condition { evaluate: String, condition: String },
+}
+
+impl StatementClaim {
+    /// Every metric that it names.
+    pub fn metrics_mut(&mut self) -> Vec<&mut MetricReference> {
+        match &mut self.kind {
+            StatementClaimKind::Trend { measured, .. } => vec![measured.aggregate.metric_mut()],
+            StatementClaimKind::Compares { left, right, .. } => {
+                [left, right].into_iter().flat_map(Quantity::metrics_mut).collect()
+            }
+        }
+    }
+}
+
+impl Quantity {
+    fn metrics_mut(&mut self) -> Vec<&mut MetricReference> {
+        match self {
+            Self::Measured(measured) => vec![measured.aggregate.metric_mut()],
+            Self::Binary { left, right, .. } => {
+                [left, right].into_iter().flat_map(|side| side.metrics_mut()).collect()
+            }
+            Self::Number(_) | Self::Chosen { .. } => Vec::new(),
+        }
+    }
 }

@@ -30,6 +30,12 @@ impl Value {
     }
 }
 
+impl From<&str> for Value {
+    fn from(word: &str) -> Self {
+        Self::Word(word.to_string())
+    }
+}
+
 impl fmt::Display for Value {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

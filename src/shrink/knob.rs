@@ -1,7 +1,6 @@
 //! What of a case can be moved, and where it is declared to be: its nominal value.
 
 use crate::numbers::summary::median_of;
-use crate::pedestrian;
 use crate::plan::{PlanError, Variables, concrete_case, variables};
 use crate::scenario::{
     Assignment, Case, Dimension, Individual, KnownDistribution, ParameterKind, Scenario, Value, Variation,
@@ -95,11 +94,11 @@ pub fn knobs(place: &Place) -> Vec<Knob> {
     for (index, individual) in place.individuals.iter().enumerate() {
         let declared = place.scenario.pedestrians.iter().find(|one| one.name == individual.pedestrian);
         let Some(declared) = declared else { continue };
-        let Some(model) = pedestrian::model(&declared.model.name) else { continue };
+        let Some(model) = declared.model.first.declaration() else { continue };
         for name in individual.parameters.0.keys() {
             let is_fixed = declared.model.settings.iter().any(|(fixed, _)| fixed == name);
-            let default = match model.declaration.parameter(name).map(|parameter| parameter.kind) {
-                Some(ParameterKind::Number { default, dimension, .. }) => default.zip(Some(dimension)),
+            let default = match model.parameter(name).map(|parameter| &parameter.kind) {
+                Some(ParameterKind::Number { default, dimension, .. }) => default.zip(Some(*dimension)),
                 _ => None,
             };
             let value = individual.parameters.0.get(name).and_then(Value::as_number);

@@ -9,6 +9,7 @@ use thiserror::Error;
 
 use crate::judge::{PerRun, RunStanding};
 use crate::plan::PlanError;
+use crate::registry::Registry;
 use crate::results::{Outcome, Requests};
 use crate::run::{FreeFlows, RunError, Stop, Unwatched, run_case};
 use crate::scenario::{DeclaredAppearance, significant};
@@ -46,6 +47,8 @@ impl Move {
 pub struct Shrunk {
     pub place: Place,
     pub outcome: Outcome,
+    /// What was measured, in the order of the outcome's metrics.
+    pub requests: Requests,
     pub standing: RunStanding,
     /// Of everything that was not nominal from the beginning.
     pub moves: Vec<Move>,
@@ -77,10 +80,11 @@ const MOST_DIGITS: i32 = 6;
 pub fn shrink(
     place: Place,
     criterion: &PerRun,
+    registry: &Registry,
     stop: &Stop,
     progress: &mut Progress,
 ) -> Result<Shrunk, ShrinkError> {
-    let mut trials = Trials::new(criterion, stop, progress);
+    let mut trials = Trials::new(criterion, registry, stop, progress);
     let mut shrunk = trials.begin(place)?;
     leave_out(&mut shrunk, &mut trials);
     let knobs = knob::knobs(&shrunk.place);
@@ -104,13 +108,13 @@ pub fn shrink(
 ///
 /// # Errors
 /// As for [`shrink`].
-pub fn unmoved(place: Place, criterion: &PerRun) -> Result<Shrunk, ShrinkError> {
-    Trials::new(criterion, &Stop::default(), &mut |_, _| ()).begin(place)
+pub fn unmoved(place: Place, criterion: &PerRun, registry: &Registry) -> Result<Shrunk, ShrinkError> {
+    Trials::new(criterion, registry, &Stop::default(), &mut |_, _| ()).begin(place)
 }
 
 /// What is measured in every run: all metrics, and the criterion's own.
-pub fn requests(criterion: &PerRun) -> Requests {
-    let mut requests = Requests::defaults();
+pub fn requests(criterion: &PerRun, registry: &Registry) -> Requests {
+    let mut requests = Requests::defaults(registry);
     requests.add(criterion.criterion.claim.metric());
     requests
 }
@@ -126,10 +130,15 @@ struct Trials<'t, 'p> {
 }
 
 impl<'t, 'p> Trials<'t, 'p> {
-    fn new(criterion: &'t PerRun, stop: &'t Stop, progress: &'t mut Progress<'p>) -> Self {
+    fn new(
+        criterion: &'t PerRun,
+        registry: &Registry,
+        stop: &'t Stop,
+        progress: &'t mut Progress<'p>,
+    ) -> Self {
         Self {
             criterion,
-            requests: requests(criterion),
+            requests: requests(criterion, registry),
             free_flows: FreeFlows::default(),
             stop,
             progress,
@@ -142,7 +151,8 @@ impl<'t, 'p> Trials<'t, 'p> {
         let criterion = || self.criterion.criterion.text.clone();
         let (outcome, standing) = failed.ok_or_else(|| ShrinkError::Holds { criterion: criterion() })?;
         let (moves, left_out) = (Vec::new(), Vec::new());
-        Ok(Shrunk { place, outcome, standing, moves, left_out, runs: self.runs, stopped: false })
+        let requests = self.requests.clone();
+        Ok(Shrunk { place, outcome, requests, standing, moves, left_out, runs: self.runs, stopped: false })
     }
 
     /// What comes of the case, if it fails.

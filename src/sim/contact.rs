@@ -3,7 +3,7 @@
 use nalgebra::Vector2;
 
 use super::geometry::Footprint;
-use super::state::{Snapshot, velocity_inside};
+use crate::scenario::agent::{Snapshot, velocity_inside};
 use crate::scenario::{Body, World};
 
 /// A body by its index among its kind.

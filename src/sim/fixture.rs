@@ -1,19 +1,18 @@
 //! A small world for tests.
 
 use crate::scenario::{
-    Appearance, Direction, ModelSetup, PedestrianSetup, Position, Road, Settings, Shape, Side, VehicleSetup,
-    VehicleStart, World,
+    Appearance, Direction, ModelSetup, PedestrianSetup, Position, Reference, Road, Settings, Shape, Side,
+    VehicleSetup, VehicleStart, World,
 };
 
 /// A 4 m lane, a car of 4 m by 2 m and a person of 0.25 m radius who walks from y = -4 m to 4 m.
 pub fn world() -> World {
-    let model = ModelSetup { name: String::new(), settings: Settings::default() };
     World {
         road: Road::zebra(&[Direction::Forward], 10.0),
         vehicles: vec![VehicleSetup {
             name: "av".into(),
-            controller: model.clone(),
-            dynamics: model.clone(),
+            controller: nobody(),
+            dynamics: nobody(),
             length: 4.0,
             width: 2.0,
             lane: 0,
@@ -23,7 +22,7 @@ pub fn world() -> World {
         }],
         pedestrians: vec![PedestrianSetup {
             name: "walker".into(),
-            model,
+            model: nobody(),
             shape: Shape::Disc { radius: 0.25 },
             side: Side::Near,
             start: Position { x: 0.0, y: -4.0 },
@@ -35,4 +34,9 @@ pub fn world() -> World {
         finish: 20.0,
         end_on_collision: true,
     }
+}
+
+/// A model that stands for nothing: worlds of tests are simulated with road users of their own.
+pub fn nobody<T>() -> ModelSetup<T> {
+    ModelSetup { model: Reference::unresolved(""), settings: Settings::default() }
 }

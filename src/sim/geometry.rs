@@ -4,7 +4,7 @@
 
 use nalgebra::Vector2;
 
-use super::state::{PedestrianState, VehicleState};
+use crate::scenario::agent::{PedestrianState, VehicleState};
 use crate::scenario::{Body, Shape};
 
 /// A body's outline at one moment.

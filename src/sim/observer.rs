@@ -2,9 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::agent::Motion;
 use super::contact::Touch;
-use super::state::{Snapshot, velocity_inside};
+use crate::scenario::agent::Motion;
+use crate::scenario::agent::{Snapshot, velocity_inside};
 
 /// Follows a run. Nothing it does can change the run.
 pub trait Observer {

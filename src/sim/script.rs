@@ -4,7 +4,9 @@
 //! with units, so that they are checked where they are written, vary, and can be tuned. A step waits until its trigger
 //! holds; only then does the next one count. Source: actions and conditions after ASAM OpenSCENARIO storyboards.
 
-use super::agent::ModelError;
+use std::iter;
+
+use crate::scenario::agent::ModelError;
 use crate::scenario::{Dimension, Parameter, Settings, TextCheck, TextError};
 
 /// What a step makes its road user do until the next one.
@@ -48,54 +50,34 @@ const LENGTH: &str = "A distance that a step may name.";
 const SPEED: &str = "A speed that a step may name.";
 const ACCELERATION: &str = "An acceleration that a step may name; negative to slow down.";
 
-const fn time(name: &'static str) -> Parameter {
+fn time(name: &'static str) -> Parameter {
     Parameter::optional(name, Dimension::TIME, (0.0, 3600.0), TIME, FREE)
 }
 
-const fn length(name: &'static str) -> Parameter {
+fn length(name: &'static str) -> Parameter {
     Parameter::optional(name, Dimension::LENGTH, (-1000.0, 10_000.0), LENGTH, FREE)
 }
 
-const fn speed(name: &'static str) -> Parameter {
+fn speed(name: &'static str) -> Parameter {
     Parameter::optional(name, Dimension::SPEED, (0.0, 100.0), SPEED, FREE)
 }
 
-const fn acceleration(name: &'static str) -> Parameter {
+fn acceleration(name: &'static str) -> Parameter {
     Parameter::optional(name, Dimension::ACCELERATION, (-20.0, 20.0), ACCELERATION, FREE)
 }
 
-const NUMBERS: [Parameter; 16] = [
-    time("t1"),
-    time("t2"),
-    time("t3"),
-    time("t4"),
-    length("d1"),
-    length("d2"),
-    length("d3"),
-    length("d4"),
-    speed("v1"),
-    speed("v2"),
-    speed("v3"),
-    speed("v4"),
-    acceleration("a1"),
-    acceleration("a2"),
-    acceleration("a3"),
-    acceleration("a4"),
-];
+fn numbers() -> impl Iterator<Item = Parameter> {
+    let times = ["t1", "t2", "t3", "t4"].map(time);
+    let lengths = ["d1", "d2", "d3", "d4"].map(length);
+    let speeds = ["v1", "v2", "v3", "v4"].map(speed);
+    let accelerations = ["a1", "a2", "a3", "a4"].map(acceleration);
+    [times, lengths, speeds, accelerations].into_iter().flatten()
+}
 
-/// The parameters of a timeline followed by those of the road user itself; `ALL` is `OWN` + 17. `check` is
-/// [`Script::check`] with the road user's quantities.
-pub const fn parameters<const OWN: usize, const ALL: usize>(
-    check: TextCheck,
-    own: [Parameter; OWN],
-) -> [Parameter; ALL] {
-    let mut all = [Parameter::text("steps", "", check, STEPS, FREE); ALL];
-    let mut index = 1;
-    while index < ALL {
-        all[index] = if index <= NUMBERS.len() { NUMBERS[index - 1] } else { own[index - 1 - NUMBERS.len()] };
-        index += 1;
-    }
-    all
+/// The parameters of a timeline; those of the road user itself follow. `check` is [`Script::check`] with the road
+/// user's quantities.
+pub fn parameters(check: TextCheck) -> impl Iterator<Item = Parameter> {
+    iter::once(Parameter::text("steps", "", check, STEPS, FREE)).chain(numbers())
 }
 
 impl Script {
@@ -235,7 +217,7 @@ impl Reader<'_> {
             Dimension::SPEED => 'v',
             _ => 'a',
         };
-        let declared = NUMBERS.iter().any(|parameter| parameter.name == name);
+        let declared = numbers().any(|parameter| parameter.name == name);
         if !declared || !name.starts_with(letter) {
             let message = format!("`{name}` is not the name of a {}", wanted.name());
             let hint = format!("write `{letter}1` there and say `{letter}1: …` beside `steps`");
@@ -261,16 +243,11 @@ mod tests {
     use super::*;
     use crate::scenario::{Declaration, Value};
 
-    const DECLARATION: Declaration = Declaration {
-        name: "script",
-        summary: "",
-        source: "",
-        parameters: &parameters::<0, 17>(
-            |steps, given| Script::check(steps, "script", QUANTITIES, given),
-            [],
-        ),
-        presets: None,
-    };
+    fn declaration() -> Declaration {
+        let check: TextCheck = |steps, given| Script::check(steps, "script", QUANTITIES, given);
+        Declaration::new("script", "").parameters(parameters(check))
+    }
+
     const QUANTITIES: &[Quantity] = &[("distance", Dimension::LENGTH), ("speed", Dimension::SPEED)];
 
     fn read(steps: &str, numbers: &[(&str, f64)]) -> Result<Script, ModelError> {
@@ -278,7 +255,7 @@ mod tests {
         for (name, value) in numbers {
             given.set(*name, Value::Number(*value));
         }
-        Script::from_settings(&DECLARATION.resolve(&given).unwrap(), "script", QUANTITIES)
+        Script::from_settings(&declaration().resolve(&given).unwrap(), "script", QUANTITIES)
     }
 
     #[test]

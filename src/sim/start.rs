@@ -4,8 +4,8 @@ use nalgebra::Vector2;
 
 use super::contact::{Solid, pairs};
 use super::geometry::Footprint;
-use super::state::{Longitudinal, Snapshot};
 use super::world::{placed, waiting_outside, way};
+use crate::scenario::agent::{Longitudinal, Snapshot};
 use crate::scenario::{Appearance, World};
 
 /// Bodies that only touch are beside each other, m.

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::contact::Solid;
 use super::observer::{Observer, Step};
-use super::state::VehicleState;
+use crate::scenario::agent::VehicleState;
 use crate::scenario::{Road, Side, World};
 
 /// One thing that happened. Times in s, speeds in m/s.

@@ -2,10 +2,10 @@
 
 use nalgebra::Vector2;
 
-use super::agent::Motion;
 use super::contact::Solid;
 use super::observer::{Observer, Step};
-use super::state::Snapshot;
+use crate::scenario::agent::Motion;
+use crate::scenario::agent::Snapshot;
 
 /// One road user at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -2,14 +2,14 @@
 
 use nalgebra::Vector2;
 
-use super::agent::{
+use super::contact::{Contacts, Solid};
+use super::observer::{Ending, Observer, Step, StopReason};
+use crate::scenario::agent::Schedule;
+use crate::scenario::agent::{
     Command, Controller, Dynamics, EgoState, Motion, Observation, Pedestrian, RoadView, Scene,
     SeenPedestrian, SeenVehicle,
 };
-use super::contact::{Contacts, Solid};
-use super::observer::{Ending, Observer, Step, StopReason};
-use super::schedule::Schedule;
-use super::state::{Longitudinal, PedestrianState, Snapshot, VehicleState};
+use crate::scenario::agent::{Longitudinal, PedestrianState, Snapshot, VehicleState};
 use crate::scenario::{
     Appearance, Direction, PedestrianSetup, Road, Side, VehicleReference, VehicleSetup, VehicleStart, World,
 };

@@ -8,6 +8,7 @@ use sha2::{Digest, Sha256};
 
 use crate::files;
 use crate::numbers::random::digest_bits;
+use crate::registry::Registry;
 use crate::results::{Requests, UnitReport};
 
 /// Set to `overwrite`, it records the files anew.
@@ -34,10 +35,11 @@ pub fn path(folder: &Path, file: &str) -> PathBuf {
 pub fn lines<'a>(
     reports: impl IntoIterator<Item = &'a UnitReport>,
     requests: &Requests,
+    registry: &Registry,
 ) -> Result<String, String> {
     let mut text = String::new();
     // What somebody else's criteria ask for besides is no concern of this suite.
-    let own = Requests::defaults().iter().count();
+    let own = registry.metrics().iter().count();
     let mut metrics: Vec<_> =
         requests.iter().take(own).map(|request| (request.label(), Sha256::new())).collect();
     for report in reports {

@@ -25,13 +25,6 @@
 
 mod fingerprints;
 
-use std::path::Path;
-use std::process::ExitCode;
-use std::sync::{Arc, OnceLock};
-
-use libtest_mimic::{Arguments, Failed, Trial};
-use thiserror::Error;
-
 use crate::cli::load;
 use crate::cli::set::SetArguments;
 use crate::console::stderr;
@@ -39,10 +32,18 @@ use crate::dispatch::{
     self, Kept, Prepared, Unit, Work, Workshop, gate_key, judge_one_gate, measured_trials,
 };
 use crate::experiment::Silent;
+use crate::registry::Registry;
 use crate::report::{explain, render_gate_report};
 use crate::results::{Skip, Standing, UnitReport, Verdict};
 use crate::run::{SharedTrial, Stop};
 use crate::scenario::Gate;
+use std::path::Path;
+use std::process::ExitCode;
+use std::sync::{Arc, OnceLock};
+
+use libtest_mimic::{Arguments, Failed, Trial};
+use thiserror::Error;
+
 use fingerprints::{compare, lines, path, recording};
 
 /// Why there are no tests.
@@ -61,8 +62,8 @@ pub enum TestingError {
 
 /// Runs every unit and judges every gate of the suites and scenarios that the glob patterns name, as the program's arguments say: they are those
 /// of `cargo test`. The exit code is 101 if something did not pass or could not be loaded.
-pub fn run(patterns: &[&str]) -> ExitCode {
-    conclude(trials(patterns))
+pub fn run(patterns: &[&str], registry: &Registry) -> ExitCode {
+    conclude(trials(patterns, registry))
 }
 
 /// Runs tests as the program's arguments say. The exit code is 101 if one failed or there are none for a reason.
@@ -84,24 +85,30 @@ pub fn conclude(trials: Result<Vec<Trial>, TestingError>) -> ExitCode {
 ///
 /// # Errors
 /// If a pattern names no file or a file has errors.
-pub fn trials(patterns: &[&str]) -> Result<Vec<Trial>, TestingError> {
-    Suites::load(patterns)?.tests(patterns)
+pub fn trials(patterns: &[&str], registry: &Registry) -> Result<Vec<Trial>, TestingError> {
+    Suites::load(patterns, registry)?.tests(patterns)
 }
 
 /// Suites and scenarios, each of whose units is run at most once however many tests ask for it.
 pub struct Suites(Arc<Session>);
 
 impl Suites {
-    /// Loads, checks and plans whatever the patterns name; a file that several of them name is there once.
+    /// Loads, checks and plans whatever the patterns name, which may name what is in `registry`; a file that several of them name is there once.
     ///
     /// # Errors
     /// If a pattern names no file or a file has errors.
-    pub fn load(patterns: &[&str]) -> Result<Self, TestingError> {
+    pub fn load(patterns: &[&str], registry: &Registry) -> Result<Self, TestingError> {
         let files = files(patterns)?;
-        let suites = load::load_all(&files.iter().collect::<Vec<_>>(), None, &SetArguments::default(), false)
-            .map_err(|_| TestingError::Invalid)?;
+        let suites = load::load_all(
+            &files.iter().collect::<Vec<_>>(),
+            None,
+            &SetArguments::default(),
+            false,
+            registry,
+        )
+        .map_err(|_| TestingError::Invalid)?;
         // Tests own what they need and live as long as the process.
-        Ok(Self(Arc::new(Session::new(Box::leak(suites.into_boxed_slice())))))
+        Ok(Self(Arc::new(Session::new(Box::leak(suites.into_boxed_slice()), registry))))
     }
 
     /// The units and gates of the files that the patterns name, as [`trials`] gives them.
@@ -189,10 +196,10 @@ struct Done {
 }
 
 impl Session {
-    fn new(suites: &'static [Prepared]) -> Self {
+    fn new(suites: &'static [Prepared], registry: &Registry) -> Self {
         let units = dispatch::units(suites);
         let done = units.iter().map(|_| OnceLock::new()).collect();
-        Self { workshop: Workshop::new(suites, None, &Stop::default()), units, done }
+        Self { workshop: Workshop::new(suites, None, &Stop::default(), registry), units, done }
     }
 
     fn judge(&self, index: usize) -> Result<(), Failed> {
@@ -227,7 +234,7 @@ impl Session {
     fn compare_fingerprints(&self, suite: usize, kept: &Path) -> Result<(), Failed> {
         let of_suite = self.units.iter().enumerate().filter(|(_, unit)| unit.suite == suite);
         let reports = of_suite.map(|(index, _)| &self.done(index).report);
-        let found = lines(reports, self.workshop.requests())?;
+        let found = lines(reports, self.workshop.requests(), self.workshop.registry())?;
         Ok(compare(kept, &found)?)
     }
 
@@ -269,10 +276,11 @@ impl Session {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::models::standard;
 
     fn failed(patterns: &[&str], filter: &str) -> (u64, u64) {
         let arguments = Arguments { filter: Some(filter.into()), quiet: true, ..Arguments::default() };
-        let conclusion = libtest_mimic::run(&arguments, trials(patterns).unwrap());
+        let conclusion = libtest_mimic::run(&arguments, trials(patterns, &standard()).unwrap());
         (conclusion.num_passed, conclusion.num_failed)
     }
 
@@ -304,7 +312,7 @@ mod tests {
 
     #[test]
     fn what_cannot_be_loaded_is_said() {
-        let error = |pattern: &str| trials(&[pattern]).map(|_| ()).unwrap_err().to_string();
+        let error = |pattern: &str| trials(&[pattern], &standard()).map(|_| ()).unwrap_err().to_string();
         assert!(error("suites/none_*.suite").contains("no file is called `suites/none_*.suite`"));
         assert!(error("suites/[").contains("is no pattern"));
     }

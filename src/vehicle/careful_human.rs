@@ -5,108 +5,110 @@
 //! time to collision below 2 s or too near for the driver to stop later.
 
 use super::hazard::{Ramp, collision_course, keep_speed};
-use super::{CommandKind, ControllerContext, ControllerModel, PERIOD};
+use super::{CommandKind, ControllerContext, ControllerModel, period};
 use crate::scenario::{Chance, Declaration, Dimension, Parameter};
 use crate::sim::{Command, Controller, ModelError, Observation, Schedule, SeenPedestrian};
 
-const R157: &str =
-    "UN R157 annex 3 (annex 4 appendix 3 of the original version), performance model of a careful driver";
+const R157: &str = "UN R157 annex 3 (annex 4 appendix 3 of the original version), performance \
+                    model of a careful driver";
 const ADAPTED: &str = "adaptation to pedestrians";
 const FREE: &str = "free choice";
 
-pub static CAREFUL_HUMAN: ControllerModel = ControllerModel {
-    declaration: Declaration {
-        name: "careful_human",
-        summary: "The competent and careful human driver of UN R157: reacts 1.15 s after a risk and brakes with 0.774 g.",
-        source: "UN Regulation No. 157, performance model for a careful driver; risk adapted to pedestrians",
-        parameters: &[
-            Parameter::number(
-                "risk_evaluation",
-                Dimension::TIME,
-                0.4,
-                (0.0, 10.0),
-                "Time for which a risk is evaluated once perceived.",
-                R157,
-            ),
-            Parameter::number(
-                "reaction_delay",
-                Dimension::TIME,
-                0.75,
-                (0.0, 10.0),
-                "Time from the end of the evaluation to the beginning of braking.",
-                R157,
-            ),
-            Parameter::number(
-                "deceleration",
-                Dimension::ACCELERATION,
-                0.774 * 9.80665,
-                (0.1, 15.0),
-                "Full deceleration.",
-                R157,
-            ),
-            Parameter::number(
-                "ramp_time",
-                Dimension::TIME,
-                0.6,
-                (0.0, 10.0),
-                "Time from the beginning of braking to full deceleration.",
-                R157,
-            ),
-            Parameter::number(
-                "risk_time",
-                Dimension::TIME,
-                2.0,
-                (0.0, 60.0),
-                "Time to collision below which a collision course is a risk.",
-                "UN R157 takes 2 s for cutting in",
-            ),
-            Parameter::flag(
-                "anticipates",
-                true,
-                "Whether a collision course is also a risk when the driver could not stop any later.",
-                ADAPTED,
-            ),
-            Parameter::number(
-                "standstill_gap",
-                Dimension::LENGTH,
-                1.0,
-                (0.0, 20.0),
-                "Gap that an anticipating driver wants to keep before the pedestrian.",
-                ADAPTED,
-            ),
-            Parameter::number(
-                "risk_line",
-                Dimension::LENGTH,
-                0.0,
-                (-20.0, 5.0),
-                "How far beyond the kerb a pedestrian must be to be a risk; negative: on the pavement already.",
-                ADAPTED,
-            ),
-            Parameter::number(
-                "margin",
-                Dimension::LENGTH,
-                0.25,
-                (-1.0, 5.0),
-                "Widens the swept strip on each side.",
-                ADAPTED,
-            ),
-            Parameter::number(
-                "acceleration",
-                Dimension::ACCELERATION,
-                1.5,
-                (0.1, 10.0),
-                "Acceleration back to the wanted speed.",
-                FREE,
-            ),
-            PERIOD,
-        ],
-        presets: None,
-    },
-    default_dynamics: "ideal",
-    gives: CommandKind::Acceleration,
-    chance: Chance::Never,
-    build,
-};
+pub fn careful_human() -> ControllerModel {
+    let declaration = Declaration::new(
+        "careful_human",
+        "The competent and careful human driver of UN R157: reacts 1.15 s after a risk \
+         and brakes with 0.774 g.",
+    )
+    .source(
+        "UN Regulation No. 157, performance model for a careful driver; risk adapted \
+         to pedestrians",
+    )
+    .parameters([
+        Parameter::number(
+            "risk_evaluation",
+            Dimension::TIME,
+            0.4,
+            (0.0, 10.0),
+            "Time for which a risk is evaluated once perceived.",
+            R157,
+        ),
+        Parameter::number(
+            "reaction_delay",
+            Dimension::TIME,
+            0.75,
+            (0.0, 10.0),
+            "Time from the end of the evaluation to the beginning of braking.",
+            R157,
+        ),
+        Parameter::number(
+            "deceleration",
+            Dimension::ACCELERATION,
+            0.774 * 9.80665,
+            (0.1, 15.0),
+            "Full deceleration.",
+            R157,
+        ),
+        Parameter::number(
+            "ramp_time",
+            Dimension::TIME,
+            0.6,
+            (0.0, 10.0),
+            "Time from the beginning of braking to full deceleration.",
+            R157,
+        ),
+        Parameter::number(
+            "risk_time",
+            Dimension::TIME,
+            2.0,
+            (0.0, 60.0),
+            "Time to collision below which a collision course is a risk.",
+            "UN R157 takes 2 s for cutting in",
+        ),
+        Parameter::flag(
+            "anticipates",
+            true,
+            "Whether a collision course is also a risk when the driver could not stop any \
+             later.",
+            ADAPTED,
+        ),
+        Parameter::number(
+            "standstill_gap",
+            Dimension::LENGTH,
+            1.0,
+            (0.0, 20.0),
+            "Gap that an anticipating driver wants to keep before the pedestrian.",
+            ADAPTED,
+        ),
+        Parameter::number(
+            "risk_line",
+            Dimension::LENGTH,
+            0.0,
+            (-20.0, 5.0),
+            "How far beyond the kerb a pedestrian must be to be a risk; negative: on the \
+             pavement already.",
+            ADAPTED,
+        ),
+        Parameter::number(
+            "margin",
+            Dimension::LENGTH,
+            0.25,
+            (-1.0, 5.0),
+            "Widens the swept strip on each side.",
+            ADAPTED,
+        ),
+        Parameter::number(
+            "acceleration",
+            Dimension::ACCELERATION,
+            1.5,
+            (0.1, 10.0),
+            "Acceleration back to the wanted speed.",
+            FREE,
+        ),
+        period(),
+    ]);
+    ControllerModel::new(declaration, CommandKind::Acceleration, build).driving("ideal").chance(Chance::Never)
+}
 
 struct CarefulHuman {
     period: f64,
@@ -259,7 +261,7 @@ mod tests {
     const G: f64 = 9.80665;
 
     fn track(pairs: &[(&str, Value)]) -> Track {
-        Track::new(&CAREFUL_HUMAN, Settings::from(pairs), "ideal")
+        Track::new(&careful_human(), Settings::from(pairs), "ideal")
     }
 
     /// Drives towards somebody who jumps into the lane `gap` m before the bumper after 1 s.

@@ -3,7 +3,7 @@
 use super::{CommandKind, ControllerContext, ControllerModel};
 use crate::numbers::random::Stream;
 use crate::pedestrian::commotions::model::{Bodies, Person, extent};
-use crate::pedestrian::commotions::parameters::PARAMETERS;
+use crate::pedestrian::commotions::parameters::parameters;
 use crate::pedestrian::commotions::state::{Body, Control};
 use crate::pedestrian::commotions::{Agent, Conflict, Rules, Sight, State};
 use crate::scenario::{Chance, Declaration};
@@ -11,19 +11,20 @@ use crate::sim::random::{self, Purpose};
 use crate::sim::{Command, Controller, EgoState, ModelError, Observation, Schedule, SeenPedestrian};
 
 /// The registry entry.
-pub static COMMOTIONS: ControllerModel = ControllerModel {
-    declaration: Declaration {
-        name: "commotions",
-        summary: "A human-like driver: the COMMOTIONS model with its acceleration controlled",
-        source: "Markkula, Lin, Srinivasan, Billington, Leonetti, Kalantari, Yang, Lee, Madigan and Merat, PNAS Nexus 2(6), 2023",
-        parameters: PARAMETERS,
-        presets: None,
-    },
-    default_dynamics: "ideal",
-    gives: CommandKind::Acceleration,
-    chance: Chance::Always,
-    build,
-};
+pub fn commotions() -> ControllerModel {
+    let declaration = Declaration::new(
+        "commotions",
+        "A human-like driver: the COMMOTIONS model with its acceleration controlled",
+    )
+    .source(
+        "Markkula, Lin, Srinivasan, Billington, Leonetti, Kalantari, Yang, Lee, \
+         Madigan and Merat, PNAS Nexus 2(6), 2023",
+    )
+    .parameters(parameters());
+    ControllerModel::new(declaration, CommandKind::Acceleration, build)
+        .driving("ideal")
+        .chance(Chance::Always)
+}
 
 fn build(context: &ControllerContext) -> Result<Box<dyn Controller>, ModelError> {
     let person = Person::from_settings(context.settings, &context.world.road, context.world.step)?;

@@ -1,43 +1,33 @@
 //! A vehicle that brakes once, with a constant deceleration, to standstill.
 
 use super::hazard::keep_speed;
-use super::{CommandKind, ControllerContext, ControllerModel, PERIOD};
+use super::{CommandKind, ControllerContext, ControllerModel, period};
 use crate::scenario::{Chance, Declaration, Dimension, Parameter};
 use crate::sim::{Command, Controller, ModelError, Observation, Schedule};
 
 const FREE: &str = "free choice";
 
-pub static CONSTANT_DECELERATION: ControllerModel = ControllerModel {
-    declaration: Declaration {
-        name: "constant_deceleration",
-        summary: "Keeps its speed until a time or a distance before the crossing, then brakes constantly to standstill.",
-        source: "uniformly decelerated motion",
-        parameters: &[
-            Parameter::number(
-                "deceleration",
-                Dimension::ACCELERATION,
-                3.0,
-                (0.01, 15.0),
-                "Deceleration.",
-                FREE,
-            ),
-            Parameter::optional("time", Dimension::TIME, (0.0, 3600.0), "Brakes from this time on.", FREE),
-            Parameter::optional(
-                "distance",
-                Dimension::LENGTH,
-                (0.0, 10_000.0),
-                "Brakes when the front is this far before the middle of the crossing.",
-                FREE,
-            ),
-            PERIOD,
-        ],
-        presets: None,
-    },
-    default_dynamics: "ideal",
-    gives: CommandKind::Acceleration,
-    chance: Chance::Never,
-    build,
-};
+pub fn constant_deceleration() -> ControllerModel {
+    let declaration = Declaration::new(
+        "constant_deceleration",
+        "Keeps its speed until a time or a distance before the crossing, then brakes \
+         constantly to standstill.",
+    )
+    .source("uniformly decelerated motion")
+    .parameters([
+        Parameter::number("deceleration", Dimension::ACCELERATION, 3.0, (0.01, 15.0), "Deceleration.", FREE),
+        Parameter::optional("time", Dimension::TIME, (0.0, 3600.0), "Brakes from this time on.", FREE),
+        Parameter::optional(
+            "distance",
+            Dimension::LENGTH,
+            (0.0, 10_000.0),
+            "Brakes when the front is this far before the middle of the crossing.",
+            FREE,
+        ),
+        period(),
+    ]);
+    ControllerModel::new(declaration, CommandKind::Acceleration, build).driving("ideal").chance(Chance::Never)
+}
 
 struct ConstantDeceleration {
     period: f64,
@@ -97,7 +87,7 @@ mod tests {
     fn stops_after_the_textbook_distance() {
         let brake = |name: &str, value: f64| {
             let settings = Settings::from([(name, Value::Number(value))]);
-            let mut track = Track::new(&CONSTANT_DECELERATION, settings, "ideal");
+            let mut track = Track::new(&constant_deceleration(), settings, "ideal");
             track.crossing = 40.0;
             track.drive(20.0);
             (track.motion.travelled, track.motion.speed)
@@ -114,7 +104,7 @@ mod tests {
     #[test]
     fn a_trigger_is_needed() {
         let world = crate::vehicle::test_track::world(4.0, 2.0);
-        let settings = CONSTANT_DECELERATION.declaration.resolve(&Settings::default()).unwrap();
+        let settings = constant_deceleration().declaration.resolve(&Settings::default()).unwrap();
         let context = ControllerContext {
             settings: &settings,
             setup: &world.vehicles[0],

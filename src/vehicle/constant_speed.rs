@@ -1,32 +1,29 @@
 //! A vehicle that keeps its speed, whatever happens.
 
-use super::{CommandKind, ControllerContext, ControllerModel, PERIOD};
+use super::{CommandKind, ControllerContext, ControllerModel, period};
 use crate::scenario::{Chance, Declaration, Dimension, Parameter};
 use crate::sim::{Command, Controller, ModelError, Observation, Schedule};
 
-pub static CONSTANT_SPEED: ControllerModel = ControllerModel {
-    declaration: Declaration {
-        name: "constant_speed",
-        summary: "Keeps its speed whatever happens; the vehicle that only a pedestrian can avoid.",
-        source: "none needed",
-        parameters: &[
-            Parameter::number(
-                "gain",
-                Dimension::FREQUENCY,
-                1.0,
-                (0.0, 100.0),
-                "Acceleration per speed error, for dynamics that drift off the wanted speed.",
-                "free choice",
-            ),
-            PERIOD,
-        ],
-        presets: None,
-    },
-    default_dynamics: "ideal",
-    gives: CommandKind::Acceleration,
-    chance: Chance::Never,
-    build,
-};
+pub fn constant_speed() -> ControllerModel {
+    let declaration = Declaration::new(
+        "constant_speed",
+        "Keeps its speed whatever happens; the vehicle that only a pedestrian can \
+         avoid.",
+    )
+    .source("none needed")
+    .parameters([
+        Parameter::number(
+            "gain",
+            Dimension::FREQUENCY,
+            1.0,
+            (0.0, 100.0),
+            "Acceleration per speed error, for dynamics that drift off the wanted speed.",
+            "free choice",
+        ),
+        period(),
+    ]);
+    ControllerModel::new(declaration, CommandKind::Acceleration, build).driving("ideal").chance(Chance::Never)
+}
 
 struct ConstantSpeed {
     period: f64,
@@ -61,7 +58,7 @@ mod tests {
     #[test]
     fn nothing_changes_its_speed() {
         for dynamics in ["ideal", "delay_lag"] {
-            let mut track = Track::new(&CONSTANT_SPEED, Settings::default(), dynamics);
+            let mut track = Track::new(&constant_speed(), Settings::default(), dynamics);
             track.place_pedestrian(30.0, 0.0);
             for sample in track.drive(10.0) {
                 assert_eq!(sample.speed, 30.0 / 3.6, "{dynamics}");

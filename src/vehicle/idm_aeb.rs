@@ -1,7 +1,7 @@
 //! Intelligent-driver cruise with automatic emergency braking for pedestrians.
 
 use super::hazard::{Hazard, Ramp, collision_course};
-use super::{CommandKind, ControllerContext, ControllerModel, PERIOD};
+use super::{CommandKind, ControllerContext, ControllerModel, period};
 use crate::scenario::{Chance, ChoiceOption, Declaration, Dimension, Parameter};
 use crate::sim::{Command, Controller, ModelError, Observation, Schedule, SeenPedestrian};
 
@@ -10,138 +10,128 @@ const ROSEN: &str = "Rosén et al., Accident Analysis & Prevention 42 (2010)";
 const R157: &str = "UN R157 annex 3: 0.6 s to 0.85 g, derived from UN R152";
 const ASSUMED: &str = "assumption";
 
-pub static IDM_AEB: ControllerModel = ControllerModel {
-    declaration: Declaration {
-        name: "idm_aeb",
-        summary: "Cruises by the intelligent driver model; brakes for pedestrians only in an emergency, by time to collision.",
-        source: "IDM: Treiber, Hennecke & Helbing (2000); emergency braking after UN R152 and Rosén et al. (2010)",
-        parameters: &[
-            Parameter::number(
-                "time_headway",
-                Dimension::TIME,
-                1.0,
-                (0.0, 10.0),
-                "Wanted time gap to a vehicle ahead.",
-                IDM,
-            ),
-            Parameter::number(
-                "minimum_gap",
-                Dimension::LENGTH,
-                2.0,
-                (0.0, 50.0),
-                "Wanted gap to a vehicle ahead at standstill.",
-                IDM,
-            ),
-            Parameter::number(
-                "max_acceleration",
-                Dimension::ACCELERATION,
-                1.0,
-                (0.1, 10.0),
-                "Acceleration from standstill on a free road.",
-                IDM,
-            ),
-            Parameter::number(
-                "comfortable_deceleration",
-                Dimension::ACCELERATION,
-                1.5,
-                (0.1, 10.0),
-                "Deceleration behind a slower vehicle.",
-                IDM,
-            ),
-            Parameter::number(
-                "exponent",
-                Dimension::NUMBER,
-                4.0,
-                (1.0, 20.0),
-                "How late the acceleration fades as the wanted speed is reached.",
-                IDM,
-            ),
-            Parameter::number(
-                "trigger",
-                Dimension::TIME,
-                1.0,
-                (0.0, 10.0),
-                "Time to collision at which it brakes.",
-                ROSEN,
-            ),
-            Parameter::number(
-                "deceleration",
-                Dimension::ACCELERATION,
-                0.85 * 9.80665,
-                (0.1, 15.0),
-                "Deceleration of emergency braking.",
-                R157,
-            ),
-            Parameter::number(
-                "jerk",
-                Dimension::JERK,
-                0.85 * 9.80665 / 0.6,
-                (0.1, 1000.0),
-                "Rate at which that deceleration builds up.",
-                R157,
-            ),
-            Parameter::number(
-                "detection_delay",
-                Dimension::TIME,
-                0.2,
-                (0.0, 5.0),
-                "Time that a pedestrian must have been in view before it counts.",
-                ASSUMED,
-            ),
-            Parameter::number(
-                "field_of_view",
-                Dimension::ANGLE,
-                40.0 * std::f64::consts::PI / 180.0,
-                (0.0, 2.0 * std::f64::consts::PI),
-                "Opening angle of the sensor at the front bumper.",
-                ROSEN,
-            ),
-            Parameter::number(
-                "range",
-                Dimension::LENGTH,
-                60.0,
-                (0.0, 500.0),
-                "Range of the sensor.",
-                ASSUMED,
-            ),
-            Parameter::number(
-                "margin",
-                Dimension::LENGTH,
-                0.25,
-                (-1.0, 5.0),
-                "Widens the swept strip on each side.",
-                ASSUMED,
-            ),
-            Parameter::choice(
-                "release",
-                "standstill",
-                &[
-                    ChoiceOption { name: "standstill", doc: "Once triggered it brakes to standstill." },
-                    ChoiceOption {
-                        name: "clear",
-                        doc: "It stops braking when nobody is on a collision course.",
-                    },
-                ],
-                "When emergency braking ends.",
-                ASSUMED,
-            ),
-            Parameter::number(
-                "restart_delay",
-                Dimension::TIME,
-                1.0,
-                (0.0, 60.0),
-                "Time that it stands with a clear way before it drives on.",
-                ASSUMED,
-            ),
-            PERIOD,
-        ],
-        presets: None,
-    },
-    default_dynamics: "ideal",
-    gives: CommandKind::Acceleration,
-    chance: Chance::Never,
-    build,
-};
+pub fn idm_aeb() -> ControllerModel {
+    let declaration = Declaration::new(
+        "idm_aeb",
+        "Cruises by the intelligent driver model; brakes for pedestrians only in an \
+         emergency, by time to collision.",
+    )
+    .source(
+        "IDM: Treiber, Hennecke & Helbing (2000); emergency braking after UN R152 and \
+         Rosén et al. (2010)",
+    )
+    .parameters([
+        Parameter::number(
+            "time_headway",
+            Dimension::TIME,
+            1.0,
+            (0.0, 10.0),
+            "Wanted time gap to a vehicle ahead.",
+            IDM,
+        ),
+        Parameter::number(
+            "minimum_gap",
+            Dimension::LENGTH,
+            2.0,
+            (0.0, 50.0),
+            "Wanted gap to a vehicle ahead at standstill.",
+            IDM,
+        ),
+        Parameter::number(
+            "max_acceleration",
+            Dimension::ACCELERATION,
+            1.0,
+            (0.1, 10.0),
+            "Acceleration from standstill on a free road.",
+            IDM,
+        ),
+        Parameter::number(
+            "comfortable_deceleration",
+            Dimension::ACCELERATION,
+            1.5,
+            (0.1, 10.0),
+            "Deceleration behind a slower vehicle.",
+            IDM,
+        ),
+        Parameter::number(
+            "exponent",
+            Dimension::NUMBER,
+            4.0,
+            (1.0, 20.0),
+            "How late the acceleration fades as the wanted speed is reached.",
+            IDM,
+        ),
+        Parameter::number(
+            "trigger",
+            Dimension::TIME,
+            1.0,
+            (0.0, 10.0),
+            "Time to collision at which it brakes.",
+            ROSEN,
+        ),
+        Parameter::number(
+            "deceleration",
+            Dimension::ACCELERATION,
+            0.85 * 9.80665,
+            (0.1, 15.0),
+            "Deceleration of emergency braking.",
+            R157,
+        ),
+        Parameter::number(
+            "jerk",
+            Dimension::JERK,
+            0.85 * 9.80665 / 0.6,
+            (0.1, 1000.0),
+            "Rate at which that deceleration builds up.",
+            R157,
+        ),
+        Parameter::number(
+            "detection_delay",
+            Dimension::TIME,
+            0.2,
+            (0.0, 5.0),
+            "Time that a pedestrian must have been in view before it counts.",
+            ASSUMED,
+        ),
+        Parameter::number(
+            "field_of_view",
+            Dimension::ANGLE,
+            40.0 * std::f64::consts::PI / 180.0,
+            (0.0, 2.0 * std::f64::consts::PI),
+            "Opening angle of the sensor at the front bumper.",
+            ROSEN,
+        ),
+        Parameter::number("range", Dimension::LENGTH, 60.0, (0.0, 500.0), "Range of the sensor.", ASSUMED),
+        Parameter::number(
+            "margin",
+            Dimension::LENGTH,
+            0.25,
+            (-1.0, 5.0),
+            "Widens the swept strip on each side.",
+            ASSUMED,
+        ),
+        Parameter::choice(
+            "release",
+            "standstill",
+            [
+                ChoiceOption::new("standstill", "Once triggered it brakes to standstill."),
+                ChoiceOption::new("clear", "It stops braking when nobody is on a collision course."),
+            ],
+            "When emergency braking ends.",
+            ASSUMED,
+        ),
+        Parameter::number(
+            "restart_delay",
+            Dimension::TIME,
+            1.0,
+            (0.0, 60.0),
+            "Time that it stands with a clear way before it drives on.",
+            ASSUMED,
+        ),
+        period(),
+    ]);
+    ControllerModel::new(declaration, CommandKind::Acceleration, build).driving("ideal").chance(Chance::Never)
+}
 
 struct IdmAeb {
     period: f64,
@@ -299,7 +289,7 @@ mod tests {
     use nalgebra::Vector2;
 
     fn track(pairs: &[(&str, Value)]) -> Track {
-        Track::new(&IDM_AEB, Settings::from(pairs), "ideal")
+        Track::new(&idm_aeb(), Settings::from(pairs), "ideal")
     }
 
     /// Gap (bumper to the pedestrian's near edge, m) at which it first brakes, and what is left at standstill.

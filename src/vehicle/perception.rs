@@ -1,8 +1,10 @@
 //! Imperfect perception, the same for every controller: what `sees { … }` leaves out, delays or blurs.
 
+use std::sync::Arc;
+
 use nalgebra::Vector2;
 
-use super::ControllerContext;
+use super::{ControllerContext, PerceptionModel};
 use crate::numbers::random::Stream;
 use crate::scenario::{Body, Chance, Declaration, Dimension, Parameter, Settings};
 use crate::sim::random::{Agent, Purpose, stream};
@@ -10,17 +12,27 @@ use crate::sim::{Command, Controller, ModelError, Observation, Schedule, SeenPed
 
 const FREE: &str = "free choice";
 
-/// Perception draws where it loses or blurs what it sees.
-pub static PERCEPTION_CHANCE: Chance = Chance::If(|settings| {
-    ["dropout", "position_noise", "velocity_noise"].iter().any(|name| settings.number(name) > 0.0)
-});
+/// The perception that ships. It draws where it loses or blurs what it sees.
+pub fn perception() -> PerceptionModel {
+    let draws = |settings: &Settings| {
+        ["dropout", "position_noise", "velocity_noise"].iter().any(|name| settings.number(name) > 0.0)
+    };
+    PerceptionModel {
+        declaration: declaration(),
+        chance: Chance::If(draws),
+        perceive: Arc::new(with_perception),
+    }
+}
 
 /// What `sees { … }` takes. A vehicle without it sees everything at once and exactly, through boxes too.
-pub const PERCEPTION: Declaration = Declaration {
-    name: "sees",
-    summary: "What a controller perceives of pedestrians and vehicles: field of view, range, occlusion, latency, dropout, noise.",
-    source: "generic sensor and tracker; the ego's own state stays exact",
-    parameters: &[
+fn declaration() -> Declaration {
+    Declaration::new(
+        "sees",
+        "What a controller perceives of pedestrians and vehicles: field of view, \
+         range, occlusion, latency, dropout, noise.",
+    )
+    .source("generic sensor and tracker; the ego's own state stays exact")
+    .parameters([
         Parameter::optional(
             "range",
             Dimension::LENGTH,
@@ -32,7 +44,8 @@ pub const PERCEPTION: Declaration = Declaration {
             "field_of_view",
             Dimension::ANGLE,
             (0.0, 2.0 * std::f64::consts::PI),
-            "Opening angle around straight ahead within which others are seen; without it, all around.",
+            "Opening angle around straight ahead within which others are seen; without it, \
+             all around.",
             FREE,
         ),
         Parameter::flag(
@@ -54,7 +67,8 @@ pub const PERCEPTION: Declaration = Declaration {
             Dimension::TIME,
             0.0,
             (0.0, 5.0),
-            "Age of what is seen; others are where they were, the ego's own motion is accounted for. Rounded up to decisions.",
+            "Age of what is seen; others are where they were, the ego's own motion is \
+             accounted for. Rounded up to decisions.",
             FREE,
         ),
         Parameter::number(
@@ -89,13 +103,12 @@ pub const PERCEPTION: Declaration = Declaration {
             "Standard deviation of velocities, each axis, independent per decision.",
             FREE,
         ),
-    ],
-    presets: None,
-};
+    ])
+}
 
-/// Puts the perception that `settings` (resolved against [`PERCEPTION`]) describe between the world and a
+/// Puts the perception that `settings` (resolved against [`declaration`]) describe between the world and a
 /// controller.
-pub fn with_perception(
+fn with_perception(
     controller: Box<dyn Controller>,
     settings: &Settings,
     context: &ControllerContext,
@@ -350,7 +363,7 @@ mod tests {
         let world = populated(boxes);
         let given =
             Settings(pairs.iter().map(|(name, value)| (name.to_string(), Value::Number(*value))).collect());
-        let settings = PERCEPTION.resolve(&given).unwrap();
+        let settings = declaration().resolve(&given).unwrap();
         let context = ControllerContext {
             settings: &Settings::default(),
             setup: &world.vehicles[0],
@@ -361,7 +374,7 @@ mod tests {
         let record = Arc::new(Mutex::new(Vec::new()));
         let mut controller = with_perception(Box::new(Witness(record.clone())), &settings, &context).unwrap();
         let mut track = crate::vehicle::test_track::Track::new(
-            crate::vehicle::controller("constant_speed").unwrap(),
+            &crate::vehicle::constant_speed::constant_speed(),
             Settings::default(),
             "ideal",
         );

@@ -4,9 +4,10 @@ use nalgebra::Vector2;
 
 use super::{ControllerContext, ControllerModel};
 use crate::scenario::{
-    Appearance, Direction, ModelSetup, PedestrianSetup, Position, Road, Settings, Shape, Side, VehicleSetup,
+    Appearance, Direction, PedestrianSetup, Position, Road, Settings, Shape, Side, VehicleSetup,
     VehicleStart, World,
 };
+use crate::sim::fixture::nobody;
 use crate::sim::{
     Command, Controller, Dynamics, EgoState, Longitudinal, Observation, RoadView, SeenPedestrian, SeenVehicle,
 };
@@ -46,7 +47,8 @@ pub struct Track {
 impl Track {
     pub fn new(model: &ControllerModel, settings: Settings, dynamics: &str) -> Self {
         let resolved = model.declaration.resolve(&settings).unwrap();
-        let dynamics = super::dynamics(dynamics).unwrap();
+        let mut all = super::dynamics().into_iter();
+        let dynamics = all.find(|one| one.declaration.name == dynamics).unwrap();
         let (length, width) = dynamics.size;
         let mut world = world(length, width);
         world.pedestrians = vec![walker(); MOST_PEDESTRIANS];
@@ -153,13 +155,12 @@ impl Track {
 
 /// A straight road with one lane each way and a vehicle of this size.
 pub fn world(length: f64, width: f64) -> World {
-    let setup = |name: &str| ModelSetup { name: name.into(), settings: Settings::default() };
     World {
         road: Road::zebra(&[Direction::Forward, Direction::Backward], CRUISE),
         vehicles: vec![VehicleSetup {
             name: "av".into(),
-            controller: setup(""),
-            dynamics: setup(""),
+            controller: nobody(),
+            dynamics: nobody(),
             length,
             width,
             lane: 0,
@@ -179,7 +180,7 @@ pub fn world(length: f64, width: f64) -> World {
 pub fn walker() -> PedestrianSetup {
     PedestrianSetup {
         name: "walker".into(),
-        model: ModelSetup { name: String::new(), settings: Settings::default() },
+        model: nobody(),
         shape: ADULT,
         side: Side::Near,
         start: Position { x: 0.0, y: -4.0 },

@@ -1,45 +1,39 @@
 //! A vehicle that drives by a scripted timeline.
 
 use super::hazard::{half_size, keep_speed};
-use super::{CommandKind, ControllerContext, ControllerModel, PERIOD};
+use super::{CommandKind, ControllerContext, ControllerModel, period};
 use crate::scenario::{Chance, Declaration, Dimension, Parameter, TextError};
 use crate::sim::script::{Action, Quantity, Script, parameters};
 use crate::sim::{Command, Controller, ModelError, Observation, Schedule};
 
-pub static TIMELINE: ControllerModel = ControllerModel {
-    declaration: Declaration {
-        name: "timeline",
-        summary: "Drives by scripted steps; `when` compares distance, distance_to_crossing, time_to_arrival or speed.",
-        source: "conditions and actions after ASAM OpenSCENARIO",
-        parameters: &parameters::<3, 20>(
-            check,
-            [
-                Parameter::number(
-                    "acceleration",
-                    Dimension::ACCELERATION,
-                    1.5,
-                    (0.1, 20.0),
-                    "Acceleration of `speed` and `resume`.",
-                    "free choice",
-                ),
-                Parameter::number(
-                    "deceleration",
-                    Dimension::ACCELERATION,
-                    3.0,
-                    (0.1, 20.0),
-                    "Deceleration of `speed` and `stop`.",
-                    "free choice",
-                ),
-                PERIOD,
-            ],
+pub fn timeline() -> ControllerModel {
+    let declaration = Declaration::new(
+        "timeline",
+        "Drives by scripted steps; `when` compares distance, distance_to_crossing, time_to_arrival or speed.",
+    )
+    .source("conditions and actions after ASAM OpenSCENARIO")
+    .parameters(parameters(check))
+    .parameters([
+        Parameter::number(
+            "acceleration",
+            Dimension::ACCELERATION,
+            1.5,
+            (0.1, 20.0),
+            "Acceleration of `speed` and `resume`.",
+            "free choice",
         ),
-        presets: None,
-    },
-    default_dynamics: "ideal",
-    gives: CommandKind::Acceleration,
-    chance: Chance::Never,
-    build,
-};
+        Parameter::number(
+            "deceleration",
+            Dimension::ACCELERATION,
+            3.0,
+            (0.1, 20.0),
+            "Deceleration of `speed` and `stop`.",
+            "free choice",
+        ),
+        period(),
+    ]);
+    ControllerModel::new(declaration, CommandKind::Acceleration, build).driving("ideal").chance(Chance::Never)
+}
 
 /// `distance`: from the front bumper along the road to the near edge of the nearest pedestrian ahead.
 /// `distance_to_crossing`: of the front. `time_to_arrival`: of the centre at the middle of the crossing.
@@ -129,7 +123,7 @@ mod tests {
         for (name, value) in numbers {
             settings.set(*name, Value::Number(*value));
         }
-        Track::new(&TIMELINE, settings, "ideal")
+        Track::new(&timeline(), settings, "ideal")
     }
 
     #[test]

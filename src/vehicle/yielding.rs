@@ -1,112 +1,112 @@
 //! A driver who yields: stops before a zebra for anybody at or near the kerb.
 
 use super::hazard::{collision_course, keep_speed};
-use super::{CommandKind, ControllerContext, ControllerModel, PERIOD};
+use super::{CommandKind, ControllerContext, ControllerModel, period};
 use crate::scenario::{Chance, Declaration, Dimension, Parameter};
 use crate::sim::{Command, Controller, ModelError, Observation, Schedule, SeenPedestrian};
 
-const RULE: &str =
-    "Vienna Convention on Road Traffic (1968), article 21: give way to pedestrians at crossings";
+const RULE: &str = "Vienna Convention on Road Traffic (1968), article 21: give way to pedestrians \
+                    at crossings";
 const FREE: &str = "free choice";
 
-pub static YIELDING: ControllerModel = ControllerModel {
-    declaration: Declaration {
-        name: "yielding",
-        summary: "Stops before the crossing for a pedestrian on it, at or near the kerb, if it can brake in time, and waits.",
-        source: RULE,
-        parameters: &[
-            Parameter::flag(
-                "requires_priority",
-                true,
-                "Whether it yields only while pedestrians have priority (a zebra, or their green).",
-                RULE,
-            ),
-            Parameter::number(
-                "kerb_distance",
-                Dimension::LENGTH,
-                1.5,
-                (0.0, 20.0),
-                "A pedestrian at most this far from a kerb is one to yield to.",
-                FREE,
-            ),
-            Parameter::number(
-                "along_margin",
-                Dimension::LENGTH,
-                1.0,
-                (0.0, 20.0),
-                "A pedestrian at most this far beside the crossing counts as being at it.",
-                FREE,
-            ),
-            Parameter::flag(
-                "far_kerb",
-                true,
-                "Whether it also yields to those at the kerb across the road.",
-                RULE,
-            ),
-            Parameter::number(
-                "stop_distance",
-                Dimension::LENGTH,
-                1.0,
-                (0.0, 50.0),
-                "Where the front stops, before the near edge of the crossing.",
-                FREE,
-            ),
-            Parameter::number(
-                "deceleration",
-                Dimension::ACCELERATION,
-                2.0,
-                (0.1, 10.0),
-                "Deceleration with which it likes to stop.",
-                "below the 2.5 m/s² that counts as a sudden change",
-            ),
-            Parameter::number(
-                "max_deceleration",
-                Dimension::ACCELERATION,
-                3.4,
-                (0.1, 15.0),
-                "Deceleration up to which it still yields; beyond it passes first.",
-                "AASHTO Green Book, stopping sight distance: 3.4 m/s²",
-            ),
-            Parameter::number(
-                "emergency_deceleration",
-                Dimension::ACCELERATION,
-                7.0,
-                (0.1, 15.0),
-                "Deceleration for somebody on a collision course who cannot be yielded to at `max_deceleration`.",
-                "dry road",
-            ),
-            Parameter::number(
-                "margin",
-                Dimension::LENGTH,
-                0.25,
-                (-1.0, 5.0),
-                "Widens the swept strip in which somebody is on a collision course.",
-                FREE,
-            ),
-            Parameter::optional(
-                "patience",
-                Dimension::TIME,
-                (0.0, 3600.0),
-                "Time standing after which it goes if nobody is on the road; without it, it waits for ever.",
-                FREE,
-            ),
-            Parameter::number(
-                "acceleration",
-                Dimension::ACCELERATION,
-                1.5,
-                (0.1, 10.0),
-                "Acceleration back to the wanted speed.",
-                FREE,
-            ),
-            PERIOD,
-        ],
-        presets: None,
-    },
-    default_dynamics: "ideal",
-    gives: CommandKind::Acceleration,
-    chance: Chance::Never,
-    build,
-};
+pub fn yielding() -> ControllerModel {
+    let declaration = Declaration::new(
+        "yielding",
+        "Stops before the crossing for a pedestrian on it, at or near the kerb, if it \
+         can brake in time, and waits.",
+    )
+    .source(RULE)
+    .parameters([
+        Parameter::flag(
+            "requires_priority",
+            true,
+            "Whether it yields only while pedestrians have priority (a zebra, or their \
+             green).",
+            RULE,
+        ),
+        Parameter::number(
+            "kerb_distance",
+            Dimension::LENGTH,
+            1.5,
+            (0.0, 20.0),
+            "A pedestrian at most this far from a kerb is one to yield to.",
+            FREE,
+        ),
+        Parameter::number(
+            "along_margin",
+            Dimension::LENGTH,
+            1.0,
+            (0.0, 20.0),
+            "A pedestrian at most this far beside the crossing counts as being at it.",
+            FREE,
+        ),
+        Parameter::flag(
+            "far_kerb",
+            true,
+            "Whether it also yields to those at the kerb across the road.",
+            RULE,
+        ),
+        Parameter::number(
+            "stop_distance",
+            Dimension::LENGTH,
+            1.0,
+            (0.0, 50.0),
+            "Where the front stops, before the near edge of the crossing.",
+            FREE,
+        ),
+        Parameter::number(
+            "deceleration",
+            Dimension::ACCELERATION,
+            2.0,
+            (0.1, 10.0),
+            "Deceleration with which it likes to stop.",
+            "below the 2.5 m/s² that counts as a sudden change",
+        ),
+        Parameter::number(
+            "max_deceleration",
+            Dimension::ACCELERATION,
+            3.4,
+            (0.1, 15.0),
+            "Deceleration up to which it still yields; beyond it passes first.",
+            "AASHTO Green Book, stopping sight distance: 3.4 m/s²",
+        ),
+        Parameter::number(
+            "emergency_deceleration",
+            Dimension::ACCELERATION,
+            7.0,
+            (0.1, 15.0),
+            "Deceleration for somebody on a collision course who cannot be yielded to at \
+             `max_deceleration`.",
+            "dry road",
+        ),
+        Parameter::number(
+            "margin",
+            Dimension::LENGTH,
+            0.25,
+            (-1.0, 5.0),
+            "Widens the swept strip in which somebody is on a collision course.",
+            FREE,
+        ),
+        Parameter::optional(
+            "patience",
+            Dimension::TIME,
+            (0.0, 3600.0),
+            "Time standing after which it goes if nobody is on the road; without it, it \
+             waits for ever.",
+            FREE,
+        ),
+        Parameter::number(
+            "acceleration",
+            Dimension::ACCELERATION,
+            1.5,
+            (0.1, 10.0),
+            "Acceleration back to the wanted speed.",
+            FREE,
+        ),
+        period(),
+    ]);
+    ControllerModel::new(declaration, CommandKind::Acceleration, build).driving("ideal").chance(Chance::Never)
+}
 
 struct Yielding {
     period: f64,
@@ -145,7 +145,8 @@ fn build(context: &ControllerContext) -> Result<Box<dyn Controller>, ModelError>
     if comfortable > most {
         return Err(ModelError::with_hint(
             "`deceleration` of `yielding` is larger than `max_deceleration`",
-            "let `deceleration`, with which it plans, be at most `max_deceleration`, with which it can brake",
+            "let `deceleration`, with which it plans, be at most `max_deceleration`, with \
+             which it can brake",
         ));
     }
     Ok(Box::new(Yielding {
@@ -285,7 +286,7 @@ mod tests {
     use nalgebra::Vector2;
 
     fn track(pairs: &[(&str, Value)]) -> Track {
-        let mut track = Track::new(&YIELDING, Settings::from(pairs), "ideal");
+        let mut track = Track::new(&yielding(), Settings::from(pairs), "ideal");
         track.crossing = 60.0;
         track
     }

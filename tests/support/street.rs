@@ -2,16 +2,16 @@
 
 use std::sync::LazyLock;
 
-use scenario_runner::pedestrian::{self, population::Population};
+use scenario_runner::models::standard;
+use scenario_runner::pedestrian::population::Population;
 use scenario_runner::run::road_users;
 use scenario_runner::scenario::{
-    Appearance, Direction, ModelSetup, PedestrianSetup, Position, Road, Settings, Shape, Side, VehicleSetup,
-    VehicleStart, World,
+    Appearance, ControllerModel, Direction, DynamicsModel, ModelSetup, PedestrianModel, PedestrianSetup,
+    Position, Road, Settings, Shape, Side, VehicleSetup, VehicleStart, World,
 };
 use scenario_runner::sim::{
     Command, Controller, Observation, Observer, RoadUsers, Schedule, Solid, Step, simulate,
 };
-use scenario_runner::vehicle;
 
 /// A zebra over two lanes of 4 m, both along +x, kerbs at -2 m and 6 m; runs go on after a contact.
 pub fn street(speed: f64, vehicles: Vec<VehicleSetup>, pedestrians: Vec<PedestrianSetup>) -> World {
@@ -41,25 +41,25 @@ pub fn car(name: &str, lane: usize, speed: f64, start: VehicleStart) -> VehicleS
     }
 }
 
-pub fn controller(name: &str, settings: &Settings) -> ModelSetup {
-    let declared = &vehicle::controller(name).expect("a controller").declaration;
-    ModelSetup { name: name.into(), settings: declared.resolve(settings).expect("good settings") }
+pub fn controller(name: &str, settings: &Settings) -> ModelSetup<ControllerModel> {
+    let model = standard().controllers().get(name).expect("a controller").clone();
+    ModelSetup::resolved(&model, settings).expect("good settings")
 }
 
 /// The dynamics that a controller drives by default.
-pub fn dynamics_of(controller: &str) -> ModelSetup {
-    let name = vehicle::controller(controller).expect("a controller").default_dynamics;
-    let declared = &vehicle::dynamics(name).expect("dynamics").declaration;
-    ModelSetup { name: name.into(), settings: declared.resolve(&Settings::default()).expect("defaults") }
+pub fn dynamics_of(controller: &str) -> ModelSetup<DynamicsModel> {
+    let model = standard().controllers().get(controller).expect("a controller").clone();
+    let dynamics = model.default_dynamics.entry().expect("a registry resolved them");
+    ModelSetup::resolved(dynamics, &Settings::default()).expect("defaults")
 }
 
-pub fn model(name: &str, settings: &Settings) -> ModelSetup {
-    let declared = &pedestrian::model(name).expect("a model").declaration;
-    ModelSetup { name: name.into(), settings: declared.resolve(settings).expect("good settings") }
+pub fn model(name: &str, settings: &Settings) -> ModelSetup<PedestrianModel> {
+    let model = standard().pedestrians().get(name).expect("a model").clone();
+    ModelSetup::resolved(&model, settings).expect("good settings")
 }
 
 /// A pedestrian at x = 0 who walks from one y to another.
-pub fn walker(name: &str, model: ModelSetup, from: f64, to: f64) -> PedestrianSetup {
+pub fn walker(name: &str, model: ModelSetup<PedestrianModel>, from: f64, to: f64) -> PedestrianSetup {
     PedestrianSetup {
         name: name.into(),
         model,
@@ -74,8 +74,8 @@ pub fn walker(name: &str, model: ModelSetup, from: f64, to: f64) -> PedestrianSe
 /// The individual of this number, from 1, of the population that ships.
 pub fn person(number: usize) -> Settings {
     static PEOPLE: LazyLock<Population> = LazyLock::new(|| {
-        let declared = &pedestrian::model("commotions").expect("a model").declaration;
-        Population::read("standard", declared, None).expect("the population that ships")
+        let model = standard().pedestrians().get("commotions").expect("a model").clone();
+        Population::read("standard", &model.declaration, None).expect("the population that ships")
     });
     PEOPLE.individual(1 + (number - 1) * PEOPLE.len() / 1000).expect("an individual")
 }

@@ -2,16 +2,16 @@
 //!
 //! Lane 4 m wide, kerbs at -2 m and +6 m, the pedestrian from -4 m to +8 m at x = 0, the vehicle 4.9 m by 2.1 m.
 
-use scenario_runner::pedestrian::{self, PedestrianContext};
+use scenario_runner::models::standard;
+use scenario_runner::pedestrian::PedestrianContext;
 use scenario_runner::scenario::{
-    Appearance, Direction, ModelSetup, PedestrianSetup, Position, Road, Settings, Shape, Side, Value,
-    VehicleReference, VehicleSetup, VehicleStart, World,
+    Appearance, Direction, ModelSetup, PedestrianSetup, Position, Reference, Road, Settings, Shape, Side,
+    Value, VehicleReference, VehicleSetup, VehicleStart, World,
 };
 use scenario_runner::sim::{
     Command, Controller, Driven, Ending, Observation, Observer, RoadUsers, Schedule, Step, StopReason,
     simulate,
 };
-use scenario_runner::vehicle;
 
 /// 30 km/h
 pub const SPEED: f64 = 30.0 / 3.6;
@@ -82,12 +82,12 @@ impl Zebra {
 
     pub fn run(&self) -> Course {
         let world = self.world();
-        let declared = pedestrian::model(self.model).expect("a registered model");
+        let declared = standard().pedestrians().get(self.model).expect("a registered model").clone();
         let settings = declared.declaration.resolve(&self.settings).expect("good settings");
         let setup = &world.pedestrians[0];
         let context =
             PedestrianContext { settings: &settings, setup, world: &world, rank: 0, seed: self.seed };
-        let ideal = vehicle::dynamics("ideal").expect("registered dynamics");
+        let ideal = standard().dynamics().get("ideal").expect("registered dynamics").clone();
         let mut users = RoadUsers {
             vehicles: vec![Driven {
                 controller: Box::new(self.car),
@@ -102,7 +102,6 @@ impl Zebra {
     }
 
     fn world(&self) -> World {
-        let none = |name: &str| ModelSetup { name: name.into(), settings: Settings::default() };
         World {
             road: Road::zebra(&[Direction::Forward, Direction::Backward], SPEED),
             vehicles: vec![VehicleSetup {
@@ -275,4 +274,9 @@ impl Checks {
     pub fn finish(self) {
         assert!(self.0.is_empty(), "\n{}", self.0.join("\n"));
     }
+}
+
+/// A model that is given to the run by itself.
+fn none<T>(name: &str) -> ModelSetup<T> {
+    ModelSetup { model: Reference::unresolved(name), settings: Settings::default() }
 }

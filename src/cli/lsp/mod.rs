@@ -26,6 +26,7 @@ use serde_json::{Value, json};
 use super::{Exit, load};
 use crate::console::{stderr, stdout};
 use crate::lang::{self, Code, Diagnostic, Severity, Sources, Tree};
+use crate::registry::Registry;
 use document::{Document, changed, offset_of, path_of, position_of, range_of, uri_of};
 use frame::Frame;
 
@@ -43,8 +44,8 @@ const PATIENCE: Duration = Duration::from_secs(2);
     clippy::disallowed_methods,
     reason = "the editor's messages are no file: they are read as they come, each bounded"
 )]
-pub fn lsp(_: &LspArguments) -> Exit {
-    match serve(BufReader::new(io::stdin()), Answers) {
+pub fn lsp(_: &LspArguments, registry: &Registry) -> Exit {
+    match serve(BufReader::new(io::stdin()), Answers, registry) {
         Ok(Farewell::Proper | Farewell::Closed) => Exit::Success,
         Ok(Farewell::Abrupt) => Exit::Output,
         // The editor has gone, or the program says in the end what happened.
@@ -87,9 +88,13 @@ enum Farewell {
 
 /// Answers until the other side says goodbye or is gone. One message is read ahead while another is answered; no more
 /// are kept.
-fn serve(input: impl BufRead + Send + 'static, output: impl Write) -> io::Result<Farewell> {
+fn serve(
+    input: impl BufRead + Send + 'static,
+    output: impl Write,
+    registry: &Registry,
+) -> io::Result<Farewell> {
     let frames = frames(input);
-    let mut server = Server { output, documents: HashMap::new(), shown: HashMap::new() };
+    let mut server = Server { output, registry, documents: HashMap::new(), shown: HashMap::new() };
     let mut phase = Phase::New;
     loop {
         let next = match phase {
@@ -183,7 +188,8 @@ fn capabilities() -> ServerCapabilities {
     }
 }
 
-struct Server<W> {
+struct Server<'r, W> {
+    registry: &'r Registry,
     output: W,
     documents: HashMap<Uri, Document>,
     /// The files that a document's findings were last shown in.
@@ -195,7 +201,7 @@ type Failure = Box<dyn std::error::Error + Send + Sync>;
 /// What a panic leaves of an answer.
 const BUG: &str = "scenario-runner could not answer: a bug of ours";
 
-impl<W: Write> Server<W> {
+impl<W: Write> Server<'_, W> {
     fn send(&mut self, message: Message) -> io::Result<()> {
         message.write(&mut self.output)
     }
@@ -300,7 +306,8 @@ impl<W: Write> Server<W> {
         if let Some(why) = &document.refused {
             by_file.insert(own.clone(), vec![at_the_beginning(Code::FileTooLarge.name(), why)]);
         } else {
-            match catch_unwind(AssertUnwindSafe(|| load::examine(&path, Some(&document.text)))) {
+            match catch_unwind(AssertUnwindSafe(|| load::examine(&path, Some(&document.text), self.registry)))
+            {
                 Ok((found, sources)) => {
                     for diagnostic in &found {
                         let name = sources.get(diagnostic.span().source).name.clone();
@@ -350,7 +357,7 @@ impl<W: Write> Server<W> {
         let parameters: HoverParams = serde_json::from_value(parameters)?;
         let (text, offset) = self.place(&parameters.text_document_position_params);
         let (tree, _) = Tree::parse(Sources::default().add("", ""), text.into());
-        let hover = lang::hover(&tree, offset).map(|(span, value)| Hover {
+        let hover = lang::hover(&tree, offset, self.registry).map(|(span, value)| Hover {
             contents: HoverContents::Markup(MarkupContent { kind: MarkupKind::Markdown, value }),
             range: Some(range_of(text, span)),
         });
@@ -361,7 +368,7 @@ impl<W: Write> Server<W> {
         let parameters: CompletionParams = serde_json::from_value(parameters)?;
         let (text, offset) = self.place(&parameters.text_document_position);
         let path = path_of(&parameters.text_document_position.text_document.uri).unwrap_or_default();
-        let items: Vec<CompletionItem> = lang::complete(&path, text, offset)
+        let items: Vec<CompletionItem> = lang::complete(&path, text, offset, self.registry)
             .into_iter()
             .map(|found| CompletionItem {
                 label: found.word,
@@ -377,7 +384,7 @@ impl<W: Write> Server<W> {
         let place = &parameters.text_document_position_params;
         let (text, offset) = self.place(place);
         let Some(path) = path_of(&place.text_document.uri) else { return Ok(Value::Null) };
-        let location = lang::definition(&path, text, offset).and_then(|(span, sources)| {
+        let location = lang::definition(&path, text, offset, self.registry).and_then(|(span, sources)| {
             let source = sources.get(span.source);
             Some(Location { uri: uri_of(&source.name)?, range: range_of(&source.text, span) })
         });
@@ -445,6 +452,7 @@ mod tests {
     use serde_json::json;
 
     use super::*;
+    use crate::models::standard;
 
     fn request(id: i32, method: &str, parameters: Value) -> Message {
         Message::Request(Request::new(id.into(), method.to_string(), parameters))
@@ -459,7 +467,7 @@ mod tests {
         let mut input = Vec::new();
         messages.iter().for_each(|message| message.write(&mut input).unwrap());
         let mut output = Vec::new();
-        let farewell = serve(io::Cursor::new(input), &mut output);
+        let farewell = serve(io::Cursor::new(input), &mut output, &standard());
         let mut rest = output.as_slice();
         (farewell, std::iter::from_fn(|| Message::read(&mut rest).unwrap()).collect())
     }

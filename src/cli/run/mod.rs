@@ -8,6 +8,16 @@ mod select;
 pub mod targets;
 mod watch;
 
+use super::interrupt::stop_on_interrupt;
+use super::set::SetArguments;
+use super::{Exit, filter, load, measured, number, store};
+use crate::console::{Output, stderr, stdout};
+use crate::dispatch::{self, Orders, Unit, Workshop, dispatch, judge_gates};
+use crate::escape::terminal_line;
+use crate::files;
+use crate::registry::Registry;
+use crate::report::{Live, StatusLevel, Terminal, render_gates};
+use crate::results::{GateReport, GateState, NotJudged, Standing, SuiteReport, Verdict};
 use std::collections::BTreeSet;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -18,15 +28,6 @@ use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
 
 pub use self::remember::LastRun;
-use super::interrupt::stop_on_interrupt;
-use super::set::SetArguments;
-use super::{Exit, filter, load, measured, number, store};
-use crate::console::{Output, stderr, stdout};
-use crate::dispatch::{self, Orders, Unit, Workshop, dispatch, judge_gates};
-use crate::escape::terminal_line;
-use crate::files;
-use crate::report::{Live, StatusLevel, Terminal, render_gates};
-use crate::results::{GateReport, GateState, NotJudged, Standing, SuiteReport, Verdict};
 
 #[derive(Debug, Args)]
 pub struct RunArguments {
@@ -170,7 +171,7 @@ impl ValueEnum for StatusLevel {
     }
 }
 
-pub fn run(arguments: RunArguments) -> Exit {
+pub fn run(arguments: RunArguments, registry: &Registry) -> Exit {
     let (files, filters): (Vec<_>, Vec<_>) =
         arguments.words.iter().partition(|word| load::names_a_file(word));
     if arguments.words.is_empty() {
@@ -203,7 +204,7 @@ pub fn run(arguments: RunArguments) -> Exit {
         Ok(expressions) => expressions,
         Err(exit) => return exit,
     };
-    let suites = match load::load_all(&files, arguments.seed, &arguments.set, colour) {
+    let suites = match load::load_all(&files, arguments.seed, &arguments.set, colour, registry) {
         Ok(suites) => suites,
         Err(exit) => return exit,
     };
@@ -266,7 +267,7 @@ pub fn run(arguments: RunArguments) -> Exit {
     }
     let watcher = arguments.trace.as_deref().map(watch::Traces::new);
     let watch = watcher.as_ref().map(|traces| |case: &_, trace: &_| traces.save(case, trace));
-    let mut workshop = Workshop::new(&suites, Some(arguments.journal.clone()), &stop);
+    let mut workshop = Workshop::new(&suites, Some(arguments.journal.clone()), &stop, registry);
     if let Some(watch) = &watch {
         workshop = workshop.watched_by(watch);
     }

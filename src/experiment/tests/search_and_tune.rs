@@ -4,7 +4,7 @@ use super::*;
 use crate::results::{BlockResult, MetricSummary, SearchResult, TuneResult, Violations};
 
 fn run(suite: &Suite, journals: Option<std::path::PathBuf>) -> (SearchResult, TuneResult) {
-    let laboratory = Laboratory::new(suite, journals);
+    let laboratory = Laboratory::new(suite, journals, &standard());
     let found = run_search(&laboratory, &suite.searches[0], &Silent).unwrap();
     let mut results = EarlierResults::default();
     results.blocks.insert(found.name.clone(), BlockResult::Search(found.clone()));
@@ -55,7 +55,7 @@ fn a_run_that_was_cut_off_resumes_to_the_same_result() {
     let suite = suite();
     let folder = tempfile::tempdir().unwrap();
     let undisturbed = text(&run(&suite, None));
-    let laboratory = Laboratory::new(&suite, Some(folder.path().to_owned()));
+    let laboratory = Laboratory::new(&suite, Some(folder.path().to_owned()), &standard());
     // Dies in the middle of the search.
     struct Dies;
     impl Progress for Dies {
@@ -77,7 +77,7 @@ fn a_run_that_is_asked_to_stop_leaves_a_journal_without_the_evaluations_that_it_
     let suite = suite();
     let folder = tempfile::tempdir().unwrap();
     let undisturbed = text(&run(&suite, None));
-    let laboratory = Laboratory::new(&suite, Some(folder.path().to_owned()));
+    let laboratory = Laboratory::new(&suite, Some(folder.path().to_owned()), &standard());
     struct Stops<'a>(&'a crate::run::Stop);
     impl Progress for Stops<'_> {
         fn evaluated(&self, done: usize, _all: usize, _value: Option<f64>) {
@@ -105,7 +105,7 @@ fn sets_of_cases_round_trip_and_can_be_tuned_on() {
     std::fs::write(&path, CaseFile::write(&found.kept)).unwrap();
     assert_eq!(CaseFile::read(&path).unwrap(), found.kept);
     suite.tunes[0].on = CaseSet::Saved(path.to_string_lossy().into_owned());
-    let laboratory = Laboratory::new(&suite, None);
+    let laboratory = Laboratory::new(&suite, None, &standard());
     let again = run_tune(&laboratory, &suite.tunes[0], &EarlierResults::default(), &Silent).unwrap();
     assert_eq!(serde_json::to_string(&again).unwrap(), serde_json::to_string(&tuned).unwrap());
 }
@@ -114,7 +114,7 @@ fn sets_of_cases_round_trip_and_can_be_tuned_on() {
 fn an_empty_set_and_an_unsatisfiable_constraint_are_said_plainly() {
     let mut suite = suite();
     suite.searches[0].keep = Some(condition("pet", Relation::Less, -1.0));
-    let laboratory = Laboratory::new(&suite, None);
+    let laboratory = Laboratory::new(&suite, None, &standard());
     let early = run_tune(&laboratory, &suite.tunes[0], &EarlierResults::default(), &Silent);
     assert_eq!(early.unwrap_err().to_string(), "`low_pet` has not been run, but is needed");
     let nothing = run_search(&laboratory, &suite.searches[0], &Silent).unwrap();
@@ -124,12 +124,12 @@ fn an_empty_set_and_an_unsatisfiable_constraint_are_said_plainly() {
     assert_eq!(empty.unwrap_err().to_string(), "the set of cases `low_pet` is empty");
     suite.tunes[0].on =
         CaseSet::Sample { scenario: "encounter".into(), count: SampleSize::Number(1_000_000) };
-    let laboratory = Laboratory::new(&suite, None);
+    let laboratory = Laboratory::new(&suite, None, &standard());
     let small = run_tune(&laboratory, &suite.tunes[0], &EarlierResults::default(), &Silent).unwrap_err();
     assert!(small.to_string().ends_with("runs, and 1000000 are to be drawn of them"), "{small}");
     suite.tunes[0].on = CaseSet::Sample { scenario: "encounter".into(), count: SampleSize::Number(2) };
     suite.tunes[0].constraints = vec![condition("min_distance", Relation::Greater, 1e6)];
-    let laboratory = Laboratory::new(&suite, None);
+    let laboratory = Laboratory::new(&suite, None, &standard());
     let result = run_tune(&laboratory, &suite.tunes[0], &EarlierResults::default(), &Silent).unwrap();
     assert!(result.chosen.is_none() && result.evaluations.iter().all(|one| !one.feasible));
 }
@@ -142,7 +142,7 @@ fn where_nothing_is_feasible_the_fewest_violations_can_be_chosen() {
     tune.early_stop = false;
     tune.otherwise_fewest_violations = true;
     let tuned = |suite: &Suite| {
-        let laboratory = Laboratory::new(suite, None);
+        let laboratory = Laboratory::new(suite, None, &standard());
         run_tune(&laboratory, &suite.tunes[0], &EarlierResults::default(), &Silent).unwrap()
     };
     // What every run violates is broken equally by all: then the objective decides.
@@ -163,7 +163,7 @@ fn where_nothing_is_feasible_the_fewest_violations_can_be_chosen() {
 #[test]
 fn a_strict_constraint_is_violated_at_its_bound() {
     let suite = suite();
-    let laboratory = Laboratory::new(&suite, None);
+    let laboratory = Laboratory::new(&suite, None, &standard());
     let cases = laboratory.cases_of("encounter").unwrap();
     let case = laboratory.revive(&cases[0], &[], "key".into(), None).unwrap();
     let outcomes = [laboratory.run_one(&case).unwrap()];
@@ -181,7 +181,7 @@ fn stopping_early_costs_no_accuracy() {
         let mut suite = suite.clone();
         suite.tunes[0].early_stop = early_stop;
         suite.tunes[0].constraints = vec![condition("time_lost", Relation::LessOrEqual, most_lost)];
-        let laboratory = Laboratory::new(&suite, None);
+        let laboratory = Laboratory::new(&suite, None, &standard());
         run_tune(&laboratory, &suite.tunes[0], &EarlierResults::default(), &Silent).unwrap()
     };
     // A bound that some of the random first candidates keep and others do not; they are the same for every bound.

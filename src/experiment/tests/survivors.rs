@@ -46,7 +46,7 @@ const FOREVER: f64 = f64::INFINITY;
 #[test]
 fn an_objective_counts_runs_without_a_value_against_its_goal() {
     let suite = suite();
-    let laboratory = Laboratory::new(&suite, None);
+    let laboratory = Laboratory::new(&suite, None, &standard());
     let of = |goal, aggregate: Aggregate, came: &[Came]| {
         laboratory.objective(&aggregate, goal, &outcomes(&laboratory, came))
     };
@@ -74,7 +74,7 @@ fn an_objective_counts_runs_without_a_value_against_its_goal() {
 #[test]
 fn a_constraint_holds_only_however_a_run_would_have_gone_on() {
     let suite = suite();
-    let laboratory = Laboratory::new(&suite, None);
+    let laboratory = Laboratory::new(&suite, None, &standard());
     let margin = |name, relation, bound, came: &[Came]| {
         laboratory.margin(&condition(name, relation, bound), &outcomes(&laboratory, came))
     };
@@ -110,7 +110,7 @@ fn hasty() -> Suite {
 #[test]
 fn reports_say_how_many_runs_have_no_value() {
     let suite = hasty();
-    let laboratory = Laboratory::new(&suite, None);
+    let laboratory = Laboratory::new(&suite, None, &standard());
     let search = run_search(&laboratory, &suite.searches[0], &Silent).unwrap();
     let evaluations: usize = search.found.iter().map(|one| one.evaluations.len()).sum();
     assert!(search.found.iter().all(|one| one.evaluations.iter().all(|(_, value)| value.is_none())));
@@ -123,7 +123,7 @@ fn reports_say_how_many_runs_have_no_value() {
         .measures
         .push(aggregate(Aggregate::Mean(metric("min_distance")), "mean(min_distance)"));
     suite.tunes[0].on = CaseSet::Scenario("encounter".into());
-    let laboratory = Laboratory::new(&suite, None);
+    let laboratory = Laboratory::new(&suite, None, &standard());
     let result = run_evaluate(&laboratory, &suite.evaluates[0], &EarlierResults::default(), &Silent).unwrap();
     let default = &result.conditions[0];
     let runs = default.runs.len();

@@ -159,15 +159,15 @@ fn write_vehicle(line: &mut impl FnMut(usize, &str), vehicle: &TestedVehicle, en
     line(3, "{");
     line(4, &format!("\"name\": {},", json(&vehicle.name)));
     for (part, setup) in [
-        ("controller", Some(&vehicle.controller)),
-        ("dynamics", Some(&vehicle.dynamics)),
-        ("sees", vehicle.sees.as_ref()),
+        ("controller", Some((vehicle.controller.model.name(), &vehicle.controller.settings))),
+        ("dynamics", Some((vehicle.dynamics.model.name(), &vehicle.dynamics.settings))),
+        ("sees", vehicle.sees.as_ref().map(|sees| (sees.model.name(), &sees.settings))),
     ] {
-        let Some(setup) = setup else { continue };
+        let Some((name, settings)) = setup else { continue };
+        let settings = &settings.0;
         line(4, &format!("\"{part}\": {{"));
-        line(5, &format!("\"name\": {},", json(&setup.name)));
+        line(5, &format!("\"name\": {},", json(&name)));
         line(5, "\"settings\": {");
-        let settings = &setup.settings.0;
         for (index, (name, value)) in settings.iter().enumerate() {
             line(6, &format!("{}: {}{}", json(name), json(value), comma(index, settings.len())));
         }

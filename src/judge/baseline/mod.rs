@@ -8,8 +8,11 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use crate::registry::Registry;
 use crate::results::Requests;
-use crate::scenario::{ModelSetup, Settings};
+use crate::scenario::{
+    ControllerModel, DynamicsModel, Metric, ModelSetup, PerceptionModel, Reference, Settings,
+};
 
 pub use file::BaselineError;
 pub use pairing::{Incompatible, Pairing, Part, pair, some};
@@ -43,7 +46,7 @@ pub struct Baseline {
 pub struct RecordedMetric {
     /// As reports call it, such as `pet` or `max_deceleration(window=0.5)`.
     pub label: String,
-    pub name: String,
+    pub name: Reference<Metric>,
     /// The SI unit, `yes or no`, or the words it takes.
     pub unit: String,
     /// Every parameter with its value, so that a changed default is seen.
@@ -56,9 +59,9 @@ pub struct RecordedMetric {
 #[serde(deny_unknown_fields)]
 pub struct TestedVehicle {
     pub name: String,
-    pub controller: ModelSetup,
-    pub dynamics: ModelSetup,
-    pub sees: Option<ModelSetup>,
+    pub controller: ModelSetup<ControllerModel>,
+    pub dynamics: ModelSetup<DynamicsModel>,
+    pub sees: Option<ModelSetup<PerceptionModel>>,
     /// m
     pub length: f64,
     /// m
@@ -104,6 +107,16 @@ pub struct Parts {
 }
 
 impl Baseline {
+    /// The same, with what a registry knows of the metrics in it: of one that was read, only their names are known.
+    pub fn resolved(mut self, registry: &Registry) -> Self {
+        for metric in &mut self.metrics {
+            if let Some(known) = registry.metrics().get(metric.name.name()) {
+                metric.name = known.into();
+            }
+        }
+        self
+    }
+
     /// The full key of a run.
     pub fn run_key(&self, trial: &RecordedTrial, run: usize) -> String {
         format!("{}/{}/{}", self.suite, trial.key, trial.runs[run])

@@ -1,14 +1,13 @@
 //! Baselines from outcomes.
 
-use crate::plan::{Plan, PlannedTrial};
-use serde::Serialize;
-use sha2::{Digest, Sha256};
-
 use super::{Baseline, Parts, RecordedMetric, RecordedTrial, TestedVehicle};
-use crate::metrics::{self, MetricKind};
+use crate::plan::{Plan, PlannedTrial};
+use crate::registry::Registry;
 use crate::results::{Outcome, Requests};
 use crate::run::{departures, drawing};
-use crate::scenario::{ANOTHER_MODEL, Case, MetricReference, PedestrianSetup, Suite};
+use crate::scenario::{ANOTHER_MODEL, Case, MetricKind, MetricReference, PedestrianSetup, Suite};
+use serde::Serialize;
+use sha2::{Digest, Sha256};
 
 /// Digits of a value that are kept: enough for any comparison, and short enough to read.
 const DIGITS: usize = 9;
@@ -58,8 +57,8 @@ pub fn record(plan: &Plan, trials: &[(&PlannedTrial, &[Outcome])], requests: &Re
 }
 
 /// Every metric that is kept of a suite's runs: those there are, and what its criteria and gates are about.
-pub fn measured_metrics(suite: &Suite) -> Requests {
-    let mut requests = Requests::defaults();
+pub fn measured_metrics(suite: &Suite, registry: &Registry) -> Requests {
+    let mut requests = Requests::defaults(registry);
     suite.scenarios.iter().for_each(|scenario| requests.include(&scenario.criteria));
     let rules = suite.gates.iter().flat_map(|gate| &gate.rules);
     rules.filter_map(|rule| rule.metric.as_ref()).for_each(|metric| requests.add(metric));
@@ -67,11 +66,11 @@ pub fn measured_metrics(suite: &Suite) -> Requests {
 }
 
 fn metric(reference: &MetricReference) -> RecordedMetric {
-    let metric = metrics::metric(&reference.name).expect("requests were checked against the registry");
+    let metric = reference.known().expect("requests were checked against the registry");
     RecordedMetric {
         label: reference.label(),
-        name: reference.name.clone(),
-        unit: match metric.kind {
+        name: reference.metric.clone(),
+        unit: match &metric.kind {
             MetricKind::Quantity(dimension) => dimension.si_unit(),
             MetricKind::Flag => "yes or no".to_string(),
             MetricKind::Category(words) => words.join(" or "),

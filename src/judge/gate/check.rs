@@ -1,15 +1,13 @@
 //! One comparison: measured, then decided.
 
-use crate::results::{ChangedRun, Check, CheckOutcome, Power, Subject};
-
 use super::measure::{Differences, difference, differences, sign, worse_by, worst_trial};
-use super::power::{self};
+use super::power;
 use super::questions::{About, Place, Question, RunPair};
 use crate::judge::baseline::RecordedMetric;
-use crate::metrics;
 use crate::numbers::inference::{MeanChange, rate_change, rate_rise};
 use crate::numbers::random::derive_seed;
-use crate::scenario::{MetricReference, Tolerance};
+use crate::results::{ChangedRun, Check, CheckOutcome, Power, Subject};
+use crate::scenario::Tolerance;
 
 /// Everything but the outcome, which depends on the other comparisons.
 pub fn measure(question: &Question, family: usize, seed: u64) -> Check {
@@ -148,8 +146,7 @@ impl Check {
 fn widest(question: &Question) -> Option<f64> {
     let About::Mean(_) = question.about else { return Some(1.0) };
     let RecordedMetric { name, settings, .. } = question.metric;
-    let reference = MetricReference { name: name.clone(), settings: settings.clone(), pair: None };
-    let (low, high) = metrics::limits(&reference, f64::INFINITY)?;
+    let (low, high) = name.known()?.limits(settings, f64::INFINITY)?;
     Some(high - low).filter(|widest| widest.is_finite())
 }
 

@@ -12,7 +12,7 @@ mod tests;
 use super::baseline::{Baseline, Incompatible, Pairing, pair};
 use crate::numbers::inference::holm;
 use crate::results::{BlindPlace, Check, CheckOutcome, GateVerdict, Power, Verdict};
-use crate::scenario::{Gate, GateRule, MetricReference, Settings, Tolerance};
+use crate::scenario::{Gate, GateRule, MetricReference, Reference, Tolerance};
 
 pub use measure::vehicle_changes;
 
@@ -45,7 +45,7 @@ pub fn collision_rule(confidence: f64) -> GateRule {
 
 /// The rule on collisions that holds unless a gate says otherwise: where the base has none, no run may have one.
 fn no_new_collision() -> GateRule {
-    let metric = MetricReference { name: COLLISION.into(), settings: Settings::default(), pair: None };
+    let metric = MetricReference::plain(Reference::unresolved(COLLISION));
     GateRule {
         metric: Some(metric),
         tolerance: Tolerance::NoneNew { where_none_was: true },

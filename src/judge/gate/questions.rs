@@ -2,8 +2,7 @@
 
 use super::measure::{Direction, Event};
 use crate::judge::baseline::{Incompatible, Pairing, RecordedMetric, RecordedTrial};
-use crate::metrics::{self, Absence, Metric, MetricKind, Worst};
-use crate::scenario::{GateRule, MetricReference, Tolerance};
+use crate::scenario::{Absence, GateRule, Metric, MetricKind, MetricReference, Tolerance, Worst};
 
 /// One comparison to make.
 pub struct Question<'a> {
@@ -92,7 +91,7 @@ pub fn ask<'a>(rules: &[GateRule], pairing: &Pairing<'a>) -> Result<Questions<'a
                 .map(Incompatible::MetricMissing),
         );
         for (column, recorded) in pairing.candidate.metrics.iter().enumerate() {
-            let Some(metric) = metrics::metric(&recorded.name) else { continue };
+            let Some(metric) = recorded.name.known() else { continue };
             let wanted = match &rule.metric {
                 Some(reference) => reference.label() == recorded.label,
                 None => !named.iter().any(|named| named.label() == recorded.label),
@@ -150,7 +149,7 @@ struct Asker<'a, 'b> {
     rule: usize,
     terms: &'b GateRule,
     recorded: &'a RecordedMetric,
-    metric: &'static Metric,
+    metric: &'a Metric,
     /// Of the metric, in the base and in the candidate.
     columns: (usize, usize),
     pairing: &'b Pairing<'a>,

@@ -1,12 +1,12 @@
 //! Gates over made-up baselines: what regresses, what holds, what cannot be told.
 
+use crate::judge::baseline::{Part, Parts, RecordedMetric, RecordedTrial};
+use crate::numbers::random::Stream;
 use crate::results::Subject;
+use crate::scenario::Settings;
 use std::collections::BTreeMap;
 
 use super::*;
-use crate::judge::baseline::{Part, Parts, RecordedMetric, RecordedTrial};
-use crate::numbers::random::Stream;
-use crate::scenario::{MetricReference, Settings};
 
 /// One trial: key, scenario, whether it is certain, labels of its runs.
 struct Trial {
@@ -58,7 +58,7 @@ fn baseline(
             .iter()
             .map(|name| RecordedMetric {
                 label: name.to_string(),
-                name: name.to_string(),
+                name: crate::models::known::metric(name),
                 unit: if *name == "collision" { "yes or no".into() } else { "s".into() },
                 settings: Settings::default(),
                 pair: None,
@@ -74,7 +74,7 @@ fn five_percent() -> Vec<GateRule> {
 }
 
 fn named(metric: &str, tolerance: Tolerance) -> GateRule {
-    let metric = MetricReference { name: metric.into(), settings: Settings::default(), pair: None };
+    let metric = crate::models::known::measured(metric);
     GateRule { metric: Some(metric), tolerance, ..blanket_rule(0.0, 0.95) }
 }
 

@@ -12,7 +12,8 @@ use super::seen::Seen;
 use crate::numbers::inference::{ConfidenceSequence, Decision, MeanWatch, Unit};
 use crate::results::{Finding, Outcome, Reason, Requests, RunsTaken, TrialVerdict, Verdict};
 use crate::scenario::{
-    Aggregate, Claim, Comparison, Criterion, Relation, Rounds, Trial, WhenUndefined, constant,
+    Aggregate, Claim, Comparison, Criterion, MetricReference, Relation, Rounds, Trial, WhenUndefined,
+    constant,
 };
 
 /// Follows the outcomes of a trial to see when they are enough.
@@ -43,7 +44,7 @@ enum About {
     /// A claim about the share of runs in which an event happens.
     Share(Share),
     /// A claim about the mean of a metric that has limits, and its relation: what a run counts as that has no value.
-    Mean(Box<MeanWatch>, String, Relation),
+    Mean(Box<MeanWatch>, MetricReference, Relation),
 }
 
 struct Share {
@@ -150,7 +151,7 @@ impl Test {
                     Aggregate::Quantile(level, _) => quantile(*level),
                     Aggregate::Mean(metric) => {
                         let watch = MeanWatch::new(constant(bound), criterion.reach.limits?, confidence);
-                        About::Mean(Box::new(watch), metric.name.clone(), claimed)
+                        About::Mean(Box::new(watch), metric.clone(), claimed)
                     }
                     _ => return None,
                 }
@@ -200,7 +201,7 @@ impl Share {
         let happened = match self.claimed {
             None => Some(seen.holds(&self.event, self.unknown)),
             Some(claimed) => {
-                let value = seen.worst(&self.event.metric.name, claimed);
+                let value = seen.worst(&self.event.metric, claimed);
                 value.map(|value| self.event.relation.holds(value, self.event.constant_bound()))
             }
         };

@@ -2,14 +2,14 @@
 
 use super::*;
 use crate::numbers::random::Stream;
-use crate::scenario::{Expression, MetricReference, Origin, Reach, Settings};
+use crate::scenario::{Expression, MetricReference, Origin, Reach};
 use crate::sim::{Ending, StopReason};
 use std::time::Duration;
 
 const ROUNDS: Rounds = Rounds { size: 4, least: 20, most: 400 };
 
 fn pet() -> MetricReference {
-    MetricReference { name: "pet".into(), settings: Settings::default(), pair: None }
+    crate::models::known::measured("pet")
 }
 
 fn requests() -> Requests {

@@ -10,7 +10,6 @@ use crate::lang::format::phrase;
 use crate::lang::source::Span;
 use crate::lang::tree::{Node, Rule};
 use crate::lang::value::{self, Calculation, Kind, Scope, Typed};
-use crate::metrics::metric;
 use crate::scenario::{
     BinaryOperator, Dimension, Expression, Measured, OutcomesOf, ParameterKind, Quantity, Relation,
     StatementClaim, StatementClaimKind, TrendDirection, Value, VariationCondition,
@@ -318,8 +317,8 @@ impl<'s> Claims<'_, 's> {
         let kind = match takes {
             Takes::Kind(kind) => kind,
             Takes::Parameter(declaration, parameter) => {
-                match declaration.parameter(parameter).map(|found| found.kind) {
-                    Some(ParameterKind::Number { dimension, .. }) => Kind::Number(dimension),
+                match declaration.parameter(&parameter).map(|found| &found.kind) {
+                    Some(ParameterKind::Number { dimension, .. }) => Kind::Number(*dimension),
                     Some(ParameterKind::Whole { .. }) => Kind::Number(Dimension::NUMBER),
                     Some(ParameterKind::Flag { .. }) => Kind::Flag,
                     _ => Kind::Word,
@@ -337,7 +336,7 @@ impl<'s> Claims<'_, 's> {
     fn number(&mut self, node: Node) -> Option<Term> {
         if node.rule() == Rule::reference
             && self.scope.find(node.text()).is_none()
-            && metric(node.text()).is_some()
+            && self.places.files.registry.metrics().get(node.text()).is_some()
         {
             let name = node.text();
             self.report.push(

@@ -1,5 +1,7 @@
 //! `expect { … }`
 
+use std::sync::Arc;
+
 use super::Places;
 use super::confidence::refuse_confidence;
 use super::pedestrian::unknown_vehicle;
@@ -10,10 +12,10 @@ use crate::lang::print;
 use crate::lang::settings::{self, lone_word, repeated};
 use crate::lang::tree::{Node, Rule};
 use crate::lang::value::{self, Kind, Scope};
-use crate::metrics::{METRICS, Metric, MetricKind, Scope as Measured, metric};
+use crate::registry::Table;
 use crate::scenario::{
-    Aggregate, Claim, Comparison, Criterion, Dimension, Expression, MetricReference, People, Reach, Relation,
-    Value, VariationCondition, WhenUndefined,
+    Aggregate, Claim, Comparison, Criterion, Dimension, Expression, Metric, MetricKind, MetricReference,
+    People, Reach, Relation, Scope as Measured, Value, VariationCondition, WhenUndefined,
 };
 
 /// The words for what sums up runs, with what each is.
@@ -36,6 +38,8 @@ pub struct Cast<'a> {
     pub boxes: Vec<&'a str>,
     /// Whether people are taken from a population, and if so whether there are several.
     pub individuals: Option<bool>,
+    /// What can be measured.
+    pub metrics: &'a Table<Metric>,
 }
 
 /// Where criteria come from: one of a suite leaves out scenarios that do not vary what its `when` is about.
@@ -293,10 +297,14 @@ pub fn aggregate(
             Diagnostic::new(
                 Code::NoNumber,
                 metric_node.span(),
-                format!("`{}` is {}, of which there is no such aggregate", reference.name, kind_name(found)),
+                format!(
+                    "`{}` is {}, of which there is no such aggregate",
+                    reference.name(),
+                    kind_name(&found)
+                ),
             )
             .label("not a quantity")
-            .hint(format!("take the share of runs: `rate({} …)`", reference.name)),
+            .hint(format!("take the share of runs: `rate({} …)`", reference.name())),
         );
         return None;
     };
@@ -321,7 +329,7 @@ fn aggregate_word(aggregate: &Aggregate) -> String {
         | Aggregate::Min(metric)
         | Aggregate::Max(metric)
         | Aggregate::Std(metric)
-        | Aggregate::Quantile(_, metric) => metric.name.clone(),
+        | Aggregate::Quantile(_, metric) => metric.name().to_string(),
     }
 }
 
@@ -335,7 +343,7 @@ pub fn comparison(
 ) -> Option<Comparison> {
     let metric_node = node.child(Rule::metric)?;
     let (reference, found) = metric_reference(metric_node, cast, scope, report)?;
-    let name = reference.name.clone();
+    let name = reference.name().to_string();
     let done = |relation, bound| Some(Comparison { metric: reference, relation, bound, when_undefined });
     if node.has(Rule::kw_no) {
         if found.kind != MetricKind::Flag {
@@ -343,7 +351,7 @@ pub fn comparison(
                 Diagnostic::new(
                     Code::BadNo,
                     node.span(),
-                    format!("`no` needs something true or false, but `{name}` is {}", kind_name(found)),
+                    format!("`no` needs something true or false, but `{name}` is {}", kind_name(&found)),
                 )
                 .label("not true or false")
                 .hint(format!("compare it: `{name} >= …`")),
@@ -359,10 +367,10 @@ pub fn comparison(
                 Diagnostic::new(
                     Code::MissingComparison,
                     metric_node.span(),
-                    format!("`{name}` is {} and must be compared to something", kind_name(found)),
+                    format!("`{name}` is {} and must be compared to something", kind_name(&found)),
                 )
                 .label("compared to nothing")
-                .hint(example(found)),
+                .hint(example(&found)),
             );
             return None;
         }
@@ -376,16 +384,16 @@ pub fn comparison(
             Diagnostic::new(
                 Code::NoOrder,
                 relation_node.span(),
-                format!("`{name}` is {}, which has no order", kind_name(found)),
+                format!("`{name}` is {}, which has no order", kind_name(&found)),
             )
             .label("neither smaller nor larger")
             .hint("compare it by `=` or `!=`"),
         );
         return None;
     }
-    match found.kind {
+    match &found.kind {
         MetricKind::Quantity(dimension) => {
-            done(relation, value::quantity_of(bound, dimension, &what, scope, report)?.expression)
+            done(relation, value::quantity_of(bound, *dimension, &what, scope, report)?.expression)
         }
         MetricKind::Flag => {
             let value = value::evaluate(bound, scope, report)?;
@@ -399,7 +407,8 @@ pub fn comparison(
         }
         MetricKind::Category(words) => {
             let before = report.len();
-            let Some(chosen) = settings::choice(bound, &what, words, scope, report) else {
+            let options: Vec<&str> = words.iter().map(|word| &**word).collect();
+            let Some(chosen) = settings::choice(bound, &what, &options, scope, report) else {
                 for diagnostic in &mut report[before..] {
                     if diagnostic.code == Code::UnknownOption {
                         diagnostic.code = Code::UnknownWord;
@@ -417,8 +426,8 @@ pub fn comparison(
 }
 
 pub fn kind_name(metric: &Metric) -> String {
-    match metric.kind {
-        MetricKind::Quantity(dimension) => Kind::Number(dimension).name(),
+    match &metric.kind {
+        MetricKind::Quantity(dimension) => Kind::Number(*dimension).name(),
         MetricKind::Flag => "true or false".to_string(),
         MetricKind::Category(words) => {
             format!("one of {}", words.iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", "))
@@ -427,14 +436,16 @@ pub fn kind_name(metric: &Metric) -> String {
 }
 
 fn example(metric: &Metric) -> String {
-    let name = metric.declaration.name;
-    match metric.kind {
+    let name = &metric.declaration.name;
+    match &metric.kind {
         MetricKind::Quantity(dimension) => {
             let bound = format!("{name} >= 1.5 {}", dimension.si_unit());
             format!("such as `{}`", bound.trim_end())
         }
         MetricKind::Flag => format!("such as `no {name}`"),
-        MetricKind::Category(words) => format!("such as `{name} = {}`", words.first().unwrap_or(&"…")),
+        MetricKind::Category(words) => {
+            format!("such as `{name} = {}`", words.first().map_or("…", |word| &**word))
+        }
     }
 }
 
@@ -444,16 +455,16 @@ pub fn metric_reference(
     cast: &Cast,
     scope: &Scope,
     report: &mut Vec<Diagnostic>,
-) -> Option<(MetricReference, &'static Metric)> {
+) -> Option<(MetricReference, Arc<Metric>)> {
     let name = node.child(Rule::name)?;
-    let Some(found) = metric(name.text()) else {
+    let Some(found) = cast.metrics.get(name.text()) else {
         let message = format!("there is no metric `{}`", name.text());
         let diagnostic = Diagnostic::new(Code::UnknownMetric, name.span(), message).label("unknown metric");
         report.push(match AGGREGATES.iter().any(|(word, _)| *word == name.text()) {
             true => {
                 diagnostic.hint("this is about single runs: compare a metric itself, such as `pet < 1.5 s`")
             }
-            false => diagnostic.suggest(name.text(), METRICS.iter().map(|known| known.declaration.name)),
+            false => diagnostic.suggest(name.text(), cast.metrics.names()),
         });
         return None;
     };
@@ -463,7 +474,7 @@ pub fn metric_reference(
         Some(details) => pair(details, found, cast, report)?,
         None => None,
     };
-    Some((MetricReference { name: name.text().to_string(), settings: settings?, pair }, found))
+    Some((MetricReference { metric: found.into(), settings: settings?, pair }, found.clone()))
 }
 
 /// The pair that is meant. A metric of one road user has a value with the first of the other kind; contacts of one
@@ -515,7 +526,7 @@ fn pair(
             (first(&cast.vehicles)?, pedestrian)
         }
         _ => {
-            let name = metric.declaration.name;
+            let name = &metric.declaration.name;
             let (whom, example) = match metric.scope {
                 Measured::Pair => ("a vehicle and a pedestrian", format!("{name}(av, walker)")),
                 Measured::Contact => ("a vehicle and what it touches", format!("{name}(av, walker)")),

@@ -222,7 +222,7 @@ fn fits(name: Node, other: &Subject, subject: &Subject, report: &mut Vec<Diagnos
     let unsaid = other.varied.keys().filter(|varied| !subject.varied.contains_key(*varied)).min();
     let lost = subject.scenario.pedestrians.iter().filter(|one| one.individuals.is_some()).find(|one| {
         let same = |there: &&crate::scenario::Pedestrian| {
-            there.name == one.name && there.model.name == one.model.name
+            there.name == one.name && there.model.first == one.model.first
         };
         !other.scenario.pedestrians.iter().any(|there| same(&there))
     });
@@ -238,7 +238,7 @@ fn fits(name: Node, other: &Subject, subject: &Subject, report: &mut Vec<Diagnos
         ))),
         (None, Some(person)) => report.push(diagnostic(format!(
             "pedestrian `{}` of `{own}` is an individual of `{}`, but not in scenario `{theirs}`",
-            person.name, person.model.name
+            person.name, person.model.first
         ))),
         (None, None) => return true,
     }

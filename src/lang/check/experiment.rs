@@ -1,5 +1,7 @@
 //! `search NAME { … }` and `tune NAME { … }`
 
+use std::sync::Arc;
+
 use std::collections::HashMap;
 
 use super::Places;
@@ -15,12 +17,10 @@ use crate::lang::settings::{self, lone_word, repeated};
 use crate::lang::source::Span;
 use crate::lang::tree::{Node, Rule};
 use crate::lang::value::{self, Kind, Scope};
-use crate::metrics::MetricKind;
-use crate::pedestrian;
 use crate::scenario::{
     ANOTHER_MODEL, Aggregate, Budget, Comparison, Declaration, Dimension, Expression, Goal, InitialDesign,
-    Method, Notation, Objective, ParameterKind, Part, Range, RangeValues, Relation, Scenario, Search, Target,
-    Tune, Value, Variation,
+    Method, MetricKind, Notation, Objective, ParameterKind, Part, PedestrianModel, Range, RangeValues,
+    Relation, Scenario, Search, Target, Tune, Value, Variation,
 };
 
 const MOST_EVALUATIONS: u32 = 1_000_000;
@@ -196,14 +196,11 @@ fn only_parameters(block: Node, report: &mut Vec<Diagnostic>) -> bool {
 }
 
 /// The models of the pedestrian that could be an individual, of the first if none could.
-fn able_models(subject: &Subject) -> Vec<&'static pedestrian::PedestrianModel> {
-    let scenario = subject.scenario;
-    let models = scenario.pedestrians.iter().map(|person| {
-        let names = person.model.names(&scenario.variations).into_iter();
-        names.filter_map(pedestrian::model).collect::<Vec<_>>()
+fn able_models(subject: &Subject) -> Vec<Arc<PedestrianModel>> {
+    let models = subject.scenario.pedestrians.iter().map(|person| {
+        person.model.all().iter().filter_map(|model| model.entry().cloned()).collect::<Vec<_>>()
     });
-    let able =
-        |models: &Vec<&pedestrian::PedestrianModel>| models.iter().all(|model| model.takes_individuals);
+    let able = |models: &Vec<Arc<PedestrianModel>>| models.iter().all(|model| model.takes_individuals);
     models.max_by_key(able).unwrap_or_default()
 }
 
@@ -279,10 +276,15 @@ pub fn summed_up(
     };
     let (reference, found) = criterion::metric_reference(metric, cast, scope, report)?;
     let text = criterion::metric_text(metric);
-    match found.kind {
+    match &found.kind {
         MetricKind::Quantity(dimension) => {
             let (aggregate, text) = (Aggregate::Mean(reference), format!("mean({text})"));
-            Some(SummedUp { aggregate, dimension, range: (f64::NEG_INFINITY, f64::INFINITY), text })
+            Some(SummedUp {
+                aggregate,
+                dimension: *dimension,
+                range: (f64::NEG_INFINITY, f64::INFINITY),
+                text,
+            })
         }
         MetricKind::Flag => {
             let comparison = Comparison {
@@ -299,7 +301,7 @@ pub fn summed_up(
                 Diagnostic::new(
                     Code::BadObjective,
                     metric.span(),
-                    format!("`{text}` is {}, which cannot be small or large", criterion::kind_name(found)),
+                    format!("`{text}` is {}, which cannot be small or large", criterion::kind_name(&found)),
                 )
                 .label("not a quantity")
                 .hint(format!("take a rate: `{word} rate({text} = …)`")),
@@ -414,7 +416,7 @@ fn reject_parted(said: &HashMap<String, Span>, subject: &Subject, report: &mut V
 /// What a target takes: anything of a kind, or what a parameter declares.
 pub enum Takes {
     Kind(Kind),
-    Parameter(Declaration, &'static str),
+    Parameter(Declaration, String),
 }
 
 fn range(
@@ -428,22 +430,23 @@ fn range(
     let (target, takes) = target(target_node, subject, report)?;
     let what = format!("`{target}`");
     reject_unmeant(target_node, &target, &takes, subject.scenario, "is searched", report)?;
-    let (kind, whole, limits, options) = match takes {
+    let (kind, whole, limits, options) = match &takes {
         Takes::Kind(kind) => {
+            let kind = *kind;
             let varied = target_node.child(Rule::name).and_then(|name| subject.varied.get(name.text()));
             let values = varied.filter(|_| kind == Kind::Word).and_then(|binding| binding.varied.as_ref());
             let words = values.map(|values| values.iter().filter_map(|one| one.value.as_word()).collect());
             (kind, false, (f64::NEG_INFINITY, f64::INFINITY), words)
         }
-        Takes::Parameter(declaration, name) => match declaration.parameter(name).map(|found| found.kind) {
+        Takes::Parameter(declaration, name) => match declaration.parameter(name).map(|found| &found.kind) {
             Some(ParameterKind::Number { dimension, range, .. }) => {
-                (Kind::Number(dimension), false, range, None)
+                (Kind::Number(*dimension), false, *range, None)
             }
             Some(ParameterKind::Whole { range: (low, high), .. }) => {
-                (Kind::Number(Dimension::NUMBER), true, (low as f64, high as f64), None)
+                (Kind::Number(Dimension::NUMBER), true, (*low as f64, *high as f64), None)
             }
             Some(ParameterKind::Choice { options, .. }) => {
-                let names = options.iter().map(|option| option.name).collect();
+                let names = options.iter().map(|option| &*option.name).collect();
                 (Kind::Word, false, (0.0, 0.0), Some(names))
             }
             Some(ParameterKind::Text { .. }) => (Kind::Word, false, (0.0, 0.0), None),
@@ -451,7 +454,8 @@ fn range(
             None => {
                 let names: Option<Vec<_>> = declaration
                     .presets
-                    .map(|family| family.presets.iter().map(|preset| preset.name).collect());
+                    .as_ref()
+                    .map(|family| family.presets.iter().map(|preset| &*preset.name).collect());
                 (Kind::Word, false, (0.0, 0.0), names)
             }
         },
@@ -565,10 +569,10 @@ pub fn reject_unmeant(
     if declaration.parameter(name).is_none_or(|parameter| parameter.published.is_none()) {
         return Some(());
     }
-    let cars = scenario.vehicles.iter().map(|car| (&car.name, &car.controller));
-    let people = scenario.pedestrians.iter().map(|person| (&person.name, &person.model));
-    let meant = cars.chain(people).filter(|(name, _)| *name == road_user).any(|(_, model)| {
-        let flag = model.settings.iter().find(|(name, _)| name == ANOTHER_MODEL);
+    let cars = scenario.vehicles.iter().map(|car| (&car.name, &car.controller.settings));
+    let people = scenario.pedestrians.iter().map(|person| (&person.name, &person.model.settings));
+    let meant = cars.chain(people).filter(|(name, _)| *name == road_user).any(|(_, settings)| {
+        let flag = settings.iter().find(|(name, _)| name == ANOTHER_MODEL);
         flag.is_some_and(|(_, said)| *said == Expression::Constant(Value::Flag(true)))
     });
     if !meant {
@@ -604,7 +608,7 @@ pub fn target(node: Node, subject: &Subject, report: &mut Vec<Diagnostic>) -> Op
         (.., true) => Part::Sees,
         _ => Part::Model,
     };
-    let declared = declarations(scenario, name.text(), part);
+    let declared = declarations(scenario, name.text(), part, &subject.registry);
     if declared.is_empty() {
         let users = scenario.vehicles.iter().map(|vehicle| vehicle.name.as_str());
         let everybody: Vec<_> =
@@ -625,10 +629,10 @@ pub fn target(node: Node, subject: &Subject, report: &mut Vec<Diagnostic>) -> Op
     }
     // Where a variation chooses between several, each of them must have it.
     let mut takes = None;
-    for declaration in declared {
-        let presets = declaration.presets.map(|family| family.word);
-        let names = declaration.parameters.iter().map(|found| found.name).chain(presets);
-        let Some(found) = names.clone().find(|known| *known == parameter.text()) else {
+    for declaration in &declared {
+        let presets = declaration.presets.as_ref().map(|family| &*family.word);
+        let names = declaration.parameters.iter().map(|found| &*found.name).chain(presets);
+        let Some(found) = names.clone().find(|known| *known == parameter.text()).map(str::to_string) else {
             report.push(
                 Diagnostic::new(
                     Code::UnknownParameter,
@@ -640,7 +644,7 @@ pub fn target(node: Node, subject: &Subject, report: &mut Vec<Diagnostic>) -> Op
             );
             return None;
         };
-        takes.get_or_insert(Takes::Parameter(declaration, found));
+        takes.get_or_insert(Takes::Parameter(declaration.clone(), found));
     }
     let target =
         Target::Setting { road_user: name.text().to_string(), part, parameter: parameter.text().to_string() };

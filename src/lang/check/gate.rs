@@ -8,8 +8,7 @@ use crate::lang::diagnostic::Diagnostic;
 use crate::lang::print;
 use crate::lang::tree::{Node, Rule};
 use crate::lang::value::{self, Kind, Scope, unquote};
-use crate::metrics::{MetricKind, Worst};
-use crate::scenario::{Dimension, Gate, GateRule, Tolerance};
+use crate::scenario::{Dimension, Gate, GateRule, MetricKind, Tolerance, Worst};
 
 /// What a rule promises that does not say how sure it wants to be.
 pub const DEFAULT_CONFIDENCE: f64 = 0.95;
@@ -63,7 +62,7 @@ pub fn gate(
 /// What a rule about every metric says, of a gate that has no rule about collisions besides.
 fn unguarded(rules: &[Option<GateRule>]) -> Option<&str> {
     let known = || rules.iter().flatten();
-    let named = known().filter_map(|rule| rule.metric.as_ref()).any(|metric| metric.name == "collision");
+    let named = known().filter_map(|rule| rule.metric.as_ref()).any(|metric| metric.name() == "collision");
     let blanket = known().find(|rule| rule.metric.is_none())?;
     // Of a rule that could not be read nobody knows what it is about.
     (!named && rules.iter().all(Option::is_some)).then_some(&blanket.text)
@@ -82,8 +81,8 @@ fn rule(
     let metric = match node.child(Rule::metric) {
         Some(node) => {
             let found = criterion::metric_reference(node, cast, scope, report)?;
-            if let MetricKind::Category(_) = found.1.kind {
-                let message = format!("`{}` is a word, and no word is worse than another", found.0.name);
+            if let MetricKind::Category(_) = &found.1.kind {
+                let message = format!("`{}` is a word, and no word is worse than another", found.0.name());
                 report.push(
                     Diagnostic::new(Code::BadGate, node.span(), message)
                         .label("has no better or worse")
@@ -98,7 +97,7 @@ fn rule(
     let bound = node.child(Rule::gate_tolerance).and_then(|tolerance| tolerance.child(Rule::expression));
     let tolerance = match bound {
         None => Tolerance::Relative(0.0),
-        Some(bound) => tolerance(bound, metric.as_ref().map(|(_, found)| found.kind), scope, report)?,
+        Some(bound) => tolerance(bound, metric.as_ref().map(|(_, found)| &found.kind), scope, report)?,
     };
     let said = node.child(Rule::confidence).and_then(|confidence| confidence.child(Rule::expression));
     let confidence = match said {
@@ -152,11 +151,11 @@ fn none_new(
     let (reference, found) = criterion::metric_reference(metric, cast, scope, report)?;
     if found.kind != MetricKind::Flag || found.worst != Worst::Largest {
         let message =
-            format!("`{}` is nothing that happens in a run or does not, and is bad", reference.name);
+            format!("`{}` is nothing that happens in a run or does not, and is bad", reference.name());
         report.push(
             Diagnostic::new(Code::BadGate, metric.span(), message)
                 .label("cannot be new")
-                .hint(format!("say `no new collision`, or `{} not worse`", reference.name)),
+                .hint(format!("say `no new collision`, or `{} not worse`", reference.name())),
         );
         return None;
     }
@@ -172,14 +171,14 @@ fn none_new(
 /// In percent it is relative; in the metric's own unit absolute.
 fn tolerance(
     node: Node,
-    metric: Option<MetricKind>,
+    metric: Option<&MetricKind>,
     scope: &Scope,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Tolerance> {
     let found = value::evaluate(node, scope, report)?;
     let what = "how much worse a metric may be";
     let dimension = match (metric, found.kind) {
-        (Some(MetricKind::Quantity(dimension)), Kind::Number(found)) if found == dimension => dimension,
+        (Some(MetricKind::Quantity(dimension)), Kind::Number(found)) if found == *dimension => found,
         _ => Dimension::NUMBER,
     };
     let is_percentage =

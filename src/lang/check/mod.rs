@@ -33,7 +33,7 @@ pub use evaluate::evaluate;
 pub use experiment::{search, tune};
 pub use gate::gate;
 pub use pedestrian::DEFAULT_GOAL;
-pub use road::{OBSTACLE, SIGNALISED, UNMARKED, ZEBRA};
+pub use road::{obstacle, signalised, unmarked, zebra};
 pub use scenario::{Defaults, SuiteCriteria, defined_road, scenario};
 pub use statement::statement;
 pub use subject::{Checked, Subjects};

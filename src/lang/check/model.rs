@@ -1,5 +1,7 @@
 //! `controller NAME`, `dynamics NAME`, `model NAME`: a registered thing, or those that a variation lists.
 
+use std::sync::Arc;
+
 use super::Places;
 use super::block::Said;
 use crate::lang::codes::Code;
@@ -7,27 +9,27 @@ use crate::lang::diagnostic::Diagnostic;
 use crate::lang::settings;
 use crate::lang::source::Span;
 use crate::lang::tree::Rule;
-use crate::lang::value::{Kind, Typed};
-use crate::scenario::{Declaration, Expression, Model, Value};
+use crate::lang::value::{self, Typed};
+use crate::registry::Table;
+use crate::scenario::{Expression, Model, Reference, Registered, Value};
 
 /// A kind of registered thing.
-pub struct Registry<T: 'static> {
+pub struct Kind<'r, T> {
     /// Of one whose name is not known.
     pub code: Code,
     /// Such as `controller`.
     pub what: &'static str,
     /// Begins the message about an unknown name: "there is no controller".
     pub there_is_no: &'static str,
-    pub all: &'static [&'static T],
-    pub declaration: fn(&'static T) -> &'static Declaration,
+    pub all: &'r Table<T>,
 }
 
 /// What a statement names.
-pub struct Named<T: 'static> {
+pub struct Named<T> {
     /// More than one if the runs differ in it; never empty.
-    pub found: Vec<&'static T>,
+    pub found: Vec<Arc<T>>,
     /// The first of them, and the variation that chooses.
-    pub model: Model,
+    pub model: Model<T>,
     /// What its settings were given as.
     pub given: Vec<(String, Typed)>,
     /// Of the name.
@@ -35,18 +37,18 @@ pub struct Named<T: 'static> {
 }
 
 /// The things that a statement names, with settings that all of them have.
-pub fn named<T>(
+pub fn named<T: Registered>(
     said: Said,
-    registry: &Registry<T>,
+    kind: &Kind<T>,
     places: &Places,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Named<T>> {
     let name = said.node.child(Rule::name)?;
-    let (found, varied_by) = registered(said, registry, report)?;
+    let (found, varied_by) = registered(said, kind, report)?;
     let before = report.len();
     let mut given: Vec<(String, Typed)> = Vec::new();
     for (index, one) in found.iter().enumerate() {
-        let declaration = (registry.declaration)(one);
+        let declaration = one.declaration();
         let node = said.node.child(Rule::settings);
         let own = settings::check(node, declaration, said.scope, report);
         if report.len() == before {
@@ -63,7 +65,7 @@ pub fn named<T>(
         if index == 0 {
             given = own;
         } else if own.len() != given.len() || own.iter().zip(&given).any(differs) {
-            let first = (registry.declaration)(found[0]).name;
+            let first = &found[0].declaration().name;
             report.push(
                 Diagnostic::new(
                     Code::DoesNotFit,
@@ -80,7 +82,9 @@ pub fn named<T>(
         }
     }
     let model = Model {
-        name: (registry.declaration)(found[0]).name.to_string(),
+        first: Reference::from(&found[0]),
+        others: varied_by.iter().flat_map(|_| kind.all).map(Reference::from).collect(),
+        varied: varied_by.iter().flat_map(|_| &found).map(Reference::from).collect(),
         varied_by,
         settings: given.iter().map(|(name, typed)| (name.clone(), typed.expression.clone())).collect(),
         origin: places.origin(name.span()),
@@ -89,32 +93,26 @@ pub fn named<T>(
 }
 
 /// The things themselves, and the variation that chooses between them. Their own names come first.
-fn registered<T>(
+fn registered<T: Registered>(
     said: Said,
-    registry: &Registry<T>,
+    kind: &Kind<T>,
     report: &mut Vec<Diagnostic>,
-) -> Option<(Vec<&'static T>, Option<String>)> {
+) -> Option<(Vec<Arc<T>>, Option<String>)> {
     let name = said.node.child(Rule::name)?;
-    let find =
-        |wanted: &str| registry.all.iter().copied().find(|one| (registry.declaration)(one).name == wanted);
-    if let Some(found) = find(name.text()) {
-        return Some((vec![found], None));
+    if let Some(found) = kind.all.get(name.text()) {
+        return Some((vec![found.clone()], None));
     }
-    let known = registry.all.iter().map(|one| (registry.declaration)(one).name);
+    let known = kind.all.names();
     let Some(binding) = said.scope.find(name.text()) else {
         report.push(
-            Diagnostic::new(
-                registry.code,
-                name.span(),
-                format!("{} `{}`", registry.there_is_no, name.text()),
-            )
-            .label(format!("unknown {}", registry.what))
-            .suggest(name.text(), known),
+            Diagnostic::new(kind.code, name.span(), format!("{} `{}`", kind.there_is_no, name.text()))
+                .label(format!("unknown {}", kind.what))
+                .suggest(name.text(), known),
         );
         return None;
     };
     let value = binding.value.as_ref()?;
-    if value.kind != Kind::Word {
+    if value.kind != value::Kind::Word {
         report.push(
             Diagnostic::new(
                 Code::WrongType,
@@ -140,16 +138,16 @@ fn registered<T>(
     };
     let mut found = Vec::new();
     for word in words.into_iter().filter_map(Value::as_word) {
-        let Some(one) = find(word) else {
+        let Some(one) = kind.all.get(word) else {
             report.push(
-                Diagnostic::new(registry.code, name.span(), format!("{} `{word}`", registry.there_is_no))
+                Diagnostic::new(kind.code, name.span(), format!("{} `{word}`", kind.there_is_no))
                     .label(format!("where `{}` is `{word}`", name.text()))
                     .context(binding.span, "defined here")
                     .suggest(word, known.clone()),
             );
             return None;
         };
-        found.push(one);
+        found.push(one.clone());
     }
     (!found.is_empty()).then_some((found, varied_by))
 }

@@ -1,7 +1,9 @@
 //! `pedestrian NAME { … }`
 
+use std::sync::Arc;
+
 use super::block::{Layer, Said, last, last_of, missing, reject_repeats};
-use super::model::{Registry, named};
+use super::model::{Kind, named};
 use super::vehicle::size;
 use super::{Book, Places};
 use crate::lang::codes::Code;
@@ -10,10 +12,9 @@ use crate::lang::settings::repeated;
 use crate::lang::source::Span;
 use crate::lang::tree::{Node, Rule};
 use crate::lang::value::{self, Typed, unquote};
-use crate::pedestrian as registry;
 use crate::scenario::{
     BinaryOperator, DeclaredAppearance, DeclaredShape, Dimension, Expression, Individuals, Pedestrian,
-    Population, Road, Side, Value, VehicleReference, limits, show,
+    PedestrianModel, Population, Road, Side, Value, VehicleReference, limits, show,
 };
 
 /// How far beyond the opposite kerb a pedestrian walks unless something else is said, m.
@@ -36,15 +37,15 @@ pub fn pedestrian(
     }
     let what = format!("pedestrian `{}`", name.text());
     let model = match last(layers, Rule::model) {
-        Some(said) => named(said, &MODELS, places, report),
+        Some(said) => named(said, &models(places), places, report),
         None => {
             missing(layers, name.span(), &what, "model", "model carla_walker", report);
             None
         }
     };
-    let models = model.as_ref().map_or(&[] as &[_], |model| &model.found);
+    let found = model.as_ref().map_or(&[] as &[_], |model| &model.found);
     let individuals = last_of(layers, [Rule::individuals, Rule::individual])
-        .map(|said| individuals(said, models, places, report));
+        .map(|said| individuals(said, found, places, report));
     let shape = last_of(layers, [Rule::size, Rule::radius])
         .map(|said| shape(said, name.text(), places, written, report));
     let side = match last(layers, Rule::side) {
@@ -140,24 +141,28 @@ fn exclude(block: Node, first: Rule, second: Rule, report: &mut Vec<Diagnostic>)
     }
 }
 
-const MODELS: Registry<registry::PedestrianModel> = Registry {
-    code: Code::UnknownModel,
-    what: "model",
-    there_is_no: "there is no pedestrian model",
-    all: registry::MODELS,
-    declaration: |model| &model.declaration,
-};
+fn models<'a>(places: &'a Places) -> Kind<'a, PedestrianModel> {
+    Kind {
+        code: Code::UnknownModel,
+        what: "model",
+        there_is_no: "there is no pedestrian model",
+        all: places.files.registry.pedestrians(),
+    }
+}
 
 /// The people that a statement takes, who must be of every one of these models.
 pub fn individuals(
     said: Said,
-    models: &[&registry::PedestrianModel],
+    models: &[Arc<PedestrianModel>],
     places: &Places,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Individuals> {
     let node = said.node;
     if let Some(model) = models.iter().find(|model| !model.takes_individuals) {
-        let able = registry::MODELS
+        let able = places
+            .files
+            .registry
+            .pedestrians()
             .iter()
             .filter(|known| known.takes_individuals)
             .map(|known| format!("`{}`", known.declaration.name))

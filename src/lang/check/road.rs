@@ -14,92 +14,86 @@ use crate::scenario::{
 
 const LANGUAGE: &str = "the scenario language";
 
-const WIDTH: Parameter = Parameter::number(
-    "width",
-    Dimension::LENGTH,
-    4.0,
-    (0.5, 50.0),
-    "Extent of the crossing along the road.",
-    LANGUAGE,
-);
+fn width() -> Parameter {
+    Parameter::number(
+        "width",
+        Dimension::LENGTH,
+        4.0,
+        (0.5, 50.0),
+        "Extent of the crossing along the road.",
+        LANGUAGE,
+    )
+}
 
-pub static ZEBRA: Declaration = Declaration {
-    name: "crossing zebra",
-    summary: "A crossing at which pedestrians have priority.",
-    source: LANGUAGE,
-    parameters: &[WIDTH],
-    presets: None,
-};
+pub fn zebra() -> Declaration {
+    Declaration::new("crossing zebra", "A crossing at which pedestrians have priority.")
+        .source(LANGUAGE)
+        .parameters([width()])
+}
 
-pub static UNMARKED: Declaration = Declaration {
-    name: "crossing unmarked",
-    summary: "A place to cross at which vehicles have priority.",
-    source: LANGUAGE,
-    parameters: &[WIDTH],
-    presets: None,
-};
+pub fn unmarked() -> Declaration {
+    Declaration::new("crossing unmarked", "A place to cross at which vehicles have priority.")
+        .source(LANGUAGE)
+        .parameters([width()])
+}
 
-pub static SIGNALISED: Declaration = Declaration {
-    name: "crossing signalised",
-    summary: "A crossing with a two-phase signal.",
-    source: LANGUAGE,
-    parameters: &[
-        WIDTH,
-        Parameter::number(
-            "cycle",
-            Dimension::TIME,
-            60.0,
-            (1.0, 600.0),
-            "Time after which the signal repeats.",
-            LANGUAGE,
-        ),
-        Parameter::number(
-            "pedestrian_green",
-            Dimension::TIME,
-            20.0,
-            (0.0, 600.0),
-            "How long pedestrians have green in each cycle.",
-            LANGUAGE,
-        ),
-        Parameter::number(
-            "pedestrian_green_from",
-            Dimension::TIME,
-            0.0,
-            (0.0, 600.0),
-            "When in the cycle pedestrians get green.",
-            LANGUAGE,
-        ),
-    ],
-    presets: None,
-};
+pub fn signalised() -> Declaration {
+    Declaration::new("crossing signalised", "A crossing with a two-phase signal.")
+        .source(LANGUAGE)
+        .parameters([
+            width(),
+            Parameter::number(
+                "cycle",
+                Dimension::TIME,
+                60.0,
+                (1.0, 600.0),
+                "Time after which the signal repeats.",
+                LANGUAGE,
+            ),
+            Parameter::number(
+                "pedestrian_green",
+                Dimension::TIME,
+                20.0,
+                (0.0, 600.0),
+                "How long pedestrians have green in each cycle.",
+                LANGUAGE,
+            ),
+            Parameter::number(
+                "pedestrian_green_from",
+                Dimension::TIME,
+                0.0,
+                (0.0, 600.0),
+                "When in the cycle pedestrians get green.",
+                LANGUAGE,
+            ),
+        ])
+}
 
 const PLACE: (f64, f64) = (-1000.0, 1000.0);
 const EXTENT: (f64, f64) = (0.01, 100.0);
 
-pub static OBSTACLE: Declaration = Declaration {
-    name: "box",
-    summary: "A parked vehicle or another box that blocks the view and the way.",
-    source: LANGUAGE,
-    parameters: &[
-        Parameter::optional(
-            "along",
-            Dimension::LENGTH,
-            PLACE,
-            "Its centre along the road; 0 is the middle of the crossing.",
-            LANGUAGE,
-        ),
-        Parameter::optional(
-            "across",
-            Dimension::LENGTH,
-            PLACE,
-            "Its centre across the road; 0 is the centre of lane 0, positive towards the far side.",
-            LANGUAGE,
-        ),
-        Parameter::optional("length", Dimension::LENGTH, EXTENT, "Its extent along the road.", LANGUAGE),
-        Parameter::optional("width", Dimension::LENGTH, EXTENT, "Its extent across the road.", LANGUAGE),
-    ],
-    presets: None,
-};
+pub fn obstacle() -> Declaration {
+    Declaration::new("box", "A parked vehicle or another box that blocks the view and the way.")
+        .source(LANGUAGE)
+        .parameters([
+            Parameter::optional(
+                "along",
+                Dimension::LENGTH,
+                PLACE,
+                "Its centre along the road; 0 is the middle of the crossing.",
+                LANGUAGE,
+            ),
+            Parameter::optional(
+                "across",
+                Dimension::LENGTH,
+                PLACE,
+                "Its centre across the road; 0 is the centre of lane 0, positive towards the far side.",
+                LANGUAGE,
+            ),
+            Parameter::optional("length", Dimension::LENGTH, EXTENT, "Its extent along the road.", LANGUAGE),
+            Parameter::optional("width", Dimension::LENGTH, EXTENT, "Its extent across the road.", LANGUAGE),
+        ])
+}
 
 /// The road that a `road_block` describes; `name` is empty for one inside a scenario.
 pub fn road(
@@ -136,7 +130,7 @@ pub fn road(
             None
         }
     };
-    let boxes: Vec<_> = block.all(Rule::obstacle).map(|node| obstacle(node, scope, report)).collect();
+    let boxes: Vec<_> = block.all(Rule::obstacle).map(|node| body(node, scope, report)).collect();
     Some(Road {
         name: name.to_string(),
         lane_width: lane_width?,
@@ -172,16 +166,16 @@ fn lanes(node: Node, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<Vec<
 
 fn crossing(node: Node, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<Crossing> {
     let (declaration, kind) = if node.has(Rule::kw_zebra) {
-        (&ZEBRA, CrossingKind::Zebra)
+        (zebra(), CrossingKind::Zebra)
     } else if node.has(Rule::kw_unmarked) {
-        (&UNMARKED, CrossingKind::Unmarked)
+        (unmarked(), CrossingKind::Unmarked)
     } else {
         (
-            &SIGNALISED,
+            signalised(),
             CrossingKind::Signalised { cycle: 0.0, pedestrian_green_from: 0.0, pedestrian_green: 0.0 },
         )
     };
-    let given = constants(node.child(Rule::settings), declaration, scope, report)?;
+    let given = constants(node.child(Rule::settings), &declaration, scope, report)?;
     let resolved = declaration.resolve(&given).ok()?;
     let kind = match kind {
         CrossingKind::Signalised { .. } => {
@@ -208,9 +202,9 @@ fn crossing(node: Node, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<C
     Some(Crossing { kind, width: resolved.number("width") })
 }
 
-fn obstacle(node: Node, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<Body> {
+fn body(node: Node, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<Body> {
     let block = node.child(Rule::settings)?;
-    let given = constants(Some(block), &OBSTACLE, scope, report)?;
+    let given = constants(Some(block), &obstacle(), scope, report)?;
     let mut number = |name: &str| {
         given.optional_number(name).or_else(|| {
             if !block.has(Rule::bad_setting) {

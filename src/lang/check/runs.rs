@@ -7,7 +7,6 @@ use crate::lang::codes::Code;
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::source::Span;
 use crate::lang::tree::{Node, Rule};
-use crate::metrics;
 use crate::scenario::{Aggregate, Claim, Criterion, People, RunBudget};
 
 /// More runs of one thing are taken for a mistake.
@@ -88,7 +87,7 @@ fn refuse_means(criteria: &[(Span, Criterion)], report: &mut Vec<Diagnostic>) {
     for (span, criterion) in criteria {
         let Claim::Aggregate { aggregate, confidence: Some(_), .. } = &criterion.claim else { continue };
         let Aggregate::Mean(metric) = aggregate else { continue };
-        if metrics::limits(metric, 1.0).is_some() {
+        if metric.known().is_some_and(|known| known.limits(&metric.settings, 1.0).is_some()) {
             continue;
         }
         report.push(

@@ -98,6 +98,7 @@ pub fn scenario(
         pedestrians: pedestrian_groups.iter().map(|(name, _)| name.text()).collect(),
         boxes: road.iter().flat_map(|road| &road.boxes).map(|body| body.name.as_str()).collect(),
         individuals: None,
+        metrics: places.files.registry.metrics(),
     };
     let mut pedestrians: Vec<Pedestrian> = Vec::new();
     for (name, layers) in &pedestrian_groups {
@@ -512,12 +513,10 @@ fn used_variables<'a>(
             expressions.push(value);
         }
         expressions.extend(vehicle.size.iter().flat_map(|(length, width)| [length, width]));
-        for model in [Some(&vehicle.controller), vehicle.dynamics.as_ref(), vehicle.sees.as_ref()]
-            .into_iter()
-            .flatten()
-        {
-            expressions.extend(model.settings.iter().map(|(_, value)| value));
-        }
+        let dynamics = vehicle.dynamics.iter().flat_map(|model| &model.settings);
+        let sees = vehicle.sees.iter().flat_map(|model| &model.settings);
+        let settings = vehicle.controller.settings.iter().chain(dynamics).chain(sees);
+        expressions.extend(settings.map(|(_, value)| value));
     }
     for pedestrian in pedestrians {
         expressions.extend([
@@ -537,8 +536,11 @@ fn used_variables<'a>(
             None => {}
         }
     }
-    let cars = vehicles.iter().flat_map(|vehicle| [Some(&vehicle.controller), vehicle.dynamics.as_ref()]);
-    let models = cars.flatten().chain(pedestrians.iter().map(|pedestrian| &pedestrian.model));
-    let chosen = models.filter_map(|model| model.varied_by.as_deref());
+    let cars = vehicles.iter().flat_map(|vehicle| {
+        let dynamics = vehicle.dynamics.as_ref().and_then(|model| model.varied_by.as_deref());
+        [vehicle.controller.varied_by.as_deref(), dynamics]
+    });
+    let people = pedestrians.iter().map(|pedestrian| pedestrian.model.varied_by.as_deref());
+    let chosen = cars.chain(people).flatten();
     expressions.into_iter().flat_map(Expression::variables).chain(chosen).collect()
 }

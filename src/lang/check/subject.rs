@@ -12,12 +12,11 @@ use crate::lang::diagnostic::Diagnostic;
 use crate::lang::files::Definition;
 use crate::lang::tree::{Node, Rule};
 use crate::lang::value::{Binding, unquote};
+use crate::registry::Registry;
 use crate::scenario::{
-    CaseSet, Declaration, Evaluate, Part, Range, RangeValues, SampleSize, Scenario, Search, Target, Tune,
-    Value, VariedValue, Vehicle,
+    CaseSet, Declaration, Evaluate, Part, Range, RangeValues, Reference, Registered, SampleSize, Scenario,
+    Search, Target, Tune, Value, VariedValue,
 };
-use crate::vehicle::ControllerModel;
-use crate::{pedestrian, vehicle};
 
 /// What the blocks of a suite can be about: its scenarios, and the blocks that are checked so far.
 pub struct Subjects<'a> {
@@ -72,6 +71,8 @@ pub struct Subject<'a> {
     pub varied: HashMap<String, Binding>,
     /// The variations that a search found values for, with the numbers between which it looked.
     pub searched: HashMap<String, (f64, f64)>,
+    /// What its road users may be, and what is measured of them.
+    pub registry: Registry,
 }
 
 impl<'a> Subjects<'a> {
@@ -113,7 +114,9 @@ impl<'a> Subjects<'a> {
         let definition = self.definitions.iter().find(|definition| {
             places.files.node(**definition).child(Rule::name).is_some_and(|known| known.text() == name)
         })?;
-        Some(Subject { scenario, varied: surroundings(*definition, places)?, searched: HashMap::new() })
+        let registry = places.files.registry.clone();
+        let varied = surroundings(*definition, places)?;
+        Some(Subject { scenario, varied, searched: HashMap::new(), registry })
     }
 
     /// The scenario of a search, varied as it was searched.
@@ -145,6 +148,7 @@ impl Subject<'_> {
             pedestrians: self.scenario.pedestrians.iter().map(|person| person.name.as_str()).collect(),
             boxes: self.scenario.road.boxes.iter().map(|body| body.name.as_str()).collect(),
             individuals: None,
+            metrics: self.registry.metrics(),
         }
     }
 
@@ -172,9 +176,9 @@ impl Subject<'_> {
         match target {
             Target::Variation(name) => self.varied.contains_key(name),
             Target::Setting { road_user, part, parameter } => {
-                let declared = declarations(self.scenario, road_user, *part);
+                let declared = declarations(self.scenario, road_user, *part, &self.registry);
                 let has = |one: &Declaration| {
-                    let preset = one.presets.is_some_and(|family| family.word == parameter);
+                    let preset = one.presets.as_ref().is_some_and(|family| family.word == parameter.as_str());
                     preset || one.parameter(parameter).is_some()
                 };
                 !declared.is_empty() && declared.iter().all(has)
@@ -281,29 +285,24 @@ fn saved_scenario(path: &str) -> Option<String> {
 }
 
 /// What the part of a road user declares, in every run of the scenario; empty if there is no such part.
-pub fn declarations(scenario: &Scenario, user: &str, part: Part) -> Vec<Declaration> {
+pub fn declarations(scenario: &Scenario, user: &str, part: Part, registry: &Registry) -> Vec<Declaration> {
     let car = scenario.vehicles.iter().find(|vehicle| vehicle.name == user);
-    let variations = &scenario.variations;
-    let controllers = |car: &Vehicle| -> Vec<&'static ControllerModel> {
-        car.controller.names(variations).into_iter().filter_map(vehicle::controller).collect()
-    };
+    let person = scenario.pedestrians.iter().find(|person| person.name == user);
     match (part, car) {
-        (Part::Controller, Some(car)) => {
-            controllers(car).into_iter().map(|found| found.declaration).collect()
-        }
-        (Part::Dynamics, Some(car)) => {
-            let names = match &car.dynamics {
-                Some(dynamics) => dynamics.names(variations),
-                None => controllers(car).into_iter().map(|found| found.default_dynamics).collect(),
-            };
-            names.into_iter().filter_map(vehicle::dynamics).map(|found| found.declaration).collect()
-        }
-        (Part::Sees, Some(_)) => vec![vehicle::PERCEPTION],
-        (Part::Model, _) => {
-            let person = scenario.pedestrians.iter().find(|person| person.name == user);
-            let names = person.map_or(Vec::new(), |person| person.model.names(variations));
-            names.into_iter().filter_map(pedestrian::model).map(|found| found.declaration).collect()
-        }
+        (Part::Controller, Some(car)) => declared(car.controller.all()),
+        (Part::Dynamics, Some(car)) => match &car.dynamics {
+            Some(dynamics) => declared(dynamics.all()),
+            None => {
+                let controllers = car.controller.all().iter().filter_map(Reference::entry);
+                declared(controllers.map(|controller| &controller.default_dynamics))
+            }
+        },
+        (Part::Sees, Some(_)) => vec![registry.perception().declaration.clone()],
+        (Part::Model, _) => person.map_or(Vec::new(), |person| declared(person.model.all())),
         (_, None) => Vec::new(),
     }
+}
+
+fn declared<'a, T: Registered + 'a>(all: impl IntoIterator<Item = &'a Reference<T>>) -> Vec<Declaration> {
+    all.into_iter().filter_map(|one| one.declaration().cloned()).collect()
 }

@@ -1,7 +1,7 @@
 //! `vehicle NAME { … }`
 
 use super::block::{Layer, Said, last, missing, reject_repeats};
-use super::model::{Named, Registry, named};
+use super::model::{self, Named, named};
 use super::{Book, Places};
 use crate::lang::codes::Code;
 use crate::lang::diagnostic::Diagnostic;
@@ -9,8 +9,10 @@ use crate::lang::settings::{self, not_whole};
 use crate::lang::source::Span;
 use crate::lang::tree::{Node, Rule};
 use crate::lang::value::{self, Kind, Typed};
-use crate::scenario::{DeclaredVehicleStart, Dimension, Model, Road, Vehicle, limits};
-use crate::vehicle::{self as registry, CommandKind};
+use crate::scenario::{
+    CommandKind, ControllerModel, DeclaredVehicleStart, Dimension, DynamicsModel, Model, Reference, Road,
+    Vehicle, limits,
+};
 
 /// The vehicle that `layers` describe together, the last having the last word.
 pub fn vehicle(
@@ -26,15 +28,16 @@ pub fn vehicle(
     }
     let what = format!("vehicle `{}`", name.text());
     let controller = match last(layers, Rule::controller) {
-        Some(said) => named(said, &CONTROLLERS, places, report),
+        Some(said) => named(said, &controllers(places), places, report),
         None => {
             missing(layers, name.span(), &what, "controller", "controller carla_behavior", report);
             None
         }
     };
-    let dynamics = last(layers, Rule::dynamics).map(|said| named(said, &DYNAMICS, places, report));
+    let dynamics =
+        last(layers, Rule::dynamics).map(|said| named(said, &all_dynamics(places), places, report));
     if let (Some(controller), Some(Some(dynamics))) = (&controller, &dynamics) {
-        check_fit(controller, dynamics, report);
+        check_fit(controller, dynamics, places, report);
     }
     let size = last(layers, Rule::size).map(|said| size(said, "a vehicle", report));
     let speed = match last(layers, Rule::speed) {
@@ -56,11 +59,14 @@ pub fn vehicle(
         None => Some((DeclaredVehicleStart::Automatic, None)),
     };
     let sees = last(layers, Rule::sees).map(|Said { node, scope }| {
-        let given = settings::check(node.child(Rule::settings), &registry::PERCEPTION, scope, report);
+        let perception = places.files.registry.perception();
+        let given = settings::check(node.child(Rule::settings), &perception.declaration, scope, report);
         written.settings(name.text(), "sees", &given, places);
         Model {
-            name: "sees".to_string(),
+            first: Reference::from(perception),
             varied_by: None,
+            varied: Vec::new(),
+            others: Vec::new(),
             settings: given.into_iter().map(|(name, typed)| (name, typed.expression)).collect(),
             origin: places.origin(node.span()),
         }
@@ -101,26 +107,29 @@ pub fn vehicle(
     })
 }
 
-const CONTROLLERS: Registry<registry::ControllerModel> = Registry {
-    code: Code::UnknownController,
-    what: "controller",
-    there_is_no: "there is no controller",
-    all: registry::CONTROLLERS,
-    declaration: |controller| &controller.declaration,
-};
+fn controllers<'a>(places: &'a Places) -> model::Kind<'a, ControllerModel> {
+    model::Kind {
+        code: Code::UnknownController,
+        what: "controller",
+        there_is_no: "there is no controller",
+        all: places.files.registry.controllers(),
+    }
+}
 
-const DYNAMICS: Registry<registry::DynamicsModel> = Registry {
-    code: Code::UnknownDynamics,
-    what: "dynamics",
-    there_is_no: "there are no vehicle dynamics",
-    all: registry::DYNAMICS,
-    declaration: |dynamics| &dynamics.declaration,
-};
+fn all_dynamics<'a>(places: &'a Places) -> model::Kind<'a, DynamicsModel> {
+    model::Kind {
+        code: Code::UnknownDynamics,
+        what: "dynamics",
+        there_is_no: "there are no vehicle dynamics",
+        all: places.files.registry.dynamics(),
+    }
+}
 
 /// Of what varies, every combination must fit; where both vary they may go together, which the plan sees.
 fn check_fit(
-    controllers: &Named<registry::ControllerModel>,
-    dynamics: &Named<registry::DynamicsModel>,
+    controllers: &Named<ControllerModel>,
+    dynamics: &Named<DynamicsModel>,
+    places: &Places,
     report: &mut Vec<Diagnostic>,
 ) {
     if controllers.model.varied_by.is_some() && dynamics.model.varied_by.is_some() {
@@ -135,7 +144,10 @@ fn check_fit(
         CommandKind::Pedals => "pedals",
         CommandKind::Acceleration => "an acceleration",
     };
-    let fitting = registry::DYNAMICS
+    let fitting = places
+        .files
+        .registry
+        .dynamics()
         .iter()
         .filter(|known| known.takes.contains(&controller.gives))
         .map(|known| format!("`{}`", known.declaration.name))

@@ -12,7 +12,6 @@ use crate::scenario::{
     CrossingKind, DeclaredAppearance, DeclaredShape, DeclaredVehicleStart, Dimension, Direction, Individuals,
     Pedestrian, Population, Road, Scenario, Side, Vehicle, VehicleReference,
 };
-use crate::{pedestrian, vehicle};
 use words::{constant, is_name, model, number_of, quoted, settings};
 
 pub use words::{quantity, write_comparison};
@@ -113,11 +112,9 @@ fn road(road: &Road, out: &mut Lines) {
 fn vehicle_block(car: &Vehicle, out: &mut Lines) {
     let length = |expression| constant(expression, Dimension::LENGTH);
     out.open(&format!("vehicle {}", car.name));
-    let controller = vehicle::controller(&car.controller.name).map(|known| &known.declaration);
-    out.line(&format!("controller {}", model(&car.controller, controller)));
+    out.line(&format!("controller {}", model(&car.controller)));
     if let Some(chosen) = &car.dynamics {
-        let declaration = vehicle::dynamics(&chosen.name).map(|known| &known.declaration);
-        out.line(&format!("dynamics {}", model(chosen, declaration)));
+        out.line(&format!("dynamics {}", model(chosen)));
     }
     if let Some((long, wide)) = &car.size {
         out.line(&format!("size {} x {}", length(long), length(wide)));
@@ -136,7 +133,7 @@ fn vehicle_block(car: &Vehicle, out: &mut Lines) {
         }
     }
     if let Some(sees) = &car.sees {
-        out.line(&format!("sees {{ {} }}", settings(sees, Some(&vehicle::PERCEPTION))));
+        out.line(&format!("sees {{ {} }}", settings(sees)));
     }
     out.close();
 }
@@ -144,8 +141,7 @@ fn vehicle_block(car: &Vehicle, out: &mut Lines) {
 fn pedestrian_block(person: &Pedestrian, out: &mut Lines) {
     let length = |expression| constant(expression, Dimension::LENGTH);
     out.open(&format!("pedestrian {}", person.name));
-    let declaration = pedestrian::model(&person.model.name).map(|known| &known.declaration);
-    out.line(&format!("model {}", model(&person.model, declaration)));
+    out.line(&format!("model {}", model(&person.model)));
     if let Some(Individuals { selection, population, .. }) = &person.individuals {
         let population = if is_name(population) { population.clone() } else { quoted(population) };
         out.line(&match selection {

@@ -1,10 +1,9 @@
 //! Values, settings and comparisons in the language's words, so that they are read back to the last bit.
 
 use crate::lang::units::UNITS;
-use crate::metrics::{MetricKind, Scope, metric};
 use crate::scenario::{
-    Comparison, Declaration, Dimension, Expression, MetricReference, Model, ParameterKind, Relation, Value,
-    WhenUndefined,
+    Comparison, Declaration, Dimension, Expression, MetricKind, MetricReference, Model, ParameterKind,
+    Registered, Relation, Scope, Value, WhenUndefined,
 };
 
 /// A comparison in the language's words, such as `pet(av, walker) >= 1.5 s undefined passes`.
@@ -12,18 +11,18 @@ pub fn write_comparison(comparison: &Comparison) -> String {
     let Comparison { metric: reference, relation, bound, when_undefined } = comparison;
     let name = metric_text(reference);
     let number = number_of(bound);
-    let kind = metric(&reference.name).map(|metric| metric.kind);
+    let kind = reference.known().map(|metric| &metric.kind);
     let text = match kind {
         Some(MetricKind::Flag) if matches!(relation, Relation::Equal | Relation::NotEqual) => {
             let wanted = (number != 0.0) == (*relation == Relation::Equal);
             if wanted { name } else { format!("no {name}") }
         }
         Some(MetricKind::Category(words)) => {
-            let word = words.get(number as usize).copied().unwrap_or_default();
+            let word = words.get(number as usize).map(|word| &**word).unwrap_or_default();
             format!("{name} {} {word}", relation.symbol())
         }
         Some(MetricKind::Quantity(dimension)) => {
-            format!("{name} {} {}", relation.symbol(), quantity(number, dimension))
+            format!("{name} {} {}", relation.symbol(), quantity(number, *dimension))
         }
         _ => format!("{name} {} {number}", relation.symbol()),
     };
@@ -35,7 +34,7 @@ pub fn write_comparison(comparison: &Comparison) -> String {
 }
 
 fn metric_text(reference: &MetricReference) -> String {
-    let found = metric(&reference.name);
+    let found = reference.known();
     let pair = reference.pair.iter().flat_map(|(car, person)| match found.map(|metric| metric.scope) {
         Some(Scope::Vehicle) => vec![car.clone()],
         Some(Scope::Pedestrian) => vec![person.clone()],
@@ -46,32 +45,33 @@ fn metric_text(reference: &MetricReference) -> String {
     let settings = reference.settings.0.iter().map(|(name, value)| setting(declaration, name, value));
     let inside: Vec<_> = pair.chain(settings).collect();
     if inside.is_empty() {
-        reference.name.clone()
+        reference.name().to_string()
     } else {
-        format!("{}({})", reference.name, inside.join(", "))
+        format!("{}({})", reference.name(), inside.join(", "))
     }
 }
 
 /// A name with its settings, if there are any.
-pub(super) fn model(model: &Model, declaration: Option<&Declaration>) -> String {
+pub(super) fn model<T: Registered>(model: &Model<T>) -> String {
     if model.settings.is_empty() {
-        model.name.clone()
+        model.first.to_string()
     } else {
-        format!("{} {{ {} }}", model.name, settings(model, declaration))
+        format!("{} {{ {} }}", model.first, settings(model))
     }
 }
 
-pub(super) fn settings(model: &Model, declaration: Option<&Declaration>) -> String {
+pub(super) fn settings<T: Registered>(model: &Model<T>) -> String {
+    let declaration = model.first.declaration();
     let said = model.settings.iter().map(|(name, value)| setting(declaration, name, value_of(value)));
     said.collect::<Vec<_>>().join(", ")
 }
 
 /// `name: value` with the unit that the declaration asks for.
 pub(super) fn setting(declaration: Option<&Declaration>, name: &str, value: &Value) -> String {
-    let kind = declaration.and_then(|known| known.parameter(name)).map(|parameter| parameter.kind);
+    let kind = declaration.and_then(|known| known.parameter(name)).map(|parameter| &parameter.kind);
     let text = match (value, kind) {
         (Value::Number(number), Some(ParameterKind::Number { dimension, .. })) => {
-            quantity(*number, dimension)
+            quantity(*number, *dimension)
         }
         (Value::Number(number), _) => number.to_string(),
         (Value::Flag(flag), _) => flag.to_string(),

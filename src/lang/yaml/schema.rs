@@ -1,13 +1,13 @@
-//! The JSON Schema of the YAML form, for editors: made from the keys and the registries.
+//! The JSON Schema of the YAML form, for editors: made from the keys and a registry.
 
 use serde_json::{Map, Value, json};
 
 use super::shape::{Key, Shape, keys};
-use crate::lang::check::{OBSTACLE, SIGNALISED, UNMARKED, ZEBRA};
+use crate::lang::check::{obstacle, signalised, unmarked, zebra};
 use crate::lang::statements;
 use crate::lang::tree::Rule;
+use crate::registry::Registry;
 use crate::scenario::{Declaration, Parameter, ParameterKind};
-use crate::{pedestrian, vehicle};
 
 const BLOCKS: [Rule; 11] = [
     Rule::file,
@@ -24,9 +24,9 @@ const BLOCKS: [Rule; 11] = [
 ];
 
 /// A schema of draft 2020-12 for scenario files and suites in YAML.
-pub fn schema() -> Value {
+pub fn schema(registry: &Registry) -> Value {
     let definitions: Map<String, Value> =
-        BLOCKS.iter().map(|rule| (definition_name(*rule), block(*rule))).collect();
+        BLOCKS.iter().map(|rule| (definition_name(*rule), block(*rule, registry))).collect();
     json!({
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "Scenario files and suites of scenario-runner",
@@ -43,14 +43,14 @@ fn reference(rule: Rule) -> Value {
     json!({ "$ref": format!("#/$defs/{}", definition_name(rule)) })
 }
 
-fn block(rule: Rule) -> Value {
+fn block(rule: Rule, registry: &Registry) -> Value {
     let properties: Map<String, Value> =
-        keys(rule).iter().map(|key| (key.name.to_string(), described(key, rule))).collect();
+        keys(rule).iter().map(|key| (key.name.to_string(), described(key, rule, registry))).collect();
     json!({ "type": "object", "additionalProperties": false, "properties": properties })
 }
 
-fn described(key: &Key, block: Rule) -> Value {
-    let mut value = value(key);
+fn described(key: &Key, block: Rule, registry: &Registry) -> Value {
+    let mut value = value(key, registry);
     let statements = statements::block(block).statements;
     let doc = match key.rule {
         Rule::doc => Some("What it is about."),
@@ -81,16 +81,16 @@ fn mapping_of(value: &Value) -> Value {
     json!({ "type": "object", "additionalProperties": value })
 }
 
-fn value(key: &Key) -> Value {
+fn value(key: &Key, registry: &Registry) -> Value {
     match key.shape {
         Shape::Words(_) | Shape::Lines(_) | Shape::Commas(_) => one_or_several(&words()),
         Shape::Text(_) => one_or_several(&json!({ "type": "string" })),
         Shape::Named(_, rule) => mapping_of(&json!({ "anyOf": [reference(rule), { "type": "null" }] })),
         Shape::NameOrBlock(_, rule) => json!({ "anyOf": [{ "type": "string" }, reference(rule)] }),
         Shape::Statements(_) => list_of(&json!({ "type": "string" })),
-        Shape::Model(keyword) => model(keyword),
-        Shape::NamedSettings(_) => mapping_of(&settings(&OBSTACLE)),
-        Shape::Settings(_) => settings(&vehicle::PERCEPTION),
+        Shape::Model(keyword) => model(keyword, registry),
+        Shape::NamedSettings(_) => mapping_of(&settings(&obstacle())),
+        Shape::Settings(_) => settings(&registry.perception().declaration),
         Shape::Values(_) => mapping_of(&one_or_several(&words())),
         Shape::Together => one_or_several(&mapping_of(&one_or_several(&words()))),
         Shape::Bindings => mapping_of(&words()),
@@ -132,12 +132,13 @@ fn value(key: &Key) -> Value {
 }
 
 /// A registered name, or that name with its settings.
-fn model(keyword: &str) -> Value {
-    let declarations: Vec<(&str, Declaration)> = match keyword {
-        "controller" => vehicle::CONTROLLERS.iter().map(|known| known.declaration).map(named).collect(),
-        "dynamics" => vehicle::DYNAMICS.iter().map(|known| known.declaration).map(named).collect(),
-        "model" => pedestrian::MODELS.iter().map(|known| known.declaration).map(named).collect(),
-        _ => vec![("zebra", ZEBRA), ("unmarked", UNMARKED), ("signalised", SIGNALISED)],
+fn model(keyword: &str, registry: &Registry) -> Value {
+    let crossings = [("zebra", zebra()), ("unmarked", unmarked()), ("signalised", signalised())];
+    let declarations: Vec<(&str, &Declaration)> = match keyword {
+        "controller" => registry.controllers().declarations().map(named).collect(),
+        "dynamics" => registry.dynamics().declarations().map(named).collect(),
+        "model" => registry.pedestrians().declarations().map(named).collect(),
+        _ => crossings.iter().map(|(name, declaration)| (*name, declaration)).collect(),
     };
     let names: Vec<_> = declarations
         .iter()
@@ -167,8 +168,8 @@ fn model(keyword: &str) -> Value {
     })
 }
 
-fn named(declaration: Declaration) -> (&'static str, Declaration) {
-    (declaration.name, declaration)
+fn named(declaration: &Declaration) -> (&str, &Declaration) {
+    (&declaration.name, declaration)
 }
 
 /// Every parameter may be words, because it may be calculated from variations.
@@ -182,8 +183,8 @@ fn settings(declaration: &Declaration) -> Value {
             (parameter.name.to_string(), value)
         })
         .collect();
-    if let Some(family) = declaration.presets {
-        let names: Vec<_> = family.presets.iter().map(|preset| preset.name).collect();
+    if let Some(family) = &declaration.presets {
+        let names: Vec<_> = family.presets.iter().map(|preset| &*preset.name).collect();
         let description = format!("Named settings: {}. Default: {}.", names.join(", "), family.default);
         properties.insert(family.word.to_string(), json!({ "type": "string", "description": description }));
     }
@@ -196,9 +197,9 @@ fn settings(declaration: &Declaration) -> Value {
 }
 
 fn description(parameter: &Parameter) -> String {
-    let takes = match parameter.kind {
+    let takes = match &parameter.kind {
         ParameterKind::Choice { options, .. } => {
-            options.iter().map(|option| option.name).collect::<Vec<_>>().join(", ")
+            options.iter().map(|option| &*option.name).collect::<Vec<_>>().join(", ")
         }
         kind => kind.expectation(),
     };

@@ -9,7 +9,7 @@ fn walk(pairs: &[(&str, Value)]) -> Walk {
     if settings.get("kerb_wait").is_none() {
         settings.set("kerb_wait", Value::Number(0.0));
     }
-    Walk::new(&CARLA_WALKER, settings)
+    Walk::new(&carla_walker(), settings)
 }
 
 fn number(value: f64) -> Value {
@@ -54,7 +54,7 @@ fn the_wait_is_a_mixture() {
     let n = 2000;
     let waits: Vec<_> = (0..n)
         .map(|seed| {
-            let mut walk = Walk::seeded(&CARLA_WALKER, Settings::default(), seed).unwrap();
+            let mut walk = Walk::seeded(&carla_walker(), Settings::default(), seed).unwrap();
             walk.step = 0.1;
             walk.time_to_reach(0.0) - 4.0 / 1.4
         })
@@ -168,7 +168,7 @@ fn snapping_moves_the_start() {
 #[test]
 fn ranges_upside_down_are_errors() {
     let settings = Settings::from([("snap_min", number(1.0))]);
-    assert!(Walk::try_new(&CARLA_WALKER, settings).is_err());
+    assert!(Walk::try_new(&carla_walker(), settings).is_err());
 }
 
 /// Back on its own pavement it used to stand for ever, in mode `walking`.
@@ -177,7 +177,7 @@ fn nobody_stands_for_ever_where_he_turned_back_to() {
     let (mut turned_back, mut across) = (0, 0);
     for seed in 0..40 {
         let settings = Settings::from([("stuck_distance", number(3.0))]);
-        let mut walk = Walk::seeded(&CARLA_WALKER, settings, seed).unwrap();
+        let mut walk = Walk::seeded(&carla_walker(), settings, seed).unwrap();
         // On the road before a car that stopped; after 20 s it is gone.
         walk.state().position = Vector2::new(0.0, 0.0);
         walk.add_car(-3.0, 0.0);
@@ -219,7 +219,7 @@ fn turns_to_a_new_place_when_stuck() {
             ("stuck_time", number(stuck_time)),
             ("stuck_distance", number(3.0)),
         ]);
-        let mut walk = Walk::seeded(&CARLA_WALKER, settings, seed).unwrap();
+        let mut walk = Walk::seeded(&carla_walker(), settings, seed).unwrap();
         walk.state().position = Vector2::new(0.0, 0.0);
         walk.add_car(-3.0, 0.0);
         walk.go(60.0);

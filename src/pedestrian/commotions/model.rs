@@ -1,28 +1,29 @@
 //! The COMMOTIONS pedestrian as a registered model: its declaration, and what stands between the world and the agents.
 
 use super::agent::{Agent, Conflict, Rules, Sight};
-use super::parameters::{PARAMETERS, Parameters};
+use super::parameters::{Parameters, parameters};
 use super::state::{Body, Control, State};
 use super::variant::{Accumulation, Variant, VariantError};
 use crate::numbers::random::Stream;
 use crate::pedestrian::{PedestrianContext, PedestrianModel};
-use crate::scenario::{Chance, Declaration, Dimension, Road, Settings, Shape, VehicleReference, show_both};
+use crate::scenario::{Declaration, Dimension, Road, Settings, Shape, VehicleReference, show_both};
 use crate::sim::random::{self, Purpose};
 use crate::sim::{ModelError, Motion, Pedestrian, Scene, VehicleState};
 
 /// The registry entry.
-pub static COMMOTIONS: PedestrianModel = PedestrianModel {
-    declaration: Declaration {
-        name: "commotions",
-        summary: "A human-like pedestrian who perceives with noise, infers what the driver will do and weighs when to go",
-        source: "Markkula, Lin, Srinivasan, Billington, Leonetti, Kalantari, Yang, Lee, Madigan and Merat, PNAS Nexus 2(6), 2023",
-        parameters: PARAMETERS,
-        presets: None,
-    },
-    takes_individuals: true,
-    chance: Chance::Always,
-    build,
-};
+pub fn commotions() -> PedestrianModel {
+    let declaration = Declaration::new(
+        "commotions",
+        "A human-like pedestrian who perceives with noise, infers what the driver will \
+         do and weighs when to go",
+    )
+    .source(
+        "Markkula, Lin, Srinivasan, Billington, Leonetti, Kalantari, Yang, Lee, \
+         Madigan and Merat, PNAS Nexus 2(6), 2023",
+    )
+    .parameters(parameters());
+    PedestrianModel::new(declaration, build).with_individuals()
+}
 
 fn build(context: &PedestrianContext) -> Result<Box<dyn Pedestrian>, ModelError> {
     let person = Person::from_settings(context.settings, &context.world.road, context.world.step)?;
@@ -49,7 +50,7 @@ fn build(context: &PedestrianContext) -> Result<Box<dyn Pedestrian>, ModelError>
     }))
 }
 
-/// What the settings say of one COMMOTIONS road user.
+/// What the settings say of one commotions() road user.
 pub struct Person {
     /// Its assumptions.
     pub variant: Variant,
@@ -81,7 +82,8 @@ impl Person {
             let (dt, step) = show_both(dt, step, Dimension::TIME);
             return Err(ModelError::with_hint(
                 format!(
-                    "`commotions` decides every {dt}, which is no multiple of the simulation step of {step}"
+                    "`commotions` decides every {dt}, which is no multiple of the simulation step \
+                     of {step}"
                 ),
                 "let `dt` be a multiple of the simulation step",
             ));

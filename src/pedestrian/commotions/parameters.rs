@@ -70,7 +70,8 @@ fn published_time_step(settings: &Settings) -> f64 {
 
 /// Everything that a scenario may say about a COMMOTIONS road user: its variant, its time step, and the numbers
 /// of [`Parameters`] under their published names.
-pub const PARAMETERS: &[Parameter] = &[
+pub fn parameters() -> Vec<Parameter> {
+    vec![
     Parameter::text(
         "variant",
         "oVAoBEvoAIoEAoSNvoPF",
@@ -287,12 +288,13 @@ pub const PARAMETERS: &[Parameter] = &[
         "Free speed of vehicles; without it 50 km/h, or on a slower road the speed limit",
         FIXED,
     ),
-];
+]
+}
 
 impl Default for Parameters {
     /// The declared defaults.
     fn default() -> Self {
-        let mut parameters = Self {
+        let mut own = Self {
             discount_half_life: 0.0,
             value_belief_weight: 0.0,
             observation_belief_weight: 0.0,
@@ -319,13 +321,13 @@ impl Default for Parameters {
             pedestrian_free_speed: 0.0,
             vehicle_free_speed: 50.0 / 3.6,
         };
-        for parameter in PARAMETERS {
+        for parameter in parameters() {
             let default = parameter.default_value().and_then(|value| value.as_number());
-            if let (Some(field), Some(default)) = (parameters.get_mut(parameter.name), default) {
+            if let (Some(field), Some(default)) = (own.get_mut(&parameter.name), default) {
                 *field = default;
             }
         }
-        parameters
+        own
     }
 }
 
@@ -399,17 +401,17 @@ mod tests {
 
     #[test]
     fn every_declared_number_has_its_field_and_a_default_in_range() {
-        let mut parameters = Parameters::default();
-        for parameter in PARAMETERS {
-            if ["variant", "dt", "entry_inhibited_until", "another_model"].contains(&parameter.name) {
+        let mut own = Parameters::default();
+        for parameter in parameters() {
+            if ["variant", "dt", "entry_inhibited_until", "another_model"].contains(&&*parameter.name) {
                 continue;
             }
-            let value = *parameters.get_mut(parameter.name).expect(parameter.name);
+            let value = *own.get_mut(&parameter.name).expect(&parameter.name);
             parameter.check("commotions", &Value::Number(value)).unwrap();
             let default = parameter.default_value().unwrap_or(Value::Number(50.0 / 3.6));
             assert_eq!(Value::Number(value), default, "{}", parameter.name);
         }
-        assert_eq!(parameters.get_mut("T_d"), None);
+        assert_eq!(own.get_mut("T_d"), None);
     }
 
     #[test]

@@ -1,21 +1,28 @@
 //! The jaywalker's entry in the registry: parameters, presets and sources.
 
 use crate::scenario::{
-    ChoiceOption, Declaration, Dimension, Literal, Parameter, Preset, PresetFamily, Settings, show_both,
+    ChoiceOption, Declaration, Dimension, Parameter, Preset, PresetFamily, Settings, show_both,
 };
 use crate::sim::ModelError;
 
 const CODE: &str = "observed behaviour of the research code behind Muktadir & Whitehead 2022";
-const BREWER: &str = "Brewer et al. 2006, TRR 1982:132-140, coefficients as observed in the research code";
+const BREWER: &str = "Brewer et al. 2006, TRR 1982:132-140, coefficients as observed in the \
+                      research code";
 const YANG: &str = "Yang, Ozguner & Redmill 2020, ACM TSAS 6(2), table 2";
 const CHOICE: &str = "our choice";
 const DECISION: &str = "observed behaviour, completed by our choice";
 
-pub const DECLARATION: Declaration = Declaration {
-    name: "jaywalker",
-    summary: "Adversarial jaywalker: starts so as to meet the vehicle, then dashes, freezes in the lane or turns back.",
-    source: "Muktadir & Whitehead, IEEE IV 2022, restated from the observed behaviour of the research code",
-    parameters: &[
+pub fn declaration() -> Declaration {
+    Declaration::new(
+        "jaywalker",
+        "Adversarial jaywalker: starts so as to meet the vehicle, then dashes, freezes \
+         in the lane or turns back.",
+    )
+    .source(
+        "Muktadir & Whitehead, IEEE IV 2022, restated from the observed behaviour of \
+         the research code",
+    )
+    .parameters([
         Parameter::number(
             "initialising_time",
             Dimension::TIME,
@@ -27,16 +34,16 @@ pub const DECLARATION: Declaration = Declaration {
         Parameter::choice(
             "gap_model",
             "anti_survival",
-            &[
-                ChoiceOption {
-                    name: "anti_survival",
-                    doc: "Starts when crossing takes as long as the vehicle needs.",
-                },
-                ChoiceOption {
-                    name: "brewer",
-                    doc: "Accepts by a logistic probability of the time gap, modified by `risk`.",
-                },
-                ChoiceOption { name: "always_go", doc: "Accepts at the first ask." },
+            [
+                ChoiceOption::new(
+                    "anti_survival",
+                    "Starts when crossing takes as long as the vehicle needs.",
+                ),
+                ChoiceOption::new(
+                    "brewer",
+                    "Accepts by a logistic probability of the time gap, modified by `risk`.",
+                ),
+                ChoiceOption::new("always_go", "Accepts at the first ask."),
             ],
             "How it decides to leave the pavement.",
             CODE,
@@ -44,11 +51,11 @@ pub const DECLARATION: Declaration = Declaration {
         Parameter::choice(
             "risk",
             "risky",
-            &[
-                ChoiceOption { name: "cautious", doc: "0.8 times Brewer's probability." },
-                ChoiceOption { name: "normal", doc: "Brewer's probability." },
-                ChoiceOption { name: "risky", doc: "Twice Brewer's probability." },
-                ChoiceOption { name: "extreme", doc: "Always accepts." },
+            [
+                ChoiceOption::new("cautious", "0.8 times Brewer's probability."),
+                ChoiceOption::new("normal", "Brewer's probability."),
+                ChoiceOption::new("risky", "Twice Brewer's probability."),
+                ChoiceOption::new("extreme", "Always accepts."),
             ],
             "Risk level; only with `gap_model: brewer`.",
             CODE,
@@ -74,24 +81,26 @@ pub const DECLARATION: Declaration = Declaration {
             Dimension::LENGTH,
             5.0,
             (4.0, 6.0),
-            "Distance that it believes to have to cross; only with `gap_model: anti_survival`.",
+            "Distance that it believes to have to cross; only with `gap_model: \
+             anti_survival`.",
             CODE,
         ),
         Parameter::optional(
             "timing_error",
             Dimension::NUMBER,
             (0.9, 1.1),
-            "Factor by which it misjudges the time gap at the start; without it, drawn once per run from 0.9 .. 1.1.",
+            "Factor by which it misjudges the time gap at the start; without it, drawn \
+             once per run from 0.9 .. 1.1.",
             DECISION,
         ),
         Parameter::choice(
             "tactic",
             "drawn",
-            &[
-                ChoiceOption { name: "drawn", doc: "One of the three, drawn once per run." },
-                ChoiceOption { name: "dash", doc: "Speeds up before an oncoming vehicle." },
-                ChoiceOption { name: "freeze", doc: "Stops dead in the vehicle's lane." },
-                ChoiceOption { name: "rewind", doc: "Speeds up, then turns back before the lane's centre." },
+            [
+                ChoiceOption::new("drawn", "One of the three, drawn once per run."),
+                ChoiceOption::new("dash", "Speeds up before an oncoming vehicle."),
+                ChoiceOption::new("freeze", "Stops dead in the vehicle's lane."),
+                ChoiceOption::new("rewind", "Speeds up, then turns back before the lane's centre."),
             ],
             "Decides whatever `oncoming`, `retreat` and `stop` leave to it.",
             CHOICE,
@@ -99,11 +108,11 @@ pub const DECLARATION: Declaration = Declaration {
         Parameter::choice(
             "oncoming",
             "by_tactic",
-            &[
-                ChoiceOption { name: "by_tactic", doc: "`speedup` when dashing or rewinding, else `off`." },
-                ChoiceOption { name: "off", doc: "None." },
-                ChoiceOption { name: "speedup", doc: "A constant push towards its goal." },
-                ChoiceOption { name: "yang", doc: "Repulsion by a contour ahead of the vehicle." },
+            [
+                ChoiceOption::new("by_tactic", "`speedup` when dashing or rewinding, else `off`."),
+                ChoiceOption::new("off", "None."),
+                ChoiceOption::new("speedup", "A constant push towards its goal."),
+                ChoiceOption::new("yang", "Repulsion by a contour ahead of the vehicle."),
             ],
             "The force of an oncoming vehicle on it while it crosses.",
             CODE,
@@ -111,13 +120,13 @@ pub const DECLARATION: Declaration = Declaration {
         Parameter::choice(
             "retreat",
             "by_tactic",
-            &[
-                ChoiceOption { name: "by_tactic", doc: "`on` when rewinding, else `off`." },
-                ChoiceOption { name: "off", doc: "Never turns back." },
-                ChoiceOption {
-                    name: "on",
-                    doc: "Turns back when the vehicle will arrive just after it, or far before.",
-                },
+            [
+                ChoiceOption::new("by_tactic", "`on` when rewinding, else `off`."),
+                ChoiceOption::new("off", "Never turns back."),
+                ChoiceOption::new(
+                    "on",
+                    "Turns back when the vehicle will arrive just after it, or far before.",
+                ),
             ],
             "Whether it may turn back on its way (state survival).",
             CODE,
@@ -125,10 +134,10 @@ pub const DECLARATION: Declaration = Declaration {
         Parameter::choice(
             "stop",
             "by_tactic",
-            &[
-                ChoiceOption { name: "by_tactic", doc: "`on` when freezing, else `off`." },
-                ChoiceOption { name: "off", doc: "Never stops." },
-                ChoiceOption { name: "on", doc: "Stops in the lane of a vehicle that is about to arrive." },
+            [
+                ChoiceOption::new("by_tactic", "`on` when freezing, else `off`."),
+                ChoiceOption::new("off", "Never stops."),
+                ChoiceOption::new("on", "Stops in the lane of a vehicle that is about to arrive."),
             ],
             "Whether it may stop on its way (state frozen).",
             CODE,
@@ -145,7 +154,8 @@ pub const DECLARATION: Declaration = Declaration {
             "time_gap_margin",
             Dimension::LENGTH,
             (0.0, 10.0),
-            "Length taken off the vehicle's distance besides its half length; without it, half the vehicle's diagonal. 0 is the true gap to the bumper.",
+            "Length taken off the vehicle's distance besides its half length; without it, \
+             half the vehicle's diagonal. 0 is the true gap to the bumper.",
             CODE,
         ),
         Parameter::number(
@@ -177,7 +187,8 @@ pub const DECLARATION: Declaration = Declaration {
             Dimension::ACCELERATION,
             9.5,
             (9.5, 1000.0),
-            "Its acceleration never exceeds this, but for standing still at once when it waits or has arrived.",
+            "Its acceleration never exceeds this, but for standing still at once when it \
+             waits or has arrived.",
             CODE,
         ),
         Parameter::number(
@@ -193,7 +204,8 @@ pub const DECLARATION: Declaration = Declaration {
             Dimension::ACCELERATION,
             777.5852,
             (777.5852, 777.5852),
-            "Repulsion at the contour, per unit of mass (in newtons with `yang_original`); fixed by its source.",
+            "Repulsion at the contour, per unit of mass (in newtons with `yang_original`); \
+             fixed by its source.",
             YANG,
         ),
         Parameter::number(
@@ -201,7 +213,8 @@ pub const DECLARATION: Declaration = Declaration {
             Dimension::PER_LENGTH,
             2.613755,
             (2.613755, 2.613755),
-            "Decay of the repulsion over the distance from the contour; fixed by its source.",
+            "Decay of the repulsion over the distance from the contour; fixed by its \
+             source.",
             YANG,
         ),
         Parameter::number(
@@ -239,7 +252,8 @@ pub const DECLARATION: Declaration = Declaration {
         Parameter::flag(
             "yang_original",
             false,
-            "Yang's own mass (75 kg), wider contour and body radius instead of the jaywalker's.",
+            "Yang's own mass (75 kg), wider contour and body radius instead of the \
+             jaywalker's.",
             YANG,
         ),
         Parameter::number(
@@ -255,7 +269,8 @@ pub const DECLARATION: Declaration = Declaration {
             Dimension::TIME,
             -2.0,
             (-2.0, -0.5),
-            "Turns back if the vehicle arrives earlier than this relative to it being across; negative.",
+            "Turns back if the vehicle arrives earlier than this relative to it being \
+             across; negative.",
             CODE,
         ),
         Parameter::number(
@@ -294,7 +309,8 @@ pub const DECLARATION: Declaration = Declaration {
             "stop_time",
             Dimension::TIME,
             (0.05, 5.0),
-            "Time that it takes to stop; without it, drawn once per run between the two below.",
+            "Time that it takes to stop; without it, drawn once per run between the two \
+             below.",
             CODE,
         ),
         Parameter::number(
@@ -316,53 +332,57 @@ pub const DECLARATION: Declaration = Declaration {
         Parameter::flag(
             "reference_quirks",
             false,
-            "Ends a retreat as the research code does: at a time gap of zero, or within 1 mm of its end.",
+            "Ends a retreat as the research code does: at a time gap of zero, or within 1 \
+             mm of its end.",
             CODE,
         ),
-    ],
-    presets: Some(PresetFamily {
-        word: "preset",
-        default: "adversarial",
-        presets: &[
-            Preset {
-                name: "adversarial",
-                doc: "Starts late, then dashes, freezes or rewinds, drawn once per run: all six states occur.",
-                values: &[],
-            },
-            Preset {
-                name: "risky_literal",
-                doc: "The research code's default risk mode taken literally; crosses first whenever the vehicle is 6 s away.",
-                values: &[
-                    ("gap_model", Literal::Word("brewer")),
-                    ("risk", Literal::Word("risky")),
-                    ("oncoming", Literal::Word("off")),
-                    ("retreat", Literal::Word("on")),
-                    ("stop", Literal::Word("on")),
+    ])
+    .presets(PresetFamily::new(
+        "preset",
+        "adversarial",
+        [
+            Preset::new(
+                "adversarial",
+                "Starts late, then dashes, freezes or rewinds, drawn once per run: all six \
+                 states occur.",
+                [],
+            ),
+            Preset::new(
+                "risky_literal",
+                "The research code's default risk mode taken literally; crosses first whenever \
+                 the vehicle is 6 s away.",
+                [
+                    ("gap_model", "brewer".into()),
+                    ("risk", "risky".into()),
+                    ("oncoming", "off".into()),
+                    ("retreat", "on".into()),
+                    ("stop", "on".into()),
                 ],
-            },
-            Preset {
-                name: "head_2024",
-                doc: "The research code as of 2024: goes at once, is repelled by vehicles, never retreats or stops.",
-                values: &[
-                    ("gap_model", Literal::Word("always_go")),
-                    ("oncoming", Literal::Word("yang")),
-                    ("retreat", Literal::Word("off")),
-                    ("stop", Literal::Word("off")),
+            ),
+            Preset::new(
+                "head_2024",
+                "The research code as of 2024: goes at once, is repelled by vehicles, never \
+                 retreats or stops.",
+                [
+                    ("gap_model", "always_go".into()),
+                    ("oncoming", "yang".into()),
+                    ("retreat", "off".into()),
+                    ("stop", "off".into()),
                 ],
-            },
-            Preset {
-                name: "all_on",
-                doc: "Starts late, speeds up, retreats and stops, whichever triggers first.",
-                values: &[
-                    ("gap_model", Literal::Word("anti_survival")),
-                    ("oncoming", Literal::Word("speedup")),
-                    ("retreat", Literal::Word("on")),
-                    ("stop", Literal::Word("on")),
+            ),
+            Preset::new(
+                "all_on",
+                "Starts late, speeds up, retreats and stops, whichever triggers first.",
+                [
+                    ("gap_model", "anti_survival".into()),
+                    ("oncoming", "speedup".into()),
+                    ("retreat", "on".into()),
+                    ("stop", "on".into()),
                 ],
-            },
+            ),
         ],
-    }),
-};
+    ))
+}
 
 /// Limits of acceleration and speed, and how it walks undisturbed.
 #[derive(Debug, Clone, Copy)]

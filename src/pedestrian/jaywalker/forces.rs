@@ -187,17 +187,17 @@ fn nearest_point(contour: &[Vector2<f64>; 5], point: Vector2<f64>) -> Vector2<f6
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::pedestrian::jaywalker::declaration::DECLARATION;
+    use crate::pedestrian::jaywalker::declaration::declaration;
     use crate::scenario::{Direction, Shape, Value};
     use crate::sim::Longitudinal;
 
     fn walking() -> Walking {
-        Walking::new(&DECLARATION.resolve(&Settings::default()).unwrap())
+        Walking::new(&declaration().resolve(&Settings::default()).unwrap())
     }
 
     fn yang(original: bool) -> Yang {
         let given = Settings::from([("yang_original", Value::Flag(original))]);
-        Yang::new(&DECLARATION.resolve(&given).unwrap())
+        Yang::new(&declaration().resolve(&given).unwrap())
     }
 
     /// Its front bumper at x = 0, 30 km/h.

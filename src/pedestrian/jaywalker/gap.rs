@@ -115,12 +115,12 @@ impl Brewer {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::pedestrian::jaywalker::declaration::DECLARATION;
+    use crate::pedestrian::jaywalker::declaration::declaration;
     use crate::scenario::Value;
 
     fn brewer(risk: &str) -> Brewer {
         let given = Settings::from([("risk", Value::Word(risk.into()))]);
-        Brewer::new(&DECLARATION.resolve(&given).unwrap())
+        Brewer::new(&declaration().resolve(&given).unwrap())
     }
 
     fn asked(time_gap: Option<f64>, step: f64) -> Opportunity {
@@ -172,7 +172,7 @@ mod tests {
 
     #[test]
     fn the_late_start_times_the_crossing_to_the_vehicle() {
-        let settings = DECLARATION.resolve(&Settings::default()).unwrap();
+        let settings = declaration().resolve(&Settings::default()).unwrap();
         let model = GapModel::new(&settings, &Walking::new(&settings), 1.0);
         let mut draws = Stream::seeded(1);
         let mut accepts = |time_gap, undisturbed, passed| {

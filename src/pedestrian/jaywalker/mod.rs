@@ -11,15 +11,17 @@ mod gap;
 mod perception;
 
 use agent::{Individuality, Jaywalker, Tactic};
-use declaration::{DECLARATION, stop_times};
+use declaration::{declaration, stop_times};
 
 use super::{PedestrianContext, PedestrianModel};
-use crate::scenario::{Chance, Dimension, show, show_outside};
+use crate::scenario::{Dimension, show, show_outside};
 use crate::sim::random::{Agent, Purpose, stream};
 use crate::sim::{ModelError, Pedestrian};
 
-pub static JAYWALKER: PedestrianModel =
-    PedestrianModel { declaration: DECLARATION, takes_individuals: false, chance: Chance::Always, build };
+pub fn jaywalker() -> PedestrianModel {
+    let declaration = declaration();
+    PedestrianModel::new(declaration, build)
+}
 
 /// Shortest and longest step that the model is checked at, s.
 const STEPS: (f64, f64) = (0.01, 0.05);
@@ -86,9 +88,9 @@ mod tests {
     #[test]
     fn a_place_where_it_cannot_be_is_an_error_with_a_hint() {
         let refused = |change: fn(&mut Walk), part: &str| {
-            let mut walk = Walk::new(&JAYWALKER, Settings::default());
+            let mut walk = Walk::new(&jaywalker(), Settings::default());
             change(&mut walk);
-            let error = walk.rebuild(&JAYWALKER, Settings::default()).expect_err(part);
+            let error = walk.rebuild(&jaywalker(), Settings::default()).expect_err(part);
             assert!(error.message.contains(part), "{}", error.message);
             assert!(error.hint.is_some());
         };
@@ -101,12 +103,12 @@ mod tests {
     #[test]
     fn stop_times_must_be_in_order() {
         let given = Settings::from([("stop_time_min", Value::Number(2.0))]);
-        assert!(Walk::try_new(&JAYWALKER, given).err().unwrap().message.contains("stop_time_max"));
+        assert!(Walk::try_new(&jaywalker(), given).err().unwrap().message.contains("stop_time_max"));
     }
 
     #[test]
     fn without_vehicles_it_walks_across_after_a_second() {
-        let mut walk = Walk::new(&JAYWALKER, Settings::default());
+        let mut walk = Walk::new(&jaywalker(), Settings::default());
         walk.go(1.0);
         assert_eq!((walk.position().y, walk.pedestrian.mode()), (-4.0, "waiting"));
         walk.go(8.0);

@@ -5,7 +5,6 @@ use serde::Serialize;
 use super::figure::Figure;
 use super::space::{Measured, short_names};
 use crate::judge::holds;
-use crate::metrics::{MetricKind, metric, unit_of};
 use crate::numbers::inference::{Interval, mean_interval, wilson};
 use crate::numbers::summary::mean;
 use crate::report::chart::{Dot, First, Rows, Rule, Strip, Strips, first_legend};
@@ -13,7 +12,9 @@ use crate::report::evaluation::without_value;
 use crate::report::format::in_written_unit;
 use crate::report::wording::comparison_rule;
 use crate::results::{CaseRun, ConditionResult, Difference, EvaluateResult, ParameterValue, SuiteReport};
-use crate::scenario::{Aggregate, CaseSet, Comparison, Evaluate, Measure, MetricReference, ParameterSet};
+use crate::scenario::{
+    Aggregate, CaseSet, Comparison, Evaluate, Measure, MetricKind, MetricReference, ParameterSet,
+};
 
 /// More conditions than this stand below each other.
 const MOST_STRIPS: usize = 6;
@@ -62,7 +63,7 @@ impl Section {
         let measured: Vec<Measured> = result
             .measures
             .iter()
-            .map(|one| Measured::new(&one.text, unit_of(&one.aggregate)).written_in(one.notation))
+            .map(|one| Measured::new(&one.text, one.aggregate.unit()).written_in(one.notation))
             .collect();
         let table = Table { result, measured: &measured };
         let parameters = result.conditions.iter().map(|one| &one.parameters).find(|all| !all.is_empty());
@@ -227,7 +228,7 @@ impl Charts<'_> {
     fn figures(&self) -> Vec<Figure> {
         let mut quantities: Vec<&MetricReference> = Vec::new();
         for reference in self.result.measures.iter().map(|measure| measure.aggregate.metric()) {
-            let kind = metric(&reference.name).map(|metric| metric.kind);
+            let kind = reference.known().map(|metric| &metric.kind);
             if matches!(kind, Some(MetricKind::Quantity(_))) && !quantities.contains(&reference) {
                 quantities.push(reference);
             }

@@ -1,6 +1,5 @@
 //! What an optimiser varies and what it looks at, as tables and charts show them.
 
-use crate::metrics::{MetricKind, metric, unit_of};
 use crate::optimise::{self, SlicePoint};
 use crate::report::chart::{Along, Belief, Quantity};
 use crate::report::format::in_written_unit;
@@ -34,16 +33,12 @@ impl Measured {
     pub fn objective(objective: &Objective) -> Self {
         let text = objective.text.as_str();
         let name = text.split_once(' ').map_or(text, |(_, aggregate)| aggregate);
-        Self::new(name, unit_of(&objective.aggregate)).written_in(objective.notation)
+        Self::new(name, objective.aggregate.unit()).written_in(objective.notation)
     }
 
     /// Single values of a metric; flags are plain numbers.
     pub fn metric(reference: &MetricReference) -> Self {
-        let unit = match metric(&reference.name).map(|metric| metric.kind) {
-            Some(MetricKind::Quantity(dimension)) => dimension.si_unit(),
-            _ => String::new(),
-        };
-        Self::new(reference.label(), unit)
+        Self::new(reference.label(), reference.unit())
     }
 
     /// For the axis of a chart of [`Self::charted`] values.

@@ -1,17 +1,15 @@
 //! A `tune` on the page: what was chosen, what it changes, and how the optimiser came to it.
 
-use serde::Serialize;
-
 use super::figure::Figure;
 use super::space::{Dimension, Measured, point_text};
-use crate::metrics::{MetricKind, metric};
 use crate::optimise::StopReason;
 use crate::report::chart::{Convergence, Front, Mark, Quantity, Rule, Slice, Tried};
 use crate::report::experiment::tuned_parameters;
 use crate::report::format::{in_unit, share};
 use crate::report::wording::comparison_text;
 use crate::results::{BeforeAndAfter, Candidate, MetricSummary, TuneResult, Violations};
-use crate::scenario::{MetricReference, Tune, significant};
+use crate::scenario::{MetricKind, MetricReference, Tune, significant};
+use serde::Serialize;
 
 /// Charts of margins that are seen at once.
 const OPEN_MARGINS: usize = 6;
@@ -387,8 +385,7 @@ impl<'a> Bench<'a> {
 
 impl SummaryCell {
     fn new(summary: &MetricSummary) -> Self {
-        let name = summary.metric.split('(').next().unwrap_or_default();
-        let unit = match metric(name).map(|metric| metric.kind) {
+        let unit = match &summary.kind {
             Some(MetricKind::Quantity(dimension)) => dimension.si_unit(),
             Some(MetricKind::Flag) => {
                 let mean = summary.mean.map_or("–".to_string(), share);

@@ -1,15 +1,9 @@
 //! What the page's template shows: every number already in words.
 
-use std::time::SystemTime;
-
-use chrono::{DateTime, Utc};
-use serde::Serialize;
-
 use super::embed::embed;
 use super::figure::Figure;
 use super::statement::Statements;
 use super::{block, gate};
-use crate::metrics;
 use crate::report::digest::written_unit;
 use crate::report::failure::render_failure;
 use crate::report::figures::{figures, short_name};
@@ -19,13 +13,15 @@ use crate::report::wording::{
     bound, interval, judged_words, margin, missing, nearest_run, observed, stopping, trial_warnings,
     verdict_mark, verdict_word,
 };
-use crate::results::Chosen;
-use crate::results::Recording;
 use crate::results::{
-    BlockReport, BlockState, Finding, GateReport, GateState, Measure, Requests, Skip, SuiteReport,
-    TrialReport, TrialState, Verdict,
+    BlockReport, BlockState, Chosen, Finding, GateReport, GateState, Measure, Recording, Requests, Skip,
+    SuiteReport, TrialReport, TrialState, Verdict,
 };
 use crate::scenario::MetricReference;
+use std::time::SystemTime;
+
+use chrono::{DateTime, Utc};
+use serde::Serialize;
 
 /// A table with more trials than this scrolls.
 const LONG_TABLE: usize = 30;
@@ -91,7 +87,7 @@ struct Suite {
 struct Heading {
     label: String,
     below: String,
-    about: &'static str,
+    about: String,
 }
 
 #[derive(Debug, Serialize)]
@@ -251,20 +247,25 @@ impl Counts {
     }
 }
 
-fn suite(report: &SuiteReport, requests: &Requests, drawn: &[Recording], animated: &[String]) -> Suite {
+fn suite<'r>(
+    report: &SuiteReport,
+    requests: &'r Requests,
+    drawn: &[Recording],
+    animated: &[String],
+) -> Suite {
     let mut counts = Counts::default();
     report.trials.iter().for_each(|trial| counts.add(trial));
     // In one unit for all trials, which may be filtered and sorted together.
     let criteria = || report.trials.iter().flat_map(|trial| &trial.trial.criteria);
-    let column = |(index, reference): (usize, &MetricReference)| {
-        let metric = metrics::metric(&reference.name)?;
+    let column = |(index, reference): (usize, &'r MetricReference)| {
+        let metric = reference.known()?;
         let unit = written_unit(criteria(), reference, metric);
         Some(Column { index, metric, label: reference.label(), unit })
     };
     let columns: Vec<Column> = requests.iter().enumerate().filter_map(column).collect();
     let heading = |column: &Column| {
         let (label, below) = column.heading();
-        Heading { label, below, about: column.metric.declaration.summary }
+        Heading { label, below, about: column.metric.declaration.summary.to_string() }
     };
     Suite {
         name: report.identity.suite.to_string(),

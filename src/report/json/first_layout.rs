@@ -17,7 +17,8 @@ use crate::results::{
     TrialReport, TrialState,
 };
 use crate::scenario::{
-    Assignment, Gate, GateRule, MetricReference, Origin, Settings, Tolerance, Trial, Value as Setting,
+    Assignment, Gate, GateRule, MetricReference, Origin, Reference, Settings, Tolerance, Trial,
+    Value as Setting,
 };
 
 #[derive(Deserialize)]
@@ -141,7 +142,7 @@ fn reference(label: &str) -> MetricReference {
     }
     let mut names = names.into_iter();
     let pair = names.next().map(|first| (first, names.next().unwrap_or_default()));
-    MetricReference { name: name.to_string(), settings, pair }
+    MetricReference { metric: Reference::unresolved(name), settings, pair }
 }
 
 impl Suite {

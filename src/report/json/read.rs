@@ -13,11 +13,12 @@ use super::LAYOUT;
 use super::first_layout;
 use crate::files::{self, ReadError};
 use crate::metrics::{Open, Presence};
+use crate::registry::Registry;
 use crate::results::{
     BlockReport, BlockResult, BlockState, ByMetric, Chosen, Critical, Cut, CutOff, Finding, GateReport,
     GateState, GateVerdict, Horizon, NotJudged, Outcome, Recorded, RecordedReport, RecordedState, Recording,
     Refusal, Requests, Results, RunsTaken, Skip, SuiteIdentity, SuiteReport, TrialReport, TrialState,
-    TrialVerdict, Verdict,
+    TrialVerdict, UnknownMetric, Verdict,
 };
 use crate::scenario::{Block, Gate, Individual, Trial};
 use crate::sim::Ending;
@@ -35,6 +36,9 @@ pub enum ResultsError {
     Format(#[from] serde_json::Error),
     #[error("its layout is {0}, and this version reads 1 to {LAYOUT}; use the version that wrote it")]
     Layout(u64),
+    /// Of a program that somebody has extended.
+    #[error("{0}: it was written by another program")]
+    Metric(#[from] UnknownMetric),
     /// What it says of itself is not what its parts say.
     #[error("{key}: {what}")]
     Contradiction { key: String, what: String },
@@ -47,19 +51,19 @@ pub enum ResultsError {
 ///
 /// # Errors
 /// [`ResultsError`].
-pub fn read_results(path: &Path) -> Result<Results, ResultsError> {
-    results_of(&files::read_bytes(path, LARGEST)?)
+pub fn read_results(path: &Path, registry: &Registry) -> Result<Results, ResultsError> {
+    results_of(&files::read_bytes(path, LARGEST)?, registry)
 }
 
 /// As [`read_results`], of a file's bytes.
-pub(super) fn results_of(bytes: &[u8]) -> Result<Results, ResultsError> {
+pub(super) fn results_of(bytes: &[u8], registry: &Registry) -> Result<Results, ResultsError> {
     #[derive(Deserialize)]
     struct Layout {
         layout: u64,
     }
     match serde_json::from_slice::<Layout>(bytes)?.layout {
-        1 => first_layout::results(serde_json::from_slice(bytes)?),
-        2 => serde_json::from_slice::<Document>(bytes)?.results(),
+        1 => Ok(first_layout::results(serde_json::from_slice(bytes)?)?.resolved(registry)?),
+        2 => Ok(serde_json::from_slice::<Document>(bytes)?.results()?.resolved(registry)?),
         other => Err(ResultsError::Layout(other)),
     }
 }
@@ -380,6 +384,7 @@ pub(super) fn seconds(key: &str, seconds: f64) -> Result<Duration, ResultsError>
 mod tests {
     use super::*;
     use crate::judge::judge;
+    use crate::models::standard;
     use crate::report::fixture::{Session, evaluation, statement};
     use crate::report::write_json;
     use crate::results::Conclusion;
@@ -431,7 +436,8 @@ mod tests {
     fn what_is_written_is_read_back_equal_and_judged_again_equal() {
         for results in every_kind() {
             let text = written(&results);
-            let again = results_of(text.as_bytes()).unwrap_or_else(|error| panic!("{error}\n{text}"));
+            let again =
+                results_of(text.as_bytes(), &standard()).unwrap_or_else(|error| panic!("{error}\n{text}"));
             for (new, old) in again.suites.iter().zip(&results.suites) {
                 assert_eq!(new.identity, old.identity);
                 new.trials.iter().zip(&old.trials).for_each(|(new, old)| assert_eq!(new, old));
@@ -479,7 +485,7 @@ mod tests {
         ] {
             let mut changed = value.clone();
             *changed.pointer_mut(&place).unwrap() = verdict.into();
-            let error = results_of(changed.to_string().as_bytes()).unwrap_err().to_string();
+            let error = results_of(changed.to_string().as_bytes(), &standard()).unwrap_err().to_string();
             assert!(error.contains(said), "{place}: {error}");
         }
     }
@@ -489,11 +495,11 @@ mod tests {
         let session = Session::new();
         let text = written(&session.results(session.report()));
         for share in 0..20 {
-            let error = results_of(&text.as_bytes()[..text.len() * share / 20]).unwrap_err();
+            let error = results_of(&text.as_bytes()[..text.len() * share / 20], &standard()).unwrap_err();
             assert!(matches!(error, ResultsError::Format(_)), "{error}");
         }
         let newer = text.replacen(&format!("\"layout\": {LAYOUT}"), "\"layout\": 9", 1);
-        let error = results_of(newer.as_bytes()).unwrap_err().to_string();
+        let error = results_of(newer.as_bytes(), &standard()).unwrap_err().to_string();
         assert_eq!(error, "its layout is 9, and this version reads 1 to 2; use the version that wrote it");
     }
 
@@ -504,20 +510,20 @@ mod tests {
         let metrics =
             value.pointer_mut("/suites/0/trials/0/runs/2/metrics").unwrap().as_object_mut().unwrap();
         let pet = metrics.remove("pet").unwrap();
-        let error = results_of(value.to_string().as_bytes()).unwrap_err().to_string();
+        let error = results_of(value.to_string().as_bytes(), &standard()).unwrap_err().to_string();
         assert!(error.contains("it has no `pet`"), "{error}");
         let metrics =
             value.pointer_mut("/suites/0/trials/0/runs/2/metrics").unwrap().as_object_mut().unwrap();
         metrics.insert("pet".into(), pet.clone());
         metrics.insert("pat".into(), pet);
-        let error = results_of(value.to_string().as_bytes()).unwrap_err().to_string();
+        let error = results_of(value.to_string().as_bytes(), &standard()).unwrap_err().to_string();
         assert!(error.contains("nothing asked for its `pat`"), "{error}");
     }
 
     #[test]
     fn what_version_0_1_wrote_is_read() {
         let text = include_str!("../../../tests/results/layout_1.json");
-        let results = results_of(text.as_bytes()).unwrap();
+        let results = results_of(text.as_bytes(), &standard()).unwrap();
         let value: Value = serde_json::from_str(text).unwrap();
         let trials = value["suites"][0]["trials"].as_array().unwrap();
         assert_eq!(results.suites[0].trials.len(), trials.len());
@@ -527,7 +533,7 @@ mod tests {
             assert_eq!(serde_json::to_value(read.findings()).unwrap(), written["findings"]);
         }
         let with_block = text.replacen("\"blocks\": []", "\"blocks\": [{ \"key\": \"zebra/search=a\" }]", 1);
-        let error = results_of(with_block.as_bytes()).unwrap_err().to_string();
+        let error = results_of(with_block.as_bytes(), &standard()).unwrap_err().to_string();
         assert!(error.contains("written by 0.1, so run the suite again"), "{error}");
     }
 }

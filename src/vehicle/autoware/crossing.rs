@@ -170,10 +170,10 @@ impl Way {
 mod tests {
     use super::super::site::tests::{SITE, ego};
     use super::*;
-    use crate::vehicle::autoware::AUTOWARE;
+    use crate::vehicle::autoware::autoware;
 
     fn constants() -> CrossingConstants {
-        CrossingConstants::new(&AUTOWARE.declaration.resolve(&Settings::default()).unwrap())
+        CrossingConstants::new(&autoware().declaration.resolve(&Settings::default()).unwrap())
     }
 
     fn target(x: f64, y: f64, vx: f64, vy: f64) -> Target {

@@ -175,12 +175,12 @@ fn outside(point: Vector2<f64>, along: (f64, f64), across: (f64, f64)) -> f64 {
 mod tests {
     use super::super::site::tests::{SITE, ego};
     use super::*;
-    use crate::vehicle::autoware::AUTOWARE;
+    use crate::vehicle::autoware::autoware;
 
     const CRUISE: f64 = 30.0 / 3.6;
 
     fn constants() -> DecisionConstants {
-        DecisionConstants::new(&AUTOWARE.declaration.resolve(&Settings::default()).unwrap())
+        DecisionConstants::new(&autoware().declaration.resolve(&Settings::default()).unwrap())
     }
 
     fn standing_at(y: f64) -> (Target, CollisionPoint) {
@@ -251,7 +251,7 @@ mod tests {
 
     #[test]
     fn yielding_means_standing_for_a_second_at_the_line() {
-        let settings = AUTOWARE.declaration.resolve(&Settings::default()).unwrap();
+        let settings = autoware().declaration.resolve(&Settings::default()).unwrap();
         let mut standing = Standing::new(&settings);
         assert!(!standing.is_yielding(0.0, 0.0, 0.2));
         assert!(!standing.is_yielding(0.9, 0.0, 0.2));

@@ -64,11 +64,11 @@ mod tests {
     use super::super::site::tests::ego;
     use super::*;
     use crate::scenario::Value;
-    use crate::vehicle::autoware::AUTOWARE;
+    use crate::vehicle::autoware::autoware;
 
     fn brake() -> EmergencyBrake {
         let on = Settings::from([("aeb", Value::Flag(true))]);
-        EmergencyBrake::new(&AUTOWARE.declaration.resolve(&on).unwrap())
+        EmergencyBrake::new(&autoware().declaration.resolve(&on).unwrap())
     }
 
     fn standing(y: f64) -> Target {

@@ -93,12 +93,12 @@ mod tests {
 
     use super::super::site::tests::ego;
     use super::*;
-    use crate::vehicle::autoware::AUTOWARE;
+    use crate::vehicle::autoware::autoware;
 
     const CRUISE: f64 = 30.0 / 3.6;
 
     fn constants() -> LaneConstants {
-        LaneConstants::new(&AUTOWARE.declaration.resolve(&Settings::default()).unwrap())
+        LaneConstants::new(&autoware().declaration.resolve(&Settings::default()).unwrap())
     }
 
     fn target(x: f64, y: f64, vy: f64) -> Target {

@@ -212,10 +212,10 @@ impl Longitudinal {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::vehicle::autoware::AUTOWARE;
+    use crate::vehicle::autoware::autoware;
 
     fn controller() -> Longitudinal {
-        Longitudinal::new(&AUTOWARE.declaration.resolve(&Settings::default()).unwrap())
+        Longitudinal::new(&autoware().declaration.resolve(&Settings::default()).unwrap())
     }
 
     fn situation(speed: f64, reference: Reference, stop_distance: f64) -> Situation {

@@ -24,13 +24,12 @@ use crate::sim::random::{Agent, Purpose, stream};
 use crate::sim::{Controller, ModelError};
 
 /// The registry entry.
-pub static AUTOWARE: ControllerModel = ControllerModel {
-    declaration: parameters::DECLARATION,
-    default_dynamics: "delay_lag",
-    gives: CommandKind::Acceleration,
-    chance: Chance::If(|settings| settings.number("miss_probability") > 0.0),
-    build,
-};
+pub fn autoware() -> ControllerModel {
+    let declaration = parameters::declaration();
+    ControllerModel::new(declaration, CommandKind::Acceleration, build)
+        .driving("delay_lag")
+        .chance(Chance::If(|settings| settings.number("miss_probability") > 0.0))
+}
 
 fn build(context: &ControllerContext) -> Result<Box<dyn Controller>, ModelError> {
     let settings = context.settings;

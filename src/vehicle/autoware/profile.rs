@@ -216,12 +216,12 @@ fn smallest_factor(cap: f64, suffices: impl Fn(f64) -> bool) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::vehicle::autoware::AUTOWARE;
+    use crate::vehicle::autoware::autoware;
 
     const CRUISE: f64 = 30.0 / 3.6;
 
     fn profile(speed: f64) -> Profile {
-        let settings = AUTOWARE.declaration.resolve(&Settings::default()).unwrap();
+        let settings = autoware().declaration.resolve(&Settings::default()).unwrap();
         Profile::new(ProfileConstants::new(&settings), speed, 0.1)
     }
 

@@ -122,12 +122,12 @@ impl StopConstants {
 mod tests {
     use super::super::site::tests::{SITE, ego};
     use super::*;
-    use crate::vehicle::autoware::AUTOWARE;
+    use crate::vehicle::autoware::autoware;
 
     const CRUISE: f64 = 30.0 / 3.6;
 
     fn constants() -> StopConstants {
-        StopConstants::new(&AUTOWARE.declaration.resolve(&Settings::default()).unwrap())
+        StopConstants::new(&autoware().declaration.resolve(&Settings::default()).unwrap())
     }
 
     /// The stop for somebody first seen when the bumper is this far from the near edge.

@@ -170,10 +170,10 @@ mod tests {
     use super::*;
     use crate::scenario::Value;
     use crate::sim::{EgoState, RoadView, SeenPedestrian};
-    use crate::vehicle::autoware::AUTOWARE;
+    use crate::vehicle::autoware::autoware;
 
     fn tracker(settings: Settings) -> Tracker {
-        let settings = AUTOWARE.declaration.resolve(&settings).unwrap();
+        let settings = autoware().declaration.resolve(&settings).unwrap();
         Tracker::new(&settings, 1, Stream::seeded(1))
     }
 

@@ -1,6 +1,6 @@
 //! What the behaviour agent declares: every constant of its code as a parameter.
 
-use crate::scenario::{ChoiceOption, Declaration, Dimension, Literal, Parameter, Preset, PresetFamily};
+use crate::scenario::{ChoiceOption, Declaration, Dimension, Parameter, Preset, PresetFamily, Value};
 
 const TYPES: &str = "CARLA behavior_types.py";
 const AGENT: &str = "CARLA behavior_agent.py (0.9.13 and later)";
@@ -14,35 +14,44 @@ const fn kmh(speed: f64) -> f64 {
 
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
 
-pub const DECLARATION: Declaration = Declaration {
-    name: "carla_behavior",
-    summary: "CARLA's BehaviorAgent: brakes hard when an obstacle in its lane is nearer than a distance, else drives on.",
-    source: "CARLA 0.9.13 to 0.9.15, PythonAPI/carla/agents/navigation",
-    parameters: &[
+pub fn declaration() -> Declaration {
+    Declaration::new(
+        "carla_behavior",
+        "CARLA's BehaviorAgent: brakes hard when an obstacle in its lane is nearer \
+         than a distance, else drives on.",
+    )
+    .source("CARLA 0.9.13 to 0.9.15, PythonAPI/carla/agents/navigation")
+    .parameters([
         Parameter::number(
             "braking_distance",
             Dimension::LENGTH,
             5.0,
             (0.0, 100.0),
-            "Believed distance to an obstacle below which it brakes; what it means depends on `obstacle_distance`.",
+            "Believed distance to an obstacle below which it brakes; what it means depends \
+             on `obstacle_distance`.",
             TYPES,
         ),
         Parameter::choice(
             "obstacle_distance",
             "extended",
-            &[
-                ChoiceOption {
-                    name: "stock",
-                    doc: "Unmodified: walkers farther than 10 m from the ego's centre are not looked at and half the ego's length is subtracted twice, so it brakes from `braking_distance` + about 2.5 m before the bumper, and no `braking_distance` beyond about 5.3 m changes anything.",
-                },
-                ChoiceOption {
-                    name: "extended",
-                    doc: "As stock, but it looks as far as `braking_distance` needs, so every `braking_distance` has an effect.",
-                },
-                ChoiceOption {
-                    name: "clean",
-                    doc: "Brakes when the gap between front bumper and walker is below `braking_distance`; looks any distance, and at the nearest of several walkers.",
-                },
+            [
+                ChoiceOption::new(
+                    "stock",
+                    "Unmodified: walkers farther than 10 m from the ego's centre are not looked at \
+                     and half the ego's length is subtracted twice, so it brakes from \
+                     `braking_distance` + about 2.5 m before the bumper, and no `braking_distance` \
+                     beyond about 5.3 m changes anything.",
+                ),
+                ChoiceOption::new(
+                    "extended",
+                    "As stock, but it looks as far as `braking_distance` needs, so every \
+                     `braking_distance` has an effect.",
+                ),
+                ChoiceOption::new(
+                    "clean",
+                    "Brakes when the gap between front bumper and walker is below \
+                     `braking_distance`; looks any distance, and at the nearest of several walkers.",
+                ),
             ],
             "How the distance to an obstacle is measured and how far it looks.",
             DERIVED,
@@ -50,12 +59,9 @@ pub const DECLARATION: Declaration = Declaration {
         Parameter::choice(
             "lateral",
             "lane",
-            &[
-                ChoiceOption { name: "lane", doc: "A walker whose centre is in the ego's lane counts." },
-                ChoiceOption {
-                    name: "polygon",
-                    doc: "A walker who touches the strip that the ego sweeps counts.",
-                },
+            [
+                ChoiceOption::new("lane", "A walker whose centre is in the ego's lane counts."),
+                ChoiceOption::new("polygon", "A walker who touches the strip that the ego sweeps counts."),
             ],
             "Which walkers are in the way.",
             BASIC,
@@ -63,12 +69,13 @@ pub const DECLARATION: Declaration = Declaration {
         Parameter::choice(
             "target_speed",
             "cruise",
-            &[
-                ChoiceOption { name: "cruise", doc: "The vehicle's declared speed." },
-                ChoiceOption {
-                    name: "stock",
-                    doc: "min(`max_speed`, speed limit - `speed_limit_distance`): 27 km/h at a limit of 30 with the normal profile.",
-                },
+            [
+                ChoiceOption::new("cruise", "The vehicle's declared speed."),
+                ChoiceOption::new(
+                    "stock",
+                    "min(`max_speed`, speed limit - `speed_limit_distance`): 27 km/h at a limit of \
+                     30 with the normal profile.",
+                ),
             ],
             "The speed that it drives at.",
             AGENT,
@@ -94,7 +101,8 @@ pub const DECLARATION: Declaration = Declaration {
             Dimension::SPEED,
             kmh(10.0),
             (0.0, kmh(100.0)),
-            "How much slower than a vehicle ahead it gets when the time to collision is below `safety_time`.",
+            "How much slower than a vehicle ahead it gets when the time to collision is \
+             below `safety_time`.",
             TYPES,
         ),
         Parameter::number(
@@ -102,7 +110,8 @@ pub const DECLARATION: Declaration = Declaration {
             Dimension::TIME,
             3.0,
             (0.0, 60.0),
-            "Time to collision with a vehicle ahead below which it slows down; up to twice as long it keeps that vehicle's speed.",
+            "Time to collision with a vehicle ahead below which it slows down; up to twice \
+             as long it keeps that vehicle's speed.",
             TYPES,
         ),
         Parameter::number(
@@ -118,7 +127,8 @@ pub const DECLARATION: Declaration = Declaration {
             Dimension::LENGTH,
             10.0,
             (0.0, 200.0),
-            "Reach of the obstacle test in stock mode, unless a third of the speed limit in km/h is more.",
+            "Reach of the obstacle test in stock mode, unless a third of the speed limit \
+             in km/h is more.",
             TYPES,
         ),
         Parameter::number(
@@ -126,7 +136,8 @@ pub const DECLARATION: Declaration = Declaration {
             Dimension::LENGTH,
             10.0,
             (0.0, 1000.0),
-            "Distance from the ego's centre within which walkers are looked at; only in stock mode.",
+            "Distance from the ego's centre within which walkers are looked at; only in \
+             stock mode.",
             AGENT,
         ),
         Parameter::number(
@@ -149,7 +160,8 @@ pub const DECLARATION: Declaration = Declaration {
             "walker_extent",
             Dimension::LENGTH,
             (0.0, 2.0),
-            "Half size that it takes a walker to have; without it that of the pedestrian's footprint. CARLA's adults have 0.188 m.",
+            "Half size that it takes a walker to have; without it that of the pedestrian's \
+             footprint. CARLA's adults have 0.188 m.",
             "CARLA blueprint bounding boxes",
         ),
         Parameter::number(
@@ -233,36 +245,36 @@ pub const DECLARATION: Declaration = Declaration {
             "Free driving before the start, in which the speed controller settles.",
             "free choice",
         ),
-    ],
-    presets: Some(PresetFamily {
-        word: "profile",
-        default: "normal",
-        presets: &[
-            Preset {
-                name: "cautious",
-                doc: "Slower, looks farther, brakes earlier.",
-                values: &[
-                    ("max_speed", Literal::Number(kmh(40.0))),
-                    ("speed_limit_distance", Literal::Number(kmh(6.0))),
-                    ("speed_decrease", Literal::Number(kmh(12.0))),
-                    ("safety_time", Literal::Number(3.0)),
-                    ("min_proximity_threshold", Literal::Number(12.0)),
-                    ("braking_distance", Literal::Number(6.0)),
+    ])
+    .presets(PresetFamily::new(
+        "profile",
+        "normal",
+        [
+            Preset::new(
+                "cautious",
+                "Slower, looks farther, brakes earlier.",
+                [
+                    ("max_speed", Value::Number(kmh(40.0))),
+                    ("speed_limit_distance", Value::Number(kmh(6.0))),
+                    ("speed_decrease", Value::Number(kmh(12.0))),
+                    ("safety_time", Value::Number(3.0)),
+                    ("min_proximity_threshold", Value::Number(12.0)),
+                    ("braking_distance", Value::Number(6.0)),
                 ],
-            },
-            Preset { name: "normal", doc: "CARLA's default.", values: &[] },
-            Preset {
-                name: "aggressive",
-                doc: "Faster, brakes later.",
-                values: &[
-                    ("max_speed", Literal::Number(kmh(70.0))),
-                    ("speed_limit_distance", Literal::Number(kmh(1.0))),
-                    ("speed_decrease", Literal::Number(kmh(8.0))),
-                    ("safety_time", Literal::Number(3.0)),
-                    ("min_proximity_threshold", Literal::Number(8.0)),
-                    ("braking_distance", Literal::Number(4.0)),
+            ),
+            Preset::new("normal", "CARLA's default.", []),
+            Preset::new(
+                "aggressive",
+                "Faster, brakes later.",
+                [
+                    ("max_speed", Value::Number(kmh(70.0))),
+                    ("speed_limit_distance", Value::Number(kmh(1.0))),
+                    ("speed_decrease", Value::Number(kmh(8.0))),
+                    ("safety_time", Value::Number(3.0)),
+                    ("min_proximity_threshold", Value::Number(8.0)),
+                    ("braking_distance", Value::Number(4.0)),
                 ],
-            },
+            ),
         ],
-    }),
-};
+    ))
+}

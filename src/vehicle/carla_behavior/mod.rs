@@ -13,13 +13,10 @@ use crate::sim::{Command, Controller, ModelError, Observation, Schedule};
 use obstacle::ObstacleTest;
 use speed_controller::SpeedController;
 
-pub static CARLA_BEHAVIOR: ControllerModel = ControllerModel {
-    declaration: declaration::DECLARATION,
-    default_dynamics: "generic",
-    gives: CommandKind::Pedals,
-    chance: Chance::Never,
-    build,
-};
+pub fn carla_behavior() -> ControllerModel {
+    let declaration = declaration::declaration();
+    ControllerModel::new(declaration, CommandKind::Pedals, build).driving("generic").chance(Chance::Never)
+}
 
 /// 1 m/s in km/h, the unit that the agent thinks in.
 const KMH: f64 = 3.6;

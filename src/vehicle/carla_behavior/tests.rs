@@ -19,7 +19,7 @@ fn brakes(track: &mut Track) -> bool {
 /// Largest gap between bumper and a walker on the lane's centre line at which it brakes, m (0 if it never does).
 fn trigger_gap(dynamics: &str, pairs: &[(&str, Value)]) -> f64 {
     let brakes_at = |gap: f64| {
-        let mut track = Track::new(&CARLA_BEHAVIOR, settings(pairs), dynamics);
+        let mut track = Track::new(&carla_behavior(), settings(pairs), dynamics);
         let front = track.front();
         track.place_pedestrian(front + gap, 0.0);
         brakes(&mut track)
@@ -82,7 +82,7 @@ fn profiles_set_the_braking_distance() {
 #[test]
 fn only_walkers_in_the_lane_and_in_the_cone_count() {
     let brakes_for = |pairs: &[(&str, Value)], ahead: f64, y: f64| {
-        let mut track = Track::new(&CARLA_BEHAVIOR, settings(pairs), "prius");
+        let mut track = Track::new(&carla_behavior(), settings(pairs), "prius");
         let front = track.front();
         track.place_pedestrian(front + ahead, y);
         brakes(&mut track)
@@ -102,7 +102,7 @@ fn only_walkers_in_the_lane_and_in_the_cone_count() {
 fn stock_takes_the_first_hit_of_the_list_and_clean_the_nearest() {
     let brakes_for = |mode: &str, near_first: bool| {
         let pairs = [("obstacle_distance", word(mode)), ("braking_distance", Value::Number(3.0))];
-        let mut track = Track::new(&CARLA_BEHAVIOR, settings(&pairs), "prius");
+        let mut track = Track::new(&carla_behavior(), settings(&pairs), "prius");
         let front = track.front();
         let mut gaps = [2.0, 6.0];
         if !near_first {
@@ -121,7 +121,7 @@ fn stock_takes_the_first_hit_of_the_list_and_clean_the_nearest() {
 fn cruise_keeps_a_small_offset() {
     // The throttle that holds the speed, 0.21 to 0.45, needs a speed error of that many km/h.
     for (dynamics, hold) in [("prius", 0.2107), ("model3", 0.394), ("mkz2020", 0.4527), ("generic", 0.3)] {
-        let mut track = Track::new(&CARLA_BEHAVIOR, Settings::default(), dynamics);
+        let mut track = Track::new(&carla_behavior(), Settings::default(), dynamics);
         track.drive(10.0);
         let speeds: Vec<_> = track.drive(10.0).iter().map(|sample| sample.speed).collect();
         let mean = speeds.iter().sum::<f64>() / speeds.len() as f64;
@@ -135,7 +135,7 @@ fn cruise_keeps_a_small_offset() {
 fn the_stock_rule_gives_stock_speeds() {
     for (profile, speed) in [("cautious", 24.0), ("normal", 27.0), ("aggressive", 29.0)] {
         let pairs = [("profile", word(profile)), ("target_speed", word("stock"))];
-        let mut track = Track::new(&CARLA_BEHAVIOR, settings(&pairs), "prius");
+        let mut track = Track::new(&carla_behavior(), settings(&pairs), "prius");
         let last = track.drive(30.0).pop().unwrap().speed * KMH;
         assert!((speed - 0.46..speed).contains(&last), "{profile}: {last} km/h");
     }
@@ -145,7 +145,7 @@ fn the_stock_rule_gives_stock_speeds() {
 fn a_standing_pedestrian_is_stopped_for_touched_or_hit() {
     // MKZ stops about 1 m short, Model 3 touches at about 2 m/s, the Prius is still at about 6 m/s.
     let drive = |dynamics| {
-        let mut track = Track::new(&CARLA_BEHAVIOR, Settings::default(), dynamics);
+        let mut track = Track::new(&carla_behavior(), Settings::default(), dynamics);
         track.place_pedestrian(200.0, 0.0);
         let mut speed = track.motion.speed;
         while track.front() < 200.0 - 0.1875 && speed > 0.0 {
@@ -161,7 +161,7 @@ fn a_standing_pedestrian_is_stopped_for_touched_or_hit() {
 
 #[test]
 fn it_holds_for_ever_and_goes_when_the_way_is_free() {
-    let mut track = Track::new(&CARLA_BEHAVIOR, Settings::default(), "mkz2020");
+    let mut track = Track::new(&carla_behavior(), Settings::default(), "mkz2020");
     track.script_pedestrian(|time| {
         let y = if time < 30.0 { 0.0 } else { 3.0 };
         Some((nalgebra::Vector2::new(50.0, y), nalgebra::Vector2::zeros()))
@@ -175,7 +175,7 @@ fn it_holds_for_ever_and_goes_when_the_way_is_free() {
 
 #[test]
 fn it_decides_twenty_times_a_second() {
-    let mut track = Track::new(&CARLA_BEHAVIOR, Settings::default(), "generic");
+    let mut track = Track::new(&carla_behavior(), Settings::default(), "generic");
     assert_eq!(track.controller.schedule(), Schedule::every(0.05));
     let first = track.advance().command;
     assert_eq!(track.advance().command, first);
@@ -184,7 +184,7 @@ fn it_decides_twenty_times_a_second() {
 #[test]
 fn it_follows_a_slower_vehicle_and_brakes_when_near() {
     let command = |x: f64, speed: f64| {
-        let mut track = Track::new(&CARLA_BEHAVIOR, Settings::default(), "prius");
+        let mut track = Track::new(&carla_behavior(), Settings::default(), "prius");
         track.see_vehicle(x, speed);
         let command = track.decide();
         (command, track.controller.mode())

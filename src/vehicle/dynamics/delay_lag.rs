@@ -8,45 +8,42 @@ use crate::vehicle::{CommandKind, DynamicsModel};
 
 const AUTOWARE: &str = "Autoware sample vehicle, simulator_model.param.yaml (DELAY_STEER_ACC_GEARED)";
 
-pub static DELAY_LAG: DynamicsModel = DynamicsModel {
-    declaration: Declaration {
-        name: "delay_lag",
-        summary: "Takes acceleration commands after a dead time and with a first-order lag, as Autoware's simulator does.",
-        source: AUTOWARE,
-        parameters: &[
-            Parameter::number(
-                "dead_time",
-                Dimension::TIME,
-                0.1,
-                (0.0, 5.0),
-                "Time before a command has any effect.",
-                AUTOWARE,
-            ),
-            Parameter::number(
-                "time_constant",
-                Dimension::TIME,
-                0.1,
-                (0.0, 5.0),
-                "Time constant of the lag; 0 is no lag.",
-                AUTOWARE,
-            ),
-            Parameter::number(
-                "max_acceleration",
-                Dimension::ACCELERATION,
-                7.0,
-                (0.1, 50.0),
-                "Limit of acceleration and of deceleration.",
-                AUTOWARE,
-            ),
-            Parameter::number("max_speed", Dimension::SPEED, 50.0, (1.0, 100.0), "Limit of speed.", AUTOWARE),
-        ],
-        presets: None,
-    },
-    takes: &[CommandKind::Acceleration],
-    // Wheel base 2.79 m and overhangs of 1.0 and 1.1 m; tread 1.64 m and side overhangs of 0.128 m.
-    size: (4.89, 1.896),
-    build,
-};
+pub fn delay_lag() -> DynamicsModel {
+    let declaration = Declaration::new(
+        "delay_lag",
+        "Takes acceleration commands after a dead time and with a first-order lag, as \
+         Autoware's simulator does.",
+    )
+    .source(AUTOWARE)
+    .parameters([
+        Parameter::number(
+            "dead_time",
+            Dimension::TIME,
+            0.1,
+            (0.0, 5.0),
+            "Time before a command has any effect.",
+            AUTOWARE,
+        ),
+        Parameter::number(
+            "time_constant",
+            Dimension::TIME,
+            0.1,
+            (0.0, 5.0),
+            "Time constant of the lag; 0 is no lag.",
+            AUTOWARE,
+        ),
+        Parameter::number(
+            "max_acceleration",
+            Dimension::ACCELERATION,
+            7.0,
+            (0.1, 50.0),
+            "Limit of acceleration and of deceleration.",
+            AUTOWARE,
+        ),
+        Parameter::number("max_speed", Dimension::SPEED, 50.0, (1.0, 100.0), "Limit of speed.", AUTOWARE),
+    ]);
+    DynamicsModel::new(declaration, &[CommandKind::Acceleration], (4.89, 1.896), build)
+}
 
 /// Room for this many commands in the dead time before one costs an allocation.
 const COMMANDS_AT_FIRST: usize = 64;
@@ -156,7 +153,7 @@ mod tests {
     use crate::vehicle::dynamics::tests::{built, cruising, stop};
 
     fn after(time: f64, step: f64, settings: Settings) -> Longitudinal {
-        let mut car = built(&DELAY_LAG, settings);
+        let mut car = built(&delay_lag(), settings);
         let mut motion = cruising();
         for _ in 0..(time / step).round() as usize {
             car.advance(&mut motion, Command::Acceleration(-2.0), step);
@@ -180,7 +177,7 @@ mod tests {
         let commands = [(0.4, -2.0), (0.3, 1.0), (0.05, -7.0), (0.5, -1.0), (0.7, 0.5)];
         let drive = |steps: &[f64]| {
             let settings = Settings::from([("dead_time", Value::Number(0.13))]);
-            let mut car = built(&DELAY_LAG, settings);
+            let mut car = built(&delay_lag(), settings);
             let mut motion = cruising();
             let mut lengths = steps.iter().cycle();
             for (duration, command) in commands {
@@ -218,7 +215,7 @@ mod tests {
     fn braking_distance_has_the_delay_in_it() {
         // Dead time and lag each cost about 0.1 s at cruise speed.
         let (distance, _) =
-            stop(&mut *built(&DELAY_LAG, Settings::default()), Command::Acceleration(-2.5), 0.025);
+            stop(&mut *built(&delay_lag(), Settings::default()), Command::Acceleration(-2.5), 0.025);
         let speed = 30.0 / 3.6;
         let expected = speed * speed / 5.0 + speed * 0.2 - 2.5 * 0.1 * 0.1 / 2.0;
         assert!((distance - expected).abs() < 1e-3, "{distance} {expected}");
@@ -226,7 +223,7 @@ mod tests {
 
     #[test]
     fn a_standing_vehicle_keeps_standing_and_starts_without_a_debt() {
-        let mut car = built(&DELAY_LAG, Settings::default());
+        let mut car = built(&delay_lag(), Settings::default());
         let mut motion = cruising();
         for _ in 0..400 {
             car.advance(&mut motion, Command::Acceleration(-3.4), 0.025);

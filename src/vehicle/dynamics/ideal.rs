@@ -5,33 +5,30 @@ use crate::scenario::{Declaration, Dimension, Parameter, Settings};
 use crate::sim::{Command, Dynamics, Longitudinal, ModelError};
 use crate::vehicle::{CommandKind, DynamicsModel};
 
-pub static IDEAL: DynamicsModel = DynamicsModel {
-    declaration: Declaration {
-        name: "ideal",
-        summary: "Takes acceleration commands exactly and at once, clamped to optional limits.",
-        source: "point mass",
-        parameters: &[
-            Parameter::optional(
-                "max_acceleration",
-                Dimension::ACCELERATION,
-                (0.0, 50.0),
-                "Largest acceleration; without it there is no limit.",
-                "free choice",
-            ),
-            Parameter::optional(
-                "max_deceleration",
-                Dimension::ACCELERATION,
-                (0.0, 50.0),
-                "Largest deceleration, as a positive number; without it there is no limit.",
-                "free choice",
-            ),
-        ],
-        presets: None,
-    },
-    takes: &[CommandKind::Acceleration],
-    size: (4.5, 1.8),
-    build,
-};
+pub fn ideal() -> DynamicsModel {
+    let declaration = Declaration::new(
+        "ideal",
+        "Takes acceleration commands exactly and at once, clamped to optional limits.",
+    )
+    .source("point mass")
+    .parameters([
+        Parameter::optional(
+            "max_acceleration",
+            Dimension::ACCELERATION,
+            (0.0, 50.0),
+            "Largest acceleration; without it there is no limit.",
+            "free choice",
+        ),
+        Parameter::optional(
+            "max_deceleration",
+            Dimension::ACCELERATION,
+            (0.0, 50.0),
+            "Largest deceleration, as a positive number; without it there is no limit.",
+            "free choice",
+        ),
+    ]);
+    DynamicsModel::new(declaration, &[CommandKind::Acceleration], (4.5, 1.8), build)
+}
 
 struct Ideal {
     lowest: f64,
@@ -64,7 +61,7 @@ mod tests {
     fn stops_where_the_textbook_says() {
         for step in [0.025, 0.04, 0.05] {
             let (distance, _) =
-                stop(&mut *built(&IDEAL, Settings::default()), Command::Acceleration(-4.0), step);
+                stop(&mut *built(&ideal(), Settings::default()), Command::Acceleration(-4.0), step);
             assert!((distance - (30.0f64 / 3.6).powi(2) / 8.0).abs() < 1e-12, "{distance}");
         }
     }
@@ -75,7 +72,7 @@ mod tests {
             ("max_acceleration", Value::Number(1.0)),
             ("max_deceleration", Value::Number(2.0)),
         ]);
-        let mut car = built(&IDEAL, settings);
+        let mut car = built(&ideal(), settings);
         let mut motion = cruising();
         car.advance(&mut motion, Command::Acceleration(-9.0), 0.1);
         assert!((motion.acceleration + 2.0).abs() < 1e-12);

@@ -5,9 +5,9 @@ mod ideal;
 mod pedal_car;
 mod pedal_map;
 
-pub use delay_lag::DELAY_LAG;
-pub use ideal::IDEAL;
-pub use pedal_car::{GENERIC, MKZ2020, MODEL3, PRIUS};
+pub use delay_lag::delay_lag;
+pub use ideal::ideal;
+pub use pedal_car::{generic, mkz2020, model3, prius};
 
 use crate::sim::Longitudinal;
 

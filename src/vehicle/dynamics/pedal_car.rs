@@ -11,113 +11,137 @@ use crate::vehicle::{CommandKind, DynamicsModel};
 
 const UNREAL: &str = "Unreal Engine 4 WheeledVehicleMovementComponent defaults";
 
-const RISE: Parameter = Parameter::number(
-    "pedal_rise",
-    Dimension::FREQUENCY,
-    6.0,
-    (0.1, 1000.0),
-    "Share of its travel that a pedal moves per second when pressed.",
-    UNREAL,
-);
-const FALL: Parameter = Parameter::number(
-    "pedal_fall",
-    Dimension::FREQUENCY,
-    10.0,
-    (0.1, 1000.0),
-    "Share of its travel that a pedal moves per second when released.",
-    UNREAL,
-);
-const LAG: Parameter = Parameter::optional(
-    "pedal_lag",
-    Dimension::TIME,
-    (0.0, 2.0),
-    "Pedals follow with a first-order lag of this time constant instead of `pedal_rise` and `pedal_fall`.",
-    "alternative of the reduced model: 0.08 s",
-);
-const DEAD_ZONE: Parameter = Parameter::number(
-    "brake_dead_zone",
-    Dimension::NUMBER,
-    0.0,
-    (0.0, 0.9),
-    "Pedal position up to which the brake does nothing; beyond it the position is counted from here.",
-    "about 0.1 in the measurements of the Prius; left out by default",
-);
-const LOW_SPEED: Parameter = Parameter::number(
-    "low_speed_brake_factor",
-    Dimension::NUMBER,
-    1.0,
-    (1.0, 10.0),
-    "Factor on what the brake pedal adds below 5 m/s; 1 leaves the artefact out.",
-    "CARLA issues 8112 and 3906: stronger on recent versions; measurements disagree",
-);
-const MAP: Parameter = Parameter::choice(
-    "map",
-    "law",
-    &[
-        ChoiceOption { name: "law", doc: "Straight lines fitted to the measurements." },
-        ChoiceOption { name: "measured", doc: "The measured rows, with inferred ones where there are none." },
-    ],
-    "Where the accelerations come from.",
-    "fits to, and tables of, the calibration data",
-);
+fn rise() -> Parameter {
+    Parameter::number(
+        "pedal_rise",
+        Dimension::FREQUENCY,
+        6.0,
+        (0.1, 1000.0),
+        "Share of its travel that a pedal moves per second when pressed.",
+        UNREAL,
+    )
+}
+fn fall() -> Parameter {
+    Parameter::number(
+        "pedal_fall",
+        Dimension::FREQUENCY,
+        10.0,
+        (0.1, 1000.0),
+        "Share of its travel that a pedal moves per second when released.",
+        UNREAL,
+    )
+}
+fn lag() -> Parameter {
+    Parameter::optional(
+        "pedal_lag",
+        Dimension::TIME,
+        (0.0, 2.0),
+        "Pedals follow with a first-order lag of this time constant instead of \
+         `pedal_rise` and `pedal_fall`.",
+        "alternative of the reduced model: 0.08 s",
+    )
+}
+fn dead_zone() -> Parameter {
+    Parameter::number(
+        "brake_dead_zone",
+        Dimension::NUMBER,
+        0.0,
+        (0.0, 0.9),
+        "Pedal position up to which the brake does nothing; beyond it the position is \
+         counted from here.",
+        "about 0.1 in the measurements of the Prius; left out by default",
+    )
+}
+fn low_speed() -> Parameter {
+    Parameter::number(
+        "low_speed_brake_factor",
+        Dimension::NUMBER,
+        1.0,
+        (1.0, 10.0),
+        "Factor on what the brake pedal adds below 5 m/s; 1 leaves the artefact out.",
+        "CARLA issues 8112 and 3906: stronger on recent versions; measurements disagree",
+    )
+}
+fn map() -> Parameter {
+    Parameter::choice(
+        "map",
+        "law",
+        [
+            ChoiceOption::new("law", "Straight lines fitted to the measurements."),
+            ChoiceOption::new("measured", "The measured rows, with inferred ones where there are none."),
+        ],
+        "Where the accelerations come from.",
+        "fits to, and tables of, the calibration data",
+    )
+}
 
-const WITH_MAP: &[Parameter] = &[MAP, RISE, FALL, LAG, DEAD_ZONE, LOW_SPEED];
-const LAW_ONLY: &[Parameter] = &[RISE, FALL, LAG, DEAD_ZONE, LOW_SPEED];
+fn with_map() -> Vec<Parameter> {
+    vec![map(), rise(), fall(), lag(), dead_zone(), low_speed()]
+}
+fn law_only() -> Vec<Parameter> {
+    vec![rise(), fall(), lag(), dead_zone(), low_speed()]
+}
 
 /// Below this speed CARLA takes three physics sub-steps and its brakes act differently, m/s.
 const LOW_SPEED_LIMIT: f64 = 5.0;
 
-pub static PRIUS: DynamicsModel = DynamicsModel {
-    declaration: Declaration {
-        name: "prius",
-        summary: "CARLA's toyota.prius: weak brakes, 2.2 m/s² at half brake. Takes pedals, or accelerations through its map.",
-        source: "CARLA 0.9.15 maps of autoware_carla_interface; throttle above 0.5 and brake above 0.8 inferred",
-        parameters: WITH_MAP,
-        presets: None,
-    },
-    takes: BOTH,
-    size: (4.514, 2.007),
-    build: |settings| build(settings, PRIUS_LAW, PRIUS_MEASURED),
-};
+pub fn prius() -> DynamicsModel {
+    let declaration = Declaration::new(
+        "prius",
+        "CARLA's toyota.prius: weak brakes, 2.2 m/s² at half brake. Takes pedals, or \
+         accelerations through its map.",
+    )
+    .source(
+        "CARLA 0.9.15 maps of autoware_carla_interface; throttle above 0.5 and brake \
+         above 0.8 inferred",
+    )
+    .parameters(with_map());
+    DynamicsModel::new(declaration, BOTH, (4.514, 2.007), |settings| {
+        build(settings, PRIUS_LAW, PRIUS_MEASURED)
+    })
+}
 
-pub static MODEL3: DynamicsModel = DynamicsModel {
-    declaration: Declaration {
-        name: "model3",
-        summary: "CARLA's tesla.model3: strong engine braking, 5.5 m/s² at half brake. Takes pedals, or accelerations through its map.",
-        source: "CARLA 0.9.12 calibration data of carla_autoware_bridge; full brake inferred",
-        parameters: WITH_MAP,
-        presets: None,
-    },
-    takes: BOTH,
-    size: (4.792, 2.163),
-    build: |settings| build(settings, MODEL3_LAW, MODEL3_MEASURED),
-};
+pub fn model3() -> DynamicsModel {
+    let declaration = Declaration::new(
+        "model3",
+        "CARLA's tesla.model3: strong engine braking, 5.5 m/s² at half brake. Takes \
+         pedals, or accelerations through its map.",
+    )
+    .source("CARLA 0.9.12 calibration data of carla_autoware_bridge; full brake inferred")
+    .parameters(with_map());
+    DynamicsModel::new(declaration, BOTH, (4.792, 2.163), |settings| {
+        build(settings, MODEL3_LAW, MODEL3_MEASURED)
+    })
+}
 
-pub static MKZ2020: DynamicsModel = DynamicsModel {
-    declaration: Declaration {
-        name: "mkz2020",
-        summary: "CARLA's lincoln.mkz_2020: 5.4 m/s² at half brake. Takes pedals, or accelerations through its map.",
-        source: "CARLA 0.9.15 fits of carla_garage (throttle from 0.3, full brake); partial brake and coasting inferred",
-        parameters: WITH_MAP,
-        presets: None,
-    },
-    takes: BOTH,
-    size: (4.892, 1.837),
-    build: |settings| build(settings, MKZ2020_LAW, MKZ2020_MEASURED),
-};
+pub fn mkz2020() -> DynamicsModel {
+    let declaration = Declaration::new(
+        "mkz2020",
+        "CARLA's lincoln.mkz_2020: 5.4 m/s² at half brake. Takes pedals, or \
+         accelerations through its map.",
+    )
+    .source(
+        "CARLA 0.9.15 fits of carla_garage (throttle from 0.3, full brake); partial \
+         brake and coasting inferred",
+    )
+    .parameters(with_map());
+    DynamicsModel::new(declaration, BOTH, (4.892, 1.837), |settings| {
+        build(settings, MKZ2020_LAW, MKZ2020_MEASURED)
+    })
+}
 
-pub static GENERIC: DynamicsModel = DynamicsModel {
-    declaration: Declaration {
-        name: "generic",
-        summary: "A car between the measured ones: 4.5 m/s² at half brake. Takes pedals, or accelerations through its map.",
-        source: "inferred from the other CARLA cars; nothing measured; size of toyota.prius",
-        parameters: LAW_ONLY,
-        presets: None,
-    },
-    takes: BOTH,
-    size: (4.514, 2.007),
-    build: |settings| build(settings, GENERIC_LAW, GENERIC_LAW),
-};
+pub fn generic() -> DynamicsModel {
+    let declaration = Declaration::new(
+        "generic",
+        "A car between the measured ones: 4.5 m/s² at half brake. Takes pedals, or \
+         accelerations through its map.",
+    )
+    .source("inferred from the other CARLA cars; nothing measured; size of toyota.prius")
+    .parameters(law_only());
+    DynamicsModel::new(declaration, BOTH, (4.514, 2.007), |settings| {
+        build(settings, GENERIC_LAW, GENERIC_LAW)
+    })
+}
 
 const BOTH: &[CommandKind] = &[CommandKind::Pedals, CommandKind::Acceleration];
 
@@ -210,14 +234,14 @@ mod tests {
     #[test]
     fn stopping_distances_and_times() {
         let cases = [
-            (&PRIUS, [23.0, 16.0, 9.4], Some([5.5, 3.8, 2.2])),
-            (&MODEL3, [10.4, 7.9, 5.2], Some([3.0, 2.15, 1.3])),
-            (&MKZ2020, [9.2, 6.6, 4.2], None),
+            (&prius(), [23.0, 16.0, 9.4], Some([5.5, 3.8, 2.2])),
+            (&model3(), [10.4, 7.9, 5.2], Some([3.0, 2.15, 1.3])),
+            (&mkz2020(), [9.2, 6.6, 4.2], None),
         ];
         for (model, distances, times) in cases {
             let (coarse, fine) = (stops(model, 0.05), stops(model, 0.025));
             for k in 0..3 {
-                let (name, brake, (distance, time)) = (model.declaration.name, BRAKES[k], coarse[k]);
+                let (name, brake, (distance, time)) = (&model.declaration.name, BRAKES[k], coarse[k]);
                 assert!((distance - distances[k]).abs() < 0.055, "{name} {brake}: {distance} m");
                 if let Some(times) = times {
                     assert!((time - times[k]).abs() < 0.0501, "{name} {brake}: {time} s");
@@ -277,7 +301,7 @@ mod tests {
 
     #[test]
     fn pedals_take_their_time() {
-        let mut car = built(&GENERIC, Settings::default());
+        let mut car = built(&generic(), Settings::default());
         let mut motion = cruising();
         let brake = |brake| Command::Pedals { throttle: 0.0, brake };
         let accelerations = [0.5, 0.5, 0.5, 0.5, 0.0, 0.0, 0.0].map(|pedal| {
@@ -293,7 +317,7 @@ mod tests {
 
     #[test]
     fn a_lag_replaces_the_rates() {
-        let mut car = built(&GENERIC, Settings::from([("pedal_lag", Value::Number(0.08))]));
+        let mut car = built(&generic(), Settings::from([("pedal_lag", Value::Number(0.08))]));
         let mut motion = cruising();
         car.advance(&mut motion, Command::Pedals { throttle: 0.0, brake: 1.0 }, 0.08);
         assert!((motion.acceleration + 0.5 + 8.0 * (1.0 - (-1.0f64).exp())).abs() < 1e-9);
@@ -301,7 +325,7 @@ mod tests {
 
     #[test]
     fn acceleration_commands_go_through_the_inverse_map() {
-        for model in [&PRIUS, &MODEL3, &MKZ2020, &GENERIC] {
+        for model in [&prius(), &model3(), &mkz2020(), &generic()] {
             for map in ["law", "measured"] {
                 let settings = match map {
                     "measured" if model.declaration.parameter("map").is_none() => continue,
@@ -315,7 +339,7 @@ mod tests {
                         car.advance(&mut motion, Command::Acceleration(wanted), 0.025);
                     }
                     let found = motion.acceleration;
-                    let name = model.declaration.name;
+                    let name = &model.declaration.name;
                     assert!((found - wanted).abs() < 0.05, "{name} {map}: {found} for {wanted}");
                 }
             }
@@ -326,7 +350,7 @@ mod tests {
     fn a_dead_zone_and_the_low_speed_artefact_shift_the_brake() {
         let settings =
             Settings::from([("brake_dead_zone", Value::Number(0.1)), ("pedal_lag", Value::Number(0.0))]);
-        let mut car = built(&GENERIC, settings);
+        let mut car = built(&generic(), settings);
         let mut motion = cruising();
         car.advance(&mut motion, Command::Pedals { throttle: 0.0, brake: 0.5 }, 0.025);
         assert!((motion.acceleration + 0.5 + 8.0 * 0.4).abs() < 1e-9);
@@ -335,7 +359,7 @@ mod tests {
             ("low_speed_brake_factor", Value::Number(2.0)),
             ("pedal_lag", Value::Number(0.0)),
         ]);
-        let mut car = built(&GENERIC, settings);
+        let mut car = built(&generic(), settings);
         motion.speed = 4.0;
         car.advance(&mut motion, Command::Pedals { throttle: 0.0, brake: 0.25 }, 0.025);
         assert!((motion.acceleration + 0.5 + 4.0).abs() < 1e-9);
@@ -343,7 +367,7 @@ mod tests {
 
     #[test]
     fn a_standing_car_stays_put_without_throttle() {
-        for model in [&PRIUS, &MODEL3, &MKZ2020, &GENERIC] {
+        for model in [&prius(), &model3(), &mkz2020(), &generic()] {
             let mut car = built(model, Settings::default());
             let mut motion = Longitudinal { travelled: 0.0, speed: 0.0, acceleration: 0.0 };
             car.advance(&mut motion, Command::Pedals { throttle: 0.0, brake: 0.0 }, 0.025);

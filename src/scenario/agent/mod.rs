@@ -1,12 +1,16 @@
 //! The seams for models: what a pedestrian and a controller see, and what they may do.
 
+mod schedule;
+mod state;
+
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::schedule::Schedule;
-use super::state::{Longitudinal, PedestrianState, VehicleState};
-use crate::scenario::{Position, Road, Shape};
+use super::{Position, Road, Shape};
+
+pub use schedule::Schedule;
+pub use state::{Longitudinal, PedestrianState, Snapshot, VehicleState, velocity_inside};
 
 /// A pedestrian model. It sees states as they are now, never the future or another's internals.
 pub trait Pedestrian: Send {

@@ -1,0 +1,37 @@
+//! What the examples have in common: a file of scenarios run with a registry, and what came of it in tables.
+
+use std::error::Error;
+
+use scenario_runner::dispatch::{Orders, Prepared, Workshop, dispatch, units};
+use scenario_runner::lang::{self, Style};
+use scenario_runner::plan::plan;
+use scenario_runner::registry::Registry;
+use scenario_runner::report::{render_block, render_tables};
+use scenario_runner::results::{BlockState, Event, Reporter};
+use scenario_runner::run::Stop;
+
+/// Runs everything in a file that may name what is in `registry`.
+pub fn tables(file: &str, registry: &Registry) -> Result<String, Box<dyn Error>> {
+    let loaded = lang::load(file.as_ref(), registry).map_err(|failure| failure.render(Style::default()))?;
+    let plan = plan(&loaded.suite).map_err(|errors| errors[0].to_string())?;
+    let suites = [Prepared { file: file.into(), suite: loaded.suite, plan, recorded: Vec::new() }];
+    let workshop = Workshop::new(&suites, None, &Stop::default(), registry);
+    let (units, threads) = (units(&suites), std::thread::available_parallelism()?.get());
+    let chosen = vec![true; units.len()];
+    let orders = Orders { chosen: &chosen, first: &[], threads, max_failures: None };
+    let report = dispatch(&workshop, &units, &orders, &mut Silent).remove(0);
+    let mut text = render_tables(&report, workshop.requests(), false);
+    for block in &report.blocks {
+        match &block.state {
+            BlockState::Finished(result) => text += &render_block(result),
+            _ => return Err("a block was not run to its end".into()),
+        }
+    }
+    Ok(text)
+}
+
+struct Silent;
+
+impl Reporter for Silent {
+    fn tell(&mut self, _: &Event) {}
+}

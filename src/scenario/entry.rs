@@ -1,0 +1,173 @@
+//! Registered models: what they declare, and how they are built for a run.
+
+use std::fmt;
+use std::sync::Arc;
+
+use super::agent::{Controller, Dynamics, ModelError, Pedestrian};
+use super::{Chance, Declaration, PedestrianSetup, Reference, Registered, Settings, VehicleSetup, World};
+
+/// Builds a controller for a run.
+pub type BuildController =
+    Arc<dyn Fn(&ControllerContext) -> Result<Box<dyn Controller>, ModelError> + Send + Sync>;
+
+/// Builds the dynamics of a vehicle, from settings that are resolved against their declaration.
+pub type BuildDynamics = Arc<dyn Fn(&Settings) -> Result<Box<dyn Dynamics>, ModelError> + Send + Sync>;
+
+/// Builds a pedestrian for a run.
+pub type BuildPedestrian =
+    Arc<dyn Fn(&PedestrianContext) -> Result<Box<dyn Pedestrian>, ModelError> + Send + Sync>;
+
+/// Puts the perception that settings describe (resolved against its declaration) between the world and a controller.
+pub type Perceive = Arc<
+    dyn Fn(Box<dyn Controller>, &Settings, &ControllerContext) -> Result<Box<dyn Controller>, ModelError>
+        + Send
+        + Sync,
+>;
+
+/// A registered controller.
+pub struct ControllerModel {
+    pub declaration: Declaration,
+    /// The dynamics of a vehicle that declares none. A registry resolves it when it takes the controller in.
+    pub default_dynamics: Reference<DynamicsModel>,
+    pub gives: CommandKind,
+    pub chance: Chance,
+    pub build: BuildController,
+}
+
+/// What a controller is built from.
+#[derive(Clone, Copy)]
+pub struct ControllerContext<'a> {
+    /// Resolved against the controller's declaration.
+    pub settings: &'a Settings,
+    pub setup: &'a VehicleSetup,
+    pub world: &'a World,
+    /// The vehicle's place among the names of its kind, by which it draws.
+    pub rank: usize,
+    /// The run's seed, for [`crate::sim::random::stream`].
+    pub seed: u64,
+}
+
+impl ControllerModel {
+    /// One that may draw, for vehicles that follow accelerations exactly or, given pedals, are a car between the
+    /// measured ones.
+    pub fn new(
+        declaration: Declaration,
+        gives: CommandKind,
+        build: impl Fn(&ControllerContext) -> Result<Box<dyn Controller>, ModelError> + Send + Sync + 'static,
+    ) -> Self {
+        let dynamics = match gives {
+            CommandKind::Acceleration => "ideal",
+            CommandKind::Pedals => "generic",
+        };
+        Self {
+            declaration,
+            default_dynamics: Reference::unresolved(dynamics),
+            gives,
+            chance: Chance::Always,
+            build: Arc::new(build),
+        }
+    }
+
+    /// The same, with other dynamics for vehicles that declare none.
+    pub fn driving(self, dynamics: &str) -> Self {
+        Self { default_dynamics: Reference::unresolved(dynamics), ..self }
+    }
+
+    pub fn chance(self, chance: Chance) -> Self {
+        Self { chance, ..self }
+    }
+}
+
+/// Registered longitudinal dynamics.
+pub struct DynamicsModel {
+    pub declaration: Declaration,
+    pub takes: Vec<CommandKind>,
+    /// Length and width of the vehicle it describes, m.
+    pub size: (f64, f64),
+    pub build: BuildDynamics,
+}
+
+impl DynamicsModel {
+    /// `size` is length and width of the vehicle, m.
+    pub fn new(
+        declaration: Declaration,
+        takes: &[CommandKind],
+        size: (f64, f64),
+        build: impl Fn(&Settings) -> Result<Box<dyn Dynamics>, ModelError> + Send + Sync + 'static,
+    ) -> Self {
+        Self { declaration, takes: takes.to_vec(), size, build: Arc::new(build) }
+    }
+}
+
+/// The kind of [`Command`](super::agent::Command) that a controller gives and dynamics take.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CommandKind {
+    Pedals,
+    Acceleration,
+}
+
+/// A registered perception: what stands between the world and a controller.
+pub struct PerceptionModel {
+    pub declaration: Declaration,
+    pub chance: Chance,
+    pub perceive: Perceive,
+}
+
+/// A registered pedestrian model.
+pub struct PedestrianModel {
+    pub declaration: Declaration,
+    /// Whether its parameter sets may come from a population of individuals.
+    pub takes_individuals: bool,
+    pub chance: Chance,
+    pub build: BuildPedestrian,
+}
+
+/// What a pedestrian model is built from.
+#[derive(Clone, Copy)]
+pub struct PedestrianContext<'a> {
+    /// Resolved against the model's declaration.
+    pub settings: &'a Settings,
+    pub setup: &'a PedestrianSetup,
+    pub world: &'a World,
+    /// The pedestrian's place among the names of its kind, by which it draws.
+    pub rank: usize,
+    /// The run's seed, for [`crate::sim::random::stream`].
+    pub seed: u64,
+}
+
+impl PedestrianModel {
+    /// One that may draw and knows no individuals.
+    pub fn new(
+        declaration: Declaration,
+        build: impl Fn(&PedestrianContext) -> Result<Box<dyn Pedestrian>, ModelError> + Send + Sync + 'static,
+    ) -> Self {
+        Self { declaration, takes_individuals: false, chance: Chance::Always, build: Arc::new(build) }
+    }
+
+    /// The same, whose parameter sets may come from a population of individuals.
+    pub fn with_individuals(self) -> Self {
+        Self { takes_individuals: true, ..self }
+    }
+
+    pub fn chance(self, chance: Chance) -> Self {
+        Self { chance, ..self }
+    }
+}
+
+macro_rules! registered {
+    ($($model:ty),*) => {$(
+        impl Registered for $model {
+            fn declaration(&self) -> &Declaration {
+                &self.declaration
+            }
+        }
+
+        impl fmt::Debug for $model {
+            fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+                self.declaration.fmt(out)
+            }
+        }
+    )*};
+}
+
+registered!(ControllerModel, DynamicsModel, PerceptionModel, PedestrianModel);

@@ -1,0 +1,160 @@
+//! What is known of a metric without measuring it: what its number means, for whom, and between what limits it lies.
+
+use serde::{Deserialize, Serialize};
+use std::any::Any;
+use std::fmt;
+use std::sync::Arc;
+
+use super::{Declaration, Dimension, Registered, Settings, Text};
+
+/// A metric as those see it who judge, compare and show its values.
+#[derive(Debug, Clone)]
+pub struct Metric {
+    pub declaration: Declaration,
+    pub kind: MetricKind,
+    pub scope: Scope,
+    /// Which of several values, one per pair, is the one that counts for the run.
+    pub worst: Worst,
+    pub absence: Absence,
+    pub range: MetricRange,
+    pub meters: Meters,
+}
+
+/// How a metric is measured: known to those who measure, and to nobody who judges, compares or shows its values.
+#[derive(Clone)]
+pub struct Meters(Arc<dyn Any + Send + Sync>);
+
+impl Meters {
+    /// What [`Self::get`] gives out again. See [`crate::metrics::meters`], which makes all that there are.
+    pub fn new<T: Any + Send + Sync>(build: T) -> Self {
+        Self(Arc::new(build))
+    }
+
+    /// What it was made of, if that is a `T`.
+    pub fn get<T: Any>(&self) -> Option<&T> {
+        self.0.downcast_ref()
+    }
+}
+
+impl fmt::Debug for Meters {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str("Meters")
+    }
+}
+
+/// What a metric's number means.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum MetricKind {
+    Quantity(Dimension),
+    /// 1 for true, 0 for false.
+    Flag,
+    /// The index of one of these words.
+    Category(Vec<Text>),
+}
+
+/// Whom a metric is measured for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Scope {
+    /// A vehicle and a pedestrian.
+    Pair,
+    /// A vehicle and anything solid: a pedestrian, another vehicle or a box.
+    Contact,
+    Vehicle,
+    Pedestrian,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Worst {
+    Smallest,
+    Largest,
+}
+
+/// What it says of a run that a metric does not exist in it, for criteria and for comparisons of runs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Absence {
+    /// The danger that it measures never arose.
+    Good,
+    /// Somebody never got to the end.
+    Bad,
+    /// Neither for sure, or it exists in every run.
+    Open,
+}
+
+/// How a metric is limited: by what can happen, not by what is likely.
+#[derive(Debug, Clone, PartialEq)]
+pub enum MetricRange {
+    /// A time within the run: 0 up to where it ends.
+    WithinRun,
+    /// 0 up to what this parameter says.
+    UpTo(Text),
+    /// A difference of two speeds: 0 up to twice the fastest.
+    TwoSpeeds,
+    /// A drop of speed, down to what one parameter says, over the time that another says: 0 up to that of the fastest.
+    DropWithin { window: Text, floor: Text },
+    /// Whether such a drop is above what a parameter says: 0 or 1, or always 0 where none can be.
+    DropAbove { threshold: Text, window: Text, floor: Text },
+    /// 0 or 1.
+    YesOrNo,
+    /// 0 or more: nothing keeps it from being as large as one likes.
+    NotNegative,
+    /// Nothing keeps it from being as large as one likes, or as small.
+    Unlimited,
+}
+
+/// No road user of a scenario may be faster, m/s.
+const FASTEST: f64 = 100.0;
+
+impl MetricRange {
+    /// In words, with the names of parameters in backquotes; `None` where there are no limits.
+    pub fn in_words(&self) -> Option<String> {
+        match self {
+            Self::WithinRun => Some("0 s to the horizon of the scenario".to_string()),
+            Self::UpTo(parameter) => Some(format!("0 to `{parameter}`")),
+            Self::TwoSpeeds => Some(format!("0 m/s to {} m/s", 2.0 * FASTEST)),
+            Self::DropWithin { window, floor } => {
+                Some(format!("0 to what lies between {FASTEST} m/s and `{floor}`, over `{window}`"))
+            }
+            Self::YesOrNo | Self::DropAbove { .. } | Self::NotNegative | Self::Unlimited => None,
+        }
+    }
+}
+
+impl Metric {
+    /// The SI unit of its values; nothing for those that are no quantities.
+    pub fn unit(&self) -> String {
+        match &self.kind {
+            MetricKind::Quantity(dimension) => dimension.si_unit(),
+            MetricKind::Flag | MetricKind::Category(_) => String::new(),
+        }
+    }
+
+    /// Between what limits it lies with these settings in runs of at most `longest` s, in its own unit; `None` if it
+    /// has none.
+    pub fn limits(&self, given: &Settings, longest: f64) -> Option<(f64, f64)> {
+        let settings = self.declaration.resolve(given).ok()?;
+        let high = match &self.range {
+            MetricRange::WithinRun => longest,
+            MetricRange::UpTo(parameter) => settings.number(parameter),
+            MetricRange::TwoSpeeds => 2.0 * FASTEST,
+            MetricRange::DropWithin { window, floor } => hardest(&settings, window, floor),
+            MetricRange::DropAbove { threshold, window, floor } => {
+                f64::from(hardest(&settings, window, floor) > settings.number(threshold))
+            }
+            MetricRange::YesOrNo => 1.0,
+            MetricRange::NotNegative | MetricRange::Unlimited => return None,
+        };
+        Some((0.0, high))
+    }
+}
+
+/// The hardest braking that there can be, m/s².
+fn hardest(settings: &Settings, window: &str, floor: &str) -> f64 {
+    (FASTEST - settings.number(floor)).max(0.0) / settings.number(window)
+}
+
+impl Registered for Metric {
+    fn declaration(&self) -> &Declaration {
+        &self.declaration
+    }
+}
