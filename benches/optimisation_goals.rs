@@ -13,15 +13,17 @@ mod medians;
 #[path = "optimisation/problems.rs"]
 mod problems;
 
-use cpu::thread_cpu_s;
-use medians::{bootstrap_medians, median_interval, quantile};
-use problems::{PROBLEMS, Problem};
+use std::sync::Mutex;
+
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use rayon::prelude::*;
 use scenario_runner::optimise::{Definition, Evaluation, InitialDesign, Method, Optimiser, Value, run};
 use serde::Deserialize;
-use std::sync::Mutex;
+
+use cpu::thread_cpu_s;
+use medians::{bootstrap_medians, median_interval, quantile};
+use problems::{PROBLEMS, Problem};
 
 const EVALUATIONS: usize = 60;
 const PENALTY: f64 = 1000.0;

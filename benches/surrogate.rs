@@ -14,12 +14,11 @@ mod medians;
 #[expect(dead_code, reason = "margins are not modelled here")]
 mod problems;
 
-use cpu::thread_cpu_s;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
 use friedrich::gaussian_process::{GaussianProcess, GaussianProcessBuilder};
 use friedrich::kernel::{Kernel, Matern2, SquaredExp};
 use friedrich::prior::{ConstantPrior, Prior};
-use medians::{median_interval, quantile};
-use problems::{PROBLEMS, Problem};
 use rayon::prelude::*;
 use scenario_runner::numbers::design::sobol_point;
 use scenario_runner::numbers::distributions::normal_tail::log_improvement;
@@ -28,7 +27,10 @@ use scenario_runner::numbers::summary::{mean, std};
 use scenario_runner::optimise::surrogate::{
     Dataset, FriedrichSurrogate, Noise, Outliers, Posterior, Standardisation, Surrogate,
 };
-use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use cpu::thread_cpu_s;
+use medians::{median_interval, quantile};
+use problems::{PROBLEMS, Problem};
 
 const INITIAL: usize = 15;
 const EVALUATIONS: usize = 60;

@@ -13,8 +13,9 @@ use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
 use scenario_runner::numbers::random::Stream;
-use support::program::{code, scenario_runner, stderr, stdout};
 use tempfile::TempDir;
+
+use support::program::{code, scenario_runner, stderr, stdout};
 
 mod support;
 

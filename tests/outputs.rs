@@ -170,3 +170,40 @@ fn names_of_files_and_words_in_them_command_no_terminal() {
         assert!(obeyed.is_none() && !said.contains('\u{202e}'), "{obeyed:?} in {said:?}");
     }
 }
+
+#[test]
+fn a_report_made_later_needs_neither_the_suite_nor_luck_and_ends_as_the_run_did() {
+    let folder = repository();
+    let at = |name: &str| folder.path().join(name);
+    let output =
+        scenario_runner(folder.path(), &["av/suites/small.suite", "--json", "r.json", "--junit", "j.xml"]);
+    let failed = code(&output);
+    assert_eq!(failed, 100, "{}", stderr(&output));
+    fs::remove_dir_all(at("av")).unwrap();
+    let report = |arguments: &[&str]| scenario_runner(folder.path(), &[&["report"], arguments].concat());
+    let output = report(&["r.json", "--junit", "again.xml", "--html", "page.html"]);
+    assert_eq!(code(&output), failed, "{}", stderr(&output));
+    assert!(stdout(&output).contains("small/walk"), "{}", stdout(&output));
+    assert_eq!(fs::read(at("again.xml")).unwrap(), fs::read(at("j.xml")).unwrap());
+    assert!(at("page.html").exists());
+    // What is not there, cut short, changed or of somebody else is no result, and nothing is written of it.
+    let text = fs::read_to_string(at("r.json")).unwrap();
+    fs::write(at("short.json"), &text[..text.len() / 2]).unwrap();
+    fs::write(at("green.json"), text.replacen("\"verdict\": \"failed\"", "\"verdict\": \"passed\"", 1))
+        .unwrap();
+    fs::write(at("other.json"), "{\"numTotalTests\": 3, \"success\": true}").unwrap();
+    for file in ["missing.json", "short.json", "green.json", "other.json", "av"] {
+        let output = report(&[file, "--junit", "none.xml"]);
+        assert_eq!(code(&output), 2, "{file}: {}", stderr(&output));
+        assert!(
+            stderr(&output).starts_with(&format!("error: cannot report {file}: ")),
+            "{}",
+            stderr(&output)
+        );
+        assert!(!at("none.xml").exists(), "{file}");
+    }
+    // Results are never written over by a report of them.
+    let output = report(&["r.json", "--json", "./r.json"]);
+    assert_eq!(code(&output), 2, "{}", stderr(&output));
+    assert_eq!(fs::read_to_string(at("r.json")).unwrap(), text);
+}

@@ -240,9 +240,10 @@ fn six_digits(x: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
+
     use super::*;
     use crate::pedestrian::commotions::model::commotions;
-    use std::collections::BTreeSet;
 
     const RANGES: [ParameterRange; 2] = [
         ParameterRange { name: Text::Borrowed("T_delta"), low: 10.0, high: 100.0, levels: 10 },

@@ -1,5 +1,9 @@
 //! `scenario-runner compare BASE CANDIDATE`: is the candidate worse, beyond what is tolerated and beyond doubt?
 
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+
 use super::interrupt::stop_on_interrupt;
 use super::set::SetArguments;
 use super::{Exit, measured, parameters};
@@ -11,9 +15,6 @@ use crate::report::{gate_markdown, render_gate};
 use crate::results::{CheckOutcome, GateVerdict, Verdict, record_command, set_options};
 use crate::run::Stop;
 use crate::scenario::{Gate, Suite};
-use std::path::{Path, PathBuf};
-
-use clap::{Args, ValueEnum};
 
 #[derive(Debug, Args)]
 #[command(after_help = "\

@@ -58,6 +58,7 @@ Examples:
   scenario-runner suites/zebra.suite --fail-fast         until the first failure
   scenario-runner suites/zebra.suite --last-failed       only what did not pass last time
   scenario-runner suites/zebra.suite --junit junit.xml   and write a report for CI
+  scenario-runner report results.json --html page.html   a report later, of what --json wrote
   scenario-runner shrink KEY suites/zebra.suite          a failing run as a small scenario of its own
   scenario-runner models carla_behavior                  all about one controller
   scenario-runner check scenarios/zebra/*.scn            look for errors without running";
@@ -70,10 +71,11 @@ impl From<Exit> for ExitCode {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use std::collections::BTreeSet;
     use std::fs;
     use std::path::Path;
+
+    use super::*;
 
     const ALL: [Exit; 12] = [
         Exit::Success,

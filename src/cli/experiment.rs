@@ -1,5 +1,11 @@
 //! `scenario-runner search NAME FILE` and `tune NAME FILE`: one block of a suite, with what it builds on.
 
+use std::io;
+use std::path::{Path, PathBuf};
+use std::thread;
+
+use clap::Args;
+
 use super::interrupt::stop_on_interrupt;
 use super::set::SetArguments;
 use super::{Exit, load, shows_progress, store};
@@ -11,11 +17,6 @@ use crate::registry::Registry;
 use crate::report::{Live, Terminal, render_block, tuned_parameters};
 use crate::results::{BlockReport, BlockResult, BlockState, set_options};
 use crate::scenario::{Block, Suite};
-use std::io;
-use std::path::{Path, PathBuf};
-use std::thread;
-
-use clap::Args;
 
 #[derive(Debug, Args)]
 pub struct ExperimentArguments {

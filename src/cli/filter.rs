@@ -2,14 +2,14 @@
 
 use std::sync::Arc;
 
-use crate::experiment::{Need, needs};
-use crate::plan::{Plan, PlannedTrial};
 use clap::Args;
 
 use super::Exit;
 use crate::console::stderr;
+use crate::experiment::{Need, needs};
 use crate::lang::filter::{Filters, SCENARIO, Subject};
 use crate::lang::{self, Style};
+use crate::plan::{Plan, PlannedTrial};
 use crate::results::Recorded;
 use crate::scenario::{Block, CaseSet, Scenario, Suite};
 

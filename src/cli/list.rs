@@ -1,5 +1,11 @@
 //! `scenario-runner list`: the scenarios, blocks and gates of suites, with tags and counts.
 
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use clap::{Args, ValueEnum};
+use serde_json::{Map, Value, json};
+
 use super::Exit;
 use super::filter::{self, FilterArguments};
 use super::load;
@@ -9,11 +15,6 @@ use crate::lang::{self, Style};
 use crate::plan::{self, Plan, PlannedTrial};
 use crate::registry::Registry;
 use crate::scenario::{Block, Gate, Origin, Suite};
-use std::collections::BTreeMap;
-use std::path::Path;
-
-use clap::{Args, ValueEnum};
-use serde_json::{Map, Value, json};
 
 #[derive(Debug, Args)]
 #[command(after_help = "\

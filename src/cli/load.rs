@@ -1,5 +1,7 @@
 //! Files to plans: what every command that runs something begins with.
 
+use std::path::Path;
+
 use super::Exit;
 use super::set::SetArguments;
 use crate::console::stderr;
@@ -13,7 +15,6 @@ use crate::registry::Registry;
 use crate::report::Excerpt;
 use crate::run::{Departing, Obstacle, Stage, departing, rehearse, rehearse_trials};
 use crate::scenario::{Suite, show};
-use std::path::Path;
 
 /// Whether a word of the command line is meant as a file.
 pub fn names_a_file(word: &str) -> bool {

@@ -1,6 +1,5 @@
 //! From a run's key to its case: what commands about a single run begin with.
 
-use crate::corpus;
 use std::fs;
 
 use clap::Args;
@@ -9,6 +8,7 @@ use super::Exit;
 use super::load;
 use super::set::SetArguments;
 use crate::console::stderr;
+use crate::corpus;
 use crate::dispatch::{Prepared, Work, units};
 use crate::registry::Registry;
 use crate::scenario::{Case, Criterion};

@@ -1,5 +1,10 @@
 //! `scenario-runner shrink KEY`: a failing run as a small scenario file of its own.
 
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
 use super::interrupt::stop_on_interrupt;
 use super::one_case::{CaseArguments, Found};
 use super::{Exit, shows_progress};
@@ -13,10 +18,6 @@ use crate::run::{FreeFlows, Unwatched, run_case};
 use crate::scenario::Case;
 use crate::shrink::{Place, Shrunk, shrink as shrink_case, unmoved};
 use crate::{lang, plan};
-use std::path::{Path, PathBuf};
-
-use clap::Args;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 /// A failing run as a small scenario file of its own
 ///

@@ -1,12 +1,12 @@
 //! The file of failures: text that people can read, sorted, so that it can be compared and merged.
 
-use crate::results::Recorded;
 use std::io;
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
 use crate::files::{self, ReadError};
+use crate::results::Recorded;
 use crate::scenario::{Assignment, Value};
 
 /// Why there are no records.

@@ -1,11 +1,11 @@
 //! The units of suites: what is selected, run and reported, and what each needs.
 
-use crate::plan::{Plan, PlannedTrial};
 use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use crate::experiment::{Need, needs as needs_of};
+use crate::plan::{Plan, PlannedTrial};
 use crate::results::Recorded;
 use crate::scenario::{Block, Suite};
 

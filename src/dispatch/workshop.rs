@@ -1,5 +1,10 @@
 //! Where one unit is run: a trial from its first case to its verdict, a block to its result.
 
+use std::mem;
+use std::path::PathBuf;
+use std::sync::{Arc, PoisonError};
+use std::time::{Duration, Instant};
+
 use super::unit::{Prepared, Unit, Work};
 use crate::corpus::{self, case_hash};
 use crate::experiment::{EarlierResults, ExperimentError, Laboratory, Progress, run_block};
@@ -15,10 +20,6 @@ use crate::run::{
 };
 use crate::scenario::{Block, Case};
 use crate::sim::Trace;
-use std::mem;
-use std::path::PathBuf;
-use std::sync::{Arc, PoisonError};
-use std::time::{Duration, Instant};
 
 /// Given the course of every run of a trial.
 pub type Watch<'a> = dyn Fn(&Case, &Trace) + Sync + 'a;
@@ -276,12 +277,12 @@ impl<'a> Workshop<'a> {
 
 #[cfg(test)]
 mod tests {
-    use crate::models::standard;
     use std::path::Path;
     use std::sync::Arc;
 
     use super::*;
     use crate::lang;
+    use crate::models::standard;
     use crate::plan::plan;
 
     /// There may be a million runs: each holds what it has of its own, and of that what somebody may still ask for.

@@ -1,5 +1,9 @@
 //! Named sets of cases: what a search kept, as a file that people can read, compare and use again.
 
+use std::path::Path;
+
+use serde::Serialize;
+
 use super::{EarlierResults, ExperimentError, Laboratory, overrides};
 use crate::files;
 use crate::numbers::random::Stream;
@@ -7,9 +11,6 @@ use crate::numbers::random::derive_seed;
 use crate::plan;
 use crate::results::{SavedCase, SavedSet};
 use crate::scenario::{Case, CaseSet, SampleSize, Target, Value};
-use std::path::Path;
-
-use serde::Serialize;
 
 /// A [`SavedSet`] as a file: JSON with one case a line, in the order of the set.
 pub struct CaseFile;

@@ -1,5 +1,7 @@
 //! `evaluate`: sets of parameters compared on the same cases.
 
+use std::path::Path;
+
 use super::parameters::ParameterFile;
 use super::{EarlierResults, ExperimentError, Laboratory, Progress, overrides};
 use crate::judge::{Seen, Span, aggregate, aggregate_against, span_of, undecided};
@@ -14,7 +16,6 @@ use crate::scenario::{
     ModelSetup, Notation, ParameterKind, ParameterSet, Part, Registered, Relation, Settings, Target, Value,
     WhenUndefined, Worst,
 };
-use std::path::Path;
 
 /// Confidence of the intervals of differences.
 const CONFIDENCE: f64 = 0.95;

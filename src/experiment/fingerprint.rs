@@ -3,13 +3,14 @@
 //! It covers what was simulated and what was found by it, not the words in which a report says so. Metrics that are
 //! only summed up for tables stay out, so that a new metric leaves it alone.
 
+use sha2::{Digest, Sha256};
+
 use crate::numbers::random::digest_bits;
 use crate::optimise::Value;
 use crate::results::{
     BlockResult, Candidate, CaseRun, ClaimResult, ClaimValues, ConditionResult, Course, CoursePoint,
     EvaluateResult, Found, SearchResult, StatementResult, TuneResult,
 };
-use sha2::{Digest, Sha256};
 
 impl BlockResult {
     /// The first eight bytes of SHA-256 over everything that the block measured.

@@ -1,12 +1,12 @@
 //! Parameters that a tune chose, as a file for later evaluations.
 
-use crate::results::TuneResult;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
 use super::{ExperimentError, overrides};
 use crate::files;
+use crate::results::TuneResult;
 use crate::scenario::{Suite, Target, Tune, Value};
 
 /// What a tune chose, in its order; JSON.

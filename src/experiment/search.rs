@@ -1,5 +1,9 @@
 //! `search`: the plausible case that is worst, per individual or over the whole population.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use rayon::prelude::*;
+
 use super::journal::Record;
 use super::{ExperimentError, Laboratory, Progress, overrides};
 use crate::numbers::random::derive_seed;
@@ -12,9 +16,6 @@ use crate::results::{CaseRun, Course, CoursePoint, Found, Outcome, SavedCase, Sa
 use crate::scenario::{
     self, Assignment, Budget, Case, Goal, Individual, Objective, Range, Scenario, Search, ShownIn,
 };
-use std::sync::atomic::{AtomicUsize, Ordering};
-
-use rayon::prelude::*;
 
 /// Runs with fresh seeds that tell how much of a best value was luck.
 const FRESH_RUNS: u32 = 20;

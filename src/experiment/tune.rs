@@ -1,5 +1,9 @@
 //! `tune`: controller parameters that are best on a set of cases, under constraints that hold in every run.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use rayon::prelude::*;
+
 use super::journal::Record;
 use super::search::definition;
 use super::{EarlierResults, ExperimentError, Laboratory, Progress, overrides};
@@ -7,9 +11,6 @@ use crate::numbers::random::derive_seed;
 use crate::optimise::{self, Evaluation, Margin, Measurement, Optimiser, Proposal};
 use crate::results::{BeforeAndAfter, Candidate, Outcome, SavedCase, TuneResult, Violations};
 use crate::scenario::{Case, Goal, Objective, Range, ShownIn, Target, Tune, Value};
-use std::sync::atomic::{AtomicUsize, Ordering};
-
-use rayon::prelude::*;
 
 /// Points of a slice through the surrogate.
 const SLICE_STEPS: usize = 101;

@@ -1,5 +1,7 @@
 //! Whether the runs there will be can show what a criterion claims at its confidence: looked at before anything runs.
 
+use std::collections::HashSet;
+
 use super::confidence::{self, Bounds};
 use crate::lang::{Code, Diagnostic, Sources, Span};
 use crate::numbers::inference::{self, ConfidenceSequence};
@@ -7,7 +9,6 @@ use crate::plan::{self, Outline};
 use crate::results::Verdict;
 use crate::run::drawing;
 use crate::scenario::{Aggregate, Claim, Criterion, Origin, People, Relation, Scenario, Suite, constant};
-use std::collections::HashSet;
 
 /// What it takes for a claim to pass.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -355,9 +356,10 @@ pub(super) fn at(code: Code, origin: &Origin, message: impl Into<String>, source
 
 #[cfg(test)]
 mod tests {
+    use statrs::distribution::{Binomial, DiscreteCDF};
+
     use super::*;
     use crate::numbers::inference::quantile_interval;
-    use statrs::distribution::{Binomial, DiscreteCDF};
 
     const AT_LEAST: Relation = Relation::GreaterOrEqual;
 

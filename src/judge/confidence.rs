@@ -134,9 +134,9 @@ pub fn decide(relation: Relation, interval: Interval, bound: f64) -> Verdict {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
-
     use statrs::distribution::{Beta, Binomial, ContinuousCDF, DiscreteCDF};
+
+    use super::*;
 
     /// So many runs, of which the first ones hold.
     fn held(holding: usize, runs: usize) -> Vec<bool> {

@@ -109,13 +109,14 @@ fn stays_so(claim: &Claim) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use std::time::Duration;
+
     use super::*;
     use crate::judge::judge;
     use crate::metrics::Open;
     use crate::results::{CutOff, Requests};
     use crate::scenario::{Aggregate, Comparison, Origin};
     use crate::sim::Ending;
-    use std::time::Duration;
 
     /// The only metric was not decided.
     fn cut_off(open: Open) -> Box<CutOff> {

@@ -1,13 +1,14 @@
 //! Runs that speak against a criterion, or come nearest to that: how far from the bound, when and for whom.
 
+use std::sync::Arc;
+
+use serde::Serialize;
+
 use super::criteria::Evidence;
 use super::per_run::PerRun;
 use super::seen::Seen;
 use crate::results::{Outcome, Requests, WorstRun};
 use crate::scenario::{Claim, MetricReference, Relation, Worst};
-use std::sync::Arc;
-
-use serde::Serialize;
 
 /// How many runs a finding names.
 const WORST_RUNS: usize = 3;

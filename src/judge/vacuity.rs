@@ -81,6 +81,8 @@ fn keeps_apart(claim: &Claim) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use std::time::Duration;
+
     use super::*;
     use crate::judge::judge;
     use crate::results::Requests;
@@ -90,7 +92,6 @@ mod tests {
     use crate::scenario::Relation;
     use crate::scenario::WhenUndefined;
     use crate::sim::{Ending, StopReason};
-    use std::time::Duration;
 
     /// `name > 0.5` or, of flags and words, `name = 2`; of one pedestrian if `whom` says so. What is undefined passes.
     fn criterion(name: &str, whom: Option<&str>) -> Criterion {

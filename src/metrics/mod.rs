@@ -19,9 +19,9 @@ mod sliding;
 mod tests;
 mod travel;
 
-use crate::numbers::json;
 use serde::{Deserialize, Serialize};
 
+use crate::numbers::json;
 use crate::scenario::{Meters, Settings, World};
 use crate::sim::{Snapshot, Solid, Step};
 

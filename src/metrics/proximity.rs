@@ -169,10 +169,11 @@ fn avoiding_rate(car: &VehicleState, person: &PedestrianState, gap: f64) -> f64 
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::Vector2;
+
     use super::*;
     use crate::scenario::{Direction, Shape};
     use crate::sim::Longitudinal;
-    use nalgebra::Vector2;
 
     fn rate(speed: f64, gap: f64, offset: f64, sideways: f64) -> f64 {
         let car = VehicleState {

@@ -1,9 +1,10 @@
 //! Encounters worked out by hand, for every metric, and what must hold for any encounter.
 
+use proptest::prelude::*;
+
 use super::fixture::{Profile, Walk, measure, measure_all, open_of, presence, request, world};
 use super::*;
 use crate::scenario::{Appearance, Direction, Side, Value};
-use proptest::prelude::*;
 
 const STEPS: [f64; 2] = [0.005, 0.025];
 

@@ -1,8 +1,9 @@
 //! Acquisition functions: how much is to be gained by evaluating at a point, in logarithms.
 
+use serde::{Deserialize, Serialize};
+
 use super::surrogate::Posterior;
 use crate::numbers::distributions::normal_tail::{log_cumulative, log_improvement};
-use serde::{Deserialize, Serialize};
 
 /// Standard deviations below this count as this: no logarithm of zero.
 pub(super) const SMALLEST_DEVIATION: f64 = 1e-9;

@@ -1,8 +1,9 @@
 //! What to optimise and how: everything that, with the evaluations, determines every proposal.
 
+use serde::{Deserialize, Serialize};
+
 use super::Error;
 use super::space::Space;
-use serde::{Deserialize, Serialize};
 
 /// Which way an objective gets better.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

@@ -1,10 +1,11 @@
 //! Designs in a search space: random, Latin hypercube, scrambled Sobol and grid, each value at its dimension's nearest.
 
+use rand::RngExt;
+use rand::rngs::ChaCha8Rng;
+
 use super::random::{Purpose, stream};
 use super::space::Space;
 use crate::numbers::design;
-use rand::RngExt;
-use rand::rngs::ChaCha8Rng;
 
 fn snapped(space: &Space, mut points: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
     points.iter_mut().for_each(|point| space.snap(point));

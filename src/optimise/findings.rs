@@ -1,5 +1,7 @@
 //! What a run found: the best point as observed and as predicted, the Pareto front, and slices through the surrogate for reports.
 
+use serde::{Deserialize, Serialize};
+
 use super::Error;
 use super::models::{Models, Scaled};
 use super::optimiser::Optimiser;
@@ -7,7 +9,6 @@ use super::pareto;
 use super::space::{Point, Value};
 use super::surrogate::{Posterior, Surrogate};
 use super::{Definition, Trial};
-use serde::{Deserialize, Serialize};
 
 /// Half-width of a 95 % band, in standard deviations.
 const BAND: f64 = 1.959_963_984_540_054;

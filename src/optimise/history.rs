@@ -1,10 +1,11 @@
 //! What evaluations tell, and the history the models learn from.
 
+use serde::{Deserialize, Serialize};
+
 use super::Error;
 use super::definition::Definition;
 use super::space::Point;
 use super::surrogate::Noise;
-use serde::{Deserialize, Serialize};
 
 /// Numbers beyond this count as undefined: their squares overflow.
 const LARGEST_VALUE: f64 = 1e150;

@@ -104,9 +104,10 @@ fn log_sum(a: f64, b: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
     use crate::numbers::distributions::normal::density;
-    use proptest::prelude::*;
 
     fn lines(numbers: &[(f64, f64)]) -> Vec<Line> {
         numbers.iter().map(|&(slope, intercept)| Line { slope, intercept }).collect()

@@ -1,9 +1,10 @@
 //! Finding the best point of an acquisition function: many candidates first, then a pattern search from the best few.
 
-use super::design::{grid_point, uniform};
-use super::space::Space;
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
+
+use super::design::{grid_point, uniform};
+use super::space::Space;
 
 /// A space of so few points is searched completely.
 const ENUMERATION_LIMIT: u64 = 1024;

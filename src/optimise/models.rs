@@ -1,5 +1,7 @@
 //! The surrogates of one run: one for the objective, one for each constraint margin, and one for being defined at all.
 
+use serde::{Deserialize, Serialize};
+
 use super::Error;
 use super::acquisition::SMALLEST_DEVIATION;
 use super::definition::Definition;
@@ -8,7 +10,6 @@ use super::surrogate::{
     Dataset, FriedrichSurrogate, HyperParameters, Noise, Outliers, Posterior, Standardisation, Surrogate,
 };
 use crate::numbers::distributions::{normal, normal_tail::log_cumulative};
-use serde::{Deserialize, Serialize};
 
 /// The surrogate in use; the one place that names it.
 pub(super) type Engine = FriedrichSurrogate;
@@ -274,10 +275,11 @@ fn impute(model: Scaled, seen: &[Datum], censored: &[Datum], categorical: &[bool
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::super::history::{Evaluation, Margin};
     use super::super::space::{Dimension, Space};
     use super::*;
-    use proptest::prelude::*;
 
     fn trial(x: f64, margin: Margin) -> Trial {
         let evaluation = Evaluation { margins: vec![margin], ..Evaluation::of(x) };

@@ -1,5 +1,7 @@
 //! Ask and tell: which points to evaluate next, given the evaluations so far. Knows nothing of simulations or workers.
 
+use serde::{Deserialize, Serialize};
+
 use super::Error;
 use super::acquisition::{Acquisition, log_expected_improvement};
 use super::definition::{Definition, InitialDesign, Method};
@@ -13,7 +15,6 @@ use super::random::{Purpose, stream};
 use super::reference::Hedge;
 use super::space::{Point, Value};
 use super::surrogate::Surrogate;
-use serde::{Deserialize, Serialize};
 
 /// Most visited places that the search for the acquisition's maximum looks around.
 const ANCHORS: usize = 4;

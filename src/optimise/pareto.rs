@@ -1,7 +1,8 @@
 //! Several objectives: the non-dominated set, and the scalarisation that lets one surrogate look for more of it.
 
-use super::random::{Purpose, stream};
 use rand::RngExt;
+
+use super::random::{Purpose, stream};
 
 /// Weight of the sum beside the maximum in the augmented Tchebycheff function.
 const AUGMENTATION: f64 = 0.05;

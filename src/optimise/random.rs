@@ -1,7 +1,8 @@
 //! Where the optimiser's randomness comes from: one portable generator per proposal and purpose, so nothing depends on order.
 
-use crate::numbers::random::generator;
 use rand::rngs::ChaCha8Rng;
+
+use crate::numbers::random::generator;
 
 /// What a stream of random numbers is used for. Each purpose of each proposal has a stream of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -21,8 +22,9 @@ pub(super) fn stream(seed: u64, proposal: u64, purpose: Purpose) -> ChaCha8Rng {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use rand::RngExt;
+
+    use super::*;
 
     #[test]
     fn streams_differ_and_repeat() {

@@ -5,6 +5,9 @@
 //! one large constant. The kernel, its bounds and maximum likelihood without priors are the reference's; the starting points
 //! of the fit and the search for the acquisition's maximum are ours.
 
+use rand::RngExt;
+use serde::{Deserialize, Serialize};
+
 use super::Error;
 use super::acquisition::{Acquisition, log_expected_improvement, log_probability_of_improvement};
 use super::definition::{Definition, Goal};
@@ -15,8 +18,6 @@ use super::random::{Purpose, stream};
 use super::surrogate::{
     Dataset, FriedrichSurrogate, HyperParameters, Noise, Outliers, Posterior, Standardisation, Surrogate,
 };
-use rand::RngExt;
-use serde::{Deserialize, Serialize};
 
 const XI: f64 = 0.01;
 const KAPPA: f64 = 1.96;

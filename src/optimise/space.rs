@@ -1,7 +1,8 @@
 //! The search space: real, integer, logarithmic and categorical dimensions, and their mapping to the unit cube.
 
-use super::Error;
 use serde::{Deserialize, Serialize};
+
+use super::Error;
 
 /// Most dimensions a space may have; the surrogate's defaults are for one to ten.
 pub const LARGEST_DIMENSION_COUNT: usize = 10;
@@ -285,8 +286,9 @@ impl Space {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use proptest::prelude::*;
+
+    use super::*;
 
     fn mixed() -> Space {
         Space::new(vec![

@@ -1,8 +1,10 @@
 //! What a user of the optimiser relies on: the same bits again, no panic on any history, and sensible answers.
 
-use super::*;
-use proptest::prelude::*;
 use std::fs;
+
+use proptest::prelude::*;
+
+use super::*;
 
 fn line() -> Space {
     Space::new(vec![Dimension::real("x", 6.0, 18.0)]).unwrap()

@@ -51,8 +51,9 @@ fn sum_in_any_order(terms: impl Iterator<Item = Vector2<f64>> + Clone) -> Vector
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use proptest::prelude::*;
+
+    use super::*;
 
     proptest! {
         #[test]

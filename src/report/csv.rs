@@ -1,6 +1,10 @@
 //! Every run as a row of CSV (RFC 4180), for spreadsheets and data frames. No wall times: the same suites and seeds give
 //! the same bytes, on any number of threads.
 
+use std::io::{self, Write};
+
+use ::csv::{Terminator, Writer, WriterBuilder};
+
 use super::rows::{Row, What, each_row};
 use super::verdict_word;
 use crate::escape::csv_cell;
@@ -8,9 +12,6 @@ use crate::judge::{PerRun, per_run};
 use crate::results::{Outcome, Requests, SuiteReport};
 use crate::scenario::{Individual, Metric, MetricKind, Value};
 use crate::sim::StopReason;
-use std::io::{self, Write};
-
-use ::csv::{Terminator, Writer, WriterBuilder};
 
 /// Columns of every file, before those that depend on the suites.
 const FIRST: [&str; 10] = [

@@ -1,5 +1,7 @@
 //! Why a trial failed, for the terminal and, in the same words, for JUnit.
 
+use anstyle::AnsiColor;
+
 use super::excerpt::Excerpt;
 use super::format::share;
 use super::table::paint;
@@ -8,7 +10,6 @@ use crate::escape::terminal;
 use crate::results::{
     BlockReport, BlockState, CutBy, Finding, Measure, SuiteIdentity, TrialState, UnitReport, Verdict,
 };
-use anstyle::AnsiColor;
 
 /// Why a unit did not pass.
 pub fn explain(suite: &SuiteIdentity, report: &UnitReport, colour: bool) -> String {

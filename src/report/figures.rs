@@ -1,5 +1,7 @@
 //! The charts of a suite's report: which there are, and their data out of trials and recorded runs.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use super::chart::{
     Dot, Entry, First, Found, Individuals, Path, Paths, Quantity, Rate, RateSeries, Rates, Rows, Rule, Strip,
     Strips, first_legend, is_drawn, with_room,
@@ -8,7 +10,6 @@ use super::variable::Variable;
 use super::wording::comparison_rule;
 use crate::results::{Outcome, Recording, Requests, SuiteReport, TrialReport};
 use crate::scenario::{Aggregate, Claim, Expression, MetricKind, MetricReference, Value, Worst};
-use std::collections::{BTreeMap, BTreeSet};
 
 /// Charts that belong together, one per panel.
 #[derive(Debug, Clone, PartialEq)]

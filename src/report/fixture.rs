@@ -4,14 +4,14 @@ mod blocks;
 pub mod gate;
 mod trials;
 
+use std::sync::Arc;
+use std::time::{Duration, SystemTime};
+
 use crate::results::{
     BlockReport, BlockResult, BlockState, Critical, Cut, Outcome, Reason, Recorded, RecordedReport,
     RecordedState, Requests, Rerun, Results, RunsTaken as Stopped, Skip, Stopping, SuiteIdentity,
     SuiteReport, TrialReport, TrialState, TrialVerdict, Vacuity, Verdict, choose_runs,
 };
-use std::sync::Arc;
-use std::time::{Duration, SystemTime};
-
 use blocks::{blocks, found, tuned};
 pub use blocks::{evaluation, search_result, statement};
 pub use trials::person;

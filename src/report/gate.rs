@@ -1,5 +1,9 @@
 //! What gates and comparisons found, for the terminal.
 
+use std::fmt::Write;
+
+use anstyle::{AnsiColor, Style};
+
 use super::Excerpt;
 use super::format::{count, quantity, share};
 use super::table::paint;
@@ -10,9 +14,6 @@ use crate::results::{
     SuiteIdentity, SuiteReport, TrialChange, Verdict,
 };
 use crate::scenario::significant;
-use std::fmt::Write;
-
-use anstyle::{AnsiColor, Style};
 
 /// More runs than this are counted, not named.
 pub const MOST_RUNS_NAMED: usize = 5;

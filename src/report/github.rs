@@ -1,10 +1,5 @@
 //! Results on GitHub: annotations at the criteria that did not hold, and the summary of a step in Markdown.
 
-use super::wording::recorded_remark;
-use crate::results::{
-    BlockReport, BlockState, CutBy, GateReport, GateState, NotJudged, RecordedReport, Requests, Standing,
-    SuiteReport, TrialReport, TrialState, Verdict,
-};
 use std::fmt::Write;
 
 use super::Repository;
@@ -14,12 +9,17 @@ use super::figures::short_name;
 use super::gate::render_gate_report;
 use super::gate_markdown::gate_markdown;
 use super::groups::groups;
+use super::wording::recorded_remark;
 use super::wording::{
     closest_calls, interruption, judged_words, nearest_run, nothing_claimed, observed, stopping,
     trial_warnings, untested, verdict_mark, verdict_word,
 };
 use crate::escape::{
     github_data, github_property, html, markdown, markdown_code, markdown_fenced, terminal_line,
+};
+use crate::results::{
+    BlockReport, BlockState, CutBy, GateReport, GateState, NotJudged, RecordedReport, Requests, Standing,
+    SuiteReport, TrialReport, TrialState, Verdict,
 };
 use crate::scenario::Origin;
 

@@ -1,8 +1,8 @@
 //! Failures of one cause together: one criterion that did not hold in trials of one scenario whose values are neighbours.
 
-use crate::results::{Finding, SuiteReport, TrialReport, Verdict};
 use std::collections::{BTreeSet, HashMap, VecDeque};
 
+use crate::results::{Finding, SuiteReport, TrialReport, Verdict};
 use crate::scenario::{Assignment, Value};
 
 /// Trials in which a criterion did not hold.

@@ -1,7 +1,6 @@
 //! Every format with names, files, words and messages of people who wish us ill: their readers read what was said and obey
 //! nothing.
 
-use crate::results::{SuiteReport, TrialReport, UnitReport, choose_runs};
 use std::collections::BTreeSet;
 use std::path::Path;
 
@@ -15,6 +14,7 @@ use super::junit::tests::junit;
 use super::tap::tests::tap;
 use super::{Repository, annotations, explain, render_gates, render_tables, step_summary, to_html};
 use crate::escape::{hostile, terminal, terminal_styled, xml_line};
+use crate::results::{SuiteReport, TrialReport, UnitReport, choose_runs};
 
 fn is_safe(letter: char) -> bool {
     matches!(letter, '\n' | '\t') || terminal(letter.encode_utf8(&mut [0; 4])).chars().eq([letter])

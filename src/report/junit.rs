@@ -3,6 +3,11 @@
 
 mod document;
 
+use std::collections::HashMap;
+use std::io::{self, Write};
+use std::time::Duration;
+
+use self::document::{Case, Counts, Document, Kind, Problem, Suite};
 use super::Repository;
 use super::digest::{Digest, written_unit};
 use super::experiment::render_block;
@@ -14,11 +19,6 @@ use crate::results::{
     Requests, SuiteReport, TrialReport, TrialState, Verdict,
 };
 use crate::scenario::Origin;
-use std::collections::HashMap;
-use std::io::{self, Write};
-use std::time::Duration;
-
-use self::document::{Case, Counts, Document, Kind, Problem, Suite};
 
 /// Writes the report as an XML document, a testcase at a time. A failed criterion is a failure; a trial that could not run
 /// is an error. Every testcase says where it stands, in `file` and `line`, from the root of the repository on.

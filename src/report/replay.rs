@@ -1,12 +1,13 @@
 //! One run again: the command for it and the timeline that it prints.
 
+use std::fmt::Write;
+
 use super::format::{quantity, with_unit};
 use super::shrunk::run_words;
 use crate::judge::per_run;
 use crate::results::{Outcome, Requests};
 use crate::scenario::{Assignment, Case, Criterion, Dimension, Scenario, Value, Written, show};
 use crate::sim::{Event, Happening, StopReason};
-use std::fmt::Write;
 
 /// The values that a case has of its own, in the units that they are written in: what its scenario varies.
 pub fn case_values(case: &Case, scenario: &Scenario) -> Vec<(String, String)> {

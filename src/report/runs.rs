@@ -1,6 +1,5 @@
 //! Every run as JSON, one a line: for programs that read results as they come.
 
-use crate::results::{Requests, SuiteReport};
 use std::io::{self, Write};
 
 use serde_json::{Value, json};
@@ -9,6 +8,7 @@ use super::json::{outcome_value, plain, variation_value};
 use super::rows::{Row, What, each_row};
 use super::verdict_word;
 use crate::judge::PerRun;
+use crate::results::{Requests, SuiteReport};
 
 /// Writes a line for each run. The same suites and seeds give the same bytes, on any number of threads.
 ///

@@ -1,12 +1,13 @@
 //! A compact table per scenario for the terminal: variation values down, the criteria's metrics across.
 
+use anstyle::{AnsiColor, Style};
+
 use super::digest::{Digest, written_unit};
 use super::figures::short_name;
 use super::wording::{closest_calls, judged_words};
 use crate::escape::{terminal, terminal_line};
 use crate::results::{Requests, SuiteReport, TrialReport, TrialState, Verdict};
 use crate::scenario::{Metric, Notation};
-use anstyle::{AnsiColor, Style};
 
 /// A scenario with more trials shows only those that did not pass.
 const MOST_ROWS: usize = 24;

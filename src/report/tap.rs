@@ -1,9 +1,5 @@
 //! Results as TAP 14 (Test Anything Protocol): one test point per recorded failure, trial, block and gate, with a YAML block where there is something to say.
 
-use crate::results::{
-    BlockReport, BlockState, Finding, GateReport, GateState, NotJudged, SuiteReport, TrialState,
-    TrialVerdict, Verdict,
-};
 use std::fmt::Write;
 use std::io;
 use std::time::Duration;
@@ -13,6 +9,10 @@ use super::failure::{render_block_failure, render_failure};
 use super::gate::render_gate_report;
 use super::wording::{in_words, interruption, stopping, trial_warnings, verdict_word, warnings};
 use crate::escape::{tap_description, tap_text, terminal_line, yaml_quoted};
+use crate::results::{
+    BlockReport, BlockState, Finding, GateReport, GateState, NotJudged, SuiteReport, TrialState,
+    TrialVerdict, Verdict,
+};
 
 /// Writes the report as TAP, a test point at a time. An inconclusive trial is `not ok`, and its block says so.
 ///

@@ -1,5 +1,7 @@
 //! What findings and comparisons say, in parts for tables and charts, each number with its unit.
 
+use std::collections::HashSet;
+
 use super::chart::Rule;
 use super::format::{count, in_notation, quantity, share};
 use crate::lang;
@@ -9,7 +11,6 @@ use crate::results::{
     WorstRun,
 };
 use crate::scenario::{Comparison, MetricKind, Notation, People, Relation, significant};
-use std::collections::HashSet;
 
 /// What was found: `holds in 18 of 20 runs`, `85 %`, `1.62 s`; `–` if no run has a value.
 pub fn observed(finding: &Finding) -> String {

@@ -1,6 +1,5 @@
 //! What became of a block.
 
-use crate::results::Verdict;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -10,6 +9,7 @@ use super::cut::Cut;
 use super::skip::Skip;
 use super::standing::Standing;
 use super::{EvaluateResult, SearchResult, StatementResult, TuneResult};
+use crate::results::Verdict;
 use crate::scenario::Block;
 
 /// What became of a `search`, a `tune` or whatever else a suite computes besides its trials.

@@ -1,9 +1,9 @@
 //! Cases that a block found or ran, with what came of them.
 
-use crate::numbers::json;
 use serde::{Deserialize, Serialize};
 
 use super::outcome::Outcome;
+use crate::numbers::json;
 use crate::scenario::{Assignment, Individual, MetricKind, Target, Value};
 
 /// Cases with a name.

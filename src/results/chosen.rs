@@ -1,12 +1,12 @@
 //! Which runs are recorded again to be drawn: the worst ones, examples, and enough of every scenario for its chart.
 
-use crate::results::Verdict;
 use std::collections::HashSet;
 
 use serde::{Deserialize, Serialize};
 
 use super::suite::SuiteReport;
 use super::trial::{TrialReport, TrialState};
+use crate::results::Verdict;
 
 /// A run that is to be drawn.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]

@@ -1,9 +1,9 @@
 //! What an evaluation measured.
 
-use crate::numbers::inference::Interval;
 use serde::{Deserialize, Serialize};
 
 use super::cases::CaseRun;
+use crate::numbers::inference::Interval;
 use crate::scenario::{Measure, Notation, Target, Value};
 
 /// What an evaluation came to.

@@ -1,10 +1,10 @@
 //! What was found of one criterion of a trial.
 
-use crate::numbers::json;
-use crate::results::Verdict;
 use serde::{Deserialize, Serialize};
 
 use super::outcome::Critical;
+use crate::numbers::json;
+use crate::results::Verdict;
 use crate::scenario::{Metric, Origin, People, Reference};
 
 // The signature is serde's.

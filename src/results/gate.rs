@@ -1,13 +1,13 @@
 //! What became of a gate, and its comparisons.
 
-use crate::numbers::json;
-use crate::results::Verdict;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::standing::Standing;
+use crate::numbers::json;
+use crate::results::Verdict;
 use crate::scenario::{Gate, Metric, Reference};
 
 /// What became of a gate.

@@ -1,14 +1,15 @@
 //! What one run came to.
 
+use std::sync::Arc;
+use std::time::Duration;
+
+use serde::{Deserialize, Serialize};
+
 use super::requests::Requests;
 use crate::metrics::{Open, Presence};
 use crate::numbers::json;
 use crate::scenario::{Criterion, Individual};
 use crate::sim::Ending;
-use std::sync::Arc;
-use std::time::Duration;
-
-use serde::{Deserialize, Serialize};
 
 /// The result of one case.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -33,6 +34,7 @@ pub struct Outcome {
     /// See [`crate::sim::Fingerprint`].
     #[serde(with = "json::hexadecimal")]
     pub fingerprint: u64,
+    #[serde(default, skip_serializing_if = "Duration::is_zero")]
     pub wall_time: Duration,
 }
 

@@ -1,7 +1,5 @@
 //! What became of runs that failed before and were run again.
 
-use crate::numbers::json;
-use crate::results::Verdict;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -12,6 +10,8 @@ use super::outcome::Outcome;
 use super::skip::Skip;
 use super::standing::Standing;
 use super::trial::{TrialState, TrialVerdict};
+use crate::numbers::json;
+use crate::results::Verdict;
 use crate::scenario::Assignment;
 
 /// What is kept of a run.

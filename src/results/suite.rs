@@ -1,6 +1,5 @@
 //! What became of a suite.
 
-use crate::numbers::json;
 use std::path::Path;
 use std::time::{Duration, SystemTime};
 
@@ -11,6 +10,7 @@ use super::gate::GateReport;
 use super::recorded::RecordedReport;
 use super::standing::Standing;
 use super::trial::TrialReport;
+use crate::numbers::json;
 
 /// Which suite was run, and how to run it again.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]

@@ -1,6 +1,5 @@
 //! What became of a trial.
 
-use crate::results::Verdict;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -11,6 +10,7 @@ use super::finding::Finding;
 use super::outcome::{OnCourse, Outcome};
 use super::skip::Skip;
 use super::standing::Standing;
+use crate::results::Verdict;
 use crate::scenario::Trial;
 
 /// A trial's verdict: the worst of its findings; without any it is `Passed`, which [says nothing](Self::claims_nothing).

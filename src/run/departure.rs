@@ -1,9 +1,10 @@
 //! Models that a world makes other ones than were published: what every report and baseline names.
 
-use crate::plan::{self, PlannedTrial};
-use crate::scenario::{Case, Departure, ModelSetup, Origin, Registered, Scenario, Suite, World};
 use std::collections::HashSet;
 use std::sync::Arc;
+
+use crate::plan::{self, PlannedTrial};
+use crate::scenario::{Case, Departure, ModelSetup, Origin, Registered, Scenario, Suite, World};
 
 /// A road user whose model is another one than was published.
 #[derive(Debug, Clone, PartialEq)]

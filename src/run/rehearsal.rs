@@ -1,9 +1,9 @@
 //! What keeps a checked suite from running, found before its first run: planning, and building the road users.
 
-use crate::plan::{self, PlanError, PlannedTrial};
 use std::collections::HashMap;
 
 use super::build::{RunError, road_users};
+use crate::plan::{self, PlanError, PlannedTrial};
 use crate::scenario::{Case, Origin, Scenario, Suite};
 
 /// Something that no run gets past.

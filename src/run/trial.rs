@@ -143,11 +143,12 @@ impl<'a> SharedTrial<'a> {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
     use super::*;
     use crate::scenario::{Direction, Origin, Road, World};
     use crate::sim::{Ending, StopReason};
-    use std::sync::Arc;
-    use std::sync::atomic::{AtomicUsize, Ordering};
 
     fn trial(runs: u32) -> PlannedTrial {
         let road = Road::zebra(&[Direction::Forward], 10.0);

@@ -1,14 +1,15 @@
 //! One concrete run: every expression evaluated, every parameter filled in.
 
+use std::fmt;
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
 use super::{
     ControllerModel, DynamicsModel, PedestrianModel, PerceptionModel, Reference, Registered, Road,
     SettingError, Settings, Side, Value,
 };
 use crate::numbers::json;
-use std::fmt;
-use std::sync::Arc;
-
-use serde::{Deserialize, Serialize};
 
 /// One run. Everything that decides its outcome is in here.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

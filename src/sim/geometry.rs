@@ -202,10 +202,11 @@ fn distance_to_box(offset: Vector2<f64>, half: Vector2<f64>) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
     use crate::scenario::Direction;
     use crate::sim::Longitudinal;
-    use proptest::prelude::*;
 
     fn car() -> VehicleState {
         VehicleState {

@@ -25,6 +25,13 @@
 
 mod fingerprints;
 
+use std::path::Path;
+use std::process::ExitCode;
+use std::sync::{Arc, OnceLock};
+
+use libtest_mimic::{Arguments, Failed, Trial};
+use thiserror::Error;
+
 use crate::cli::load;
 use crate::cli::set::SetArguments;
 use crate::console::stderr;
@@ -37,13 +44,6 @@ use crate::report::{explain, render_gate_report};
 use crate::results::{Skip, Standing, UnitReport, Verdict};
 use crate::run::{SharedTrial, Stop};
 use crate::scenario::Gate;
-use std::path::Path;
-use std::process::ExitCode;
-use std::sync::{Arc, OnceLock};
-
-use libtest_mimic::{Arguments, Failed, Trial};
-use thiserror::Error;
-
 use fingerprints::{compare, lines, path, recording};
 
 /// Why there are no tests.

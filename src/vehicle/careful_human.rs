@@ -253,10 +253,11 @@ impl Controller for CarefulHuman {
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::Vector2;
+
     use super::*;
     use crate::scenario::{Settings, Value};
     use crate::vehicle::test_track::{CRUISE, Sample, Track};
-    use nalgebra::Vector2;
 
     const G: f64 = 9.80665;
 

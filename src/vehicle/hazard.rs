@@ -72,8 +72,9 @@ pub fn keep_speed(speed: f64, wanted: f64, acceleration: f64, deceleration: f64)
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use nalgebra::Vector2;
+
+    use super::*;
 
     fn ego(speed: f64) -> EgoState {
         EgoState { distance_to_crossing: 0.0, speed, acceleration: 0.0, length: 4.0, width: 2.0 }

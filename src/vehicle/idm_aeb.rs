@@ -283,10 +283,11 @@ impl Controller for IdmAeb {
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::Vector2;
+
     use super::*;
     use crate::scenario::{Settings, Value};
     use crate::vehicle::test_track::{CRUISE, Track};
-    use nalgebra::Vector2;
 
     fn track(pairs: &[(&str, Value)]) -> Track {
         Track::new(&idm_aeb(), Settings::from(pairs), "ideal")

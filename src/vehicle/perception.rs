@@ -326,10 +326,11 @@ impl Controller for Perceiving {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::{Arc, Mutex};
+
     use super::*;
     use crate::scenario::{Value, World};
     use crate::vehicle::test_track::{CRUISE, walker, world};
-    use std::sync::{Arc, Mutex};
 
     /// Keeps what it was shown.
     struct Witness(Arc<Mutex<Vec<Observation>>>);

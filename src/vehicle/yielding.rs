@@ -280,10 +280,11 @@ impl Controller for Yielding {
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::Vector2;
+
     use super::*;
     use crate::scenario::{Settings, Value};
     use crate::vehicle::test_track::{CRUISE, Sample, Track};
-    use nalgebra::Vector2;
 
     fn track(pairs: &[(&str, Value)]) -> Track {
         let mut track = Track::new(&yielding(), Settings::from(pairs), "ideal");

@@ -81,8 +81,9 @@ fn broken_off() -> io::Error {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use proptest::prelude::*;
+
+    use super::*;
 
     fn frames(mut input: &[u8]) -> (Vec<String>, Option<String>) {
         let mut found = Vec::new();

@@ -8,6 +8,16 @@ mod select;
 pub mod targets;
 mod watch;
 
+use std::collections::BTreeSet;
+use std::env;
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+use std::thread;
+
+use clap::builder::PossibleValue;
+use clap::{Args, ValueEnum};
+
 use super::interrupt::stop_on_interrupt;
 use super::set::SetArguments;
 use super::{Exit, filter, load, measured, number, store};
@@ -18,14 +28,6 @@ use crate::files;
 use crate::registry::Registry;
 use crate::report::{Live, StatusLevel, Terminal, render_gates};
 use crate::results::{GateReport, GateState, NotJudged, Standing, SuiteReport, Verdict};
-use std::collections::BTreeSet;
-use std::num::NonZeroUsize;
-use std::path::{Path, PathBuf};
-use std::str::FromStr;
-use std::thread;
-
-use clap::builder::PossibleValue;
-use clap::{Args, ValueEnum};
 
 pub use self::remember::LastRun;
 
@@ -283,7 +285,7 @@ pub fn run(arguments: RunArguments, registry: &Registry) -> Exit {
     let (results, unrecorded) = output::results(&arguments.output, &workshop, reports);
     let reports = &results.suites;
     complaints.extend(unrecorded);
-    complaints.extend(output::write(&arguments.output, &results));
+    complaints.extend(output::write(&arguments.output, &results, in_github_actions()));
     complaints.extend(remember::failures(&arguments.remember, &suites, reports, workshop.requests()));
     last.learn(&suites, reports);
     if let Err(error) = last.write() {
@@ -322,6 +324,10 @@ fn deny_untested(exit: Exit, reports: &[SuiteReport]) -> Exit {
         "error: in {trials} criteria passed untested, which `--deny untested` does not count as passed"
     );
     if exit == Exit::Success { Exit::Inconclusive } else { exit }
+}
+
+fn in_github_actions() -> bool {
+    env::var_os("GITHUB_ACTIONS").is_some_and(|value| value == "true")
 }
 
 /// Whether there is a verdict on anything, so that something can have passed.

@@ -82,8 +82,9 @@ pub fn results(
     (results, None)
 }
 
-/// Writes whatever was asked for, and returns what could not be written.
-pub fn write(arguments: &OutputArguments, results: &Results) -> Vec<String> {
+/// Writes whatever was asked for, and returns what could not be written. GitHub is told if that was asked for, or
+/// `on_github`.
+pub fn write(arguments: &OutputArguments, results: &Results, on_github: bool) -> Vec<String> {
     let Results { requests, suites, recordings } = results;
     let mut complaints = Vec::new();
     let mut write = |path: &Option<PathBuf>, content: &dyn Fn(&mut dyn Write) -> io::Result<()>| {
@@ -102,7 +103,7 @@ pub fn write(arguments: &OutputArguments, results: &Results) -> Vec<String> {
     write(&arguments.html, &|out| out.write_all(to_html(suites, requests, recordings).as_bytes()));
     write(&arguments.runs, &|out| write_runs(suites, requests, out));
     write(&arguments.csv, &|out| write_csv(suites, requests, out));
-    if arguments.github || env::var_os("GITHUB_ACTIONS").is_some_and(|value| value == "true") {
+    if arguments.github || on_github {
         complaints.extend(tell_github(results, &repository));
     }
     complaints

@@ -1,7 +1,5 @@
 //! What failed, for next time: in files beside the suites if that is wished, and in the folder that nobody commits.
 
-use crate::corpus::record;
-use crate::plan::{Plan, PlannedTrial};
 use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 use std::path::Path;
@@ -11,9 +9,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::cli::store;
 use crate::console::stderr;
+use crate::corpus::record;
 use crate::corpus::{case_hash, corpus_path, write_corpus};
 use crate::dispatch::{Prepared, Unit, gate_key};
 use crate::judge::{judge, per_run};
+use crate::plan::{Plan, PlannedTrial};
 use crate::report::{count, with_worst};
 use crate::results::{Recorded, Requests, Skip, Standing, SuiteReport, TrialReport, TrialState, Verdict};
 use crate::scenario::{Gate, Suite};

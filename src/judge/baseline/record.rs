@@ -1,13 +1,16 @@
 //! Baselines from outcomes.
 
+use serde::Serialize;
+use sha2::{Digest, Sha256};
+
 use super::{Baseline, Parts, RecordedMetric, RecordedTrial, TestedVehicle};
 use crate::plan::{Plan, PlannedTrial};
 use crate::registry::Registry;
 use crate::results::{Outcome, Requests};
 use crate::run::{departures, drawing};
-use crate::scenario::{ANOTHER_MODEL, Case, MetricKind, MetricReference, PedestrianSetup, Suite};
-use serde::Serialize;
-use sha2::{Digest, Sha256};
+use crate::scenario::{
+    ANOTHER_MODEL, Case, MetricKind, MetricReference, PedestrianSetup, Suite, VehicleSetup, World,
+};
 
 /// Digits of a value that are kept: enough for any comparison, and short enough to read.
 const DIGITS: usize = 9;
@@ -81,25 +84,38 @@ fn metric(reference: &MetricReference) -> RecordedMetric {
 }
 
 fn tested_vehicles(case: &Case) -> Vec<TestedVehicle> {
-    let tested = case.world.vehicles.iter().map(|vehicle| TestedVehicle {
-        name: vehicle.name.clone(),
-        controller: vehicle.controller.clone(),
-        dynamics: vehicle.dynamics.clone(),
-        sees: vehicle.sees.clone(),
-        length: vehicle.length,
-        width: vehicle.width,
-    });
-    tested.collect()
+    let tested = |vehicle: &VehicleSetup| {
+        let VehicleSetup { name, controller, dynamics, length, width, lane: _, speed: _, start: _, sees } =
+            vehicle.clone();
+        TestedVehicle { name, controller, dynamics, sees, length, width }
+    };
+    case.world.vehicles.iter().map(tested).collect()
 }
 
+/// What stands around the tested vehicles. All of a world is in here or in [`tested_vehicles`]: whoever adds something to it
+/// decides where.
+
 fn parts(cases: &[Case]) -> Parts {
-    let world = &cases[0].world;
-    let traffic: Vec<_> =
-        world.vehicles.iter().map(|one| (&one.name, one.lane, one.speed, &one.start)).collect();
+    let World { road, vehicles, pedestrians: _, step, horizon, finish, end_on_collision } = &*cases[0].world;
+    let traffic = |vehicle| {
+        let VehicleSetup {
+            name,
+            controller: _,
+            dynamics: _,
+            length: _,
+            width: _,
+            lane,
+            speed,
+            start,
+            sees: _,
+        } = vehicle;
+        (name, lane, speed, start)
+    };
+    let traffic: Vec<_> = vehicles.iter().map(traffic).collect();
     let people: Vec<_> = cases.iter().map(|case| &case.individuals).collect();
-    let end = (world.step, world.horizon, world.finish, world.end_on_collision);
+    let end = (step, horizon, finish, end_on_collision);
     Parts {
-        road: hash(&world.road.unnamed(), 12),
+        road: hash(&road.unnamed(), 12),
         pedestrians: hash(&cases.iter().map(impersonal).collect::<Vec<_>>(), 12),
         people: hash(&people, 12),
         traffic: hash(&traffic, 12),

@@ -1,11 +1,11 @@
 //! What a question's pairs of runs give: one difference per independent unit, turned so that positive is worse.
 
-use crate::results::TrialChange;
 use std::collections::BTreeSet;
 
 use super::questions::{About, Question, RunPair};
 use crate::judge::baseline::TestedVehicle;
 use crate::numbers::summary::mean;
+use crate::results::TrialChange;
 use crate::scenario::ModelSetup;
 
 /// Which way a quantity gets worse.

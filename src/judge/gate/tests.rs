@@ -1,12 +1,12 @@
 //! Gates over made-up baselines: what regresses, what holds, what cannot be told.
 
+use std::collections::BTreeMap;
+
+use super::*;
 use crate::judge::baseline::{Part, Parts, RecordedMetric, RecordedTrial};
 use crate::numbers::random::Stream;
 use crate::results::Subject;
 use crate::scenario::Settings;
-use std::collections::BTreeMap;
-
-use super::*;
 
 /// One trial: key, scenario, whether it is certain, labels of its runs.
 struct Trial {

@@ -1,10 +1,11 @@
 //! When trials have enough runs, over made-up outcomes.
 
+use std::time::Duration;
+
 use super::*;
 use crate::numbers::random::Stream;
 use crate::scenario::{Expression, MetricReference, Origin, Reach};
 use crate::sim::{Ending, StopReason};
-use std::time::Duration;
 
 const ROUNDS: Rounds = Rounds { size: 4, least: 20, most: 400 };
 

@@ -105,8 +105,9 @@ pub fn student_quantile(p: f64, freedom: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use statrs::distribution::{Beta, ContinuousCDF, StudentsT};
+
+    use super::*;
 
     #[test]
     fn the_beta_distribution_agrees_with_another_implementation() {

@@ -21,8 +21,9 @@ pub use share::{
     clopper_pearson, confidence_of_worst, failures_allowed, lower_bound, runs_needed, upper_bound, wilson,
 };
 
-use super::json;
 use serde::{Deserialize, Serialize};
+
+use super::json;
 
 /// Where a quantity lies at a stated confidence; both ends belong to it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

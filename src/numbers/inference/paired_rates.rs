@@ -157,9 +157,10 @@ fn standing(only_base: u64, only_candidate: u64, pairs: u64, margin: f64) -> f64
 
 #[cfg(test)]
 mod tests {
+    use rayon::prelude::*;
+
     use super::*;
     use crate::numbers::distributions::binomial_at_least;
-    use rayon::prelude::*;
 
     /// [`probability`] where the least number is given for each number of disagreeing pairs.
     fn at_least(least: &[u64], base: f64, candidate: f64) -> f64 {

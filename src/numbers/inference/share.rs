@@ -84,8 +84,9 @@ pub fn confidence_of_worst(runs: u64, share: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use statrs::distribution::{Binomial, Discrete};
+
+    use super::*;
 
     #[test]
     fn known_intervals() {

@@ -148,8 +148,9 @@ impl Factor {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use nalgebra::{DMatrix, DVector};
+
+    use super::*;
 
     fn positive_definite(n: usize) -> DMatrix<f64> {
         DMatrix::from_fn(n, n, |i, j| {

@@ -1,15 +1,17 @@
 //! The surrogate on friedrich's Gaussian process: friedrich computes posteriors, we choose hyper-parameters and guard its edges.
 
+use std::sync::OnceLock;
+
+use friedrich::gaussian_process::GaussianProcess;
+use friedrich::prior::ConstantPrior;
+use nalgebra::DVector;
+
 use super::dense::{Factor, LANES, dot};
 use super::fit::{self, Effort};
 use super::kernel::{ArdMatern52, HyperParameters};
 use super::likelihood::{Likelihood, Prior};
 use super::{Dataset, Noise, Posterior, Surrogate};
 use crate::optimise::Error;
-use friedrich::gaussian_process::GaussianProcess;
-use friedrich::prior::ConstantPrior;
-use nalgebra::DVector;
-use std::sync::OnceLock;
 
 /// Least noise variance that reaches friedrich, as a share of the amplitude: keeps every covariance matrix invertible.
 const NOISE_FLOOR: f64 = 1e-9;
@@ -229,8 +231,9 @@ impl Surrogate for FriedrichSurrogate {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use nalgebra::DMatrix;
+
+    use super::*;
 
     const ONCE: Noise = Noise { shared: 1.0, known: 0.0 };
 

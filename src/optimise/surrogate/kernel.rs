@@ -176,9 +176,10 @@ impl Kernel for ArdMatern52 {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use friedrich::kernel::Matern2;
     use nalgebra::RowDVector;
+
+    use super::*;
 
     fn kernel() -> ArdMatern52 {
         let hyper = HyperParameters { length_scales: vec![0.3, 2.0, 0.7], amplitude: 1.7, noise: 0.1 };

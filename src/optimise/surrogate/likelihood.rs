@@ -163,12 +163,13 @@ impl<'a> Likelihood<'a> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::kernel::ArdMatern52;
-    use super::super::{Dataset, Noise};
-    use super::*;
     use friedrich::gaussian_process::GaussianProcess;
     use friedrich::prior::ConstantPrior;
     use nalgebra::{DMatrix, DVector};
+
+    use super::super::kernel::ArdMatern52;
+    use super::super::{Dataset, Noise};
+    use super::*;
 
     fn data() -> Dataset {
         let points: Vec<Vec<f64>> = (0..14)

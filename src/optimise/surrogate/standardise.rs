@@ -1,7 +1,8 @@
 //! Output scaling: mean and standard deviation for well-behaved values, median and absolute deviation when there are outliers.
 
-use crate::numbers::summary::median_of;
 use serde::{Deserialize, Serialize};
+
+use crate::numbers::summary::median_of;
 
 /// Robust z-score past which a value counts as an outlier.
 const OUTLIER: f64 = 12.0;
@@ -103,8 +104,9 @@ impl Standardisation {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use proptest::prelude::*;
+
+    use super::*;
 
     #[test]
     fn a_penalty_does_not_flatten_the_rest() {

@@ -471,12 +471,13 @@ impl Edges {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::super::access::{Course, Manner};
     use super::super::sampled;
     use super::super::state::Control;
     use super::super::value::Gains;
     use super::*;
-    use proptest::prelude::*;
 
     const PEDESTRIAN: Body = Body { control: Control::Speed, half_extent: 1.3, width: 0.8 };
     const VEHICLE: Body = Body { control: Control::Acceleration, half_extent: 2.5, width: 1.8 };

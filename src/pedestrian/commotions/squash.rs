@@ -47,8 +47,9 @@ pub fn logistic<const N: usize>(values: &[f64; N]) -> [f64; N] {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use proptest::prelude::*;
+
+    use super::*;
 
     proptest! {
         #[test]

@@ -116,8 +116,9 @@ pub fn power_sums_to_fourth(ratio: f64, n: usize) -> [f64; 5] {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use proptest::prelude::*;
+
+    use super::*;
 
     fn added_up(ratio: f64, n: usize) -> PowerSums {
         // Kahan's compensation, so that the comparison is with the sum itself and not with its rounding.

@@ -87,8 +87,9 @@ fn sign(x: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use proptest::prelude::*;
+
+    use super::*;
 
     #[test]
     fn the_corner_cases_of_covering_a_distance() {

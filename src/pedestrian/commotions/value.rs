@@ -298,9 +298,10 @@ fn exp_of_small(x: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::super::sampled;
     use super::*;
-    use proptest::prelude::*;
 
     fn closed(half_life: f64, gains: &Gains, action: &ActionPhase, course: &Course, regain_time: f64) -> f64 {
         let discounting = Discounting::new(half_life, 0.5);

@@ -11,7 +11,6 @@ mod statement;
 mod tune;
 mod view;
 
-use crate::results::{Chosen, Requests, SuiteReport};
 use std::time::SystemTime;
 
 use minijinja::syntax::SyntaxConfig;
@@ -21,6 +20,7 @@ use minijinja::{Environment, UndefinedBehavior, context};
 use super::chart;
 use crate::escape::html_characters;
 use crate::results::Recording;
+use crate::results::{Chosen, Requests, SuiteReport};
 
 /// The page and its parts.
 const TEMPLATES: [(&str, &str); 8] = [
@@ -65,11 +65,11 @@ pub fn to_html(reports: &[SuiteReport], requests: &Requests, recordings: &[(Chos
 
 #[cfg(test)]
 mod tests {
-    use crate::results::choose_runs;
     use std::time::Duration;
 
     use super::*;
     use crate::report::fixture::{self, Session};
+    use crate::results::choose_runs;
     use crate::results::{BlockReport, BlockState, TrialReport};
     use crate::results::{BlockResult, Conclusion};
     use crate::scenario::Block;

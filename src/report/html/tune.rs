@@ -1,5 +1,7 @@
 //! A `tune` on the page: what was chosen, what it changes, and how the optimiser came to it.
 
+use serde::Serialize;
+
 use super::figure::Figure;
 use super::space::{Dimension, Measured, point_text};
 use crate::optimise::StopReason;
@@ -9,7 +11,6 @@ use crate::report::format::{in_unit, share};
 use crate::report::wording::comparison_text;
 use crate::results::{BeforeAndAfter, Candidate, MetricSummary, TuneResult, Violations};
 use crate::scenario::{MetricKind, MetricReference, Tune, significant};
-use serde::Serialize;
 
 /// Charts of margins that are seen at once.
 const OPEN_MARGINS: usize = 6;

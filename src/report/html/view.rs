@@ -1,5 +1,10 @@
 //! What the page's template shows: every number already in words.
 
+use std::time::SystemTime;
+
+use chrono::{DateTime, Utc};
+use serde::Serialize;
+
 use super::embed::embed;
 use super::figure::Figure;
 use super::statement::Statements;
@@ -18,10 +23,6 @@ use crate::results::{
     SuiteReport, TrialReport, TrialState, Verdict,
 };
 use crate::scenario::MetricReference;
-use std::time::SystemTime;
-
-use chrono::{DateTime, Utc};
-use serde::Serialize;
 
 /// A table with more trials than this scrolls.
 const LONG_TABLE: usize = 30;

@@ -1,6 +1,5 @@
 //! Results read back from JSON, so that reports can be made of them later.
 
-use crate::numbers::json;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, SystemTime};
@@ -13,6 +12,7 @@ use super::LAYOUT;
 use super::first_layout;
 use crate::files::{self, ReadError};
 use crate::metrics::{Open, Presence};
+use crate::numbers::json;
 use crate::registry::Registry;
 use crate::results::{
     BlockReport, BlockResult, BlockState, ByMetric, Chosen, Critical, Cut, CutOff, Finding, GateReport,

@@ -4,9 +4,6 @@ mod live;
 mod status;
 mod summary;
 
-use crate::results::{
-    CutBy, Evaluations, Event, Outline, Reporter, Standing, Stopping, SuiteIdentity, UnitReport, Verdict,
-};
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
@@ -15,6 +12,9 @@ use anstyle::Style;
 use super::failure::explain;
 use super::wording::{remark, trial_warnings};
 use crate::console::{Output, stdout};
+use crate::results::{
+    CutBy, Evaluations, Event, Outline, Reporter, Standing, Stopping, SuiteIdentity, UnitReport, Verdict,
+};
 
 pub use live::Live;
 pub use status::StatusLevel;

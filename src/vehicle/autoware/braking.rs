@@ -73,8 +73,9 @@ impl Phase {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use proptest::prelude::*;
+
+    use super::*;
 
     const CRUISE: f64 = 30.0 / 3.6;
     const WEAK: BrakingLimits = BrakingLimits { deceleration: 1.2, negative_jerk: 1.2, positive_jerk: 10.0 };
