@@ -15,7 +15,7 @@
 //!
 //! ```no_run
 //! fn main() -> std::process::ExitCode {
-//!     scenario_runner::testing::run(&["suites/*.suite"])
+//!     scenario_runner::testing::run(&["suites/*.suite"], &scenario_runner::models::standard())
 //! }
 //! ```
 //!

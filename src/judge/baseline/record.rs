@@ -97,21 +97,23 @@ fn tested_vehicles(case: &Case) -> Vec<TestedVehicle> {
 
 fn parts(cases: &[Case]) -> Parts {
     let World { road, vehicles, pedestrians: _, step, horizon, finish, end_on_collision } = &*cases[0].world;
-    let traffic = |vehicle| {
-        let VehicleSetup {
-            name,
-            controller: _,
-            dynamics: _,
-            length: _,
-            width: _,
-            lane,
-            speed,
-            start,
-            sees: _,
-        } = vehicle;
-        (name, lane, speed, start)
-    };
-    let traffic: Vec<_> = vehicles.iter().map(traffic).collect();
+    let traffic: Vec<_> = vehicles
+        .iter()
+        .map(|vehicle| {
+            let VehicleSetup {
+                name,
+                controller: _,
+                dynamics: _,
+                length: _,
+                width: _,
+                lane,
+                speed,
+                start,
+                sees: _,
+            } = vehicle;
+            (name, lane, speed, start)
+        })
+        .collect();
     let people: Vec<_> = cases.iter().map(|case| &case.individuals).collect();
     let end = (step, horizon, finish, end_on_collision);
     Parts {
