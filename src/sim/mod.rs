@@ -6,6 +6,7 @@ mod fingerprint;
 #[cfg(test)]
 pub mod fixture;
 pub mod geometry;
+mod model_error;
 mod observer;
 pub mod random;
 mod schedule;
@@ -17,11 +18,12 @@ mod trace;
 mod world;
 
 pub use agent::{
-    Command, Controller, Dynamics, EgoState, ModelError, Motion, Observation, Pedestrian, RoadView, Scene,
+    Command, Controller, Dynamics, EgoState, Motion, Observation, Pedestrian, RoadView, Scene,
     SeenPedestrian, SeenVehicle,
 };
 pub use contact::{Contacts, Solid, Touch};
 pub use fingerprint::Fingerprint;
+pub use model_error::{ModelError, Stated, StatedBy};
 pub use observer::{Ending, Observer, Step, StopReason};
 pub use schedule::Schedule;
 pub use start::{blocked_lanes, collision_course, overlaps};

@@ -4,7 +4,7 @@
 //! with units, so that they are checked where they are written, vary, and can be tuned. A step waits until its trigger
 //! holds; only then does the next one count. Source: actions and conditions after ASAM OpenSCENARIO storyboards.
 
-use super::agent::ModelError;
+use super::model_error::ModelError;
 use crate::scenario::{Dimension, Parameter, Settings, TextCheck, TextError};
 
 /// What a step makes its road user do until the next one.
@@ -112,7 +112,7 @@ impl Script {
             true => Ok(Self { steps, next: 0, last: 0.0 }),
             false => {
                 let TextError { message, hint, .. } = errors.swap_remove(0);
-                Err(ModelError { message, hint })
+                Err(ModelError::new(message, hint))
             }
         }
     }
@@ -321,7 +321,7 @@ mod tests {
         ];
         for (steps, message) in cases {
             let error = read(steps, &[("t1", 1.0), ("v1", 1.0), ("d1", 1.0)]).unwrap_err();
-            assert!(error.message.contains(message), "{steps}: {}", error.message);
+            assert!(error.to_string().contains(message), "{steps}: {error}");
             assert!(error.hint.is_some(), "{steps}");
         }
     }
