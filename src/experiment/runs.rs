@@ -2,11 +2,11 @@
 
 use super::{ExperimentError, Laboratory};
 use crate::judge::{Seen, aggregate_against, counted, holds_undefined};
-use crate::metrics::{MetricKind, metric};
+use crate::metrics::{MetricKind, metric, unit_of_metric};
 use crate::numbers::summary::{mean, variance_of_mean};
 use crate::results::{CaseRun, MetricSummary, Outcome, SavedCase};
 use crate::run::{Unwatched, run_case};
-use crate::scenario::{Aggregate, Case, Comparison, Goal, MetricReference, Relation};
+use crate::scenario::{Aggregate, Case, Comparison, Goal, MetricReference, Relation, ShownIn};
 use rayon::prelude::*;
 
 impl Laboratory<'_> {
@@ -100,12 +100,7 @@ impl Laboratory<'_> {
 
     /// Every quantity and flag over the outcomes, for tables. Categories have no mean.
     pub(super) fn summaries(&self, outcomes: &[Outcome]) -> Vec<MetricSummary> {
-        let has_mean = |reference: &&MetricReference| {
-            metric(&reference.name).is_some_and(|metric| !matches!(metric.kind, MetricKind::Category(_)))
-        };
-        self.requests
-            .iter()
-            .filter(has_mean)
+        self.summed_up()
             .map(|reference| {
                 let seen = self.seen(reference, outcomes);
                 let mut values: Vec<f64> = seen.into_iter().filter_map(Seen::value).collect();
@@ -120,6 +115,23 @@ impl Laboratory<'_> {
                 }
             })
             .collect()
+    }
+
+    /// How the metrics of [`Self::summaries`] are shown, in their order.
+    pub(super) fn summaries_in(&self) -> Vec<ShownIn> {
+        let shown_in = |reference: &MetricReference| match metric(&reference.name)?.kind {
+            MetricKind::Flag => Some(ShownIn::new(None, "%")),
+            _ => Some(ShownIn::new(self.suite.notation(&reference.label()), &unit_of_metric(reference))),
+        };
+        self.summed_up().map(|reference| shown_in(reference).unwrap_or_default()).collect()
+    }
+
+    /// The metrics that have a mean: not those that are words.
+    fn summed_up(&self) -> impl Iterator<Item = &MetricReference> {
+        let has_mean = |reference: &&MetricReference| {
+            metric(&reference.name).is_some_and(|metric| !matches!(metric.kind, MetricKind::Category(_)))
+        };
+        self.requests.iter().filter(has_mean)
     }
 
     /// Who passed first in an outcome, in the metric's own words.

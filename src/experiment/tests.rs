@@ -161,6 +161,7 @@ fn suite() -> Suite {
         evaluates: Vec::new(),
         statements: Vec::new(),
         gates: Vec::new(),
+        notations: Vec::new(),
         origin: Origin::default(),
     }
 }

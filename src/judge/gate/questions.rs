@@ -3,13 +3,15 @@
 use super::measure::{Direction, Event};
 use crate::judge::baseline::{Incompatible, Pairing, RecordedMetric, RecordedTrial};
 use crate::metrics::{self, Absence, Metric, MetricKind, Worst};
-use crate::scenario::{GateRule, MetricReference, Tolerance};
+use crate::scenario::{GateRule, MetricReference, Notation, Tolerance};
 
 /// One comparison to make.
 pub struct Question<'a> {
     pub rule: usize,
     pub confidence: f64,
     pub tolerance: Tolerance,
+    /// The unit that the rule says its tolerance in.
+    pub notation: Option<Notation>,
     pub metric: &'a RecordedMetric,
     pub about: About,
     pub place: Place<'a>,
@@ -195,6 +197,7 @@ impl<'a> Asker<'a, '_> {
             rule: self.rule,
             confidence: self.terms.confidence,
             tolerance: self.terms.tolerance,
+            notation: self.terms.notation,
             metric: self.recorded,
             about: About::New,
             place: Place::Scenario(scenario),
@@ -216,6 +219,7 @@ impl<'a> Asker<'a, '_> {
             rule: self.rule,
             confidence: self.terms.confidence,
             tolerance: self.terms.tolerance,
+            notation: self.terms.notation,
             metric: self.recorded,
             about,
             place,
