@@ -21,6 +21,7 @@ pub struct SuiteIdentity {
     #[serde(with = "json::whole")]
     pub seed: u64,
     /// What was set on the command line: `av.speed=40km/h`.
+    #[serde(default)]
     pub set: Vec<String>,
 }
 

@@ -21,6 +21,7 @@ impl FreeFlows {
     pub fn of(&self, world: &World) -> Result<Arc<Vec<FreeFlow>>, RunError> {
         let mut empty = world.clone();
         empty.pedestrians.clear();
+        empty.road = empty.road.unnamed();
         let text = serde_json::to_vec(&empty).expect("plain data serialises");
         let hash: [u8; 32] = Sha256::digest(text).into();
         if let Some(found) = self.lock().get(&hash) {

@@ -68,8 +68,9 @@ pub enum CrossingKind {
 /// A rectangle aligned with the road that blocks the view and the way, such as a parked car.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Body {
-    /// By which criteria and reports speak of it. It decides nothing in a run, so it is no part of what identifies one.
-    #[serde(default, skip_serializing)]
+    /// By which criteria and reports speak of it. It decides nothing in a run, so it is no part of what identifies one; see
+    /// [`Road::unnamed`].
+    #[serde(default, skip_serializing_if = "String::is_empty")]
     pub name: String,
     /// Centre in m.
     pub x: f64,
@@ -101,6 +102,13 @@ impl Side {
 }
 
 impl Road {
+    /// Without the names of its boxes: what decides a run.
+    pub fn unnamed(&self) -> Self {
+        let mut road = self.clone();
+        road.boxes.iter_mut().for_each(|body| body.name.clear());
+        road
+    }
+
     /// A street with kerbs and a zebra crossing of 4 m, and nothing that stands on it.
     ///
     /// One lane of 4 m for each direction given, from the near side to the far side; `speed_limit` in m/s.

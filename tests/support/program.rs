@@ -31,7 +31,7 @@ pub fn stderr(output: &Output) -> String {
 pub fn forget_times(value: &mut Value) {
     match value {
         Value::Object(fields) => {
-            fields.remove("wall_time_s");
+            ["wall_time_s", "wall_time", "started"].into_iter().for_each(|time| drop(fields.remove(time)));
             fields.values_mut().for_each(forget_times);
         }
         Value::Array(items) => items.iter_mut().for_each(forget_times),

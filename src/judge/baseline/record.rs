@@ -100,7 +100,7 @@ fn parts(cases: &[Case]) -> Parts {
     let people: Vec<_> = cases.iter().map(|case| &case.individuals).collect();
     let end = (world.step, world.horizon, world.finish, world.end_on_collision);
     Parts {
-        road: hash(&world.road, 12),
+        road: hash(&world.road.unnamed(), 12),
         pedestrians: hash(&cases.iter().map(impersonal).collect::<Vec<_>>(), 12),
         people: hash(&people, 12),
         traffic: hash(&traffic, 12),

@@ -421,7 +421,7 @@ mod tests {
     #[test]
     fn the_schema_refuses_what_is_wrong() {
         let wrong: [(&str, Value); 6] = [
-            ("/layout", json!(2)),
+            ("/layout", json!(1)),
             ("/suites/0/trials/0/verdict", json!("fine")),
             ("/suites/0/trials/0/runs/0/metrics/pet", json!("1.5 s")),
             ("/suites/0/trials/0/runs/0/fingerprint", json!("beef")),

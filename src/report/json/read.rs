@@ -262,8 +262,7 @@ pub(super) fn judged(
     horizon: Option<Horizon>,
 ) -> Result<TrialVerdict, ResultsError> {
     let worst = findings.iter().map(|finding| finding.verdict).max().unwrap_or(Verdict::Passed);
-    let said: Verdict = serde_json::from_value(verdict.into())?;
-    if said != worst {
+    if !says(verdict, worst) {
         let what = format!("its verdict is `{verdict}`, and the worst of its findings is another");
         return Err(contradiction(key, what));
     }
@@ -351,8 +350,7 @@ pub(super) fn gate_state(
         ("error", None, Some(refusal), None) => Ok(GateState::Refused(refusal)),
         ("not_judged", None, _, Some(why)) => Ok(GateState::NotJudged(why)),
         ("passed" | "inconclusive" | "failed", Some(result), _, None) => {
-            let said: Verdict = serde_json::from_value(verdict.into())?;
-            if said != result.verdict {
+            if !says(verdict, result.verdict) {
                 return Err(contradiction(
                     key,
                     format!("its verdict is `{verdict}`, and its result another"),
@@ -364,6 +362,11 @@ pub(super) fn gate_state(
     }
 }
 
+/// Whether a word is that of a verdict.
+fn says(word: &str, verdict: Verdict) -> bool {
+    serde_json::to_value(verdict).is_ok_and(|said| said == word)
+}
+
 pub(super) fn contradiction(key: &str, what: impl Into<String>) -> ResultsError {
     ResultsError::Contradiction { key: key.to_string(), what: what.into() }
 }
@@ -371,4 +374,160 @@ pub(super) fn contradiction(key: &str, what: impl Into<String>) -> ResultsError 
 pub(super) fn seconds(key: &str, seconds: f64) -> Result<Duration, ResultsError> {
     let wrong = |error: std::time::TryFromFloatSecsError| contradiction(key, error.to_string());
     Duration::try_from_secs_f64(seconds).map_err(wrong)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::judge::judge;
+    use crate::report::fixture::{Session, evaluation, statement};
+    use crate::report::write_json;
+    use crate::results::Conclusion;
+    use crate::scenario::Standing;
+
+    fn written(results: &Results) -> String {
+        let mut bytes = Vec::new();
+        write_json(results, &mut bytes).unwrap();
+        String::from_utf8(bytes).unwrap()
+    }
+
+    /// A session with every state that anything can be in, and every kind of block.
+    fn every_kind() -> Vec<Results> {
+        let session = Session::new();
+        let mut report = session.report();
+        let TrialState::Judged(judged) = &mut report.trials[0].state else { panic!("it was judged") };
+        judged.findings[0].observed = Some(f64::INFINITY);
+        judged.findings[0].margin = Some(f64::NEG_INFINITY);
+        judged.findings[0].interval = Some((f64::NEG_INFINITY, 1.5));
+        report.trials[0].departures = vec!["`walker`: `dt` of `commotions` is not what was published".into()];
+        let cut_off = CutOff {
+            open: [None, Some(Open { low: 0.5, high: f64::INFINITY })].into_iter().collect(),
+            stranded: vec!["walker".into()],
+            ..CutOff::default()
+        };
+        report.trials[0].outcomes[0].cut_off = Some(Box::new(cut_off));
+        report.trials[0].outcomes[1].seed = u64::MAX;
+        let results = [
+            BlockResult::Evaluate(evaluation()),
+            BlockResult::Statement(statement(Standing::Reproduced, Conclusion::NotReproduced)),
+        ];
+        for result in results {
+            let mut block = report.blocks[0].clone();
+            block.state = BlockState::Finished(Box::new(result));
+            report.blocks.push(block);
+        }
+        vec![
+            session.results(report),
+            session.results(session.interrupted()),
+            {
+                let odd = Session::with_names("\u{1F6B6} <&>\"'\\");
+                odd.results(odd.report())
+            },
+            Results::default(),
+        ]
+    }
+
+    #[test]
+    fn what_is_written_is_read_back_equal_and_judged_again_equal() {
+        for results in every_kind() {
+            let text = written(&results);
+            let again = results_of(text.as_bytes()).unwrap_or_else(|error| panic!("{error}\n{text}"));
+            for (new, old) in again.suites.iter().zip(&results.suites) {
+                assert_eq!(new.identity, old.identity);
+                new.trials.iter().zip(&old.trials).for_each(|(new, old)| assert_eq!(new, old));
+                new.blocks.iter().zip(&old.blocks).for_each(|(new, old)| assert_eq!(new, old));
+                new.gates.iter().zip(&old.gates).for_each(|(new, old)| assert_eq!(new, old));
+            }
+            assert_eq!(again.requests, results.requests);
+            again.recordings.iter().zip(&results.recordings).for_each(|(new, old)| assert_eq!(new, old));
+            again
+                .suites
+                .iter()
+                .zip(&results.suites)
+                .for_each(|(new, old)| assert_eq!(new.recorded, old.recorded));
+            assert!(again == results, "the results differ from what was written");
+            assert_eq!(written(&again), text);
+            let session = Session::new();
+            for trial in session.results(session.report()).suites.iter().flat_map(|suite| &suite.trials) {
+                if let TrialState::Judged(judged) = &trial.state {
+                    let new = judge(&trial.trial.criteria, &trial.outcomes, &session.requests);
+                    assert_eq!(new.verdict, judged.verdict);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_verdict_that_is_not_that_of_its_findings_is_refused() {
+        let session = Session::new();
+        let text = written(&session.results(session.report()));
+        let value: Value = serde_json::from_str(&text).unwrap();
+        let trials = value["suites"][0]["trials"].as_array().unwrap();
+        let failed = trials.iter().position(|trial| trial["verdict"] == "failed").unwrap();
+        for (place, verdict, said) in [
+            (format!("/suites/0/trials/{failed}/verdict"), "passed", "the worst of its findings is another"),
+            (format!("/suites/0/trials/{failed}/verdict"), "skipped", "the worst of its findings is another"),
+            (
+                format!("/suites/0/trials/{failed}/verdict"),
+                "nonsense",
+                "the worst of its findings is another",
+            ),
+            ("/suites/0/gates/0/verdict".into(), "passed", "its result another"),
+            ("/suites/0/gates/3/verdict".into(), "passed", "without its reason"),
+            ("/suites/0/blocks/1/verdict".into(), "nonsense", "without its reason"),
+            ("/suites/0/blocks/0/verdict".into(), "failed", "its result says otherwise"),
+        ] {
+            let mut changed = value.clone();
+            *changed.pointer_mut(&place).unwrap() = verdict.into();
+            let error = results_of(changed.to_string().as_bytes()).unwrap_err().to_string();
+            assert!(error.contains(said), "{place}: {error}");
+        }
+    }
+
+    #[test]
+    fn what_is_cut_short_or_of_another_layout_is_refused() {
+        let session = Session::new();
+        let text = written(&session.results(session.report()));
+        for share in 0..20 {
+            let error = results_of(&text.as_bytes()[..text.len() * share / 20]).unwrap_err();
+            assert!(matches!(error, ResultsError::Format(_)), "{error}");
+        }
+        let newer = text.replacen(&format!("\"layout\": {LAYOUT}"), "\"layout\": 9", 1);
+        let error = results_of(newer.as_bytes()).unwrap_err().to_string();
+        assert_eq!(error, "its layout is 9, and this version reads 1 to 2; use the version that wrote it");
+    }
+
+    #[test]
+    fn a_run_without_a_metric_that_was_asked_for_is_refused() {
+        let session = Session::new();
+        let mut value: Value = serde_json::from_str(&written(&session.results(session.report()))).unwrap();
+        let metrics =
+            value.pointer_mut("/suites/0/trials/0/runs/2/metrics").unwrap().as_object_mut().unwrap();
+        let pet = metrics.remove("pet").unwrap();
+        let error = results_of(value.to_string().as_bytes()).unwrap_err().to_string();
+        assert!(error.contains("it has no `pet`"), "{error}");
+        let metrics =
+            value.pointer_mut("/suites/0/trials/0/runs/2/metrics").unwrap().as_object_mut().unwrap();
+        metrics.insert("pet".into(), pet.clone());
+        metrics.insert("pat".into(), pet);
+        let error = results_of(value.to_string().as_bytes()).unwrap_err().to_string();
+        assert!(error.contains("nothing asked for its `pat`"), "{error}");
+    }
+
+    #[test]
+    fn what_version_0_1_wrote_is_read() {
+        let text = include_str!("../../../tests/results/layout_1.json");
+        let results = results_of(text.as_bytes()).unwrap();
+        let value: Value = serde_json::from_str(text).unwrap();
+        let trials = value["suites"][0]["trials"].as_array().unwrap();
+        assert_eq!(results.suites[0].trials.len(), trials.len());
+        for (read, written) in results.suites[0].trials.iter().zip(trials) {
+            assert_eq!(serde_json::to_value(read.verdict()).unwrap(), written["verdict"]);
+            assert_eq!(read.outcomes.len(), written["runs"].as_array().unwrap().len());
+            assert_eq!(serde_json::to_value(read.findings()).unwrap(), written["findings"]);
+        }
+        let with_block = text.replacen("\"blocks\": []", "\"blocks\": [{ \"key\": \"zebra/search=a\" }]", 1);
+        let error = results_of(with_block.as_bytes()).unwrap_err().to_string();
+        assert!(error.contains("written by 0.1, so run the suite again"), "{error}");
+    }
 }
