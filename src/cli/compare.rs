@@ -196,9 +196,11 @@ fn judged(
     let pairing = pair(&before, &after, arguments.baseline_lenient).map_err(refuse)?;
     let mut verdicts = Vec::new();
     for gate in &gates {
+        let sides = [&candidate, &base].into_iter().filter_map(|side| side.suite.as_ref());
         let verdict = judge_rules(&gate.name, &gate.rules, &pairing).map_err(refuse)?;
         let replays = candidate.suite.is_some() && candidate.as_declared;
         let again = || format!("{} --seed {}{}", candidate.file, after.seed, set_options(&after.set));
+        let verdict = sides.into_iter().fold(verdict, |verdict, suite| verdict.written_as(suite));
         verdicts.push((verdict, replays.then(again)));
     }
     Ok(verdicts)

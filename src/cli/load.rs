@@ -5,7 +5,7 @@ use std::path::Path;
 use super::Exit;
 use super::set::SetArguments;
 use crate::console::stderr;
-use crate::corpus::{corpus_path, read_corpus};
+use crate::corpus::{corpus_path, is_unchecked, read_corpus};
 use crate::dispatch::Prepared;
 use crate::experiment::rehearse_searches;
 use crate::judge::examine_claims;
@@ -78,11 +78,15 @@ fn load(
     refuse_nothing_asked(&suite, &plan, is_set_aside)?;
     let mut recorded = read_corpus(&corpus_path(Path::new(file))).map_err(|error| {
         writeln!(stderr(), "error: {error}");
+        writeln!(stderr(), "help: {}", error.help());
+    })?;
+    if is_unchecked(&corpus_path(Path::new(file))) {
         writeln!(
             stderr(),
-            "help: restore the file from version control, or delete it to forget these failures"
+            "note: {} has no checksums yet, so that a changed digit in it is not noticed; `--record-failures` adds them",
+            corpus_path(Path::new(file)).display()
         );
-    })?;
+    }
     if !set.is_empty() && !recorded.is_empty() {
         writeln!(
             stderr(),

@@ -6,5 +6,5 @@
 mod file;
 mod record;
 
-pub use file::{CorpusError, corpus_path, read_corpus, write_corpus};
+pub use file::{CorpusError, corpus_path, is_unchecked, read_corpus, write_corpus};
 pub use record::{Stale, case_hash, criteria, record, revive};

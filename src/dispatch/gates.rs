@@ -12,7 +12,7 @@ use crate::results::{
     record_command,
 };
 use crate::run::{BatchError, Panicked, run_batch};
-use crate::scenario::Gate;
+use crate::scenario::{Gate, Suite};
 
 /// Judges every gate of every suite and puts what it came to into the suite's report. With `lenient`, trials that a
 /// baseline lacks are left out instead of being a reason not to compare.
@@ -70,7 +70,10 @@ pub fn judge_one_gate<'a>(
 ) -> GateReport {
     let identity = workshop.identity(suite);
     let state = match measured {
-        Ok(candidate) => state(gate, candidate, &identity, lenient),
+        Ok(candidate) => {
+            let suite = &workshop.suites()[suite].suite;
+            state(gate, candidate, &identity, suite, lenient)
+        }
         Err(why) => GateState::NotJudged(why.clone()),
     };
     GateReport { gate: Arc::new(gate.clone()), key: gate_key(&identity.suite, gate), state }
@@ -133,7 +136,13 @@ pub fn measured_trials(
     Ok(all)
 }
 
-fn state(gate: &Gate, candidate: &Baseline, identity: &SuiteIdentity, lenient: bool) -> GateState {
+fn state(
+    gate: &Gate,
+    candidate: &Baseline,
+    identity: &SuiteIdentity,
+    suite: &Suite,
+    lenient: bool,
+) -> GateState {
     let path = Path::new(&gate.baseline);
     let record = record_command(&identity.file, &identity.set, path);
     let judged = match Baseline::read_named(path) {
@@ -144,7 +153,7 @@ fn state(gate: &Gate, candidate: &Baseline, identity: &SuiteIdentity, lenient: b
         }
     };
     match judged {
-        Ok(verdict) => GateState::Judged(Box::new(verdict)),
+        Ok(verdict) => GateState::Judged(Box::new(verdict.written_as(suite))),
         Err(reasons) => {
             let new_ones = reasons.iter().all(|reason| matches!(reason, Incompatible::New(_)));
             let lenient = if new_ones { "; `--baseline-lenient` leaves new trials out" } else { "" };

@@ -125,7 +125,10 @@ impl<'a> Workshop<'a> {
             Ok(Err(TrialError::TimeLimit { limit, finished, runs })) => {
                 (Vec::new(), TrialState::NotFinished(Cut::TimeLimit { limit, finished, runs }))
             }
-            Ok(Err(error)) => (Vec::new(), TrialState::Errored(error.to_string())),
+            Ok(Err(TrialError::Run { key, error })) => (
+                Vec::new(),
+                TrialState::Errored(format!("{key}: {}", self.told(suite, &trial.scenario, &error))),
+            ),
             Err(panicked) => {
                 let case = panicked.case.clone().unwrap_or_else(|| trial.key.clone());
                 let message = Panicked { case: Some(case), ..panicked }.to_string();
@@ -151,6 +154,12 @@ impl<'a> Workshop<'a> {
         let mut ran = self.case(suite, case)?;
         ran.outcome.forget_unasked(&trial.criteria, &self.requests);
         Ok(ran)
+    }
+
+    /// What is wrong, in the units of the scenario.
+    fn told(&self, suite: usize, scenario: &str, error: &RunError) -> String {
+        let scenario = self.suites[suite].suite.scenario(scenario);
+        scenario.map_or_else(|| error.to_string(), |scenario| error.told(scenario))
     }
 
     fn case(&self, suite: usize, case: &Case) -> Result<Ran, RunError> {
@@ -200,7 +209,7 @@ impl<'a> Workshop<'a> {
                 self.watched(&case, &ran);
                 ran.outcome
             }
-            Err(error) => return RecordedState::Errored(error.to_string()),
+            Err(error) => return RecordedState::Errored(self.told(suite, &recorded.scenario, &error)),
         };
         let (decisive, others): (Vec<_>, Vec<_>) =
             criteria.iter().filter_map(per_run).partition(|one| one.decisive);

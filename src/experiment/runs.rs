@@ -9,7 +9,8 @@ use crate::judge::{Seen, aggregate_against, counted, holds_undefined};
 use crate::numbers::summary::{mean, variance_of_mean};
 use crate::results::{CaseRun, MetricSummary, Outcome, SavedCase};
 use crate::run::{Unwatched, run_case};
-use crate::scenario::{Aggregate, Case, Comparison, Goal, MetricKind, MetricReference, Relation};
+use crate::scenario::{Aggregate, Case, Comparison, Goal, MetricKind, MetricReference, Relation, ShownIn};
+use rayon::prelude::*;
 
 impl Laboratory<'_> {
     /// Runs every case side by side; the outcomes are in the order of the cases.
@@ -105,12 +106,7 @@ impl Laboratory<'_> {
 
     /// Every quantity and flag over the outcomes, for tables. Categories have no mean.
     pub(super) fn summaries(&self, outcomes: &[Outcome]) -> Vec<MetricSummary> {
-        let has_mean = |reference: &&MetricReference| {
-            reference.known().is_some_and(|metric| !matches!(metric.kind, MetricKind::Category(_)))
-        };
-        self.requests
-            .iter()
-            .filter(has_mean)
+        self.summed_up()
             .map(|reference| {
                 let seen = self.seen(reference, outcomes);
                 let mut values: Vec<f64> = seen.into_iter().filter_map(Seen::value).collect();
@@ -126,6 +122,23 @@ impl Laboratory<'_> {
                 }
             })
             .collect()
+    }
+
+    /// How the metrics of [`Self::summaries`] are shown, in their order.
+    pub(super) fn summaries_in(&self) -> Vec<ShownIn> {
+        let shown_in = |reference: &MetricReference| match reference.known()?.kind {
+            MetricKind::Flag => Some(ShownIn::new(None, "%")),
+            _ => Some(ShownIn::new(self.suite.notation(&reference.label()), &reference.unit())),
+        };
+        self.summed_up().map(|reference| shown_in(reference).unwrap_or_default()).collect()
+    }
+
+    /// The metrics that have a mean: not those that are words.
+    fn summed_up(&self) -> impl Iterator<Item = &MetricReference> {
+        let has_mean = |reference: &&MetricReference| {
+            reference.known().is_some_and(|metric| !matches!(metric.kind, MetricKind::Category(_)))
+        };
+        self.requests.iter().filter(has_mean)
     }
 
     /// Who passed first in an outcome, in the metric's own words.

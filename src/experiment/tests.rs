@@ -169,6 +169,7 @@ fn suite() -> Suite {
         evaluates: Vec::new(),
         statements: Vec::new(),
         gates: Vec::new(),
+        notations: Vec::new(),
         origin: Origin::default(),
     }
 }

@@ -229,6 +229,7 @@ impl Bench<'_> {
         let keeps =
             |constraint| self.laboratory.margin(constraint, &after_fresh).is_some_and(|margin| margin >= 0.0);
         Ok(BeforeAndAfter {
+            shown_in: self.laboratory.summaries_in(),
             before: self.laboratory.summaries(&outcomes(&[], false)?),
             after: self.laboratory.summaries(&outcomes(chosen, false)?),
             before_fresh: self.laboratory.summaries(&outcomes(&[], true)?),

@@ -15,6 +15,7 @@ mod files;
 pub mod filter;
 mod format;
 mod lexer;
+mod notations;
 mod overrides;
 mod print;
 mod render;
@@ -226,7 +227,7 @@ fn load_with(path: &Path, mut files: Files) -> Result<Loaded, Failure> {
     }
     let mut set: Vec<String> = files.overrides.all().iter().map(ToString::to_string).collect();
     set.sort();
-    let suite = suite.map(|suite| Suite { set, ..suite });
+    let suite = suite.map(|suite| Suite { set, notations: notations::of(&suite), ..suite });
     let sources = files.sources;
     match suite {
         Some(suite) if !failed => Ok(Loaded { suite, warnings: report, sources }),

@@ -110,6 +110,7 @@ fn bare(files: &Files, file: FileId, path: &Path, report: &mut Vec<Diagnostic>) 
         evaluates: blocks.evaluates,
         statements: blocks.statements,
         gates: Vec::new(),
+        notations: Vec::new(),
         origin: files.sources.origin(Span::beginning(root.span().source)),
     })
 }
@@ -253,6 +254,7 @@ fn declared(files: &mut Files, file: FileId, path: &Path, report: &mut Vec<Diagn
         evaluates: blocks.evaluates,
         statements: blocks.statements,
         gates: gates.into_iter().flatten().collect(),
+        notations: Vec::new(),
         origin: files.sources.origin(name.span()),
     })
 }

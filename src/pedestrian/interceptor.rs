@@ -6,10 +6,10 @@ use nalgebra::Vector2;
 
 use super::{PedestrianContext, PedestrianModel};
 use crate::scenario::{
-    Chance, ChoiceOption, Declaration, Dimension, Parameter, Position, Road, Side, VehicleReference, show,
+    Chance, ChoiceOption, Declaration, Dimension, Parameter, Position, Road, Side, VehicleReference,
 };
 use crate::sim::random::{Agent, Purpose, stream};
-use crate::sim::{ModelError, Motion, Pedestrian, Scene, VehicleState};
+use crate::sim::{ModelError, Motion, Pedestrian, Scene, Stated, StatedBy, VehicleState};
 
 const IDEA: &str = "Yang, Kujanpaa et al. 2023, ITSC, arXiv 2309.00249";
 const CHOICE: &str = "our choice; the paper's agent is learned";
@@ -144,9 +144,10 @@ fn check_place(road: &Road, side: Side, start: Position) -> Result<(), ModelErro
     }
     let inside = side.walking_sign() * (start.y - road.kerb(side));
     if inside >= 0.0 {
-        let inside = show(inside, None, Dimension::LENGTH);
-        return Err(ModelError::with_hint(
-            format!("`interceptor` starts {inside} inside the kerb, but must start on the pavement"),
+        let inside = Stated { value: inside, dimension: Dimension::LENGTH, of: StatedBy::Start };
+        return Err(ModelError::stating(
+            "`interceptor` starts {} inside the kerb, but must start on the pavement",
+            [inside],
             "start it 0.3 m or more from the kerb",
         ));
     }
@@ -292,7 +293,7 @@ mod tests {
         walk.world.road.kerbs = true;
         walk.world.pedestrians[0].start.y = 0.0;
         let error = walk.rebuild(&interceptor(), Settings::default()).expect_err("in the road");
-        assert!(error.message.contains("2 m inside"));
+        assert!(error.to_string().contains("2 m inside"));
     }
 
     #[test]

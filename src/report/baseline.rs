@@ -7,6 +7,7 @@ use crate::escape::markdown;
 use crate::judge::baseline::{Baseline, RecordedMetric, RecordedTrial, pair};
 use crate::judge::gate::vehicle_changes;
 use crate::numbers::summary::mean;
+use crate::results::Change;
 use crate::scenario::MetricKind;
 
 const STRING: &str = "writing to a string cannot fail";
@@ -81,7 +82,7 @@ pub fn render_difference(base: &Baseline, candidate: &Baseline, form: Form) -> S
         .iter()
         .filter_map(|trial| Some((base.trials.iter().find(|known| known.key == trial.key)?, trial)))
         .collect();
-    let mut changes: Vec<String> = Vec::new();
+    let mut changes: Vec<Change> = Vec::new();
     for (before, after) in &both {
         for (before, after) in base.vehicles[before.vehicles].iter().zip(&candidate.vehicles[after.vehicles])
         {

@@ -57,9 +57,10 @@ pub fn render_tune(result: &TuneResult) -> String {
         let mut lines = vec![headings.map(String::from).to_vec()];
         let tables = [&comparison.after, &comparison.before_fresh, &comparison.after_fresh];
         for (index, before) in comparison.before.iter().enumerate() {
-            let others = tables.map(|table| summary(&table[index]));
+            let unit = comparison.shown_in.get(index);
+            let others = tables.map(|table| summary(&table[index], unit));
             let [after, before_fresh, after_fresh] = others;
-            lines.push(vec![before.metric.clone(), summary(before), after, before_fresh, after_fresh]);
+            lines.push(vec![before.metric.clone(), summary(before, unit), after, before_fresh, after_fresh]);
         }
         text += &columns(&lines);
         text.push_str("  mean (min .. max) over the cases; fresh: the same cases with other seeds\n");
@@ -111,14 +112,16 @@ fn candidate(result: &TuneResult, candidate: &Candidate) -> String {
     format!("{} gives {}{margins}", point.join(", "), objectives.join(", "))
 }
 
-fn summary(summary: &MetricSummary) -> String {
+fn summary(summary: &MetricSummary, unit: Option<&ShownIn>) -> String {
+    let digits = |value| unit.map_or_else(|| digits(value), |unit| unit.number(value));
+    let shown = |value| unit.map_or_else(|| digits(value), |unit| unit.show(value));
     let MetricSummary { runs, defined, .. } = summary;
     let of = if defined < runs { format!(" in {defined} of {runs}") } else { String::new() };
     match (summary.mean, summary.min, summary.max) {
         (Some(mean), Some(min), Some(max)) if min < max => {
-            format!("{} ({} .. {}){of}", digits(mean), digits(min), digits(max))
+            format!("{} ({} .. {}){of}", shown(mean), digits(min), digits(max))
         }
-        (Some(mean), ..) => digits(mean) + &of,
+        (Some(mean), ..) => shown(mean) + &of,
         _ => "–".to_string(),
     }
 }

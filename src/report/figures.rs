@@ -6,10 +6,12 @@ use super::chart::{
     Dot, Entry, First, Found, Individuals, Path, Paths, Quantity, Rate, RateSeries, Rates, Rows, Rule, Strip,
     Strips, first_legend, is_drawn, with_room,
 };
+use super::digest::written_unit;
 use super::variable::Variable;
 use super::wording::comparison_rule;
+use crate::metrics;
 use crate::results::{Outcome, Recording, Requests, SuiteReport, TrialReport};
-use crate::scenario::{Aggregate, Claim, Expression, MetricKind, MetricReference, Value, Worst};
+use crate::scenario::{Aggregate, Claim, Expression, MetricKind, MetricReference, Notation, Value, Worst};
 
 /// Charts that belong together, one per panel.
 #[derive(Debug, Clone, PartialEq)]
@@ -97,7 +99,18 @@ impl Data<'_> {
 
     fn quantity(&self, index: usize) -> Quantity {
         let reference = self.reference(index);
-        Quantity::new(reference.label(), reference.unit())
+        let unit = match self.notation(index) {
+            Some(written) => written.symbol.to_string(),
+            None => reference.unit(),
+        };
+        Quantity::new(reference.label(), unit)
+    }
+
+    /// The unit that the first of the criteria about a metric is written in: what its charts are drawn in.
+    fn notation(&self, index: usize) -> Option<Notation> {
+        let reference = self.reference(index);
+        let criteria = self.report.trials.iter().flat_map(|trial| &trial.trial.criteria);
+        written_unit(criteria, reference, reference.known()?)
     }
 
     fn first(&self, outcome: &Outcome) -> First {
@@ -114,10 +127,11 @@ impl Data<'_> {
 
     fn strip(&self, name: String, trials: &[&TrialReport], index: usize) -> Strip {
         let outcomes = || trials.iter().flat_map(|trial| &trial.outcomes);
-        let mut values: Vec<f64> = outcomes().filter_map(|outcome| outcome.metrics[index]).collect();
+        let unit = self.notation(index);
+        let mut values: Vec<f64> = outcomes().filter_map(|outcome| charted(outcome, index, unit)).collect();
         values.sort_by(f64::total_cmp);
         let dot = |outcome: &Outcome| {
-            let value = outcome.metrics[index]?;
+            let value = charted(outcome, index, unit)?;
             // Only what is drawn is pointed at.
             let name = if is_drawn(&values, value) { outcome.key.clone() } else { String::new() };
             Some(Dot { value, first: self.first(outcome), name })
@@ -128,7 +142,8 @@ impl Data<'_> {
 
     /// The bounds that the criteria of `trials` compare single runs to.
     fn rules(&self, trials: &[&TrialReport], index: usize) -> Vec<Rule> {
-        let mut rules: Vec<Rule> = Vec::new();
+        let unit = self.notation(index);
+        let mut rules: Vec<(f64, Rule)> = Vec::new();
         for criterion in trials.iter().flat_map(|trial| &trial.trial.criteria) {
             let comparison = match &criterion.claim {
                 Claim::Runs { comparison, .. } => comparison,
@@ -140,13 +155,13 @@ impl Data<'_> {
             };
             if let Expression::Constant(Value::Number(bound)) = &comparison.bound
                 && comparison.metric == *self.reference(index)
-                && !rules.iter().any(|rule| rule.value == *bound)
+                && !rules.iter().any(|(known, _)| known == bound)
             {
-                rules.push(comparison_rule(comparison, None));
+                rules.push((*bound, comparison_rule(comparison, unit)));
             }
         }
         // Bounds that change from trial to trial would only clutter the chart.
-        if rules.len() > 3 { Vec::new() } else { rules }
+        if rules.len() > 3 { Vec::new() } else { rules.into_iter().map(|(_, rule)| rule).collect() }
     }
 
     /// Figure (a): rates against the variation, one line per scenario.
@@ -263,6 +278,7 @@ impl Data<'_> {
     fn individuals(&self, index: usize) -> Option<Figure> {
         let variable = self.variable.as_ref()?;
         let metric = self.reference(index).known()?;
+        let unit = self.notation(index);
         let mut charts = Vec::new();
         let (mut tied, mut left_out) = (0, 0);
         for (name, trials) in &self.scenarios {
@@ -272,7 +288,7 @@ impl Data<'_> {
                 .iter()
                 .flat_map(|trial| trial.outcomes.iter().map(|outcome| (&trial.trial.variation, outcome)));
             for (variation, outcome) in runs {
-                let (Some(x), Some(y)) = (variable.value(variation), outcome.metrics[index]) else {
+                let (Some(x), Some(y)) = (variable.value(variation), charted(outcome, index, unit)) else {
                     continue;
                 };
                 let point = Found { x, y, first: self.first(outcome), name: outcome.key.clone() };
@@ -376,6 +392,11 @@ impl Data<'_> {
             panels: charts.iter().map(Paths::to_svg).collect(),
         })
     }
+}
+
+/// A run's value of a metric in a unit, or in the SI unit.
+fn charted(outcome: &Outcome, index: usize, unit: Option<Notation>) -> Option<f64> {
+    outcome.metrics[index].map(|value| unit.map_or(value, |unit| unit.of_si(value)))
 }
 
 /// Leaves as many points as a person can tell apart: the worst, and of the others every so-manieth. Returns how many went.

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use anstyle::{AnsiColor, Style};
 
 use super::Excerpt;
-use super::format::{count, quantity, share};
+use super::format::{count, in_notation, quantity, share};
 use super::table::paint;
 use crate::escape::{terminal, terminal_line};
 use crate::judge::baseline::some;
@@ -130,7 +130,8 @@ pub fn context(verdict: &GateVerdict) -> Vec<String> {
         }
     });
     if !verdict.changes.is_empty() {
-        lines.push(format!("tested: {}", verdict.changes.join(", ")));
+        let changes: Vec<_> = verdict.changes.iter().map(ToString::to_string).collect();
+        lines.push(format!("tested: {}", changes.join(", ")));
     }
     lines.extend(blindness(verdict));
     lines.extend(cancelled(verdict));
@@ -312,16 +313,22 @@ pub fn flips(check: &Check, replay: Replay) -> Vec<String> {
 
 /// `1.2 s -> 0.3 s  zebra/walker/tta=6s/rep=2`.
 pub fn changed(check: &Check, run: &ChangedRun) -> String {
-    let value = |value| check.metric.known().map_or("?".to_string(), |metric| quantity(metric, value));
+    let value = |value| in_its_unit(check, value).unwrap_or_else(|| "?".to_string());
     format!("{} -> {}  {}", value(run.base), value(run.candidate), run.key)
+}
+
+/// A value of the metric in the unit that its suite compares it in; `None` if nobody knows the metric.
+fn in_its_unit(check: &Check, value: Option<f64>) -> Option<String> {
+    match (value, check.notation) {
+        (Some(value), Some(unit)) => Some(in_notation(value, unit)),
+        (value, _) => check.metric.known().map(|metric| quantity(metric, value)),
+    }
 }
 
 /// A mean in the metric's unit, or a share.
 fn show(check: &Check, value: f64) -> String {
     match check.subject {
-        Subject::Mean => {
-            check.metric.known().map_or_else(|| significant(value, 4), |metric| quantity(metric, Some(value)))
-        }
+        Subject::Mean => in_its_unit(check, Some(value)).unwrap_or_else(|| significant(value, 4)),
         Subject::Rate | Subject::Existence | Subject::New => share(value),
     }
 }

@@ -94,7 +94,7 @@ pub fn comparison_text(comparison: &Comparison, unit: Option<Notation>) -> Strin
     }
 }
 
-/// The bound of a comparison as a line in a chart of its metric: at its value in SI units, shown in `unit` if it has one.
+/// The bound of a comparison as a line in a chart of its metric: both in `unit` if it has one, else in SI units.
 pub fn comparison_rule(comparison: &Comparison, unit: Option<Notation>) -> Rule {
     let sign = match comparison.relation {
         Relation::GreaterOrEqual => "≥",
@@ -110,7 +110,7 @@ pub fn comparison_rule(comparison: &Comparison, unit: Option<Notation>) -> Rule 
         }
         _ => significant(bound, 4),
     };
-    Rule { value: bound, label: format!("{sign} {shown}") }
+    Rule { value: unit.map_or(bound, |unit| unit.of_si(bound)), label: format!("{sign} {shown}") }
 }
 
 /// Verdict, what was found, its interval and margin, and the run that is worst or nearest to failing.

@@ -1,14 +1,14 @@
 //! What became of a gate, and its comparisons.
 
+use super::standing::Standing;
+use crate::numbers::json;
+use crate::results::Verdict;
+use crate::scenario::{Dimension, Gate, Metric, Notation, Reference, Suite, show_apart};
+use std::fmt;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
-
-use super::standing::Standing;
-use crate::numbers::json;
-use crate::results::Verdict;
-use crate::scenario::{Gate, Metric, Reference};
 
 /// What became of a gate.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -113,13 +113,60 @@ pub struct GateVerdict {
     pub same_people: bool,
     /// Every run went exactly as before.
     pub nothing_changed: bool,
-    /// What is tested and differs, such as `av.controller.braking_distance: 5 -> 4.75`.
-    pub changes: Vec<String>,
+    /// What is tested and differs.
+    pub changes: Vec<Change>,
 }
 
 impl GateVerdict {
     pub fn count(&self, outcome: CheckOutcome) -> usize {
         self.checks.iter().filter(|check| check.outcome == outcome).count()
+    }
+
+    /// Shows what is compared and what was changed in the units that a suite writes them in. A rule that says its tolerance
+    /// itself comes first.
+    pub fn written_as(mut self, suite: &Suite) -> Self {
+        for check in &mut self.checks {
+            check.notation = check.notation.or_else(|| suite.notation(&check.label));
+        }
+        for change in &mut self.changes {
+            if let Change::Number { what, notation, .. } = change {
+                let written = || suite.scenarios.iter().filter_map(|scenario| scenario.written.get(what));
+                *notation = notation.or_else(|| written().find_map(|written| written.notation));
+            }
+        }
+        self
+    }
+}
+
+/// Something of a tested vehicle that is not what it was.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Change {
+    Number {
+        /// Such as `av.controller.braking_distance`.
+        what: String,
+        /// SI units.
+        before: f64,
+        after: f64,
+        dimension: Dimension,
+        /// The unit that people are shown it in, if that is another one than the SI unit.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        notation: Option<Notation>,
+    },
+    /// In words, such as `av.controller: yielding -> idm_aeb`.
+    Other(String),
+}
+
+impl fmt::Display for Change {
+    /// Such as `av.controller.braking_distance: 5 m -> 4.75 m`.
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Number { what, before, after, dimension, notation } => {
+                let shown = show_apart(&[*before, *after].map(|value| (value, *dimension, *notation)));
+                write!(out, "{what}: {}", shown.join(" -> "))
+            }
+            Self::Other(text) => text.fmt(out),
+        }
     }
 }
 
@@ -142,6 +189,9 @@ pub struct Check {
     /// The metric's name and label.
     pub metric: Reference<Metric>,
     pub label: String,
+    /// The unit that people are shown its values in, if that is another one than the SI unit, in which they are.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub notation: Option<Notation>,
     pub subject: Subject,
     /// The scenario, or the trial where `certain`.
     pub place: String,

@@ -43,8 +43,8 @@ pub use evaluate::{ConditionResult, Difference, EvaluateResult, ParameterValue};
 pub use event::{Evaluations, Event, Outline, Reporter, Stopping, UnitReport};
 pub use finding::{Finding, Measure, Regarding, Vacuity, WorstRun};
 pub use gate::{
-    BlindPlace, ChangedRun, Check, CheckOutcome, GateReport, GateState, GateVerdict, NotJudged, Power,
-    Refusal, Subject, TrialChange,
+    BlindPlace, Change, ChangedRun, Check, CheckOutcome, GateReport, GateState, GateVerdict, NotJudged,
+    Power, Refusal, Subject, TrialChange,
 };
 pub use outcome::{ByMetric, Critical, CutOff, OnCourse, Outcome, Unfinished};
 pub use recorded::{Recorded, RecordedReport, RecordedState, Rerun};

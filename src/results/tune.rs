@@ -72,6 +72,9 @@ impl fmt::Display for Violations {
 /// Before and after, on the same runs and on fresh ones.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BeforeAndAfter {
+    /// How each of the metrics is shown, in their order; flags as shares.
+    #[serde(default)]
+    pub shown_in: Vec<ShownIn>,
     pub before: Vec<MetricSummary>,
     pub after: Vec<MetricSummary>,
     /// The same cases with other seeds: what remains once the luck of the selection is gone.

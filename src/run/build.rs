@@ -3,11 +3,13 @@
 use thiserror::Error;
 
 use crate::numbers::random::ranks;
-use crate::scenario::{ControllerContext, PedestrianContext, Reference, World};
-use crate::sim::{Driven, ModelError, RoadUsers};
+use crate::pedestrian;
+use crate::scenario::{ControllerContext, PedestrianContext, Reference, Scenario, World};
+use crate::sim::{Driven, ModelError, RoadUsers, StatedBy};
+use crate::vehicle;
 
 /// Why a case cannot be run.
-#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[derive(Debug, Clone, PartialEq, Error)]
 pub enum RunError {
     #[error("there is no {kind} called `{name}`")]
     Unknown { kind: &'static str, name: String },
@@ -16,6 +18,20 @@ pub enum RunError {
 }
 
 impl RunError {
+    /// What is wrong, numbers in the units that a scenario is written in.
+    pub fn told(&self, scenario: &Scenario) -> String {
+        let Self::Model { who, error } = self else { return self.to_string() };
+        let notation = |name: String| scenario.written.get(&name).and_then(|written| written.notation);
+        let written = |of: StatedBy| match of {
+            StatedBy::Setting(name) => {
+                ["model", "controller"].into_iter().find_map(|part| notation(format!("{who}.{part}.{name}")))
+            }
+            StatedBy::Start => notation(format!("{who}.start")),
+            StatedBy::Step => notation("step".to_string()),
+        };
+        format!("`{who}`: {}", error.told(&written))
+    }
+
     /// What to write instead, if the model knows.
     pub fn hint(&self) -> Option<&str> {
         match self {

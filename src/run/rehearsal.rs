@@ -60,7 +60,7 @@ fn refusals<'a>(scenario: &Scenario, cases: impl Iterator<Item = &'a Case>) -> V
     let mut known: HashMap<String, usize> = HashMap::new();
     for case in cases {
         let Err(error) = road_users(&case.world, case.seed) else { continue };
-        let message = error.to_string();
+        let message = error.told(scenario);
         if let Some((_, times)) = known.get(&message).and_then(|index| obstacles[*index].met.as_mut()) {
             *times += 1;
             continue;

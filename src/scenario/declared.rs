@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     ControllerModel, Criterion, Distribution, DynamicsModel, Evaluate, EvaluationError, Expression, Gate,
-    Origin, PedestrianModel, PerceptionModel, Reference, Road, Search, Side, Statement, Tune, Value,
-    VehicleReference, Written,
+    MetricReference, Notation, Origin, PedestrianModel, PerceptionModel, Reference, Road, Search, Side,
+    Statement, Tune, Value, VehicleReference, Written,
 };
 
 /// A suite: scenarios and what holds for all of them. A bare `.scn` file becomes a suite named after the file.
@@ -37,7 +37,23 @@ pub struct Suite {
     pub statements: Vec<Statement>,
     #[serde(default)]
     pub gates: Vec<Gate>,
+    /// The unit in which it compares a metric to something, the first where there are several; metrics that it compares in SI
+    /// units are not there. For messages and reports only.
+    #[serde(skip)]
+    pub notations: Vec<(MetricReference, Notation)>,
     pub origin: Origin,
+}
+
+impl Suite {
+    /// The unit in which people are shown a metric; `None`: the SI unit.
+    pub fn notation(&self, label: &str) -> Option<Notation> {
+        self.notations.iter().find(|(metric, _)| metric.label() == label).map(|(_, notation)| *notation)
+    }
+
+    /// One of its scenarios, or of those that only its blocks know.
+    pub fn scenario(&self, name: &str) -> Option<&Scenario> {
+        self.scenarios.iter().chain(&self.supporting).find(|scenario| scenario.name == name)
+    }
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{MetricReference, Origin};
+use super::{MetricReference, Notation, Origin};
 
 /// A comparison with a baseline that a change must survive.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -25,6 +25,9 @@ pub struct GateRule {
     pub confidence: f64,
     /// In canonical words, such as `no metric worse by more than 5 % with 95 % confidence`.
     pub text: String,
+    /// The unit that an absolute tolerance is written in.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub notation: Option<Notation>,
     pub origin: Origin,
 }
 

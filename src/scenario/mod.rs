@@ -56,7 +56,7 @@ pub use evaluate::{Condition, Evaluate, Measure, ParameterSet};
 pub use expression::{BinaryOperator, EvaluationError, Expression};
 pub use gate::{Gate, GateRule, Tolerance};
 pub use metric::{Absence, Meters, Metric, MetricKind, MetricRange, Scope, Worst};
-pub use notation::{Notation, Written, out_of_range, show, show_both, show_outside};
+pub use notation::{Notation, Written, out_of_range, show, show_apart, show_both, show_outside};
 pub use optimisation::{
     Budget, CaseSet, Goal, InitialDesign, Method, Objective, Part, Range, RangeValues, SampleSize, Search,
     ShownIn, Target, Tune,

@@ -63,12 +63,27 @@ pub fn show(si: f64, notation: Option<Notation>, dimension: Dimension) -> String
 /// Two numbers in SI units as [`show`] gives them in the SI unit, with as many more digits as tell them apart: of the two somebody
 /// is told that they do not fit each other.
 pub fn show_both(one: f64, other: f64, dimension: Dimension) -> (String, String) {
-    let few = (digits(one), digits(other));
-    let more = (5..=17).map(|count| (significant(one, count), significant(other, count)));
-    let told_apart = |(left, right): &(String, String)| one == other || left != right;
-    let shown = std::iter::once(few.clone()).chain(more).find(told_apart).unwrap_or(few);
-    let unit = dimension.si_unit();
-    (with_symbol(&shown.0, &unit), with_symbol(&shown.1, &unit))
+    let mut shown = show_apart(&[(one, dimension, None), (other, dimension, None)]).into_iter();
+    (shown.next().unwrap_or_default(), shown.next().unwrap_or_default())
+}
+
+/// Numbers in SI units as [`show`] gives them, with as many more digits as tell apart those that differ.
+pub fn show_apart(numbers: &[(f64, Dimension, Option<Notation>)]) -> Vec<String> {
+    let shown = |digits: &dyn Fn(f64) -> String| -> Vec<String> {
+        let one = |(si, dimension, notation): &(f64, Dimension, Option<Notation>)| match notation {
+            Some(unit) => with_symbol(&digits(unit.of_si(*si)), unit.symbol.as_str()),
+            None => with_symbol(&digits(*si), &dimension.si_unit()),
+        };
+        numbers.iter().map(one).collect()
+    };
+    let told_apart = |texts: &Vec<String>| {
+        let same =
+            |left: usize, right: usize| texts[left] == texts[right] && numbers[left].0 != numbers[right].0;
+        (0..texts.len()).all(|right| (0..right).all(|left| !same(left, right)))
+    };
+    let few = shown(&digits);
+    let more = (5..=17).map(|count| shown(&|number| significant(number, count)));
+    std::iter::once(few.clone()).chain(more).find(told_apart).unwrap_or(few)
 }
 
 /// A number that lies outside a range, both in one unit, which is not shown, with so many digits that it does not look inside.

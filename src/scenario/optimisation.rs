@@ -152,7 +152,12 @@ impl ShownIn {
 
     /// As [`Self::show`], without the unit.
     pub fn number(&self, si: f64) -> String {
-        significant(self.notation.map_or(si, |notation| notation.of_si(si)), 4)
+        self.rounded(si, 4)
+    }
+
+    /// As [`Self::number`], with that many significant digits.
+    pub fn rounded(&self, si: f64, digits: i32) -> String {
+        significant(self.notation.map_or(si, |notation| notation.of_si(si)), digits)
     }
 }
 

@@ -15,8 +15,8 @@ mod world;
 
 pub use crate::scenario::agent::{
     Command, Controller, Dynamics, EgoState, Longitudinal, ModelError, Motion, Observation, Pedestrian,
-    PedestrianState, RoadView, Scene, Schedule, SeenPedestrian, SeenVehicle, Snapshot, VehicleState,
-    velocity_inside,
+    PedestrianState, RoadView, Scene, Schedule, SeenPedestrian, SeenVehicle, Snapshot, Stated, StatedBy,
+    VehicleState, velocity_inside,
 };
 pub use contact::{Contacts, Solid, Touch};
 pub use fingerprint::Fingerprint;

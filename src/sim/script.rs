@@ -4,10 +4,9 @@
 //! with units, so that they are checked where they are written, vary, and can be tuned. A step waits until its trigger
 //! holds; only then does the next one count. Source: actions and conditions after ASAM OpenSCENARIO storyboards.
 
-use std::iter;
-
 use crate::scenario::agent::ModelError;
 use crate::scenario::{Dimension, Parameter, Settings, TextCheck, TextError};
+use std::iter;
 
 /// What a step makes its road user do until the next one.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -94,7 +93,10 @@ impl Script {
             true => Ok(Self { steps, next: 0, last: 0.0 }),
             false => {
                 let TextError { message, hint, .. } = errors.swap_remove(0);
-                Err(ModelError { message, hint })
+                Err(match hint {
+                    Some(hint) => ModelError::with_hint(message, hint),
+                    None => ModelError::new(message),
+                })
             }
         }
     }
@@ -298,7 +300,7 @@ mod tests {
         ];
         for (steps, message) in cases {
             let error = read(steps, &[("t1", 1.0), ("v1", 1.0), ("d1", 1.0)]).unwrap_err();
-            assert!(error.message.contains(message), "{steps}: {}", error.message);
+            assert!(error.to_string().contains(message), "{steps}: {error}");
             assert!(error.hint.is_some(), "{steps}");
         }
     }

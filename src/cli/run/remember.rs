@@ -9,8 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::cli::store;
 use crate::console::stderr;
-use crate::corpus::record;
-use crate::corpus::{case_hash, corpus_path, write_corpus};
+use crate::corpus::{case_hash, corpus_path, is_unchecked, record, write_corpus};
 use crate::dispatch::{Prepared, Unit, gate_key};
 use crate::judge::{judge, per_run};
 use crate::plan::{Plan, PlannedTrial};
@@ -62,7 +61,9 @@ pub fn failures(
         if arguments.record_failures {
             kept.extend(new.iter().cloned());
         }
-        if kept != suite.recorded {
+        // One of an earlier version gets its checksums.
+        let is_asked = arguments.record_failures || arguments.prune_failures;
+        if kept != suite.recorded || is_asked && is_unchecked(&path) {
             match write_corpus(&path, &kept) {
                 Ok(()) => {
                     writeln!(stderr(), "note: {} now holds {}", path.display(), count(kept.len(), "failure"))

@@ -35,6 +35,7 @@ pub fn measure(question: &Question, family: usize, seed: u64) -> Check {
         rule: question.rule,
         metric: question.metric.name.clone(),
         label: question.metric.label.clone(),
+        notation: question.notation,
         subject,
         place: place.to_string(),
         certain,

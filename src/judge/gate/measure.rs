@@ -1,12 +1,10 @@
 //! What a question's pairs of runs give: one difference per independent unit, turned so that positive is worse.
 
-use std::collections::BTreeSet;
-
 use super::questions::{About, Question, RunPair};
-use crate::judge::baseline::TestedVehicle;
 use crate::numbers::summary::mean;
 use crate::results::TrialChange;
 use crate::scenario::ModelSetup;
+use std::collections::BTreeSet;
 
 /// Which way a quantity gets worse.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -123,39 +121,4 @@ pub fn worst_trial(question: &Question) -> Option<TrialChange> {
 pub fn difference(base: f64, candidate: f64) -> f64 {
     let difference = candidate - base;
     if difference.abs() <= ROUNDING * base.abs().max(candidate.abs()) { 0.0 } else { difference }
-}
-
-/// What of a vehicle differs, such as `av.controller.braking_distance: 5 -> 4.75`; SI units.
-pub fn vehicle_changes(before: &TestedVehicle, after: &TestedVehicle) -> Vec<String> {
-    let mut all = Vec::new();
-    all.extend(setup_changes("controller", Some(&before.controller), Some(&after.controller)));
-    all.extend(setup_changes("dynamics", Some(&before.dynamics), Some(&after.dynamics)));
-    all.extend(setup_changes("sees", before.sees.as_ref(), after.sees.as_ref()));
-    all.push(("name".to_string(), before.name.clone(), after.name.clone()));
-    all.push(("length".to_string(), before.length.to_string(), after.length.to_string()));
-    all.push(("width".to_string(), before.width.to_string(), after.width.to_string()));
-    let changed = all.into_iter().filter(|(_, old, new)| old != new);
-    changed.map(|(what, old, new)| format!("{}.{what}: {old} -> {new}", after.name)).collect()
-}
-/// A part of a vehicle before and after: what it is, and every parameter that both have in common or one of them has.
-fn setup_changes<T>(
-    part: &str,
-    before: Option<&ModelSetup<T>>,
-    after: Option<&ModelSetup<T>>,
-) -> Vec<(String, String, String)> {
-    let name =
-        |setup: Option<&ModelSetup<T>>| setup.map_or("none".to_string(), |setup| setup.model.to_string());
-    let mut all = vec![(part.to_string(), name(before), name(after))];
-    let (Some(before), Some(after)) = (before, after) else { return all };
-    if before.model != after.model {
-        return all;
-    }
-    let settings = |setup: &ModelSetup<T>| setup.settings.0.keys().cloned().collect::<BTreeSet<_>>();
-    for parameter in settings(before).union(&settings(after)) {
-        let value = |setup: &ModelSetup<T>| {
-            setup.settings.get(parameter).map_or("none".to_string(), |value| value.to_string())
-        };
-        all.push((format!("{part}.{parameter}"), value(before), value(after)));
-    }
-    all
 }

@@ -2,6 +2,7 @@
 //!
 //! `docs/gates.md` says what the verdicts mean and gives the formulas.
 
+mod changes;
 mod check;
 mod measure;
 mod power;
@@ -14,7 +15,7 @@ use crate::numbers::inference::holm;
 use crate::results::{BlindPlace, Check, CheckOutcome, GateVerdict, Power, Verdict};
 use crate::scenario::{Gate, GateRule, MetricReference, Reference, Tolerance};
 
-pub use measure::vehicle_changes;
+pub use changes::vehicle_changes;
 
 /// The rule that a comparison has where no gate is named: no metric worse by more than this.
 pub fn blanket_rule(tolerance: f64, confidence: f64) -> GateRule {
@@ -28,6 +29,7 @@ pub fn blanket_rule(tolerance: f64, confidence: f64) -> GateRule {
             percent(tolerance),
             percent(confidence)
         ),
+        notation: None,
         origin: Default::default(),
     }
 }
@@ -51,6 +53,7 @@ fn no_new_collision() -> GateRule {
         tolerance: Tolerance::NoneNew { where_none_was: true },
         confidence: 1.0,
         text: "no new collision, where the baseline has none".to_string(),
+        notation: None,
         origin: Default::default(),
     }
 }
@@ -142,7 +145,7 @@ pub fn judge_rules(
         same_seeds: pairing.same_seeds,
         same_people: pairing.same_people,
         nothing_changed,
-        changes: changes(pairing),
+        changes: changes::changes(pairing),
     })
 }
 
@@ -175,21 +178,4 @@ fn blind(rules: &[GateRule], checks: &[Check], pairing: &Pairing) -> (Vec<String
         }
     }
     (everywhere, places)
-}
-
-/// What is tested and differs, once each.
-fn changes(pairing: &Pairing) -> Vec<String> {
-    let mut found: Vec<String> = Vec::new();
-    for (base, candidate) in &pairing.trials {
-        let before = &pairing.base.vehicles[base.vehicles];
-        let after = &pairing.candidate.vehicles[candidate.vehicles];
-        for (before, after) in before.iter().zip(after) {
-            for change in measure::vehicle_changes(before, after) {
-                if !found.contains(&change) {
-                    found.push(change);
-                }
-            }
-        }
-    }
-    found
 }

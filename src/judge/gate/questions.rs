@@ -2,13 +2,16 @@
 
 use super::measure::{Direction, Event};
 use crate::judge::baseline::{Incompatible, Pairing, RecordedMetric, RecordedTrial};
-use crate::scenario::{Absence, GateRule, Metric, MetricKind, MetricReference, Tolerance, Worst};
+use crate::metrics;
+use crate::scenario::{Absence, GateRule, Metric, MetricKind, MetricReference, Notation, Tolerance, Worst};
 
 /// One comparison to make.
 pub struct Question<'a> {
     pub rule: usize,
     pub confidence: f64,
     pub tolerance: Tolerance,
+    /// The unit that the rule says its tolerance in.
+    pub notation: Option<Notation>,
     pub metric: &'a RecordedMetric,
     pub about: About,
     pub place: Place<'a>,
@@ -194,6 +197,7 @@ impl<'a> Asker<'a, '_> {
             rule: self.rule,
             confidence: self.terms.confidence,
             tolerance: self.terms.tolerance,
+            notation: self.terms.notation,
             metric: self.recorded,
             about: About::New,
             place: Place::Scenario(scenario),
@@ -215,6 +219,7 @@ impl<'a> Asker<'a, '_> {
             rule: self.rule,
             confidence: self.terms.confidence,
             tolerance: self.terms.tolerance,
+            notation: self.terms.notation,
             metric: self.recorded,
             about,
             place,

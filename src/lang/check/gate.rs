@@ -8,7 +8,7 @@ use crate::lang::diagnostic::Diagnostic;
 use crate::lang::print;
 use crate::lang::tree::{Node, Rule};
 use crate::lang::value::{self, Kind, Scope, unquote};
-use crate::scenario::{Dimension, Gate, GateRule, MetricKind, Tolerance, Worst};
+use crate::scenario::{Dimension, Gate, GateRule, MetricKind, Notation, Tolerance, Worst};
 
 /// What a rule promises that does not say how sure it wants to be.
 pub const DEFAULT_CONFIDENCE: f64 = 0.95;
@@ -95,8 +95,8 @@ fn rule(
         None => None,
     };
     let bound = node.child(Rule::gate_tolerance).and_then(|tolerance| tolerance.child(Rule::expression));
-    let tolerance = match bound {
-        None => Tolerance::Relative(0.0),
+    let (tolerance, notation) = match bound {
+        None => (Tolerance::Relative(0.0), None),
         Some(bound) => tolerance(bound, metric.as_ref().map(|(_, found)| &found.kind), scope, report)?,
     };
     let said = node.child(Rule::confidence).and_then(|confidence| confidence.child(Rule::expression));
@@ -115,7 +115,7 @@ fn rule(
         text += &format!(" with {} confidence", print::expression(said));
     }
     let metric = metric.map(|(reference, _)| reference);
-    Some(GateRule { metric, tolerance, confidence, text, origin: places.origin(node.span()) })
+    Some(GateRule { metric, tolerance, confidence, text, notation, origin: places.origin(node.span()) })
 }
 
 /// The confidence of a rule: all comparisons of a gate share what it leaves to chance.
@@ -164,17 +164,18 @@ fn none_new(
         tolerance: Tolerance::NoneNew { where_none_was: false },
         confidence: DEFAULT_CONFIDENCE,
         text: format!("no new {}", criterion::metric_text(metric)),
+        notation: None,
         origin: places.origin(node.span()),
     })
 }
 
-/// In percent it is relative; in the metric's own unit absolute.
+/// In percent it is relative; in the metric's own unit absolute, with the unit that it is written in.
 fn tolerance(
     node: Node,
     metric: Option<&MetricKind>,
     scope: &Scope,
     report: &mut Vec<Diagnostic>,
-) -> Option<Tolerance> {
+) -> Option<(Tolerance, Option<Notation>)> {
     let found = value::evaluate(node, scope, report)?;
     let what = "how much worse a metric may be";
     let dimension = match (metric, found.kind) {
@@ -185,8 +186,8 @@ fn tolerance(
         node.children().any(|part| part.child(Rule::unit).is_some_and(|unit| unit.text() == "%"));
     let number = value::constant_in(node, dimension, (0.0, f64::MAX), what, scope, report)?;
     Some(if dimension == Dimension::NUMBER && (is_percentage || metric.is_none()) {
-        Tolerance::Relative(number)
+        (Tolerance::Relative(number), None)
     } else {
-        Tolerance::Absolute(number)
+        (Tolerance::Absolute(number), found.notation)
     })
 }

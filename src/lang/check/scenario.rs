@@ -145,6 +145,12 @@ pub fn scenario(
         let node = said.node.child(Rule::expression)?;
         value::constant_in(node, limit.dimension, limit.range, what, said.scope, report)
     };
+    if let Some(said) = last(&layers, Rule::step)
+        && let Some(node) = said.node.child(Rule::expression)
+        && let Some(typed) = value::evaluate(node, said.scope, &mut Vec::new())
+    {
+        written.variation("step", &typed, places);
+    }
     let step = number(Rule::step, limits::STEP, "the simulation step", Defaults::STEP, report);
     let horizon = number(Rule::horizon, limits::HORIZON, "the horizon", Defaults::HORIZON, report);
     let finish = number(Rule::finish, limits::FINISH, "the finish line", Defaults::FINISH, report);

@@ -6,9 +6,9 @@ use super::state::{Body, Control, State};
 use super::variant::{Accumulation, Variant, VariantError};
 use crate::numbers::random::Stream;
 use crate::pedestrian::{PedestrianContext, PedestrianModel};
-use crate::scenario::{Declaration, Dimension, Road, Settings, Shape, VehicleReference, show_both};
+use crate::scenario::{Chance, Declaration, Dimension, Road, Settings, Shape, VehicleReference, show_both};
 use crate::sim::random::{self, Purpose};
-use crate::sim::{ModelError, Motion, Pedestrian, Scene, VehicleState};
+use crate::sim::{ModelError, Motion, Pedestrian, Scene, Stated, StatedBy, VehicleState};
 
 /// The registry entry.
 pub fn commotions() -> PedestrianModel {
@@ -77,14 +77,12 @@ impl Person {
             parameters.vehicle_free_speed = parameters.vehicle_free_speed.min(road.speed_limit);
         }
         let dt = settings.number("dt");
+        let time = |value, of| Stated { value, dimension: Dimension::TIME, of };
         let steps = (dt / step).round();
         if steps < 1.0 || (steps * step / dt - 1.0).abs() > 1e-6 {
-            let (dt, step) = show_both(dt, step, Dimension::TIME);
-            return Err(ModelError::with_hint(
-                format!(
-                    "`commotions` decides every {dt}, which is no multiple of the simulation step \
-                     of {step}"
-                ),
+            return Err(ModelError::stating(
+                "`commotions` decides every {}, which is no multiple of the simulation step of {}",
+                [time(dt, StatedBy::Setting("dt")), time(step, StatedBy::Step)],
                 "let `dt` be a multiple of the simulation step",
             ));
         }
@@ -94,18 +92,22 @@ impl Person {
             ("DeltaT", parameters.action_duration, true),
         ] {
             if uses && value < dt {
-                let (value, dt) = show_both(value, dt, Dimension::TIME);
-                return Err(ModelError::with_hint(
-                    format!("`{name}` of `commotions` is {value}, shorter than its time step `dt` of {dt}"),
+                return Err(ModelError::stating(
+                    &format!("`{name}` of `commotions` is {{}}, shorter than its time step `dt` of {{}}"),
+                    [time(value, StatedBy::Setting(name)), time(dt, StatedBy::Setting("dt"))],
                     format!("let `{name}` be at least as long as `dt`"),
                 ));
             }
         }
         if variant.looming && parameters.looming_full <= parameters.looming_onset {
-            let (full, onset) =
-                show_both(parameters.looming_full, parameters.looming_onset, Dimension::ANGULAR_SPEED);
-            return Err(ModelError::with_hint(
-                format!("`thetaDot_1` of `commotions` is {full}, not above `thetaDot_0` of {onset}"),
+            let rate = |value, name| Stated {
+                value,
+                dimension: Dimension::ANGULAR_SPEED,
+                of: StatedBy::Setting(name),
+            };
+            return Err(ModelError::stating(
+                "`thetaDot_1` of `commotions` is {}, not above `thetaDot_0` of {}",
+                [rate(parameters.looming_full, "thetaDot_1"), rate(parameters.looming_onset, "thetaDot_0")],
                 "let `thetaDot_1` be larger than `thetaDot_0`",
             ));
         }

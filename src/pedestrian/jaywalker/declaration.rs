@@ -1,9 +1,7 @@
 //! The jaywalker's entry in the registry: parameters, presets and sources.
 
-use crate::scenario::{
-    ChoiceOption, Declaration, Dimension, Parameter, Preset, PresetFamily, Settings, show_both,
-};
-use crate::sim::ModelError;
+use crate::scenario::{ChoiceOption, Declaration, Dimension, Parameter, Preset, PresetFamily, Settings};
+use crate::sim::{ModelError, Stated, StatedBy};
 
 const CODE: &str = "observed behaviour of the research code behind Muktadir & Whitehead 2022";
 const BREWER: &str = "Brewer et al. 2006, TRR 1982:132-140, coefficients as observed in the \
@@ -436,9 +434,10 @@ impl Triggers {
 pub fn stop_times(settings: &Settings) -> Result<(f64, f64), ModelError> {
     let (low, high) = (settings.number("stop_time_min"), settings.number("stop_time_max"));
     if low > high {
-        let (low, high) = show_both(low, high, Dimension::TIME);
-        return Err(ModelError::with_hint(
-            format!("`stop_time_min` of `jaywalker` ({low}) is above `stop_time_max` ({high})"),
+        let stated = |value, name| Stated { value, dimension: Dimension::TIME, of: StatedBy::Setting(name) };
+        return Err(ModelError::stating(
+            "`stop_time_min` of `jaywalker` ({}) is above `stop_time_max` ({})",
+            [stated(low, "stop_time_min"), stated(high, "stop_time_max")],
             "swap them, or give one `stop_time`",
         ));
     }

@@ -14,9 +14,9 @@ use agent::{Individuality, Jaywalker, Tactic};
 use declaration::{declaration, stop_times};
 
 use super::{PedestrianContext, PedestrianModel};
-use crate::scenario::{Dimension, show, show_outside};
+use crate::scenario::{Chance, Dimension, show, show_outside};
 use crate::sim::random::{Agent, Purpose, stream};
-use crate::sim::{ModelError, Pedestrian};
+use crate::sim::{ModelError, Pedestrian, Stated, StatedBy};
 
 pub fn jaywalker() -> PedestrianModel {
     let declaration = declaration();
@@ -55,9 +55,10 @@ fn check_place(context: &PedestrianContext) -> Result<(), ModelError> {
     let sign = side.walking_sign();
     let inside = sign * (start.y - road.kerb(side));
     if inside >= 0.0 {
-        let inside = show(inside, None, Dimension::LENGTH);
-        return Err(ModelError::with_hint(
-            format!("`jaywalker` starts {inside} inside the kerb, but must start on the pavement"),
+        let inside = Stated { value: inside, dimension: Dimension::LENGTH, of: StatedBy::Start };
+        return Err(ModelError::stating(
+            "`jaywalker` starts {} inside the kerb, but must start on the pavement",
+            [inside],
             "start it 2 m from the kerb, as its source does",
         ));
     }
@@ -91,7 +92,7 @@ mod tests {
             let mut walk = Walk::new(&jaywalker(), Settings::default());
             change(&mut walk);
             let error = walk.rebuild(&jaywalker(), Settings::default()).expect_err(part);
-            assert!(error.message.contains(part), "{}", error.message);
+            assert!(error.to_string().contains(part), "{error}");
             assert!(error.hint.is_some());
         };
         refused(|walk| walk.world.road.kerbs = false, "kerbs");
@@ -103,7 +104,7 @@ mod tests {
     #[test]
     fn stop_times_must_be_in_order() {
         let given = Settings::from([("stop_time_min", Value::Number(2.0))]);
-        assert!(Walk::try_new(&jaywalker(), given).err().unwrap().message.contains("stop_time_max"));
+        assert!(Walk::try_new(&jaywalker(), given).err().unwrap().to_string().contains("stop_time_max"));
     }
 
     #[test]

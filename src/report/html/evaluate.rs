@@ -13,7 +13,8 @@ use crate::report::format::in_written_unit;
 use crate::report::wording::comparison_rule;
 use crate::results::{CaseRun, ConditionResult, Difference, EvaluateResult, ParameterValue, SuiteReport};
 use crate::scenario::{
-    Aggregate, CaseSet, Comparison, Evaluate, Measure, MetricKind, MetricReference, ParameterSet,
+    Aggregate, Block, CaseSet, Comparison, Evaluate, Measure, MetricKind, MetricReference, Notation,
+    ParameterSet,
 };
 
 /// More conditions than this stand below each other.
@@ -243,12 +244,27 @@ impl Charts<'_> {
         figures
     }
 
+    /// The unit in which the evaluation compares a metric, or else what is behind it.
+    fn notation(&self, reference: &MetricReference) -> Option<Notation> {
+        let of_values =
+            |aggregate: &Aggregate| !matches!(aggregate, Aggregate::Rate(_) | Aggregate::Count(_));
+        let measures = self.result.measures.iter().filter(|measure| of_values(&measure.aggregate));
+        let measures = measures.map(|measure| (measure.aggregate.metric(), measure.notation));
+        let comparisons = self.comparisons().into_iter().map(|(one, unit)| (&one.metric, unit));
+        measures.chain(comparisons).filter(|(metric, _)| *metric == reference).find_map(|(_, unit)| unit)
+    }
+
+    fn measured(&self, reference: &MetricReference) -> Measured {
+        Measured::metric(reference).written_in(self.notation(reference))
+    }
+
     /// Figure (e) of the founding paper.
     fn distributions(&self, reference: &MetricReference, index: usize) -> Option<Figure> {
+        let measured = self.measured(reference);
         let strip = |condition: &ConditionResult| {
             let dot = |run: &CaseRun| {
                 let (first, name) = (First::of(run.passed_first.as_deref()), run.case.key.clone());
-                run.outcome.metrics[index].map(|value| Dot { value, first, name })
+                run.outcome.metrics[index].map(|value| Dot { value: measured.charted(value), first, name })
             };
             let dots: Vec<Dot> = condition.runs.iter().filter_map(dot).collect();
             Strip { name: condition.name.clone(), undefined: condition.runs.len() - dots.len(), dots }
@@ -263,12 +279,13 @@ impl Charts<'_> {
     /// What every case has more than under the first condition.
     fn changes(&self, reference: &MetricReference, index: usize) -> Option<Figure> {
         let (first, others) = self.result.conditions.split_first()?;
+        let measured = self.measured(reference);
         let strip = |condition: &ConditionResult| {
             let pairs = first.runs.iter().zip(&condition.runs);
             let dot = |(before, after): (&CaseRun, &CaseRun)| {
                 let value = after.outcome.metrics[index]? - before.outcome.metrics[index]?;
                 Some(Dot {
-                    value,
+                    value: measured.charted(value),
                     first: First::of(after.passed_first.as_deref()),
                     name: after.case.key.clone(),
                 })
@@ -294,7 +311,7 @@ impl Charts<'_> {
         if firsts.is_empty() {
             return None;
         }
-        let (quantity, name) = (Measured::metric(reference).quantity(), self.result.name.clone());
+        let (quantity, name) = (self.measured(reference).quantity(), self.result.name.clone());
         let svg = if strips.len() > MOST_STRIPS {
             let range = Strips::range(&strips, &rules);
             Rows { title: name, x: quantity, strips, rules, range }.to_svg()
@@ -304,28 +321,35 @@ impl Charts<'_> {
         Some(Figure::new(title, note, vec![svg]).with_legend(first_legend(firsts, false)))
     }
 
-    /// The bounds that the tunes and the search behind it compare the metric to.
-    fn rules(&self, reference: &MetricReference) -> Vec<Rule> {
-        let suite = |name: &str| {
+    /// What the tunes and the search behind it compare to a bound, with the unit of that.
+    fn comparisons(&self) -> Vec<(&Comparison, Option<Notation>)> {
+        let block = |name: &str| {
             self.report.blocks.iter().map(|report| &*report.block).find(|one| one.name() == name)
         };
-        let mut comparisons: Vec<&Comparison> = Vec::new();
+        let mut comparisons: Vec<(&Comparison, Option<Notation>)> = Vec::new();
         for condition in &self.evaluate.conditions {
             if let ParameterSet::Tuned(name) = &condition.parameters
-                && let Some(crate::scenario::Block::Tune(tune)) = suite(name)
+                && let Some(Block::Tune(tune)) = block(name)
             {
-                comparisons.extend(&tune.constraints);
+                let constraints = tune.constraints.iter().enumerate();
+                comparisons.extend(constraints.map(|(index, one)| (one, tune.constraint_in(index))));
             }
         }
         if let CaseSet::Search(name) | CaseSet::Bests(name) = &self.evaluate.on
-            && let Some(crate::scenario::Block::Search(search)) = suite(name)
+            && let Some(Block::Search(search)) = block(name)
         {
-            comparisons.extend(&search.keep);
+            comparisons.extend(search.keep.iter().map(|keep| (keep, search.keep_in)));
         }
+        comparisons
+    }
+
+    /// The bounds of those comparisons that are of the metric.
+    fn rules(&self, reference: &MetricReference) -> Vec<Rule> {
+        let unit = self.notation(reference);
         let mut rules: Vec<(f64, Rule)> = Vec::new();
-        for comparison in comparisons.into_iter().filter(|one| one.metric == *reference) {
+        for (comparison, _) in self.comparisons().into_iter().filter(|(one, _)| one.metric == *reference) {
             if !rules.iter().any(|(bound, _)| *bound == comparison.constant_bound()) {
-                rules.push((comparison.constant_bound(), comparison_rule(comparison, None)));
+                rules.push((comparison.constant_bound(), comparison_rule(comparison, unit)));
             }
         }
         rules.into_iter().map(|(_, rule)| rule).collect()

@@ -7,10 +7,10 @@ use super::space::{Dimension, Measured, point_text};
 use crate::optimise::StopReason;
 use crate::report::chart::{Convergence, Front, Mark, Quantity, Rule, Slice, Tried};
 use crate::report::experiment::tuned_parameters;
-use crate::report::format::{in_unit, share};
+use crate::report::format::share;
 use crate::report::wording::comparison_text;
 use crate::results::{BeforeAndAfter, Candidate, MetricSummary, TuneResult, Violations};
-use crate::scenario::{MetricKind, MetricReference, Tune, significant};
+use crate::scenario::{MetricKind, MetricReference, ShownIn, Tune, significant};
 
 /// Charts of margins that are seen at once.
 const OPEN_MARGINS: usize = 6;
@@ -192,7 +192,7 @@ impl<'a> Bench<'a> {
             [&comparison.before, &comparison.after, &comparison.before_fresh, &comparison.after_fresh];
         let line = |(index, summary): (usize, &MetricSummary)| Line {
             metric: summary.metric.clone(),
-            cells: tables.map(|table| SummaryCell::new(&table[index])).into_iter().collect(),
+            cells: tables.map(|table| SummaryCell::new(&table[index], comparison.shown_in.get(index))).into(),
         };
         let lines = comparison.before.iter().enumerate().map(line);
         let (main, others) = lines.partition(|line: &Line| about.contains(&line.metric));
@@ -385,25 +385,27 @@ impl<'a> Bench<'a> {
 }
 
 impl SummaryCell {
-    fn new(summary: &MetricSummary) -> Self {
+    /// Of results that do not say how it is shown, in the SI unit.
+    fn new(summary: &MetricSummary, shown_in: Option<&ShownIn>) -> Self {
+        if let Some(MetricKind::Flag) = &summary.kind {
+            let mean = summary.mean.map_or("–".to_string(), share);
+            return Self { mean, range: String::new() };
+        }
         let unit = match &summary.kind {
             Some(MetricKind::Quantity(dimension)) => dimension.si_unit(),
-            Some(MetricKind::Flag) => {
-                let mean = summary.mean.map_or("–".to_string(), share);
-                return Self { mean, range: String::new() };
-            }
             _ => String::new(),
         };
+        let shown_in = shown_in.cloned().unwrap_or_else(|| ShownIn::new(None, &unit));
         let Some(mean) = summary.mean else { return Self { mean: "–".into(), range: String::new() } };
         let mut range = match (summary.min, summary.max) {
             (Some(min), Some(max)) if min < max => {
-                format!("{} to {}", significant(min, 3), significant(max, 3))
+                format!("{} to {}", shown_in.rounded(min, 3), shown_in.rounded(max, 3))
             }
             _ => String::new(),
         };
         if summary.defined < summary.runs {
             range += &format!(" in {} of {} runs", summary.defined, summary.runs);
         }
-        Self { mean: in_unit(mean, &unit), range: range.trim_start().to_string() }
+        Self { mean: shown_in.show(mean), range: range.trim_start().to_string() }
     }
 }

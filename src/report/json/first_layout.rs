@@ -239,6 +239,7 @@ impl GateOfSuite {
             tolerance: Tolerance::Absolute(0.0),
             confidence: 1.0,
             text: text.clone(),
+            notation: None,
             origin: Origin::default(),
         };
         let gate = Gate {

@@ -1,14 +1,15 @@
 //! The seams for models: what a pedestrian and a controller see, and what they may do.
 
+mod model_error;
 mod schedule;
 mod state;
 
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
 use super::{Position, Road, Shape};
 
+pub use model_error::{ModelError, Stated, StatedBy};
 pub use schedule::Schedule;
 pub use state::{Longitudinal, PedestrianState, Snapshot, VehicleState, velocity_inside};
 
@@ -162,23 +163,4 @@ pub enum Command {
 pub trait Dynamics: Send {
     /// Moves on by `step` s. Speeds never fall below zero.
     fn advance(&mut self, motion: &mut Longitudinal, command: Command, step: f64);
-}
-
-/// Why a model cannot be built for a case.
-#[derive(Debug, Clone, PartialEq, Eq, Error)]
-#[error("{message}")]
-pub struct ModelError {
-    pub message: String,
-    /// What to write instead.
-    pub hint: Option<String>,
-}
-
-impl ModelError {
-    pub fn new(message: impl Into<String>) -> Self {
-        Self { message: message.into(), hint: None }
-    }
-
-    pub fn with_hint(message: impl Into<String>, hint: impl Into<String>) -> Self {
-        Self { message: message.into(), hint: Some(hint.into()) }
-    }
 }

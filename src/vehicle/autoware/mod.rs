@@ -19,9 +19,9 @@ mod stop_position;
 mod tracker;
 
 use super::{CommandKind, ControllerContext, ControllerModel};
-use crate::scenario::{Chance, CrossingKind, Dimension, show_both};
+use crate::scenario::{Chance, CrossingKind, Dimension};
 use crate::sim::random::{Agent, Purpose, stream};
-use crate::sim::{Controller, ModelError};
+use crate::sim::{Controller, ModelError, Stated, StatedBy};
 
 /// The registry entry.
 pub fn autoware() -> ControllerModel {
@@ -43,9 +43,12 @@ fn build(context: &ControllerContext) -> Result<Box<dyn Controller>, ModelError>
     let period = settings.number("planning_period");
     let shortest = settings.number("control_period").max(settings.number("vehicle_period"));
     if period < shortest {
-        let (period, shortest) = show_both(period, shortest, Dimension::TIME);
-        return Err(ModelError::with_hint(
-            format!("`planning_period` of `autoware` is {period}, but its calls are {shortest} apart"),
+        let calls = ["control_period", "vehicle_period"];
+        let longer = calls.into_iter().find(|name| settings.number(name) == shortest).unwrap_or(calls[0]);
+        let stated = |value, name| Stated { value, dimension: Dimension::TIME, of: StatedBy::Setting(name) };
+        return Err(ModelError::stating(
+            "`planning_period` of `autoware` is {}, but its calls are {} apart",
+            [stated(period, "planning_period"), stated(shortest, longer)],
             "let it be at least the longer of `control_period` and `vehicle_period`",
         ));
     }

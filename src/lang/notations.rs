@@ -1,0 +1,41 @@
+//! In which units a suite compares its metrics: what reports show them in.
+
+use super::unit_in;
+use crate::scenario::{Aggregate, MetricKind, MetricReference, Notation, Suite};
+
+/// Every metric that is compared in another unit than the SI unit, once, with the first such unit: that of a criterion, then of a
+/// gate's rule, then of a block.
+pub fn of(suite: &Suite) -> Vec<(MetricReference, Notation)> {
+    let mut found: Vec<(MetricReference, Notation)> = Vec::new();
+    let mut take = |metric: &MetricReference, notation: Option<Notation>| {
+        if let Some(notation) = notation.filter(|_| !found.iter().any(|(known, _)| known == metric)) {
+            found.push((metric.clone(), notation));
+        }
+    };
+    for criterion in suite.scenarios.iter().chain(&suite.supporting).flat_map(|scenario| &scenario.criteria) {
+        let about = criterion.claim.metric();
+        if let Some(MetricKind::Quantity(dimension)) = about.known().map(|metric| &metric.kind) {
+            take(about, unit_in(&criterion.text, *dimension));
+        }
+    }
+    for rule in suite.gates.iter().flat_map(|gate| &gate.rules) {
+        if let Some(about) = &rule.metric {
+            take(about, rule.notation);
+        }
+    }
+    // Of a rate, the notation would be that of a share.
+    let of_values = |aggregate: &Aggregate| !matches!(aggregate, Aggregate::Rate(_) | Aggregate::Count(_));
+    for search in &suite.searches {
+        search.keep.iter().for_each(|keep| take(&keep.metric, search.keep_in));
+    }
+    for tune in &suite.tunes {
+        for (index, constraint) in tune.constraints.iter().enumerate() {
+            take(&constraint.metric, tune.constraint_in(index));
+        }
+    }
+    let measures = suite.evaluates.iter().flat_map(|evaluate| &evaluate.measures);
+    for measure in measures.filter(|measure| of_values(&measure.aggregate)) {
+        take(measure.aggregate.metric(), measure.notation);
+    }
+    found
+}
