@@ -100,7 +100,7 @@ fn two_parameter_files_are_compared_on_one_suite() {
     let (code, text) =
         compare(&["--parameters", "old.scn", "--parameters", "new.scn", "--format", "markdown"]);
     assert_eq!(code, 104, "{text}");
-    assert!(text.contains("av.controller.braking\\_distance: 5 -&gt; 4.75"), "{text}");
+    assert!(text.contains("av.controller.braking\\_distance: 5 m -&gt; 4.75 m"), "{text}");
     // Over what the suite declares, which is the same as the first.
     let (code, again) = compare(&["--parameters", "new.json", "--format", "markdown"]);
     assert_eq!((code, &again), (104, &text));

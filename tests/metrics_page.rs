@@ -21,6 +21,10 @@ below that this is better or worse than any value, criteria take it so; else suc
 and `undefined fails` say it otherwise. A run that the horizon ends before a metric is decided counts as the worst that could
 still have come.
 
+That a criterion cannot fail (W0936) is told by the parameters of its metric, the horizon and the fastest that a road user may
+be, not by how hard a vehicle brakes, since dynamics need not limit what a controller commands: of a threshold of 100 m/s^2, which
+no real car reaches, nothing is said.
+
 This page is generated from the registry in `src/metrics/`.
 ";
 

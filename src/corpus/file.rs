@@ -312,7 +312,7 @@ mod tests {
         let (found, reason) = parse(&text.replace("seed        8", "seed        9")).unwrap_err();
         assert!(found == line && reason.contains("not as it was written"), "{found}: {reason}");
         let second = text.find(&b.key).unwrap();
-        assert_eq!(parse(&text[..second]).unwrap(), [a.clone()]);
+        assert_eq!(parse(&text[..second]).unwrap(), std::slice::from_ref(&a));
         let first = text.find(&a.key).unwrap();
         assert_eq!(parse(&text[second..]).unwrap(), std::slice::from_ref(&b));
         let exchanged = format!("{}\n{}", &text[second..], &text[first..second]);

@@ -115,7 +115,7 @@ fn worse(left: &Finding, right: &Finding) -> std::cmp::Ordering {
     margin(left).total_cmp(&margin(right)).then(holding(left).total_cmp(&holding(right)))
 }
 
-fn variation<'r>(trial: &'r TrialReport) -> &'r [Assignment] {
+fn variation(trial: &TrialReport) -> &[Assignment] {
     &trial.trial.variation
 }
 

@@ -58,7 +58,7 @@ pub fn choose_runs(report: &SuiteReport) -> Vec<Chosen> {
 }
 
 /// Each criterion's worst run of every trial, then each one's second worst, and so on, with the criterion.
-fn worst_runs<'r>(report: &'r SuiteReport) -> Vec<(usize, &'r str, &'r str)> {
+fn worst_runs(report: &SuiteReport) -> Vec<(usize, &str, &str)> {
     let mut runs = Vec::new();
     for trial in &report.trials {
         let TrialState::Judged(judged) = &trial.state else { continue };

@@ -306,7 +306,7 @@ pub fn run(arguments: RunArguments, registry: &Registry) -> Exit {
         if exit == Exit::Inconclusive && !anything_judged(reports) {
             writeln!(stderr(), "warning: nothing was judged: no criterion applies to what was run");
         }
-        if arguments.deny.contains(&Deny::Untested) { deny_untested(exit, &reports) } else { exit }
+        if arguments.deny.contains(&Deny::Untested) { deny_untested(exit, reports) } else { exit }
     }
 }
 

@@ -1,5 +1,7 @@
 //! Searches, tunes on what they found, and journals.
 
+use std::time::Duration;
+
 use super::*;
 use crate::results::{BlockResult, MetricSummary, SearchResult, TuneResult, Violations};
 
@@ -12,8 +14,13 @@ fn run(suite: &Suite, journals: Option<std::path::PathBuf>) -> (SearchResult, Tu
     (found, tuned)
 }
 
+/// All but how long the runs took.
 fn text(results: &(SearchResult, TuneResult)) -> String {
-    serde_json::to_string(results).unwrap()
+    let mut results = results.clone();
+    for run in results.0.found.iter_mut().flat_map(|found| &mut found.runs) {
+        run.outcome.wall_time = Duration::ZERO;
+    }
+    serde_json::to_string(&results).unwrap()
 }
 
 #[test]
