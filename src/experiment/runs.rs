@@ -10,7 +10,6 @@ use crate::numbers::summary::{mean, variance_of_mean};
 use crate::results::{CaseRun, MetricSummary, Outcome, SavedCase};
 use crate::run::{Unwatched, run_case};
 use crate::scenario::{Aggregate, Case, Comparison, Goal, MetricKind, MetricReference, Relation, ShownIn};
-use rayon::prelude::*;
 
 impl Laboratory<'_> {
     /// Runs every case side by side; the outcomes are in the order of the cases.

@@ -9,7 +9,6 @@ use super::chart::{
 use super::digest::written_unit;
 use super::variable::Variable;
 use super::wording::comparison_rule;
-use crate::metrics;
 use crate::results::{Outcome, Recording, Requests, SuiteReport, TrialReport};
 use crate::scenario::{Aggregate, Claim, Expression, MetricKind, MetricReference, Notation, Value, Worst};
 

@@ -3,10 +3,8 @@
 use thiserror::Error;
 
 use crate::numbers::random::ranks;
-use crate::pedestrian;
 use crate::scenario::{ControllerContext, PedestrianContext, Reference, Scenario, World};
 use crate::sim::{Driven, ModelError, RoadUsers, StatedBy};
-use crate::vehicle;
 
 /// Why a case cannot be run.
 #[derive(Debug, Clone, PartialEq, Error)]

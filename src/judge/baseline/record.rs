@@ -94,7 +94,6 @@ fn tested_vehicles(case: &Case) -> Vec<TestedVehicle> {
 
 /// What stands around the tested vehicles. All of a world is in here or in [`tested_vehicles`]: whoever adds something to it
 /// decides where.
-
 fn parts(cases: &[Case]) -> Parts {
     let World { road, vehicles, pedestrians: _, step, horizon, finish, end_on_collision } = &*cases[0].world;
     let traffic: Vec<_> = vehicles

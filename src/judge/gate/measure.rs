@@ -3,8 +3,6 @@
 use super::questions::{About, Question, RunPair};
 use crate::numbers::summary::mean;
 use crate::results::TrialChange;
-use crate::scenario::ModelSetup;
-use std::collections::BTreeSet;
 
 /// Which way a quantity gets worse.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

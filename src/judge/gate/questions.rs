@@ -2,7 +2,6 @@
 
 use super::measure::{Direction, Event};
 use crate::judge::baseline::{Incompatible, Pairing, RecordedMetric, RecordedTrial};
-use crate::metrics;
 use crate::scenario::{Absence, GateRule, Metric, MetricKind, MetricReference, Notation, Tolerance, Worst};
 
 /// One comparison to make.

@@ -6,7 +6,7 @@ use super::state::{Body, Control, State};
 use super::variant::{Accumulation, Variant, VariantError};
 use crate::numbers::random::Stream;
 use crate::pedestrian::{PedestrianContext, PedestrianModel};
-use crate::scenario::{Chance, Declaration, Dimension, Road, Settings, Shape, VehicleReference, show_both};
+use crate::scenario::{Declaration, Dimension, Road, Settings, Shape, VehicleReference};
 use crate::sim::random::{self, Purpose};
 use crate::sim::{ModelError, Motion, Pedestrian, Scene, Stated, StatedBy, VehicleState};
 

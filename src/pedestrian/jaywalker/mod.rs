@@ -14,7 +14,7 @@ use agent::{Individuality, Jaywalker, Tactic};
 use declaration::{declaration, stop_times};
 
 use super::{PedestrianContext, PedestrianModel};
-use crate::scenario::{Chance, Dimension, show, show_outside};
+use crate::scenario::{Dimension, show_outside};
 use crate::sim::random::{Agent, Purpose, stream};
 use crate::sim::{ModelError, Pedestrian, Stated, StatedBy};
 

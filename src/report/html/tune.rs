@@ -10,7 +10,7 @@ use crate::report::experiment::tuned_parameters;
 use crate::report::format::share;
 use crate::report::wording::comparison_text;
 use crate::results::{BeforeAndAfter, Candidate, MetricSummary, TuneResult, Violations};
-use crate::scenario::{MetricKind, MetricReference, ShownIn, Tune, significant};
+use crate::scenario::{MetricKind, MetricReference, ShownIn, Tune};
 
 /// Charts of margins that are seen at once.
 const OPEN_MARGINS: usize = 6;
