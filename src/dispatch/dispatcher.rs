@@ -14,8 +14,8 @@ use super::unit::{Unit, Work};
 use super::workshop::Workshop;
 use crate::experiment::{EarlierResults, Progress};
 use crate::results::{
-    BlockReport, CutBy, Evaluations, Event, Outline, RecordedReport, Reporter, Skip, Standing, Stopping,
-    SuiteReport, TrialReport, UnitReport,
+    BlockReport, CutBy, Evaluations, Event, Outline, Program, RecordedReport, Reporter, Skip, Standing,
+    Stopping, SuiteReport, TrialReport, UnitReport,
 };
 use crate::run::{SharedTrial, Stop};
 use crate::scenario::{Block, Goal};
@@ -445,6 +445,7 @@ fn suite_report<'a>(
     let identity = workshop.identity(suite);
     let mut report = SuiteReport {
         identity,
+        program: Program::this(),
         started,
         wall_time,
         recorded: Vec::new(),

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use std::time::{Duration, SystemTime};
 
 use crate::results::{
-    BlockReport, BlockResult, BlockState, Critical, Cut, Outcome, Reason, Recorded, RecordedReport,
+    BlockReport, BlockResult, BlockState, Critical, Cut, Outcome, Program, Reason, Recorded, RecordedReport,
     RecordedState, Requests, Rerun, Results, RunsTaken as Stopped, Skip, Stopping, SuiteIdentity,
     SuiteReport, TrialReport, TrialState, TrialVerdict, Vacuity, Verdict, choose_runs,
 };
@@ -136,6 +136,7 @@ impl Session {
                 seed: u64::MAX,
                 set: Vec::new(),
             },
+            program: Program::this(),
             started: SystemTime::UNIX_EPOCH + Duration::from_secs(1_795_250_000),
             wall_time: Duration::from_millis(1500),
             recorded: self.reruns(),

@@ -230,7 +230,7 @@ fn suite_summary(text: &mut String, report: &SuiteReport, requests: &Requests) {
         markdown(&identity.seed_words()),
         report.trials.iter().filter(|trial| !trial.skipped()).count(),
         report.wall_time.as_secs_f64(),
-        env!("CARGO_PKG_VERSION"),
+        markdown(&report.program.version),
     ));
     for (name, trials) in report.scenarios() {
         let trials: Vec<_> = trials.into_iter().filter(|trial| !trial.skipped()).collect();

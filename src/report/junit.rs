@@ -103,7 +103,7 @@ fn suite_properties(report: &SuiteReport) -> Vec<(String, String)> {
     let mut properties = vec![
         ("seed".to_string(), report.identity.seed.to_string()),
         ("file".to_string(), report.identity.file.to_string()),
-        ("tool".to_string(), concat!("scenario-runner ", env!("CARGO_PKG_VERSION")).to_string()),
+        ("tool".to_string(), format!("scenario-runner {}", report.program.version)),
     ];
     if report.interrupted {
         properties.push(("interrupted".to_string(), interruption(report)));

@@ -55,7 +55,7 @@ pub use search::{Course, CoursePoint, Found, SearchResult};
 pub use skip::Skip;
 pub use standing::Standing;
 pub use statement::{ClaimResult, ClaimValues, Conclusion, StatementResult, TrendPoint};
-pub use suite::{SuiteIdentity, SuiteReport, record_command, set_options};
+pub use suite::{Program, SuiteIdentity, SuiteReport, record_command, set_options};
 pub use trial::{CourseOfRun, Horizon, Reason, RunsTaken, Stranded, TrialReport, TrialState, TrialVerdict};
 pub use tune::{BeforeAndAfter, Candidate, TuneResult, Violations};
 pub use verdict::Verdict;

@@ -38,6 +38,7 @@ type Resolve<'r> = &'r mut dyn FnMut(&mut Reference<Metric>);
 fn of_suite(suite: &mut SuiteReport, resolve: Resolve) {
     let SuiteReport {
         identity: _,
+        program: _,
         started: _,
         wall_time: _,
         recorded,

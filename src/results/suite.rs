@@ -61,10 +61,33 @@ pub fn record_command(file: &str, set: &[String], baseline: &Path) -> String {
     format!("scenario-runner baseline save {file}{} --out {}", set_options(set), baseline.display())
 }
 
+/// The program that ran a suite.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Program {
+    /// Of scenario-runner.
+    pub version: String,
+    /// Operating system and processor: `linux x86_64`.
+    pub platform: String,
+}
+
+impl Program {
+    /// The one that is running.
+    pub fn this() -> Self {
+        let platform = format!("{} {}", std::env::consts::OS, std::env::consts::ARCH);
+        Self { version: env!("CARGO_PKG_VERSION").to_string(), platform }
+    }
+
+    /// The one that ran the first of these suites; without any, this one.
+    pub fn of(reports: &[SuiteReport]) -> Self {
+        reports.first().map_or_else(Self::this, |report| report.program.clone())
+    }
+}
+
 /// What reports are made of: a suite's trials with what became of them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SuiteReport {
     pub identity: SuiteIdentity,
+    pub program: Program,
     /// Wall-clock time when the suite began.
     pub started: SystemTime,
     pub wall_time: Duration,

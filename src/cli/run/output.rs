@@ -32,7 +32,7 @@ pub struct OutputArguments {
     #[arg(long, value_name = "PATH")]
     tap: Option<PathBuf>,
 
-    /// Print GitHub annotations and append to the step's summary [default: in GitHub Actions only].
+    /// Print GitHub annotations and append to the step's summary [runs do so by themselves in GitHub Actions].
     #[arg(long)]
     github: bool,
 

@@ -19,8 +19,8 @@ use crate::report::wording::{
     verdict_mark, verdict_word,
 };
 use crate::results::{
-    BlockReport, BlockState, Chosen, Finding, GateReport, GateState, Measure, Recording, Requests, Skip,
-    SuiteReport, TrialReport, TrialState, Verdict,
+    BlockReport, BlockState, Chosen, Finding, GateReport, GateState, Measure, Program, Recording, Requests,
+    Skip, SuiteReport, TrialReport, TrialState, Verdict,
 };
 use crate::scenario::MetricReference;
 
@@ -33,7 +33,7 @@ const MOST_FAILURES: usize = 60;
 
 #[derive(Debug, Serialize)]
 pub struct Page {
-    version: &'static str,
+    version: String,
     platform: String,
     started: String,
     title: String,
@@ -181,9 +181,10 @@ impl Page {
         reports.iter().flat_map(|report| &report.blocks).for_each(|block| counts.add_block(block));
         reports.iter().flat_map(|report| &report.gates).for_each(|gate| counts.add_gate(gate));
         let names: Vec<_> = reports.iter().map(|report| report.identity.suite.as_str()).collect();
+        let program = Program::of(reports);
         Self {
-            version: env!("CARGO_PKG_VERSION"),
-            platform: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
+            version: program.version,
+            platform: program.platform,
             started: DateTime::<Utc>::from(started).format("%Y-%m-%d %H:%M:%S UTC").to_string(),
             title: names.join(", "),
             counts,

@@ -12,7 +12,7 @@ use serde_json::{Map, Value};
 
 use super::read::{ResultsError, Run, contradiction, gate_state, judged, seconds};
 use crate::results::{
-    Cut, CutBy, Finding, GateReport, GateVerdict, Horizon, NotJudged, Recorded, RecordedReport,
+    Cut, CutBy, Finding, GateReport, GateVerdict, Horizon, NotJudged, Program, Recorded, RecordedReport,
     RecordedState, Refusal, Requests, Rerun, Results, RunsTaken, Skip, Stopping, SuiteIdentity, SuiteReport,
     TrialReport, TrialState,
 };
@@ -23,7 +23,13 @@ use crate::scenario::{
 
 #[derive(Deserialize)]
 pub struct Document {
+    tool: Tool,
     suites: Vec<Suite>,
+}
+
+#[derive(Deserialize)]
+struct Tool {
+    version: String,
 }
 
 #[derive(Deserialize)]
@@ -100,7 +106,8 @@ struct GateOfSuite {
 
 pub fn results(document: Document) -> Result<Results, ResultsError> {
     let requests = requests(&document)?;
-    let suites = document.suites.into_iter().map(|suite| suite.report(&requests));
+    let program = Program { version: document.tool.version, platform: "not known".into() };
+    let suites = document.suites.into_iter().map(|suite| suite.report(&requests, &program));
     let suites = suites.collect::<Result<_, _>>()?;
     Ok(Results { requests, suites, recordings: Vec::new() })
 }
@@ -146,7 +153,7 @@ fn reference(label: &str) -> MetricReference {
 }
 
 impl Suite {
-    fn report(self, requests: &Requests) -> Result<SuiteReport, ResultsError> {
+    fn report(self, requests: &Requests, program: &Program) -> Result<SuiteReport, ResultsError> {
         if let Some(block) = self.blocks.into_iter().next() {
             return Err(ResultsError::Lacking {
                 key: block.key,
@@ -155,6 +162,7 @@ impl Suite {
         }
         Ok(SuiteReport {
             identity: self.identity,
+            program: program.clone(),
             started: SystemTime::UNIX_EPOCH,
             wall_time: seconds("suite", self.wall_time_s)?,
             recorded: self.recorded.into_iter().map(|one| one.report(requests)).collect::<Result<_, _>>()?,

@@ -2,7 +2,7 @@
 
 use crate::numbers::json;
 use crate::results::{
-    BlockReport, BlockState, GateReport, GateState, Horizon, Outcome, RecordedReport, RecordedState,
+    BlockReport, BlockState, GateReport, GateState, Horizon, Outcome, Program, RecordedReport, RecordedState,
     Requests, SuiteReport, TrialReport, TrialState,
 };
 mod first_layout;
@@ -43,7 +43,7 @@ pub fn write_json(results: &Results, mut out: impl Write) -> io::Result<()> {
     let document = Object {
         members: members(json!({
             "layout": LAYOUT,
-            "tool": { "name": env!("CARGO_PKG_NAME"), "version": env!("CARGO_PKG_VERSION") },
+            "tool": { "name": env!("CARGO_PKG_NAME"), "version": Program::of(suites).version },
         })),
         lists: vec![("suites", list(suites, move |report| Item::Object(suite_object(report, requests))))],
         objects: vec![("record", record)],
@@ -123,7 +123,7 @@ fn suite_object<'v>(report: &'v SuiteReport, requests: &'v Requests) -> Object<'
         "seed": plain(&Whole(report.identity.seed)),
         "wall_time_s": report.wall_time.as_secs_f64(),
         "interrupted": report.interrupted,
-        "record": { "started": plain(&report.started) },
+        "record": { "started": plain(&report.started), "program": plain(&report.program) },
     }));
     if !report.identity.set.is_empty() {
         own.insert("set".into(), json!(report.identity.set));

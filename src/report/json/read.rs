@@ -16,9 +16,9 @@ use crate::numbers::json;
 use crate::registry::Registry;
 use crate::results::{
     BlockReport, BlockResult, BlockState, ByMetric, Chosen, Critical, Cut, CutOff, Finding, GateReport,
-    GateState, GateVerdict, Horizon, NotJudged, Outcome, Recorded, RecordedReport, RecordedState, Recording,
-    Refusal, Requests, Results, RunsTaken, Skip, SuiteIdentity, SuiteReport, TrialReport, TrialState,
-    TrialVerdict, UnknownMetric, Verdict,
+    GateState, GateVerdict, Horizon, NotJudged, Outcome, Program, Recorded, RecordedReport, RecordedState,
+    Recording, Refusal, Requests, Results, RunsTaken, Skip, SuiteIdentity, SuiteReport, TrialReport,
+    TrialState, TrialVerdict, UnknownMetric, Verdict,
 };
 use crate::scenario::{Block, Gate, Individual, Trial};
 use crate::sim::Ending;
@@ -96,6 +96,7 @@ struct Suite {
 #[derive(Deserialize)]
 struct SuiteRecord {
     started: SystemTime,
+    program: Program,
 }
 
 #[derive(Deserialize)]
@@ -216,6 +217,7 @@ impl Suite {
     fn report(self, requests: &Requests) -> Result<SuiteReport, ResultsError> {
         Ok(SuiteReport {
             identity: self.identity,
+            program: self.record.program,
             started: self.record.started,
             wall_time: seconds("suite", self.wall_time_s)?,
             recorded: self.recorded.into_iter().map(RecordedRun::report).collect::<Result<_, _>>()?,
