@@ -89,3 +89,29 @@ pub fn criteria(recorded: &Recorded, suite: &Suite) -> Result<Vec<Criterion>, St
 fn other_people(pedestrian: &str, population: &str) -> Stale {
     Stale::People { pedestrian: pedestrian.to_string(), population: population.to_string() }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::lang;
+    use crate::models::standard;
+    use crate::scenario::Body;
+
+    #[test]
+    fn what_a_box_is_called_is_no_part_of_a_case_and_where_it_stands_is() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/zebra/carla_walker.scn");
+        let suite = lang::load(&path, &standard()).unwrap_or_else(|_| panic!("it is a scenario")).suite;
+        let mut case = plan::plan(&suite).unwrap().trials[0].cases[0].clone();
+        let mut hash = |name: &str, x: f64| {
+            let body = Body { name: name.into(), x, y: -3.2, length: 4.5, width: 1.8 };
+            Arc::make_mut(&mut case.world).road.boxes = vec![body];
+            case_hash(&case)
+        };
+        let unnamed = hash("", -9.0);
+        assert_eq!(hash("van", -9.0), unnamed);
+        assert_ne!(hash("van", -9.5), unnamed);
+    }
+}

@@ -173,7 +173,7 @@ struct State<'a> {
     /// Trials under way, with the index of their suite.
     trials: Vec<(usize, Arc<SharedTrial<'a>>)>,
     failures: usize,
-    /// EarlierResults that blocks need.
+    /// Results that blocks need.
     kept: Vec<Option<Arc<Kept>>>,
     /// What a worker panicked with, outside of its units: a bug of ours.
     panicked: Option<Box<dyn Any + Send>>,

@@ -1,18 +1,19 @@
 //! Gates, once everything is judged: each suite's runs against its baseline.
 
+use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
 
 use super::workshop::Workshop;
 use crate::judge::baseline::{Baseline, Incompatible, measured_metrics, record};
 use crate::judge::gate::judge_gate;
-use crate::plan::{Plan, PlannedTrial};
+use crate::plan::PlannedTrial;
 use crate::results::{
     GateReport, GateState, NotJudged, Refusal, Skip, SuiteIdentity, SuiteReport, TrialReport, TrialState,
     record_command,
 };
 use crate::run::{BatchError, Panicked, run_batch};
-use crate::scenario::{Gate, Suite};
+use crate::scenario::{Gate, Suite, Trial};
 
 /// Judges every gate of every suite and puts what it came to into the suite's report. With `lenient`, trials that a
 /// baseline lacks are left out instead of being a reason not to compare.
@@ -84,12 +85,6 @@ pub fn gate_key(suite: &str, gate: &Gate) -> String {
     format!("{suite}/gate={}", gate.name)
 }
 
-/// The trial that a report is of, with its runs.
-fn planned_as<'p>(plan: &'p Plan, report: &TrialReport) -> &'p PlannedTrial {
-    let is_it = |planned: &&PlannedTrial| Arc::ptr_eq(&planned.trial, &report.trial);
-    plan.trials.iter().find(is_it).expect("reports are of trials of the plan")
-}
-
 /// All trials of a suite as a baseline, or why they do not make one.
 pub fn measured_trials(
     workshop: &Workshop,
@@ -113,9 +108,11 @@ pub fn measured_trials(
     }
     let prepared = &workshop.suites()[suite];
     let (requests, free_flows) = (workshop.requests(), workshop.free_flows(suite));
+    let by_trial: HashMap<*const Trial, &PlannedTrial> =
+        prepared.plan.trials.iter().map(|planned| (Arc::as_ptr(&planned.trial), planned)).collect();
     let mut outcomes = Vec::with_capacity(trials.len());
     for trial in trials {
-        let planned = planned_as(&prepared.plan, trial);
+        let planned = by_trial[&Arc::as_ptr(&trial.trial)];
         // When a trial was decided must not decide what is compared.
         let rest: Vec<_> = planned.cases[trial.outcomes.len()..].iter().collect();
         let mut all = trial.outcomes.clone();

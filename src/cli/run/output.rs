@@ -75,11 +75,8 @@ pub fn results(
     if arguments.html.is_none() && arguments.json.is_none() {
         return (results, None);
     }
-    match recordings(workshop, &results.suites) {
-        Ok(recordings) => results.recordings = recordings,
-        Err(complaint) => return (results, Some(complaint)),
-    }
-    (results, None)
+    let recorded = recordings(workshop, &results.suites).map(|recordings| results.recordings = recordings);
+    (results, recorded.err())
 }
 
 /// Writes whatever was asked for, and returns what could not be written. GitHub is told if that was asked for, or

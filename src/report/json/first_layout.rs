@@ -230,7 +230,9 @@ impl TrialOfSuite {
         let state = match (self.verdict.as_str(), self.message) {
             ("error", Some(message)) => TrialState::Errored(message),
             ("skipped", Some(message)) => TrialState::Skipped(skip(&message)),
-            ("not_finished", Some(message)) => TrialState::NotFinished(cut(self.cut_by, message)),
+            ("not_finished", Some(message)) => {
+                TrialState::NotFinished(cut(&trial.key, self.cut_by, message)?)
+            }
             (verdict, None) => {
                 TrialState::Judged(judged(&trial.key, verdict, self.findings, self.stopping, self.horizon)?)
             }
@@ -311,17 +313,19 @@ fn skip(message: &str) -> Skip {
 }
 
 /// What cut a trial off, out of the words for it.
-fn cut(by: Option<CutBy>, message: String) -> Cut {
+///
+/// # Errors
+/// If it was the time limit, and the words do not say which: no number is made up.
+fn cut(key: &str, by: Option<CutBy>, message: String) -> Result<Cut, ResultsError> {
     let limit = Regex::new(r"^time limit of (.+) s exceeded after (\d+) of (\d+) runs$");
     let found = limit.expect("the expression is valid").captures(&message).and_then(|found| {
         let limit = std::time::Duration::try_from_secs_f64(found[1].parse().ok()?).ok()?;
         Some(Cut::TimeLimit { limit, finished: found[2].parse().ok()?, runs: found[3].parse().ok()? })
     });
-    match (by, found) {
-        (Some(CutBy::TimeLimit), Some(cut)) => cut,
-        (Some(CutBy::TimeLimit), None) => {
-            Cut::TimeLimit { limit: std::time::Duration::ZERO, finished: 0, runs: 0 }
+    match by {
+        Some(CutBy::TimeLimit) => {
+            found.ok_or_else(|| contradiction(key, format!("`{message}` is no time limit")))
         }
-        (_, _) => Cut::Block(message),
+        Some(CutBy::Interrupted) | None => Ok(Cut::Block(message)),
     }
 }
