@@ -4,6 +4,7 @@
 
 use std::path::Path;
 
+use scenario_runner::files::Disk;
 use scenario_runner::judge::baseline::{Baseline, record};
 use scenario_runner::judge::gate::{blanket_rule, judge_gate};
 use scenario_runner::lang;
@@ -80,7 +81,7 @@ fn longer(pedal: f64, percent: f64) -> f64 {
 
 fn suite(path: &str) -> Suite {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
-    lang::load(&path, &standard()).unwrap_or_else(|_| panic!("{} is a suite", path.display())).suite
+    lang::load(&path, &standard(), &Disk).unwrap_or_else(|_| panic!("{} is a suite", path.display())).suite
 }
 
 fn with(suite: &Suite, parameter: &str, value: f64) -> Suite {

@@ -8,6 +8,7 @@
 
 use rayon::prelude::*;
 use scenario_runner::experiment::{EarlierResults, Laboratory, Silent, run_block};
+use scenario_runner::files::Disk;
 use scenario_runner::lang;
 use scenario_runner::models::standard;
 use scenario_runner::results::{BlockResult, Candidate};
@@ -64,7 +65,7 @@ fn summary(counts: &[Option<usize>]) -> String {
 fn main() {
     let arguments = arguments();
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("suites/gentle_braking.suite");
-    let loaded = lang::load(&path, &standard())
+    let loaded = lang::load(&path, &standard(), &Disk)
         .unwrap_or_else(|failure| panic!("{}", failure.render(lang::Style { colour: false })));
     let suite = loaded.suite;
     let laboratory = Laboratory::new(&suite, None, &standard());

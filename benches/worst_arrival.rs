@@ -10,6 +10,7 @@
 //! With `serve` the program answers each line `[individual, time_to_arrival, seed]` with the value, `null` if undefined.
 
 use rayon::prelude::*;
+use scenario_runner::files::Disk;
 use scenario_runner::lang;
 use scenario_runner::models::standard;
 use scenario_runner::numbers::random::derive_seed;
@@ -42,7 +43,7 @@ struct Encounters {
 impl Encounters {
     fn load() -> Self {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/zebra/commotions_carla.scn");
-        let loaded = lang::load(&path, &standard())
+        let loaded = lang::load(&path, &standard(), &Disk)
             .unwrap_or_else(|failure| panic!("{}", failure.render(lang::Style { colour: false })));
         let mut scenario = loaded.suite.scenarios[0].clone();
         for pedestrian in &mut scenario.pedestrians {

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use scenario_runner::files::{Disk, Overlay};
 use scenario_runner::lang::filter::{Filters, SCENARIO, Subject};
 use scenario_runner::lang::{self, Sources, Style};
 use scenario_runner::models::standard;
@@ -41,14 +42,18 @@ pub fn scn(text: &str) {
     if leaves_its_folder(text) {
         return;
     }
-    shown(lang::check(&nowhere("fuzz.scn"), text, &standard()));
-    shown(lang::check(&nowhere("fuzz.suite"), text, &standard()));
+    shown(lang::load(&nowhere("fuzz.scn"), &standard(), &Overlay::new(&Disk, &nowhere("fuzz.scn"), text)));
+    shown(lang::load(
+        &nowhere("fuzz.suite"),
+        &standard(),
+        &Overlay::new(&Disk, &nowhere("fuzz.suite"), text),
+    ));
     let (tree, _) = lang::Tree::parse(Sources::default().add("", ""), text.into());
     let places = text.char_indices().map(|(at, _)| at).step_by(text.len() / 8 + 1);
     for at in places.chain([text.len()]) {
         lang::hover(&tree, at, &standard());
-        lang::complete(&nowhere("fuzz.scn"), text, at, &standard());
-        lang::definition(&nowhere("fuzz.scn"), text, at, &standard());
+        lang::complete(&nowhere("fuzz.scn"), text, at, &standard(), &Disk);
+        lang::definition(&nowhere("fuzz.scn"), text, at, &standard(), &Disk);
     }
 }
 
@@ -57,7 +62,7 @@ pub fn yaml(text: &str) {
     if leaves_its_folder(text) {
         return;
     }
-    shown(lang::check(&nowhere("fuzz.yaml"), text, &standard()));
+    shown(lang::load(&nowhere("fuzz.yaml"), &standard(), &Overlay::new(&Disk, &nowhere("fuzz.yaml"), text)));
     let source = Sources::default().add("", "");
     if let Ok(scn) = lang::from_yaml(source, text)
         && let Ok(yaml) = lang::to_yaml(source, &scn)

@@ -21,6 +21,7 @@ pub mod numbers;
 pub mod optimise;
 pub mod pedestrian;
 pub mod plan;
+pub mod project;
 pub mod registry;
 pub mod report;
 pub mod results;

@@ -4,10 +4,12 @@ use std::path::Path;
 use std::process::Command;
 
 use scenario_runner::cli::{Exit, guarded};
-use scenario_runner::dispatch::{Orders, Prepared, Workshop, dispatch, units};
+use scenario_runner::dispatch::{Orders, Workshop, dispatch, units};
+use scenario_runner::files::Disk;
 use scenario_runner::lang;
 use scenario_runner::models::standard;
 use scenario_runner::plan::plan;
+use scenario_runner::project::PlannedSuite;
 use scenario_runner::results::{Event, Reporter, Requests, TrialState};
 use scenario_runner::run::{FreeFlows, Stop, note_places, run_case};
 use scenario_runner::sim::{Observer, Step};
@@ -15,12 +17,13 @@ use scenario_runner::sim::{Observer, Step};
 /// Set for a process that is to panic, to what in.
 const WHERE: &str = "SCENARIO_RUNNER_TEST_PANIC";
 
-fn prepared() -> [Prepared; 1] {
+fn prepared() -> [PlannedSuite; 1] {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("suites/zebra_unsafe.suite");
-    let suite =
-        lang::load(&path, &standard()).unwrap_or_else(|_| panic!("{} is a suite", path.display())).suite;
+    let suite = lang::load(&path, &standard(), &Disk)
+        .unwrap_or_else(|_| panic!("{} is a suite", path.display()))
+        .suite;
     let plan = plan(&suite).unwrap();
-    [Prepared { file: "zebra_unsafe.suite".into(), suite, plan, recorded: Vec::new() }]
+    [PlannedSuite { file: "zebra_unsafe.suite".into(), suite, plan, recorded: Vec::new() }]
 }
 
 struct Deaf;

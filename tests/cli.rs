@@ -4,6 +4,7 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use scenario_runner::experiment::ParameterFile;
+use scenario_runner::files::Disk;
 use scenario_runner::models::standard;
 use serde_json::Value;
 use support::program::{self, code, forget_times, stderr};
@@ -326,7 +327,7 @@ fn a_search_and_a_tune_from_the_command_line() {
     std::fs::write(at("again.scn"), carla.replacen("profile: normal,", set, 1)).unwrap();
     let checked = scenario_runner(&["check", &at("again.scn")]);
     assert_eq!(code(&checked), 0, "{}", stderr(&checked));
-    let used = scenario_runner::lang::load(Path::new(&at("again.scn")), &standard()).unwrap().suite;
+    let used = scenario_runner::lang::load(Path::new(&at("again.scn")), &standard(), &Disk).unwrap().suite;
     let mut settings = used.scenarios[0].vehicles[0].controller.settings.iter();
     let (_, used) = settings.find(|(name, _)| name == "braking_distance").unwrap();
     let used = used.evaluate_number(&Default::default()).unwrap();

@@ -84,8 +84,13 @@ fn run(world: &World, seed: u64) -> (Ending, Passing) {
 }
 
 fn people() -> Population {
-    Population::read("standard", &standard().pedestrians().get("commotions").unwrap().declaration, None)
-        .unwrap()
+    Population::parse(
+        "standard",
+        None,
+        &standard().pedestrians().get("commotions").unwrap().declaration,
+        None,
+    )
+    .unwrap()
 }
 
 #[test]

@@ -11,6 +11,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use scenario_runner::files::{Disk, Overlay};
 use scenario_runner::judge;
 use scenario_runner::lang::filter::Filters;
 use scenario_runner::lang::{self, Code, Diagnostic, Severity, Sources, Style};
@@ -38,7 +39,7 @@ fn files(name: &str) -> Vec<PathBuf> {
 }
 
 fn findings(path: &Path) -> (Vec<Diagnostic>, Sources) {
-    match lang::load(path, &standard()) {
+    match lang::load(path, &standard(), &Disk) {
         Ok(loaded) => {
             let more = judge::examine_claims(&loaded.suite, &loaded.sources);
             (loaded.warnings.into_iter().chain(more).collect(), loaded.sources)
@@ -147,7 +148,7 @@ fn files_that_cannot_be_run_are_refused_by_check_and_by_run() {
     };
     for path in files("run_fails") {
         let name = path.display().to_string();
-        if let Err(failure) = lang::load(&path, &standard()) {
+        if let Err(failure) = lang::load(&path, &standard(), &Disk) {
             panic!("the language takes {name}:\n{}", failure.render(Style::default()));
         }
         let text = std::fs::read_to_string(&path).unwrap();
@@ -252,7 +253,7 @@ fn every_finding_says_what_to_do() {
 #[test]
 fn good_files_have_no_errors() {
     for path in files("ok") {
-        if let Err(failure) = lang::load(&path, &standard()) {
+        if let Err(failure) = lang::load(&path, &standard(), &Disk) {
             panic!("{}", failure.render(Style::default()));
         }
     }
@@ -268,9 +269,10 @@ fn good_files_stay_what_they_are_when_formatted() {
         let source = Sources::default().add("test", "");
         let Ok(once) = lang::format(source, &text) else { continue };
         assert_eq!(lang::format(source, &once).unwrap(), once, "{}", path.display());
-        if let (Ok(before), Ok(after)) =
-            (lang::load(&path, &standard()), lang::check(&path, &once, &standard()))
-        {
+        if let (Ok(before), Ok(after)) = (
+            lang::load(&path, &standard(), &Disk),
+            lang::load(&path, &standard(), &Overlay::new(&Disk, &path, &once)),
+        ) {
             assert_eq!(before.suite.scenarios.len(), after.suite.scenarios.len());
             for (before, after) in before.suite.scenarios.iter().zip(&after.suite.scenarios) {
                 assert_eq!(without_places(before), without_places(after), "{}", path.display());
@@ -285,7 +287,7 @@ fn runnable() -> Vec<PathBuf> {
     let paths = patterns.iter().flat_map(|pattern| glob::glob(pattern).unwrap().map(Result::unwrap));
     let known = |path: &PathBuf| path.extension().is_some_and(|kind| kind == "scn" || kind == "suite");
     let mut paths: Vec<_> =
-        paths.filter(known).filter(|path| lang::load(path, &standard()).is_ok()).collect();
+        paths.filter(known).filter(|path| lang::load(path, &standard(), &Disk).is_ok()).collect();
     paths.sort();
     paths
 }
@@ -300,9 +302,13 @@ fn yaml_says_the_same() {
         let source = Sources::default().add("test", "");
         let yaml = lang::to_yaml(source, &text).unwrap();
         // Beside the original, where the paths in it lead to the same files.
-        let loaded = lang::check(&path.with_extension("yaml"), &yaml, &standard())
-            .unwrap_or_else(|failure| panic!("{yaml}\n{}", failure.render(Style::default())));
-        let original = lang::load(&path, &standard()).unwrap();
+        let loaded = lang::load(
+            &path.with_extension("yaml"),
+            &standard(),
+            &Overlay::new(&Disk, &path.with_extension("yaml"), &yaml),
+        )
+        .unwrap_or_else(|failure| panic!("{yaml}\n{}", failure.render(Style::default())));
+        let original = lang::load(&path, &standard(), &Disk).unwrap();
         let lines = |suite: &Suite| serde_json::to_string_pretty(&without_places(suite)).unwrap();
         let (before, after) = (lines(&original.suite), lines(&loaded.suite));
         let differs = before.lines().zip(after.lines()).position(|(before, after)| before != after);
@@ -321,7 +327,7 @@ fn yaml_says_the_same() {
 #[test]
 fn the_good_files_hold_one_of_everything() {
     let suites: Vec<Suite> =
-        files("ok").iter().map(|path| lang::load(path, &standard()).unwrap().suite).collect();
+        files("ok").iter().map(|path| lang::load(path, &standard(), &Disk).unwrap().suite).collect();
     let count = |of: fn(&Suite) -> usize| suites.iter().map(of).sum::<usize>();
     assert!(count(|suite| suite.searches.len()) > 0 && count(|suite| suite.tunes.len()) > 0);
     assert!(count(|suite| suite.evaluates.len()) > 0 && count(|suite| suite.statements.len()) > 0);
@@ -386,7 +392,7 @@ scenario all {
 ";
     let path = Path::new("all.scn");
     let read = |text: &str| {
-        lang::check(path, text, &standard())
+        lang::load(path, &standard(), &Overlay::new(&Disk, path, text))
             .unwrap_or_else(|failure| panic!("{text}\n{}", failure.render(Default::default())))
     };
     let before = read(text).suite.scenarios.remove(0);
@@ -407,7 +413,7 @@ scenario all {
 
 #[test]
 fn a_full_scenario_becomes_the_data_it_describes() {
-    let loaded = lang::load(&folder("ok/whole.suite"), &standard()).unwrap();
+    let loaded = lang::load(&folder("ok/whole.suite"), &standard(), &Disk).unwrap();
     insta::with_settings!({ prepend_module_to_snapshot => false, snapshot_path => "language/snapshots", omit_expression => true }, {
         insta::assert_json_snapshot!("whole_suite", loaded.suite);
     });
@@ -415,7 +421,7 @@ fn a_full_scenario_becomes_the_data_it_describes() {
 
 #[test]
 fn blocks_bring_what_they_build_on() {
-    let suite = lang::load(&folder("ok/parts.suite"), &standard()).unwrap().suite;
+    let suite = lang::load(&folder("ok/parts.suite"), &standard(), &Disk).unwrap().suite;
     // What is measured is run; what is only searched or drawn from is there for that alone.
     assert_eq!(suite.scenarios.iter().map(|one| one.name.as_str()).collect::<Vec<_>>(), ["stroll"]);
     assert_eq!(suite.supporting.iter().map(|one| one.name.as_str()).collect::<Vec<_>>(), ["walk"]);
@@ -425,7 +431,7 @@ fn blocks_bring_what_they_build_on() {
 
 #[test]
 fn the_same_file_over_two_ways_is_one() {
-    let loaded = lang::load(&folder("ok/twice.suite"), &standard())
+    let loaded = lang::load(&folder("ok/twice.suite"), &standard(), &Disk)
         .unwrap_or_else(|failure| panic!("{}", failure.render(Style::default())));
     let suite = loaded.suite;
     assert_eq!(suite.scenarios.iter().map(|one| one.name.as_str()).collect::<Vec<_>>(), ["walk", "stroll"]);
@@ -438,7 +444,7 @@ fn the_same_file_over_two_ways_is_one() {
 
 #[test]
 fn variations_choose_what_drives_and_walks() {
-    let suite = lang::load(&folder("ok/choices.scn"), &standard()).unwrap().suite;
+    let suite = lang::load(&folder("ok/choices.scn"), &standard(), &Disk).unwrap().suite;
     let plan = scenario_runner::plan::plan(&suite).unwrap();
     let chosen = |key: &str| {
         let trial = plan.trials.iter().find(|trial| trial.key == key).unwrap_or_else(|| panic!("no {key}"));
@@ -541,7 +547,7 @@ fn the_reference_compiles_and_runs() {
     let suites = examples("suite").into_iter().map(|text| ("docs/example.suite", text));
     let yaml = examples("yaml").into_iter().map(|text| ("docs/example.yaml", text));
     for (name, text) in pieces.into_iter().chain(suites).chain(yaml) {
-        match lang::check(Path::new(name), &text, &standard()) {
+        match lang::load(Path::new(name), &standard(), &Overlay::new(&Disk, Path::new(name), &text)) {
             Ok(loaded) => {
                 assert!(
                     loaded.warnings.is_empty(),
@@ -584,6 +590,6 @@ fn editors_highlight_every_keyword() {
 #[test]
 fn a_file_for_others_to_use_may_be_checked_but_not_run() {
     let path = folder("support/street.scn");
-    assert!(lang::examine(&path, None, &standard()).found.is_empty());
-    assert_eq!(lang::load(&path, &standard()).unwrap_err().diagnostics[0].code, Code::NoScenario);
+    assert!(lang::examine(&path, &standard(), &Disk).found.is_empty());
+    assert_eq!(lang::load(&path, &standard(), &Disk).unwrap_err().diagnostics[0].code, Code::NoScenario);
 }

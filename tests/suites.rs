@@ -11,6 +11,7 @@ use std::process::ExitCode;
 
 use libtest_mimic::{Failed, Trial};
 use scenario_runner::corpus::case_hash;
+use scenario_runner::files::Disk;
 use scenario_runner::lang;
 use scenario_runner::models::standard;
 use scenario_runner::plan::plan;
@@ -76,7 +77,8 @@ fn parts_are_parts() -> Result<(), Failed> {
 }
 
 fn cases(file: &str) -> Result<HashMap<String, u64>, Failed> {
-    let suite = lang::load(Path::new(file), &standard()).map_err(|_| format!("{file} has errors"))?.suite;
+    let suite =
+        lang::load(Path::new(file), &standard(), &Disk).map_err(|_| format!("{file} has errors"))?.suite;
     let plan = plan(&suite).map_err(|errors| errors[0].message.clone())?;
     let cases = plan.trials.iter().flat_map(|trial| &trial.cases);
     Ok(cases.map(|case| (case.key.clone(), case_hash(case))).collect())

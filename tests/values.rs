@@ -3,6 +3,7 @@
 
 use proptest::prelude::*;
 use scenario_runner::experiment::{Laboratory, Silent, run_search};
+use scenario_runner::files::Disk;
 use scenario_runner::lang::{self, Override};
 use scenario_runner::models::standard;
 use scenario_runner::plan::{self, PlanError};
@@ -167,8 +168,8 @@ fn refusal(text: &str, set: &[Override]) -> Result<(), String> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("values.scn");
     std::fs::write(&path, text).unwrap();
-    let loaded =
-        lang::load_set(&path, set, &standard()).map_err(|failure| failure.render(lang::Style::default()))?;
+    let loaded = lang::load_set(&path, set, &standard(), &Disk)
+        .map_err(|failure| failure.render(lang::Style::default()))?;
     let plan = plan::plan(&loaded.suite).map_err(|errors| {
         let PlanError { case, .. } = &errors[0];
         assert!(case.as_ref().is_some_and(|case| case.starts_with("values/a")), "{errors:?}");

@@ -2,9 +2,9 @@
 
 use std::error::Error;
 
-use scenario_runner::dispatch::{Orders, Prepared, Workshop, dispatch, units};
-use scenario_runner::lang::{self, Style};
-use scenario_runner::plan::plan;
+use scenario_runner::dispatch::{Orders, Workshop, dispatch, units};
+use scenario_runner::files::Disk;
+use scenario_runner::project::Project;
 use scenario_runner::registry::Registry;
 use scenario_runner::report::{render_block, render_tables};
 use scenario_runner::results::{BlockState, Event, Reporter};
@@ -12,11 +12,9 @@ use scenario_runner::run::Stop;
 
 /// Runs everything in a file that may name what is in `registry`.
 pub fn tables(file: &str, registry: &Registry) -> Result<String, Box<dyn Error>> {
-    let loaded = lang::load(file.as_ref(), registry).map_err(|failure| failure.render(Style::default()))?;
-    let plan = plan(&loaded.suite).map_err(|errors| errors[0].to_string())?;
-    let suites = [Prepared { file: file.into(), suite: loaded.suite, plan, recorded: Vec::new() }];
-    let workshop = Workshop::new(&suites, None, &Stop::default(), registry);
-    let (units, threads) = (units(&suites), std::thread::available_parallelism()?.get());
+    let project = Project::open(file, registry, &Disk)?;
+    let workshop = Workshop::new(project.suites(), None, &Stop::default(), registry);
+    let (units, threads) = (units(project.suites()), std::thread::available_parallelism()?.get());
     let chosen = vec![true; units.len()];
     let orders = Orders { chosen: &chosen, first: &[], threads, max_failures: None };
     let report = dispatch(&workshop, &units, &orders, &mut Silent).remove(0);

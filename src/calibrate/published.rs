@@ -1,11 +1,13 @@
 //! The candidates of the published fit of the default variant, as far as the published individuals show them.
 
 use super::candidates::Candidates;
+use crate::files::Disk;
 use crate::numbers::random::Stream;
 use crate::numbers::random::derive_seed;
 use crate::pedestrian::commotions::model::commotions;
 use crate::pedestrian::commotions::{Variant, VariantError};
 use crate::pedestrian::population::{Population, PopulationError};
+use std::path::Path;
 
 /// The deterministic variant whose retained sets the stochastic fits started from.
 const DETERMINISTIC: &str = "oVAoBEvoAI";
@@ -37,9 +39,10 @@ pub enum PublishedError {
 ///
 /// # Errors
 /// If the file cannot be read or is another one.
-pub fn published_candidates(file: &str, count: usize, seed: u64) -> Result<Candidates, PublishedError> {
-    let read =
-        |variant: &str| Population::read(file, &commotions().declaration, Some(variant)).map_err(Box::new);
+pub fn published_candidates(file: &Path, count: usize, seed: u64) -> Result<Candidates, PublishedError> {
+    let read = |variant: &str| {
+        Population::read(file, &commotions().declaration, Some(variant), &Disk).map_err(Box::new)
+    };
     let base = read(DETERMINISTIC)?;
     let retained = read(&Variant::STANDARD.to_string())?;
     let noise: Vec<&String> =

@@ -12,6 +12,7 @@ use crate::calibrate::{
 };
 use crate::console::{stderr, stdout};
 use crate::files;
+use crate::files::Disk;
 use crate::pedestrian::commotions::model::commotions;
 use crate::pedestrian::commotions::{Variant, VariantError};
 use crate::pedestrian::population::{Population, PopulationError};
@@ -182,7 +183,7 @@ fn candidates(
     variant: &Variant,
 ) -> Result<(Candidates, String), CalibrateError> {
     let read = |file: &PathBuf, variant: Option<&str>| {
-        Population::read(&file.to_string_lossy(), &commotions().declaration, variant)
+        Population::read(file, &commotions().declaration, variant, &Disk)
             .map(|population| Candidates { names: population.parameters, rows: population.individuals })
     };
     let name = |file: &PathBuf| {

@@ -6,9 +6,10 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 
 use super::Exit;
-use super::load;
 use crate::console::{stderr, stdout};
+use crate::files::Disk;
 use crate::lang::{self, Diagnostic, Severity, Sources};
+use crate::project::examine;
 use crate::registry::Registry;
 use crate::report::{Repository, findings};
 
@@ -38,7 +39,7 @@ enum Format {
 pub fn check(arguments: &CheckArguments, registry: &Registry) -> Exit {
     let mut checked: Vec<(Vec<Diagnostic>, Sources)> = Vec::new();
     for file in &arguments.files {
-        checked.push(load::examine(file, None, registry));
+        checked.push(examine(file, registry, &Disk));
     }
     forget_repeated(&mut checked);
     let failed = checked.iter().flat_map(|(found, _)| found).any(|found| found.severity == Severity::Error);

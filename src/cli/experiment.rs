@@ -64,11 +64,12 @@ pub fn tune(arguments: &ExperimentArguments, registry: &Registry) -> Exit {
 
 fn run(arguments: &ExperimentArguments, kind: &'static str, registry: &Registry) -> Exit {
     let colour = stderr().takes_colour();
-    let suites = match load::load_all(&[&arguments.file], arguments.seed, &arguments.set, colour, registry) {
-        Ok(suites) => suites,
+    let project = match load::load_all(&[&arguments.file], arguments.seed, &arguments.set, colour, registry) {
+        Ok(project) => project,
         Err(exit) => return exit,
     };
-    let units = dispatch::units(&suites);
+    let suites = project.suites();
+    let units = dispatch::units(suites);
     let Some(wanted) = units.iter().position(|unit| is_called(unit, kind, &arguments.name)) else {
         return unknown(arguments, &units, kind);
     };
@@ -78,7 +79,7 @@ fn run(arguments: &ExperimentArguments, kind: &'static str, registry: &Registry)
     if let Err(exit) = store::prepare(&arguments.journal) {
         return exit;
     }
-    let workshop = Workshop::new(&suites, Some(arguments.journal.clone()), &stop, registry);
+    let workshop = Workshop::new(suites, Some(arguments.journal.clone()), &stop, registry);
     let threads = thread::available_parallelism().map_or(1, usize::from);
     let orders = Orders { chosen: &chosen, first: &[], threads, max_failures: None };
     let mut watcher = Terminal::quiet(shows_progress(arguments.no_progress).then(Live::new));

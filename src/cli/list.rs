@@ -10,9 +10,11 @@ use super::Exit;
 use super::filter::{self, FilterArguments};
 use super::load;
 use crate::console::{stderr, stdout};
+use crate::files::Disk;
 use crate::lang::filter::{SCENARIO, Subject};
 use crate::lang::{self, Style};
 use crate::plan::{self, Plan, PlannedTrial};
+use crate::project::plan_notices;
 use crate::registry::Registry;
 use crate::scenario::{Block, Gate, Origin, Suite};
 
@@ -174,7 +176,7 @@ fn size(block: &Block) -> Vec<(&'static str, usize)> {
 }
 
 fn planned(file: &str, colour: bool, registry: &Registry) -> Option<(Suite, Plan)> {
-    let suite = match lang::load(Path::new(file), registry) {
+    let suite = match lang::load(Path::new(file), registry, &Disk) {
         Ok(loaded) => loaded.suite,
         Err(failure) => {
             stderr().styled(&failure.render(Style { colour }));
@@ -184,7 +186,7 @@ fn planned(file: &str, colour: bool, registry: &Registry) -> Option<(Suite, Plan
     match plan::plan(&suite) {
         Ok(plan) => Some((suite, plan)),
         Err(errors) => {
-            load::show_plan_errors(&errors, colour);
+            load::show(plan_notices(errors), colour);
             None
         }
     }

@@ -10,6 +10,7 @@ use crate::console::stderr;
 use crate::files;
 use crate::judge::baseline::{Baseline, record};
 use crate::plan::{self, Plan};
+use crate::project::plan_notices;
 use crate::registry::Registry;
 use crate::results::{Requests, record_command};
 use crate::run::{BatchError, FreeFlows, Stop, run_batch};
@@ -28,8 +29,8 @@ pub fn load_suite(
     registry: &Registry,
 ) -> Result<Suite, Exit> {
     let colour = stderr().takes_colour();
-    let mut prepared = load::load_all(&[&file.to_string()], seed, set, colour, registry)?;
-    Ok(prepared.remove(0).suite)
+    let project = load::load_all(&[&file.to_string()], seed, set, colour, registry)?;
+    Ok(project.suites()[0].suite.clone())
 }
 
 /// Adds the metrics that a gate's rules name.
@@ -43,7 +44,7 @@ pub fn include_gate(requests: &mut Requests, gate: &Gate) {
 /// [`Exit::Interrupted`], of which nothing is said yet; of everything else stderr has been told.
 pub fn run_suite(suite: &Suite, requests: &Requests, title: &str, stop: &Stop) -> Result<Baseline, Exit> {
     let plan = plan::plan(suite).map_err(|errors| {
-        load::show_plan_errors(&errors, false);
+        load::show(plan_notices(errors), false);
         Exit::Scenario
     })?;
     run_plan(&plan, requests, title, stop)

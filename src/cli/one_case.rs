@@ -9,7 +9,8 @@ use super::load;
 use super::set::SetArguments;
 use crate::console::stderr;
 use crate::corpus;
-use crate::dispatch::{Prepared, Work, units};
+use crate::dispatch::{Work, units};
+use crate::project::{PlannedSuite, Project};
 use crate::registry::Registry;
 use crate::scenario::{Case, Criterion};
 
@@ -32,7 +33,7 @@ pub struct CaseArguments {
 
 /// The run that was asked for.
 pub struct Found<'a> {
-    pub suite: &'a Prepared,
+    pub suite: &'a PlannedSuite,
     pub case: Case,
     /// What is asked of its trial, with constant bounds.
     pub criteria: Vec<Criterion>,
@@ -40,7 +41,7 @@ pub struct Found<'a> {
 
 impl CaseArguments {
     /// The suites in which the run is to be found; what is wrong goes to stderr. `command` is what was asked for.
-    pub fn load(&self, command: &str, registry: &Registry) -> Result<Vec<Prepared>, Exit> {
+    pub fn load(&self, command: &str, registry: &Registry) -> Result<Project, Exit> {
         let files = match &self.files[..] {
             [] => match default_file(&self.key) {
                 Some(file) => vec![file],
@@ -64,7 +65,7 @@ impl CaseArguments {
 
     /// The run of that key: one of the plan, or a recorded one by the key of its unit. If there is none, says so on
     /// stderr.
-    pub fn find<'a>(&self, suites: &'a [Prepared]) -> Result<Found<'a>, Exit> {
+    pub fn find<'a>(&self, suites: &'a [PlannedSuite]) -> Result<Found<'a>, Exit> {
         let key = &self.key;
         for unit in units(suites).iter().filter(|unit| unit.key == *key) {
             if let Work::Recorded(recorded) = &unit.work {

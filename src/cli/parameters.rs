@@ -5,9 +5,9 @@ use std::path::Path;
 use super::{Exit, load};
 use crate::console::stderr;
 use crate::experiment::{ParameterFile, apply_settings};
-use crate::lang::{self, NamedValue, Style, nearest};
+use crate::files::Disk;
+use crate::lang::{self, Excerpt, NamedValue, Style, nearest};
 use crate::registry::Registry;
-use crate::report::Excerpt;
 use crate::scenario::{Declaration, ParameterKind, Part, Scenario, Settings, Suite, Target, Value};
 
 /// Puts what the parameter file at `path` says over the vehicles of `suite`, which was read from `file`. Definitions
@@ -16,7 +16,7 @@ use crate::scenario::{Declaration, ParameterKind, Part, Scenario, Settings, Suit
 pub fn put_over(suite: &mut Suite, file: &str, path: &Path, registry: &Registry) -> Result<(), Exit> {
     let colour = stderr().takes_colour();
     if load::names_a_file(&path.to_string_lossy()) {
-        let values = lang::named_values(path, registry).map_err(|failure| {
+        let values = lang::named_values(path, registry, &Disk).map_err(|failure| {
             stderr().styled(&failure.render(Style { colour }));
             Exit::Scenario
         })?;

@@ -31,8 +31,8 @@ pub struct ReplayArguments {
 }
 
 pub fn replay(arguments: &ReplayArguments, registry: &Registry) -> Exit {
-    let replayed = arguments.case.load("replay", registry).and_then(|suites| {
-        let found = arguments.case.find(&suites)?;
+    let replayed = arguments.case.load("replay", registry).and_then(|project| {
+        let found = arguments.case.find(project.suites())?;
         Ok(replay_case(arguments, &found, registry))
     });
     replayed.unwrap_or_else(|exit| exit)

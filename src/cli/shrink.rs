@@ -9,7 +9,7 @@ use super::interrupt::stop_on_interrupt;
 use super::one_case::{CaseArguments, Found};
 use super::{Exit, shows_progress};
 use crate::console::{stderr, stdout};
-use crate::files::{self, Lines};
+use crate::files::{self, Disk, Lines, Overlay};
 use crate::judge::{PerRun, per_run};
 use crate::registry::Registry;
 use crate::report::{SHRUNK_BY, render_shrunk, run_words, shrunk_file};
@@ -63,8 +63,8 @@ pub struct ShrinkArguments {
 }
 
 pub fn shrink(arguments: &ShrinkArguments, registry: &Registry) -> Exit {
-    let result = arguments.case.load("shrink", registry).and_then(|suites| {
-        let found = arguments.case.find(&suites)?;
+    let result = arguments.case.load("shrink", registry).and_then(|project| {
+        let found = arguments.case.find(project.suites())?;
         let criterion = choose(arguments, &found, registry)?;
         shrink_found(arguments, &found, &criterion, registry)
     });
@@ -221,8 +221,8 @@ fn verify(text: &str, shrunk: &Shrunk, path: &Path, registry: &Registry) -> Resu
     let again = || -> Result<Outcome, String> {
         // A device has no ending that says what is in it.
         let named = if path.exists() && !path.is_file() { Path::new("shrunk.scn") } else { path };
-        let loaded =
-            lang::check(named, text, registry).map_err(|failure| failure.render(lang::Style::default()))?;
+        let loaded = lang::load(named, registry, &Overlay::new(&Disk, named, text))
+            .map_err(|failure| failure.render(lang::Style::default()))?;
         let scenario = loaded.suite.scenarios.first().ok_or("it has no scenario")?;
         let trials = plan::plan_scenario(&loaded.suite, scenario).map_err(|error| error.to_string())?;
         let case = trials.first().and_then(|trial| trial.cases.first()).ok_or("it has no run")?;

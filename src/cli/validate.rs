@@ -94,7 +94,7 @@ fn row(c: &Comparison) -> String {
 }
 
 fn retention(file: &Path, count: usize, seed: u64) -> Result<Exit, Box<dyn std::error::Error>> {
-    let candidates = published_candidates(&file.to_string_lossy(), count, seed)?;
+    let candidates = published_candidates(file, count, seed)?;
     let total = candidates.rows.len();
     let calibration =
         Calibration { variant: Variant::STANDARD, criteria: published_criteria(), repetitions: 5, seed };

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use crate::files::{self, ReadError};
+use crate::files::{self, Files, ReadError};
 use crate::results::Recorded;
 use crate::scenario::{Assignment, Value};
 
@@ -48,8 +48,8 @@ pub fn corpus_path(suite: &Path) -> PathBuf {
 ///
 /// # Errors
 /// If it cannot be read or something in it cannot be understood.
-pub fn read_corpus(path: &Path) -> Result<Vec<Recorded>, CorpusError> {
-    match files::read_kind(path, &[ENDING]) {
+pub fn read_corpus(path: &Path, files: &dyn Files) -> Result<Vec<Recorded>, CorpusError> {
+    match files.read_text(path, &[ENDING]) {
         Ok(text) => parse(&text).map_err(|(line, reason)| CorpusError::Content {
             path: path.to_owned(),
             line,
@@ -61,8 +61,8 @@ pub fn read_corpus(path: &Path) -> Result<Vec<Recorded>, CorpusError> {
 }
 
 /// Whether there are records in a file and none has a checksum: it is of an earlier version.
-pub fn is_unchecked(path: &Path) -> bool {
-    let drafts = files::read_kind(path, &[ENDING]).ok().and_then(|text| drafts(&text).ok());
+pub fn is_unchecked(path: &Path, files: &dyn Files) -> bool {
+    let drafts = files.read_text(path, &[ENDING]).ok().and_then(|text| drafts(&text).ok());
     drafts.is_some_and(|drafts| !drafts.is_empty() && drafts.iter().all(|draft| draft.stated.is_none()))
 }
 
@@ -252,6 +252,7 @@ mod tests {
     use std::fs;
 
     use super::*;
+    use crate::files::Disk;
 
     fn record(key: &str, seed: u64) -> Recorded {
         let assignment =
@@ -280,11 +281,11 @@ mod tests {
             (record("zebra/walk/rep=1", 7), record("zebra/walk/rep=1", 8), record("zebra/walk/rep=2", 7));
         write_corpus(&path, &[c.clone(), b.clone(), a.clone(), a.clone()]).unwrap();
         insta::assert_snapshot!(fs::read_to_string(&path).unwrap());
-        assert_eq!(read_corpus(&path).unwrap(), [a, b, c]);
+        assert_eq!(read_corpus(&path, &Disk).unwrap(), [a, b, c]);
         write_corpus(&path, &[]).unwrap();
         assert!(!path.exists());
         write_corpus(&path, &[]).unwrap();
-        assert_eq!(read_corpus(&path).unwrap(), []);
+        assert_eq!(read_corpus(&path, &Disk).unwrap(), []);
     }
 
     #[test]
@@ -328,14 +329,14 @@ mod tests {
         let has_none = |line: &&str| !line.starts_with("  crc");
         let old: String = text.lines().filter(has_none).map(|line| format!("{line}\n")).collect();
         fs::write(&path, &old).unwrap();
-        assert!(is_unchecked(&path));
-        assert_eq!(read_corpus(&path).unwrap(), records);
+        assert!(is_unchecked(&path, &Disk));
+        assert_eq!(read_corpus(&path, &Disk).unwrap(), records);
         let second = (text.find(&records[1].key).unwrap(), old.find(&records[1].key).unwrap());
         fs::write(&path, format!("{}{}", &text[..second.0], &old[second.1..])).unwrap();
-        let said = read_corpus(&path).unwrap_err().to_string();
+        let said = read_corpus(&path, &Disk).unwrap_err().to_string();
         assert!(said.contains("`zebra/walk/rep=2` has no checksum"), "{said}");
         write_corpus(&path, &records).unwrap();
-        assert!(!is_unchecked(&path) && !is_unchecked(&folder.path().join("other.failures")));
+        assert!(!is_unchecked(&path, &Disk) && !is_unchecked(&folder.path().join("other.failures"), &Disk));
     }
 
     /// What decides which run it is.

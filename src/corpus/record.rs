@@ -96,6 +96,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
+    use crate::files::Disk;
     use crate::lang;
     use crate::models::standard;
     use crate::scenario::Body;
@@ -103,7 +104,8 @@ mod tests {
     #[test]
     fn what_a_box_is_called_is_no_part_of_a_case_and_where_it_stands_is() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/zebra/carla_walker.scn");
-        let suite = lang::load(&path, &standard()).unwrap_or_else(|_| panic!("it is a scenario")).suite;
+        let suite =
+            lang::load(&path, &standard(), &Disk).unwrap_or_else(|_| panic!("it is a scenario")).suite;
         let mut case = plan::plan(&suite).unwrap().trials[0].cases[0].clone();
         let mut hash = |name: &str, x: f64| {
             let body = Body { name: name.into(), x, y: -3.2, length: 4.5, width: 1.8 };

@@ -166,20 +166,21 @@ fn state(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dispatch::Prepared;
+    use crate::files::Disk;
     use crate::lang;
     use crate::models::standard;
     use crate::plan::plan;
+    use crate::project::PlannedSuite;
     use crate::run::{SharedTrial, Stop};
 
     #[test]
     fn trials_that_were_decided_early_are_run_to_their_end() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/zebra/carla_walker.scn");
-        let suite = lang::load(&path, &standard())
+        let suite = lang::load(&path, &standard(), &Disk)
             .unwrap_or_else(|_| panic!("{} is a scenario", path.display()))
             .suite;
         let plan = plan(&suite).unwrap();
-        let suites = [Prepared { file: "walker.scn".into(), suite, plan, recorded: Vec::new() }];
+        let suites = [PlannedSuite { file: "walker.scn".into(), suite, plan, recorded: Vec::new() }];
         let workshop = Workshop::new(&suites, None, &Stop::default(), &standard());
         let mut trials: Vec<_> = suites[0]
             .plan

@@ -14,5 +14,5 @@ mod workshop;
 pub use dispatcher::{Orders, dispatch};
 pub use gates::{gate_key, judge_gates, judge_one_gate, measured_trials};
 pub use kept::Kept;
-pub use unit::{Prepared, Unit, Work, units, with_needs};
+pub use unit::{Unit, Work, units, with_needs};
 pub use workshop::{Watch, Workshop};

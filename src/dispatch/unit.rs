@@ -5,20 +5,10 @@ use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use crate::experiment::{Need, needs as needs_of};
-use crate::plan::{Plan, PlannedTrial};
+use crate::plan::PlannedTrial;
+use crate::project::PlannedSuite;
 use crate::results::Recorded;
-use crate::scenario::{Block, Suite};
-
-/// A suite that is ready to run.
-#[derive(Debug)]
-pub struct Prepared {
-    /// As the user named it.
-    pub file: String,
-    pub suite: Suite,
-    pub plan: Plan,
-    /// Runs that failed in earlier sessions.
-    pub recorded: Vec<Recorded>,
-}
+use crate::scenario::Block;
 
 /// One trial or block, or a run that failed before.
 #[derive(Debug)]
@@ -52,7 +42,7 @@ impl Unit<'_> {
 }
 
 /// Every unit of the suites, suite after suite: what failed before, the trials, the blocks.
-pub fn units(suites: &[Prepared]) -> Vec<Unit<'_>> {
+pub fn units(suites: &[PlannedSuite]) -> Vec<Unit<'_>> {
     let mut units = Vec::new();
     for (suite, prepared) in suites.iter().enumerate() {
         let mut known = HashSet::new();

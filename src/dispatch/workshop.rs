@@ -5,11 +5,12 @@ use std::path::PathBuf;
 use std::sync::{Arc, PoisonError};
 use std::time::{Duration, Instant};
 
-use super::unit::{Prepared, Unit, Work};
+use super::unit::{Unit, Work};
 use crate::corpus::{self, case_hash};
 use crate::experiment::{EarlierResults, ExperimentError, Laboratory, Progress, run_block};
 use crate::judge::{self, PerRun, judge, per_run};
 use crate::plan::PlannedTrial;
+use crate::project::PlannedSuite;
 use crate::registry::Registry;
 use crate::results::{
     BlockReport, BlockState, Cut, Outcome, Recorded, RecordedReport, RecordedState, Requests, Rerun, Skip,
@@ -26,7 +27,7 @@ pub type Watch<'a> = dyn Fn(&Case, &Trace) + Sync + 'a;
 
 /// Everything that units share.
 pub struct Workshop<'a> {
-    suites: &'a [Prepared],
+    suites: &'a [PlannedSuite],
     /// One per suite.
     laboratories: Vec<Laboratory<'a>>,
     /// Every metric that anything in any of the suites asks for: all runs are measured alike.
@@ -38,7 +39,12 @@ pub struct Workshop<'a> {
 
 impl<'a> Workshop<'a> {
     /// `journals` is where searches and tunes keep what they have evaluated.
-    pub fn new(suites: &'a [Prepared], journals: Option<PathBuf>, stop: &Stop, registry: &Registry) -> Self {
+    pub fn new(
+        suites: &'a [PlannedSuite],
+        journals: Option<PathBuf>,
+        stop: &Stop,
+        registry: &Registry,
+    ) -> Self {
         let mut laboratories: Vec<_> = suites
             .iter()
             .map(|suite| Laboratory::new(&suite.suite, journals.clone(), registry).stopped_by(stop.clone()))
@@ -86,7 +92,7 @@ impl<'a> Workshop<'a> {
         &self.stop
     }
 
-    pub fn suites(&self) -> &'a [Prepared] {
+    pub fn suites(&self) -> &'a [PlannedSuite] {
         self.suites
     }
 
@@ -290,6 +296,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
+    use crate::files::Disk;
     use crate::lang;
     use crate::models::standard;
     use crate::plan::plan;
@@ -298,11 +305,11 @@ mod tests {
     #[test]
     fn of_a_run_no_more_is_kept_than_its_trial_needs() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/zebra/carla_walker.scn");
-        let suite = lang::load(&path, &standard())
+        let suite = lang::load(&path, &standard(), &Disk)
             .unwrap_or_else(|_| panic!("{} is a scenario", path.display()))
             .suite;
         let plan = plan(&suite).unwrap();
-        let suites = [Prepared { file: "walker.scn".into(), suite, plan, recorded: Vec::new() }];
+        let suites = [PlannedSuite { file: "walker.scn".into(), suite, plan, recorded: Vec::new() }];
         let workshop = Workshop::new(&suites, None, &Stop::default(), &standard());
         let trial = &suites[0].plan.trials[0];
         let report = workshop.trial(0, &SharedTrial::new(trial), &|| ());

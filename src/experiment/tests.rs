@@ -71,6 +71,7 @@ fn scenario() -> Scenario {
             individuals: Some(Individuals {
                 selection: Population::Count(3),
                 population: "standard".into(),
+                text: None,
                 origin: Origin::default(),
             }),
             origin: Origin::default(),

@@ -11,6 +11,7 @@ mod in_place;
 mod log;
 mod log_reader;
 mod read;
+mod source;
 mod temporary;
 #[cfg(test)]
 mod tests;
@@ -22,4 +23,5 @@ pub use log_reader::{Header, LARGEST_RECORD, LogError, LogFormat, LogReader};
 pub use read::{
     LARGEST, Lines, ReadError, check_kind, read_bytes, read_kind, read_standard_input, read_text,
 };
+pub use source::{Disk, Files, Memory, Overlay};
 pub use whole::{WholeFile, check_target, create_new, make_folder, remove, write};

@@ -94,23 +94,31 @@ pub fn read_kind(path: &Path, endings: &[&str]) -> Result<String, ReadError> {
 /// # Errors
 /// [`ReadError::OtherKind`] if not, [`ReadError::Io`] if it is not there.
 pub fn check_kind(path: &Path, endings: &[&str]) -> Result<(), ReadError> {
-    let is_of_kind = |path: &Path| {
-        let ending = path.extension().and_then(|ending| ending.to_str());
-        ending.is_some_and(|ending| endings.contains(&ending))
-    };
-    let other = |leads_to| {
-        let dotted: Vec<String> = endings.iter().map(|ending| format!(".{ending}")).collect();
-        let allowed = match &dotted[..] {
-            [most @ .., last] if !most.is_empty() => format!("{} or {last}", most.join(", ")),
-            all => all.concat(),
-        };
-        ReadError::OtherKind { leads_to, allowed }
-    };
-    if !is_of_kind(path) {
-        return Err(other(None));
-    }
+    check_name(path, endings)?;
     let real = path.canonicalize()?;
-    if is_of_kind(&real) { Ok(()) } else { Err(other(Some(real))) }
+    if is_of_kind(&real, endings) { Ok(()) } else { Err(other_kind(Some(real), endings)) }
+}
+
+/// Whether a path ends in one of `endings`.
+///
+/// # Errors
+/// [`ReadError::OtherKind`] if not.
+pub(super) fn check_name(path: &Path, endings: &[&str]) -> Result<(), ReadError> {
+    if is_of_kind(path, endings) { Ok(()) } else { Err(other_kind(None, endings)) }
+}
+
+fn is_of_kind(path: &Path, endings: &[&str]) -> bool {
+    let ending = path.extension().and_then(|ending| ending.to_str());
+    ending.is_some_and(|ending| endings.contains(&ending))
+}
+
+fn other_kind(leads_to: Option<PathBuf>, endings: &[&str]) -> ReadError {
+    let dotted: Vec<String> = endings.iter().map(|ending| format!(".{ending}")).collect();
+    let allowed = match &dotted[..] {
+        [most @ .., last] if !most.is_empty() => format!("{} or {last}", most.join(", ")),
+        all => all.concat(),
+    };
+    ReadError::OtherKind { leads_to, allowed }
 }
 
 /// What stands on standard input, of at most [`LARGEST`] bytes.
@@ -127,7 +135,7 @@ fn limited(from: impl Read, most: u64) -> Result<Vec<u8>, ReadError> {
     if bytes.len() as u64 > most { Err(ReadError::TooLarge { most }) } else { Ok(bytes) }
 }
 
-fn text(bytes: Vec<u8>) -> Result<String, ReadError> {
+pub(super) fn text(bytes: Vec<u8>) -> Result<String, ReadError> {
     String::from_utf8(bytes).map_err(|error| {
         let (valid, bytes) = (error.utf8_error().valid_up_to(), error.as_bytes());
         ReadError::NotUtf8 {

@@ -8,6 +8,7 @@ use super::source::{Sources, Span};
 use super::statements;
 use super::tree::{Node, Rule, Tree};
 use super::units;
+use crate::files::{self, Overlay};
 use crate::registry::Registry;
 use crate::scenario::{Declaration, Parameter, ParameterKind};
 
@@ -111,9 +112,15 @@ fn parameter(found: &Parameter) -> String {
 }
 
 /// Where the name at byte `offset` of the file at `path` is defined, possibly in a file that it uses.
-pub fn definition(path: &Path, text: &str, offset: usize, registry: &Registry) -> Option<(Span, Sources)> {
-    let mut files = Files::new(registry);
-    files.overlay(path, text);
+pub fn definition(
+    path: &Path,
+    text: &str,
+    offset: usize,
+    registry: &Registry,
+    texts: &dyn files::Files,
+) -> Option<(Span, Sources)> {
+    let texts = Overlay::new(texts, path, text);
+    let mut files = Files::new(registry, &texts).while_edited();
     let file = files.open(path, None, &mut Vec::new())?;
     let tree = files.tree(file);
     let around = path_to(tree, offset);
@@ -194,7 +201,9 @@ mod tests {
 
     #[test]
     fn definitions_are_found() {
-        let (span, sources) = definition(Path::new("nowhere/a.scn"), TEXT, at("pace"), &standard()).unwrap();
+        let (span, sources) =
+            definition(Path::new("nowhere/a.scn"), TEXT, at("pace"), &standard(), &crate::files::Disk)
+                .unwrap();
         assert_eq!(sources.text(span), "pace");
         assert_eq!(sources.location(span).line, 1);
     }

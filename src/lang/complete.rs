@@ -13,6 +13,7 @@ use super::lexer::{self, Token, TokenKind};
 use super::syntax_error::goes_on_with;
 use super::tree::{Node, Rule};
 use super::units;
+use crate::files::{self, Overlay};
 use crate::registry::{Registry, Table};
 use crate::scenario::{Declaration, ParameterKind, Registered, Scope};
 
@@ -25,7 +26,13 @@ pub struct Proposal {
 }
 
 /// The words that could stand at byte `offset` of the file at `path`, with the names that it defines or uses.
-pub fn complete(path: &Path, text: &str, offset: usize, registry: &Registry) -> Vec<Proposal> {
+pub fn complete(
+    path: &Path,
+    text: &str,
+    offset: usize,
+    registry: &Registry,
+    texts: &dyn files::Files,
+) -> Vec<Proposal> {
     let before = &text[..offset.min(text.len())];
     let tokens: Vec<Token> =
         lexer::tokens(before).into_iter().filter(|token| token.kind != TokenKind::Space).collect();
@@ -74,9 +81,11 @@ pub fn complete(path: &Path, text: &str, offset: usize, registry: &Registry) -> 
             kinds.iter().map(|(name, kind)| proposal(name, &kind.summary)).collect()
         }
         [.., "no"] if !matches!(block, Rule::road_block | Rule::gate_block) => all(registry.metrics()),
-        ["road"] => visible(path, &without_line(text, before.len()), registry, &[Rule::road_definition]),
+        ["road"] => {
+            visible(path, &without_line(text, before.len()), registry, texts, &[Rule::road_definition])
+        }
         [.., ":"] if block == Rule::file => {
-            visible(path, &without_line(text, before.len()), registry, &[Rule::scenario, Rule::define])
+            visible(path, &without_line(text, before.len()), registry, texts, &[Rule::scenario, Rule::define])
         }
         [.., "in" | "on" | "of" | "with" | "as"] if refers(block, &statement) => {
             let blocks = [Rule::search, Rule::tune, Rule::evaluate];
@@ -84,13 +93,14 @@ pub fn complete(path: &Path, text: &str, offset: usize, registry: &Registry) -> 
                 path,
                 &without_line(text, before.len()),
                 registry,
+                texts,
                 &[&blocks[..], &[Rule::scenario]].concat(),
             )
         }
         _ => {
             let end = writing.map_or(before.len(), |token| token.start);
             let text = without_line(text, before.len());
-            let place = Place { path, text, line: line_start(before), registry };
+            let place = Place { path, text, line: line_start(before), registry, texts };
             place.go_on(block, &statement, &before[start.min(end)..end])
         }
     }
@@ -113,13 +123,14 @@ struct Place<'a> {
     text: String,
     line: usize,
     registry: &'a Registry,
+    texts: &'a dyn files::Files,
 }
 
 impl Place<'_> {
     /// What a statement could go on with after `written`, as far as the grammar says it.
     fn go_on(&self, block: Rule, statement: &[&str], written: &str) -> Vec<Proposal> {
-        let mut files = Files::new(self.registry);
-        files.overlay(self.path, self.text.as_str());
+        let texts = Overlay::new(self.texts, self.path, &self.text);
+        let mut files = Files::new(self.registry, &texts).while_edited();
         let Some(file) = files.open(self.path, None, &mut Vec::new()) else { return Vec::new() };
         let first = statement.first().copied().unwrap_or_default();
         let known = statements_of(block).iter().filter(|known| known.word == first || known.word.is_empty());
@@ -288,9 +299,15 @@ fn without_line(text: &str, offset: usize) -> String {
 
 /// The names of some kinds that a file defines or sees in files that it uses, in the order of the alphabet, with the line that
 /// defines each.
-fn visible(path: &Path, text: &str, registry: &Registry, kinds: &[Rule]) -> Vec<Proposal> {
-    let mut files = Files::new(registry);
-    files.overlay(path, text);
+fn visible(
+    path: &Path,
+    text: &str,
+    registry: &Registry,
+    texts: &dyn files::Files,
+    kinds: &[Rule],
+) -> Vec<Proposal> {
+    let texts = Overlay::new(texts, path, text);
+    let mut files = Files::new(registry, &texts).while_edited();
     let Some(file) = files.open(path, None, &mut Vec::new()) else { return Vec::new() };
     let names = files.names(file);
     let all = names.roads.iter().chain(&names.scenarios).chain(&names.blocks);
@@ -409,12 +426,13 @@ fn setting(declaration: &Declaration, statement: &[&str]) -> Vec<Proposal> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::files::Disk;
     use crate::models::standard;
 
     #[test]
     fn completion_knows_where_it_is() {
         let words = |text: &str| {
-            complete(Path::new("nowhere/a.scn"), text, text.len(), &standard())
+            complete(Path::new("nowhere/a.scn"), text, text.len(), &standard(), &Disk)
                 .into_iter()
                 .map(|found| found.word)
                 .collect::<Vec<_>>()
@@ -434,7 +452,8 @@ mod tests {
         assert_eq!(words(text), ["a", "s", "t"]);
         assert_eq!(words(&format!("{text}s\n}}\nscenario b : ")), ["a", "base"]);
         assert_eq!(
-            complete(Path::new("nowhere/a.scn"), &format!("{text}\n}}\n"), text.len(), &standard()).len(),
+            complete(Path::new("nowhere/a.scn"), &format!("{text}\n}}\n"), text.len(), &standard(), &Disk)
+                .len(),
             3
         );
     }
@@ -442,7 +461,7 @@ mod tests {
     #[test]
     fn statements_go_on_as_the_grammar_says() {
         let words = |text: &str| {
-            let found = complete(Path::new("nowhere/a.scn"), text, text.len(), &standard());
+            let found = complete(Path::new("nowhere/a.scn"), text, text.len(), &standard(), &Disk);
             found.into_iter().map(|found| found.word).collect::<Vec<_>>()
         };
         let text = "let pace = 1 m/s\nscenario walk {\n  vehicle av {\n    controller carla_behavior\n  }\n  \

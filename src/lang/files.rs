@@ -1,5 +1,6 @@
 //! Files that use each other, and the names that each can see.
 
+use std::cell::RefCell;
 use std::collections::HashMap;
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
@@ -12,7 +13,7 @@ use super::suite::{self, FileKind};
 use super::tree::{Node, NodeIndex, Rule, Tree};
 use super::value::{self, Binding, Scope, unquote};
 use super::yaml;
-use crate::files::{ReadError, check_kind, read_bytes};
+use crate::files::{self, ReadError};
 use crate::registry::Registry;
 
 /// Larger files are refused.
@@ -51,49 +52,55 @@ struct File {
 }
 
 /// Every file that was read, each once.
-pub struct Files {
+pub struct Files<'f> {
     /// What they may name.
     pub registry: Registry,
+    /// Where they are read.
+    texts: &'f dyn files::Files,
     pub sources: Sources,
     files: Vec<File>,
     /// By canonical path; `None` while it is being read or when it could not be.
     by_path: HashMap<PathBuf, Option<FileId>>,
-    /// Texts that stand for files on disk, by path.
-    overlays: HashMap<PathBuf, Arc<str>>,
     /// The files being read, with the `use` that led to each.
     reading: Vec<(PathBuf, Option<Span>)>,
     /// Values that are set from outside.
     pub overrides: Overrides,
     /// Where they stand in the texts.
     pub set: Vec<Span>,
+    /// What stands in files that are no scenarios, by path.
+    others: RefCell<HashMap<String, Result<Arc<str>, String>>>,
     /// Of all texts, bytes.
     size: usize,
+    /// More are not read, bytes.
+    largest: usize,
 }
 
-impl Files {
-    /// None yet, that may name what is in `registry`.
-    pub fn new(registry: &Registry) -> Self {
+impl<'f> Files<'f> {
+    /// None yet, that are in `texts` and may name what is in `registry`.
+    pub fn new(registry: &Registry, texts: &'f dyn files::Files) -> Self {
         Self {
             registry: registry.clone(),
+            texts,
             sources: Sources::default(),
             files: Vec::new(),
             by_path: HashMap::new(),
-            overlays: HashMap::new(),
             reading: Vec::new(),
             overrides: Overrides::default(),
             set: Vec::new(),
+            others: RefCell::default(),
             size: 0,
+            largest: usize::MAX,
         }
+    }
+
+    /// The same, of which no more is read than can be checked at every stroke of a key.
+    pub fn while_edited(self) -> Self {
+        Self { largest: LARGEST_WHILE_EDITED, ..self }
     }
 
     /// The same; in all of them these values will be set.
     pub fn with_set(self, set: &[Override]) -> Self {
         Self { overrides: Overrides::new(set), ..self }
-    }
-
-    /// Lets `text` stand for the file at `path`.
-    pub fn overlay(&mut self, path: &Path, text: impl Into<Arc<str>>) {
-        self.overlays.insert(identity(path), text.into());
     }
 
     pub fn tree(&self, file: FileId) -> &Tree {
@@ -119,7 +126,7 @@ impl Files {
 
     /// Reads the file at `path` and all it uses; `asked` is the place that names it.
     pub fn open(&mut self, path: &Path, asked: Option<Span>, report: &mut Vec<Diagnostic>) -> Option<FileId> {
-        let identity = identity(path);
+        let identity = self.texts.identity(path);
         if let Some(known) = self.by_path.get(&identity) {
             if known.is_none()
                 && let Some(asked) = asked
@@ -131,7 +138,7 @@ impl Files {
         }
         self.by_path.insert(identity.clone(), None);
         let name = path.display().to_string();
-        let read = self.read(path, &identity).and_then(|text| self.within_bounds(path, text));
+        let read = self.read(path).and_then(|text| self.within_bounds(path, text));
         let source = match read {
             Ok(text) => match suite::file_kind(path) {
                 Some(FileKind::Yaml) => self.sources.add(name, text),
@@ -204,20 +211,16 @@ impl Files {
     }
 
     /// The text, or code, message, hint and the part that could be read.
-    fn read(&self, path: &Path, identity: &Path) -> Result<Arc<str>, (Code, String, String, Option<String>)> {
+    fn read(&self, path: &Path) -> Result<Arc<str>, (Code, String, String, Option<String>)> {
         let shown = path.display();
-        if let Some(text) = self.overlays.get(identity) {
-            return Ok(text.clone());
-        }
-        let read = check_kind(path, &suite::ENDINGS).and_then(|()| read_bytes(path, LARGEST_FILE as u64));
-        let bytes = read.map_err(|error| {
+        let bytes = self.texts.read(path, &suite::ENDINGS, LARGEST_FILE as u64).map_err(|error| {
             let (code, hint) = match &error {
                 ReadError::OtherKind { .. } => (
                     Code::UnknownFileKind,
                     "scenario files end in `.scn` or `.yaml`, suites in `.suite`".to_string(),
                 ),
                 ReadError::TooLarge { .. } => (Code::FileTooLarge, "split it into several files".to_string()),
-                error if error.is_missing() => (Code::UnreadableFile, neighbour(path)),
+                error if error.is_missing() => (Code::UnreadableFile, self.neighbour(path)),
                 _ => (Code::UnreadableFile, "it must be a regular file that may be read".to_string()),
             };
             (code, format!("cannot read `{shown}`: {error}"), hint, None)
@@ -238,15 +241,25 @@ impl Files {
         text: Arc<str>,
     ) -> Result<Arc<str>, (Code, String, String, Option<String>)> {
         self.size += text.len();
-        if self.overlays.is_empty() || self.size <= LARGEST_WHILE_EDITED {
+        if self.size <= self.largest {
             return Ok(text);
         }
         let message = format!(
-            "with `{}` these files have {} bytes, more than the {LARGEST_WHILE_EDITED} that are checked while edited",
+            "with `{}` these files have {} bytes, more than the {} that are checked while edited",
             path.display(),
-            self.size
+            self.size,
+            self.largest
         );
         Err((Code::FileTooLarge, message, "run `scenario-runner check` on the file".to_string(), None))
+    }
+
+    /// What stands in a file of another kind, or why it cannot be read; each file is read once.
+    pub fn text_of(&self, path: &str, endings: &[&str]) -> Result<Arc<str>, String> {
+        let read = || {
+            let text = self.texts.read_text(Path::new(path), endings);
+            text.map(Arc::from).map_err(|error| error.to_string())
+        };
+        self.others.borrow_mut().entry(path.to_string()).or_insert_with(read).clone()
     }
 
     fn circle(&self, first: usize, path: &Path, asked: Span) -> Diagnostic {
@@ -348,7 +361,7 @@ impl Files {
         for file in &self.files {
             for string in file.tree.root().all(Rule::use_file).filter_map(|node| node.child(Rule::string)) {
                 let name = &self.sources.get(file.tree.source).name;
-                let used = identity(&join(Path::new(name), &unquote(string.text())));
+                let used = self.texts.identity(&join(Path::new(name), &unquote(string.text())));
                 if let Some(Some(used)) = self.by_path.get(&used) {
                     users.entry(self.tree(*used).source).or_insert(string.span());
                 }
@@ -366,6 +379,18 @@ impl Files {
             if !way.is_empty() {
                 diagnostic.notes.push(format!("this file is used by {}", way.join(", which is used by ")));
             }
+        }
+    }
+}
+
+impl Files<'_> {
+    /// A hint with the nearest name in the folder of a file that is not there.
+    fn neighbour(&self, path: &Path) -> String {
+        let names = path.parent().map(|folder| self.texts.names(folder)).unwrap_or_default();
+        let wanted = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+        match super::diagnostic::nearest(wanted, names.iter().map(String::as_str)) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => "paths are relative to the file they stand in".to_string(),
         }
     }
 }
@@ -433,26 +458,4 @@ pub fn join(path: &Path, name: &str) -> PathBuf {
         }
     }
     joined
-}
-
-/// What tells whether two paths are the same file.
-fn identity(path: &Path) -> PathBuf {
-    path.canonicalize().or_else(|_| std::path::absolute(path)).unwrap_or_else(|_| path.to_path_buf())
-}
-
-/// A hint with the nearest name in the folder of a file that is not there.
-fn neighbour(path: &Path) -> String {
-    let names: Vec<String> = path
-        .parent()
-        .map(|folder| if folder.as_os_str().is_empty() { Path::new(".") } else { folder })
-        .and_then(|folder| std::fs::read_dir(folder).ok())
-        .into_iter()
-        .flatten()
-        .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
-        .collect();
-    let wanted = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
-    match super::diagnostic::nearest(wanted, names.iter().map(String::as_str)) {
-        Some(near) => format!("did you mean `{near}`?"),
-        None => "paths are relative to the file they stand in".to_string(),
-    }
 }

@@ -11,6 +11,7 @@ mod codes;
 mod complete;
 mod consequences;
 mod diagnostic;
+mod excerpt;
 mod files;
 pub mod filter;
 mod format;
@@ -39,6 +40,7 @@ pub use check::{DEFAULT_GOAL, Defaults};
 pub use codes::Code;
 pub use complete::{Proposal, complete};
 pub use diagnostic::{Diagnostic, Label, Severity, nearest};
+pub use excerpt::Excerpt;
 pub use files::LARGEST_FILE;
 pub use format::format;
 pub use lexer::{DEEPEST_NESTING, Token, TokenKind};
@@ -55,6 +57,7 @@ use pest::Parser;
 use pest::iterators::Pair;
 use tree::Grammar;
 
+use crate::files::{self as texts, Overlay};
 use crate::registry::Registry;
 use crate::scenario::{Dimension, Expression, Notation, Origin, Suite, Value};
 use files::Files;
@@ -97,8 +100,12 @@ pub struct NamedValue {
 }
 
 /// The constants that a file defines, by name: what `tune --save` writes.
-pub fn named_values(path: &Path, registry: &Registry) -> Result<Vec<NamedValue>, Failure> {
-    let (mut files, mut report) = (Files::new(registry), Vec::new());
+pub fn named_values(
+    path: &Path,
+    registry: &Registry,
+    texts: &dyn texts::Files,
+) -> Result<Vec<NamedValue>, Failure> {
+    let (mut files, mut report) = (Files::new(registry, texts), Vec::new());
     let file = files.open(path, None, &mut report);
     let names = file.into_iter().flat_map(|file| &files.scope(file).names);
     let constant = |(name, binding): (&String, &Binding)| {
@@ -125,20 +132,18 @@ pub fn named_values(path: &Path, registry: &Registry) -> Result<Vec<NamedValue>,
 }
 
 /// Reads and checks a `.suite` file, or a `.scn` file as a suite named after it with seed [`DEFAULT_SEED`].
-pub fn load(path: &Path, registry: &Registry) -> Result<Loaded, Failure> {
-    load_with(path, Files::new(registry))
+pub fn load(path: &Path, registry: &Registry, texts: &dyn texts::Files) -> Result<Loaded, Failure> {
+    load_with(path, Files::new(registry, texts))
 }
 
 /// As [`load`], with values that are set from outside, in this file and all it uses.
-pub fn load_set(path: &Path, set: &[Override], registry: &Registry) -> Result<Loaded, Failure> {
-    load_with(path, Files::new(registry).with_set(set))
-}
-
-/// As [`load`], for a text that stands for the file at `path`; files it uses are read from disk.
-pub fn check(path: &Path, text: &str, registry: &Registry) -> Result<Loaded, Failure> {
-    let mut files = Files::new(registry);
-    files.overlay(path, text);
-    load_with(path, files)
+pub fn load_set(
+    path: &Path,
+    set: &[Override],
+    registry: &Registry,
+    texts: &dyn texts::Files,
+) -> Result<Loaded, Failure> {
+    load_with(path, Files::new(registry, texts).with_set(set))
 }
 
 /// The unit of that dimension that a criterion is written with: `km/h` in `impact_speed <= 20 km/h`.
@@ -170,13 +175,18 @@ pub fn suite_doc(text: &str) -> Option<String> {
     check::doc(tree.root().child(Rule::suite)?.child(Rule::suite_block)?)
 }
 
-/// Everything that is to be said about a file, which may be there only to be used by others; `text` stands for what is
-/// on disk.
-pub fn examine(path: &Path, text: Option<&str>, registry: &Registry) -> Examined {
-    let mut files = Files::new(registry);
-    if let Some(text) = text {
-        files.overlay(path, text);
-    }
+/// Everything that is to be said about a file, which may be there only to be used by others.
+pub fn examine(path: &Path, registry: &Registry, texts: &dyn texts::Files) -> Examined {
+    examine_with(path, Files::new(registry, texts))
+}
+
+/// As [`examine`], of a text that is being edited and stands for the file at `path`: no more is read than can be checked
+/// at every stroke of a key.
+pub fn examine_edited(path: &Path, text: &str, registry: &Registry, texts: &dyn texts::Files) -> Examined {
+    examine_with(path, Files::new(registry, &Overlay::new(texts, path, text)).while_edited())
+}
+
+fn examine_with(path: &Path, files: Files) -> Examined {
     let (suite, mut found, sources) = match load_with(path, files) {
         Ok(loaded) => (Some(loaded.suite), loaded.warnings, loaded.sources),
         Err(failure) => (None, failure.diagnostics, failure.sources),

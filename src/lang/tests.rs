@@ -6,6 +6,7 @@ use std::sync::Arc;
 use proptest::prelude::*;
 
 use super::*;
+use crate::files::Memory;
 use crate::models::standard;
 
 /// Pieces that scenario files are made of, so that random texts get past the first token.
@@ -142,7 +143,7 @@ proptest! {
     #[test]
     fn no_text_makes_the_checker_panic(text in text(), is_suite: bool) {
         let name = if is_suite { "nowhere/test.suite" } else { "nowhere/test.scn" };
-        if let Err(failure) = check(Path::new(name), &text, &standard()) {
+        if let Err(failure) = load(Path::new(name), &standard(), &Memory::default().with(name, text.as_str())) {
             prop_assert!(!failure.diagnostics.is_empty());
             let _ = failure.render(Style { colour: is_suite });
         }
@@ -156,7 +157,10 @@ fn long_texts_without_structure_end() {
     let negated = format!("let a = {}1", "-".repeat(100_000));
     let words = "foo bar ".repeat(100_000);
     for text in [nested, chained, negated, words] {
-        assert!(check(Path::new("test.scn"), &text, &standard()).is_err());
+        assert!(
+            load(Path::new("test.scn"), &standard(), &Memory::default().with("test.scn", text.as_str()))
+                .is_err()
+        );
     }
 }
 

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::files::{self, ReadError};
+use crate::files::Files;
 use crate::scenario::{Declaration, Parameter, Settings, Value};
 
 /// The name of the population that ships.
@@ -78,7 +78,7 @@ pub enum PopulationError {
         /// The file.
         file: PathBuf,
         /// What the system says.
-        error: ReadError,
+        error: String,
     },
     /// The name ends neither in `.json` nor in `.csv`.
     #[error("the population `{}` is neither `{STANDARD}` nor a .json or .csv file", file.display())]
@@ -214,25 +214,46 @@ fn did_you_mean(nearest: &Option<String>) -> String {
 }
 
 impl Population {
-    /// Reads the population `name` for a model: [`STANDARD`], or a file.
+    /// Reads the population in a file for a model, as [`Self::parse`].
+    ///
+    /// # Errors
+    /// Whatever is wrong with the file, with row, column and allowed range.
+    pub fn read(
+        file: &Path,
+        model: &Declaration,
+        variant: Option<&str>,
+        files: &dyn Files,
+    ) -> Result<Self, PopulationError> {
+        let text = files.read_text(file, &["csv", "json"]).map_err(|error| error.to_string());
+        let text = text.as_deref().map_err(String::as_str);
+        Self::parse(&file.to_string_lossy(), Some(text), model, variant)
+    }
+
+    /// The population `name` for a model: [`STANDARD`], or a file, of which `text` is what stands in it or why it cannot be
+    /// read.
     ///
     /// `variant` is the model's variant if the pedestrian says one. A file with several variants gives that one's
     /// individuals, or those of the model's default variant; in a population of one variant it must agree.
     ///
     /// # Errors
     /// Whatever is wrong with the file, with row, column and allowed range.
-    pub fn read(name: &str, model: &Declaration, variant: Option<&str>) -> Result<Self, PopulationError> {
+    pub fn parse(
+        name: &str,
+        text: Option<Result<&str, &str>>,
+        model: &Declaration,
+        variant: Option<&str>,
+    ) -> Result<Self, PopulationError> {
         if name == STANDARD {
             return Self::from_json(Path::new(STANDARD), STANDARD_FILE, model, variant);
         }
         let file = Path::new(name);
         let text = || {
-            files::read_kind(file, &["csv", "json"])
-                .map_err(|error| PopulationError::Read { file: file.to_owned(), error })
+            text.unwrap_or(Err("nobody has read it"))
+                .map_err(|error| PopulationError::Read { file: file.to_owned(), error: error.to_string() })
         };
         match file.extension().and_then(|extension| extension.to_str()) {
-            Some("json") => Self::from_json(file, &text()?, model, variant),
-            Some("csv") => Self::from_csv(file, &text()?, model, variant),
+            Some("json") => Self::from_json(file, text()?, model, variant),
+            Some("csv") => Self::from_csv(file, text()?, model, variant),
             _ => Err(PopulationError::UnknownFormat { file: file.to_owned() }),
         }
     }
@@ -455,6 +476,7 @@ fn nearest(name: &str, model: &Declaration) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::files::Disk;
     use crate::pedestrian::commotions::model::commotions;
 
     fn csv(text: &str) -> Result<Population, PopulationError> {
@@ -467,7 +489,7 @@ mod tests {
 
     #[test]
     fn the_shipped_population_has_a_thousand_individuals_and_its_provenance() {
-        let standard = Population::read(STANDARD, &commotions().declaration, None).unwrap();
+        let standard = Population::parse(STANDARD, None, &commotions().declaration, None).unwrap();
         assert!(standard.len() >= 1000, "{}", standard.len());
         assert_eq!(standard.variant.as_deref(), Some("oVAoBEvoAIoEAoSNvoPF"));
         for what in ["tool", "design", "seed", "repetitions", "candidates", "retained", "criteria"] {
@@ -519,8 +541,8 @@ mod tests {
             json(&own("[[10]]"), Some("oVAoAI")),
             json(&own("[[10]]").replace("commotions", "carla_walker"), None),
             json(published, None),
-            Population::read("people.txt", &commotions().declaration, None),
-            Population::read("/nowhere/people.csv", &commotions().declaration, None),
+            Population::read(Path::new("people.txt"), &commotions().declaration, None, &Disk),
+            Population::read(Path::new("/nowhere/people.csv"), &commotions().declaration, None, &Disk),
         ]
         .into_iter()
         .map(|result| result.unwrap_err().to_string())

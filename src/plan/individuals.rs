@@ -95,7 +95,8 @@ fn read(pedestrian: &Pedestrian, individuals: &Individuals) -> Result<People, Pl
         let message = format!("the model `{name}` has no individuals");
         return Err(PlanError::new(origin, message).with_hint("leave out `individuals`"));
     }
-    People::read(&individuals.population, &model.declaration, variant(pedestrian)).map_err(|error| {
+    let text = individuals.text.as_ref().map(|text| text.as_deref().map_err(String::as_str));
+    People::parse(&individuals.population, text, &model.declaration, variant(pedestrian)).map_err(|error| {
         PlanError::new(origin, error.to_string()).with_hint(
             "take `standard`, the population that ships, or a file as docs/populations.md describes it",
         )
@@ -196,6 +197,7 @@ mod tests {
             individuals: Some(Individuals {
                 selection,
                 population: "standard".to_string(),
+                text: None,
                 origin: Origin::default(),
             }),
             origin: Origin::default(),
@@ -280,8 +282,12 @@ mod tests {
                 pedestrian("other", "commotions", None, Population::Count(3)),
             ]),
         ];
-        let there_are =
-            People::read("standard", &standard().pedestrians().get("commotions").unwrap().declaration, None);
+        let there_are = People::parse(
+            "standard",
+            None,
+            &standard().pedestrians().get("commotions").unwrap().declaration,
+            None,
+        );
         let there_are = format!("there are {}", there_are.unwrap().len());
         insta::assert_snapshot!(said.join("\n").replace(&there_are, "there are N"));
     }

@@ -6,6 +6,7 @@
 mod check;
 mod table;
 
+use std::fmt;
 use std::sync::Arc;
 
 use crate::scenario::{
@@ -24,6 +25,15 @@ pub struct Registry {
     dynamics: Table<DynamicsModel>,
     perception: Arc<PerceptionModel>,
     metrics: Table<Metric>,
+}
+
+impl fmt::Debug for Registry {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let names = |declarations: Vec<&Declaration>| -> Vec<String> {
+            declarations.iter().map(|declaration| declaration.name.to_string()).collect()
+        };
+        f.debug_map().entries(self.declarations().map(|(kind, all)| (kind, names(all)))).finish()
+    }
 }
 
 impl Registry {

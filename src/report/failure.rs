@@ -2,11 +2,11 @@
 
 use anstyle::AnsiColor;
 
-use super::excerpt::Excerpt;
 use super::format::share;
 use super::table::paint;
 use super::wording::{metric_value, run_in_words, run_value, stopping, unseen, whom};
 use crate::escape::terminal;
+use crate::lang::Excerpt;
 use crate::results::{
     BlockReport, BlockState, CutBy, Finding, Measure, SuiteIdentity, TrialState, UnitReport, Verdict,
 };

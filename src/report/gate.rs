@@ -4,11 +4,11 @@ use std::fmt::Write;
 
 use anstyle::{AnsiColor, Style};
 
-use super::Excerpt;
 use super::format::{count, in_notation, quantity, share};
 use super::table::paint;
 use crate::escape::{terminal, terminal_line};
 use crate::judge::baseline::some;
+use crate::lang::Excerpt;
 use crate::results::{
     BlindPlace, ChangedRun, Check, CheckOutcome, GateReport, GateState, GateVerdict, Power, Subject,
     SuiteIdentity, SuiteReport, TrialChange, Verdict,

@@ -25,6 +25,7 @@ fn note<T>(who: &str, setup: &ModelSetup<T>, chance: impl Fn(&T) -> Chance) -> O
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::files::Disk;
     use crate::lang;
     use crate::models::standard;
     use crate::plan::plan;
@@ -47,7 +48,7 @@ mod tests {
 "
         );
         std::fs::write(&path, text).unwrap();
-        let suite = lang::load(&path, &standard()).ok()?.suite;
+        let suite = lang::load(&path, &standard(), &Disk).ok()?.suite;
         let plan = plan(&suite).ok()?;
         let cases = &plan.trials[0].cases;
         let run = |case| {

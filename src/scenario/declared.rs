@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fmt;
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
@@ -189,6 +190,9 @@ pub struct Individuals {
     pub selection: Population,
     /// `standard` or a file's path, resolved against the file that names it.
     pub population: String,
+    /// What stands in the file, or why it cannot be read; `None` of what ships.
+    #[serde(skip)]
+    pub text: Option<Result<Arc<str>, String>>,
     pub origin: Origin,
 }
 

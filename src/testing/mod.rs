@@ -32,13 +32,12 @@ use std::sync::{Arc, OnceLock};
 use libtest_mimic::{Arguments, Failed, Trial};
 use thiserror::Error;
 
-use crate::cli::load;
-use crate::cli::set::SetArguments;
 use crate::console::stderr;
-use crate::dispatch::{
-    self, Kept, Prepared, Unit, Work, Workshop, gate_key, judge_one_gate, measured_trials,
-};
+use crate::dispatch::{self, Kept, Unit, Work, Workshop, gate_key, judge_one_gate, measured_trials};
 use crate::experiment::Silent;
+use crate::files::Disk;
+use crate::lang::Style;
+use crate::project::{Project, ProjectOptions};
 use crate::registry::Registry;
 use crate::report::{explain, render_gate_report};
 use crate::results::{Skip, Standing, UnitReport, Verdict};
@@ -99,16 +98,12 @@ impl Suites {
     /// If a pattern names no file or a file has errors.
     pub fn load(patterns: &[&str], registry: &Registry) -> Result<Self, TestingError> {
         let files = files(patterns)?;
-        let suites = load::load_all(
-            &files.iter().collect::<Vec<_>>(),
-            None,
-            &SetArguments::default(),
-            false,
-            registry,
-        )
-        .map_err(|_| TestingError::Invalid)?;
+        let opened = Project::open_all(&files, &ProjectOptions::default(), registry, &Disk);
+        let notices = opened.as_ref().map_or_else(|problems| &problems.0[..], Project::notices);
+        notices.iter().for_each(|notice| stderr().styled(&notice.render(Style::default())));
+        let project = opened.map_err(|_| TestingError::Invalid)?;
         // Tests own what they need and live as long as the process.
-        Ok(Self(Arc::new(Session::new(Box::leak(suites.into_boxed_slice()), registry))))
+        Ok(Self(Arc::new(Session::new(Box::leak(Box::new(project))))))
     }
 
     /// The units and gates of the files that the patterns name, as [`trials`] gives them.
@@ -196,7 +191,8 @@ struct Done {
 }
 
 impl Session {
-    fn new(suites: &'static [Prepared], registry: &Registry) -> Self {
+    fn new(project: &'static Project) -> Self {
+        let (suites, registry) = (project.suites(), project.registry());
         let units = dispatch::units(suites);
         let done = units.iter().map(|_| OnceLock::new()).collect();
         Self { workshop: Workshop::new(suites, None, &Stop::default(), registry), units, done }

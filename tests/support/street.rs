@@ -75,7 +75,7 @@ pub fn walker(name: &str, model: ModelSetup<PedestrianModel>, from: f64, to: f64
 pub fn person(number: usize) -> Settings {
     static PEOPLE: LazyLock<Population> = LazyLock::new(|| {
         let model = standard().pedestrians().get("commotions").expect("a model").clone();
-        Population::read("standard", &model.declaration, None).expect("the population that ships")
+        Population::parse("standard", None, &model.declaration, None).expect("the population that ships")
     });
     PEOPLE.individual(1 + (number - 1) * PEOPLE.len() / 1000).expect("an individual")
 }

@@ -23,9 +23,11 @@ use lsp_types::{
 };
 use serde_json::{Value, json};
 
-use super::{Exit, load};
+use super::Exit;
 use crate::console::{stderr, stdout};
+use crate::files::Disk;
 use crate::lang::{self, Code, Diagnostic, Severity, Sources, Tree};
+use crate::project::examine_edited;
 use crate::registry::Registry;
 use document::{Document, changed, offset_of, path_of, position_of, range_of, uri_of};
 use frame::Frame;
@@ -306,8 +308,9 @@ impl<W: Write> Server<'_, W> {
         if let Some(why) = &document.refused {
             by_file.insert(own.clone(), vec![at_the_beginning(Code::FileTooLarge.name(), why)]);
         } else {
-            match catch_unwind(AssertUnwindSafe(|| load::examine(&path, Some(&document.text), self.registry)))
-            {
+            match catch_unwind(AssertUnwindSafe(|| {
+                examine_edited(&path, &document.text, self.registry, &Disk)
+            })) {
                 Ok((found, sources)) => {
                     for diagnostic in &found {
                         let name = sources.get(diagnostic.span().source).name.clone();
@@ -368,7 +371,7 @@ impl<W: Write> Server<'_, W> {
         let parameters: CompletionParams = serde_json::from_value(parameters)?;
         let (text, offset) = self.place(&parameters.text_document_position);
         let path = path_of(&parameters.text_document_position.text_document.uri).unwrap_or_default();
-        let items: Vec<CompletionItem> = lang::complete(&path, text, offset, self.registry)
+        let items: Vec<CompletionItem> = lang::complete(&path, text, offset, self.registry, &Disk)
             .into_iter()
             .map(|found| CompletionItem {
                 label: found.word,
@@ -384,10 +387,11 @@ impl<W: Write> Server<'_, W> {
         let place = &parameters.text_document_position_params;
         let (text, offset) = self.place(place);
         let Some(path) = path_of(&place.text_document.uri) else { return Ok(Value::Null) };
-        let location = lang::definition(&path, text, offset, self.registry).and_then(|(span, sources)| {
-            let source = sources.get(span.source);
-            Some(Location { uri: uri_of(&source.name)?, range: range_of(&source.text, span) })
-        });
+        let location =
+            lang::definition(&path, text, offset, self.registry, &Disk).and_then(|(span, sources)| {
+                let source = sources.get(span.source);
+                Some(Location { uri: uri_of(&source.name)?, range: range_of(&source.text, span) })
+            });
         Ok(serde_json::to_value(location)?)
     }
 

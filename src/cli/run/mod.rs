@@ -206,10 +206,11 @@ pub fn run(arguments: RunArguments, registry: &Registry) -> Exit {
         Ok(expressions) => expressions,
         Err(exit) => return exit,
     };
-    let suites = match load::load_all(&files, arguments.seed, &arguments.set, colour, registry) {
-        Ok(suites) => suites,
+    let project = match load::load_all(&files, arguments.seed, &arguments.set, colour, registry) {
+        Ok(project) => project,
         Err(exit) => return exit,
     };
+    let suites = project.suites();
     let baselines: BTreeSet<&str> =
         suites.iter().flat_map(|suite| &suite.suite.gates).map(|gate| gate.baseline.as_str()).collect();
     let scenarios = suites.iter().flat_map(|suite| &suite.suite.scenarios);
@@ -222,15 +223,15 @@ pub fn run(arguments: RunArguments, registry: &Registry) -> Exit {
         return Exit::Usage;
     }
     baselines.into_iter().for_each(|path| measured::warn_of_unchecked(Path::new(path)));
-    let units = dispatch::units(&suites);
+    let units = dispatch::units(suites);
     let mut last = LastRun::read();
-    let subjects = select::subjects(&suites, &units);
+    let subjects = select::subjects(suites, &units);
     filter::warn(&expressions, &subjects, colour);
     let word = filters.first().map(|filter| filter.as_str());
     let select = |failed: Option<&BTreeSet<String>>| {
         select::select(&units, &subjects, &expressions, word, &arguments.select, failed)
     };
-    let mut asked = select(arguments.select.last_failed.then(|| last.failed_units(&suites, &units)).as_ref());
+    let mut asked = select(arguments.select.last_failed.then(|| last.failed_units(suites, &units)).as_ref());
     if arguments.select.last_failed && !asked.contains(&true) {
         asked = select(None);
         if asked.contains(&true) {
@@ -269,7 +270,7 @@ pub fn run(arguments: RunArguments, registry: &Registry) -> Exit {
     }
     let watcher = arguments.trace.as_deref().map(watch::Traces::new);
     let watch = watcher.as_ref().map(|traces| |case: &_, trace: &_| traces.save(case, trace));
-    let mut workshop = Workshop::new(&suites, Some(arguments.journal.clone()), &stop, registry);
+    let mut workshop = Workshop::new(suites, Some(arguments.journal.clone()), &stop, registry);
     if let Some(watch) = &watch {
         workshop = workshop.watched_by(watch);
     }
@@ -286,8 +287,8 @@ pub fn run(arguments: RunArguments, registry: &Registry) -> Exit {
     let reports = &results.suites;
     complaints.extend(unrecorded);
     complaints.extend(output::write(&arguments.output, &results, in_github_actions()));
-    complaints.extend(remember::failures(&arguments.remember, &suites, reports, workshop.requests()));
-    last.learn(&suites, reports);
+    complaints.extend(remember::failures(&arguments.remember, suites, reports, workshop.requests()));
+    last.learn(suites, reports);
     if let Err(error) = last.write() {
         writeln!(stderr(), "warning: cannot remember what failed: {error}");
     }

@@ -10,9 +10,11 @@ use serde::{Deserialize, Serialize};
 use crate::cli::store;
 use crate::console::stderr;
 use crate::corpus::{case_hash, corpus_path, is_unchecked, record, write_corpus};
-use crate::dispatch::{Prepared, Unit, gate_key};
+use crate::dispatch::{Unit, gate_key};
+use crate::files::Disk;
 use crate::judge::{judge, per_run};
 use crate::plan::{Plan, PlannedTrial};
+use crate::project::PlannedSuite;
 use crate::report::{count, with_worst};
 use crate::results::{Recorded, Requests, Skip, Standing, SuiteReport, TrialReport, TrialState, Verdict};
 use crate::scenario::{Gate, Suite};
@@ -33,7 +35,7 @@ pub struct RememberArguments {
 /// be written.
 pub fn failures(
     arguments: &RememberArguments,
-    suites: &[Prepared],
+    suites: &[PlannedSuite],
     reports: &[SuiteReport],
     requests: &Requests,
 ) -> Vec<String> {
@@ -63,7 +65,7 @@ pub fn failures(
         }
         // One of an earlier version gets its checksums.
         let is_asked = arguments.record_failures || arguments.prune_failures;
-        if kept != suite.recorded || is_asked && is_unchecked(&path) {
+        if kept != suite.recorded || is_asked && is_unchecked(&path, &Disk) {
             match write_corpus(&path, &kept) {
                 Ok(()) => {
                     writeln!(stderr(), "note: {} now holds {}", path.display(), count(kept.len(), "failure"))
@@ -172,7 +174,7 @@ impl LastRun {
     }
 
     /// The units that did not pass; where a gate did not, all units of its suite, since it takes all to judge it.
-    pub fn failed_units(&self, suites: &[Prepared], units: &[Unit]) -> BTreeSet<String> {
+    pub fn failed_units(&self, suites: &[PlannedSuite], units: &[Unit]) -> BTreeSet<String> {
         let gate_failed = |suite: &Suite| {
             let failed = |gate: &Gate| self.failed.contains(&gate_key(&suite.name, gate));
             suite.gates.iter().any(failed)
@@ -184,7 +186,7 @@ impl LastRun {
 
     /// Takes over what became of units and gates: those that passed are forgotten, those that were not asked for stay as
     /// they were. What was to be run and was not, or not to its end, has not passed.
-    pub fn learn(&mut self, suites: &[Prepared], reports: &[SuiteReport]) {
+    pub fn learn(&mut self, suites: &[PlannedSuite], reports: &[SuiteReport]) {
         for (suite, report) in suites.iter().zip(reports) {
             let trials = report.trials.iter().map(|one| (one.trial.key.as_str(), one.standing()));
             let blocks = report.blocks.iter().map(|one| (one.key.as_str(), one.standing()));

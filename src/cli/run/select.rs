@@ -6,8 +6,9 @@ use clap::Args;
 
 use super::partition::Partition;
 use crate::cli::filter::{self, FilterArguments};
-use crate::dispatch::{Prepared, Unit, Work};
+use crate::dispatch::{Unit, Work};
 use crate::lang::filter::{Filters, Subject};
+use crate::project::PlannedSuite;
 
 #[derive(Debug, Args)]
 pub struct SelectArguments {
@@ -33,9 +34,9 @@ pub struct SelectArguments {
 }
 
 /// What filter expressions may ask about each unit.
-pub fn subjects<'a>(suites: &'a [Prepared], units: &'a [Unit]) -> Vec<Subject<'a>> {
+pub fn subjects<'a>(suites: &'a [PlannedSuite], units: &'a [Unit]) -> Vec<Subject<'a>> {
     let subject = |unit: &'a Unit| {
-        let Prepared { file, suite, .. } = &suites[unit.suite];
+        let PlannedSuite { file, suite, .. } = &suites[unit.suite];
         match &unit.work {
             Work::Trial(trial) => filter::trial(&suite.name, file, trial),
             Work::Block(block) => filter::block(suite, file, block),

@@ -42,7 +42,7 @@ pub use variation::DISTRIBUTIONS;
 /// Where things were said.
 #[derive(Clone, Copy)]
 pub struct Places<'a> {
-    pub files: &'a Files,
+    pub files: &'a Files<'a>,
 }
 
 impl Places<'_> {

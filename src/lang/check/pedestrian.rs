@@ -188,9 +188,10 @@ pub fn individuals(
     };
     let population = node.child(Rule::population)?;
     let named = unquote(population.text());
-    let population =
-        if population.has(Rule::string) { places.beside(population.span(), &named) } else { named };
-    Some(Individuals { selection, population, origin: places.origin(node.span()) })
+    let is_file = population.has(Rule::string);
+    let population = if is_file { places.beside(population.span(), &named) } else { named };
+    let text = is_file.then(|| places.files.text_of(&population, &["csv", "json"]));
+    Some(Individuals { selection, population, text, origin: places.origin(node.span()) })
 }
 
 fn shape(
