@@ -17,9 +17,9 @@ fn main() -> ExitCode {
 }
 
 fn the_published_share_of_candidates_is_retained(file: &Path) {
-    let candidates = published_candidates(&file, 400, 20_261_121).unwrap();
+    let candidates = published_candidates(file, 400, 20_261_121).unwrap();
     assert_eq!(candidates.names, ["T_delta", "beta_V", "T", "DeltaV_th_rel", "tau_theta"]);
-    assert_eq!(published_candidates(&file, usize::MAX, 1).unwrap().rows.len(), 69 * 125);
+    assert_eq!(published_candidates(file, usize::MAX, 1).unwrap().rows.len(), 69 * 125);
     let calibration =
         Calibration { variant: Variant::STANDARD, criteria: published_criteria(), repetitions: 5, seed: 1 };
     let request = Request { calibration, candidates, design: String::new() };

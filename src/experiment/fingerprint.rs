@@ -1,7 +1,8 @@
 //! A block's fingerprint: a number that changes when any bit of what it measured changes.
 //!
 //! It covers what was simulated and what was found by it, not the words in which a report says so. Metrics that are
-//! only summed up for tables stay out, so that a new metric leaves it alone.
+//! only summed up for tables stay out, so that a new metric leaves it alone, and so does what the surrogate believes. Results are
+//! taken apart whole: whoever adds something to one decides here.
 
 use sha2::{Digest, Sha256};
 
@@ -9,7 +10,7 @@ use crate::numbers::random::digest_bits;
 use crate::optimise::Value;
 use crate::results::{
     BlockResult, Candidate, CaseRun, ClaimResult, ClaimValues, ConditionResult, Course, CoursePoint,
-    EvaluateResult, Found, SearchResult, StatementResult, TuneResult,
+    EvaluateResult, Found, SearchResult, StatementResult, TrendPoint, TuneResult,
 };
 
 impl BlockResult {
@@ -64,32 +65,59 @@ impl Mixture {
 
     fn runs(&mut self, runs: &[CaseRun]) {
         self.count(runs.len());
-        for run in runs {
-            self.bits(run.case.seed);
-            self.bits(run.outcome.fingerprint);
+        for CaseRun { case, outcome, passed_first: _ } in runs {
+            self.bits(case.seed);
+            self.bits(outcome.fingerprint);
         }
     }
 
     fn search(&mut self, search: &SearchResult) {
-        self.count(search.found.len());
-        search.found.iter().for_each(|found| self.found(found));
+        let SearchResult {
+            name: _,
+            objective: _,
+            direction: _,
+            shown_in: _,
+            objective_in: _,
+            metrics: _,
+            found,
+            // Out of the runs of `found`.
+            kept: _,
+        } = search;
+        self.count(found.len());
+        found.iter().for_each(|found| self.found(found));
     }
 
     fn found(&mut self, found: &Found) {
-        for individual in &found.individuals {
+        let Found {
+            individuals,
+            // Out of the evaluations.
+            best: _,
+            observed,
+            predicted: _,
+            fresh,
+            fresh_runs: _,
+            passed_first: _,
+            evaluations,
+            stop: _,
+            slices: _,
+            runs,
+            kept,
+            courses,
+        } = found;
+        for individual in individuals {
             self.bits(individual.number.into());
         }
-        self.count(found.evaluations.len());
-        for (point, objective) in &found.evaluations {
+        self.count(evaluations.len());
+        for (point, objective) in evaluations {
             self.point(point);
             self.perhaps(*objective);
         }
-        self.perhaps(found.observed);
-        self.perhaps(found.fresh);
-        self.runs(&found.runs);
-        found.kept.iter().for_each(|kept| self.bits((*kept).into()));
-        self.count(found.courses.len());
-        for Course { over: _, points } in &found.courses {
+        self.perhaps(*observed);
+        self.perhaps(*fresh);
+        self.runs(runs);
+        kept.iter().for_each(|kept| self.bits((*kept).into()));
+        self.count(courses.len());
+        for Course { over: _, points } in courses {
             for CoursePoint { at, smallest, mean, largest, runs } in points {
                 [*at, *smallest, *mean, *largest].into_iter().for_each(|number| self.number(number));
                 self.count(*runs);
@@ -98,13 +126,32 @@ impl Mixture {
     }
 
     fn tune(&mut self, tune: &TuneResult) {
-        self.count(tune.evaluations.len());
-        tune.evaluations.iter().for_each(|candidate| self.candidate(candidate));
-        self.count(tune.pareto.len());
-        tune.pareto.iter().for_each(|candidate| self.candidate(candidate));
-        self.bits(tune.chosen.is_some().into());
-        tune.chosen.iter().for_each(|candidate| self.candidate(candidate));
-        self.bits(tune.comparison.as_ref().is_some_and(|one| one.feasible_fresh).into());
+        let TuneResult {
+            name: _,
+            objectives: _,
+            constraints: _,
+            cases: _,
+            fresh: _,
+            parameters: _,
+            shown_in: _,
+            objectives_in: _,
+            margins_in: _,
+            chosen,
+            // Out of the margins.
+            violations: _,
+            pareto,
+            evaluations,
+            stop: _,
+            slices: _,
+            comparison,
+        } = tune;
+        self.count(evaluations.len());
+        evaluations.iter().for_each(|candidate| self.candidate(candidate));
+        self.count(pareto.len());
+        pareto.iter().for_each(|candidate| self.candidate(candidate));
+        self.bits(chosen.is_some().into());
+        chosen.iter().for_each(|candidate| self.candidate(candidate));
+        self.bits(comparison.as_ref().is_some_and(|one| one.feasible_fresh).into());
     }
 
     fn candidate(&mut self, Candidate { point, objectives, margins, feasible }: &Candidate) {
@@ -115,24 +162,56 @@ impl Mixture {
     }
 
     fn evaluate(&mut self, evaluate: &EvaluateResult) {
-        self.count(evaluate.conditions.len());
-        for ConditionResult { measured, runs, .. } in &evaluate.conditions {
+        let EvaluateResult {
+            name: _,
+            doc: _,
+            source: _,
+            metrics: _,
+            measures: _,
+            cases: _,
+            fresh: _,
+            conditions,
+        } = evaluate;
+        self.count(conditions.len());
+        for condition in conditions {
+            let ConditionResult {
+                name: _,
+                parameters: _,
+                missing: _,
+                caveat: _,
+                measured,
+                undecided: _,
+                reported: _,
+                // Out of what was measured.
+                differences: _,
+                runs,
+            } = condition;
             self.numbers(measured);
             self.runs(runs);
         }
     }
 
     fn statement(&mut self, statement: &StatementResult) {
-        self.count(statement.claims.len());
-        for ClaimResult { holds, values, .. } in &statement.claims {
+        let StatementResult {
+            name: _,
+            doc: _,
+            source: _,
+            reported: _,
+            // Out of the claims.
+            conclusion: _,
+            claims,
+            standing: _,
+        } = statement;
+        self.count(claims.len());
+        for ClaimResult { text: _, holds, undefined: _, values, unit: _ } in claims {
             self.bits(holds.map_or(2, u64::from));
             match values {
                 ClaimValues::Compared { left, relation: _, right } => self.numbers(&[*left, *right]),
-                ClaimValues::Trend { points, .. } => {
+                ClaimValues::Trend { direction: _, variable: _, points } => {
                     self.count(points.len());
-                    points.iter().for_each(|point| {
-                        self.number(point.at);
-                        self.perhaps(point.value);
+                    points.iter().for_each(|TrendPoint { label: _, at, value, runs: _ }| {
+                        self.number(*at);
+                        self.perhaps(*value);
                     });
                 }
             }
