@@ -12,11 +12,11 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use scenario_runner::files::{Disk, Overlay};
-use scenario_runner::judge;
 use scenario_runner::lang::filter::Filters;
 use scenario_runner::lang::{self, Code, Diagnostic, Severity, Sources, Style};
 use scenario_runner::models::standard;
 use scenario_runner::plan;
+use scenario_runner::project;
 use scenario_runner::results::Requests;
 use scenario_runner::run::{FreeFlows, Unwatched, run_case};
 use scenario_runner::scenario::{Claim, Suite};
@@ -41,7 +41,7 @@ fn files(name: &str) -> Vec<PathBuf> {
 fn findings(path: &Path) -> (Vec<Diagnostic>, Sources) {
     match lang::load(path, &standard(), &Disk) {
         Ok(loaded) => {
-            let more = judge::examine_claims(&loaded.suite, &loaded.sources);
+            let more = project::examine_claims(&loaded.suite, &loaded.sources);
             (loaded.warnings.into_iter().chain(more).collect(), loaded.sources)
         }
         Err(failure) => (failure.diagnostics, failure.sources),

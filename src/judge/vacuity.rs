@@ -1,6 +1,6 @@
 //! Passes that mean nothing: criteria about an encounter that never came about.
 
-use super::trivial::cannot_fail;
+use super::possible::cannot_fail;
 use crate::metrics::{self, Presence};
 use crate::results::{Finding, Outcome, Vacuity, Verdict};
 use crate::scenario::{

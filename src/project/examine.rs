@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
+use super::claims::examine_claims;
 use crate::experiment::rehearse_searches;
 use crate::files::Files;
-use crate::judge::examine_claims;
 use crate::lang::{self, Code, Diagnostic, Sources};
 use crate::registry::Registry;
 use crate::run::{Departing, Obstacle, Stage, departing, rehearse};

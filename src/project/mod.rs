@@ -1,11 +1,13 @@
 //! Projects: suites read from files, checked, planned and found possible, or everything that is wrong with them.
 
+mod claims;
 mod examine;
 mod notice;
 mod open;
 
 use std::path::Path;
 
+pub use claims::examine_claims;
 pub use examine::{examine, examine_edited};
 pub use notice::{Notice, NoticeLevel, Problems};
 pub use open::plan_notices;

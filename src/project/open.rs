@@ -3,13 +3,13 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use super::claims::examine_claims;
 use super::examine::examine_models;
 use super::notice::{Notice, NoticeLevel};
 use super::{PlannedSuite, ProjectOptions};
 use crate::corpus::{corpus_path, is_unchecked, read_corpus};
 use crate::experiment::rehearse_searches;
 use crate::files::Files;
-use crate::judge::examine_claims;
 use crate::lang::{self, Code, Diagnostic, Severity, Sources};
 use crate::plan::{Plan, PlanError, PlannedTrial, plan};
 use crate::registry::Registry;

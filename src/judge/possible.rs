@@ -1,132 +1,46 @@
-//! Criteria that say nothing, whatever the runs come to: those that cannot fail, and those that can never pass.
+//! What a criterion can come to, whatever happens: where it cannot fail or can never pass.
 
-use std::collections::BTreeMap;
-
-use super::budget::at;
 use super::criteria::bounded_above;
 use super::seen::{Seen, holds_undefined};
-use crate::lang::{Code, Diagnostic, Sources};
 use crate::metrics::Open;
-use crate::plan;
 use crate::scenario::{
-    Absence, Aggregate, Claim, Comparison, Criterion, Expression, MetricKind, MetricRange, MetricReference,
-    Relation, Scenario, Scope, Suite, Value, WhenUndefined, constant, significant,
+    Absence, Aggregate, Claim, Comparison, Criterion, MetricKind, MetricRange, MetricReference, Relation,
+    Scope, WhenUndefined, constant, significant,
 };
-use crate::sim;
 
 /// What a criterion can come to.
 #[derive(Debug, Clone, PartialEq)]
-enum Power {
+pub enum Possible {
     /// Both ways, depending on the runs.
-    Decides,
+    Both,
     /// It holds whatever happens: why.
     NeverFails(String),
     /// Every value holds, but a run in which the metric does not exist does not: why.
-    OnlyAbsence(String),
+    OnlyAbsence {
+        why: String,
+        /// Such as `in which \`pet\` does not exist`.
+        fails_by: String,
+    },
     /// It holds whatever happens never: why.
     NeverHolds(String),
 }
 
-/// A warning for every criterion that cannot fail, and an error for every one that can never pass, in none of the trials that
-/// it applies to. What cannot be planned is left to planning.
-pub fn examine_bounds(suite: &Suite, sources: &Sources) -> Vec<Diagnostic> {
-    let mut found: Vec<Diagnostic> = Vec::new();
-    for scenario in &suite.scenarios {
-        for (criterion, power) in of_scenario(suite, scenario) {
-            let Some(finding) = finding(criterion, power, sources) else { continue };
-            // What a template or a suite says of several scenarios is said once.
-            let same = |one: &Diagnostic| (one.span(), &one.message) == (finding.span(), &finding.message);
-            if !found.iter().any(same) {
-                found.push(finding);
-            }
-        }
-    }
-    found
-}
-
 /// Whether a criterion with constant bounds holds in any `runs` runs, whatever happens in them.
 pub(super) fn cannot_fail(criterion: &Criterion, runs: usize) -> bool {
-    matches!(power(criterion, runs), Power::NeverFails(_))
+    matches!(possible(criterion, runs), Possible::NeverFails(_))
 }
 
-fn of_scenario<'s>(suite: &Suite, scenario: &'s Scenario) -> Vec<(&'s Criterion, Power)> {
-    let people = plan::select_people(suite.seed, scenario).map_or(1, |people| people.len());
-    let most = scenario.runs.as_ref().map(|budget| budget.most as usize);
-    let runs = most.unwrap_or_else(|| people.saturating_mul(scenario.repeat as usize));
-    let longest = sim::longest_run(scenario.horizon, scenario.step);
-    let known = |criterion: &Criterion| {
-        let mut criterion = criterion.clone();
-        let reference = criterion.claim.metric();
-        criterion.reach.limits =
-            reference.known().and_then(|known| known.limits(&reference.settings, longest));
-        for bound in criterion.claim.bounds_mut() {
-            *bound = Expression::Constant(bound.evaluate(&BTreeMap::<String, Value>::new()).ok()?);
-        }
-        Some(criterion)
-    };
-    let depends = scenario.criteria.iter().any(|criterion| known(criterion).is_none());
-    let trials = if depends { plan::outline(suite, scenario).unwrap_or_default() } else { Vec::new() };
-    let of = |criterion: &'s Criterion| {
-        if let Some(known) = known(criterion) {
-            return Some((criterion, power(&known, runs)));
-        }
-        let applying = trials.iter().flat_map(|trial| &trial.criteria);
-        let same = applying.filter(|one| (&one.origin, &one.text) == (&criterion.origin, &criterion.text));
-        let mut powers = same.map(|known| power(known, runs));
-        let first = powers.next()?;
-        let agree = powers.all(|other| std::mem::discriminant(&other) == std::mem::discriminant(&first));
-        Some((criterion, if agree { first } else { Power::Decides }))
-    };
-    scenario.criteria.iter().filter_map(of).collect()
-}
-
-fn finding(criterion: &Criterion, power: Power, sources: &Sources) -> Option<Diagnostic> {
-    let text = &criterion.text;
-    let other_side = "bound it from the other side, claim more, or leave it out";
-    Some(match power {
-        Power::Decides => return None,
-        Power::NeverFails(why) => {
-            at(Code::CannotFail, &criterion.origin, format!("`{text}` cannot fail"), sources)
-                .label("holds whatever happens")
-                .note(why)
-                .hint(other_side)
-        }
-        Power::OnlyAbsence(why) => {
-            let metric = &criterion.claim.metric().name();
-            let message = format!("no value of `{metric}` makes `{text}` fail");
-            let Limits { always_there, can_be_open, .. } = Limits::of(criterion);
-            let absent = format!("in which `{metric}` does not exist");
-            let open = "that end before it is decided";
-            let only_by = match (always_there, can_be_open) {
-                (true, _) => open.to_string(),
-                (false, false) => absent,
-                (false, true) => format!("{absent}, or {open}"),
-            };
-            at(Code::CannotFail, &criterion.origin, message, sources)
-                .label("holds for every value that there can be")
-                .note(why)
-                .note(format!("it fails only by runs {only_by}"))
-                .hint(other_side)
-        }
-        Power::NeverHolds(why) => {
-            at(Code::NeverHolds, &criterion.origin, format!("`{text}` can never pass"), sources)
-                .label("fails whatever happens")
-                .note(why)
-                .hint("claim what a run can come to")
-        }
-    })
-}
-
-fn power(criterion: &Criterion, runs: usize) -> Power {
+/// What a criterion with constant bounds can come to in `runs` runs, whatever happens in them.
+pub fn possible(criterion: &Criterion, runs: usize) -> Possible {
     let limits = Limits::of(criterion);
     match &criterion.claim {
         Claim::Runs { comparison, share: None, .. } => {
             let Truth { can_hold, can_fail, by_value, .. } = limits.truth(comparison, false);
             match (can_hold, can_fail) {
-                (_, false) => Power::NeverFails(limits.in_words()),
-                (false, _) => Power::NeverHolds(limits.in_words()),
-                _ if !by_value => Power::OnlyAbsence(limits.in_words()),
-                _ => Power::Decides,
+                (_, false) => Possible::NeverFails(limits.in_words()),
+                (false, _) => Possible::NeverHolds(limits.in_words()),
+                _ if !by_value => limits.only_absence(),
+                _ => Possible::Both,
             }
         }
         Claim::Runs { comparison, share: Some(share), .. } => {
@@ -216,7 +130,7 @@ impl<'c> Limits<'c> {
 
     /// Whether some value between the limits holds, and whether some does not.
     fn of_ends(&self, relation: Relation, bound: f64) -> (bool, bool) {
-        possible(relation, bound, (self.low, self.high))
+        between(relation, bound, (self.low, self.high))
     }
 
     /// The share of runs in which a comparison holds, or the number of them of `counted`.
@@ -226,7 +140,7 @@ impl<'c> Limits<'c> {
         relation: Relation,
         bound: f64,
         counted: Option<usize>,
-    ) -> Power {
+    ) -> Possible {
         let truth = self.truth(comparison, bounded_above(relation));
         let all = counted.map_or(1.0, |runs| runs as f64);
         let least = if truth.can_fail { 0.0 } else { all };
@@ -236,14 +150,14 @@ impl<'c> Limits<'c> {
             None => "a share of runs lies between 0 % and 100 %".to_string(),
             Some(runs) => format!("a number of runs lies between 0 and all, which are {runs}"),
         };
-        match possible(relation, bound, (least, most)) {
+        match between(relation, bound, (least, most)) {
             // That few runs are without a value is not what a bound on those with one is for.
             (true, true) if bounded_above(relation) && !truth.held_by_value && relation.holds(0.0, bound) => {
-                Power::OnlyAbsence(self.in_words())
+                self.only_absence()
             }
-            (true, true) => Power::Decides,
-            (true, false) => Power::NeverFails(why),
-            (false, _) => Power::NeverHolds(why),
+            (true, true) => Possible::Both,
+            (true, false) => Possible::NeverFails(why),
+            (false, _) => Possible::NeverHolds(why),
         }
     }
 
@@ -253,13 +167,13 @@ impl<'c> Limits<'c> {
         relation: Relation,
         bound: f64,
         when_undefined: WhenUndefined,
-    ) -> Power {
+    ) -> Possible {
         if let Aggregate::Std(_) = aggregate {
             let why = "a spread is never below 0".to_string();
-            return match possible(relation, bound, (0.0, f64::INFINITY)) {
-                (true, true) => Power::Decides,
-                (true, false) => Power::OnlyAbsence(why),
-                (false, _) => Power::NeverHolds(why),
+            return match between(relation, bound, (0.0, f64::INFINITY)) {
+                (true, true) => Possible::Both,
+                (true, false) => Possible::OnlyAbsence { why, fails_by: self.fails_by() },
+                (false, _) => Possible::NeverHolds(why),
             };
         }
         let (mut hold, mut fail) = self.of_ends(relation, bound);
@@ -272,14 +186,29 @@ impl<'c> Limits<'c> {
             hold |= when_undefined == WhenUndefined::Passes;
         }
         match (hold, fail) {
-            (false, _) => Power::NeverHolds(self.in_words()),
-            (true, true) => Power::Decides,
-            (true, false) if only_open => Power::OnlyAbsence(self.in_words()),
+            (false, _) => Possible::NeverHolds(self.in_words()),
+            (true, true) => Possible::Both,
+            (true, false) if only_open => self.only_absence(),
             // Where no run has a value there is nothing to compare.
             (true, false) if self.always_there || when_undefined == WhenUndefined::Passes => {
-                Power::NeverFails(self.in_words())
+                Possible::NeverFails(self.in_words())
             }
-            (true, false) => Power::OnlyAbsence(self.in_words()),
+            (true, false) => self.only_absence(),
+        }
+    }
+
+    fn only_absence(&self) -> Possible {
+        Possible::OnlyAbsence { why: self.in_words(), fails_by: self.fails_by() }
+    }
+
+    /// Which runs a criterion can fail by that every value holds.
+    fn fails_by(&self) -> String {
+        let absent = format!("in which `{}` does not exist", self.metric.name());
+        let open = "that end before it is decided";
+        match (self.always_there, self.can_be_open) {
+            (true, _) => open.to_string(),
+            (false, false) => absent,
+            (false, true) => format!("{absent}, or {open}"),
         }
     }
 
@@ -295,7 +224,7 @@ impl<'c> Limits<'c> {
 }
 
 /// Whether something between two ends, both included, is in `relation` to `bound`, and whether something is not.
-fn possible(relation: Relation, bound: f64, (low, high): (f64, f64)) -> (bool, bool) {
+fn between(relation: Relation, bound: f64, (low, high): (f64, f64)) -> (bool, bool) {
     let inside = low <= bound && bound <= high;
     let point = low == high && inside;
     match relation {
@@ -312,8 +241,8 @@ fn possible(relation: Relation, bound: f64, (low, high): (f64, f64)) -> (bool, b
 mod tests {
     use super::*;
     use crate::metrics::metrics;
-    use crate::scenario::Settings;
     use crate::scenario::{Origin, Reach};
+    use crate::scenario::{Settings, Value};
 
     const LONGEST: f64 = 60.0;
 
@@ -329,22 +258,22 @@ mod tests {
         Comparison { metric, relation, bound: bound.into(), when_undefined }
     }
 
-    fn runs(name: &str, relation: Relation, bound: f64) -> Power {
+    fn runs(name: &str, relation: Relation, bound: f64) -> Possible {
         let comparison = comparison(name, relation, bound, WhenUndefined::AsDeclared);
-        power(&of(Claim::Runs { comparison, share: None, confidence: None }), 10)
+        possible(&of(Claim::Runs { comparison, share: None, confidence: None }), 10)
     }
 
-    fn summed_up(aggregate: Aggregate, relation: Relation, bound: f64) -> Power {
+    fn summed_up(aggregate: Aggregate, relation: Relation, bound: f64) -> Possible {
         let (bound, when_undefined) = (bound.into(), WhenUndefined::AsDeclared);
-        power(&of(Claim::Aggregate { aggregate, relation, bound, when_undefined, confidence: None }), 10)
+        possible(&of(Claim::Aggregate { aggregate, relation, bound, when_undefined, confidence: None }), 10)
     }
 
-    fn never_fails(power: Power) -> bool {
-        matches!(power, Power::NeverFails(_))
+    fn never_fails(found: Possible) -> bool {
+        matches!(found, Possible::NeverFails(_))
     }
 
-    fn never_holds(power: Power) -> bool {
-        matches!(power, Power::NeverHolds(_))
+    fn never_holds(found: Possible) -> bool {
+        matches!(found, Possible::NeverHolds(_))
     }
 
     use Relation::{Equal, Greater, GreaterOrEqual, Less, LessOrEqual, NotEqual};
@@ -364,29 +293,29 @@ mod tests {
             (Equal, 0.0),
             (NotEqual, 1.0),
         ] {
-            assert_eq!(rate(relation, bound), Power::Decides, "{relation:?} {bound}");
+            assert_eq!(rate(relation, bound), Possible::Both, "{relation:?} {bound}");
         }
         let count = |relation, bound| summed_up(Aggregate::Count(collision()), relation, bound);
         assert!(never_fails(count(GreaterOrEqual, 0.0)) && never_fails(count(LessOrEqual, 10.0)));
         assert!(never_holds(count(Greater, 10.0)) && never_fails(count(Less, 11.0)));
-        assert_eq!(count(LessOrEqual, 9.0), Power::Decides);
+        assert_eq!(count(LessOrEqual, 9.0), Possible::Both);
     }
 
     #[test]
     fn what_absence_and_the_horizon_can_do_counts() {
         assert!(never_fails(runs("stopped_time", GreaterOrEqual, 0.0)));
-        assert_eq!(runs("stopped_time", Greater, 0.0), Power::Decides);
+        assert_eq!(runs("stopped_time", Greater, 0.0), Possible::Both);
         // Whoever has not arrived when time is up has stopped for nobody knows how long.
         for bound in [LONGEST, 100.0] {
-            let power = runs("stopped_time", LessOrEqual, bound);
-            assert!(matches!(power, Power::OnlyAbsence(_)), "{bound}: {power:?}");
+            let found = runs("stopped_time", LessOrEqual, bound);
+            assert!(matches!(found, Possible::OnlyAbsence { .. }), "{bound}: {found:?}");
         }
-        assert_eq!(runs("stopped_time", LessOrEqual, LONGEST - 0.001), Power::Decides);
-        assert!(matches!(runs("pet", LessOrEqual, LONGEST), Power::OnlyAbsence(_)));
+        assert_eq!(runs("stopped_time", LessOrEqual, LONGEST - 0.001), Possible::Both);
+        assert!(matches!(runs("pet", LessOrEqual, LONGEST), Possible::OnlyAbsence { .. }));
         assert!(never_holds(runs("stopped_time", Greater, 100.0)));
         // Who never arrives is worse than any bound.
-        assert!(matches!(runs("time_lost", LessOrEqual, 100.0), Power::OnlyAbsence(_)));
-        assert_eq!(runs("time_lost", GreaterOrEqual, 100.0), Power::Decides);
+        assert!(matches!(runs("time_lost", LessOrEqual, 100.0), Possible::OnlyAbsence { .. }));
+        assert_eq!(runs("time_lost", GreaterOrEqual, 100.0), Possible::Both);
         assert!(
             never_holds(runs("time_lost", Less, 0.0)) && never_fails(runs("time_lost", GreaterOrEqual, 0.0))
         );
@@ -394,24 +323,24 @@ mod tests {
         assert!(never_fails(runs("drac", LessOrEqual, 25.0)) && never_holds(runs("drac", Greater, 25.0)));
         assert!(never_fails(runs("min_ttc", GreaterOrEqual, 0.0)) && never_holds(runs("min_ttc", Less, 0.0)));
         // Neither is sure, so that the claim says at least that there is a value.
-        assert!(matches!(runs("pet", GreaterOrEqual, 0.0), Power::OnlyAbsence(_)));
+        assert!(matches!(runs("pet", GreaterOrEqual, 0.0), Possible::OnlyAbsence { .. }));
         assert!(never_holds(runs("pet", Less, 0.0)));
         let there = comparison("pet", GreaterOrEqual, 0.0, WhenUndefined::AsDeclared);
-        assert_eq!(summed_up(Aggregate::Rate(there), GreaterOrEqual, 0.8), Power::Decides);
+        assert_eq!(summed_up(Aggregate::Rate(there), GreaterOrEqual, 0.8), Possible::Both);
         // A share of runs with a value that there cannot be is bounded by nothing but absence.
         for bound in [0.0, -1.0] {
             let never = comparison("pet", Less, bound, WhenUndefined::AsDeclared);
-            let power = summed_up(Aggregate::Rate(never), LessOrEqual, 0.0);
-            assert!(matches!(power, Power::OnlyAbsence(_)), "{bound}: {power:?}");
+            let found = summed_up(Aggregate::Rate(never), LessOrEqual, 0.0);
+            assert!(matches!(found, Possible::OnlyAbsence { .. }), "{bound}: {found:?}");
         }
         let seldom = comparison("pet", Less, 0.5, WhenUndefined::AsDeclared);
-        assert_eq!(summed_up(Aggregate::Rate(seldom), LessOrEqual, 0.0), Power::Decides);
+        assert_eq!(summed_up(Aggregate::Rate(seldom), LessOrEqual, 0.0), Possible::Both);
         let excused = comparison("pet", GreaterOrEqual, 0.0, WhenUndefined::Passes);
-        assert!(never_fails(power(
+        assert!(never_fails(possible(
             &of(Claim::Runs { comparison: excused, share: None, confidence: None }),
             10
         )));
-        assert_eq!(runs("pedestrian_delay", GreaterOrEqual, 0.0), Power::Decides);
+        assert_eq!(runs("pedestrian_delay", GreaterOrEqual, 0.0), Possible::Both);
     }
 
     #[test]
@@ -419,14 +348,14 @@ mod tests {
         let of_braking = |name: &str, settings: Settings, relation, bound: f64| {
             let mut comparison = comparison(name, relation, bound, WhenUndefined::AsDeclared);
             comparison.metric.settings = settings;
-            power(&of(Claim::Runs { comparison, share: None, confidence: None }), 10)
+            possible(&of(Claim::Runs { comparison, share: None, confidence: None }), 10)
         };
         let standstill = |speed| Settings::from([("standstill", Value::Number(speed))]);
         for (name, relation, bound) in
             [("max_deceleration", LessOrEqual, 3.0), ("sudden_speed_change", Equal, 0.0)]
         {
             assert!(never_fails(of_braking(name, standstill(100.0), relation, bound)), "{name}");
-            assert_eq!(of_braking(name, standstill(1.0), relation, bound), Power::Decides, "{name}");
+            assert_eq!(of_braking(name, standstill(1.0), relation, bound), Possible::Both, "{name}");
         }
         assert!(never_holds(of_braking("sudden_speed_change", standstill(100.0), Equal, 1.0)));
     }
@@ -437,14 +366,14 @@ mod tests {
         let mean = |name, relation, bound| summed_up(Aggregate::Mean(metric(name)), relation, bound);
         assert!(never_fails(mean("stopped_time", GreaterOrEqual, 0.0)));
         assert!(never_holds(mean("stopped_time", Less, 0.0)));
-        assert!(matches!(mean("min_distance", GreaterOrEqual, 0.0), Power::OnlyAbsence(_)));
-        assert_eq!(mean("drac", LessOrEqual, 19.0), Power::Decides);
-        assert!(matches!(mean("drac", LessOrEqual, 20.0), Power::OnlyAbsence(_)));
+        assert!(matches!(mean("min_distance", GreaterOrEqual, 0.0), Possible::OnlyAbsence { .. }));
+        assert_eq!(mean("drac", LessOrEqual, 19.0), Possible::Both);
+        assert!(matches!(mean("drac", LessOrEqual, 20.0), Possible::OnlyAbsence { .. }));
         // Runs without danger count as less than any value here.
-        assert_eq!(mean("drac", GreaterOrEqual, 0.0), Power::Decides);
+        assert_eq!(mean("drac", GreaterOrEqual, 0.0), Possible::Both);
         assert!(matches!(
             summed_up(Aggregate::Std(metric("pet")), GreaterOrEqual, 0.0),
-            Power::OnlyAbsence(_)
+            Possible::OnlyAbsence { .. }
         ));
     }
 
@@ -455,18 +384,18 @@ mod tests {
             match &metric.kind {
                 MetricKind::Quantity(_) => {
                     for relation in [Less, LessOrEqual, Greater, GreaterOrEqual] {
-                        assert_eq!(runs(name, relation, 1.5), Power::Decides, "{name} {relation:?}");
+                        assert_eq!(runs(name, relation, 1.5), Possible::Both, "{name} {relation:?}");
                     }
                 }
                 MetricKind::Flag => {
                     for (relation, bound) in [(Equal, 0.0), (Equal, 1.0), (NotEqual, 0.0)] {
-                        assert_eq!(runs(name, relation, bound), Power::Decides, "{name} {bound}");
+                        assert_eq!(runs(name, relation, bound), Possible::Both, "{name} {bound}");
                     }
                 }
                 MetricKind::Category(words) => {
                     for bound in 0..words.len() {
-                        assert_eq!(runs(name, Equal, bound as f64), Power::Decides, "{name} {bound}");
-                        assert_eq!(runs(name, NotEqual, bound as f64), Power::Decides, "{name} {bound}");
+                        assert_eq!(runs(name, Equal, bound as f64), Possible::Both, "{name} {bound}");
+                        assert_eq!(runs(name, NotEqual, bound as f64), Possible::Both, "{name} {bound}");
                     }
                 }
             }

@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use super::confidence::{self, Bounds};
+use crate::judge::{Bounds, decide};
 use crate::lang::{Code, Diagnostic, Sources, Span};
 use crate::numbers::inference::{self, ConfidenceSequence};
 use crate::plan::{self, Outline};
@@ -62,7 +62,7 @@ fn share_needs(relation: Relation, bound: f64, confidence: f64, bounds: Bounds) 
             other => (vec![all_hold; runs as usize], other),
         };
         let interval = bounds.of_share(&held, confidence);
-        confidence::decide(relation, interval, bound) == Verdict::Passed
+        decide(relation, interval, bound) == Verdict::Passed
     };
     let near = all_alike_need(if all_hold { bound } else { 1.0 - bound }, confidence, bounds)?;
     // A strict relation, or rounding, may take one run more than the formula.
@@ -421,7 +421,7 @@ mod tests {
             for least in [0.05, 0.1, 0.5, 0.8, 0.9, 0.95, 0.99, 0.9975] {
                 let needed = share(AT_LEAST, least, confidence).unwrap();
                 let verdict = |runs: u64, holding: u64| {
-                    confidence::decide(
+                    decide(
                         AT_LEAST,
                         Bounds::Fixed
                             .of_share(&(0..runs).map(|run| run < holding).collect::<Vec<_>>(), confidence),
