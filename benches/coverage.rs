@@ -5,8 +5,8 @@
 use rayon::prelude::*;
 use scenario_runner::numbers::distributions::student_above;
 use scenario_runner::numbers::inference::{
-    ConfidenceSequence, Interval, MeanChange, Unit, clopper_pearson, holm, mean_interval, mean_of_bounded,
-    quantile_interval, rate_change, rate_rise, wilson,
+    ConfidenceSequence, IndependentUnit, Interval, MeanChange, clopper_pearson, holm, mean_interval,
+    mean_of_bounded, quantile_interval, rate_change, rate_rise, wilson,
 };
 use scenario_runner::numbers::random::Stream;
 use scenario_runner::numbers::summary::{mean, std};
@@ -55,11 +55,13 @@ fn intervals(runs: usize) {
     }
     row("share of people", "5 runs each", runs, 0.4, Stream::uniform, |values, seed| {
         let mut stream = Stream::seeded(seed + 1);
-        let units: Vec<Unit> = values
+        let units: Vec<IndependentUnit> = values
             .iter()
             .map(|kind| {
                 let share = if *kind < 0.5 { 0.1 } else { 0.7 };
-                Unit::of_runs((0..5).map(|_| Some(f64::from(stream.uniform() < share))).collect::<Vec<_>>())
+                IndependentUnit::of_runs(
+                    (0..5).map(|_| Some(f64::from(stream.uniform() < share))).collect::<Vec<_>>(),
+                )
             })
             .collect();
         mean_of_bounded(&units, (0.0, 1.0), EACH)
@@ -106,7 +108,8 @@ const EACH: f64 = 0.5 + CONFIDENCE / 2.0;
 
 /// Of values between 0 and 60.
 fn by_betting(values: &[f64]) -> Option<Interval> {
-    let units: Vec<Unit> = values.iter().map(|value| Unit::of_run(Some(*value))).collect();
+    let units: Vec<IndependentUnit> =
+        values.iter().map(|value| IndependentUnit::of_run(Some(*value))).collect();
     mean_of_bounded(&units, (0.0, 60.0), EACH)
 }
 

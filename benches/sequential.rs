@@ -1,7 +1,7 @@
 //! How often sequential tests are wrong, and how many runs they take: a study over 10,000 synthetic experiments a row, too
 //! long for the test suite. `cargo bench --bench sequential` prints the table; docs/statistics.md has what it found.
 
-use scenario_runner::numbers::inference::{ConfidenceSequence, Decision, Sprt, clopper_pearson};
+use scenario_runner::numbers::inference::{ConfidenceSequence, ShareDecision, Sprt, clopper_pearson};
 use scenario_runner::numbers::random::Stream;
 
 const EXPERIMENTS: u64 = 10_000;
@@ -28,7 +28,7 @@ fn main() {
     }
     // Four people with shares of their own, of which the mean is 90 %.
     test("confidence sequence, rounds of 4", 0.9, &[1.0, 0.6, 1.0, 1.0], |holding, runs| {
-        if runs.is_multiple_of(4) { sequence.decide(holding, runs, 0.9) } else { Decision::Open }
+        if runs.is_multiple_of(4) { sequence.decide(holding, runs, 0.9) } else { ShareDecision::Open }
     });
     for (claimed, truth) in [(0.9, 1.0), (0.9, 0.97), (0.95, 0.98), (0.95, 0.9), (0.9, 0.5)] {
         test("confidence sequence, off the border", claimed, &[truth], |holding, runs| {
@@ -43,12 +43,12 @@ fn main() {
     test("peeking (Clopper-Pearson, 200 runs)", 0.95, &[0.95], |holding, runs| {
         let could_pass = runs <= 200 && holding as f64 > 0.95 * runs as f64;
         let passes = || clopper_pearson(holding, runs, 2.0 * CONFIDENCE - 1.0).low >= 0.95;
-        if could_pass && passes() { Decision::Holds } else { Decision::Open }
+        if could_pass && passes() { ShareDecision::Holds } else { ShareDecision::Open }
     });
 }
 
 /// One row: how often the claim passes and fails while those with `truth` take turns.
-fn test(name: &str, claimed: f64, truth: &[f64], decide: impl Fn(u64, u64) -> Decision) {
+fn test(name: &str, claimed: f64, truth: &[f64], decide: impl Fn(u64, u64) -> ShareDecision) {
     let mut stream = Stream::seeded(20_261_121);
     let (mut passed, mut failed, mut all_runs) = (0, 0, 0);
     for _ in 0..EXPERIMENTS {
@@ -58,9 +58,9 @@ fn test(name: &str, claimed: f64, truth: &[f64], decide: impl Fn(u64, u64) -> De
             holding += u64::from(stream.uniform() < truth[runs as usize % truth.len()]);
             runs += 1;
             match decide(holding, runs) {
-                Decision::Holds => passed += 1,
-                Decision::Fails => failed += 1,
-                Decision::Open => continue,
+                ShareDecision::Holds => passed += 1,
+                ShareDecision::Fails => failed += 1,
+                ShareDecision::Open => continue,
             }
             break;
         }

@@ -12,7 +12,7 @@ use crate::pedestrian::commotions::{Parameters, State};
 /// One criterion: who meets whom, and what has to come of it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Criterion {
+pub struct RetentionCriterion {
     /// What it is called in reports.
     pub name: String,
     /// How far the pedestrian is from the conflict space at the start, in seconds at its free speed, which it walks.
@@ -58,8 +58,8 @@ pub const DURATION: f64 = 12.0;
 const TIME_STEP: f64 = 0.025;
 
 /// The five criteria of the published fits (§9.1).
-pub fn published_criteria() -> Vec<Criterion> {
-    let collision = |name: &str, vehicle_time, pedestrian_priority| Criterion {
+pub fn published_criteria() -> Vec<RetentionCriterion> {
+    let collision = |name: &str, vehicle_time, pedestrian_priority| RetentionCriterion {
         name: name.to_owned(),
         pedestrian_time: 3.0,
         vehicle_time,
@@ -68,7 +68,7 @@ pub fn published_criteria() -> Vec<Criterion> {
         demand: Demand::NoCollision,
         in_at_least: None,
     };
-    let hesitation = |name: &str, demand, in_at_least| Criterion {
+    let hesitation = |name: &str, demand, in_at_least| RetentionCriterion {
         name: name.to_owned(),
         pedestrian_time: 3.0,
         vehicle_time: 8.0,
@@ -129,14 +129,14 @@ pub enum CriteriaError {
     },
 }
 
-/// Reads criteria from a JSON file: a list of [`Criterion`].
+/// Reads criteria from a JSON file: a list of [`RetentionCriterion`].
 ///
 /// # Errors
 /// If the file cannot be read, is not of the format, or asks for what cannot be.
-pub fn read_criteria(file: &Path) -> Result<Vec<Criterion>, CriteriaError> {
+pub fn read_criteria(file: &Path) -> Result<Vec<RetentionCriterion>, CriteriaError> {
     let text =
         files::read_text(file).map_err(|error| CriteriaError::Read { file: file.to_owned(), error })?;
-    let criteria: Vec<Criterion> = serde_json::from_str(&text)
+    let criteria: Vec<RetentionCriterion> = serde_json::from_str(&text)
         .map_err(|error| CriteriaError::Format { file: file.to_owned(), error })?;
     if criteria.is_empty() {
         return Err(CriteriaError::None { file: file.to_owned() });
@@ -161,7 +161,7 @@ pub fn read_criteria(file: &Path) -> Result<Vec<Criterion>, CriteriaError> {
     Ok(criteria)
 }
 
-impl Criterion {
+impl RetentionCriterion {
     /// The meeting for a candidate.
     pub fn meeting(&self, candidate: &Parameters) -> Meeting {
         let (walks, drives) = (candidate.pedestrian_free_speed, candidate.vehicle_free_speed);

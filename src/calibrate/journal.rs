@@ -7,15 +7,15 @@ use std::sync::Mutex;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::retention::Verdict;
+use super::retention::RetentionVerdict;
 use crate::files::{LARGEST_RECORD, Lines, Log, LogError, LogFormat, ReadError};
 
 const FORMAT: LogFormat = LogFormat { name: "scenario-runner journal of a calibration", version: 2 };
 
 /// Results so far, kept in a file.
 #[derive(Debug)]
-pub struct Journal {
-    known: BTreeMap<usize, Verdict>,
+pub struct CalibrationJournal {
+    known: BTreeMap<usize, RetentionVerdict>,
     log: Mutex<Log>,
     notice: Option<String>,
 }
@@ -48,7 +48,7 @@ pub enum JournalError {
     },
 }
 
-impl Journal {
+impl CalibrationJournal {
     /// Opens the journal of the calibration that `fingerprint` identifies, or starts it.
     ///
     /// A last record that was cut off while being written is left out.
@@ -75,13 +75,16 @@ impl Journal {
                 line: index + 2,
                 found: record.clone(),
             })?;
-            known.insert(judged.candidate, judged.failed.map_or(Verdict::Retained, Verdict::Failed));
+            known.insert(
+                judged.candidate,
+                judged.failed.map_or(RetentionVerdict::Retained, RetentionVerdict::Failed),
+            );
         }
         Ok(Self { known, log: Mutex::new(log), notice })
     }
 
     /// What is known of a candidate.
-    pub fn verdict(&self, number: usize) -> Option<Verdict> {
+    pub fn verdict(&self, number: usize) -> Option<RetentionVerdict> {
         self.known.get(&number).copied()
     }
 
@@ -94,10 +97,10 @@ impl Journal {
     ///
     /// # Errors
     /// If the file cannot be written.
-    pub fn add(&self, number: usize, verdict: Verdict) -> Result<(), JournalError> {
+    pub fn add(&self, number: usize, verdict: RetentionVerdict) -> Result<(), JournalError> {
         let failed = match verdict {
-            Verdict::Retained => None,
-            Verdict::Failed(criterion) => Some(criterion),
+            RetentionVerdict::Retained => None,
+            RetentionVerdict::Failed(criterion) => Some(criterion),
         };
         let mut log = self.log.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         Ok(log.append(&Judged { candidate: number, failed })?)
@@ -154,32 +157,32 @@ mod tests {
     fn a_journal_goes_on_where_it_was_cut_off() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("journal");
-        let journal = Journal::open(&file, "calibration 1").unwrap();
-        journal.add(3, Verdict::Retained).unwrap();
-        journal.add(1, Verdict::Failed(2)).unwrap();
+        let journal = CalibrationJournal::open(&file, "calibration 1").unwrap();
+        journal.add(3, RetentionVerdict::Retained).unwrap();
+        journal.add(1, RetentionVerdict::Failed(2)).unwrap();
         drop(journal);
         // Cut off in the middle of a record.
         fs::write(&file, fs::read_to_string(&file).unwrap() + "{\"candidate\":7").unwrap();
-        let journal = Journal::open(&file, "calibration 1").unwrap();
+        let journal = CalibrationJournal::open(&file, "calibration 1").unwrap();
         assert!(journal.notice().unwrap().contains("cut off"), "{:?}", journal.notice());
-        assert_eq!(journal.verdict(3), Some(Verdict::Retained));
-        assert_eq!(journal.verdict(1), Some(Verdict::Failed(2)));
+        assert_eq!(journal.verdict(3), Some(RetentionVerdict::Retained));
+        assert_eq!(journal.verdict(1), Some(RetentionVerdict::Failed(2)));
         assert_eq!(journal.verdict(7), None);
-        journal.add(7, Verdict::Failed(0)).unwrap();
+        journal.add(7, RetentionVerdict::Failed(0)).unwrap();
         drop(journal);
-        let journal = Journal::open(&file, "calibration 1").unwrap();
-        assert_eq!((journal.verdict(7), journal.notice()), (Some(Verdict::Failed(0)), None));
+        let journal = CalibrationJournal::open(&file, "calibration 1").unwrap();
+        assert_eq!((journal.verdict(7), journal.notice()), (Some(RetentionVerdict::Failed(0)), None));
     }
 
     #[test]
     fn another_calibration_and_damaged_records_are_errors() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("journal");
-        let journal = Journal::open(&file, "calibration 1").unwrap();
-        journal.add(3, Verdict::Retained).unwrap();
-        journal.add(1, Verdict::Failed(2)).unwrap();
+        let journal = CalibrationJournal::open(&file, "calibration 1").unwrap();
+        journal.add(3, RetentionVerdict::Retained).unwrap();
+        journal.add(1, RetentionVerdict::Failed(2)).unwrap();
         drop(journal);
-        let error = |fingerprint| Journal::open(&file, fingerprint).unwrap_err().to_string();
+        let error = |fingerprint| CalibrationJournal::open(&file, fingerprint).unwrap_err().to_string();
         assert!(error("calibration 2").contains("of something else"), "{}", error("calibration 2"));
         let flipped = fs::read_to_string(&file).unwrap().replacen("\"candidate\":3", "\"candidate\":2", 1);
         fs::write(&file, flipped).unwrap();
@@ -196,23 +199,36 @@ mod tests {
         let file = folder.path().join("journal");
         let fixture = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/formats/calibration_0.1.journal");
         fs::copy(fixture, &file).unwrap();
-        assert!(Journal::open(&file, "calibration 2").unwrap_err().to_string().contains("of something else"));
-        let journal = Journal::open(&file, "calibration 1").unwrap();
+        assert!(
+            CalibrationJournal::open(&file, "calibration 2")
+                .unwrap_err()
+                .to_string()
+                .contains("of something else")
+        );
+        let journal = CalibrationJournal::open(&file, "calibration 1").unwrap();
         assert!(journal.notice().unwrap().contains("version 0.1"), "{:?}", journal.notice());
-        let known = |journal: &Journal| [3, 1, 7, 8].map(|number| journal.verdict(number));
-        let expected = [Some(Verdict::Retained), Some(Verdict::Failed(2)), Some(Verdict::Failed(0)), None];
+        let known = |journal: &CalibrationJournal| [3, 1, 7, 8].map(|number| journal.verdict(number));
+        let expected = [
+            Some(RetentionVerdict::Retained),
+            Some(RetentionVerdict::Failed(2)),
+            Some(RetentionVerdict::Failed(0)),
+            None,
+        ];
         assert_eq!(known(&journal), expected);
         drop(journal);
-        let journal = Journal::open(&file, "calibration 1").unwrap();
+        let journal = CalibrationJournal::open(&file, "calibration 1").unwrap();
         assert_eq!((known(&journal), journal.notice()), (expected, None));
         drop(journal);
 
         fs::write(&file, "calibration 1\nseven\n").unwrap();
-        let error = Journal::open(&file, "calibration 1").unwrap_err().to_string();
+        let error = CalibrationJournal::open(&file, "calibration 1").unwrap_err().to_string();
         assert!(error.contains("line 2: `seven` is no result"), "{error}");
         fs::write(&file, "a poem\n").unwrap();
         assert!(
-            Journal::open(&file, "calibration 1").unwrap_err().to_string().contains("is no scenario-runner")
+            CalibrationJournal::open(&file, "calibration 1")
+                .unwrap_err()
+                .to_string()
+                .contains("is no scenario-runner")
         );
         assert_eq!(fs::read_to_string(&file).unwrap(), "a poem\n");
     }

@@ -6,8 +6,8 @@ use sha2::{Digest, Sha256};
 use thiserror::Error;
 
 use super::candidates::{CandidateError, Candidates};
-use super::criteria::{Criterion, Showing};
-use super::journal::{Journal, JournalError};
+use super::criteria::{RetentionCriterion, Showing};
+use super::journal::{CalibrationJournal, JournalError};
 use crate::numbers::random::derive_seed;
 use crate::pedestrian::commotions::model::commotions;
 use crate::pedestrian::commotions::{Parameters, Variant};
@@ -19,7 +19,7 @@ pub struct Calibration {
     /// The variant calibrated.
     pub variant: Variant,
     /// What has to be met.
-    pub criteria: Vec<Criterion>,
+    pub criteria: Vec<RetentionCriterion>,
     /// Runs of each meeting.
     pub repetitions: u32,
     /// Decides the noise: a candidate's result depends on this and its number, not on order or threads.
@@ -28,7 +28,7 @@ pub struct Calibration {
 
 /// Which criterion, if any, a candidate failed first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Verdict {
+pub enum RetentionVerdict {
     /// It met all of them.
     Retained,
     /// The first criterion it failed, counted from 0.
@@ -37,7 +37,7 @@ pub enum Verdict {
 
 impl Calibration {
     /// Puts one candidate through the criteria, in order, until one fails.
-    pub fn judge(&self, number: usize, candidate: &Parameters) -> Verdict {
+    pub fn judge(&self, number: usize, candidate: &Parameters) -> RetentionVerdict {
         let mut runs: Vec<(usize, Vec<Showing>)> = Vec::new();
         for (index, criterion) in self.criteria.iter().enumerate() {
             let known = runs.iter().position(|(first, _)| self.criteria[*first].shares_runs_with(criterion));
@@ -51,10 +51,10 @@ impl Calibration {
                 .filter(|showing| showing.meets(criterion.demand, candidate.pedestrian_free_speed))
                 .count();
             if met < criterion.in_at_least.map_or(showings.len(), |least| least as usize) {
-                return Verdict::Failed(index);
+                return RetentionVerdict::Failed(index);
             }
         }
-        Verdict::Retained
+        RetentionVerdict::Retained
     }
 
     fn run(&self, number: usize, index: usize, candidate: &Parameters) -> Vec<Showing> {
@@ -115,10 +115,10 @@ pub struct Report {
 /// If a candidate's parameters are none, or the journal cannot be written.
 pub fn calibrate(
     request: &Request,
-    journal: Option<&Journal>,
+    journal: Option<&CalibrationJournal>,
     judged: impl Fn() + Sync,
 ) -> Result<Report, CalibrateError> {
-    let judge = |(number, candidate): (usize, Parameters)| -> Result<Verdict, CalibrateError> {
+    let judge = |(number, candidate): (usize, Parameters)| -> Result<RetentionVerdict, CalibrateError> {
         let known = journal.and_then(|journal| journal.verdict(number));
         let verdict = match known {
             Some(verdict) => verdict,
@@ -138,8 +138,8 @@ pub fn calibrate(
     let mut report = Report { retained: Vec::new(), failed: vec![0; request.calibration.criteria.len()] };
     for (index, verdict) in verdicts.into_iter().enumerate() {
         match verdict {
-            Verdict::Retained => report.retained.push(index + 1),
-            Verdict::Failed(criterion) => {
+            RetentionVerdict::Retained => report.retained.push(index + 1),
+            RetentionVerdict::Failed(criterion) => {
                 if let Some(count) = report.failed.get_mut(criterion) {
                     *count += 1;
                 }

@@ -7,8 +7,8 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::{Exit, number};
 use crate::calibrate::{
-    Calibration, Candidates, Design, Journal, ParameterRange, Report, Request, calibrate, published_criteria,
-    published_grid, read_criteria,
+    Calibration, CalibrationJournal, Candidates, Design, ParameterRange, Report, Request, calibrate,
+    published_criteria, published_grid, read_criteria,
 };
 use crate::console::{stderr, stdout};
 use crate::files;
@@ -144,9 +144,12 @@ fn try_run(arguments: &CalibrateArguments) -> Result<Exit, CalibrateError> {
     let calibration =
         Calibration { variant, criteria, repetitions: arguments.repetitions, seed: arguments.seed };
     let request = Request { calibration, candidates, design };
-    let journal =
-        arguments.journal.as_ref().map(|file| Journal::open(file, &request.fingerprint())).transpose()?;
-    if let Some(notice) = journal.as_ref().and_then(Journal::notice) {
+    let journal = arguments
+        .journal
+        .as_ref()
+        .map(|file| CalibrationJournal::open(file, &request.fingerprint()))
+        .transpose()?;
+    if let Some(notice) = journal.as_ref().and_then(CalibrationJournal::notice) {
         writeln!(stderr(), "note: {notice}");
     }
     if let Some(threads) = arguments.threads {

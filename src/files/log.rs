@@ -35,7 +35,7 @@ enum Out {
 
 /// What a log held when it was opened.
 #[derive(Debug, Default, PartialEq, Eq)]
-pub struct Found {
+pub struct LogContents {
     /// The records, each a JSON object.
     pub records: Vec<String>,
     /// What to tell the user, such as that the last record was cut off.
@@ -48,7 +48,11 @@ impl Log {
     ///
     /// # Errors
     /// If another process has it, if it is another log or damaged, or if it cannot be written.
-    pub fn open(path: &Path, format: LogFormat, of: &impl Serialize) -> Result<(Self, Found), LogError> {
+    pub fn open(
+        path: &Path,
+        format: LogFormat,
+        of: &impl Serialize,
+    ) -> Result<(Self, LogContents), LogError> {
         let failed = |error| LogError::Io { path: path.to_owned(), error };
         if let Some(folder) = path.parent() {
             make_folder(folder).map_err(failed)?;
@@ -64,7 +68,7 @@ impl Log {
             if expected.as_bytes().starts_with(&begun) {
                 let mut log = Self::at(path, Out::File(file), 0, 0, 0);
                 log.begin(&expected)?;
-                return Ok((log, Found::default()));
+                return Ok((log, LogContents::default()));
             }
             file.seek(SeekFrom::Start(0)).map_err(failed)?;
         }
@@ -84,7 +88,7 @@ impl Log {
         // Only now, when it is known to be the right one, is it changed.
         file.set_len(whole).map_err(failed)?;
         file.seek(SeekFrom::Start(whole)).map_err(failed)?;
-        Ok((Self::at(path, Out::File(file), seed, place, whole), Found { records, notice }))
+        Ok((Self::at(path, Out::File(file), seed, place, whole), LogContents { records, notice }))
     }
 
     /// Starts a log with `records` in the place of whatever is at `path`, at once: there is no moment without the one or

@@ -18,7 +18,7 @@ mod tests;
 mod whole;
 
 pub use batch::Batch;
-pub use log::{Found, Log, append_text};
+pub use log::{Log, LogContents, append_text};
 pub use log_reader::{Header, LARGEST_RECORD, LogError, LogFormat, LogReader};
 pub use read::{
     LARGEST, Lines, ReadError, check_kind, read_bytes, read_kind, read_standard_input, read_text,

@@ -252,7 +252,7 @@ const RUNS: LogFormat = LogFormat { name: "log of tests", version: 3 };
 /// A log of ten records, closed.
 fn log(path: &Path) -> Vec<String> {
     let (mut log, found) = Log::open(path, RUNS, &json!({ "seed": 1, "suite": "a" })).unwrap();
-    assert_eq!(found, Found::default());
+    assert_eq!(found, LogContents::default());
     for number in 0..10 {
         log.append(&json!({ "run": number, "value": 0.1 * f64::from(number) })).unwrap();
     }
@@ -278,7 +278,7 @@ fn a_log_goes_on_where_it_ended_and_every_line_is_json() {
     let records = log(&path);
     assert_eq!(records.len(), 10);
     let (mut again, found) = Log::open(&path, RUNS, &json!({ "seed": 1, "suite": "a" })).unwrap();
-    assert_eq!(found, Found { records, notice: None });
+    assert_eq!(found, LogContents { records, notice: None });
     again.append(&json!({ "run": 10 })).unwrap();
     drop(again);
     assert_eq!(read(&path).unwrap().0.len(), 11);

@@ -1,6 +1,6 @@
 //! Verdicts at a stated confidence: passed or failed only where luck would seldom do the same.
 
-use crate::numbers::inference::{self, ConfidenceSequence, Interval, Unit};
+use crate::numbers::inference::{self, ConfidenceSequence, IndependentUnit, Interval};
 use crate::results::Verdict;
 use crate::scenario::{Aggregate, Relation};
 
@@ -60,7 +60,9 @@ impl Bounds<'_> {
     ) -> Option<Interval> {
         let units = match self {
             Self::People(whose) => per_person(values, whose),
-            Self::Fixed | Self::Sequential => values.iter().map(|value| Unit::of_run(*value)).collect(),
+            Self::Fixed | Self::Sequential => {
+                values.iter().map(|value| IndependentUnit::of_run(*value)).collect()
+            }
         };
         if let Some(limits) = limits {
             return inference::mean_of_bounded(&units, limits, confidence);
@@ -68,7 +70,7 @@ impl Bounds<'_> {
         if self == Self::Sequential {
             return None;
         }
-        let means: Vec<f64> = units.iter().filter_map(Unit::mean).collect();
+        let means: Vec<f64> = units.iter().filter_map(IndependentUnit::mean).collect();
         inference::mean_interval(&means, 2.0 * confidence - 1.0, seed)
     }
 
@@ -110,10 +112,10 @@ fn once_each(whose: &[usize]) -> bool {
 }
 
 /// Each person's runs together.
-fn per_person(values: &[Option<f64>], whose: &[usize]) -> Vec<Unit> {
+fn per_person(values: &[Option<f64>], whose: &[usize]) -> Vec<IndependentUnit> {
     let people = whose.iter().max().map_or(0, |last| last + 1);
     let of = |person: usize| {
-        Unit::of_runs(
+        IndependentUnit::of_runs(
             values.iter().zip(whose).filter(|(_, whose)| **whose == person).map(|(value, _)| *value),
         )
     };

@@ -3,8 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::chart::{
-    Dot, Entry, First, Found, Individuals, Path, Paths, Quantity, Rate, RateSeries, Rates, Rows, Rule, Strip,
-    Strips, first_legend, is_drawn, with_room,
+    AxisQuantity, Dot, First, FoundDot, IndividualsChart, LegendEntry, Path, Paths, Rate, RateSeries, Rates,
+    Rows, Rule, Strip, Strips, first_legend, is_drawn, with_room,
 };
 use super::digest::written_unit;
 use super::variable::Variable;
@@ -18,7 +18,7 @@ pub struct Figure {
     pub title: String,
     /// How to read it.
     pub note: String,
-    pub legend: Vec<Entry>,
+    pub legend: Vec<LegendEntry>,
     /// SVG elements.
     pub panels: Vec<String>,
 }
@@ -96,13 +96,13 @@ impl Data<'_> {
         all.filter(|(_, reference)| wanted(reference)).map(|(index, _)| index).collect()
     }
 
-    fn quantity(&self, index: usize) -> Quantity {
+    fn quantity(&self, index: usize) -> AxisQuantity {
         let reference = self.reference(index);
         let unit = match self.notation(index) {
             Some(written) => written.symbol.to_string(),
             None => reference.unit(),
         };
-        Quantity::new(reference.label(), unit)
+        AxisQuantity::new(reference.label(), unit)
     }
 
     /// The unit that the first of the criteria about a metric is written in: what its charts are drawn in.
@@ -281,8 +281,8 @@ impl Data<'_> {
         let mut charts = Vec::new();
         let (mut tied, mut left_out) = (0, 0);
         for (name, trials) in &self.scenarios {
-            let mut found: Vec<Found> = Vec::new();
-            let mut people: BTreeMap<String, Vec<Found>> = BTreeMap::new();
+            let mut found: Vec<FoundDot> = Vec::new();
+            let mut people: BTreeMap<String, Vec<FoundDot>> = BTreeMap::new();
             let runs = trials
                 .iter()
                 .flat_map(|trial| trial.outcomes.iter().map(|outcome| (&trial.trial.variation, outcome)));
@@ -290,7 +290,7 @@ impl Data<'_> {
                 let (Some(x), Some(y)) = (variable.value(variation), charted(outcome, index, unit)) else {
                     continue;
                 };
-                let point = Found { x, y, first: self.first(outcome), name: outcome.key.clone() };
+                let point = FoundDot { x, y, first: self.first(outcome), name: outcome.key.clone() };
                 match person(outcome) {
                     nobody if nobody.is_empty() => found.push(point),
                     person => people.entry(person).or_default().push(point),
@@ -309,7 +309,7 @@ impl Data<'_> {
                 continue;
             }
             left_out += thin_out(&mut found, metric.worst);
-            charts.push(Individuals {
+            charts.push(IndividualsChart {
                 title: name.to_string(),
                 x: variable.quantity.clone(),
                 y: self.quantity(index),
@@ -323,7 +323,7 @@ impl Data<'_> {
         // Seen against all values of the variation, not only those that are worst for somebody.
         let trials = self.report.trials.iter();
         let taken: Vec<f64> = trials.filter_map(|trial| variable.value(&trial.trial.variation)).collect();
-        let ranges = (with_room(&taken), Individuals::ranges(&charts).1);
+        let ranges = (with_room(&taken), IndividualsChart::ranges(&charts).1);
         charts.iter_mut().for_each(|chart| chart.ranges = Some(ranges));
         let firsts = charts.iter().flat_map(|chart| &chart.points).map(|point| point.first).collect();
         let x = &variable.quantity.name;
@@ -344,7 +344,7 @@ impl Data<'_> {
             title: format!("{} against {x}", self.quantity(index).name),
             note,
             legend: legend(firsts),
-            panels: charts.iter().map(Individuals::to_svg).collect(),
+            panels: charts.iter().map(IndividualsChart::to_svg).collect(),
         })
     }
 
@@ -399,7 +399,7 @@ fn charted(outcome: &Outcome, index: usize, unit: Option<Notation>) -> Option<f6
 }
 
 /// Leaves as many points as a person can tell apart: the worst, and of the others every so-manieth. Returns how many went.
-fn thin_out(points: &mut Vec<Found>, worst: Worst) -> usize {
+fn thin_out(points: &mut Vec<FoundDot>, worst: Worst) -> usize {
     let all = points.len();
     if all <= MOST_POINTS {
         return 0;
@@ -440,7 +440,7 @@ fn strips_figure(title: String, mut charts: Vec<Strips>) -> Option<Figure> {
 }
 
 /// Nothing where all look the same because nobody asked who passed first.
-fn legend(firsts: Vec<First>) -> Vec<Entry> {
+fn legend(firsts: Vec<First>) -> Vec<LegendEntry> {
     if firsts.iter().all(|first| *first == First::Neither) {
         return Vec::new();
     }
@@ -454,8 +454,8 @@ fn person(outcome: &Outcome) -> String {
 }
 
 /// The worst of somebody's runs; `None` where runs at different places are equally bad.
-fn worst(runs: Vec<Found>, worst: Worst) -> Option<Found> {
-    let badness = |run: &Found| if worst == Worst::Smallest { -run.y } else { run.y };
+fn worst(runs: Vec<FoundDot>, worst: Worst) -> Option<FoundDot> {
+    let badness = |run: &FoundDot| if worst == Worst::Smallest { -run.y } else { run.y };
     let most = runs.iter().map(badness).max_by(f64::total_cmp)?;
     let mut worst = runs.into_iter().filter(|run| badness(run) == most);
     let first = worst.next()?;
@@ -468,14 +468,14 @@ mod tests {
 
     #[test]
     fn thinned_points_keep_the_worst_and_say_how_many_go() {
-        let point = |index: usize| Found {
+        let point = |index: usize| FoundDot {
             x: index as f64,
             y: ((index * 7919) % 10_007) as f64,
             first: First::Neither,
             name: String::new(),
         };
-        let mut points: Vec<Found> = (0..10_000).map(point).collect();
-        let worst = |points: &[Found]| points.iter().map(|one| one.y).fold(f64::INFINITY, f64::min);
+        let mut points: Vec<FoundDot> = (0..10_000).map(point).collect();
+        let worst = |points: &[FoundDot]| points.iter().map(|one| one.y).fold(f64::INFINITY, f64::min);
         let least = worst(&points);
         assert_eq!(thin_out(&mut points, Worst::Smallest), 10_000 - MOST_POINTS);
         assert_eq!((points.len(), worst(&points)), (MOST_POINTS, least));

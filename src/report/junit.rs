@@ -7,7 +7,7 @@ use std::collections::HashMap;
 use std::io::{self, Write};
 use std::time::Duration;
 
-use self::document::{Case, Counts, Document, Kind, Problem, Suite};
+use self::document::{Counts, JunitReport, Problem, TestCase, TestOutcome, TestSuite};
 use super::Repository;
 use super::digest::{Digest, written_unit};
 use super::experiment::render_block;
@@ -38,14 +38,14 @@ pub fn write_junit(
     }
     let time = reports.iter().map(|report| report.wall_time).sum();
     let started = reports.first().map(|report| report.started);
-    let mut document = Document::begin(out, counts, started, time)?;
+    let mut document = JunitReport::begin(out, counts, started, time)?;
     for (report, groups) in &suites {
         for group in groups {
             let mut counts = Counts::default();
             group.items.iter().for_each(|item| counts.add(item.kind()));
             let time = group.items.iter().filter_map(Item::time).reduce(|sum, time| sum + time);
             let properties = suite_properties(report);
-            document.suite(&Suite {
+            document.suite(&TestSuite {
                 name: &group.name,
                 counts,
                 started: report.started,
@@ -114,24 +114,24 @@ fn suite_properties(report: &SuiteReport) -> Vec<(String, String)> {
 
 impl Item<'_> {
     /// What it counts as.
-    fn kind(&self) -> Kind {
+    fn kind(&self) -> TestOutcome {
         match self {
             Self::Recorded(recorded) => kind_of(&recorded.trial_state()),
-            Self::Trial(trial) if trial.claims_nothing() => Kind::Skipped,
+            Self::Trial(trial) if trial.claims_nothing() => TestOutcome::Skipped,
             Self::Trial(trial) => kind_of(&trial.state),
             Self::Block(block) => match &block.state {
-                BlockState::Skipped(_) => Kind::Skipped,
-                BlockState::NotFinished(_) | BlockState::Errored(_) => Kind::Error,
-                BlockState::Finished(result) if result.failure().is_some() => Kind::Failure,
-                BlockState::Finished(_) => Kind::Passed,
+                BlockState::Skipped(_) => TestOutcome::Skipped,
+                BlockState::NotFinished(_) | BlockState::Errored(_) => TestOutcome::Error,
+                BlockState::Finished(result) if result.failure().is_some() => TestOutcome::Failure,
+                BlockState::Finished(_) => TestOutcome::Passed,
             },
             Self::Gate(gate) => match &gate.state {
-                GateState::NotJudged(NotJudged::Broken(_)) | GateState::Refused(_) => Kind::Error,
-                GateState::NotJudged(_) => Kind::Skipped,
-                GateState::Judged(verdict) if verdict.verdict == Verdict::Passed => Kind::Passed,
-                GateState::Judged(_) => Kind::Failure,
+                GateState::NotJudged(NotJudged::Broken(_)) | GateState::Refused(_) => TestOutcome::Error,
+                GateState::NotJudged(_) => TestOutcome::Skipped,
+                GateState::Judged(verdict) if verdict.verdict == Verdict::Passed => TestOutcome::Passed,
+                GateState::Judged(_) => TestOutcome::Failure,
             },
-            Self::Interruption => Kind::Error,
+            Self::Interruption => TestOutcome::Error,
         }
     }
 
@@ -144,7 +144,13 @@ impl Item<'_> {
         }
     }
 
-    fn case(&self, report: &SuiteReport, class: &str, requests: &Requests, repository: &Repository) -> Case {
+    fn case(
+        &self,
+        report: &SuiteReport,
+        class: &str,
+        requests: &Requests,
+        repository: &Repository,
+    ) -> TestCase {
         let mut case = match self {
             Self::Recorded(recorded) => recorded_case(report, recorded),
             Self::Trial(trial) => trial_case(report, trial, requests),
@@ -175,12 +181,12 @@ impl Item<'_> {
     }
 }
 
-fn kind_of(state: &TrialState) -> Kind {
+fn kind_of(state: &TrialState) -> TestOutcome {
     match state {
-        TrialState::Skipped(_) => Kind::Skipped,
-        TrialState::NotFinished(_) | TrialState::Errored(_) => Kind::Error,
-        TrialState::Judged(judged) if judged.verdict == Verdict::Passed => Kind::Passed,
-        TrialState::Judged(_) => Kind::Failure,
+        TrialState::Skipped(_) => TestOutcome::Skipped,
+        TrialState::NotFinished(_) | TrialState::Errored(_) => TestOutcome::Error,
+        TrialState::Judged(judged) if judged.verdict == Verdict::Passed => TestOutcome::Passed,
+        TrialState::Judged(_) => TestOutcome::Failure,
     }
 }
 
@@ -189,14 +195,14 @@ fn not_finished(cut: &Cut) -> Problem {
     Problem::new(cut.by().word(), &cut.to_string(), cut.explained())
 }
 
-fn trial_case(report: &SuiteReport, trial: &TrialReport, requests: &Requests) -> Case {
+fn trial_case(report: &SuiteReport, trial: &TrialReport, requests: &Requests) -> TestCase {
     let problem = if trial.claims_nothing() {
         let reason = nothing_claimed(trial);
         Some(Problem::skipped(reason.as_deref().unwrap_or("not judged: its scenario has no criterion")))
     } else {
         problem(report, &trial.state)
     };
-    let mut case = Case::new(&trial.trial.key, problem);
+    let mut case = TestCase::new(&trial.trial.key, problem);
     case.property("seed", &report.identity.seed.to_string());
     case.property("runs", &trial.outcomes.len().to_string());
     if let Some(stopped) = trial.stopping() {
@@ -235,8 +241,8 @@ fn problem(report: &SuiteReport, state: &TrialState) -> Option<Problem> {
 }
 
 /// A run that failed before: what was recorded of it and what is to be said now stand in properties.
-fn recorded_case(report: &SuiteReport, recorded: &RecordedReport) -> Case {
-    let mut case = Case::new(&recorded.key, problem(report, &recorded.trial_state()));
+fn recorded_case(report: &SuiteReport, recorded: &RecordedReport) -> TestCase {
+    let mut case = TestCase::new(&recorded.key, problem(report, &recorded.trial_state()));
     case.property("seed", &recorded.recorded.seed.to_string());
     case.property("recorded", &recorded.recorded.against.join("; "));
     let remark = recorded_remark(recorded);
@@ -247,7 +253,7 @@ fn recorded_case(report: &SuiteReport, recorded: &RecordedReport) -> Case {
 }
 
 /// A gate: what it compared is the output of the test.
-fn gate_case(report: &SuiteReport, gate: &GateReport) -> Case {
+fn gate_case(report: &SuiteReport, gate: &GateReport) -> TestCase {
     let text = render_gate_report(&report.identity, gate, false);
     let problem = match &gate.state {
         GateState::NotJudged(NotJudged::Broken(why)) => {
@@ -263,7 +269,7 @@ fn gate_case(report: &SuiteReport, gate: &GateReport) -> Case {
             Verdict::Failed => Some(Problem::new("regression", &verdict.rules.join("; "), text.clone())),
         },
     };
-    let mut case = Case::new(&gate.key, problem);
+    let mut case = TestCase::new(&gate.key, problem);
     case.property("seed", &report.identity.seed.to_string());
     case.property("baseline", &gate.gate.baseline);
     case.output = matches!(gate.state, GateState::Judged(_)).then_some(text);
@@ -271,7 +277,7 @@ fn gate_case(report: &SuiteReport, gate: &GateReport) -> Case {
 }
 
 /// A block: its result in words is the output of the test.
-fn block_case(report: &SuiteReport, block: &BlockReport) -> Case {
+fn block_case(report: &SuiteReport, block: &BlockReport) -> TestCase {
     let text = || render_block_failure(&report.identity, block, false);
     let problem = match (&block.state, block.result().and_then(BlockResult::failure)) {
         (BlockState::Skipped(reason), _) => Some(Problem::skipped(&reason.to_string())),
@@ -280,17 +286,17 @@ fn block_case(report: &SuiteReport, block: &BlockReport) -> Case {
         (BlockState::Finished(_), Some(reason)) => Some(Problem::new(block.block.kind(), &reason, text())),
         (BlockState::Finished(_), None) => None,
     };
-    let mut case = Case::new(&block.key, problem);
+    let mut case = TestCase::new(&block.key, problem);
     case.property("seed", &report.identity.seed.to_string());
     case.property("replay", &report.identity.block_command(&block.key));
     case.output = block.result().map(render_block);
     case
 }
 
-fn interruption_case(report: &SuiteReport) -> Case {
+fn interruption_case(report: &SuiteReport) -> TestCase {
     let message = interruption(report);
     let name = format!("{}/interrupted", report.identity.suite);
-    Case::new(&name, Some(Problem::new(CutBy::Interrupted.word(), &message, message.clone())))
+    TestCase::new(&name, Some(Problem::new(CutBy::Interrupted.word(), &message, message.clone())))
 }
 
 fn first_line(text: &str) -> &str {

@@ -1,13 +1,13 @@
 //! A variation as an axis: its numbers in the unit that the user wrote them in.
 
-use super::chart::Quantity;
+use super::chart::AxisQuantity;
 use crate::results::SuiteReport;
 use crate::scenario::Assignment;
 
 /// A variation that takes numbers, over all the trials that have it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Variable {
-    pub quantity: Quantity,
+    pub quantity: AxisQuantity,
     name: String,
     /// What the quantity's unit is in SI units.
     unit_size: f64,
@@ -31,7 +31,7 @@ impl Variable {
             }
             let (unit, unit_size) = common_unit(&taken).unwrap_or_default();
             Some(Self {
-                quantity: Quantity::new(name, unit),
+                quantity: AxisQuantity::new(name, unit),
                 name: name.to_string(),
                 unit_size: if unit_size == 0.0 { 1.0 } else { unit_size },
             })

@@ -15,7 +15,7 @@ use crate::scenario::{
 };
 
 pub use file::BaselineError;
-pub use pairing::{Incompatible, Pairing, Part, pair, some};
+pub use pairing::{Incompatible, Pairing, WorldPart, pair, some};
 pub use record::{measured_metrics, record};
 
 /// The metrics of every run of a suite, with what decides whether other runs may be compared with them.

@@ -47,12 +47,12 @@ pub enum Incompatible {
     /// The base does not say what its populations were, and the seeds differ.
     PopulationsUnknown,
     /// Trials in which something besides what is tested differs.
-    Part { part: Part, trials: Vec<String> },
+    Part { part: WorldPart, trials: Vec<String> },
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Part {
+pub enum WorldPart {
     Road,
     Pedestrians,
     People,
@@ -97,13 +97,13 @@ impl fmt::Display for Incompatible {
             }
             Incompatible::Part { part, trials } => {
                 let what = match part {
-                    Part::Road => "the road differs",
-                    Part::Pedestrians => {
+                    WorldPart::Road => "the road differs",
+                    WorldPart::Pedestrians => {
                         "the pedestrians differ (model, parameters, start, goal or when they appear)"
                     }
-                    Part::People => "the individuals differ (the population's file)",
-                    Part::Traffic => "the vehicles' speed, lane or start differs",
-                    Part::Simulation => "step, horizon or finish line differs",
+                    WorldPart::People => "the individuals differ (the population's file)",
+                    WorldPart::Traffic => "the vehicles' speed, lane or start differs",
+                    WorldPart::Simulation => "step, horizon or finish line differs",
                 };
                 format!("{what} {}", in_trials(trials))
             }
@@ -120,7 +120,7 @@ pub fn some(names: &[String]) -> String {
     if more > 0 { format!("{shown} and {more} more") } else { shown }
 }
 
-impl Part {
+impl WorldPart {
     const ALL: [Self; 5] = [Self::Road, Self::Pedestrians, Self::People, Self::Traffic, Self::Simulation];
 
     fn of(self, parts: &Parts) -> &str {
@@ -188,9 +188,9 @@ pub fn pair<'a>(
         let keys = unfitting.iter().map(|(_, trial)| trial.key.clone());
         reasons.push(Incompatible::Runs(keys.collect()));
     }
-    for part in Part::ALL {
+    for part in WorldPart::ALL {
         // Another seed draws other people.
-        if part == Part::People && !same_seeds {
+        if part == WorldPart::People && !same_seeds {
             continue;
         }
         let differing =

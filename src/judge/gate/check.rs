@@ -2,7 +2,7 @@
 
 use super::measure::{Differences, difference, differences, sign, worse_by, worst_trial};
 use super::power;
-use super::questions::{About, Place, Question, RunPair};
+use super::questions::{About, ComparisonPlace, Question, RunPair};
 use crate::judge::baseline::RecordedMetric;
 use crate::numbers::inference::{MeanChange, rate_change, rate_rise};
 use crate::numbers::random::derive_seed;
@@ -27,8 +27,8 @@ pub fn measure(question: &Question, family: usize, seed: u64) -> Check {
     };
     let (place, certain) = match question.place {
         // Whether a run is new needs no statistics.
-        Place::Scenario(name) => (name, question.about == About::New),
-        Place::CertainTrial(key) => (key, true),
+        ComparisonPlace::Scenario(name) => (name, question.about == About::New),
+        ComparisonPlace::CertainTrial(key) => (key, true),
     };
     let (worse_runs, better_runs) = changed_runs(question);
     let mut check = Check {

@@ -6,13 +6,13 @@ use crate::results::TrialChange;
 
 /// Which way a quantity gets worse.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Direction {
+pub struct WorseDirection {
     pub larger_is_worse: bool,
 }
 
 /// An event that a run has or has not.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Event {
+pub struct RunFlag {
     /// Whether having it is what is bad.
     pub bad: bool,
 }

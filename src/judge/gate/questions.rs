@@ -1,6 +1,6 @@
 //! From rules to questions: which metric is compared in what, over which pairs of runs.
 
-use super::measure::{Direction, Event};
+use super::measure::{RunFlag, WorseDirection};
 use crate::judge::baseline::{Incompatible, Pairing, RecordedMetric, RecordedTrial};
 use crate::scenario::{Absence, GateRule, Metric, MetricKind, MetricReference, Notation, Tolerance, Worst};
 
@@ -13,7 +13,7 @@ pub struct Question<'a> {
     pub notation: Option<Notation>,
     pub metric: &'a RecordedMetric,
     pub about: About,
-    pub place: Place<'a>,
+    pub place: ComparisonPlace<'a>,
     pub pairs: Vec<RunPair<'a>>,
     /// Whether there are several people: then only whole people are independent, whose runs are alike.
     pub by_people: bool,
@@ -25,18 +25,18 @@ pub struct Question<'a> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum About {
     /// Its mean over the runs that have it on both sides.
-    Mean(Direction),
+    Mean(WorseDirection),
     /// The share of runs with a yes, over the runs that have it on both sides.
-    Rate(Event),
+    Rate(RunFlag),
     /// The share of runs that have it. `None`: neither way is worse for sure.
-    Existence(Option<Event>),
+    Existence(Option<RunFlag>),
     /// The runs with a yes that had a no on the same seed.
     New,
 }
 
 /// Where a comparison is made.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Place<'a> {
+pub enum ComparisonPlace<'a> {
     /// All trials of a scenario in which chance plays a part; for what is new, all of them.
     Scenario(&'a str),
     /// One trial without chance.
@@ -69,7 +69,8 @@ pub struct Questions<'a> {
 impl Question<'_> {
     /// Whether chance can make it fail.
     pub fn shares_the_error(&self) -> bool {
-        matches!(self.place, Place::Scenario(_)) && !matches!(self.about, About::Existence(None) | About::New)
+        matches!(self.place, ComparisonPlace::Scenario(_))
+            && !matches!(self.about, About::Existence(None) | About::New)
     }
 }
 
@@ -132,7 +133,7 @@ pub fn ask<'a>(rules: &[GateRule], pairing: &Pairing<'a>) -> Result<Questions<'a
     if missing.is_empty() { Ok(questions) } else { Err(missing) }
 }
 
-impl Place<'_> {
+impl ComparisonPlace<'_> {
     /// Scenarios in the order of the trials, each followed by its trials without chance.
     fn rank(&self, pairing: &Pairing) -> (usize, usize) {
         let trials = &pairing.candidate.trials;
@@ -180,9 +181,9 @@ impl<'a> Asker<'a, '_> {
             let is_certain = |(base, candidate): &TrialPair| base.certain && candidate.certain;
             let (certain, chancy): (Vec<_>, Vec<_>) = trials.into_iter().partition(is_certain);
             for pair in certain {
-                asked.extend(self.about(Place::CertainTrial(&pair.1.key), &[pair]));
+                asked.extend(self.about(ComparisonPlace::CertainTrial(&pair.1.key), &[pair]));
             }
-            asked.extend(self.about(Place::Scenario(scenario), &chancy));
+            asked.extend(self.about(ComparisonPlace::Scenario(scenario), &chancy));
         }
         asked
     }
@@ -199,7 +200,7 @@ impl<'a> Asker<'a, '_> {
             notation: self.terms.notation,
             metric: self.recorded,
             about: About::New,
-            place: Place::Scenario(scenario),
+            place: ComparisonPlace::Scenario(scenario),
             pairs,
             by_people: false,
             other_people: false,
@@ -207,7 +208,7 @@ impl<'a> Asker<'a, '_> {
     }
 
     /// The value itself, and whether it exists where it does not exist in every run.
-    fn about(&self, place: Place<'a>, trials: &[TrialPair<'a>]) -> Vec<Question<'a>> {
+    fn about(&self, place: ComparisonPlace<'a>, trials: &[TrialPair<'a>]) -> Vec<Question<'a>> {
         let pairs = self.pairs(trials);
         let exists = |pair: &RunPair| pair.base.is_some() || pair.candidate.is_some();
         let in_both = |pair: &RunPair| pair.base.is_some() && pair.candidate.is_some();
@@ -230,14 +231,14 @@ impl<'a> Asker<'a, '_> {
         let mut asked = Vec::new();
         if pairs.iter().any(in_both) {
             asked.push(question(match self.metric.kind {
-                MetricKind::Flag => About::Rate(Event { bad: larger_is_worse }),
-                _ => About::Mean(Direction { larger_is_worse }),
+                MetricKind::Flag => About::Rate(RunFlag { bad: larger_is_worse }),
+                _ => About::Mean(WorseDirection { larger_is_worse }),
             }));
         }
         if pairs.iter().any(exists) && !pairs.iter().all(in_both) {
             asked.push(question(About::Existence(match self.metric.absence {
-                Absence::Good => Some(Event { bad: true }),
-                Absence::Bad => Some(Event { bad: false }),
+                Absence::Good => Some(RunFlag { bad: true }),
+                Absence::Bad => Some(RunFlag { bad: false }),
                 Absence::Open => None,
             })));
         }

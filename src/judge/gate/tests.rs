@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::*;
-use crate::judge::baseline::{Part, Parts, RecordedMetric, RecordedTrial};
+use crate::judge::baseline::{Parts, RecordedMetric, RecordedTrial, WorldPart};
 use crate::numbers::random::Stream;
 use crate::results::Subject;
 use crate::scenario::Settings;
@@ -247,7 +247,10 @@ fn other_people_are_compared_as_people() {
     assert_eq!((verdict.checks[0].runs, verdict.checks[0].units), (30, 3));
     // Under the same seed it cannot be other people.
     let reasons = pair(&base, &Baseline { seed: 1, ..other }, false).unwrap_err();
-    assert_eq!(reasons, [Incompatible::Part { part: Part::People, trials: vec!["walk/tta=6s".to_string()] }]);
+    assert_eq!(
+        reasons,
+        [Incompatible::Part { part: WorldPart::People, trials: vec!["walk/tta=6s".to_string()] }]
+    );
 }
 
 #[test]
@@ -264,7 +267,7 @@ fn what_may_not_be_compared_says_why() {
             Incompatible::Vanished(keys("walk/tta=9s")),
             Incompatible::New(keys("walk/tta=12s")),
             Incompatible::MetricDiffers("pet".into()),
-            Incompatible::Part { part: Part::Road, trials: keys("walk/tta=6s") },
+            Incompatible::Part { part: WorldPart::Road, trials: keys("walk/tta=6s") },
         ]
     );
     let grown =

@@ -9,7 +9,7 @@ mod tests;
 use super::confidence::Bounds;
 use super::criteria::{Evidence, bounded_above, find};
 use super::seen::Seen;
-use crate::numbers::inference::{ConfidenceSequence, Decision, MeanWatch, Unit};
+use crate::numbers::inference::{ConfidenceSequence, IndependentUnit, MeanWatch, ShareDecision};
 use crate::results::{Finding, Outcome, Reason, Requests, RunsTaken, TrialVerdict, Verdict};
 use crate::scenario::{
     Aggregate, Claim, Comparison, Criterion, MetricReference, Relation, Rounds, Trial, WhenUndefined,
@@ -164,7 +164,9 @@ impl Test {
     fn count(&mut self, outcome: &Outcome) {
         let seen = Seen::of(outcome, self.metric);
         match &mut self.about {
-            About::Mean(watch, metric, claimed) => watch.take(Unit::of_run(seen.worst(metric, *claimed))),
+            About::Mean(watch, metric, claimed) => {
+                watch.take(IndependentUnit::of_run(seen.worst(metric, *claimed)))
+            }
             About::Share(share) => share.count(seen),
         }
     }
@@ -212,6 +214,6 @@ impl Share {
     }
 
     fn decided(&self) -> bool {
-        self.runs > 0 && self.sequence.decide(self.happened, self.runs, self.share) != Decision::Open
+        self.runs > 0 && self.sequence.decide(self.happened, self.runs, self.share) != ShareDecision::Open
     }
 }

@@ -20,7 +20,7 @@ const STAKES: [f64; 20] = [
 
 /// What is independent of the others: a run, or all runs of a person.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Unit {
+pub struct IndependentUnit {
     /// The sum of the values that exist.
     pub sum: f64,
     /// How many there are.
@@ -29,7 +29,7 @@ pub struct Unit {
     pub runs: u32,
 }
 
-impl Unit {
+impl IndependentUnit {
     /// One run.
     pub fn of_run(value: Option<f64>) -> Self {
         Self { sum: value.unwrap_or(0.0), values: u32::from(value.is_some()), runs: 1 }
@@ -76,7 +76,7 @@ impl Bet {
         Self { mean, capital: [(1.0, 0.0); STAKES.len()] }
     }
 
-    fn take(&mut self, unit: Unit) {
+    fn take(&mut self, unit: IndependentUnit) {
         if unit.values == 0 {
             return;
         }
@@ -108,14 +108,14 @@ impl Bet {
 }
 
 /// Whether units show that the mean of values between 0 and 1 is larger than `mean`.
-fn shows_more(units: &[Unit], mean: f64, confidence: f64) -> bool {
+fn shows_more(units: &[IndependentUnit], mean: f64, confidence: f64) -> bool {
     let mut bet = Bet::new(mean);
     units.iter().for_each(|unit| bet.take(*unit));
     bet.total() >= -libm::log1p(-confidence)
 }
 
 /// The mean is at least this, of values between 0 and 1.
-fn least(units: &[Unit], confidence: f64) -> f64 {
+fn least(units: &[IndependentUnit], confidence: f64) -> f64 {
     let (sum, count) =
         units.iter().fold((0.0, 0.0), |(sum, count), unit| (sum + unit.sum, count + f64::from(unit.values)));
     if sum <= 0.0 {
@@ -132,18 +132,18 @@ fn least(units: &[Unit], confidence: f64) -> f64 {
 
 /// Where the mean of values between `limits` lies: each end by itself at `confidence` (0..1), however often one looks.
 /// Over units in which values are missing it is the mean of those there are. `None` if a value is beyond the limits.
-pub fn mean_of_bounded(units: &[Unit], limits: (f64, f64), confidence: f64) -> Option<Interval> {
+pub fn mean_of_bounded(units: &[IndependentUnit], limits: (f64, f64), confidence: f64) -> Option<Interval> {
     let (low, high) = limits;
     let slack = 1e-9 * (high - low);
-    let fits = |unit: &Unit| {
+    let fits = |unit: &IndependentUnit| {
         let count = f64::from(unit.values);
         unit.sum >= count * (low - slack) && unit.sum <= count * (high + slack)
     };
     if !(low < high && units.iter().all(fits)) {
         return None;
     }
-    let below: Vec<Unit> = units.iter().map(|unit| unit.up_from_low(limits)).collect();
-    let above: Vec<Unit> = units.iter().map(|unit| unit.down_from_high(limits)).collect();
+    let below: Vec<IndependentUnit> = units.iter().map(|unit| unit.up_from_low(limits)).collect();
+    let above: Vec<IndependentUnit> = units.iter().map(|unit| unit.down_from_high(limits)).collect();
     Some(Interval {
         low: low + (high - low) * least(&below, confidence),
         high: high - (high - low) * least(&above, confidence),
@@ -166,7 +166,7 @@ impl MeanWatch {
         Self { limits, confidence, more: Bet::new(share), less: Bet::new(1.0 - share) }
     }
 
-    pub fn take(&mut self, unit: Unit) {
+    pub fn take(&mut self, unit: IndependentUnit) {
         self.more.take(unit.up_from_low(self.limits));
         self.less.take(unit.down_from_high(self.limits));
     }
@@ -188,7 +188,7 @@ pub fn runs_for_mean(distance: f64, confidence: f64) -> Option<u64> {
     if distance <= 0.0 {
         return Some(1);
     }
-    let unit = Unit { sum: 1.0, values: 1, runs: 1 };
+    let unit = IndependentUnit { sum: 1.0, values: 1, runs: 1 };
     let enough = |runs: u64| {
         // All alike: the capital of each stake is a power.
         let mut bet = Bet::new(distance);
@@ -217,8 +217,8 @@ mod tests {
     use super::*;
     use crate::numbers::random::Stream;
 
-    fn runs(values: &[f64]) -> Vec<Unit> {
-        values.iter().map(|value| Unit::of_run(Some(*value))).collect()
+    fn runs(values: &[f64]) -> Vec<IndependentUnit> {
+        values.iter().map(|value| IndependentUnit::of_run(Some(*value))).collect()
     }
 
     #[test]
@@ -237,16 +237,16 @@ mod tests {
     fn the_capital_by_hand() {
         // One value of 0.5 against a mean of 0.25: each stake u becomes 1 - u + 2 u.
         let mut bet = Bet::new(0.25);
-        bet.take(Unit::of_run(Some(0.5)));
+        bet.take(IndependentUnit::of_run(Some(0.5)));
         let all: f64 = (1..=STAKES.len()).map(|place| 1.0 / place as f64).sum();
         let by_hand: f64 =
             STAKES.iter().enumerate().map(|(index, stake)| (1.0 + stake) / (index + 1) as f64 / all).sum();
         assert!((libm::exp(bet.total()) - by_hand).abs() < 1e-12);
         // What is missing says nothing.
-        bet.take(Unit::of_run(None));
+        bet.take(IndependentUnit::of_run(None));
         assert!((libm::exp(bet.total()) - by_hand).abs() < 1e-12);
         // Nothing at all loses the whole of the largest stake.
-        bet.take(Unit::of_run(Some(0.0)));
+        bet.take(IndependentUnit::of_run(Some(0.0)));
         assert_eq!(bet.capital[0].0, 0.0);
     }
 
@@ -301,7 +301,7 @@ mod tests {
     fn runs_that_a_mean_needs() {
         for (distance, confidence) in [(0.9, 0.95), (0.5, 0.95), (0.99, 0.99)] {
             let needed = runs_for_mean(distance, confidence).unwrap();
-            let all = |count: u64| vec![Unit::of_run(Some(1.0)); count as usize];
+            let all = |count: u64| vec![IndependentUnit::of_run(Some(1.0)); count as usize];
             assert!(shows_more(&all(needed), distance, confidence));
             assert!(!shows_more(&all(needed - 1), distance, confidence));
         }

@@ -10,13 +10,13 @@ mod sequential;
 mod share;
 mod trinomial;
 
-pub use bounded_mean::{MeanWatch, Unit, mean_of_bounded, runs_for_mean};
+pub use bounded_mean::{IndependentUnit, MeanWatch, mean_of_bounded, runs_for_mean};
 pub use comparison::{McNemar, holm, mcnemar};
 pub use mean::{mean_interval, paired_difference};
 pub use paired_means::MeanChange;
 pub use paired_rates::{rate_change, rate_rise};
 pub use quantile::quantile_interval;
-pub use sequential::{ConfidenceSequence, Decision, Sequential, Sprt};
+pub use sequential::{ConfidenceSequence, Sequential, ShareDecision, Sprt};
 pub use share::{
     clopper_pearson, confidence_of_worst, failures_allowed, lower_bound, runs_needed, upper_bound, wilson,
 };

@@ -6,7 +6,7 @@
 //! is then bounded by the limits of the metric or not at all, and that it is beyond a margin shown by exchanging alone.
 
 use super::Interval;
-use super::bounded_mean::{Unit, mean_of_bounded};
+use super::bounded_mean::{IndependentUnit, mean_of_bounded};
 use super::mean::Estimate;
 use crate::numbers::distributions::student_above;
 use crate::numbers::random::Stream;
@@ -69,7 +69,8 @@ impl MeanChange {
             return Interval { low: value, high: value };
         }
         if error == 0.0 {
-            let units: Vec<Unit> = self.differences.iter().map(|one| Unit::of_run(Some(*one))).collect();
+            let units: Vec<IndependentUnit> =
+                self.differences.iter().map(|one| IndependentUnit::of_run(Some(*one))).collect();
             let each = 0.5 * (1.0 + confidence);
             let bounded = self.widest.and_then(|widest| mean_of_bounded(&units, (-widest, widest), each));
             return bounded.unwrap_or(anything);

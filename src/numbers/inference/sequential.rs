@@ -12,7 +12,7 @@ use crate::numbers::distributions::{ln_beta, regularised_beta};
 /// What is known of a claim that at least some share of runs holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Decision {
+pub enum ShareDecision {
     Holds,
     Fails,
     /// More runs are needed.
@@ -22,7 +22,7 @@ pub enum Decision {
 /// A decision and what it took.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Sequential {
-    pub decision: Decision,
+    pub decision: ShareDecision,
     /// Runs looked at; later ones are overshoot and do not count.
     pub runs: usize,
     /// Of those, the ones that held.
@@ -33,18 +33,18 @@ pub struct Sequential {
 fn in_order(
     outcomes: impl IntoIterator<Item = bool>,
     least: usize,
-    decide: impl Fn(u64, u64) -> Decision,
+    decide: impl Fn(u64, u64) -> ShareDecision,
 ) -> Sequential {
     let (mut runs, mut holding) = (0, 0);
     for held in outcomes {
         runs += 1;
         holding += usize::from(held);
-        let decision = if runs < least { Decision::Open } else { decide(holding as u64, runs as u64) };
-        if decision != Decision::Open {
+        let decision = if runs < least { ShareDecision::Open } else { decide(holding as u64, runs as u64) };
+        if decision != ShareDecision::Open {
             return Sequential { decision, runs, holding };
         }
     }
-    Sequential { decision: Decision::Open, runs, holding }
+    Sequential { decision: ShareDecision::Open, runs, holding }
 }
 
 /// The sequential probability ratio test between two shares of holding runs, with indifference between them.
@@ -65,18 +65,18 @@ pub struct Sprt {
 
 impl Sprt {
     /// `holding` of `runs` so far.
-    pub fn decide(&self, holding: u64, runs: u64) -> Decision {
+    pub fn decide(&self, holding: u64, runs: u64) -> ShareDecision {
         let gain = libm::log(self.good / self.bad);
         let loss = libm::log1p(-self.good) - libm::log1p(-self.bad);
         let failing = (runs - holding) as f64;
         // A good share of 1 is refuted by one failing run; without one, infinity times zero is nothing.
         let ratio = holding as f64 * gain + if failing == 0.0 { 0.0 } else { failing * loss };
         if ratio >= -libm::log(self.alpha) {
-            Decision::Holds
+            ShareDecision::Holds
         } else if ratio <= libm::log(self.beta) {
-            Decision::Fails
+            ShareDecision::Fails
         } else {
-            Decision::Open
+            ShareDecision::Open
         }
     }
 
@@ -146,13 +146,13 @@ impl ConfidenceSequence {
     }
 
     /// On the claim that at least `share` of all runs hold.
-    pub fn decide(&self, holding: u64, runs: u64, share: f64) -> Decision {
+    pub fn decide(&self, holding: u64, runs: u64, share: f64) -> ShareDecision {
         if self.excess(holding, runs, share) >= 0.0 {
-            Decision::Holds
+            ShareDecision::Holds
         } else if self.excess(runs - holding, runs, 1.0 - share) >= 0.0 {
-            Decision::Fails
+            ShareDecision::Fails
         } else {
-            Decision::Open
+            ShareDecision::Open
         }
     }
 
@@ -163,8 +163,8 @@ impl ConfidenceSequence {
         let n = sorted.len() as u64;
         let shown = |below: u64, decision| self.decide(below, n, level) == decision;
         // As there: too few values below for it to be the quantile, and too few above.
-        let low = largest_true(n, |k| shown(k - 1, Decision::Fails));
-        let high = largest_true(n, |k| shown(n - k + 1, Decision::Holds));
+        let low = largest_true(n, |k| shown(k - 1, ShareDecision::Fails));
+        let high = largest_true(n, |k| shown(n - k + 1, ShareDecision::Holds));
         (low.map(|k| sorted[k as usize - 1]), high.map(|k| sorted[(n - k) as usize]))
     }
 
@@ -183,13 +183,13 @@ impl ConfidenceSequence {
             return Some(1);
         }
         let mut enough = 1;
-        while self.decide(enough, enough, share) != Decision::Holds {
+        while self.decide(enough, enough, share) != ShareDecision::Holds {
             enough *= 2;
         }
         let mut too_few = enough / 2;
         while enough - too_few > 1 {
             let middle = too_few + (enough - too_few) / 2;
-            if self.decide(middle, middle, share) == Decision::Holds {
+            if self.decide(middle, middle, share) == ShareDecision::Holds {
                 enough = middle
             } else {
                 too_few = middle
@@ -205,7 +205,7 @@ mod tests {
 
     /// Probabilities of `Holds` and `Fails` and the expected number of runs, up to `most` of them: exact, by following
     /// the distribution of the number of holding runs among those undecided.
-    fn operate(share: f64, most: u64, decide: impl Fn(u64, u64) -> Decision) -> (f64, f64, f64) {
+    fn operate(share: f64, most: u64, decide: impl Fn(u64, u64) -> ShareDecision) -> (f64, f64, f64) {
         operate_with(|_| share, most, decide)
     }
 
@@ -213,7 +213,7 @@ mod tests {
     fn operate_with(
         share: impl Fn(u64) -> f64,
         most: u64,
-        decide: impl Fn(u64, u64) -> Decision,
+        decide: impl Fn(u64, u64) -> ShareDecision,
     ) -> (f64, f64, f64) {
         let mut open = vec![1.0];
         let (mut holds, mut fails, mut expected) = (0.0, 0.0, 0.0);
@@ -227,9 +227,9 @@ mod tests {
             }
             for (holding, probability) in next.iter_mut().enumerate() {
                 match decide(holding as u64, runs) {
-                    Decision::Holds => holds += std::mem::take(probability),
-                    Decision::Fails => fails += std::mem::take(probability),
-                    Decision::Open => {}
+                    ShareDecision::Holds => holds += std::mem::take(probability),
+                    ShareDecision::Fails => fails += std::mem::take(probability),
+                    ShareDecision::Open => {}
                 }
             }
             open = next;
@@ -251,7 +251,7 @@ mod tests {
         // Without a failing run: ln 20 / ln(0.995/0.985) runs.
         assert_eq!(
             SPRT.run(std::iter::repeat(true), 1),
-            Sequential { decision: Decision::Holds, runs: 297, holding: 297 }
+            Sequential { decision: ShareDecision::Holds, runs: 297, holding: 297 }
         );
     }
 
@@ -267,8 +267,8 @@ mod tests {
         }
         // The same looks with an ordinary 95 % bound, which this is there to prevent.
         let peeking = |holding, runs| match super::super::lower_bound(holding, runs, 0.95) >= 0.95 {
-            true => Decision::Holds,
-            false => Decision::Open,
+            true => ShareDecision::Holds,
+            false => ShareDecision::Open,
         };
         let (holds, _, _) = operate(0.95, 200, peeking);
         assert!(holds > 0.07, "{holds}");
@@ -281,7 +281,7 @@ mod tests {
         let sequence = ConfidenceSequence { confidence: 0.95 };
         let after_turns = |holding, runs: u64| match runs.is_multiple_of(4) {
             true => sequence.decide(holding, runs, 0.9),
-            false => Decision::Open,
+            false => ShareDecision::Open,
         };
         let share = |runs: u64| shares[(runs - 1) as usize % 4];
         let (holds, fails, _) = operate_with(share, 1000, after_turns);
@@ -312,11 +312,14 @@ mod tests {
                 let decided = |share: f64| sequence.decide(holding, runs, share);
                 let part = f64::from(part) / 41.0;
                 if interval.low > 0.0 {
-                    assert_eq!(decided(interval.low * part), Decision::Holds);
+                    assert_eq!(decided(interval.low * part), ShareDecision::Holds);
                 }
-                assert_eq!(decided(interval.low + part * (interval.high - interval.low)), Decision::Open);
+                assert_eq!(
+                    decided(interval.low + part * (interval.high - interval.low)),
+                    ShareDecision::Open
+                );
                 if interval.high < 1.0 {
-                    assert_eq!(decided(interval.high + part * (1.0 - interval.high)), Decision::Fails);
+                    assert_eq!(decided(interval.high + part * (1.0 - interval.high)), ShareDecision::Fails);
                 }
             }
         }
@@ -332,10 +335,10 @@ mod tests {
             let (fixed_low, fixed_high) = super::super::quantile_interval(&values, level, 0.9);
             assert!(low as f64 <= fixed_low.unwrap() && high as f64 >= fixed_high.unwrap());
             // `low - 1` values below are too few, `low` are not; the other way round at the upper end.
-            assert_eq!(sequence.decide(low - 1, 300, level), Decision::Fails);
-            assert_eq!(sequence.decide(low, 300, level), Decision::Open);
-            assert_eq!(sequence.decide(high, 300, level), Decision::Holds);
-            assert_eq!(sequence.decide(high - 1, 300, level), Decision::Open);
+            assert_eq!(sequence.decide(low - 1, 300, level), ShareDecision::Fails);
+            assert_eq!(sequence.decide(low, 300, level), ShareDecision::Open);
+            assert_eq!(sequence.decide(high, 300, level), ShareDecision::Holds);
+            assert_eq!(sequence.decide(high - 1, 300, level), ShareDecision::Open);
         }
         assert_eq!(sequence.quantile_interval(&values[..87], 0.95).1, None);
         assert_eq!(sequence.quantile_interval(&values[..88], 0.95).1, Some(88.0));
@@ -347,8 +350,8 @@ mod tests {
         for (share, known) in [(0.5, 7), (0.9, 43), (0.95, 88), (0.99, 449), (0.999, 4512)] {
             let runs = sequence.runs_needed(share).unwrap();
             assert_eq!(runs, known);
-            assert_eq!(sequence.decide(runs, runs, share), Decision::Holds);
-            assert_eq!(sequence.decide(runs - 1, runs - 1, share), Decision::Open);
+            assert_eq!(sequence.decide(runs, runs, share), ShareDecision::Holds);
+            assert_eq!(sequence.decide(runs - 1, runs - 1, share), ShareDecision::Open);
             let run = sequence.run(std::iter::repeat(true), 1, share);
             assert_eq!(run.runs as u64, runs);
         }
@@ -360,9 +363,9 @@ mod tests {
     fn outcomes_after_the_decision_do_not_count() {
         let outcomes = (0..10_000).map(|k| k < 400);
         let run = SPRT.run(outcomes, 50);
-        assert_eq!((run.decision, run.runs), (Decision::Holds, 297));
+        assert_eq!((run.decision, run.runs), (ShareDecision::Holds, 297));
         let few = SPRT.run(std::iter::repeat_n(true, 20), 1);
-        assert_eq!(few, Sequential { decision: Decision::Open, runs: 20, holding: 20 });
+        assert_eq!(few, Sequential { decision: ShareDecision::Open, runs: 20, holding: 20 });
         assert_eq!(SPRT.run(std::iter::repeat(true), 500).runs, 500);
     }
 }

@@ -1,8 +1,8 @@
 //! How fast an optimiser came to its best: the best value so far against the number of evaluations.
 
-use super::look::{Entry, Look};
-use super::mark::Mark;
-use super::panel::{Axis, Panel, Quantity};
+use super::look::{LegendEntry, Look};
+use super::mark::PointMark;
+use super::panel::{Axis, AxisQuantity, Panel};
 use super::scale::nice_range;
 use super::slice::Tried;
 use crate::numbers::summary::quantile;
@@ -12,9 +12,9 @@ use crate::scenario::Goal;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Convergence {
     pub title: String,
-    pub y: Quantity,
+    pub y: AxisQuantity,
     pub goal: Goal,
-    /// `x` is the number of the evaluation, from 1. [`Mark::Refused`] ones are never the best.
+    /// `x` is the number of the evaluation, from 1. [`PointMark::Refused`] ones are never the best.
     pub tried: Vec<Tried>,
     /// The first so many are those that the optimiser begins with.
     pub initial: usize,
@@ -24,7 +24,7 @@ pub struct Convergence {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Convergences {
     pub title: String,
-    pub y: Quantity,
+    pub y: AxisQuantity,
     pub goal: Goal,
     /// Values in the order of evaluation, `None` where there is none; they may end early.
     pub courses: Vec<Vec<Option<f64>>>,
@@ -33,22 +33,22 @@ pub struct Convergences {
 
 impl Convergence {
     /// `best` says what the best point is.
-    pub fn legend(&self, best: &str) -> Vec<Entry> {
+    pub fn legend(&self, best: &str) -> Vec<LegendEntry> {
         let swatch = Look::series(0).swatch(true, false);
-        let mut entries = vec![Entry { swatch, label: "best so far".into() }];
-        entries.extend(Mark::legend(self.tried.iter().map(|tried| tried.mark), best));
+        let mut entries = vec![LegendEntry { swatch, label: "best so far".into() }];
+        entries.extend(PointMark::legend(self.tried.iter().map(|tried| tried.mark), best));
         entries
     }
 
     pub fn to_svg(&self) -> String {
         let values: Vec<Option<f64>> =
-            self.tried.iter().map(|tried| tried.y.filter(|_| tried.mark != Mark::Refused)).collect();
+            self.tried.iter().map(|tried| tried.y.filter(|_| tried.mark != PointMark::Refused)).collect();
         let best = so_far(&values, self.goal);
         let range = nice_range(self.tried.iter().filter_map(|tried| tried.y));
         let mut panel = plot(&self.title, &self.y, self.tried.len(), self.initial, range);
         let known: Vec<(f64, f64)> = numbered(&best).collect();
         panel.line(stairs(&known), Look::series(0), "best so far");
-        for mark in Mark::ALL {
+        for mark in PointMark::ALL {
             let tried = self.tried.iter().filter(|tried| tried.mark == mark);
             panel.marks(tried.map(|tried| (tried.x, tried.y)), mark);
         }
@@ -57,12 +57,12 @@ impl Convergence {
 }
 
 impl Convergences {
-    pub fn legend() -> Vec<Entry> {
+    pub fn legend() -> Vec<LegendEntry> {
         let look = Look::series(0);
         vec![
-            Entry { swatch: look.swatch(true, false), label: "median of the best so far".into() },
-            Entry { swatch: look.band_swatch(2), label: "middle half".into() },
-            Entry { swatch: look.band_swatch(1), label: "middle 90 %".into() },
+            LegendEntry { swatch: look.swatch(true, false), label: "median of the best so far".into() },
+            LegendEntry { swatch: look.band_swatch(2), label: "middle half".into() },
+            LegendEntry { swatch: look.band_swatch(1), label: "middle 90 %".into() },
         ]
     }
 
@@ -100,7 +100,7 @@ impl Convergences {
 /// What the bands show.
 const LEVELS: [f64; 5] = [0.05, 0.25, 0.5, 0.75, 0.95];
 
-fn plot(title: &str, y: &Quantity, evaluations: usize, initial: usize, range: (f64, f64)) -> Panel {
+fn plot(title: &str, y: &AxisQuantity, evaluations: usize, initial: usize, range: (f64, f64)) -> Panel {
     let axis = Axis::Numbers { range: (0.0, (evaluations as f64 + 0.5).max(1.0)) };
     let label = y.label();
     let description = format!("best {label} against the number of evaluations");
@@ -162,15 +162,15 @@ mod tests {
         let tried = |number: u32, y: Option<f64>, mark| Tried { x: f64::from(number), y, mark };
         let chart = Convergence {
             title: "braking_distance".into(),
-            y: Quantity::new("mean(time_lost)", "s"),
+            y: AxisQuantity::new("mean(time_lost)", "s"),
             goal: Goal::Minimise,
             tried: vec![
-                tried(1, Some(4.0), Mark::Initial),
-                tried(2, Some(0.5), Mark::Refused),
-                tried(3, None, Mark::Refused),
-                tried(4, Some(3.0), Mark::Proposed),
-                tried(5, Some(3.5), Mark::Proposed),
-                tried(6, Some(2.0), Mark::Best),
+                tried(1, Some(4.0), PointMark::Initial),
+                tried(2, Some(0.5), PointMark::Refused),
+                tried(3, None, PointMark::Refused),
+                tried(4, Some(3.0), PointMark::Proposed),
+                tried(5, Some(3.5), PointMark::Proposed),
+                tried(6, Some(2.0), PointMark::Best),
             ],
             initial: 3,
         };
@@ -180,10 +180,10 @@ mod tests {
 
     #[test]
     fn nothing_feasible_draws_no_line() {
-        let tried = Tried { x: 1.0, y: None, mark: Mark::Refused };
+        let tried = Tried { x: 1.0, y: None, mark: PointMark::Refused };
         let chart = Convergence {
             title: "nothing".into(),
-            y: Quantity::default(),
+            y: AxisQuantity::default(),
             goal: Goal::Minimise,
             tried: vec![tried],
             initial: 1,
@@ -191,7 +191,7 @@ mod tests {
         assert!(!chart.to_svg().contains("NaN"));
         let none = Convergences {
             title: "nobody".into(),
-            y: Quantity::default(),
+            y: AxisQuantity::default(),
             goal: Goal::Maximise,
             courses: vec![vec![None], Vec::new()],
             initial: 0,

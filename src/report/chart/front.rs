@@ -1,8 +1,8 @@
 //! Two objectives against each other: every candidate, and the front of those that no other beats in both.
 
-use super::look::{Entry, Look};
-use super::mark::Mark;
-use super::panel::{Axis, Panel, Quantity};
+use super::look::{LegendEntry, Look};
+use super::mark::PointMark;
+use super::panel::{Axis, AxisQuantity, Panel};
 use super::scale::nice_range;
 use crate::scenario::Goal;
 
@@ -10,33 +10,33 @@ use crate::scenario::Goal;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Front {
     pub title: String,
-    pub x: Quantity,
-    pub y: Quantity,
+    pub x: AxisQuantity,
+    pub y: AxisQuantity,
     /// Which way each of them is better.
     pub goals: (Goal, Goal),
-    /// Both objectives of every candidate that has them; [`Mark::Best`] ones make up the front.
-    pub tried: Vec<(f64, f64, Mark)>,
+    /// Both objectives of every candidate that has them; [`PointMark::Best`] ones make up the front.
+    pub tried: Vec<(f64, f64, PointMark)>,
 }
 
 impl Front {
-    pub fn legend(&self) -> Vec<Entry> {
-        let mut entries = vec![Entry {
+    pub fn legend(&self) -> Vec<LegendEntry> {
+        let mut entries = vec![LegendEntry {
             swatch: Look::series(0).swatch(true, false),
             label: "front: nothing found is better in both".into(),
         }];
-        entries.extend(Mark::legend(self.tried.iter().map(|(_, _, mark)| *mark), "on the front"));
+        entries.extend(PointMark::legend(self.tried.iter().map(|(_, _, mark)| *mark), "on the front"));
         entries
     }
 
     pub fn to_svg(&self) -> String {
-        let range_of = |pick: fn(&(f64, f64, Mark)) -> f64| nice_range(self.tried.iter().map(pick));
+        let range_of = |pick: fn(&(f64, f64, PointMark)) -> f64| nice_range(self.tried.iter().map(pick));
         let (x, y) = (range_of(|one| one.0), range_of(|one| one.1));
         let labels = (self.x.label(), self.y.label());
         let description = format!("{} against {}", labels.1, labels.0);
         let mut panel =
             Panel::new(&self.title, &description, (&labels.0, &labels.1), Axis::Numbers { range: x }, y);
         panel.line(self.corners(), Look::series(0), "front");
-        for mark in Mark::ALL {
+        for mark in PointMark::ALL {
             let tried = self.tried.iter().filter(|(_, _, known)| *known == mark);
             panel.marks(tried.map(|(x, y, _)| (*x, Some(*y))), mark);
         }
@@ -46,7 +46,7 @@ impl Front {
     /// The edge of what the front beats: from one of its candidates to the next by way of the corner that is worse in
     /// both, for nothing between them is known to be reached.
     fn corners(&self) -> Vec<(f64, f64)> {
-        let best = self.tried.iter().filter(|(_, _, mark)| *mark == Mark::Best);
+        let best = self.tried.iter().filter(|(_, _, mark)| *mark == PointMark::Best);
         let mut front: Vec<(f64, f64)> = best.map(|(x, y, _)| (*x, *y)).collect();
         front.sort_by(|left, right| left.0.total_cmp(&right.0));
         let mut corners = Vec::new();
@@ -67,11 +67,11 @@ impl Front {
 mod tests {
     use super::*;
 
-    fn front(goals: (Goal, Goal), tried: &[(f64, f64, Mark)]) -> Front {
+    fn front(goals: (Goal, Goal), tried: &[(f64, f64, PointMark)]) -> Front {
         Front {
             title: "braking".into(),
-            x: Quantity::new("mean(time_lost)", "s"),
-            y: Quantity::new("quantile(5 %, pet)", "s"),
+            x: AxisQuantity::new("mean(time_lost)", "s"),
+            y: AxisQuantity::new("quantile(5 %, pet)", "s"),
             goals,
             tried: tried.to_vec(),
         }
@@ -79,10 +79,10 @@ mod tests {
 
     #[test]
     fn steps_by_way_of_what_is_worse_in_both() {
-        let best = [(3.0, 5.0, Mark::Best), (1.0, 2.0, Mark::Best)];
+        let best = [(3.0, 5.0, PointMark::Best), (1.0, 2.0, PointMark::Best)];
         let little_of_x_and_much_of_y = front((Goal::Minimise, Goal::Maximise), &best);
         assert_eq!(little_of_x_and_much_of_y.corners(), [(1.0, 2.0), (3.0, 2.0), (3.0, 5.0)]);
-        let best = [(1.0, 5.0, Mark::Best), (3.0, 2.0, Mark::Best)];
+        let best = [(1.0, 5.0, PointMark::Best), (3.0, 2.0, PointMark::Best)];
         let much_of_both = front((Goal::Maximise, Goal::Maximise), &best);
         assert_eq!(much_of_both.corners(), [(1.0, 5.0), (1.0, 2.0), (3.0, 2.0)]);
         let little_of_both = front((Goal::Minimise, Goal::Minimise), &best);
@@ -92,11 +92,11 @@ mod tests {
     #[test]
     fn draws_candidates_and_front() {
         let tried = [
-            (1.0, 2.0, Mark::Best),
-            (3.0, 5.0, Mark::Best),
-            (2.5, 1.5, Mark::Initial),
-            (4.0, 4.0, Mark::Proposed),
-            (0.5, 6.0, Mark::Refused),
+            (1.0, 2.0, PointMark::Best),
+            (3.0, 5.0, PointMark::Best),
+            (2.5, 1.5, PointMark::Initial),
+            (4.0, 4.0, PointMark::Proposed),
+            (0.5, 6.0, PointMark::Refused),
         ];
         let chart = front((Goal::Minimise, Goal::Maximise), &tried);
         insta::assert_snapshot!(chart.to_svg());

@@ -1,19 +1,19 @@
 //! A metric against a variation: one marker per individual, and the courses of some with mean and range.
 
 use super::look::{First, LOOKS, Look};
-use super::panel::{Axis, Panel, Quantity, Rule};
+use super::panel::{Axis, AxisQuantity, Panel, Rule};
 use super::scale::{nice_range, with_room};
 
 /// A scatter chart, such as each individual's smallest post-encroachment time against the time to arrival that it was
 /// found at.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Individuals {
+pub struct IndividualsChart {
     pub title: String,
-    pub x: Quantity,
-    pub y: Quantity,
-    pub points: Vec<Found>,
+    pub x: AxisQuantity,
+    pub y: AxisQuantity,
+    pub points: Vec<FoundDot>,
     /// Drawn below the points.
-    pub courses: Vec<Course>,
+    pub courses: Vec<CourseLine>,
     pub rules: Vec<Rule>,
     /// Intervals of the axes, so that charts side by side compare; otherwise those of the data.
     pub ranges: Option<Ranges>,
@@ -26,7 +26,7 @@ pub type Ranges = ((f64, f64), (f64, f64));
 
 /// One individual (or run) and the variation's value that it was found at.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Found {
+pub struct FoundDot {
     pub x: f64,
     pub y: f64,
     pub first: First,
@@ -35,14 +35,14 @@ pub struct Found {
 
 /// A metric over a variation: its mean and range over repetitions.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Course {
+pub struct CourseLine {
     /// Short: it stands in the chart, where the course ends.
     pub name: String,
     /// `(x, smallest, mean, largest)` in order of x.
     pub points: Vec<(f64, f64, f64, f64)>,
 }
 
-impl Individuals {
+impl IndividualsChart {
     /// Intervals of the axes that suit all of `charts`.
     pub fn ranges<'a>(charts: impl IntoIterator<Item = &'a Self>) -> Ranges {
         let (mut places, mut values) = (Vec::new(), Vec::new());
@@ -85,7 +85,7 @@ impl Individuals {
 
     /// Where the names of the courses stand: where each course ends, moved apart where they would cover each other.
     fn name_places(&self, (low, high): (f64, f64)) -> Vec<(f64, f64)> {
-        let end = |course: &Course| course.points.last().map_or((0.0, low), |point| (point.0, point.2));
+        let end = |course: &CourseLine| course.points.last().map_or((0.0, low), |point| (point.0, point.2));
         let mut places: Vec<(f64, f64)> = self.courses.iter().map(end).collect();
         let mut order: Vec<usize> = (0..places.len()).collect();
         order.sort_by(|left, right| places[*left].1.total_cmp(&places[*right].1));
@@ -115,15 +115,15 @@ mod tests {
 
     #[test]
     fn draws_points_over_courses() {
-        let chart = Individuals {
+        let chart = IndividualsChart {
             title: "low_pet".into(),
-            x: Quantity::new("tta", "s"),
-            y: Quantity::new("pet", "s"),
+            x: AxisQuantity::new("tta", "s"),
+            y: AxisQuantity::new("pet", "s"),
             points: vec![
-                Found { x: 7.5, y: 1.2, first: First::Pedestrian, name: "individual 3".into() },
-                Found { x: 16.0, y: 4.1, first: First::Vehicle, name: "individual 8".into() },
+                FoundDot { x: 7.5, y: 1.2, first: First::Pedestrian, name: "individual 3".into() },
+                FoundDot { x: 16.0, y: 4.1, first: First::Vehicle, name: "individual 8".into() },
             ],
-            courses: vec![Course {
+            courses: vec![CourseLine {
                 name: "individual 3".into(),
                 points: vec![(6.0, 1.0, 1.4, 1.9), (10.0, 1.2, 1.9, 2.5), (18.0, 3.0, 3.5, 4.0)],
             }],

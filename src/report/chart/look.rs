@@ -130,7 +130,7 @@ pub fn framed() -> Svg {
 
 /// A line of a legend.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Entry {
+pub struct LegendEntry {
     /// SVG.
     pub swatch: String,
     pub label: String,

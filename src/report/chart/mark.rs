@@ -2,12 +2,12 @@
 
 use std::collections::BTreeSet;
 
-use super::look::{Entry, framed};
+use super::look::{LegendEntry, framed};
 use super::svg::At;
 
 /// What became of an evaluated point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Mark {
+pub enum PointMark {
     /// One of the points that an optimiser begins with.
     Initial,
     /// One that it proposed.
@@ -18,7 +18,7 @@ pub enum Mark {
     Best,
 }
 
-impl Mark {
+impl PointMark {
     pub const ALL: [Self; 4] = [Self::Initial, Self::Proposed, Self::Refused, Self::Best];
 
     /// The class by which the style sheet draws it.
@@ -43,7 +43,7 @@ impl Mark {
     }
 
     /// Lines of a legend for those that are `present`; `best` says what the best one is.
-    pub fn legend(present: impl IntoIterator<Item = Self>, best: &str) -> Vec<Entry> {
+    pub fn legend(present: impl IntoIterator<Item = Self>, best: &str) -> Vec<LegendEntry> {
         let label = |mark| match mark {
             Self::Initial => "initial point",
             Self::Proposed => "proposed point",
@@ -54,9 +54,9 @@ impl Mark {
         present.into_iter().map(|mark| mark.entry(label(mark))).collect()
     }
 
-    fn entry(self, label: &str) -> Entry {
+    fn entry(self, label: &str) -> LegendEntry {
         let mut svg = framed();
         svg.empty("path", &[("class", &self.class()), ("d", &self.path([(14.0, 6.0)]))]);
-        Entry { swatch: svg.finish(), label: label.into() }
+        LegendEntry { swatch: svg.finish(), label: label.into() }
     }
 }

@@ -8,7 +8,7 @@
 //! | rates against a variation | [`Rates`] |
 //! | distributions per scenario and variation, or per condition | [`Strips`] |
 //! | distance-distance trajectories | [`Paths`] |
-//! | metric against the value found for each individual | [`Individuals`] |
+//! | metric against the value found for each individual | [`IndividualsChart`] |
 //!
 //! An optimiser's course is a [`Convergence`] (of many: [`Convergences`]), its surrogate a [`Slice`], two objectives
 //! against each other a [`Front`]. [`Rows`] are strips for many conditions or long names.
@@ -29,10 +29,10 @@ mod svg;
 
 pub use convergence::{Convergence, Convergences};
 pub use front::Front;
-pub use individuals::{COURSES_FROM, Course, Found, Individuals, Ranges};
-pub use look::{Entry, First, LOOKS, Look};
-pub use mark::Mark;
-pub use panel::{Quantity, Rule, shortened};
+pub use individuals::{COURSES_FROM, CourseLine, FoundDot, IndividualsChart, Ranges};
+pub use look::{First, LOOKS, LegendEntry, Look};
+pub use mark::PointMark;
+pub use panel::{AxisQuantity, Rule, shortened};
 pub use paths::{Path, Paths};
 pub use rates::{Rate, RateSeries, Rates};
 pub use rows::Rows;
@@ -44,9 +44,9 @@ pub use strips::{Dot, Strip, Strips, is_drawn};
 pub const STYLE: &str = include_str!("chart.css");
 
 /// The legend of charts that are coloured by who passed first, without those that nobody is.
-pub fn first_legend(present: impl IntoIterator<Item = First>, line: bool) -> Vec<Entry> {
+pub fn first_legend(present: impl IntoIterator<Item = First>, line: bool) -> Vec<LegendEntry> {
     let present: std::collections::BTreeSet<First> = present.into_iter().collect();
     let entry =
-        |first: First| Entry { swatch: first.look().swatch(line, !line), label: first.label().into() };
+        |first: First| LegendEntry { swatch: first.look().swatch(line, !line), label: first.label().into() };
     First::ALL.into_iter().filter(|first| present.contains(first)).map(entry).collect()
 }

@@ -1,18 +1,18 @@
 //! One plot: frame, axes, title, and the marks that every kind of chart is made of.
 
 use super::look::Look;
-use super::mark::Mark;
+use super::mark::PointMark;
 use super::scale::{Scale, logarithmic_ticks, tick_label, ticks};
 use super::svg::{At, Svg, thinned, through};
 
 /// What an axis says: a quantity and its unit, which is empty for plain numbers.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Quantity {
+pub struct AxisQuantity {
     pub name: String,
     pub unit: String,
 }
 
-impl Quantity {
+impl AxisQuantity {
     pub fn new(name: impl Into<String>, unit: impl Into<String>) -> Self {
         Self { name: name.into(), unit: unit.into() }
     }
@@ -349,7 +349,7 @@ impl Panel {
     }
 
     /// Many marks of one kind in one element; what has no value stands at the upper edge.
-    pub fn marks(&mut self, points: impl IntoIterator<Item = (f64, Option<f64>)>, mark: Mark) {
+    pub fn marks(&mut self, points: impl IntoIterator<Item = (f64, Option<f64>)>, mark: PointMark) {
         let edge = self.top + 5.0;
         let places: Vec<(f64, f64)> =
             points.into_iter().map(|(x, y)| (self.x.at(x), y.map_or(edge, |y| self.y.at(y)))).collect();

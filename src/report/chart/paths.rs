@@ -1,6 +1,6 @@
 //! Trajectories in the distance-distance plane: where the pedestrian is while the vehicle is there.
 
-use super::look::{Entry, First};
+use super::look::{First, LegendEntry};
 use super::panel::{Axis, Panel};
 use super::{first_legend, scale::nice_range};
 
@@ -36,7 +36,7 @@ impl Paths {
         (nice_range(vehicles), nice_range(pedestrians))
     }
 
-    pub fn legend<'a>(paths: impl IntoIterator<Item = &'a Path>) -> Vec<Entry> {
+    pub fn legend<'a>(paths: impl IntoIterator<Item = &'a Path>) -> Vec<LegendEntry> {
         first_legend(paths.into_iter().map(|path| path.first), true)
     }
 

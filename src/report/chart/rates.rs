@@ -1,7 +1,7 @@
 //! Shares of runs against a numeric variation, with confidence bars: one line per series.
 
-use super::look::{Entry, Look};
-use super::panel::{Axis, Panel, Quantity, Rule};
+use super::look::{LegendEntry, Look};
+use super::panel::{Axis, AxisQuantity, Panel, Rule};
 use super::scale::with_room;
 use crate::numbers::inference::{Interval, wilson};
 
@@ -9,7 +9,7 @@ use crate::numbers::inference::{Interval, wilson};
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rates {
     pub title: String,
-    pub x: Quantity,
+    pub x: AxisQuantity,
     pub series: Vec<RateSeries>,
     /// A bound in 0..1 to read the rates against.
     pub rule: Option<Rule>,
@@ -34,8 +34,8 @@ pub struct Rate {
 const APART: f64 = 5.0;
 
 impl Rates {
-    pub fn legend(&self) -> Vec<Entry> {
-        let entry = |(index, series): (usize, &RateSeries)| Entry {
+    pub fn legend(&self) -> Vec<LegendEntry> {
+        let entry = |(index, series): (usize, &RateSeries)| LegendEntry {
             swatch: Look::series(index).swatch(true, true),
             label: series.name.clone(),
         };
@@ -100,7 +100,7 @@ mod tests {
         };
         let chart = Rates {
             title: "gap_accepted".into(),
-            x: Quantity::new("tta", "s"),
+            x: AxisQuantity::new("tta", "s"),
             series: vec![series("commotions", [2, 11, 20]), series("carla_walker", [12, 12, 11])],
             rule: None,
         };
@@ -111,7 +111,7 @@ mod tests {
     fn a_value_without_runs_is_left_out() {
         let rates = vec![Rate { x: 6.0, holding: 0, runs: 0 }];
         let series = vec![RateSeries { name: "empty".into(), rates }];
-        let chart = Rates { title: "x".into(), x: Quantity::default(), series, rule: None };
+        let chart = Rates { title: "x".into(), x: AxisQuantity::default(), series, rule: None };
         assert!(!chart.to_svg().contains("NaN"));
     }
 }

@@ -1,6 +1,6 @@
 //! Distributions one below the other, each under its full name: for more conditions than stand side by side.
 
-use super::panel::{Panel, Quantity, Rule};
+use super::panel::{AxisQuantity, Panel, Rule};
 use super::strips::{Spread, Strip, spread};
 use super::svg::{At, through};
 
@@ -8,7 +8,7 @@ use super::svg::{At, through};
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rows {
     pub title: String,
-    pub x: Quantity,
+    pub x: AxisQuantity,
     pub strips: Vec<Strip>,
     pub rules: Vec<Rule>,
     /// Interval of the horizontal axis, which charts side by side share.
@@ -85,7 +85,7 @@ mod tests {
         };
         let chart = Rows {
             title: "all runs of each scenario".into(),
-            x: Quantity::new("pet", "s"),
+            x: AxisQuantity::new("pet", "s"),
             strips: vec![
                 strip("a_rather_long_name_of_a_scenario", &[1.0, 2.0, 2.5, 4.0]),
                 strip("none", &[]),

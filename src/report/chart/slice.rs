@@ -1,17 +1,17 @@
 //! A slice through a surrogate: what it believes along one dimension, with the points that were evaluated.
 
-use super::look::{Entry, Look, framed};
-use super::mark::Mark;
-use super::panel::{Axis, Panel, Quantity, Rule};
+use super::look::{LegendEntry, Look, framed};
+use super::mark::PointMark;
+use super::panel::{Axis, AxisQuantity, Panel, Rule};
 use super::scale::nice_range;
 
 /// A chart of an objective (or a constraint's margin) along one dimension of a search space.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Slice {
     pub title: String,
-    pub x: Quantity,
+    pub x: AxisQuantity,
     pub along: Along,
-    pub y: Quantity,
+    pub y: AxisQuantity,
     /// In rising order; empty where there is no surrogate.
     pub beliefs: Vec<Belief>,
     pub tried: Vec<Tried>,
@@ -52,7 +52,7 @@ pub struct Belief {
 pub struct Tried {
     pub x: f64,
     pub y: Option<f64>,
-    pub mark: Mark,
+    pub mark: PointMark,
 }
 
 impl Slice {
@@ -73,19 +73,20 @@ impl Slice {
     }
 
     /// What stands in any of `slices`; `best` says what the best point is.
-    pub fn legend<'a>(slices: impl IntoIterator<Item = &'a Self> + Clone, best: &str) -> Vec<Entry> {
+    pub fn legend<'a>(slices: impl IntoIterator<Item = &'a Self> + Clone, best: &str) -> Vec<LegendEntry> {
         let slices = || slices.clone().into_iter();
         let beliefs = || slices().flat_map(|slice| &slice.beliefs);
         let mut entries = Vec::new();
         if beliefs().next().is_some() {
             let swatch = Look::series(0).belief_swatch();
-            entries.push(Entry { swatch, label: "surrogate: mean and 95 % band".into() });
+            entries.push(LegendEntry { swatch, label: "surrogate: mean and 95 % band".into() });
         }
         if beliefs().any(|belief| belief.feasibility < LIKELY) {
             let label = "surrogate: a constraint is more likely violated than not".into();
-            entries.push(Entry { swatch: shade_swatch(), label });
+            entries.push(LegendEntry { swatch: shade_swatch(), label });
         }
-        entries.extend(Mark::legend(slices().flat_map(|slice| &slice.tried).map(|tried| tried.mark), best));
+        entries
+            .extend(PointMark::legend(slices().flat_map(|slice| &slice.tried).map(|tried| tried.mark), best));
         entries
     }
 
@@ -120,7 +121,7 @@ impl Slice {
         for rule in &self.rules {
             panel.rule(rule);
         }
-        for mark in Mark::ALL {
+        for mark in PointMark::ALL {
             let tried = self.tried.iter().filter(|tried| tried.mark == mark);
             panel.marks(tried.map(|tried| (tried.x + aside, tried.y)), mark);
         }
@@ -163,15 +164,15 @@ mod tests {
         let tried = |x: f64, y, mark| Tried { x, y, mark };
         Slice {
             title: "individual 17".into(),
-            x: Quantity::new("tta", "s"),
+            x: AxisQuantity::new("tta", "s"),
             along,
-            y: Quantity::new("pet", "s"),
+            y: AxisQuantity::new("pet", "s"),
             beliefs,
             tried: vec![
-                tried(0.0, Some(4.0), Mark::Initial),
-                tried(2.0, None, Mark::Refused),
-                tried(1.0, Some(2.5), Mark::Proposed),
-                tried(1.0, Some(0.5), Mark::Best),
+                tried(0.0, Some(4.0), PointMark::Initial),
+                tried(2.0, None, PointMark::Refused),
+                tried(1.0, Some(2.5), PointMark::Proposed),
+                tried(1.0, Some(0.5), PointMark::Best),
             ],
             rules: vec![Rule { value: 1.5, label: "< 1.5 s".into() }],
             range: None,

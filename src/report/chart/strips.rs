@@ -1,7 +1,7 @@
 //! Distributions side by side: every run a dot, or a violin where there are too many, with quartiles.
 
 use super::look::First;
-use super::panel::{Axis, Panel, Quantity, Rule};
+use super::panel::{Axis, AxisQuantity, Panel, Rule};
 use super::scale::nice_range;
 use crate::numbers::summary::quantile;
 
@@ -11,7 +11,7 @@ pub struct Strips {
     pub title: String,
     /// What the strips are, such as `tta`; may be empty.
     pub x: String,
-    pub y: Quantity,
+    pub y: AxisQuantity,
     pub strips: Vec<Strip>,
     pub rules: Vec<Rule>,
     /// Interval of the vertical axis, so that charts side by side compare; otherwise that of the data.
@@ -133,7 +133,7 @@ impl Strip {
     }
 
     /// The quartiles in words.
-    pub fn quartile_title(&self, quantity: &Quantity, (lower, middle, upper): (f64, f64, f64)) -> String {
+    pub fn quartile_title(&self, quantity: &AxisQuantity, (lower, middle, upper): (f64, f64, f64)) -> String {
         let show = |value| quantity.show(value);
         let (dots, runs) = (self.dots.len(), self.dots.len() + self.undefined);
         let quartiles = format!("median {}, quartiles {} and {}", show(middle), show(lower), show(upper));
@@ -193,7 +193,7 @@ mod tests {
         Strips {
             title: "commotions_carla".into(),
             x: "tta".into(),
-            y: Quantity::new("pet", "s"),
+            y: AxisQuantity::new("pet", "s"),
             strips,
             rules: vec![rule],
             range: None,

@@ -8,7 +8,7 @@ use crate::results::{BlockReport, BlockResult, BlockState, SuiteReport, Verdict}
 use crate::scenario::Block;
 
 #[derive(Debug, Serialize)]
-pub struct Section {
+pub struct BlockSection {
     kind: &'static str,
     name: String,
     doc: String,
@@ -21,12 +21,12 @@ pub struct Section {
     failure: Option<String>,
     /// Runs it again.
     command: String,
-    search: Option<search::Section>,
-    tune: Option<tune::Section>,
-    evaluate: Option<evaluate::Section>,
+    search: Option<search::SearchSection>,
+    tune: Option<tune::TuneSection>,
+    evaluate: Option<evaluate::EvaluateSection>,
 }
 
-impl Section {
+impl BlockSection {
     /// Every block of a suite but its statements, which stand in a table of their own.
     pub fn all(report: &SuiteReport) -> Vec<Self> {
         let others = report.blocks.iter().filter(|block| !matches!(*block.block, Block::Statement(_)));
@@ -69,16 +69,16 @@ impl Section {
         };
         match (&*block.block, result) {
             (Block::Search(search), BlockResult::Search(result)) => {
-                self.summary = search::Section::summary(search, result);
-                self.search = Some(search::Section::new(search, result));
+                self.summary = search::SearchSection::summary(search, result);
+                self.search = Some(search::SearchSection::new(search, result));
             }
             (Block::Tune(tune), BlockResult::Tune(result)) => {
-                self.summary = tune::Section::summary(tune, result);
-                self.tune = Some(tune::Section::new(tune, result));
+                self.summary = tune::TuneSection::summary(tune, result);
+                self.tune = Some(tune::TuneSection::new(tune, result));
             }
             (Block::Evaluate(evaluate), BlockResult::Evaluate(result)) => {
-                self.summary = evaluate::Section::summary(result);
-                self.evaluate = Some(evaluate::Section::new(report, evaluate, result));
+                self.summary = evaluate::EvaluateSection::summary(result);
+                self.evaluate = Some(evaluate::EvaluateSection::new(report, evaluate, result));
             }
             // A result of another kind than its block cannot be; nothing would be shown of it.
             _ => {}

@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
-use super::figure::Figure;
-use super::space::{Measured, short_names};
+use super::figure::HtmlFigure;
+use super::space::{MeasuredQuantity, short_names};
 use crate::judge::holds;
 use crate::numbers::inference::{Interval, mean_interval, wilson};
 use crate::numbers::summary::mean;
@@ -25,7 +25,7 @@ const CONFIDENCE: f64 = 0.95;
 const SEED: u64 = 1;
 
 #[derive(Debug, Serialize)]
-pub struct Section {
+pub struct EvaluateSection {
     sentences: Vec<String>,
     parameters: Vec<String>,
     measures: Vec<String>,
@@ -33,7 +33,7 @@ pub struct Section {
     source: Option<String>,
     /// The condition that the others are compared with, if there are others.
     base: Option<String>,
-    figures: Vec<Figure>,
+    figures: Vec<HtmlFigure>,
 }
 
 /// The rows of one condition.
@@ -59,12 +59,12 @@ struct Cell {
     sure: bool,
 }
 
-impl Section {
+impl EvaluateSection {
     pub fn new(report: &SuiteReport, evaluate: &Evaluate, result: &EvaluateResult) -> Self {
-        let measured: Vec<Measured> = result
+        let measured: Vec<MeasuredQuantity> = result
             .measures
             .iter()
-            .map(|one| Measured::new(&one.text, one.aggregate.unit()).written_in(one.notation))
+            .map(|one| MeasuredQuantity::new(&one.text, one.aggregate.unit()).written_in(one.notation))
             .collect();
         let table = Table { result, measured: &measured };
         let parameters = result.conditions.iter().map(|one| &one.parameters).find(|all| !all.is_empty());
@@ -106,7 +106,7 @@ fn sentences(result: &EvaluateResult) -> Vec<String> {
 /// What makes up the rows of the table.
 struct Table<'a> {
     result: &'a EvaluateResult,
-    measured: &'a [Measured],
+    measured: &'a [MeasuredQuantity],
 }
 
 impl Table<'_> {
@@ -226,7 +226,7 @@ struct Charts<'a> {
 }
 
 impl Charts<'_> {
-    fn figures(&self) -> Vec<Figure> {
+    fn figures(&self) -> Vec<HtmlFigure> {
         let mut quantities: Vec<&MetricReference> = Vec::new();
         for reference in self.result.measures.iter().map(|measure| measure.aggregate.metric()) {
             let kind = reference.known().map(|metric| &metric.kind);
@@ -234,7 +234,7 @@ impl Charts<'_> {
                 quantities.push(reference);
             }
         }
-        let mut figures: Vec<Figure> = Vec::new();
+        let mut figures: Vec<HtmlFigure> = Vec::new();
         for reference in quantities {
             if let Some(index) = position(self.result, reference) {
                 figures.extend(self.distributions(reference, index));
@@ -254,12 +254,12 @@ impl Charts<'_> {
         measures.chain(comparisons).filter(|(metric, _)| *metric == reference).find_map(|(_, unit)| unit)
     }
 
-    fn measured(&self, reference: &MetricReference) -> Measured {
-        Measured::metric(reference).written_in(self.notation(reference))
+    fn measured(&self, reference: &MetricReference) -> MeasuredQuantity {
+        MeasuredQuantity::metric(reference).written_in(self.notation(reference))
     }
 
     /// Figure (e) of the founding paper.
-    fn distributions(&self, reference: &MetricReference, index: usize) -> Option<Figure> {
+    fn distributions(&self, reference: &MetricReference, index: usize) -> Option<HtmlFigure> {
         let measured = self.measured(reference);
         let strip = |condition: &ConditionResult| {
             let dot = |run: &CaseRun| {
@@ -277,7 +277,7 @@ impl Charts<'_> {
     }
 
     /// What every case has more than under the first condition.
-    fn changes(&self, reference: &MetricReference, index: usize) -> Option<Figure> {
+    fn changes(&self, reference: &MetricReference, index: usize) -> Option<HtmlFigure> {
         let (first, others) = self.result.conditions.split_first()?;
         let measured = self.measured(reference);
         let strip = |condition: &ConditionResult| {
@@ -306,7 +306,7 @@ impl Charts<'_> {
         reference: &MetricReference,
         strips: Vec<Strip>,
         rules: Vec<Rule>,
-    ) -> Option<Figure> {
+    ) -> Option<HtmlFigure> {
         let firsts: Vec<First> = strips.iter().flat_map(|strip| &strip.dots).map(|dot| dot.first).collect();
         if firsts.is_empty() {
             return None;
@@ -318,7 +318,7 @@ impl Charts<'_> {
         } else {
             Strips { title: name, x: String::new(), y: quantity, strips, rules, range: None }.to_svg()
         };
-        Some(Figure::new(title, note, vec![svg]).with_legend(first_legend(firsts, false)))
+        Some(HtmlFigure::new(title, note, vec![svg]).with_legend(first_legend(firsts, false)))
     }
 
     /// What the tunes and the search behind it compare to a bound, with the unit of that.

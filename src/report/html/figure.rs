@@ -2,11 +2,11 @@
 
 use serde::Serialize;
 
-use crate::report::chart::Entry;
+use crate::report::chart::LegendEntry;
 use crate::report::figures;
 
 #[derive(Debug, Default, Serialize)]
-pub struct Figure {
+pub struct HtmlFigure {
     pub title: String,
     /// How to read it.
     pub note: String,
@@ -20,12 +20,12 @@ pub struct Figure {
     pub fold: String,
 }
 
-impl Figure {
+impl HtmlFigure {
     pub fn new(title: impl Into<String>, note: impl Into<String>, panels: Vec<String>) -> Self {
         Self { title: title.into(), note: note.into(), panels, ..Self::default() }
     }
 
-    pub fn with_legend(mut self, entries: Vec<Entry>) -> Self {
+    pub fn with_legend(mut self, entries: Vec<LegendEntry>) -> Self {
         self.legend = entries.into_iter().map(|entry| (entry.swatch, entry.label)).collect();
         self
     }
@@ -40,7 +40,7 @@ impl Figure {
     }
 }
 
-impl From<figures::Figure> for Figure {
+impl From<figures::Figure> for HtmlFigure {
     fn from(figure: figures::Figure) -> Self {
         Self::new(figure.title, figure.note, figure.panels).with_legend(figure.legend)
     }

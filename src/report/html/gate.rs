@@ -11,7 +11,7 @@ use crate::results::{
 };
 
 #[derive(Debug, Serialize)]
-pub struct Section {
+pub struct GateSection {
     name: String,
     doc: String,
     baseline: String,
@@ -50,7 +50,7 @@ struct Regression {
     command: Option<String>,
 }
 
-impl Section {
+impl GateSection {
     pub fn all(report: &SuiteReport) -> Vec<Self> {
         report.gates.iter().map(|gate| Self::new(&report.identity, gate)).collect()
     }

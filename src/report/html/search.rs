@@ -2,13 +2,13 @@
 
 use serde::Serialize;
 
-use super::figure::Figure;
-use super::space::{Dimension, Measured, point_text, sign};
+use super::figure::HtmlFigure;
+use super::space::{MeasuredQuantity, SpaceDimension, point_text, sign};
 use crate::numbers::summary::mean;
 use crate::optimise::{StopReason, Value};
 use crate::report::chart::{
-    self, Along, Convergence, Convergences, Course, Dot, Entry, First, Individuals, Look, Mark, Rule, Slice,
-    Strip, Strips, Tried, first_legend, with_room,
+    self, Along, Convergence, Convergences, CourseLine, Dot, First, IndividualsChart, LegendEntry, Look,
+    PointMark, Rule, Slice, Strip, Strips, Tried, first_legend, with_room,
 };
 use crate::report::wording::{comparison_rule, comparison_text};
 use crate::results::{Found, SearchResult};
@@ -23,7 +23,7 @@ const MOST_PLACES: usize = 6;
 const LONG_TABLE: usize = 30;
 
 #[derive(Debug, Serialize)]
-pub struct Section {
+pub struct SearchSection {
     sentences: Vec<String>,
     dimensions: Vec<String>,
     objective: String,
@@ -31,7 +31,7 @@ pub struct Section {
     keeps: bool,
     rows: Vec<Row>,
     long: bool,
-    figures: Vec<Figure>,
+    figures: Vec<HtmlFigure>,
 }
 
 /// What was found for one person, or for all of them.
@@ -51,13 +51,13 @@ struct Row {
 /// One search with what its charts share.
 struct Hunt<'a> {
     search: &'a Search,
-    objective: Measured,
-    dimensions: Vec<Dimension>,
+    objective: MeasuredQuantity,
+    dimensions: Vec<SpaceDimension>,
     /// The worst first.
     found: Vec<&'a Found>,
 }
 
-impl Section {
+impl SearchSection {
     pub fn new(search: &Search, result: &SearchResult) -> Self {
         let sign = sign(search.objective.direction);
         let mut found: Vec<&Found> = result.found.iter().collect();
@@ -65,8 +65,8 @@ impl Section {
         found.sort_by(|left, right| rank(left).total_cmp(&rank(right)));
         let hunt = Hunt {
             search,
-            objective: Measured::objective(&search.objective),
-            dimensions: Dimension::all(&search.over),
+            objective: MeasuredQuantity::objective(&search.objective),
+            dimensions: SpaceDimension::all(&search.over),
             found,
         };
         Self {
@@ -87,7 +87,7 @@ impl Section {
         let with_value = result.found.iter().filter_map(|found| found.observed);
         let sign = sign(search.objective.direction);
         let worst = with_value.min_by(|left, right| (sign * left).total_cmp(&(sign * right)));
-        let worst = Measured::objective(&search.objective).text(worst);
+        let worst = MeasuredQuantity::objective(&search.objective).text(worst);
         match &search.keep {
             Some(keep) => {
                 format!("{kept} of {hunted} kept ({}); worst {worst}", comparison_text(keep, search.keep_in))
@@ -101,7 +101,7 @@ impl Hunt<'_> {
     fn sentences(&self) -> Vec<String> {
         let Self { search, found, .. } = self;
         let budget = &search.budget;
-        let ranges: Vec<_> = self.dimensions.iter().map(Dimension::range).collect();
+        let ranges: Vec<_> = self.dimensions.iter().map(SpaceDimension::range).collect();
         let whom = match found.len() {
             _ if search.together => "for everybody together".to_string(),
             1 => "for one individual".to_string(),
@@ -198,7 +198,7 @@ impl Hunt<'_> {
         }
     }
 
-    fn figures(&self) -> Vec<Figure> {
+    fn figures(&self) -> Vec<HtmlFigure> {
         let mut figures = Vec::new();
         figures.extend(self.places());
         figures.extend(self.convergence());
@@ -221,7 +221,7 @@ impl Hunt<'_> {
     }
 
     /// Each individual's worst value against where it was found: figure (d) of the founding paper.
-    fn places(&self) -> Option<Figure> {
+    fn places(&self) -> Option<HtmlFigure> {
         if self.found.len() < 2 {
             return None;
         }
@@ -243,15 +243,15 @@ impl Hunt<'_> {
                  kept; the number names the individual."
             );
             let swatch = Look::series(chart::COURSES_FROM).belief_swatch();
-            legend.push(Entry { swatch, label: "a kept individual: mean and range".into() });
+            legend.push(LegendEntry { swatch, label: "a kept individual: mean and range".into() });
         }
-        Some(Figure::new("Where it is worst", note, panels).with_legend(legend))
+        Some(HtmlFigure::new("Where it is worst", note, panels).with_legend(legend))
     }
 
-    fn individuals(&self, index: usize) -> Individuals {
+    fn individuals(&self, index: usize) -> IndividualsChart {
         let dimension = &self.dimensions[index];
         let point = |found: &&Found| {
-            Some(chart::Found {
+            Some(chart::FoundDot {
                 x: dimension.place(&found.best.as_ref()?.get(index)?.1)?,
                 y: self.objective.charted(found.observed?),
                 first: first(found),
@@ -263,9 +263,9 @@ impl Hunt<'_> {
             let points =
                 course.points.iter().map(|point| (point.at, point.smallest, point.mean, point.largest));
             let name = self.name(found).trim_start_matches("individual ").to_string();
-            Some(Course { name, points: points.collect() })
+            Some(CourseLine { name, points: points.collect() })
         };
-        let mut chart = Individuals {
+        let mut chart = IndividualsChart {
             title: dimension.name.clone(),
             x: dimension.quantity(),
             y: self.objective.quantity(),
@@ -280,7 +280,7 @@ impl Hunt<'_> {
             Along::Logarithmic { low, high } => (low / 1.1, high * 1.1),
             Along::Words(_) => (0.0, 1.0),
         };
-        chart.ranges = Some((across, Individuals::ranges([&chart]).1));
+        chart.ranges = Some((across, IndividualsChart::ranges([&chart]).1));
         chart
     }
 
@@ -308,7 +308,7 @@ impl Hunt<'_> {
         }
     }
 
-    fn convergence(&self) -> Option<Figure> {
+    fn convergence(&self) -> Option<HtmlFigure> {
         let (title, goal) = (self.search.name.clone(), self.search.objective.direction);
         let (y, initial) = (self.objective.quantity(), self.search.budget.initial as usize);
         let dotted = format!("The dotted line stands after the {initial} initial points.");
@@ -316,7 +316,8 @@ impl Hunt<'_> {
             let tried = self.tried(found, None);
             let chart = Convergence { title, y, goal, tried, initial };
             return Some(
-                Figure::new("Convergence", dotted, vec![chart.to_svg()]).with_legend(chart.legend("best")),
+                HtmlFigure::new("Convergence", dotted, vec![chart.to_svg()])
+                    .with_legend(chart.legend("best")),
             );
         }
         let course = |found: &&Found| {
@@ -332,7 +333,7 @@ impl Hunt<'_> {
         }
         let chart = Convergences { title, y, goal, courses, initial };
         let note = format!("The best value so far over {} individuals. {dotted}", self.found.len());
-        Some(Figure::new("Convergence", note, vec![chart.to_svg()]).with_legend(Convergences::legend()))
+        Some(HtmlFigure::new("Convergence", note, vec![chart.to_svg()]).with_legend(Convergences::legend()))
     }
 
     /// Every evaluation: along a dimension, or by its number.
@@ -351,18 +352,18 @@ impl Hunt<'_> {
                 None => Some((index + 1) as f64),
             };
             let mark = match value {
-                None => Mark::Refused,
-                Some(_) if !had_best && is_best(point, value) => Mark::Best,
-                Some(_) if index < initial => Mark::Initial,
-                Some(_) => Mark::Proposed,
+                None => PointMark::Refused,
+                Some(_) if !had_best && is_best(point, value) => PointMark::Best,
+                Some(_) if index < initial => PointMark::Initial,
+                Some(_) => PointMark::Proposed,
             };
-            had_best |= mark == Mark::Best;
+            had_best |= mark == PointMark::Best;
             tried.extend(x.map(|x| Tried { x, y: value.map(|value| self.objective.charted(value)), mark }));
         }
         tried
     }
 
-    fn slices(&self) -> Option<Figure> {
+    fn slices(&self) -> Option<HtmlFigure> {
         // Those who were kept first, and the worst of them.
         let mut order: Vec<&&Found> = self.found.iter().collect();
         order.sort_by_key(|found| !found.kept.contains(&true));
@@ -411,7 +412,7 @@ impl Hunt<'_> {
         let legend = Slice::legend(&slices, "best");
         let panels = slices.iter().map(Slice::to_svg).collect();
         let open = OPEN_SLICES.div_ceil(self.dimensions.len().max(1)) * self.dimensions.len();
-        let figure = Figure::new("Surrogates", note, panels).with_legend(legend);
+        let figure = HtmlFigure::new("Surrogates", note, panels).with_legend(legend);
         Some(figure.folded(open, |count| format!("{count} more")))
     }
 }

@@ -1,13 +1,13 @@
 //! What an optimiser varies and what it looks at, as tables and charts show them.
 
 use crate::optimise::{self, SlicePoint};
-use crate::report::chart::{Along, Belief, Quantity};
+use crate::report::chart::{Along, AxisQuantity, Belief};
 use crate::report::format::in_written_unit;
 use crate::scenario::{Goal, MetricReference, Notation, Objective, Range, RangeValues, Target, significant};
 
 /// An objective or a metric with its unit. Shares are shown in per cent.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Measured {
+pub struct MeasuredQuantity {
     pub name: String,
     /// SI unit.
     unit: String,
@@ -15,7 +15,7 @@ pub struct Measured {
     written: Option<Notation>,
 }
 
-impl Measured {
+impl MeasuredQuantity {
     pub fn new(name: impl Into<String>, unit: impl Into<String>) -> Self {
         Self { name: name.into(), unit: unit.into(), written: None }
     }
@@ -42,8 +42,8 @@ impl Measured {
     }
 
     /// For the axis of a chart of [`Self::charted`] values.
-    pub fn quantity(&self) -> Quantity {
-        Quantity::new(&self.name, self.symbol())
+    pub fn quantity(&self) -> AxisQuantity {
+        AxisQuantity::new(&self.name, self.symbol())
     }
 
     pub fn charted(&self, value: f64) -> f64 {
@@ -84,7 +84,7 @@ impl Measured {
 
 /// One dimension of a search space.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Dimension {
+pub struct SpaceDimension {
     /// As a scenario would name it, such as `av.controller.braking_distance`.
     pub full_name: String,
     /// Without what it belongs to, if that tells it from the others.
@@ -97,7 +97,7 @@ pub struct Dimension {
     pub along: Along,
 }
 
-impl Dimension {
+impl SpaceDimension {
     fn new(range: &Range) -> Self {
         let written = range.notation;
         let shown = |si: f64| written.map_or(si, |written| written.of_si(si));
@@ -118,8 +118,8 @@ impl Dimension {
         over.iter().zip(names).map(|(range, name)| Self { name, ..Self::new(range) }).collect()
     }
 
-    pub fn quantity(&self) -> Quantity {
-        Quantity::new(&self.name, self.symbol())
+    pub fn quantity(&self) -> AxisQuantity {
+        AxisQuantity::new(&self.name, self.symbol())
     }
 
     fn symbol(&self) -> &str {
@@ -174,7 +174,7 @@ impl Dimension {
     }
 
     /// A slice along it as a chart shows it.
-    pub fn beliefs(&self, slice: &[SlicePoint], of: &Measured) -> Vec<Belief> {
+    pub fn beliefs(&self, slice: &[SlicePoint], of: &MeasuredQuantity) -> Vec<Belief> {
         let belief = |point: &SlicePoint| {
             Some(Belief {
                 x: self.place(&point.value)?,
@@ -202,7 +202,7 @@ pub fn short_names(targets: &[Target]) -> Vec<String> {
 }
 
 /// Every dimension of a point in words.
-pub fn point_text(dimensions: &[Dimension], point: &[optimise::Value]) -> String {
+pub fn point_text(dimensions: &[SpaceDimension], point: &[optimise::Value]) -> String {
     let words: Vec<_> = dimensions.iter().zip(point).map(|(one, value)| one.text(value)).collect();
     words.join(", ")
 }
@@ -232,7 +232,7 @@ mod tests {
             notation: Some(KMH),
             origin: Origin::default(),
         };
-        let dimension = Dimension::new(&range);
+        let dimension = SpaceDimension::new(&range);
         let value = optimise::Value::Real(50.0 / 3.6);
         assert_eq!(dimension.range(), "speed from 30 km/h to 60 km/h");
         assert_eq!((dimension.text(&value), dimension.number(&value)), ("speed 50 km/h".into(), "50".into()));
@@ -244,14 +244,14 @@ mod tests {
 
     #[test]
     fn a_measure_is_charted_and_told_in_the_unit_that_it_is_compared_in() {
-        let speed = Measured::new("mean(impact_speed)", "m/s").written_in(Some(KMH));
+        let speed = MeasuredQuantity::new("mean(impact_speed)", "m/s").written_in(Some(KMH));
         assert_eq!((speed.text(Some(10.0)), speed.number(Some(10.0))), ("36 km/h".into(), "36".into()));
         assert_eq!(
             (speed.change(-1.0), speed.heading()),
             ("-3.6 km/h".into(), "mean(impact_speed) (km/h)".into())
         );
         assert_eq!(speed.charted(10.0), 36.0);
-        let share = Measured::new("rate(collision)", "%");
+        let share = MeasuredQuantity::new("rate(collision)", "%");
         assert_eq!((share.text(Some(0.85)), share.change(0.05)), ("85 %".into(), "+5 points".into()));
     }
 }

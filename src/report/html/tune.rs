@@ -2,10 +2,10 @@
 
 use serde::Serialize;
 
-use super::figure::Figure;
-use super::space::{Dimension, Measured, point_text};
+use super::figure::HtmlFigure;
+use super::space::{MeasuredQuantity, SpaceDimension, point_text};
 use crate::optimise::StopReason;
-use crate::report::chart::{Convergence, Front, Mark, Quantity, Rule, Slice, Tried};
+use crate::report::chart::{AxisQuantity, Convergence, Front, PointMark, Rule, Slice, Tried};
 use crate::report::experiment::tuned_parameters;
 use crate::report::format::share;
 use crate::report::wording::comparison_text;
@@ -16,13 +16,13 @@ use crate::scenario::{MetricKind, MetricReference, ShownIn, Tune};
 const OPEN_MARGINS: usize = 6;
 
 #[derive(Debug, Serialize)]
-pub struct Section {
+pub struct TuneSection {
     sentences: Vec<String>,
     /// The chosen parameters as a scenario can use them.
     parameters: Option<String>,
     comparison: Option<Table>,
     candidates: Candidates,
-    figures: Vec<Figure>,
+    figures: Vec<HtmlFigure>,
 }
 
 /// Before and after.
@@ -67,12 +67,12 @@ struct CandidateRow {
 struct Bench<'a> {
     tune: &'a Tune,
     result: &'a TuneResult,
-    objectives: Vec<Measured>,
-    constraints: Vec<Measured>,
-    dimensions: Vec<Dimension>,
+    objectives: Vec<MeasuredQuantity>,
+    constraints: Vec<MeasuredQuantity>,
+    dimensions: Vec<SpaceDimension>,
 }
 
-impl Section {
+impl TuneSection {
     pub fn new(tune: &Tune, result: &TuneResult) -> Self {
         let bench = Bench::new(tune, result);
         Self {
@@ -105,14 +105,16 @@ impl<'a> Bench<'a> {
         Self {
             tune,
             result,
-            objectives: tune.objectives.iter().map(Measured::objective).collect(),
+            objectives: tune.objectives.iter().map(MeasuredQuantity::objective).collect(),
             constraints: tune
                 .constraints
                 .iter()
                 .enumerate()
-                .map(|(index, one)| Measured::metric(&one.metric).written_in(tune.constraint_in(index)))
+                .map(|(index, one)| {
+                    MeasuredQuantity::metric(&one.metric).written_in(tune.constraint_in(index))
+                })
                 .collect(),
-            dimensions: Dimension::all(&tune.over),
+            dimensions: SpaceDimension::all(&tune.over),
         }
     }
 
@@ -127,7 +129,7 @@ impl<'a> Bench<'a> {
     fn sentences(&self) -> Vec<String> {
         let Self { tune, result, .. } = self;
         let objectives: Vec<_> = tune.objectives.iter().map(|one| one.text.as_str()).collect();
-        let ranges: Vec<_> = self.dimensions.iter().map(Dimension::range).collect();
+        let ranges: Vec<_> = self.dimensions.iter().map(SpaceDimension::range).collect();
         let cases = if result.cases == 1 { "one case".into() } else { format!("{} cases", result.cases) };
         let mut first = format!("Over {cases}: {}, for {}", objectives.join(" and "), ranges.join(", "));
         if !tune.constraints.is_empty() {
@@ -211,7 +213,7 @@ impl<'a> Bench<'a> {
 
     fn candidates(&self) -> Candidates {
         let headings = self.dimensions.iter().map(|one| one.quantity().label());
-        let headings = headings.chain(self.objectives.iter().map(Measured::heading));
+        let headings = headings.chain(self.objectives.iter().map(MeasuredQuantity::heading));
         let constraints = self.constraints_in_words().into_iter();
         let margins = constraints.map(|constraint| format!("margin of {constraint}"));
         let row = |(index, candidate): (usize, &Candidate)| {
@@ -223,11 +225,11 @@ impl<'a> Bench<'a> {
                 number: index + 1,
                 cells: point.chain(numbers).collect(),
                 state: match self.mark(index, candidate) {
-                    Mark::Best if !candidate.feasible => "chosen, infeasible",
-                    Mark::Best if self.result.chosen.is_some() => "chosen",
-                    Mark::Best => "on the front",
-                    Mark::Refused => "infeasible",
-                    Mark::Initial | Mark::Proposed => "feasible",
+                    PointMark::Best if !candidate.feasible => "chosen, infeasible",
+                    PointMark::Best if self.result.chosen.is_some() => "chosen",
+                    PointMark::Best => "on the front",
+                    PointMark::Refused => "infeasible",
+                    PointMark::Initial | PointMark::Proposed => "feasible",
                 },
             }
         };
@@ -237,13 +239,13 @@ impl<'a> Bench<'a> {
         }
     }
 
-    fn mark(&self, index: usize, candidate: &Candidate) -> Mark {
+    fn mark(&self, index: usize, candidate: &Candidate) -> PointMark {
         let best = self.result.chosen.iter().chain(&self.result.pareto);
         match candidate {
-            _ if best.into_iter().any(|best| best == candidate) => Mark::Best,
-            _ if !candidate.feasible => Mark::Refused,
-            _ if index < self.tune.budget.initial as usize => Mark::Initial,
-            _ => Mark::Proposed,
+            _ if best.into_iter().any(|best| best == candidate) => PointMark::Best,
+            _ if !candidate.feasible => PointMark::Refused,
+            _ if index < self.tune.budget.initial as usize => PointMark::Initial,
+            _ => PointMark::Proposed,
         }
     }
 
@@ -251,7 +253,7 @@ impl<'a> Bench<'a> {
         if self.result.chosen.is_some() { "chosen" } else { "on the front" }
     }
 
-    fn figures(&self) -> Vec<Figure> {
+    fn figures(&self) -> Vec<HtmlFigure> {
         let mut figures = Vec::new();
         figures.extend(self.front());
         figures.extend(self.convergence());
@@ -277,7 +279,7 @@ impl<'a> Bench<'a> {
         move |candidate| candidate.objectives[objective].map(|value| of.charted(value))
     }
 
-    fn front(&self) -> Option<Figure> {
+    fn front(&self) -> Option<HtmlFigure> {
         let [x, y, ..] = self.objectives.as_slice() else { return None };
         let (along, up) = (self.charted(0), self.charted(1));
         let candidates = self.result.evaluations.iter().enumerate();
@@ -291,10 +293,10 @@ impl<'a> Bench<'a> {
         };
         let goals: Vec<_> = self.tune.objectives.iter().map(|one| one.text.as_str()).collect();
         let note = format!("Both objectives of every candidate: {}.", goals.join(" and "));
-        Some(Figure::new("Front", note, vec![chart.to_svg()]).with_legend(chart.legend()))
+        Some(HtmlFigure::new("Front", note, vec![chart.to_svg()]).with_legend(chart.legend()))
     }
 
-    fn convergence(&self) -> Option<Figure> {
+    fn convergence(&self) -> Option<HtmlFigure> {
         if self.result.evaluations.is_empty() || self.objectives.len() > 1 {
             return None;
         }
@@ -302,7 +304,7 @@ impl<'a> Bench<'a> {
         let mut tried = self.tried(None, self.charted(0));
         if self.result.violations.is_some() {
             // Nothing is the best so far where nothing is feasible.
-            tried.iter_mut().for_each(|one| one.mark = Mark::Refused);
+            tried.iter_mut().for_each(|one| one.mark = PointMark::Refused);
         }
         let chart = Convergence {
             title: self.tune.name.clone(),
@@ -313,10 +315,10 @@ impl<'a> Bench<'a> {
         };
         let note = format!("The dotted line stands after the {initial} initial points.");
         let legend = chart.legend(self.best_label());
-        Some(Figure::new("Convergence", note, vec![chart.to_svg()]).with_legend(legend))
+        Some(HtmlFigure::new("Convergence", note, vec![chart.to_svg()]).with_legend(legend))
     }
 
-    fn slices(&self) -> Option<Figure> {
+    fn slices(&self) -> Option<HtmlFigure> {
         let mut slices = Vec::new();
         for (objective, measured) in self.objectives.iter().enumerate() {
             for (index, dimension) in self.dimensions.iter().enumerate() {
@@ -347,16 +349,16 @@ impl<'a> Bench<'a> {
         }
         let legend = Slice::legend(&slices, self.best_label());
         let panels = slices.iter().map(Slice::to_svg).collect();
-        Some(Figure::new("Surrogate", note, panels).with_legend(legend))
+        Some(HtmlFigure::new("Surrogate", note, panels).with_legend(legend))
     }
 
-    fn margins(&self) -> Option<Figure> {
+    fn margins(&self) -> Option<HtmlFigure> {
         let mut slices = Vec::new();
         for (which, constraint) in self.constraints_in_words().iter().enumerate() {
             let measured = &self.constraints[which];
             let margin =
                 |candidate: &Candidate| candidate.margins[which].map(|value| measured.charted(value));
-            let y = Quantity::new("margin", measured.quantity().unit);
+            let y = AxisQuantity::new("margin", measured.quantity().unit);
             for (index, dimension) in self.dimensions.iter().enumerate() {
                 slices.push(Slice {
                     title: constraint.clone(),
@@ -379,7 +381,7 @@ impl<'a> Bench<'a> {
         }
         let legend = Slice::legend(&slices, self.best_label());
         let panels = slices.iter().map(Slice::to_svg).collect();
-        let figure = Figure::new("Margins of the constraints", note, panels).with_legend(legend);
+        let figure = HtmlFigure::new("Margins of the constraints", note, panels).with_legend(legend);
         Some(figure.folded(OPEN_MARGINS, |count| format!("{count} more")))
     }
 }

@@ -6,7 +6,7 @@ use chrono::{DateTime, Utc};
 use serde::Serialize;
 
 use super::embed::embed;
-use super::figure::Figure;
+use super::figure::HtmlFigure;
 use super::statement::Statements;
 use super::{block, gate};
 use crate::report::digest::written_unit;
@@ -78,9 +78,9 @@ struct Suite {
     counts: Counts,
     statements: Option<Statements>,
     scenarios: Vec<Scenario>,
-    figures: Vec<Figure>,
-    blocks: Vec<block::Section>,
-    gates: Vec<gate::Section>,
+    figures: Vec<HtmlFigure>,
+    blocks: Vec<block::BlockSection>,
+    gates: Vec<gate::GateSection>,
     metrics: Vec<Heading>,
 }
 
@@ -277,9 +277,9 @@ fn suite<'r>(
         counts,
         statements: Statements::new(report),
         scenarios: all_scenarios(report, &columns, animated),
-        figures: figures(report, requests, drawn).into_iter().map(Figure::from).collect(),
-        blocks: block::Section::all(report),
-        gates: gate::Section::all(report),
+        figures: figures(report, requests, drawn).into_iter().map(HtmlFigure::from).collect(),
+        blocks: block::BlockSection::all(report),
+        gates: gate::GateSection::all(report),
         metrics: columns.iter().map(heading).collect(),
     }
 }

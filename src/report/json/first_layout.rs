@@ -22,7 +22,7 @@ use crate::scenario::{
 };
 
 #[derive(Deserialize)]
-pub struct Document {
+pub struct FirstLayout {
     tool: Tool,
     suites: Vec<Suite>,
 }
@@ -104,7 +104,7 @@ struct GateOfSuite {
     help: Option<String>,
 }
 
-pub fn results(document: Document) -> Result<Results, ResultsError> {
+pub fn results(document: FirstLayout) -> Result<Results, ResultsError> {
     let requests = requests(&document)?;
     let program = Program { version: document.tool.version, platform: "not known".into() };
     let suites = document.suites.into_iter().map(|suite| suite.report(&requests, &program));
@@ -113,7 +113,7 @@ pub fn results(document: Document) -> Result<Results, ResultsError> {
 }
 
 /// What was measured, by the labels of the first run.
-fn requests(document: &Document) -> Result<Requests, ResultsError> {
+fn requests(document: &FirstLayout) -> Result<Requests, ResultsError> {
     let mut requests = Requests::default();
     let recorded =
         document.suites.iter().flat_map(|suite| &suite.recorded).filter_map(|one| one.run.as_ref());

@@ -11,7 +11,7 @@ use crate::escape::{xml, xml_line};
 
 /// What a testcase counts as.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Kind {
+pub enum TestOutcome {
     #[default]
     Passed,
     Skipped,
@@ -29,19 +29,19 @@ pub struct Counts {
 }
 
 impl Counts {
-    pub fn add(&mut self, kind: Kind) {
+    pub fn add(&mut self, kind: TestOutcome) {
         self.tests += 1;
         match kind {
-            Kind::Passed => {}
-            Kind::Skipped => self.skipped += 1,
-            Kind::Failure => self.failures += 1,
-            Kind::Error => self.errors += 1,
+            TestOutcome::Passed => {}
+            TestOutcome::Skipped => self.skipped += 1,
+            TestOutcome::Failure => self.failures += 1,
+            TestOutcome::Error => self.errors += 1,
         }
     }
 }
 
 /// A testsuite without its testcases.
-pub struct Suite<'s> {
+pub struct TestSuite<'s> {
     pub name: &'s str,
     pub counts: Counts,
     pub started: SystemTime,
@@ -51,10 +51,10 @@ pub struct Suite<'s> {
 
 /// A testcase.
 #[derive(Default)]
-pub struct Case {
+pub struct TestCase {
     name: String,
     pub class: String,
-    pub kind: Kind,
+    pub kind: TestOutcome,
     pub time: Option<Duration>,
     /// File and line.
     pub place: Option<(String, usize)>,
@@ -63,7 +63,7 @@ pub struct Case {
     pub output: Option<String>,
 }
 
-impl Case {
+impl TestCase {
     /// One that passed unless there is a problem.
     pub fn new(name: &str, problem: Option<Problem>) -> Self {
         Self { name: name.to_string(), problem, ..Self::default() }
@@ -95,9 +95,9 @@ impl Problem {
 }
 
 /// A document that is being written.
-pub struct Document<W: Write>(Writer<W>);
+pub struct JunitReport<W: Write>(Writer<W>);
 
-impl<W: Write> Document<W> {
+impl<W: Write> JunitReport<W> {
     pub fn begin(out: W, counts: Counts, started: Option<SystemTime>, time: Duration) -> io::Result<Self> {
         let mut writer = Writer::new_with_indent(out, b' ', 4);
         writer.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
@@ -116,7 +116,7 @@ impl<W: Write> Document<W> {
     }
 
     /// Begins a testsuite; its testcases come next.
-    pub fn suite(&mut self, suite: &Suite) -> io::Result<()> {
+    pub fn suite(&mut self, suite: &TestSuite) -> io::Result<()> {
         let mut tag = BytesStart::new("testsuite");
         attribute(&mut tag, "name", suite.name);
         attribute(&mut tag, "tests", &suite.counts.tests.to_string());
@@ -131,7 +131,7 @@ impl<W: Write> Document<W> {
         self.properties(&suite.properties)
     }
 
-    pub fn case(&mut self, case: &Case) -> io::Result<()> {
+    pub fn case(&mut self, case: &TestCase) -> io::Result<()> {
         let mut tag = BytesStart::new("testcase");
         attribute(&mut tag, "name", &case.name);
         attribute(&mut tag, "classname", &case.class);
@@ -180,11 +180,11 @@ impl<W: Write> Document<W> {
         self.close("properties")
     }
 
-    fn problem(&mut self, kind: Kind, problem: &Problem) -> io::Result<()> {
+    fn problem(&mut self, kind: TestOutcome, problem: &Problem) -> io::Result<()> {
         let mut tag = BytesStart::new(match kind {
-            Kind::Error => "error",
-            Kind::Skipped => "skipped",
-            Kind::Failure | Kind::Passed => "failure",
+            TestOutcome::Error => "error",
+            TestOutcome::Skipped => "skipped",
+            TestOutcome::Failure | TestOutcome::Passed => "failure",
         });
         attribute(&mut tag, "message", &problem.message);
         if let Some(name) = problem.name {
