@@ -15,7 +15,7 @@ use scenario_runner::lang;
 use scenario_runner::models::standard;
 use scenario_runner::numbers::random::derive_seed;
 use scenario_runner::optimise::{
-    Definition, Dimension, Evaluation, InitialDesign, Method, Optimiser, Proposal, Space,
+    Definition, Evaluation, InitialDesign, Method, Optimiser, Proposal, SearchDimension, Space,
 };
 use scenario_runner::plan::{concrete_case, select_people};
 use scenario_runner::results::Requests;
@@ -100,7 +100,7 @@ struct Search {
 }
 
 fn definition(method: Method, seed: u64) -> Definition {
-    let space = Space::new(vec![Dimension::real("tta", RANGE.0, RANGE.1)]).expect("the range is sound");
+    let space = Space::new(vec![SearchDimension::real("tta", RANGE.0, RANGE.1)]).expect("the range is sound");
     let initial_design = match method {
         Method::GpMinimizeLike { .. } => InitialDesign::Random,
         _ => InitialDesign::Stratified,

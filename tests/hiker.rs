@@ -7,7 +7,7 @@ mod support;
 use std::path::Path;
 use std::process::ExitCode;
 
-use scenario_runner::pedestrian::commotions::hiker::Reference;
+use scenario_runner::pedestrian::commotions::hiker::HikerReference;
 
 fn main() -> ExitCode {
     let tests: [support::Test; 1] = [("crossing_shares_and_start_times", crossing_shares_and_start_times)];
@@ -15,7 +15,7 @@ fn main() -> ExitCode {
 }
 
 fn crossing_shares_and_start_times(file: &Path) {
-    let reference = Reference::read(file).unwrap();
+    let reference = HikerReference::read(file).unwrap();
     // Every second individual once: 250 runs per scenario.
     let comparisons = reference.compare(file, 2, 1, 20_261_121).unwrap();
     assert_eq!(comparisons.len(), 24);

@@ -1,6 +1,6 @@
 //! The test functions of the optimisation goals. `benches/gp_minimize.py` states the same ones for the reference.
 
-use scenario_runner::optimise::{Dimension, Space};
+use scenario_runner::optimise::{SearchDimension, Space};
 use std::f64::consts::PI;
 
 /// A noisy test problem with known truth.
@@ -23,7 +23,7 @@ pub struct Problem {
 impl Problem {
     pub fn space(&self) -> Space {
         let dimension =
-            |(i, &(low, high)): (usize, &(f64, f64))| Dimension::real(&format!("x{i}"), low, high);
+            |(i, &(low, high)): (usize, &(f64, f64))| SearchDimension::real(&format!("x{i}"), low, high);
         Space::new(self.bounds.iter().enumerate().map(dimension).collect()).expect("the bounds are sound")
     }
 }

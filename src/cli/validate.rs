@@ -10,7 +10,7 @@ use crate::calibrate::{
 };
 use crate::console::{stderr, stdout};
 use crate::pedestrian::commotions::Variant;
-use crate::pedestrian::commotions::hiker::{Comparison, Reference};
+use crate::pedestrian::commotions::hiker::{HikerComparison, HikerReference};
 
 #[derive(Debug, Args)]
 pub struct ValidateArguments {
@@ -56,7 +56,7 @@ pub fn run(arguments: &ValidateArguments) -> Exit {
 }
 
 fn hiker(file: &Path, repetitions: u32, seed: u64) -> Result<Exit, Box<dyn std::error::Error>> {
-    let comparisons = Reference::read(file)?.compare(file, 1, repetitions, seed)?;
+    let comparisons = HikerReference::read(file)?.compare(file, 1, repetitions, seed)?;
     writeln!(stdout(), "crossed before the second car       | median start after the first car (s)");
     writeln!(stdout(), "scenario    runs   ours  ref.  s.e.  |   ours   ref.   diff.  s.e.");
     for comparison in &comparisons {
@@ -74,7 +74,7 @@ fn hiker(file: &Path, repetitions: u32, seed: u64) -> Result<Exit, Box<dyn std::
     Ok(if agree == comparisons.len() { Exit::Success } else { Exit::Failed })
 }
 
-fn row(c: &Comparison) -> String {
+fn row(c: &HikerComparison) -> String {
     let number = |value: Option<f64>| value.map_or_else(|| "–".to_string(), |value| format!("{value:.3}"));
     let errors = c.median_standard_errors();
     format!(

@@ -5,14 +5,14 @@ use crate::optimise;
 use crate::scenario::{Assignment, Expression, Part, Range, RangeValues, Scenario, Target, Value};
 
 /// The optimiser's dimension for a declared range.
-pub fn dimension(range: &Range) -> optimise::Dimension {
+pub fn dimension(range: &Range) -> optimise::SearchDimension {
     let values = match &range.values {
         RangeValues::Real { low, high } => optimise::Range::Real { low: *low, high: *high },
         RangeValues::Logarithmic { low, high } => optimise::Range::Log { low: *low, high: *high },
         RangeValues::Whole { low, high } => optimise::Range::Integer { low: *low, high: *high },
         RangeValues::Words(words) => optimise::Range::Categorical { choices: words.clone() },
     };
-    optimise::Dimension { name: range.target.to_string(), range: values }
+    optimise::SearchDimension { name: range.target.to_string(), range: values }
 }
 
 /// The space of all declared ranges, in their order.

@@ -9,7 +9,7 @@ use super::{ExperimentError, Laboratory, Progress, overrides};
 use crate::numbers::random::derive_seed;
 use crate::numbers::summary::mean;
 use crate::optimise::{
-    self, Definition, Evaluation, InitialDesign, Measurement, Method, Optimiser, Proposal,
+    self, Definition, Evaluation, InitialDesign, Method, ObjectiveValue, Optimiser, Proposal,
 };
 use crate::plan;
 use crate::results::{CaseRun, Course, CoursePoint, Found, Outcome, SavedCase, SavedSet, SearchResult};
@@ -188,7 +188,7 @@ impl Hunt<'_> {
         let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
         self.progress.evaluated(done, self.all, value);
         Ok(Evaluation {
-            objectives: vec![Measurement { value, noise_variance }],
+            objectives: vec![ObjectiveValue { value, noise_variance }],
             margins: Vec::new(),
             repetitions: self.search.runs,
         })

@@ -8,7 +8,7 @@ use super::journal::Record;
 use super::search::definition;
 use super::{EarlierResults, ExperimentError, Laboratory, Progress, overrides};
 use crate::numbers::random::derive_seed;
-use crate::optimise::{self, Evaluation, Margin, Measurement, Optimiser, Proposal};
+use crate::optimise::{self, Evaluation, Margin, ObjectiveValue, Optimiser, Proposal};
 use crate::results::{BeforeAndAfter, Candidate, Outcome, SavedCase, TuneResult, Violations};
 use crate::scenario::{Case, Goal, Objective, Range, ShownIn, Target, Tune, Value};
 
@@ -103,20 +103,20 @@ impl Bench<'_> {
     fn fewest_violations<'o>(
         &self,
         optimiser: &'o Optimiser,
-    ) -> Result<Option<(&'o optimise::Trial, Violations)>, ExperimentError> {
-        let worth = |trial: &optimise::Trial| {
+    ) -> Result<Option<(&'o optimise::EvaluatedPoint, Violations)>, ExperimentError> {
+        let worth = |trial: &optimise::EvaluatedPoint| {
             let value = trial.evaluation.objectives[0].value.unwrap_or(f64::INFINITY);
             match self.tune.objectives[0].direction {
                 Goal::Maximise if value.is_finite() => -value,
                 _ => value,
             }
         };
-        let mut fewest: Option<(&optimise::Trial, Violations)> = None;
+        let mut fewest: Option<(&optimise::EvaluatedPoint, Violations)> = None;
         for trial in optimiser.trials() {
             let settings = overrides::settings(&self.tune.over, &trial.point);
             let outcomes = self.laboratory.run_all(&self.cases(&settings, false)?)?;
             let runs = outcomes.iter().filter(|outcome| self.violated(std::slice::from_ref(outcome))).count();
-            let is_less = |(best, least): &(&optimise::Trial, Violations)| {
+            let is_less = |(best, least): &(&optimise::EvaluatedPoint, Violations)| {
                 runs.cmp(&least.runs).then(worth(trial).total_cmp(&worth(best))).is_lt()
             };
             if fewest.as_ref().is_none_or(is_less) {
@@ -132,7 +132,7 @@ impl Bench<'_> {
                 self.laboratory.objective(&objective.aggregate, objective.direction, outcomes);
             // Of a part of the set an objective says nothing.
             let value = value.filter(|_| !abandoned);
-            Measurement { value, noise_variance: noise_variance.filter(|_| value.is_some()) }
+            ObjectiveValue { value, noise_variance: noise_variance.filter(|_| value.is_some()) }
         };
         let margin =
             |constraint| Margin { value: self.laboratory.margin(constraint, outcomes), censored: abandoned };
@@ -164,7 +164,7 @@ impl Bench<'_> {
 
     fn conclude(&self, optimiser: &Optimiser) -> Result<TuneResult, ExperimentError> {
         let tune = self.tune;
-        let candidate = |trial: &optimise::Trial| Candidate {
+        let candidate = |trial: &optimise::EvaluatedPoint| Candidate {
             point: trial.point.clone(),
             objectives: trial.evaluation.objectives.iter().map(|one| one.value).collect(),
             margins: trial.evaluation.margins.iter().map(|one| one.value).collect(),

@@ -67,11 +67,11 @@ pub(super) fn grid_point(space: &Space, levels: &[usize], index: usize) -> Vec<f
 
 #[cfg(test)]
 mod tests {
-    use super::super::space::Dimension;
+    use super::super::space::SearchDimension;
     use super::*;
 
     fn plane() -> Space {
-        Space::new(vec![Dimension::real("x", 0.0, 1.0), Dimension::real("y", -1.0, 1.0)]).unwrap()
+        Space::new(vec![SearchDimension::real("x", 0.0, 1.0), SearchDimension::real("y", -1.0, 1.0)]).unwrap()
     }
 
     #[test]
@@ -93,9 +93,9 @@ mod tests {
     #[test]
     fn the_grid_holds_the_corners_and_every_choice() {
         let space = Space::new(vec![
-            Dimension::real("x", 0.0, 1.0),
-            Dimension::categorical("kind", ["a", "b", "c"]),
-            Dimension::integer("n", 1, 9),
+            SearchDimension::real("x", 0.0, 1.0),
+            SearchDimension::categorical("kind", ["a", "b", "c"]),
+            SearchDimension::integer("n", 1, 9),
         ])
         .unwrap();
         let levels = grid_levels(&space, 60);

@@ -8,7 +8,7 @@ use super::optimiser::Optimiser;
 use super::pareto;
 use super::space::{Point, Value};
 use super::surrogate::{Posterior, Surrogate};
-use super::{Definition, Trial};
+use super::{Definition, EvaluatedPoint};
 
 /// Half-width of a 95 % band, in standard deviations.
 const BAND: f64 = 1.959_963_984_540_054;
@@ -47,7 +47,7 @@ impl Optimiser {
     /// The feasible trial with the best observed objective: the paper's answer. Biased by the luck of the draw on noisy problems.
     ///
     /// `None` when nothing feasible was seen, or with several objectives (see [`Optimiser::pareto_front`]).
-    pub fn best_observed(&self) -> Option<&Trial> {
+    pub fn best_observed(&self) -> Option<&EvaluatedPoint> {
         let single = self.definition().objectives.len() == 1;
         let feasible = self.trials().iter().filter(|trial| single && trial.is_feasible());
         let ranked = feasible.filter_map(|trial| Some((trial, self.minimised(trial)?[0])));
@@ -80,7 +80,7 @@ impl Optimiser {
     /// # Errors
     /// [`Error::Surrogate`] when no model can be fitted.
     pub fn predictions(&self) -> Result<Vec<Prediction>, Error> {
-        let mut distinct: Vec<&Trial> = Vec::new();
+        let mut distinct: Vec<&EvaluatedPoint> = Vec::new();
         for trial in self.trials() {
             if !distinct.iter().any(|other| other.unit == trial.unit) {
                 distinct.push(trial);
@@ -89,7 +89,7 @@ impl Optimiser {
         let places: Vec<Vec<f64>> = distinct.iter().map(|trial| trial.unit.clone()).collect();
         let Some(models) = self.models()? else { return Ok(Vec::new()) };
         let beliefs = self.beliefs(&models, &places).into_iter().zip(distinct);
-        let prediction = |(belief, trial): (Belief, &Trial)| Prediction {
+        let prediction = |(belief, trial): (Belief, &EvaluatedPoint)| Prediction {
             id: trial.id,
             point: trial.point.clone(),
             mean: belief.mean,
@@ -143,9 +143,9 @@ impl Optimiser {
     }
 
     /// The feasible trials that no other feasible one beats in every objective, by observed values, in order of id.
-    pub fn pareto_front(&self) -> Vec<&Trial> {
+    pub fn pareto_front(&self) -> Vec<&EvaluatedPoint> {
         let feasible = self.trials().iter().filter(|trial| trial.is_feasible());
-        let (trials, vectors): (Vec<&Trial>, Vec<Vec<f64>>) =
+        let (trials, vectors): (Vec<&EvaluatedPoint>, Vec<Vec<f64>>) =
             feasible.filter_map(|trial| Some((trial, self.minimised(trial)?))).unzip();
         pareto::non_dominated(&vectors).into_iter().map(|i| trials[i]).collect()
     }

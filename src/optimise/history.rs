@@ -12,7 +12,7 @@ const LARGEST_VALUE: f64 = 1e150;
 
 /// One objective's value at a point.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Measurement {
+pub struct ObjectiveValue {
     /// The value in its own unit and direction; `None` (or NaN) when it is undefined there or the candidate was abandoned.
     pub value: Option<f64>,
     /// Variance of the value's error, when repetitions gave one; otherwise the model estimates a common one.
@@ -32,7 +32,7 @@ pub struct Margin {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Evaluation {
     /// One measurement per objective of the definition.
-    pub objectives: Vec<Measurement>,
+    pub objectives: Vec<ObjectiveValue>,
     /// One margin per constraint of the definition.
     pub margins: Vec<Margin>,
     /// How many independent repetitions the values are means of.
@@ -48,7 +48,7 @@ impl Evaluation {
     /// One objective and margins, evaluated once, not abandoned.
     pub fn constrained(value: f64, margins: &[f64]) -> Self {
         Evaluation {
-            objectives: vec![Measurement { value: Some(value), noise_variance: None }],
+            objectives: vec![ObjectiveValue { value: Some(value), noise_variance: None }],
             margins: margins.iter().map(|&value| Margin { value: Some(value), censored: false }).collect(),
             repetitions: 1,
         }
@@ -58,7 +58,10 @@ impl Evaluation {
     pub fn undefined(definition: &Definition) -> Self {
         let margin = Margin { value: None, censored: false };
         Evaluation {
-            objectives: vec![Measurement { value: None, noise_variance: None }; definition.objectives.len()],
+            objectives: vec![
+                ObjectiveValue { value: None, noise_variance: None };
+                definition.objectives.len()
+            ],
             margins: vec![margin; definition.constraints],
             repetitions: 1,
         }
@@ -96,7 +99,7 @@ impl Evaluation {
 
 /// A point that was evaluated.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Trial {
+pub struct EvaluatedPoint {
     /// The proposal's number, from 0 in the order of asking.
     pub id: u64,
     /// Unit coordinates.
@@ -107,7 +110,7 @@ pub struct Trial {
     pub evaluation: Evaluation,
 }
 
-impl Trial {
+impl EvaluatedPoint {
     /// Is some margin known to be negative?
     pub fn is_violated(&self) -> bool {
         self.evaluation.margins.iter().any(|margin| margin.value.is_some_and(|value| value < 0.0))
@@ -142,7 +145,7 @@ pub(super) struct Datum {
 }
 
 /// Merges the values of trials at the same place, in order of first appearance.
-pub(super) fn merged<'a>(values: impl Iterator<Item = (&'a Trial, f64, Option<f64>)>) -> Vec<Datum> {
+pub(super) fn merged<'a>(values: impl Iterator<Item = (&'a EvaluatedPoint, f64, Option<f64>)>) -> Vec<Datum> {
     let mut data: Vec<Datum> = Vec::new();
     for (trial, value, variance) in values {
         let count = f64::from(trial.evaluation.repetitions);
@@ -167,12 +170,12 @@ pub(super) fn merged<'a>(values: impl Iterator<Item = (&'a Trial, f64, Option<f6
 
 #[cfg(test)]
 mod tests {
-    use super::super::space::{Dimension, Space};
+    use super::super::space::{SearchDimension, Space};
     use super::*;
 
-    fn trial(x: f64, value: f64, repetitions: u32) -> Trial {
+    fn trial(x: f64, value: f64, repetitions: u32) -> EvaluatedPoint {
         let evaluation = Evaluation { repetitions, ..Evaluation::of(value) };
-        Trial { id: 0, unit: vec![x], point: vec![], evaluation }
+        EvaluatedPoint { id: 0, unit: vec![x], point: vec![], evaluation }
     }
 
     #[test]
@@ -189,7 +192,7 @@ mod tests {
 
     #[test]
     fn numbers_that_are_not_finite_are_undefined_and_mismatches_are_errors() {
-        let space = Space::new(vec![Dimension::real("x", 0.0, 1.0)]).unwrap();
+        let space = Space::new(vec![SearchDimension::real("x", 0.0, 1.0)]).unwrap();
         let definition = Definition { constraints: 1, ..Definition::new(space, 0) };
         let evaluation = Evaluation::constrained(f64::NAN, &[f64::INFINITY]).checked(&definition).unwrap();
         assert_eq!(evaluation, Evaluation::undefined(&definition));

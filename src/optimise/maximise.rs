@@ -138,7 +138,7 @@ fn pattern_search(
 #[cfg(test)]
 mod tests {
     use super::super::random::{Purpose, stream};
-    use super::super::space::Dimension;
+    use super::super::space::SearchDimension;
     use super::*;
 
     fn found(space: &Space, score: impl Fn(&[f64]) -> f64) -> Vec<f64> {
@@ -149,7 +149,7 @@ mod tests {
 
     #[test]
     fn finds_narrow_peaks_on_a_line_and_corners() {
-        let line = Space::new(vec![Dimension::real("x", 6.0, 18.0)]).unwrap();
+        let line = Space::new(vec![SearchDimension::real("x", 6.0, 18.0)]).unwrap();
         let peak = found(&line, |p| -(p[0] - 0.123_456).abs());
         assert!((peak[0] - 0.123_456).abs() < 1e-4, "{peak:?}");
         assert_eq!(found(&line, |p| p[0]), [1.0]);
@@ -158,13 +158,14 @@ mod tests {
 
     #[test]
     fn finds_the_peak_in_six_dimensions_and_over_mixed_ones() {
-        let six = Space::new((0..6).map(|i| Dimension::real(&i.to_string(), 0.0, 1.0)).collect()).unwrap();
+        let six =
+            Space::new((0..6).map(|i| SearchDimension::real(&i.to_string(), 0.0, 1.0)).collect()).unwrap();
         let peak = found(&six, |p| -p.iter().map(|x| (x - 0.3).powi(2)).sum::<f64>());
         assert!(peak.iter().all(|x| (x - 0.3).abs() < 0.1), "{peak:?}");
         let mixed = Space::new(vec![
-            Dimension::real("x", 0.0, 1.0),
-            Dimension::integer("n", 0, 9),
-            Dimension::categorical("kind", ["a", "b", "c"]),
+            SearchDimension::real("x", 0.0, 1.0),
+            SearchDimension::integer("n", 0, 9),
+            SearchDimension::categorical("kind", ["a", "b", "c"]),
         ])
         .unwrap();
         let peak = found(&mixed, |p| -(p[0] - 0.7).powi(2) - (p[1] - 0.35).abs() - (p[2] - 0.5).abs());
@@ -173,7 +174,9 @@ mod tests {
 
     #[test]
     fn a_small_discrete_space_is_searched_completely() {
-        let space = Space::new(vec![Dimension::integer("n", 0, 9), Dimension::integer("m", 0, 9)]).unwrap();
+        let space =
+            Space::new(vec![SearchDimension::integer("n", 0, 9), SearchDimension::integer("m", 0, 9)])
+                .unwrap();
         let target = space.unit(&space.point(&[0.75, 0.25])).unwrap();
         assert_eq!(found(&space, |p| if p == target { 1.0 } else { 0.0 }), target);
     }

@@ -40,10 +40,10 @@ mod tests;
 pub use acquisition::Acquisition;
 pub use definition::{Definition, Goal, ImprovementStop, InitialDesign, Method};
 pub use findings::{Prediction, SlicePoint};
-pub use history::{Evaluation, Margin, Measurement, Trial};
+pub use history::{EvaluatedPoint, Evaluation, Margin, ObjectiveValue};
 pub use journal::{Journal, run, try_run};
-pub use optimiser::{Optimiser, Origin, Proposal, StopReason};
-pub use space::{Dimension, LARGEST_DIMENSION_COUNT, Point, Range, Space, Value};
+pub use optimiser::{OptimisationEnd, Optimiser, Proposal, ProposalOrigin};
+pub use space::{LARGEST_DIMENSION_COUNT, Point, Range, SearchDimension, Space, Value};
 
 /// What can go wrong in the optimiser. Bad numbers told by evaluations are not among it: they count as undefined.
 #[derive(Debug, thiserror::Error)]

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::Error;
 use super::acquisition::SMALLEST_DEVIATION;
 use super::definition::Definition;
-use super::history::{Datum, Trial, merged};
+use super::history::{Datum, EvaluatedPoint, merged};
 use super::surrogate::{
     Dataset, FriedrichSurrogate, HyperParameters, Noise, Outliers, Posterior, Standardisation, Surrogate,
 };
@@ -141,8 +141,8 @@ impl Models {
     /// [`Error::Surrogate`] when a model cannot be fitted.
     pub fn fit(
         definition: &Definition,
-        trials: &[Trial],
-        objective: impl Fn(&Trial) -> Option<(f64, Option<f64>)>,
+        trials: &[EvaluatedPoint],
+        objective: impl Fn(&EvaluatedPoint) -> Option<(f64, Option<f64>)>,
         remembered: &mut Remembered,
     ) -> Result<Self, Error> {
         let fitting = remembered.due(trials.len());
@@ -168,7 +168,7 @@ impl Models {
             let model = fit(1 + c, &recorded, Outliers::CompressBoth)?;
             constraints.push(impute(model, &seen, &censored, &categorical)?);
         }
-        if trials.iter().any(Trial::is_undefined) {
+        if trials.iter().any(EvaluatedPoint::is_undefined) {
             let definedness =
                 merged(trials.iter().map(|t| (t, if t.is_undefined() { -1.0 } else { 1.0 }, None)));
             constraints.push(fit(1 + definition.constraints, &definedness, Outliers::Keep)?);
@@ -227,9 +227,9 @@ pub(super) fn categories(definition: &Definition) -> Vec<bool> {
 }
 
 /// A constraint's margins: those fully seen, and upper limits at places where it was only seen in part.
-fn margins(trials: &[Trial], constraint: usize) -> (Vec<Datum>, Vec<Datum>) {
+fn margins(trials: &[EvaluatedPoint], constraint: usize) -> (Vec<Datum>, Vec<Datum>) {
     let of = |censored: bool| {
-        move |trial: &'_ Trial| {
+        move |trial: &'_ EvaluatedPoint| {
             let margin = trial.evaluation.margins[constraint];
             margin.value.filter(|_| margin.censored == censored)
         }
@@ -278,18 +278,18 @@ mod tests {
     use proptest::prelude::*;
 
     use super::super::history::{Evaluation, Margin};
-    use super::super::space::{Dimension, Space};
+    use super::super::space::{SearchDimension, Space};
     use super::*;
 
-    fn trial(x: f64, margin: Margin) -> Trial {
+    fn trial(x: f64, margin: Margin) -> EvaluatedPoint {
         let evaluation = Evaluation { margins: vec![margin], ..Evaluation::of(x) };
-        Trial { id: 0, unit: vec![x], point: vec![], evaluation }
+        EvaluatedPoint { id: 0, unit: vec![x], point: vec![], evaluation }
     }
 
-    fn feasibility_at(trials: &[Trial], x: f64) -> f64 {
-        let space = Space::new(vec![Dimension::real("x", 0.0, 1.0)]).unwrap();
+    fn feasibility_at(trials: &[EvaluatedPoint], x: f64) -> f64 {
+        let space = Space::new(vec![SearchDimension::real("x", 0.0, 1.0)]).unwrap();
         let definition = Definition { constraints: 1, ..Definition::new(space, 0) };
-        let objective = |t: &Trial| t.evaluation.objectives[0].value.map(|value| (value, None));
+        let objective = |t: &EvaluatedPoint| t.evaluation.objectives[0].value.map(|value| (value, None));
         let models = Models::fit(&definition, trials, objective, &mut Remembered::default()).unwrap();
         models.log_feasibility(&[vec![x]])[0].exp()
     }
@@ -298,7 +298,7 @@ mod tests {
     fn a_censored_margin_is_an_upper_limit() {
         // The true margin is 2 − 4 x. Abandoned candidates at x > 0.5 recorded far too good (but negative) values.
         let margin = |value, censored| Margin { value: Some(value), censored };
-        let mut trials: Vec<Trial> =
+        let mut trials: Vec<EvaluatedPoint> =
             (0..10).map(|i| 0.06 * f64::from(i)).map(|x| trial(x, margin(2.0 - 4.0 * x, false))).collect();
         let without = feasibility_at(&trials, 0.7);
         trials.extend([0.62, 0.7, 0.83].map(|x| trial(x, margin(-0.05, true))));
@@ -381,7 +381,7 @@ mod tests {
     #[test]
     fn undefined_evaluations_count_as_infeasible_around_them() {
         let feasible = Margin { value: Some(1.0), censored: false };
-        let mut trials: Vec<Trial> = (0..20).map(|i| trial(f64::from(i) / 19.0, feasible)).collect();
+        let mut trials: Vec<EvaluatedPoint> = (0..20).map(|i| trial(f64::from(i) / 19.0, feasible)).collect();
         for trial in trials.iter_mut().filter(|trial| trial.unit[0] > 0.6) {
             trial.evaluation.objectives[0].value = None;
         }

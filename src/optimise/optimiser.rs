@@ -6,7 +6,7 @@ use super::Error;
 use super::acquisition::{Acquisition, log_expected_improvement};
 use super::definition::{Definition, InitialDesign, Method};
 use super::design;
-use super::history::{Evaluation, Trial};
+use super::history::{EvaluatedPoint, Evaluation};
 use super::knowledge_gradient::KnowledgeGradient;
 use super::maximise::maximise;
 use super::models::{Models, Remembered};
@@ -27,13 +27,13 @@ pub struct Proposal {
     /// Where to evaluate.
     pub point: Point,
     /// Why there.
-    pub origin: Origin,
+    pub origin: ProposalOrigin,
 }
 
 /// Why a point was proposed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Origin {
+pub enum ProposalOrigin {
     /// Part of the initial or the whole design.
     Design,
     /// The model's choice.
@@ -45,7 +45,7 @@ pub enum Origin {
 /// Why no more points are proposed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum StopReason {
+pub enum OptimisationEnd {
     /// The budget is spent.
     Budget { evaluations: usize },
     /// Several proposals in a row promised less than the threshold; the last promised this much.
@@ -59,7 +59,7 @@ struct Pending {
     id: u64,
     unit: Vec<f64>,
     point: Point,
-    origin: Origin,
+    origin: ProposalOrigin,
 }
 
 /// The optimiser's whole state: plain data, serialisable, the same bits after a round trip.
@@ -71,7 +71,7 @@ struct Pending {
 pub struct Optimiser {
     definition: Definition,
     /// In order of id.
-    trials: Vec<Trial>,
+    trials: Vec<EvaluatedPoint>,
     pending: Vec<Pending>,
     next_id: u64,
     remembered: Remembered,
@@ -116,7 +116,7 @@ impl Optimiser {
     }
 
     /// All evaluations, in order of asking.
-    pub fn trials(&self) -> &[Trial] {
+    pub fn trials(&self) -> &[EvaluatedPoint] {
         &self.trials
     }
 
@@ -152,7 +152,7 @@ impl Optimiser {
         let index = self.pending.iter().position(|pending| pending.id == id).ok_or(Error::Unasked(id))?;
         let evaluation = evaluation.checked(&self.definition)?;
         let Pending { id, unit, point, .. } = self.pending.remove(index);
-        self.insert(Trial { id, unit, point, evaluation });
+        self.insert(EvaluatedPoint { id, unit, point, evaluation });
         Ok(())
     }
 
@@ -165,33 +165,34 @@ impl Optimiser {
         let evaluation = evaluation.checked(&self.definition)?;
         let id = self.next_id;
         self.next_id += 1;
-        self.insert(Trial { id, unit, point: point.to_vec(), evaluation });
+        self.insert(EvaluatedPoint { id, unit, point: point.to_vec(), evaluation });
         Ok(id)
     }
 
-    fn insert(&mut self, trial: Trial) {
+    fn insert(&mut self, trial: EvaluatedPoint) {
         let place = self.trials.partition_point(|other| other.id < trial.id);
         self.trials.insert(place, trial);
     }
 
     /// Why the run is over; `None` while points may still be asked for or are pending.
-    pub fn stop_reason(&self) -> Option<StopReason> {
+    pub fn stop_reason(&self) -> Option<OptimisationEnd> {
         self.stops().filter(|_| self.pending.is_empty())
     }
 
     /// The stop rule that keeps `ask` from proposing more.
-    fn stops(&self) -> Option<StopReason> {
+    fn stops(&self) -> Option<OptimisationEnd> {
         if self.next_id as usize >= self.last_id() {
             let evaluations = self.next_id as usize;
             return Some(match self.definition.method {
                 Method::Grid if evaluations < self.definition.budget => {
-                    StopReason::GridComplete { points: evaluations }
+                    OptimisationEnd::GridComplete { points: evaluations }
                 }
-                _ => StopReason::Budget { evaluations },
+                _ => OptimisationEnd::Budget { evaluations },
             });
         }
         let stop = self.definition.improvement_stop?;
-        (self.quiet >= stop.patience).then_some(StopReason::NoExpectedImprovement { largest: self.promised })
+        (self.quiet >= stop.patience)
+            .then_some(OptimisationEnd::NoExpectedImprovement { largest: self.promised })
     }
 
     /// The number of the first proposal there will never be.
@@ -202,9 +203,9 @@ impl Optimiser {
         }
     }
 
-    fn next_point(&mut self, id: u64) -> (Vec<f64>, Origin) {
+    fn next_point(&mut self, id: u64) -> (Vec<f64>, ProposalOrigin) {
         if let Some(unit) = self.designed(id as usize) {
-            return (unit, Origin::Design);
+            return (unit, ProposalOrigin::Design);
         }
         let chosen = match self.definition.method {
             _ if self.trials.is_empty() => None,
@@ -216,10 +217,13 @@ impl Optimiser {
             _ => self.model_choice(id),
         };
         match chosen {
-            Some((unit, acquisition)) => (unit, Origin::Model(acquisition)),
+            Some((unit, acquisition)) => (unit, ProposalOrigin::Model(acquisition)),
             None => {
                 let mut generator = stream(self.definition.seed, id, Purpose::Candidates);
-                (design::uniform(&self.definition.space, 1, &mut generator).remove(0), Origin::Fallback)
+                (
+                    design::uniform(&self.definition.space, 1, &mut generator).remove(0),
+                    ProposalOrigin::Fallback,
+                )
             }
         }
     }
@@ -281,9 +285,9 @@ impl Optimiser {
     /// Expected improvement never has two points pending: the second would have to improve on a value that the first was
     /// believed not to reach, and ends where little is known rather than where much is promised.
     fn acquisition(&self, id: u64, models: &Models) -> Acquisition {
-        let feasible = self.trials.iter().any(Trial::is_feasible);
+        let feasible = self.trials.iter().any(EvaluatedPoint::is_feasible);
         let is_improving =
-            |pending: &Pending| pending.origin == Origin::Model(Acquisition::ExpectedImprovement);
+            |pending: &Pending| pending.origin == ProposalOrigin::Model(Acquisition::ExpectedImprovement);
         let is_turn = (id as usize).saturating_sub(self.definition.initial).is_multiple_of(2);
         if models.objective.is_none() || (!models.constraints.is_empty() && !feasible) {
             Acquisition::Feasibility
@@ -342,7 +346,7 @@ impl Optimiser {
         let definition = &self.definition;
         if definition.objectives.len() == 1 {
             let goal = definition.objectives[0];
-            let value = |trial: &Trial| {
+            let value = |trial: &EvaluatedPoint| {
                 let measurement = trial.evaluation.objectives[0];
                 Some((goal.minimised(measurement.value?), measurement.noise_variance))
             };
@@ -352,12 +356,12 @@ impl Optimiser {
         let (ids, vectors): (Vec<u64>, Vec<Vec<f64>>) =
             self.trials.iter().filter_map(|trial| Some((trial.id, self.minimised(trial)?))).unzip();
         let scalars = pareto::scalarised(&vectors, &weights);
-        let value = |trial: &Trial| Some((scalars[ids.binary_search(&trial.id).ok()?], None));
+        let value = |trial: &EvaluatedPoint| Some((scalars[ids.binary_search(&trial.id).ok()?], None));
         Models::fit(definition, &self.trials, value, remembered)
     }
 
     /// A trial's objectives as numbers to minimise, when all are defined.
-    pub(super) fn minimised(&self, trial: &Trial) -> Option<Vec<f64>> {
+    pub(super) fn minimised(&self, trial: &EvaluatedPoint) -> Option<Vec<f64>> {
         let goals = self.definition.objectives.iter();
         goals.zip(&trial.evaluation.objectives).map(|(goal, m)| Some(goal.minimised(m.value?))).collect()
     }

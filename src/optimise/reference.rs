@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use super::Error;
 use super::acquisition::{Acquisition, log_expected_improvement, log_probability_of_improvement};
 use super::definition::{Definition, Goal};
-use super::history::{Trial, merged};
+use super::history::{EvaluatedPoint, merged};
 use super::maximise::maximise;
 use super::models::categories;
 use super::random::{Purpose, stream};
@@ -42,7 +42,7 @@ impl Hedge {
         &mut self,
         definition: &Definition,
         penalty: f64,
-        trials: &[Trial],
+        trials: &[EvaluatedPoint],
         pending: &[Vec<f64>],
         proposal: u64,
     ) -> Result<(Vec<f64>, Acquisition), Error> {
@@ -99,7 +99,7 @@ fn score(acquisition: Acquisition, posteriors: &[Posterior], best: f64) -> Vec<f
 }
 
 /// What the reference is told: the objective to minimise, or the penalty.
-pub(super) fn penalised(definition: &Definition, penalty: f64, trial: &Trial) -> f64 {
+pub(super) fn penalised(definition: &Definition, penalty: f64, trial: &EvaluatedPoint) -> f64 {
     let goal: Goal = definition.objectives[0];
     match trial.evaluation.objectives[0].value {
         Some(value) if trial.is_feasible() => goal.minimised(value),

@@ -9,7 +9,7 @@ pub const LARGEST_DIMENSION_COUNT: usize = 10;
 
 /// One named dimension of the search space. Bounds are inclusive and in the caller's own unit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Dimension {
+pub struct SearchDimension {
     /// Name shown in errors and reports.
     pub name: String,
     /// The values it can take.
@@ -63,26 +63,26 @@ impl std::fmt::Display for Value {
     }
 }
 
-impl Dimension {
+impl SearchDimension {
     /// A real dimension from `low` to `high`.
     pub fn real(name: &str, low: f64, high: f64) -> Self {
-        Dimension { name: name.to_owned(), range: Range::Real { low, high } }
+        SearchDimension { name: name.to_owned(), range: Range::Real { low, high } }
     }
 
     /// A positive real dimension searched on a logarithmic scale.
     pub fn log(name: &str, low: f64, high: f64) -> Self {
-        Dimension { name: name.to_owned(), range: Range::Log { low, high } }
+        SearchDimension { name: name.to_owned(), range: Range::Log { low, high } }
     }
 
     /// A whole-number dimension from `low` to `high`, both included.
     pub fn integer(name: &str, low: i64, high: i64) -> Self {
-        Dimension { name: name.to_owned(), range: Range::Integer { low, high } }
+        SearchDimension { name: name.to_owned(), range: Range::Integer { low, high } }
     }
 
     /// A dimension of named choices.
     pub fn categorical<S: Into<String>>(name: &str, choices: impl IntoIterator<Item = S>) -> Self {
         let choices = choices.into_iter().map(Into::into).collect();
-        Dimension { name: name.to_owned(), range: Range::Categorical { choices } }
+        SearchDimension { name: name.to_owned(), range: Range::Categorical { choices } }
     }
 
     /// Number of values of a discrete dimension.
@@ -205,20 +205,20 @@ impl Dimension {
 
 /// One to ten dimensions. Checked when it is made, so that everything after may rely on it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "Vec<Dimension>", into = "Vec<Dimension>")]
+#[serde(try_from = "Vec<SearchDimension>", into = "Vec<SearchDimension>")]
 pub struct Space {
-    dimensions: Vec<Dimension>,
+    dimensions: Vec<SearchDimension>,
 }
 
-impl TryFrom<Vec<Dimension>> for Space {
+impl TryFrom<Vec<SearchDimension>> for Space {
     type Error = Error;
 
-    fn try_from(dimensions: Vec<Dimension>) -> Result<Self, Error> {
+    fn try_from(dimensions: Vec<SearchDimension>) -> Result<Self, Error> {
         Space::new(dimensions)
     }
 }
 
-impl From<Space> for Vec<Dimension> {
+impl From<Space> for Vec<SearchDimension> {
     fn from(space: Space) -> Self {
         space.dimensions
     }
@@ -230,7 +230,7 @@ impl Space {
     /// # Errors
     /// [`Error::Dimensions`] unless there are one to ten with different names; [`Error::Range`] for a range that is empty,
     /// holds one value only, or has bounds that are not finite.
-    pub fn new(dimensions: Vec<Dimension>) -> Result<Self, Error> {
+    pub fn new(dimensions: Vec<SearchDimension>) -> Result<Self, Error> {
         if dimensions.is_empty() || dimensions.len() > LARGEST_DIMENSION_COUNT {
             return Err(Error::Dimensions(format!(
                 "a search space has 1 to {LARGEST_DIMENSION_COUNT} dimensions, not {}",
@@ -247,7 +247,7 @@ impl Space {
     }
 
     /// The dimensions, in order.
-    pub fn dimensions(&self) -> &[Dimension] {
+    pub fn dimensions(&self) -> &[SearchDimension] {
         &self.dimensions
     }
 
@@ -292,10 +292,10 @@ mod tests {
 
     fn mixed() -> Space {
         Space::new(vec![
-            Dimension::real("time", 6.0, 18.0),
-            Dimension::log("gain", 1e-3, 1e3),
-            Dimension::integer("count", -2, 4),
-            Dimension::categorical("kind", ["a", "b", "c"]),
+            SearchDimension::real("time", 6.0, 18.0),
+            SearchDimension::log("gain", 1e-3, 1e3),
+            SearchDimension::integer("count", -2, 4),
+            SearchDimension::categorical("kind", ["a", "b", "c"]),
         ])
         .unwrap()
     }
@@ -303,23 +303,28 @@ mod tests {
     #[test]
     fn empty_ranges_are_errors_that_name_the_dimension() {
         let bad = [
-            Dimension::real("x", 2.0, 2.0),
-            Dimension::real("x", 3.0, 2.0),
-            Dimension::real("x", f64::NAN, 2.0),
-            Dimension::real("x", -f64::MAX, f64::MAX),
-            Dimension::log("x", 0.0, 2.0),
-            Dimension::integer("x", 4, 4),
-            Dimension::integer("x", i64::MIN, i64::MAX),
-            Dimension::categorical("x", ["only"]),
-            Dimension::categorical("x", ["a", "b", "a"]),
+            SearchDimension::real("x", 2.0, 2.0),
+            SearchDimension::real("x", 3.0, 2.0),
+            SearchDimension::real("x", f64::NAN, 2.0),
+            SearchDimension::real("x", -f64::MAX, f64::MAX),
+            SearchDimension::log("x", 0.0, 2.0),
+            SearchDimension::integer("x", 4, 4),
+            SearchDimension::integer("x", i64::MIN, i64::MAX),
+            SearchDimension::categorical("x", ["only"]),
+            SearchDimension::categorical("x", ["a", "b", "a"]),
         ];
         for dimension in bad {
             let error = Space::new(vec![dimension.clone()]).expect_err(&format!("{dimension:?}"));
             assert!(error.to_string().contains("`x`"), "{error}");
         }
         assert!(Space::new(vec![]).is_err());
-        assert!(Space::new((0..11).map(|i| Dimension::real(&i.to_string(), 0.0, 1.0)).collect()).is_err());
-        assert!(Space::new(vec![Dimension::real("x", 0.0, 1.0), Dimension::real("x", 0.0, 1.0)]).is_err());
+        assert!(
+            Space::new((0..11).map(|i| SearchDimension::real(&i.to_string(), 0.0, 1.0)).collect()).is_err()
+        );
+        assert!(
+            Space::new(vec![SearchDimension::real("x", 0.0, 1.0), SearchDimension::real("x", 0.0, 1.0)])
+                .is_err()
+        );
     }
 
     #[test]

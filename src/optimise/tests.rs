@@ -7,15 +7,15 @@ use proptest::prelude::*;
 use super::*;
 
 fn line() -> Space {
-    Space::new(vec![Dimension::real("x", 6.0, 18.0)]).unwrap()
+    Space::new(vec![SearchDimension::real("x", 6.0, 18.0)]).unwrap()
 }
 
 fn mixed() -> Space {
     Space::new(vec![
-        Dimension::real("time", 0.0, 1.0),
-        Dimension::log("gain", 1e-2, 1e2),
-        Dimension::integer("count", 0, 5),
-        Dimension::categorical("kind", ["a", "b", "c"]),
+        SearchDimension::real("time", 0.0, 1.0),
+        SearchDimension::log("gain", 1e-2, 1e2),
+        SearchDimension::integer("count", 0, 5),
+        SearchDimension::categorical("kind", ["a", "b", "c"]),
     ])
     .unwrap()
 }
@@ -207,22 +207,23 @@ fn a_journal_of_version_0_1_is_taken_over_with_a_notice() {
 #[test]
 fn stop_rules_are_reported() {
     let spent = finished(&Definition { budget: 20, ..Definition::new(line(), 1) }, 4);
-    assert_eq!(spent.stop_reason(), Some(StopReason::Budget { evaluations: 20 }));
+    assert_eq!(spent.stop_reason(), Some(OptimisationEnd::Budget { evaluations: 20 }));
     let stop = ImprovementStop { below: 1e-3, patience: 3 };
     let definition = Definition { budget: 60, improvement_stop: Some(stop), ..Definition::new(line(), 1) };
     let mut flat = Optimiser::new(definition).unwrap();
     run(&mut flat, 1, None, |_| Evaluation::of(2.5)).unwrap();
     assert!(
-        matches!(flat.stop_reason(), Some(StopReason::NoExpectedImprovement { largest }) if largest < 1e-3)
+        matches!(flat.stop_reason(), Some(OptimisationEnd::NoExpectedImprovement { largest }) if largest < 1e-3)
     );
     assert!(flat.trials().len() < 60 && flat.clone().ask(1).is_empty());
 
     let space =
-        Space::new(vec![Dimension::integer("n", 1, 3), Dimension::categorical("k", ["a", "b"])]).unwrap();
+        Space::new(vec![SearchDimension::integer("n", 1, 3), SearchDimension::categorical("k", ["a", "b"])])
+            .unwrap();
     let definition = Definition { method: Method::Grid, ..Definition::new(space, 1) };
     let mut grid = Optimiser::new(definition).unwrap();
     run(&mut grid, 4, None, |proposal| Evaluation::of(proposal.point[0].number().unwrap())).unwrap();
-    assert_eq!(grid.stop_reason(), Some(StopReason::GridComplete { points: 6 }));
+    assert_eq!(grid.stop_reason(), Some(OptimisationEnd::GridComplete { points: 6 }));
 
     let mut pending =
         Optimiser::new(Definition { budget: 1, initial: 1, ..Definition::new(line(), 1) }).unwrap();
@@ -233,7 +234,7 @@ fn stop_rules_are_reported() {
 #[test]
 fn senseless_definitions_and_tells_are_errors() {
     let good = Definition::new(line(), 0);
-    let grid_of_1024 = (0..10).map(|i| Dimension::real(&i.to_string(), 0.0, 1.0)).collect();
+    let grid_of_1024 = (0..10).map(|i| SearchDimension::real(&i.to_string(), 0.0, 1.0)).collect();
     for bad in [
         Definition { objectives: vec![], ..good.clone() },
         Definition { budget: 0, ..good.clone() },
@@ -372,7 +373,8 @@ fn two_objectives_give_a_front() {
         Optimiser::new(Definition { objectives: goals, budget: 40, ..Definition::new(line(), 2) }).unwrap();
     run(&mut optimiser, 1, None, |proposal| {
         let x = proposal.point[0].number().unwrap();
-        let measurement = |target: f64| Measurement { value: Some((x - target).abs()), noise_variance: None };
+        let measurement =
+            |target: f64| ObjectiveValue { value: Some((x - target).abs()), noise_variance: None };
         Evaluation { objectives: vec![measurement(8.0), measurement(14.0)], margins: vec![], repetitions: 1 }
     })
     .unwrap();
@@ -394,8 +396,9 @@ fn a_batch_spreads_and_only_one_of_it_hopes_for_improvement() {
     let mut points: Vec<f64> = batch.iter().map(|proposal| proposal.point[0].number().unwrap()).collect();
     points.sort_by(f64::total_cmp);
     assert!(points.windows(2).filter(|pair| pair[1] - pair[0] > 0.05).count() >= 4, "{points:?}");
-    assert!(batch.iter().all(|proposal| matches!(proposal.origin, Origin::Model(_))));
-    let improves = |proposal: &&Proposal| proposal.origin == Origin::Model(Acquisition::ExpectedImprovement);
+    assert!(batch.iter().all(|proposal| matches!(proposal.origin, ProposalOrigin::Model(_))));
+    let improves =
+        |proposal: &&Proposal| proposal.origin == ProposalOrigin::Model(Acquisition::ExpectedImprovement);
     assert_eq!(batch.iter().filter(improves).count(), 1);
     // The two take turns as soon as it is told.
     for proposal in batch {

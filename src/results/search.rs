@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::cases::{CaseRun, SavedCase, SavedSet};
-use crate::optimise::{self, SlicePoint, StopReason};
+use crate::optimise::{self, OptimisationEnd, SlicePoint};
 use crate::scenario::{Goal, Individual, ShownIn};
 
 /// What a search found.
@@ -42,7 +42,7 @@ pub struct Found {
     pub passed_first: Option<String>,
     /// Objective of every evaluation in order; `None` where it is undefined.
     pub evaluations: Vec<(Vec<optimise::Value>, Option<f64>)>,
-    pub stop: Option<StopReason>,
+    pub stop: Option<OptimisationEnd>,
     /// The surrogate through the best point, one slice per dimension.
     pub slices: Vec<Vec<SlicePoint>>,
     /// The runs at the best point, kept or not.

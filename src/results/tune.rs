@@ -5,7 +5,7 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use super::cases::MetricSummary;
-use crate::optimise::{self, SlicePoint, StopReason};
+use crate::optimise::{self, OptimisationEnd, SlicePoint};
 use crate::scenario::ShownIn;
 
 /// What a tune came to.
@@ -35,7 +35,7 @@ pub struct TuneResult {
     pub pareto: Vec<Candidate>,
     /// Every candidate in order.
     pub evaluations: Vec<Candidate>,
-    pub stop: Option<StopReason>,
+    pub stop: Option<OptimisationEnd>,
     /// The surrogate of the first objective through the chosen candidate, one slice per parameter.
     pub slices: Vec<Vec<SlicePoint>>,
     /// What the scenarios declare against the chosen candidate.

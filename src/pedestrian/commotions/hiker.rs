@@ -21,7 +21,7 @@ const FIRST_CAR_PASSES: f64 = 3.0;
 /// The reference file, `hiker_reference.json`.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Reference {
+pub struct HikerReference {
     /// What the file says about itself.
     #[serde(rename = "note")]
     pub _note: String,
@@ -30,15 +30,15 @@ pub struct Reference {
     /// The variant simulated.
     pub variant: String,
     /// Its individuals.
-    pub parameters: Individuals,
+    pub parameters: HikerIndividuals,
     /// The scenarios by name: speed in mph, time gap in s, and `y` where the second car yields.
-    pub scenarios: BTreeMap<String, Scenario>,
+    pub scenarios: BTreeMap<String, HikerScenario>,
 }
 
 /// Parameter sets: names and rows of values.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Individuals {
+pub struct HikerIndividuals {
     params: Vec<String>,
     rows: Vec<Vec<f64>>,
 }
@@ -46,7 +46,7 @@ pub struct Individuals {
 /// One scenario, what people did in it and what the reference program did.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Scenario {
+pub struct HikerScenario {
     vehicle_speed: f64,
     #[serde(rename = "time_gap")]
     _time_gap: f64,
@@ -124,7 +124,7 @@ pub enum HikerError {
     },
 }
 
-impl Reference {
+impl HikerReference {
     /// Reads the reference file.
     ///
     /// # Errors
@@ -137,7 +137,7 @@ impl Reference {
 
     /// The individuals, of whom every `stride`-th is taken.
     fn individuals(&self, file: &Path, stride: usize) -> Result<Vec<Parameters>, HikerError> {
-        let Individuals { params, rows } = &self.parameters;
+        let HikerIndividuals { params, rows } = &self.parameters;
         let mut people = Vec::with_capacity(rows.len());
         for (row, values) in rows.iter().enumerate().step_by(stride) {
             if values.len() != params.len() {
@@ -170,10 +170,10 @@ impl Reference {
         stride: usize,
         repetitions: u32,
         seed: u64,
-    ) -> Result<Vec<Comparison>, HikerError> {
+    ) -> Result<Vec<HikerComparison>, HikerError> {
         let variant: Variant = self.variant.parse()?;
         let people = self.individuals(file, stride)?;
-        let compare = |(name, scenario): (&String, &Scenario)| {
+        let compare = |(name, scenario): (&String, &HikerScenario)| {
             let runs: Vec<Option<f64>> = (0..people.len() * repetitions as usize)
                 .into_par_iter()
                 .map(|run| {
@@ -184,7 +184,7 @@ impl Reference {
                 .collect();
             let mut starts: Vec<f64> = runs.iter().copied().flatten().collect();
             starts.sort_by(f64::total_cmp);
-            Comparison {
+            HikerComparison {
                 scenario: name.clone(),
                 runs: runs.len(),
                 crossed_before: starts.len() as f64 / runs.len() as f64,
@@ -217,7 +217,7 @@ fn share_below(values: &[f64], threshold: f64) -> f64 {
     values.iter().map(weight).sum::<f64>() / values.len() as f64
 }
 
-impl Scenario {
+impl HikerScenario {
     /// When the pedestrian starts to cross (s after the first car passed), if it crosses before the second.
     fn start_of_crossing(&self, variant: &Variant, individual: &Parameters, seed: u64) -> Option<f64> {
         let meeting = Meeting {
@@ -245,7 +245,7 @@ impl Scenario {
 
 /// Our runs of one scenario beside the reference's.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Comparison {
+pub struct HikerComparison {
     /// The scenario's name.
     pub scenario: String,
     /// How many runs.
@@ -264,7 +264,7 @@ pub struct Comparison {
     pub reference_median_start: Option<f64>,
 }
 
-impl Comparison {
+impl HikerComparison {
     /// How many standard errors (of the difference of two shares) lie between the two shares.
     ///
     /// With the share of both together, so that a share of 0 has an error too.
@@ -324,7 +324,7 @@ mod tests {
 
     #[test]
     fn standard_errors_are_those_of_a_difference_of_shares() {
-        let comparison = Comparison {
+        let comparison = HikerComparison {
             scenario: String::new(),
             runs: 100,
             crossed_before: 0.6,

@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::figure::HtmlFigure;
 use super::space::{MeasuredQuantity, SpaceDimension, point_text, sign};
 use crate::numbers::summary::mean;
-use crate::optimise::{StopReason, Value};
+use crate::optimise::{OptimisationEnd, Value};
 use crate::report::chart::{
     self, Along, Convergence, Convergences, CourseLine, Dot, First, IndividualsChart, LegendEntry, Look,
     PointMark, Rule, Slice, Strip, Strips, Tried, first_legend, with_room,
@@ -190,9 +190,9 @@ impl Hunt<'_> {
             first: found.passed_first.clone().unwrap_or_else(|| "–".into()),
             evaluations: found.evaluations.len(),
             stop: match found.stop {
-                Some(StopReason::Budget { .. }) => "budget spent",
-                Some(StopReason::NoExpectedImprovement { .. }) => "nothing better expected",
-                Some(StopReason::GridComplete { .. }) => "grid complete",
+                Some(OptimisationEnd::Budget { .. }) => "budget spent",
+                Some(OptimisationEnd::NoExpectedImprovement { .. }) => "nothing better expected",
+                Some(OptimisationEnd::GridComplete { .. }) => "grid complete",
                 None => "–",
             },
         }

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::figure::HtmlFigure;
 use super::space::{MeasuredQuantity, SpaceDimension, point_text};
-use crate::optimise::StopReason;
+use crate::optimise::OptimisationEnd;
 use crate::report::chart::{AxisQuantity, Convergence, Front, PointMark, Rule, Slice, Tried};
 use crate::report::experiment::tuned_parameters;
 use crate::report::format::share;
@@ -137,9 +137,11 @@ impl<'a> Bench<'a> {
         }
         let evaluations = result.evaluations.len();
         let ended = match result.stop {
-            Some(StopReason::NoExpectedImprovement { .. }) => ", after which nothing better was expected",
-            Some(StopReason::GridComplete { .. }) => ", the whole grid",
-            Some(StopReason::Budget { .. }) | None => "",
+            Some(OptimisationEnd::NoExpectedImprovement { .. }) => {
+                ", after which nothing better was expected"
+            }
+            Some(OptimisationEnd::GridComplete { .. }) => ", the whole grid",
+            Some(OptimisationEnd::Budget { .. }) | None => "",
         };
         let mut sentences = vec![first + "."];
         let feasible = result.evaluations.iter().filter(|candidate| candidate.feasible).count();
