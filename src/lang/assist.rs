@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use super::check::{obstacle, signalised, unmarked, zebra};
+use super::declared::declared;
 use super::files::Files;
 use super::source::{Sources, Span};
-use super::statements;
-use super::tree::{Node, Rule, Tree};
+use super::syntax::ast::{self, View, Word};
+use super::syntax::{Node, Tree};
 use super::units;
 use crate::files::{self, Overlay};
 use crate::registry::Registry;
@@ -17,17 +17,16 @@ pub fn hover(tree: &Tree, offset: usize, registry: &Registry) -> Option<(Span, S
     let path = path_to(tree, offset);
     let node = *path.last()?;
     let parent = path.len().checked_sub(2).map(|index| path[index]);
-    let text = match (node.rule(), parent.map(Node::rule)) {
-        (Rule::unit, _) => {
+    let text = match Word::cast(node) {
+        Some(Word::Unit(_)) => {
             let unit = units::unit_of(node.text())?;
             format!("`{}`: {}, a unit of {}", unit.symbol, unit.doc, unit.dimension.name())
         }
-        (Rule::name, Some(Rule::controller | Rule::dynamics | Rule::model)) => {
-            declared(&declaration_of(parent?, registry)?)
+        Some(Word::Name(_)) if parent.and_then(ast::NamesRegistered::cast).is_some() => {
+            whole(&declared(parent?, registry)?)
         }
-        (Rule::name, Some(Rule::metric)) => declared(&registry.metrics().get(node.text())?.declaration),
-        (Rule::setting_name, _) => {
-            let owner = path.iter().rev().find_map(|node| declaration_of(*node, registry))?;
+        Some(Word::SettingName(_)) => {
+            let owner = path.iter().rev().find_map(|node| declared(*node, registry))?;
             match owner.parameter(node.text()) {
                 Some(found) => parameter(found),
                 None => {
@@ -41,25 +40,20 @@ pub fn hover(tree: &Tree, offset: usize, registry: &Registry) -> Option<(Span, S
                 }
             }
         }
-        (Rule::reference | Rule::name, _) => {
+        Some(Word::Reference(_) | Word::Name(_)) => {
             let place = local_definition(&path, node.text())?;
             let line = tree.text()[..place.start].rfind('\n').map_or(0, |at| at + 1);
             let end = tree.text()[place.end..].find('\n').map_or(tree.text().len(), |at| place.end + at);
             format!("```scn\n{}\n```", tree.text()[line..end].trim())
         }
-        _ => {
-            let index = path.iter().rposition(|node| !statements_of(node.rule()).is_empty())?;
-            let statement = path.get(index + 1)?;
-            let word = statement.text().split_whitespace().next()?;
-            let known = statements_of(path[index].rule()).iter().find(|known| known.word == word)?;
+        None => {
+            let (index, block) =
+                path.iter().enumerate().rev().find_map(|(index, node)| Some((index, node.block()?)))?;
+            let known = block.beginning(path.get(index + 1)?.text())?;
             format!("{}\n\n`{}`", known.doc, known.usage)
         }
     };
     Some((node.span(), text))
-}
-
-pub(super) fn statements_of(rule: Rule) -> &'static [statements::Statement] {
-    statements::BLOCKS.iter().find(|block| block.rule == rule).map_or(&[], |block| block.statements)
 }
 
 /// The nodes around a byte, from the file to the innermost.
@@ -73,24 +67,7 @@ pub(super) fn path_to(tree: &Tree, offset: usize) -> Vec<Node<'_>> {
     path
 }
 
-/// What a statement that names something registered declares.
-pub(super) fn declaration_of(statement: Node, registry: &Registry) -> Option<Declaration> {
-    let name = statement.child(Rule::name).map_or("", Node::text);
-    match statement.rule() {
-        Rule::controller => registry.controllers().get(name).map(|found| found.declaration.clone()),
-        Rule::dynamics => registry.dynamics().get(name).map(|found| found.declaration.clone()),
-        Rule::model => registry.pedestrians().get(name).map(|found| found.declaration.clone()),
-        Rule::metric => registry.metrics().get(name).map(|found| found.declaration.clone()),
-        Rule::sees => Some(registry.perception().declaration.clone()),
-        Rule::obstacle => Some(obstacle()),
-        Rule::crossing if statement.has(Rule::kw_zebra) => Some(zebra()),
-        Rule::crossing if statement.has(Rule::kw_unmarked) => Some(unmarked()),
-        Rule::crossing => Some(signalised()),
-        _ => None,
-    }
-}
-
-fn declared(declaration: &Declaration) -> String {
+fn whole(declaration: &Declaration) -> String {
     let mut text =
         format!("**{}** – {}\n\nSource: {}\n", declaration.name, declaration.summary, declaration.source);
     for found in &declaration.parameters {
@@ -128,42 +105,32 @@ pub fn definition(
     let parent = around.len().checked_sub(2).map(|index| around[index])?;
     let name = node.text();
     let names = files.names(file);
-    let span = match (node.rule(), parent.rule()) {
-        (Rule::name, Rule::base) => names.scenarios.get(name)?.span,
-        (
-            Rule::name,
-            Rule::search_in
-            | Rule::on_cases
-            | Rule::as_many
-            | Rule::evaluated
-            | Rule::outcomes
-            | Rule::chosen,
-        ) => names.blocks.get(name).or_else(|| names.scenarios.get(name))?.span,
-        (Rule::name, Rule::road_choice) => names.roads.get(name)?.span,
-        (Rule::reference | Rule::name, _) => local_definition(&around, name)
+    let span = match Word::cast(node)? {
+        Word::Name(_) if ast::Base::cast(parent).is_some() => names.scenarios.get(name)?.span,
+        Word::Name(_) if ast::Referring::cast(parent).is_some() => {
+            names.blocks.get(name).or_else(|| names.scenarios.get(name))?.span
+        }
+        Word::Name(_) if ast::RoadChoice::cast(parent).is_some() => names.roads.get(name)?.span,
+        Word::Name(_) | Word::Reference(_) => local_definition(&around, name)
             .or_else(|| files.scope(file).names.get(name).map(|binding| binding.span))?,
-        _ => return None,
+        Word::Unit(_) | Word::SettingName(_) => return None,
     };
     Some((span, files.sources))
 }
 
 /// Where the blocks around a place define a name.
 fn local_definition(path: &[Node], name: &str) -> Option<Span> {
-    const DEFINING: [Rule; 6] =
-        [Rule::binding, Rule::vary, Rule::varied, Rule::vehicle, Rule::pedestrian, Rule::parameter];
-    path.iter()
-        .rev()
-        .filter(|node| matches!(node.rule(), Rule::scenario | Rule::define | Rule::file))
-        .find_map(|node| {
-            let whole_file = node.rule() == Rule::file;
-            node.descendants()
-                .filter(|inner| {
-                    DEFINING.contains(&inner.rule()) && (!whole_file || inner.rule() == Rule::binding)
-                })
-                .filter_map(|inner| inner.child(Rule::name))
-                .find(|defined| defined.text() == name)
-                .map(Node::span)
-        })
+    path.iter().rev().find_map(|node| {
+        let whole_file = ast::File::cast(*node).is_some();
+        if !whole_file && ast::Scenario::cast(*node).is_none() {
+            return None;
+        }
+        node.every::<ast::Local>()
+            .filter(|inner| !whole_file || matches!(inner, ast::Local::Binding(_)))
+            .filter_map(|inner| inner.parts::<ast::Name>().next())
+            .find(|defined| defined.text() == name)
+            .map(|defined| defined.span())
+    })
 }
 
 #[cfg(test)]

@@ -7,7 +7,8 @@ use super::codes::Code;
 use super::diagnostic::Diagnostic;
 use super::files::{Definition, FileId, Files};
 use super::source::Span;
-use super::tree::{Node, NodeIndex, Rule};
+use super::syntax::NodeIndex;
+use super::syntax::ast::{self, View};
 use crate::scenario::{Evaluate, Scenario, Search, Statement, Tune};
 
 /// Every block of a suite without mistakes.
@@ -19,12 +20,10 @@ pub struct Blocks {
     pub statements: Vec<Statement>,
 }
 
-const KINDS: [Rule; 4] = [Rule::search, Rule::tune, Rule::evaluate, Rule::statement];
-
 /// The blocks that belong to a suite, with the scenarios that they bring along from used files.
 #[derive(Default)]
 pub struct Gathered<'t> {
-    nodes: Vec<(FileId, Node<'t>)>,
+    nodes: Vec<(FileId, ast::Block<'t>)>,
     /// Everything that they refer to.
     names: HashSet<&'t str>,
     /// Scenarios whose runs a statement measures, so that they belong to the suite.
@@ -44,10 +43,9 @@ struct Reference<'t> {
 pub fn gather<'t>(files: &'t Files, of: &[FileId], definitions: &[Definition]) -> Gathered<'t> {
     let mut gathered = Gathered::default();
     for file in of {
-        let root = files.tree(*file).root();
-        let inner =
-            root.all(Rule::suite).flat_map(|suite| suite.all(Rule::suite_block)).flat_map(Node::children);
-        let blocks = root.children().chain(inner).filter(|node| KINDS.contains(&node.rule()));
+        let root = files.tree(*file).file();
+        let inner = root.suites().flat_map(|suite| suite.block().blocks());
+        let blocks = root.blocks().chain(inner);
         gathered.nodes.extend(blocks.map(|node| (*file, node)));
     }
     let mut seen: HashSet<(FileId, NodeIndex)> =
@@ -60,10 +58,12 @@ pub fn gather<'t>(files: &'t Files, of: &[FileId], definitions: &[Definition]) -
             gathered.names.insert(name);
             if let Some(block) = names.blocks.get(name) {
                 if seen.insert((block.file, block.node)) {
-                    gathered.nodes.push((block.file, files.node(*block)));
+                    gathered
+                        .nodes
+                        .extend(ast::Block::cast(files.node(*block)).map(|node| (block.file, node)));
                 }
             } else if let Some(scenario) = names.scenarios.get(name)
-                && files.node(*scenario).rule() == Rule::scenario
+                && !files.scenario(*scenario).is_template()
                 && !definitions.contains(scenario)
             {
                 let into = if measures { &mut gathered.measured } else { &mut gathered.supporting };
@@ -78,12 +78,10 @@ pub fn gather<'t>(files: &'t Files, of: &[FileId], definitions: &[Definition]) -
     gathered
 }
 
-fn references(block: Node) -> impl Iterator<Item = Reference> {
-    const REFERRING: [Rule; 6] =
-        [Rule::search_in, Rule::on_cases, Rule::as_many, Rule::evaluated, Rule::outcomes, Rule::chosen];
-    block.descendants().filter(|node| REFERRING.contains(&node.rule())).flat_map(|node| {
-        let alone = node.rule() == Rule::outcomes;
-        let names = node.all(Rule::name).take(if alone { 1 } else { usize::MAX });
+fn references(block: ast::Block) -> impl Iterator<Item = Reference> {
+    block.every::<ast::Referring>().flat_map(|node| {
+        let alone = matches!(node, ast::Referring::Outcomes(_));
+        let names = node.parts::<ast::Name>().take(if alone { 1 } else { usize::MAX });
         names.map(move |name| Reference { name: name.text(), measures: alone })
     })
 }
@@ -117,24 +115,30 @@ impl Gathered<'_> {
         };
         let mut statements = Vec::new();
         // Each kind is about the ones before it, so no circle can arise.
-        for kind in KINDS {
-            for (file, node) in self.nodes.iter().filter(|(_, node)| node.rule() == kind) {
-                let scope = files.scope(*file);
-                let name = node.child(Rule::name).map_or("", Node::text);
-                match kind {
-                    Rule::search => {
-                        let search = check::search(*node, &subjects, scope, &places, report);
-                        subjects.searches.add(name, search);
-                    }
-                    Rule::tune => {
-                        let tune = check::tune(*node, &subjects, scope, &places, report);
-                        subjects.tunes.add(name, tune);
-                    }
-                    Rule::evaluate => {
-                        let evaluate = check::evaluate(*node, &subjects, scope, &places, report);
-                        subjects.evaluates.add(name, evaluate);
-                    }
-                    _ => statements.extend(check::statement(*node, &subjects, scope, &places, report)),
+        let mut nodes = self.nodes;
+        nodes.sort_by_key(|(_, node)| match node {
+            ast::Block::Search(_) => 0,
+            ast::Block::Tune(_) => 1,
+            ast::Block::Evaluate(_) => 2,
+            ast::Block::Statement(_) => 3,
+        });
+        for (file, node) in nodes {
+            let (scope, name) = (files.scope(file), node.name().text());
+            match node {
+                ast::Block::Search(node) => {
+                    let search = check::search(node, &subjects, scope, &places, report);
+                    subjects.searches.add(name, search);
+                }
+                ast::Block::Tune(node) => {
+                    let tune = check::tune(node, &subjects, scope, &places, report);
+                    subjects.tunes.add(name, tune);
+                }
+                ast::Block::Evaluate(node) => {
+                    let evaluate = check::evaluate(node, &subjects, scope, &places, report);
+                    subjects.evaluates.add(name, evaluate);
+                }
+                ast::Block::Statement(node) => {
+                    statements.extend(check::statement(node, &subjects, scope, &places, report));
                 }
             }
         }
@@ -151,18 +155,16 @@ impl Gathered<'_> {
 /// has been done.
 fn reject_shared_names(
     files: &Files,
-    nodes: &[(FileId, Node)],
+    nodes: &[(FileId, ast::Block)],
     definitions: &[Definition],
     report: &mut Vec<Diagnostic>,
 ) {
-    let scenario = |definition: &Definition| {
-        let name = files.node(*definition).child(Rule::name)?;
-        Some((name.text(), (definition.span, true)))
-    };
-    let mut names: HashMap<&str, (Span, bool)> = definitions.iter().filter_map(scenario).collect();
+    let scenario =
+        |definition: &Definition| (files.scenario(*definition).name().text(), (definition.span, true));
+    let mut names: HashMap<&str, (Span, bool)> = definitions.iter().map(scenario).collect();
     let known: HashSet<Span> =
         report.iter().filter(|finding| finding.code == Code::DuplicateName).map(Diagnostic::span).collect();
-    let named = nodes.iter().filter_map(|(_, node)| node.child(Rule::name));
+    let named = nodes.iter().map(|(_, node)| node.name());
     for name in named.filter(|name| !known.contains(&name.span())) {
         match names.get(name.text()) {
             Some((first, is_scenario)) if *is_scenario || first.source != name.span().source => {

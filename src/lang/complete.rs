@@ -6,12 +6,13 @@
 use std::collections::HashSet;
 use std::path::Path;
 
-use super::assist::{declaration_of, path_to, statements_of};
-use super::check::{AGGREGATES, DISTRIBUTIONS, obstacle, signalised, unmarked, zebra};
+use super::assist::path_to;
+use super::check::{AGGREGATES, DISTRIBUTIONS};
+use super::declared;
 use super::files::{FileId, Files};
-use super::lexer::{self, Token, TokenKind};
-use super::syntax_error::goes_on_with;
-use super::tree::{Node, Rule};
+use super::syntax::ast::{self, View};
+use super::syntax::words::{self, Block, Kind};
+use super::syntax::{self, Next, Node, Token, TokenKind, goes_on_with};
 use super::units;
 use crate::files::{self, Overlay};
 use crate::registry::{Registry, Table};
@@ -35,7 +36,7 @@ pub fn complete(
 ) -> Vec<Proposal> {
     let before = &text[..offset.min(text.len())];
     let tokens: Vec<Token> =
-        lexer::tokens(before).into_iter().filter(|token| token.kind != TokenKind::Space).collect();
+        syntax::tokens(before).into_iter().filter(|token| token.kind != TokenKind::Space).collect();
     if tokens.last().is_some_and(|token| matches!(token.kind, TokenKind::Comment | TokenKind::OpenString)) {
         return Vec::new();
     }
@@ -66,36 +67,35 @@ pub fn complete(
         statement.pop();
     }
     let owner = open.last().map_or(&[] as &[&str], Vec::as_slice);
-    if let Some(declaration) = settings_of(owner, registry) {
+    let first_two = |index| owner.get(index).copied().unwrap_or_default();
+    if let Some(declaration) =
+        declared::named(first_two(0), first_two(1), registry).filter(|_| owner.len() < 3)
+    {
         return setting(&declaration, &statement);
     }
     let block = block_of(owner);
     match statement.as_slice() {
         [] => first_words(block, registry),
         [.., number] if number.starts_with(|c: char| c.is_ascii_digit()) => units(),
-        ["controller"] => all(registry.controllers()),
-        ["dynamics"] => all(registry.dynamics()),
-        ["model"] => all(registry.pedestrians()),
-        ["crossing"] => {
-            let kinds = [("zebra", zebra()), ("unmarked", unmarked()), ("signalised", signalised())];
-            kinds.iter().map(|(name, kind)| proposal(name, &kind.summary)).collect()
+        [word @ ("controller" | "dynamics" | "model" | "crossing")] => {
+            let choices = declared::choices(word, registry);
+            choices.iter().map(|(name, kind)| proposal(name, &kind.summary)).collect()
         }
-        [.., "no"] if !matches!(block, Rule::road_block | Rule::gate_block) => all(registry.metrics()),
-        ["road"] => {
-            visible(path, &without_line(text, before.len()), registry, texts, &[Rule::road_definition])
-        }
-        [.., ":"] if block == Rule::file => {
-            visible(path, &without_line(text, before.len()), registry, texts, &[Rule::scenario, Rule::define])
+        [.., "no"] if !is(block, &[Kind::Road, Kind::Gate]) => all(registry.metrics()),
+        ["road"] => visible(path, &without_line(text, before.len()), registry, texts, |kind| {
+            matches!(kind, ast::Defining::RoadDefinition(_))
+        }),
+        [.., ":"] if is(block, &[Kind::File]) => {
+            visible(path, &without_line(text, before.len()), registry, texts, |kind| {
+                matches!(kind, ast::Defining::Scenario(_))
+            })
         }
         [.., "in" | "on" | "of" | "with" | "as"] if refers(block, &statement) => {
-            let blocks = [Rule::search, Rule::tune, Rule::evaluate];
-            visible(
-                path,
-                &without_line(text, before.len()),
-                registry,
-                texts,
-                &[&blocks[..], &[Rule::scenario]].concat(),
-            )
+            visible(path, &without_line(text, before.len()), registry, texts, |kind| match kind {
+                ast::Defining::Scenario(scenario) => !scenario.is_template(),
+                ast::Defining::Search(_) | ast::Defining::Tune(_) | ast::Defining::Evaluate(_) => true,
+                _ => false,
+            })
         }
         _ => {
             let end = writing.map_or(before.len(), |token| token.start);
@@ -107,10 +107,13 @@ pub fn complete(
 }
 
 /// Whether a statement of a block names scenarios and other blocks.
-fn refers(block: Rule, statement: &[&str]) -> bool {
-    let names =
-        matches!(block, Rule::search_block | Rule::tune_block | Rule::evaluate_block | Rule::statement_block);
-    names && !statement.iter().any(|word| matches!(*word, "over" | "rises" | "falls" | "compare" | "repeat"))
+fn refers(block: Option<&Block>, statement: &[&str]) -> bool {
+    is(block, &[Kind::Search, Kind::Tune, Kind::Evaluate, Kind::Statement])
+        && !statement.iter().any(|word| matches!(*word, "over" | "rises" | "falls" | "compare" | "repeat"))
+}
+
+fn is(block: Option<&Block>, kinds: &[Kind]) -> bool {
+    block.is_some_and(|block| kinds.contains(&block.kind))
 }
 
 fn line_start(before: &str) -> usize {
@@ -128,61 +131,37 @@ struct Place<'a> {
 
 impl Place<'_> {
     /// What a statement could go on with after `written`, as far as the grammar says it.
-    fn go_on(&self, block: Rule, statement: &[&str], written: &str) -> Vec<Proposal> {
+    fn go_on(&self, block: Option<&Block>, statement: &[&str], written: &str) -> Vec<Proposal> {
         let texts = Overlay::new(self.texts, self.path, &self.text);
         let mut files = Files::new(self.registry, &texts).while_edited();
         let Some(file) = files.open(self.path, None, &mut Vec::new()) else { return Vec::new() };
         let first = statement.first().copied().unwrap_or_default();
-        let known = statements_of(block).iter().filter(|known| known.word == first || known.word.is_empty());
-        let mut rules: Vec<Rule> = known.flat_map(|known| goes_on_with(known.rule, written)).collect();
-        rules.sort_unstable();
-        rules.dedup();
+        let statements = block.map_or(&[] as &[_], |block| block.statements).iter();
+        let known = statements.filter(|known| known.word() == first || known.words.is_empty());
         let mut found: Vec<Proposal> = Vec::new();
-        for rule in rules {
-            match rule {
-                Rule::metric | Rule::condition | Rule::criterion | Rule::constraint => {
-                    found.extend(all(self.registry.metrics()))
-                }
-                Rule::rate
-                | Rule::quantile
-                | Rule::statistic
-                | Rule::statistic_name
-                | Rule::aggregate_claim
-                | Rule::measured
-                | Rule::measure => found.extend(aggregates()),
-                Rule::expression | Rule::quantity | Rule::reference | Rule::lone_operand | Rule::group => {
-                    found.extend(self.names(
-                        &files,
-                        file,
-                        &[Rule::binding, Rule::vary, Rule::varied, Rule::parameter],
-                    ));
+        for next in goes_on_with(known, written) {
+            match next {
+                Next::Metric => found.extend(all(self.registry.metrics())),
+                Next::Aggregate => found.extend(aggregates()),
+                Next::Value => {
+                    found.extend(self.names(&files, file, Named::Value));
                     found.extend(constants(&files, file));
                 }
-                Rule::target => {
-                    found.extend(self.names(
-                        &files,
-                        file,
-                        &[Rule::vary, Rule::varied, Rule::vehicle, Rule::pedestrian],
-                    ));
-                }
-                Rule::name | Rule::when_condition | Rule::run_condition => {
-                    match named(statement, self.registry) {
-                        Some(kinds) => found.extend(self.names(&files, file, kinds)),
-                        None => found.extend(all(self.registry.metrics())),
-                    }
-                }
-                Rule::setting_name => {
+                Next::Target => found.extend(self.names(&files, file, Named::Target)),
+                Next::Name => match named(statement, self.registry) {
+                    Some(kinds) => found.extend(self.names(&files, file, kinds)),
+                    None => found.extend(all(self.registry.metrics())),
+                },
+                Next::SettingName => {
                     if let [.., user, ".", part, "."] = statement {
                         found.extend(self.parameters(&files, file, user, part));
                     }
                 }
-                Rule::distribution | Rule::distribution_name => {
+                Next::Distribution => {
                     found.extend(DISTRIBUTIONS.iter().map(|name| proposal(name, "A distribution.")));
                 }
-                keyword => {
-                    let name = format!("{keyword:?}");
-                    found.extend(name.strip_prefix("kw_").map(|word| proposal(word, "")));
-                }
+                Next::Keyword(word) => found.push(proposal(&word, "")),
+                Next::Sign => {}
             }
         }
         let mut seen = HashSet::new();
@@ -191,19 +170,19 @@ impl Place<'_> {
     }
 
     /// The scenario that is being written with those it builds on; elsewhere, every scenario of the file and those it uses.
-    fn scenarios<'f>(&self, files: &'f Files, file: FileId) -> Vec<Node<'f>> {
+    fn scenarios<'f>(&self, files: &'f Files, file: FileId) -> Vec<ast::Scenario<'f>> {
         let names = files.names(file);
         let around = path_to(files.tree(file), self.line.min(self.text.len()));
-        let inside = around.into_iter().find(|node| matches!(node.rule(), Rule::scenario | Rule::define));
+        let inside = around.into_iter().find_map(ast::Scenario::cast);
         let Some(inside) = inside else {
             let mut all: Vec<_> = names.scenarios.iter().collect();
             all.sort_by_key(|(name, _)| name.as_str());
-            return all.into_iter().map(|(_, definition)| files.node(*definition)).collect();
+            return all.into_iter().map(|(_, definition)| files.scenario(*definition)).collect();
         };
         let mut chain = vec![inside];
-        while let Some(base) = chain.last().and_then(|node| node.child(Rule::base)?.child(Rule::name)) {
+        while let Some(base) = chain.last().and_then(|node| Some(node.base()?.name())) {
             let Some(definition) = names.scenarios.get(base.text()) else { break };
-            let node = files.node(*definition);
+            let node = files.scenario(*definition);
             if chain.iter().any(|known| known.span() == node.span()) {
                 break;
             }
@@ -213,17 +192,19 @@ impl Place<'_> {
     }
 
     /// The names that statements of those kinds give here, each with the statement's first line.
-    fn names(&self, files: &Files, file: FileId, kinds: &[Rule]) -> Vec<Proposal> {
+    fn names(&self, files: &Files, file: FileId, kinds: Named) -> Vec<Proposal> {
         let mut roads: Vec<_> = files.names(file).roads.iter().collect();
-        roads.retain(|_| kinds.contains(&Rule::obstacle));
+        roads.retain(|_| kinds == Named::Solid);
         roads.sort_by_key(|(name, _)| name.as_str());
         let roads = roads.into_iter().map(|(_, road)| files.tree(road.file).node(road.node));
-        let nodes = self.scenarios(files, file).into_iter().chain(roads).flat_map(Node::descendants);
+        let scenarios = self.scenarios(files, file).into_iter().map(|scenario| *scenario);
+        let nodes = scenarios.chain(roads).flat_map(Node::descendants);
         nodes
-            .filter(|node| kinds.contains(&node.rule()))
+            .filter(|node| kinds.are(*node))
             .filter_map(|node| {
                 let line = node.text().lines().next().unwrap_or_default();
-                Some(proposal(node.child(Rule::name)?.text(), line.trim_end_matches('{').trim_end()))
+                let name = node.parts::<ast::Name>().next()?;
+                Some(proposal(name.text(), line.trim_end_matches('{').trim_end()))
             })
             .collect()
     }
@@ -233,24 +214,49 @@ impl Place<'_> {
         let statements = self
             .scenarios(files, file)
             .into_iter()
-            .flat_map(Node::descendants)
-            .filter(|node| matches!(node.rule(), Rule::vehicle | Rule::pedestrian))
-            .filter(|node| node.child(Rule::name).is_some_and(|name| name.text() == user))
-            .flat_map(Node::descendants)
+            .flat_map(|scenario| scenario.every::<ast::RoadUser>())
+            .filter(|found| found.name().text() == user)
+            .flat_map(|found| found.descendants())
             .filter(|node| node.text().split_whitespace().next() == Some(part));
-        let declared = statements.filter_map(|statement| declaration_of(statement, self.registry)).next();
-        let declared =
-            declared.or_else(|| (part == "sees").then(|| self.registry.perception().declaration.clone()));
+        let declared = statements.filter_map(|statement| declared::declared(statement, self.registry)).next();
+        let declared = declared.or_else(|| declared::named(part, "", self.registry));
         declared.map_or_else(Vec::new, |declaration| setting(&declaration, &[]))
     }
 }
 
-/// The kinds of statements that give the names that could follow; `None` where a metric could.
-fn named(statement: &[&str], registry: &Registry) -> Option<&'static [Rule]> {
-    const USERS: &[Rule] = &[Rule::vehicle, Rule::pedestrian];
-    const SOLIDS: &[Rule] = &[Rule::vehicle, Rule::pedestrian, Rule::obstacle];
-    const VARIED: &[Rule] = &[Rule::vary, Rule::varied];
-    const TARGETS: &[Rule] = &[Rule::vary, Rule::varied, Rule::vehicle, Rule::pedestrian];
+/// What names could be of.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Named {
+    Value,
+    Variation,
+    Vehicle,
+    RoadUser,
+    /// Also boxes of the road.
+    Solid,
+    /// What is searched over.
+    Target,
+}
+
+impl Named {
+    /// Whether the node gives such a name.
+    fn are(self, node: Node) -> bool {
+        let varied = || ast::Varied::cast(node).is_some();
+        let user = || ast::RoadUser::cast(node).is_some();
+        match self {
+            Self::Value => {
+                varied() || ast::Binding::cast(node).is_some() || ast::Parameter::cast(node).is_some()
+            }
+            Self::Variation => varied(),
+            Self::Vehicle => ast::Vehicle::cast(node).is_some(),
+            Self::RoadUser => user(),
+            Self::Solid => user() || ast::Obstacle::cast(node).is_some(),
+            Self::Target => varied() || user(),
+        }
+    }
+}
+
+/// What gives the names that could follow; `None` where a metric could.
+fn named(statement: &[&str], registry: &Registry) -> Option<Named> {
     let mut depth = 0;
     let open = statement.iter().rposition(|word| {
         depth += i32::from(*word == "(") - i32::from(*word == ")");
@@ -258,17 +264,17 @@ fn named(statement: &[&str], registry: &Registry) -> Option<&'static [Rule]> {
     });
     let call = open.and_then(|open| statement.get(open.checked_sub(1)?)).copied();
     match (statement.first().copied(), call) {
-        (_, Some("time_to_arrival")) => Some(&[Rule::vehicle]),
-        (_, Some("chosen")) | (Some("over"), None) => Some(TARGETS),
+        (_, Some("time_to_arrival")) => Some(Named::Vehicle),
+        (_, Some("chosen")) | (Some("over"), None) => Some(Named::Target),
         (_, Some(call)) if AGGREGATES.iter().any(|(word, _)| *word == call) => None,
         (_, Some(call))
             if registry.metrics().get(call).is_some_and(|known| known.scope == Scope::Contact) =>
         {
-            Some(SOLIDS)
+            Some(Named::Solid)
         }
-        (_, Some(_)) => Some(USERS),
+        (_, Some(_)) => Some(Named::RoadUser),
         (Some("minimise" | "maximise" | "keep" | "subject" | "measure"), None) => None,
-        _ => Some(VARIED),
+        _ => Some(Named::Variation),
     }
 }
 
@@ -290,7 +296,7 @@ fn without_line(text: &str, offset: usize) -> String {
     let start = text[..offset].rfind('\n').map_or(0, |at| at + 1);
     let end = text[offset..].find('\n').map_or(text.len(), |at| offset + at);
     let mut whole = format!("{}{}", &text[..start], &text[end..]);
-    let tokens = lexer::tokens(&whole);
+    let tokens = syntax::tokens(&whole);
     let count = |brace: &str| tokens.iter().filter(|token| &whole[token.start..token.end] == brace).count();
     let missing = count("{").saturating_sub(count("}"));
     whole.push_str(&"\n}".repeat(missing));
@@ -304,7 +310,7 @@ fn visible(
     text: &str,
     registry: &Registry,
     texts: &dyn files::Files,
-    kinds: &[Rule],
+    wanted: impl Fn(ast::Defining) -> bool,
 ) -> Vec<Proposal> {
     let texts = Overlay::new(texts, path, text);
     let mut files = Files::new(registry, &texts).while_edited();
@@ -312,7 +318,7 @@ fn visible(
     let names = files.names(file);
     let all = names.roads.iter().chain(&names.scenarios).chain(&names.blocks);
     let mut found: Vec<Proposal> = all
-        .filter(|(_, defined)| kinds.contains(&files.tree(defined.file).node(defined.node).rule()))
+        .filter(|(_, defined)| ast::Defining::cast(files.node(**defined)).is_some_and(&wanted))
         .map(|(name, defined)| {
             let node = files.tree(defined.file).node(defined.node);
             let first_line = node.text().lines().next().unwrap_or_default();
@@ -344,52 +350,24 @@ fn aggregates() -> Vec<Proposal> {
 }
 
 /// The kind of block that a statement opens.
-fn block_of(owner: &[&str]) -> Rule {
-    match owner {
-        [] => Rule::file,
-        ["road", ..] => Rule::road_block,
-        ["scenario" | "define", ..] => Rule::scenario_block,
-        ["vehicle", ..] => Rule::vehicle_block,
-        ["pedestrian", ..] => Rule::pedestrian_block,
-        ["expect", ..] => Rule::expect_block,
-        ["vary", ..] => Rule::together_block,
-        ["suite", ..] => Rule::suite_block,
-        ["gate", ..] => Rule::gate_block,
-        ["search", ..] => Rule::search_block,
-        ["tune", ..] => Rule::tune_block,
-        ["evaluate", ..] => Rule::evaluate_block,
-        ["statement", ..] => Rule::statement_block,
-        _ => Rule::settings,
-    }
+fn block_of(owner: &[&str]) -> Option<&'static Block> {
+    let Some(first) = owner.first() else { return Some(Kind::File.block()) };
+    words::all().filter(|known| known.word() == *first).find_map(|known| known.opens).map(Kind::block)
 }
 
-fn first_words(block: Rule, registry: &Registry) -> Vec<Proposal> {
-    if block == Rule::expect_block {
+fn first_words(block: Option<&Block>, registry: &Registry) -> Vec<Proposal> {
+    if is(block, &[Kind::Expect]) {
         return [vec![proposal("no", "What must not happen.")], aggregates(), all(registry.metrics())]
             .concat();
     }
     let mut words: Vec<Proposal> = Vec::new();
-    for known in statements_of(block).iter().filter(|known| !known.word.is_empty()) {
-        if words.iter().all(|word| word.word != known.word) {
-            words.push(proposal(known.word, known.doc));
+    let statements = block.map_or(&[] as &[_], |block| block.statements).iter();
+    for known in statements.filter(|known| !known.words.is_empty()) {
+        if words.iter().all(|word| word.word != known.word()) {
+            words.push(proposal(known.word(), known.doc));
         }
     }
     words
-}
-
-/// What the settings belong to that a statement opens.
-fn settings_of(owner: &[&str], registry: &Registry) -> Option<Declaration> {
-    match owner {
-        ["controller", name] => registry.controllers().get(name).map(|found| found.declaration.clone()),
-        ["dynamics", name] => registry.dynamics().get(name).map(|found| found.declaration.clone()),
-        ["model", name] => registry.pedestrians().get(name).map(|found| found.declaration.clone()),
-        ["sees"] => Some(registry.perception().declaration.clone()),
-        ["box" | "parked", _] => Some(obstacle()),
-        ["crossing", "zebra"] => Some(zebra()),
-        ["crossing", "unmarked"] => Some(unmarked()),
-        ["crossing", "signalised"] => Some(signalised()),
-        _ => None,
-    }
 }
 
 /// Names of parameters, or what the one before the colon takes.

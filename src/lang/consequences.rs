@@ -7,7 +7,8 @@ use super::codes::Code;
 use super::diagnostic::Diagnostic;
 use super::files::Files;
 use super::source::Span;
-use super::tree::{Node, Rule};
+use super::syntax::ast::{self, View};
+use super::syntax::{Node, words as table};
 
 /// Codes about names that are not there.
 const UNKNOWN: [Code; 9] = [
@@ -37,21 +38,6 @@ const UNREAD: [Code; 8] = [
 /// Codes about what a block lacks.
 const LACKING: [Code; 3] = [Code::MissingStatement, Code::NoStart, Code::NobodyThere];
 
-/// The words that begin a statement that gives a name.
-const NAMING: [&str; 11] = [
-    "let",
-    "vary",
-    "road",
-    "scenario",
-    "define",
-    "vehicle",
-    "pedestrian",
-    "search",
-    "tune",
-    "evaluate",
-    "statement",
-];
-
 /// Removes findings about names that statements or files would define if they could be read, and about what blocks lack that
 /// are not closed.
 pub fn remove(files: &Files, report: &mut Vec<Diagnostic>) {
@@ -69,11 +55,8 @@ pub fn remove(files: &Files, report: &mut Vec<Diagnostic>) {
     if !report.iter().any(|found| UNKNOWN.contains(&found.code)) {
         return;
     }
-    let uses: Vec<Span> = files
-        .ids()
-        .flat_map(|file| files.tree(file).root().all(Rule::use_file))
-        .filter_map(|node| node.child(Rule::string).map(Node::span))
-        .collect();
+    let uses: Vec<Span> =
+        files.ids().flat_map(|file| files.tree(file).file().uses()).map(|used| used.path().span()).collect();
     if report.iter().any(|found| UNREAD.contains(&found.code) || uses.contains(&found.span())) {
         report.retain(|found| !UNKNOWN.contains(&found.code));
         return;
@@ -81,7 +64,7 @@ pub fn remove(files: &Files, report: &mut Vec<Diagnostic>) {
     let mut names: HashSet<&str> = HashSet::new();
     for file in files.ids() {
         for block in files.tree(file).nodes() {
-            names.extend(block.all(Rule::bad).filter_map(|bad| named(block.rule(), bad)));
+            names.extend(block.children().filter(|child| child.is_bad()).filter_map(|bad| named(block, bad)));
         }
     }
     if !names.is_empty() {
@@ -96,9 +79,11 @@ fn heads(files: &Files, brace: Span) -> Vec<Span> {
     let Some(file) = files.ids().find(|file| files.tree(*file).source == brace.source) else {
         return Vec::new();
     };
-    let around = files.tree(file).nodes().filter(|node| {
-        node.rule() != Rule::file && node.span().start <= brace.start && brace.start < node.span().end
-    });
+    let around = files
+        .tree(file)
+        .nodes()
+        .skip(1)
+        .filter(|node| node.span().start <= brace.start && brace.start < node.span().end);
     let head = |node: Node| {
         let (span, before) = (node.span(), node.text().find('{')?);
         Some(Span::new(span.source, span.start, span.start + before))
@@ -107,11 +92,12 @@ fn heads(files: &Files, brace: Span) -> Vec<Span> {
 }
 
 /// The name that a statement would give if it could be read.
-fn named<'t>(block: Rule, bad: Node<'t>) -> Option<&'t str> {
+fn named<'t>(block: Node<'t>, bad: Node<'t>) -> Option<&'t str> {
     let mut words = bad.text().split(|c: char| !c.is_ascii_alphanumeric() && c != '_');
     let first = words.next()?;
-    if block == Rule::together_block {
+    if ast::TogetherBlock::cast(block).is_some() {
         return Some(first);
     }
-    words.find(|word| !word.is_empty()).filter(|_| NAMING.contains(&first))
+    let names = table::all().any(|statement| statement.names && statement.word() == first);
+    words.find(|word| !word.is_empty()).filter(|_| names)
 }

@@ -10,8 +10,9 @@ use super::diagnostic::{Diagnostic, Severity};
 use super::overrides::{self, Edit, Override, Overrides};
 use super::source::{SourceId, Sources, Span};
 use super::suite::{self, FileKind};
-use super::tree::{Node, NodeIndex, Rule, Tree};
-use super::value::{self, Binding, Scope, unquote};
+use super::syntax::ast::{self, View};
+use super::syntax::{Node, NodeIndex, Tree};
+use super::value::{self, Binding, Scope};
 use super::yaml;
 use crate::files::{self, ReadError};
 use crate::registry::Registry;
@@ -109,6 +110,14 @@ impl<'f> Files<'f> {
 
     pub fn node(&self, definition: Definition) -> Node<'_> {
         self.tree(definition.file).node(definition.node)
+    }
+
+    /// The scenario or template that a definition is of.
+    ///
+    /// # Panics
+    /// If it is of something else.
+    pub fn scenario(&self, definition: Definition) -> ast::Scenario<'_> {
+        ast::Scenario::cast(self.node(definition)).expect("it is the definition of a scenario")
     }
 
     pub fn names(&self, file: FileId) -> &Names {
@@ -276,12 +285,8 @@ impl<'f> Files<'f> {
     fn add(&mut self, source: SourceId, path: &Path, report: &mut Vec<Diagnostic>) -> FileId {
         let (tree, diagnostics) = Tree::parse(source, self.sources.get(source).text.clone());
         report.extend(diagnostics);
-        let uses: Vec<(String, Span)> = tree
-            .root()
-            .all(Rule::use_file)
-            .filter_map(|node| node.child(Rule::string))
-            .map(|string| (unquote(string.text()), string.span()))
-            .collect();
+        let uses: Vec<(String, Span)> =
+            tree.file().uses().map(|used| (used.path().value(), used.path().span())).collect();
         let mut names = Names::default();
         let mut scope = Scope::default();
         for (named, span) in uses {
@@ -290,23 +295,22 @@ impl<'f> Files<'f> {
             }
         }
         let file = FileId(self.files.len() as u32);
-        let blocks = tree.root().all(Rule::suite).flat_map(|suite| suite.all(Rule::suite_block));
-        let inner = blocks.flat_map(Node::children);
+        let inner = tree.file().suites().flat_map(|suite| suite.block().children());
         for node in tree.root().children().chain(inner) {
-            let (table, what) = match node.rule() {
-                Rule::road_definition => (&mut names.roads, "road"),
-                Rule::scenario | Rule::define => (&mut names.scenarios, "scenario"),
-                Rule::search => (&mut names.blocks, "search"),
-                Rule::tune => (&mut names.blocks, "tune"),
-                Rule::evaluate => (&mut names.blocks, "evaluate"),
-                Rule::statement => (&mut names.blocks, "statement"),
-                Rule::binding => {
-                    bind(node, &mut scope, report);
+            let Some(node) = ast::Defining::cast(node) else { continue };
+            let (name, table, what) = match node {
+                ast::Defining::RoadDefinition(road) => (road.name(), &mut names.roads, "road"),
+                ast::Defining::Scenario(scenario) => (scenario.name(), &mut names.scenarios, "scenario"),
+                ast::Defining::Search(search) => (search.name(), &mut names.blocks, "search"),
+                ast::Defining::Tune(tune) => (tune.name(), &mut names.blocks, "tune"),
+                ast::Defining::Evaluate(evaluate) => (evaluate.name(), &mut names.blocks, "evaluate"),
+                ast::Defining::Statement(statement) => (statement.name(), &mut names.blocks, "statement"),
+                ast::Defining::Binding(binding) => {
+                    bind(binding, &mut scope, report);
                     continue;
                 }
-                _ => continue,
             };
-            define(node, file, table, what, report);
+            define(*node, name, file, table, what, report);
         }
         self.files.push(File { tree, names, scope });
         file
@@ -359,9 +363,9 @@ impl<'f> Files<'f> {
     pub fn trace(&self, root: SourceId, report: &mut [Diagnostic]) {
         let mut users: HashMap<SourceId, Span> = HashMap::new();
         for file in &self.files {
-            for string in file.tree.root().all(Rule::use_file).filter_map(|node| node.child(Rule::string)) {
+            for string in file.tree.file().uses().map(ast::UseFile::path) {
                 let name = &self.sources.get(file.tree.source).name;
-                let used = self.texts.identity(&join(Path::new(name), &unquote(string.text())));
+                let used = self.texts.identity(&join(Path::new(name), &string.value()));
                 if let Some(Some(used)) = self.by_path.get(&used) {
                     users.entry(self.tree(*used).source).or_insert(string.span());
                 }
@@ -397,12 +401,12 @@ impl Files<'_> {
 
 fn define(
     node: Node,
+    name: ast::Name,
     file: FileId,
     table: &mut HashMap<String, Definition>,
     what: &str,
     report: &mut Vec<Diagnostic>,
 ) {
-    let Some(name) = node.child(Rule::name) else { return };
     let definition = Definition { file, node: node.index(), span: name.span() };
     match table.get(name.text()) {
         Some(first) => report.push(
@@ -422,11 +426,9 @@ fn define(
 }
 
 /// Adds the name of a `let` to the scope it stands in.
-pub fn bind(node: Node, scope: &mut Scope, report: &mut Vec<Diagnostic>) {
-    let (Some(name), Some(expression)) = (node.child(Rule::name), node.child(Rule::expression)) else {
-        return;
-    };
-    let value = value::evaluate(expression, scope, report);
+pub fn bind(node: ast::Binding, scope: &mut Scope, report: &mut Vec<Diagnostic>) {
+    let name = node.name();
+    let value = value::evaluate(node.value(), scope, report);
     if let Some(first) = scope.names.get(name.text()) {
         report.push(
             Diagnostic::new(Code::DuplicateName, name.span(), format!("`{}` is defined twice", name.text()))

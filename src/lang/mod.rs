@@ -6,28 +6,23 @@
 mod assist;
 mod blocks;
 mod check;
-mod closing;
 mod codes;
 mod complete;
 mod consequences;
+mod declared;
 mod diagnostic;
 mod excerpt;
 mod files;
 pub mod filter;
-mod format;
-mod lexer;
 mod notations;
 mod overrides;
-mod print;
 mod render;
 mod settings;
 mod source;
-pub mod statements;
 mod suite;
-mod syntax_error;
+mod syntax;
 #[cfg(test)]
 mod tests;
-mod tree;
 mod units;
 mod value;
 mod write;
@@ -42,25 +37,20 @@ pub use complete::{Proposal, complete};
 pub use diagnostic::{Diagnostic, Label, Severity, nearest};
 pub use excerpt::Excerpt;
 pub use files::LARGEST_FILE;
-pub use format::format;
-pub use lexer::{DEEPEST_NESTING, Token, TokenKind};
 pub use overrides::Override;
 pub use render::{Style, count, render, render_all};
 pub use source::{Location, Source, SourceId, Sources, Span};
 pub use suite::DEFAULT_SEED;
-pub use tree::{Node, NodeIndex, Rule, Tree};
+pub use syntax::{DEEPEST_NESTING, Node, NodeIndex, Token, TokenKind, Tree, format};
 pub use units::{UNITS, Unit};
 pub use write::{quantity, write_comparison, write_scenario};
 pub use yaml::schema as yaml_schema;
-
-use pest::Parser;
-use pest::iterators::Pair;
-use tree::Grammar;
 
 use crate::files::{self as texts, Overlay};
 use crate::registry::Registry;
 use crate::scenario::{Dimension, Expression, Notation, Origin, Suite, Value};
 use files::Files;
+use syntax::ast::{self, View};
 use value::{Binding, Kind, Typed};
 
 /// A suite without errors.
@@ -148,31 +138,29 @@ pub fn load_set(
 
 /// The unit of that dimension that a criterion is written with: `km/h` in `impact_speed <= 20 km/h`.
 pub fn unit_in(criterion: &str, dimension: Dimension) -> Option<Notation> {
-    let pairs = Grammar::parse(Rule::criterion, criterion).ok()?;
-    let units = pairs.flatten().filter(|pair| pair.as_rule() == Rule::unit);
-    let mut units = units.filter_map(|pair| units::unit_of(pair.as_str()));
+    let tree = syntax::criterion(criterion)?;
+    let mut units = tree.root().every::<ast::Unit>().filter_map(|unit| units::unit_of(unit.text()));
     units.find(|unit| unit.dimension == dimension).map(Unit::notation)
 }
 
 /// The unit in which a claim says what is measured, given the SI unit of that: `km/h` in `mean(impact_speed) of all <= 20 km/h`.
 pub fn unit_in_claim(claim: &str, si: &str) -> Option<Notation> {
     /// Outside of what is measured, where it would be that of a condition or of a metric's setting.
-    fn units(pair: Pair<Rule>) -> Vec<Unit> {
-        match pair.as_rule() {
-            Rule::measured => Vec::new(),
-            Rule::unit => units::unit_of(pair.as_str()).into_iter().collect(),
-            _ => pair.into_inner().flat_map(units).collect(),
+    fn units(node: Node) -> Vec<Unit> {
+        match (ast::Measured::cast(node), ast::Unit::cast(node)) {
+            (Some(_), _) => Vec::new(),
+            (_, Some(unit)) => units::unit_of(unit.text()).into_iter().collect(),
+            _ => node.children().flat_map(units).collect(),
         }
     }
-    let claim = format!("claim {claim}");
-    let found = Grammar::parse(Rule::claim, &claim).ok()?.flat_map(units);
-    found.into_iter().find(|unit| unit.dimension.si_unit() == si).map(Unit::notation)
+    let tree = syntax::claim(claim)?;
+    units(tree.root()).into_iter().find(|unit| unit.dimension.si_unit() == si).map(Unit::notation)
 }
 
 /// What the suite in a text says of itself, as far as it can be read.
 pub fn suite_doc(text: &str) -> Option<String> {
     let (tree, _) = Tree::parse(Sources::default().add("", ""), text.into());
-    check::doc(tree.root().child(Rule::suite)?.child(Rule::suite_block)?)
+    check::doc(tree.file().suites().next()?.block().doc())
 }
 
 /// Everything that is to be said about a file, which may be there only to be used by others.

@@ -8,11 +8,10 @@ use std::fmt;
 use std::ops::Range;
 use std::str::FromStr;
 
-use pest::Parser;
-
-use super::tree::{Grammar, Node, Rule, Tree};
+use super::declared::declared;
+use super::syntax::ast::{self, View};
+use super::syntax::{Given, Node, Tree, given};
 use crate::registry::Registry;
-use crate::scenario::Declaration;
 
 /// A value for everything that has this name.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -52,19 +51,11 @@ impl FromStr for Override {
         if name.is_empty() || !name.chars().all(in_name) {
             return Err(format!("`{name}` is no name; write it like tta=4s or av.speed=40km/h"));
         }
-        let whole = |rule: Rule, text: &str| {
-            // A value must stay the one value that it is, whatever stands around it.
-            !value.contains(['\n', '\r', '#'])
-                && Grammar::parse(rule, text).is_ok_and(|mut pairs| {
-                    pairs.next().is_some_and(|pair| text[pair.as_span().end()..].trim().is_empty())
-                })
-        };
-        let is_value = whole(Rule::whole_setting, &format!("x: {value}"));
-        let is_list = !is_value && whole(Rule::vary, &format!("vary x in {value}"));
-        let is_size = !is_value && whole(Rule::size, &format!("size {value}"));
-        if !(is_value || is_list || is_size) {
+        // A value must stay the one value that it is, whatever stands around it.
+        let Some(given) = given(value) else {
             return Err(format!("`{value}` is no value; write it as in a scenario file, like 4s or 40km/h"));
-        }
+        };
+        let is_list = given == Given::Values;
         Ok(Self { name: name.to_string(), value: value.to_string(), is_list })
     }
 }
@@ -109,17 +100,20 @@ impl Overrides {
     pub fn edits(&mut self, tree: &Tree, registry: &Registry) -> Vec<Edit> {
         let mut edits = Edits { overrides: self, registry, edits: Vec::new() };
         for node in tree.nodes() {
-            match node.rule() {
-                Rule::binding | Rule::argument => edits.named(node),
-                Rule::parameter => edits.parameter(node),
-                Rule::vary => edits.variation(node),
-                Rule::vary_together => edits.together(node),
-                Rule::scenario | Rule::define => edits.scenario(node),
-                Rule::vehicle => edits.road_user(node, Rule::vehicle_block, VEHICLE, &VEHICLE_PARTS),
-                Rule::pedestrian => {
-                    edits.road_user(node, Rule::pedestrian_block, PEDESTRIAN, &[(Rule::model, "model")]);
+            match ast::Settable::cast(node) {
+                Some(ast::Settable::Binding(node)) => edits.named(node.name(), node.value()),
+                Some(ast::Settable::Argument(node)) => edits.named(node.name(), node.value()),
+                Some(ast::Settable::Parameter(node)) => edits.parameter(node),
+                Some(ast::Settable::Varied(node)) if node.is_alone() => edits.variation(node),
+                Some(ast::Settable::VaryTogether(node)) => edits.together(node),
+                Some(ast::Settable::Scenario(node)) => edits.block(*node.block(), ""),
+                Some(ast::Settable::Vehicle(node)) => {
+                    edits.block(*node.block(), &format!("{}.", node.name().text()));
                 }
-                _ => {}
+                Some(ast::Settable::Pedestrian(node)) => {
+                    edits.block(*node.block(), &format!("{}.", node.name().text()));
+                }
+                Some(ast::Settable::Varied(_)) | None => {}
             }
         }
         let mut edits = edits.edits;
@@ -140,53 +134,6 @@ pub fn apply(text: &str, edits: &[Edit]) -> String {
     changed.push_str(&text[at..]);
     changed
 }
-
-/// A statement about a road user or a scenario that has one value.
-struct Statement {
-    name: &'static str,
-    /// The statements that it takes the place of, its own first.
-    rules: &'static [Rule],
-    /// What is said where nothing was, around the value; nothing if that would be a guess.
-    usage: Option<(&'static str, &'static str)>,
-}
-
-const fn statement(
-    name: &'static str,
-    rules: &'static [Rule],
-    usage: Option<(&'static str, &'static str)>,
-) -> Statement {
-    Statement { name, rules, usage }
-}
-
-const VEHICLE: &[Statement] = &[
-    statement("speed", &[Rule::speed], Some(("speed ", ""))),
-    statement("start", &[Rule::vehicle_start], Some(("start ", " before crossing"))),
-    statement("lane", &[Rule::lane], Some(("lane ", ""))),
-    statement("size", &[Rule::size], Some(("size ", ""))),
-    statement("controller", &[Rule::controller], None),
-    statement("dynamics", &[Rule::dynamics], None),
-];
-
-const VEHICLE_PARTS: [(Rule, &str); 3] =
-    [(Rule::controller, "controller"), (Rule::dynamics, "dynamics"), (Rule::sees, "sees")];
-
-const PEDESTRIAN: &[Statement] = &[
-    statement("along", &[Rule::along], Some(("along ", ""))),
-    statement("goal", &[Rule::goal], Some(("goal ", " beyond kerb"))),
-    statement("radius", &[Rule::radius, Rule::size], Some(("radius ", ""))),
-    statement("size", &[Rule::size, Rule::radius], Some(("size ", ""))),
-    statement("start", &[Rule::pedestrian_start], None),
-    statement("appears", &[Rule::appears], None),
-    statement("model", &[Rule::model], None),
-];
-
-const SCENARIO: &[Statement] = &[
-    statement(REPEAT, &[Rule::repeat, Rule::runs], Some(("repeat ", ""))),
-    statement("seed", &[Rule::seed], Some(("seed ", ""))),
-    statement("step", &[Rule::step], Some(("step ", ""))),
-    statement("horizon", &[Rule::horizon], Some(("horizon ", ""))),
-    statement("finish", &[Rule::finish], Some(("finish ", ""))),
-];
 
 /// Edits while they are gathered.
 struct Edits<'o> {
@@ -209,140 +156,111 @@ impl Edits<'_> {
     }
 
     /// `let NAME = VALUE`, `NAME: VALUE`
-    fn named(&mut self, node: Node) {
-        let (Some(name), Some(value)) = (node.child(Rule::name), node.child(Rule::expression)) else {
-            return;
-        };
+    fn named(&mut self, name: ast::Name, value: ast::Expression) {
         if let Some(wanted) = self.wanted(name.text()) {
-            self.replace(range(value), wanted.value);
+            self.replace(range(*value), wanted.value);
         }
     }
 
     /// A parameter of a template, with or without a default.
-    fn parameter(&mut self, node: Node) {
-        let Some(name) = node.child(Rule::name) else { return };
-        let Some(wanted) = self.wanted(name.text()) else { return };
-        match node.child(Rule::expression) {
-            Some(value) => self.replace(range(value), wanted.value),
-            None => self.replace(after(name), format!(" = {}", wanted.value)),
+    fn parameter(&mut self, node: ast::Parameter) {
+        let Some(wanted) = self.wanted(node.name().text()) else { return };
+        match node.default() {
+            Some(value) => self.replace(range(*value), wanted.value),
+            None => self.replace(after(*node.name()), format!(" = {}", wanted.value)),
         }
     }
 
-    fn variation(&mut self, node: Node) {
-        let Some(name) = node.child(Rule::name) else { return };
+    fn variation(&mut self, node: ast::Varied) {
+        let name = node.name();
         if let Some(wanted) = self.wanted(name.text()) {
             self.replace(name.span().end..node.span().end, format!(" in {}", values(&wanted)));
         }
     }
 
     /// What is set is no longer varied together with the others, which keep their values.
-    fn together(&mut self, node: Node) {
-        let Some(block) = node.child(Rule::together_block) else { return };
-        let lines: Vec<Node> = block.all(Rule::varied).collect();
+    fn together(&mut self, node: ast::VaryTogether) {
+        let lines: Vec<ast::Varied> = node.block().each().collect();
         let mut own = String::new();
         let mut taken = Vec::new();
         for line in &lines {
-            let Some(name) = line.child(Rule::name) else { continue };
-            if let Some(wanted) = self.wanted(name.text()) {
+            if let Some(wanted) = self.wanted(line.name().text()) {
                 own.push_str(&format!("vary {} in {}; ", wanted.name, values(&wanted)));
-                taken.push(range(*line));
+                taken.push(range(**line));
             }
         }
         if taken.is_empty() {
             return;
         }
         if taken.len() == lines.len() {
-            self.replace(range(node), own.trim_end_matches("; "));
+            self.replace(range(*node), own.trim_end_matches("; "));
             return;
         }
-        self.replace(before(node), own);
+        self.replace(before(*node), own);
         taken.into_iter().for_each(|line| self.replace(line, ""));
     }
 
-    fn scenario(&mut self, node: Node) {
-        let Some(block) = node.child(Rule::scenario_block) else { return };
-        for statement in SCENARIO {
-            let Some(wanted) = self.wanted(statement.name) else { continue };
-            self.say(block, statement, &wanted);
-        }
-    }
-
-    fn road_user(&mut self, node: Node, block: Rule, statements: &[Statement], parts: &[(Rule, &str)]) {
-        let (Some(name), Some(block)) = (node.child(Rule::name), node.child(block)) else { return };
-        for statement in statements {
-            let said = statement.rules.iter().any(|rule| block.has(*rule));
-            if !said && statement.usage.is_none() {
+    /// What stands in a block, under names that begin with `prefix`.
+    fn block(&mut self, block: Node, prefix: &str) {
+        let Some(known) = block.block() else { return };
+        for statement in known.statements.iter().filter(|statement| statement.set.is_some()) {
+            let said = statement.said_in(block);
+            let around = statement.set.and_then(|set| set.around);
+            if said.is_none() && around.is_none() {
                 continue;
             }
-            if let Some(wanted) = self.wanted(&format!("{}.{}", name.text(), statement.name)) {
-                self.say(block, statement, &wanted);
+            let Some(wanted) = self.wanted(&format!("{prefix}{}", statement.word())) else { continue };
+            match (said, around) {
+                (Some(said), around) if !statement.is(said) => {
+                    let (before, after) = around.unwrap_or_default();
+                    self.replace(range(said), format!("{before}{}{after}", wanted.value));
+                }
+                (Some(said), _) => self.replace_value(said, &wanted.value),
+                (None, Some((before, after))) => {
+                    let start = block.span().start + 1;
+                    self.replace(start..start, format!(" {before}{}{after};", wanted.value));
+                }
+                (None, None) => {}
             }
         }
-        for (rule, part) in parts {
-            if let Some(said) = block.child(*rule) {
-                self.settings(said, *rule, &format!("{}.{part}.", name.text()));
+        for statement in known.statements {
+            let said = block.children().find(|child| statement.is(*child));
+            if let Some(said) = said.and_then(ast::Settled::cast) {
+                self.settings(said, &format!("{prefix}{}.", statement.word()));
             }
-        }
-    }
-
-    /// Changes a statement of the block, or adds it.
-    fn say(&mut self, block: Node, statement: &Statement, wanted: &Override) {
-        let said = statement.rules.iter().find_map(|rule| block.child(*rule));
-        match (said, statement.usage) {
-            (Some(said), usage) if said.rule() != statement.rules[0] => {
-                let (prefix, suffix) = usage.unwrap_or_default();
-                self.replace(range(said), format!("{prefix}{}{suffix}", wanted.value));
-            }
-            (Some(said), _) => self.replace_value(said, &wanted.value),
-            (None, Some((prefix, suffix))) => {
-                let start = block.span().start + 1;
-                self.replace(start..start, format!(" {prefix}{}{suffix};", wanted.value));
-            }
-            (None, None) => {}
         }
     }
 
     fn replace_value(&mut self, said: Node, value: &str) {
-        let expressions: Vec<Node> =
-            said.descendants().filter(|node| node.rule() == Rule::expression).collect();
-        let integer = said.child(Rule::integer);
-        match said.rule() {
-            Rule::size => {
-                let (Some(first), Some(second)) =
-                    (said.child(Rule::expression), said.all(Rule::expression).last())
-                else {
-                    return;
-                };
-                self.replace(first.span().start..second.span().end, value);
+        if let Some(size) = ast::Size::cast(said) {
+            let (first, last) = (size.extents().next(), size.extents().last());
+            if let (Some(first), Some(last)) = (first, last) {
+                self.replace(first.span().start..last.span().end, value);
             }
+        } else if let Some(start) = ast::PedestrianStart::cast(said) {
             // Of two ways to say one place the first is as good as the other.
-            Rule::pedestrian_start => {
-                let distances: Vec<Node> = said.all(Rule::start_distance).collect();
-                if let ([first, ..], Some(expression)) = (distances.as_slice(), expressions.first()) {
-                    self.replace(range(*expression), value);
-                    self.replace(first.span().end..said.span().end, "");
-                }
+            if let Some(first) = start.distances().next() {
+                self.replace(range(*first.value()), value);
+                self.replace(first.span().end..said.span().end, "");
             }
-            Rule::controller | Rule::dynamics | Rule::model => {
-                said.child(Rule::name).into_iter().for_each(|name| self.replace(range(name), value));
-            }
-            _ => {
-                let hole = integer.or(expressions.first().copied());
-                hole.into_iter().for_each(|hole| self.replace(range(hole), value));
-            }
+        } else if let Some(named) = ast::Named::cast(said) {
+            self.replace(range(*named.name()), value);
+        } else {
+            let integer = said.parts::<ast::Integer>().next().map(|integer| *integer);
+            let hole = integer.or_else(|| said.every::<ast::Expression>().next().map(|value| *value));
+            hole.into_iter().for_each(|hole| self.replace(range(hole), value));
         }
     }
 
     /// Settings of `controller NAME { … }` and the like, under names that begin with `prefix`. What a model has no parameter for
     /// stays out of it.
-    fn settings(&mut self, said: Node, rule: Rule, prefix: &str) {
-        let declaration = declaration(said, rule, self.registry);
-        let settings = said.child(Rule::settings);
+    fn settings(&mut self, said: ast::Settled, prefix: &str) {
+        let declaration = declared(*said, self.registry);
+        let settings = said.settings();
         let mut names: BTreeSet<String> = settings
             .iter()
-            .flat_map(|settings| settings.all(Rule::setting))
-            .filter_map(|setting| setting.child(Rule::setting_name))
-            .map(|name| name.text().to_string())
+            .flat_map(|settings| settings.each())
+            .map(|one| one.name().text().to_string())
             .collect();
         match declaration {
             Some(declaration) => {
@@ -358,10 +276,9 @@ impl Edits<'_> {
         let mut added: Vec<String> = Vec::new();
         for name in names {
             let Some(wanted) = self.wanted(&format!("{prefix}{name}")) else { continue };
-            let mut known = settings.iter().flat_map(|settings| settings.all(Rule::setting));
-            let known = known.find(|one| one.child(Rule::setting_name).is_some_and(|own| own.text() == name));
-            match known.and_then(|setting| setting.child(Rule::expression)) {
-                Some(value) => self.replace(range(value), wanted.value),
+            let mut known = settings.iter().flat_map(|settings| settings.each());
+            match known.find(|one| one.name().text() == name) {
+                Some(setting) => self.replace(range(*setting.value()), wanted.value),
                 None => added.push(format!("{name}: {}", wanted.value)),
             }
         }
@@ -374,21 +291,8 @@ impl Edits<'_> {
                 let start = settings.span().start + 1;
                 self.replace(start..start, format!(" {added}, "));
             }
-            None => self.replace(after(said), format!(" {{ {added} }}")),
+            None => self.replace(after(*said), format!(" {{ {added} }}")),
         }
-    }
-}
-
-/// What a statement's model declares, unless the name is one of a variation.
-fn declaration<'r>(said: Node, rule: Rule, registry: &'r Registry) -> Option<&'r Declaration> {
-    if rule == Rule::sees {
-        return Some(&registry.perception().declaration);
-    }
-    let name = said.child(Rule::name)?.text();
-    match rule {
-        Rule::controller => registry.controllers().get(name).map(|known| &known.declaration),
-        Rule::dynamics => registry.dynamics().get(name).map(|known| &known.declaration),
-        _ => registry.pedestrians().get(name).map(|known| &known.declaration),
     }
 }
 

@@ -5,26 +5,23 @@ use std::collections::HashMap;
 use super::codes::Code;
 use super::diagnostic::Diagnostic;
 use super::source::Span;
-use super::tree::{Node, Rule};
+use super::syntax::ast;
 use super::value::{self, Kind, Scope, Typed};
 use crate::scenario::{
     ANOTHER_MODEL, ChoiceOption, Declaration, Dimension, Expression, ParameterKind, Value,
 };
 
-/// The settings of a `settings` node (or of none) in the order they are written, each checked against `declaration`.
+/// The settings in braces (or of none) in the order they are written, each checked against `declaration`.
 pub fn check(
-    node: Option<Node>,
+    node: Option<ast::Settings>,
     declaration: &Declaration,
     scope: &Scope,
     report: &mut Vec<Diagnostic>,
 ) -> Vec<(String, Typed)> {
     let mut settings = Vec::new();
     let mut said: HashMap<&str, Span> = HashMap::new();
-    for setting in node.iter().flat_map(|node| node.all(Rule::setting)) {
-        let (Some(name), Some(given)) = (setting.child(Rule::setting_name), setting.child(Rule::expression))
-        else {
-            continue;
-        };
+    for setting in node.iter().flat_map(|node| node.each()) {
+        let (name, given) = (setting.name(), setting.value());
         if let Some(first) = said.insert(name.text(), name.span()) {
             report.push(repeated(name.text(), name.span(), first));
             continue;
@@ -39,8 +36,8 @@ pub fn check(
 /// Checks the texts that a model reads by itself, those that it takes if nothing is said included; `owner` is the
 /// model's name where it is said.
 pub fn check_texts(
-    owner: Node,
-    node: Option<Node>,
+    owner: ast::Name,
+    node: Option<ast::Settings>,
     settings: &[(String, Typed)],
     declaration: &Declaration,
     scope: &Scope,
@@ -53,10 +50,9 @@ pub fn check_texts(
     for parameter in &declaration.parameters {
         let ParameterKind::Text { default, check } = &parameter.kind else { continue };
         let said = settings.iter().find(|(name, _)| *name == parameter.name);
-        let place = node.iter().flat_map(|node| node.all(Rule::setting)).find_map(|setting| {
-            let name = setting.child(Rule::setting_name)?;
-            (name.text() == parameter.name).then(|| setting.child(Rule::expression)).flatten()
-        });
+        let mut each = node.iter().flat_map(|node| node.each());
+        let place = each.find(|setting| setting.name().text() == parameter.name);
+        let place = place.map(ast::Setting::value);
         let texts = match said {
             Some((_, typed)) => value::possible(&typed.expression, scope),
             None => vec![(Value::Word(default.to_string()), None)],
@@ -64,8 +60,8 @@ pub fn check_texts(
         for (text, varied) in texts {
             let Value::Word(text) = text else { continue };
             for error in check(&text, &given) {
-                let whole = place.unwrap_or(owner).span();
-                let written = place.map_or("", Node::text);
+                let whole = place.map_or(owner.span(), |place| place.span());
+                let written = place.map_or("", |place| place.text());
                 let span = match written.find(&error.part).filter(|_| !error.part.is_empty()) {
                     Some(at) => {
                         Span::new(whole.source, whole.start + at, whole.start + at + error.part.len())
@@ -123,8 +119,8 @@ pub fn repeated(name: &str, span: Span, first: Span) -> Diagnostic {
 
 /// One setting against what `declaration` says about it.
 pub fn one(
-    name: Node,
-    given: Node,
+    name: ast::SettingName,
+    given: ast::Expression,
     declaration: &Declaration,
     scope: &Scope,
     report: &mut Vec<Diagnostic>,
@@ -188,8 +184,8 @@ pub fn not_whole(span: Span, what: &str, found: f64) -> Diagnostic {
 }
 
 /// A name alone is the word itself, unless a `let` or variation has that name.
-fn word(given: Node, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<Typed> {
-    match lone_word(given) {
+fn word(given: ast::Expression, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<Typed> {
+    match given.lone_word() {
         Some(word) if scope.find(word).is_none() => {
             Some(Typed::constant(Value::Word(word.to_string()), Kind::Word, given.span()))
         }
@@ -197,16 +193,9 @@ fn word(given: Node, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<Type
     }
 }
 
-/// The name that an expression consists of, if it is nothing but one.
-pub fn lone_word<'t>(expression: Node<'t>) -> Option<&'t str> {
-    let mut parts = expression.children();
-    let first = parts.next()?;
-    (first.rule() == Rule::reference && parts.next().is_none()).then(|| first.text())
-}
-
 /// One of a few words. An option's own name always means the option.
 pub fn choice(
-    given: Node,
+    given: ast::Expression,
     what: &str,
     options: &[&str],
     scope: &Scope,
@@ -216,13 +205,13 @@ pub fn choice(
 }
 
 fn chosen(
-    given: Node,
+    given: ast::Expression,
     what: &str,
     options: &[&str],
     scope: &Scope,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Typed> {
-    let value = match lone_word(given) {
+    let value = match given.lone_word() {
         Some(word) if options.contains(&word) => return Some(Typed::word(word, given.span())),
         _ => word(given, scope, report)?,
     };

@@ -9,8 +9,8 @@ use super::codes::Code;
 use super::diagnostic::{Diagnostic, Severity};
 use super::files::{Definition, FileId, Files, join};
 use super::source::Span;
-use super::tree::{Node, Rule};
-use super::value::{self, unquote};
+use super::syntax::ast;
+use super::value;
 use crate::registry::Registry;
 use crate::scenario::{Dimension, Scenario, Suite};
 
@@ -51,35 +51,30 @@ pub fn suite(
 ) -> Option<Suite> {
     match kind {
         FileKind::Scenarios => bare(files, file, path, report),
-        FileKind::Yaml if !files.tree(file).root().has(Rule::suite) => bare(files, file, path, report),
+        FileKind::Yaml if files.tree(file).file().suites().next().is_none() => {
+            bare(files, file, path, report)
+        }
         FileKind::Suite | FileKind::Yaml => declared(files, file, path, report),
     }
 }
 
 fn own_scenarios(files: &Files, file: FileId) -> Vec<Definition> {
-    let mut found = Vec::new();
-    let mut add = |node: Node| {
-        if let Some(name) = node.child(Rule::name) {
-            found.push(Definition { file, node: node.index(), span: name.span() });
-        }
-    };
-    for node in files.tree(file).root().children() {
-        match node.rule() {
-            Rule::scenario => add(node),
-            Rule::suite => {
-                node.all(Rule::suite_block).flat_map(|block| block.all(Rule::scenario)).for_each(&mut add)
-            }
-            _ => {}
+    let mut found: Vec<ast::Scenario> = Vec::new();
+    for node in files.tree(file).root().parts::<ast::HoldsScenarios>() {
+        match node {
+            ast::HoldsScenarios::Scenario(scenario) => found.push(scenario),
+            ast::HoldsScenarios::Suite(suite) => found.extend(suite.block().scenarios()),
         }
     }
-    found
+    let own = found.into_iter().filter(|scenario| !scenario.is_template());
+    own.map(|node| Definition { file, node: node.index(), span: node.name().span() }).collect()
 }
 
 fn bare(files: &Files, file: FileId, path: &Path, report: &mut Vec<Diagnostic>) -> Option<Suite> {
-    let root = files.tree(file).root();
-    for suite in root.all(Rule::suite) {
+    let root = files.tree(file).file();
+    for suite in root.suites() {
         report.push(
-            Diagnostic::new(Code::MisplacedSuite, name_span(suite), "a suite stands in a scenario file")
+            Diagnostic::new(Code::MisplacedSuite, suite.name().span(), "a suite stands in a scenario file")
                 .label("not here")
                 .hint("put it into a file ending in `.suite`"),
         );
@@ -115,10 +110,6 @@ fn bare(files: &Files, file: FileId, path: &Path, report: &mut Vec<Diagnostic>) 
     })
 }
 
-fn name_span(node: Node) -> Span {
-    node.child(Rule::name).map_or(node.span(), Node::span)
-}
-
 fn no_scenario(span: Span, files: &Files) -> Diagnostic {
     let name = &files.sources.get(span.source).name;
     Diagnostic::new(Code::NoScenario, span, format!("`{name}` declares no scenario"))
@@ -128,36 +119,30 @@ fn no_scenario(span: Span, files: &Files) -> Diagnostic {
 
 fn declared(files: &mut Files, file: FileId, path: &Path, report: &mut Vec<Diagnostic>) -> Option<Suite> {
     let source = files.tree(file).source;
-    let suites: Vec<_> = files.tree(file).root().all(Rule::suite).map(|node| node.index()).collect();
+    let suites: Vec<_> = files.tree(file).file().suites().collect();
     if let [first, others @ ..] = suites.as_slice() {
-        let first = name_span(files.tree(file).node(*first));
+        let first = first.name().span();
         for other in others {
             report.push(
-                Diagnostic::new(
-                    Code::SeveralSuites,
-                    name_span(files.tree(file).node(*other)),
-                    "a file holds one suite",
-                )
-                .label("a second one")
-                .context(first, "the first one")
-                .hint("put it into a file of its own"),
+                Diagnostic::new(Code::SeveralSuites, other.name().span(), "a file holds one suite")
+                    .label("a second one")
+                    .context(first, "the first one")
+                    .hint("put it into a file of its own"),
             );
         }
-    } else if !files.tree(file).root().has(Rule::bad) && report.is_empty() {
+    } else if !files.tree(file).root().has_bad() && report.is_empty() {
         report.push(
             Diagnostic::new(Code::MissingSuite, Span::beginning(source), "this file declares no suite")
                 .label("nothing to run")
                 .hint("add `suite NAME { scenarios \"../scenarios/*.scn\" }`"),
         );
     }
-    let index = *suites.first()?;
-    let patterns: Vec<(String, Span)> = files
-        .tree(file)
-        .node(index)
-        .all(Rule::suite_block)
-        .flat_map(|block| block.all(Rule::suite_files))
-        .flat_map(|statement| statement.all(Rule::string))
-        .map(|string| (unquote(string.text()), string.span()))
+    let patterns: Vec<(String, Span)> = suites
+        .first()?
+        .block()
+        .files()
+        .flat_map(ast::SuiteFiles::patterns)
+        .map(|pattern| (pattern.value(), pattern.span()))
         .collect();
     let included = open_all(files, path, &patterns, report);
     let mut definitions = own_scenarios(files, file);
@@ -165,7 +150,7 @@ fn declared(files: &mut Files, file: FileId, path: &Path, report: &mut Vec<Diagn
         let own = own_scenarios(files, *included);
         let root = files.tree(*included).root();
         let has_blocks = !gather(files, &[*included], &[]).is_empty();
-        if own.is_empty() && !has_blocks && !root.has(Rule::bad) {
+        if own.is_empty() && !has_blocks && !root.has_bad() {
             let diagnostic = no_scenario(Span::beginning(root.span().source), files);
             report.push(diagnostic.context(*asked, "included here"));
         }
@@ -179,11 +164,10 @@ fn declared(files: &mut Files, file: FileId, path: &Path, report: &mut Vec<Diagn
     definitions.extend(&blocks.measured);
     let all_definitions = [definitions.as_slice(), &blocks.supporting].concat();
     reject_duplicates(files, &all_definitions, report);
-    let node = files.tree(file).node(index);
-    let block = node.child(Rule::suite_block)?;
-    check::reject_suite_repeats(block, report);
-    let name = node.child(Rule::name)?;
-    if definitions.is_empty() && patterns.is_empty() && blocks.is_empty() && !block.has(Rule::bad) {
+    let node = files.tree(file).file().suites().next()?;
+    let (name, block) = (node.name(), node.block());
+    check::reject_repeats(*block, report);
+    if definitions.is_empty() && patterns.is_empty() && blocks.is_empty() && !block.has_bad() {
         report.push(
             Diagnostic::new(
                 Code::EmptySuite,
@@ -194,25 +178,21 @@ fn declared(files: &mut Files, file: FileId, path: &Path, report: &mut Vec<Diagn
             .hint("add `scenarios \"../scenarios/*.scn\"` or a `scenario`"),
         );
     }
-    let seed = match block.child(Rule::seed).and_then(|seed| seed.child(Rule::integer)) {
-        Some(number) => check::whole(number, report),
+    let seed = match block.seed() {
+        Some(seed) => check::whole(seed.number(), report),
         None => Some(DEFAULT_SEED),
     };
-    let time_limit =
-        block.child(Rule::time_limit).and_then(|limit| limit.child(Rule::expression)).map(|limit| {
-            let what = "the time limit";
-            value::constant_in(limit, Dimension::TIME, (0.001, 86_400.0), what, files.scope(file), report)
-        });
-    let criteria: Vec<Node> = block
-        .all(Rule::expect)
-        .flat_map(|expect| expect.all(Rule::expect_block))
-        .flat_map(|block| block.all(Rule::criterion))
-        .collect();
+    let time_limit = block.time_limit().map(|limit| {
+        let (limit, what) = (limit.value(), "the time limit");
+        value::constant_in(limit, Dimension::TIME, (0.001, 86_400.0), what, files.scope(file), report)
+    });
+    let criteria: Vec<ast::Criterion> =
+        block.expects().flat_map(|expect| expect.block().criteria()).collect();
     let added = check::SuiteCriteria { nodes: &criteria, scope: files.scope(file) };
     let mut scenarios = check_all(files, &definitions, Some(added), report);
     warn_of_nothing_expected(files, &definitions, &scenarios, &blocks, report);
     let supporting = supporting(files, &blocks, report);
-    let tags = check::tags(block);
+    let tags = check::tags(block.tags());
     for scenario in &mut scenarios {
         for tag in &tags {
             if !scenario.tags.contains(tag) {
@@ -224,9 +204,9 @@ fn declared(files: &mut Files, file: FileId, path: &Path, report: &mut Vec<Diagn
     let cast = everybody(&scenarios, &files.registry);
     let mut gate_names: HashMap<&str, Span> = HashMap::new();
     let gates: Vec<_> = block
-        .all(Rule::gate)
+        .gates()
         .map(|node| {
-            reject_duplicate(node, &mut gate_names, report);
+            reject_duplicate(node.name(), &mut gate_names, report);
             check::gate(node, &cast, files.scope(file), &Places { files }, report)
         })
         .collect();
@@ -240,7 +220,7 @@ fn declared(files: &mut Files, file: FileId, path: &Path, report: &mut Vec<Diagn
     check_definitions(files, report);
     Some(Suite {
         name: name.text().to_string(),
-        doc: check::doc(block),
+        doc: check::doc(block.doc()),
         seed: seed?,
         set: Vec::new(),
         time_limit: match time_limit {
@@ -372,7 +352,7 @@ fn pattern_path(path: &Path, pattern: &str) -> String {
 fn reject_duplicates(files: &Files, definitions: &[Definition], report: &mut Vec<Diagnostic>) {
     let mut names: HashMap<&str, Definition> = HashMap::new();
     for definition in definitions {
-        let Some(name) = files.node(*definition).child(Rule::name) else { continue };
+        let name = files.scenario(*definition).name();
         if let Some(first) = names.insert(name.text(), *definition)
             && first.file != definition.file
         {
@@ -434,9 +414,9 @@ fn warn_of_nothing_expected(
         .filter(|name| !blocks.are_about(name))
         .collect();
     for definition in definitions {
-        let node = files.node(*definition);
-        let Some(name) = node.child(Rule::name).filter(|_| !node.is_broken()) else { continue };
-        if idle.contains(name.text()) {
+        let node = files.scenario(*definition);
+        let name = node.name();
+        if idle.contains(name.text()) && !node.is_broken() {
             report.push(
                 Diagnostic::new(
                     Code::NoCriteria,
@@ -450,8 +430,11 @@ fn warn_of_nothing_expected(
     }
 }
 
-fn reject_duplicate<'a>(node: Node<'a>, names: &mut HashMap<&'a str, Span>, report: &mut Vec<Diagnostic>) {
-    let Some(name) = node.child(Rule::name) else { return };
+fn reject_duplicate<'a>(
+    name: ast::Name<'a>,
+    names: &mut HashMap<&'a str, Span>,
+    report: &mut Vec<Diagnostic>,
+) {
     if let Some(first) = names.insert(name.text(), name.span()) {
         report.push(
             Diagnostic::new(Code::DuplicateName, name.span(), format!("`{}` is defined twice", name.text()))
@@ -487,12 +470,12 @@ fn check_definitions(files: &Files, report: &mut Vec<Diagnostic>) {
         report.iter().map(|finding| (finding.code, finding.span(), finding.message.clone())).collect();
     let mut findings = Vec::new();
     for file in files.ids() {
-        for node in files.tree(file).root().all(Rule::road_definition) {
-            let definition = Definition { file, node: node.index(), span: name_span(node) };
+        for node in files.tree(file).file().roads() {
+            let definition = Definition { file, node: node.index(), span: node.name().span() };
             check::defined_road(definition, &places, &mut findings);
         }
-        for node in files.tree(file).root().all(Rule::define) {
-            let definition = Definition { file, node: node.index(), span: name_span(node) };
+        for node in files.tree(file).file().scenarios().filter(|one| one.is_template()) {
+            let definition = Definition { file, node: node.index(), span: node.name().span() };
             let mut own = Vec::new();
             check::scenario(definition, &places, None, &mut own);
             own.retain(|finding| {
@@ -511,7 +494,7 @@ fn check_definitions(files: &Files, report: &mut Vec<Diagnostic>) {
 /// Criteria of the suite that apply to none of its scenarios.
 fn reject_idle_criteria(
     files: &Files,
-    criteria: &[Node],
+    criteria: &[ast::Criterion],
     scenarios: &[Scenario],
     report: &mut Vec<Diagnostic>,
 ) {

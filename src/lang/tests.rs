@@ -1,5 +1,7 @@
 //! Properties that hold for every text.
 
+mod statements;
+
 use std::path::Path;
 use std::sync::Arc;
 

@@ -6,7 +6,8 @@ use std::collections::HashMap;
 use super::codes::Code;
 use super::diagnostic::Diagnostic;
 use super::source::Span;
-use super::tree::{Node, Rule};
+use super::syntax::Node;
+use super::syntax::ast::{self, Term, View};
 use super::units;
 use crate::scenario::limits::Limit;
 use crate::scenario::{self, BinaryOperator, Dimension, Expression, Notation, Value, VariedValue};
@@ -155,19 +156,17 @@ pub fn calculate<C: Calculation>(node: Node, calculation: &mut C) -> Option<C::O
     let mut product: Option<C::Operand> = None;
     let mut pending_product: Option<BinaryOperator> = None;
     let mut negative = false;
-    for part in node.children() {
-        match part.rule() {
-            Rule::negation => negative = !negative,
-            Rule::operator => match part.text() {
-                "*" => pending_product = Some(BinaryOperator::Multiply),
-                "/" => pending_product = Some(BinaryOperator::Divide),
-                sign => {
-                    sum = Some(joined(calculation, sum, pending_sum.take(), product.take()?)?);
-                    pending_sum =
-                        Some(if sign == "+" { BinaryOperator::Add } else { BinaryOperator::Subtract });
-                }
-            },
-            _ => {
+    for term in node.terms() {
+        match term {
+            Term::Negation => negative = !negative,
+            Term::Operator(operator @ (BinaryOperator::Multiply | BinaryOperator::Divide)) => {
+                pending_product = Some(operator);
+            }
+            Term::Operator(operator) => {
+                sum = Some(joined(calculation, sum, pending_sum.take(), product.take()?)?);
+                pending_sum = Some(operator);
+            }
+            Term::Operand(part) => {
                 let mut operand = calculation.operand(part)?;
                 if std::mem::take(&mut negative) {
                     operand = calculation.negate(operand)?;
@@ -179,9 +178,9 @@ pub fn calculate<C: Calculation>(node: Node, calculation: &mut C) -> Option<C::O
     joined(calculation, sum, pending_sum, product?)
 }
 
-/// The value of an `expression` node. Mistakes are reported and give `None`.
-pub fn evaluate(node: Node, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<Typed> {
-    let mut result = calculate(node, &mut Values { scope, report })?;
+/// The value of an expression. Mistakes are reported and give `None`.
+pub fn evaluate(node: ast::Expression, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<Typed> {
+    let mut result = calculate(*node, &mut Values { scope, report })?;
     result.span = node.span();
     Some(result)
 }
@@ -195,7 +194,7 @@ impl Calculation for Values<'_> {
     type Operand = Typed;
 
     fn operand(&mut self, node: Node) -> Option<Typed> {
-        operand(node, self.scope, self.report)
+        operand(ast::Operand::cast(node)?, self.scope, self.report)
     }
 
     fn negate(&mut self, operand: Typed) -> Option<Typed> {
@@ -208,13 +207,15 @@ impl Calculation for Values<'_> {
 }
 
 /// A quantity, a truth value, a word, a name or a group.
-pub fn operand(node: Node, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<Typed> {
-    match node.rule() {
-        Rule::quantity => quantity(node, report),
-        Rule::boolean => Some(Typed::constant(Value::Flag(node.text() == "true"), Kind::Flag, node.span())),
-        Rule::string => Some(Typed::constant(Value::Word(unquote(node.text())), Kind::Word, node.span())),
-        Rule::group => evaluate(node.child(Rule::expression)?, scope, report),
-        _ => {
+pub fn operand(node: ast::Operand, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<Typed> {
+    match node {
+        ast::Operand::Quantity(node) => quantity(node, report),
+        ast::Operand::Boolean(node) => {
+            Some(Typed::constant(Value::Flag(node.text() == "true"), Kind::Flag, node.span()))
+        }
+        ast::Operand::Text(node) => Some(Typed::constant(Value::Word(node.value()), Kind::Word, node.span())),
+        ast::Operand::Group(node) => evaluate(node.inside(), scope, report),
+        ast::Operand::Reference(node) => {
             let name = node.text();
             match scope.find(name) {
                 Some(binding) => binding.value.clone().map(|value| Typed { span: node.span(), ..value }),
@@ -231,10 +232,9 @@ pub fn operand(node: Node, scope: &Scope, report: &mut Vec<Diagnostic>) -> Optio
     }
 }
 
-fn quantity(node: Node, report: &mut Vec<Diagnostic>) -> Option<Typed> {
-    let written = node.child(Rule::number)?;
-    let number: f64 = written.text().replace('_', "").parse().ok()?;
-    let (number, dimension, notation) = match node.child(Rule::unit) {
+fn quantity(node: ast::Quantity, report: &mut Vec<Diagnostic>) -> Option<Typed> {
+    let number = node.number().value()?;
+    let (number, dimension, notation) = match node.unit() {
         None => (number, Dimension::NUMBER, None),
         Some(symbol) => match units::unit_of(symbol.text()) {
             Some(unit) => (unit.to_si(number), unit.dimension, Some(unit.notation())),
@@ -397,25 +397,6 @@ fn join(left: Typed, operator: BinaryOperator, right: Typed, report: &mut Vec<Di
     Some(Typed { expression, kind: Kind::Number(dimension), notation, size, span })
 }
 
-/// A text without its quotes.
-pub fn unquote(quoted: &str) -> String {
-    let inner = quoted.strip_prefix('"').and_then(|rest| rest.strip_suffix('"')).unwrap_or(quoted);
-    let mut text = String::with_capacity(inner.len());
-    let mut characters = inner.chars();
-    while let Some(character) = characters.next() {
-        match character {
-            '\\' => match characters.next() {
-                Some('n') => text.push('\n'),
-                Some('t') => text.push('\t'),
-                Some(other) => text.push(other),
-                None => {}
-            },
-            other => text.push(other),
-        }
-    }
-    text
-}
-
 /// Whether a value is of a kind; if not, says so.
 pub fn expect_kind(value: &Typed, kind: Kind, what: &str, report: &mut Vec<Diagnostic>) -> bool {
     if value.kind == kind {
@@ -458,7 +439,7 @@ pub fn expect_kind(value: &Typed, kind: Kind, what: &str, report: &mut Vec<Diagn
 
 /// A quantity of a dimension. `what` begins the message: "the speed of a vehicle".
 pub fn quantity_of(
-    node: Node,
+    node: ast::Expression,
     dimension: Dimension,
     what: &str,
     scope: &Scope,
@@ -470,7 +451,7 @@ pub fn quantity_of(
 
 /// As [`quantity_of`], within a range that holds for every value it can take.
 pub fn quantity_in(
-    node: Node,
+    node: ast::Expression,
     dimension: Dimension,
     range: (f64, f64),
     what: &str,
@@ -492,7 +473,7 @@ pub fn quantity_in(
 
 /// As [`quantity_in`], with one of the limits of a scenario.
 pub fn quantity_within(
-    node: Node,
+    node: ast::Expression,
     limit: Limit,
     what: &str,
     scope: &Scope,
@@ -503,7 +484,7 @@ pub fn quantity_within(
 
 /// As [`constant_in`], with the unit that it is written in.
 pub fn written_constant(
-    node: Node,
+    node: ast::Expression,
     dimension: Dimension,
     range: (f64, f64),
     what: &str,
@@ -518,7 +499,7 @@ pub fn written_constant(
 
 /// As [`quantity_in`], for places where all runs share one value.
 pub fn constant_in(
-    node: Node,
+    node: ast::Expression,
     dimension: Dimension,
     range: (f64, f64),
     what: &str,

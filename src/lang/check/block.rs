@@ -6,51 +6,43 @@ use crate::lang::codes::Code;
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::settings::repeated;
 use crate::lang::source::Span;
-use crate::lang::tree::{Node, Rule};
+use crate::lang::syntax::ast::{self, View};
+use crate::lang::syntax::{Node, NodeKind, words};
 use crate::lang::value::Scope;
 
 /// A block with the names that its values may use.
 #[derive(Clone, Copy)]
-pub struct Layer<'a> {
-    pub block: Node<'a>,
+pub struct Layer<'a, B> {
+    pub block: B,
     pub scope: &'a Scope<'a>,
 }
 
 /// A statement with the names that its values may use.
 #[derive(Clone, Copy)]
-pub struct Said<'a> {
-    pub node: Node<'a>,
+pub struct Said<'a, S> {
+    pub node: S,
     pub scope: &'a Scope<'a>,
 }
 
-/// The statement of that kind in the last layer that has one.
-pub fn last<'a>(layers: &[Layer<'a>], rule: Rule) -> Option<Said<'a>> {
-    layers.iter().rev().find_map(|layer| {
-        let node = layer.block.child(rule)?;
-        Some(Said { node, scope: layer.scope })
-    })
+/// What a block says in the last layer in which it does.
+pub fn last<'a, B: Copy, S>(layers: &[Layer<'a, B>], said: impl Fn(B) -> Option<S>) -> Option<Said<'a, S>> {
+    layers.iter().rev().find_map(|layer| Some(Said { node: said(layer.block)?, scope: layer.scope }))
 }
 
-/// As [`last`], for statements of two kinds that say the same thing.
-pub fn last_of<'a>(layers: &[Layer<'a>], rules: [Rule; 2]) -> Option<Said<'a>> {
-    layers.iter().rev().find_map(|layer| {
-        let node = layer.block.children().find(|child| rules.contains(&child.rule()))?;
-        Some(Said { node, scope: layer.scope })
-    })
-}
-
-/// Reports every statement that stands again in the same block, except of kinds that may.
-pub fn reject_repeats(block: Node, may_repeat: &[Rule], report: &mut Vec<Diagnostic>) {
-    let mut seen: HashMap<Rule, (Span, &str)> = HashMap::new();
+/// Reports every statement that stands again in the same block and may not.
+pub fn reject_repeats(block: Node, report: &mut Vec<Diagnostic>) {
+    let mut seen: HashMap<NodeKind, (Span, &str)> = HashMap::new();
+    let known = block.block();
     for statement in block.children() {
-        let rule = statement.rule();
-        if matches!(rule, Rule::bad | Rule::bad_setting) || may_repeat.contains(&rule) {
+        let kind = statement.kind();
+        let own = known.and_then(|block| statement.statement_of(block));
+        if statement.is_bad() || own.is_some_and(|own| own.repeats) {
             continue;
         }
         let span = statement.span();
         let word = statement.text().split_whitespace().next().unwrap_or_default();
-        match seen.get(&rule) {
-            Some((first, said)) if *said == word || rule == Rule::doc => {
+        match seen.get(&kind) {
+            Some((first, said)) if *said == word || ast::Doc::cast(statement).is_some() => {
                 report.push(repeated(word.trim_matches('"'), span, *first));
             }
             Some((first, said)) => report.push(
@@ -63,21 +55,21 @@ pub fn reject_repeats(block: Node, may_repeat: &[Rule], report: &mut Vec<Diagnos
                 .context(*first, "said first here")
                 .hint("remove one of them"),
             ),
-            None => _ = seen.insert(rule, (span, word)),
+            None => _ = seen.insert(kind, (span, word)),
         }
     }
 }
 
-/// Reports that `what` lacks something. `broken` blocks had a statement that did not parse, which may have been it.
-pub fn missing(
-    layers: &[Layer],
+/// Reports that `what` lacks the statement `S`. Of blocks with a statement that could not be read it may have been that.
+pub fn missing<'a, S: View<'a>>(
+    layers: &[Layer<'a, impl View<'a>>],
     name: Span,
     what: &str,
-    lacks: &str,
-    example: &str,
     report: &mut Vec<Diagnostic>,
 ) {
-    if layers.iter().any(|layer| layer.block.has(Rule::bad)) {
+    let known = layers.first().and_then(|layer| words::viewed::<S>(*layer.block));
+    let Some((lacks, example)) = known.map(words::Statement::missing) else { return };
+    if layers.iter().any(|layer| layer.block.has_bad()) {
         return;
     }
     report.push(

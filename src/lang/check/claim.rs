@@ -1,14 +1,14 @@
 //! `claim …`: what is measured, compared to numbers and to each other.
 
 use super::Places;
-use super::criterion::{self, From, relation};
+use super::criterion::{self, From};
 use super::experiment::{Takes, target};
 use super::subject::{Subject, Subjects};
 use crate::lang::codes::Code;
 use crate::lang::diagnostic::Diagnostic;
-use crate::lang::format::phrase;
 use crate::lang::source::Span;
-use crate::lang::tree::{Node, Rule};
+use crate::lang::syntax::ast::{self, View};
+use crate::lang::syntax::{Node, phrase};
 use crate::lang::value::{self, Calculation, Kind, Scope, Typed};
 use crate::scenario::{
     BinaryOperator, Dimension, Expression, Measured, OutcomesOf, ParameterKind, Quantity, Relation,
@@ -17,18 +17,18 @@ use crate::scenario::{
 
 /// The claim at `node`.
 pub fn claim(
-    node: Node,
+    node: ast::Claim,
     subjects: &Subjects,
     scope: &Scope,
     places: &Places,
     report: &mut Vec<Diagnostic>,
 ) -> Option<StatementClaim> {
     let mut claims = Claims { subjects, scope, places, report };
-    let kind = match node.child(Rule::trend) {
+    let kind = match node.trend() {
         Some(trend) => claims.trend(trend)?,
         None => claims.comparison(node)?,
     };
-    let text = phrase(node).trim_start_matches("claim").trim().to_string();
+    let text = phrase(*node).trim_start_matches("claim").trim().to_string();
     Some(StatementClaim { kind, text, origin: places.origin(node.span()) })
 }
 
@@ -59,10 +59,10 @@ impl Term {
 }
 
 impl<'s> Claims<'_, 's> {
-    fn comparison(&mut self, node: Node) -> Option<StatementClaimKind> {
-        let mut sides = node.all(Rule::claimed);
+    fn comparison(&mut self, node: ast::Claim) -> Option<StatementClaimKind> {
+        let mut sides = node.sides();
         let (left, right) = (sides.next()?, sides.next()?);
-        let (left, right) = (value::calculate(left, self), value::calculate(right, self));
+        let (left, right) = (value::calculate(*left, self), value::calculate(*right, self));
         let (left, right) = (left?, right?);
         match (&left.quantity, &right.quantity) {
             (Quantity::Number(_), Quantity::Number(_)) => {
@@ -92,7 +92,7 @@ impl<'s> Claims<'_, 's> {
             }
             _ => {}
         }
-        let relation = relation(node.child(Rule::relation)?);
+        let relation = node.relation()?.meaning();
         Some(StatementClaimKind::Compares { left: left.quantity, relation, right: right.quantity })
     }
 
@@ -112,10 +112,10 @@ impl<'s> Claims<'_, 's> {
         Some(())
     }
 
-    fn trend(&mut self, node: Node) -> Option<StatementClaimKind> {
-        let (term, subject) = self.measured(node.child(Rule::measured)?)?;
+    fn trend(&mut self, node: ast::Trend) -> Option<StatementClaimKind> {
+        let (term, subject) = self.measured(node.measured())?;
         let Quantity::Measured(measured) = term.quantity else { return None };
-        let name = node.child(Rule::name)?;
+        let name = node.name();
         let Some(binding) = subject.varied.get(name.text()) else {
             self.report.push(
                 Diagnostic::new(
@@ -154,28 +154,33 @@ impl<'s> Claims<'_, 's> {
             );
             return None;
         }
-        let rises = node.has(Rule::kw_rises);
+        let rises = node.rises();
         let direction = if rises { TrendDirection::Rises } else { TrendDirection::Falls };
         Some(StatementClaimKind::Trend { measured, direction, variable: name.text().to_string() })
     }
 
     /// With what it is measured in.
-    fn measured(&mut self, node: Node) -> Option<(Term, Subject<'s>)> {
-        let (of, subject) = self.outcomes(node.child(Rule::outcomes)?)?;
+    fn measured(&mut self, node: ast::Measured) -> Option<(Term, Subject<'s>)> {
+        let (of, subject) = self.outcomes(node.outcomes())?;
         let cast = subject.cast();
-        let aggregate = criterion::aggregate(node, &cast, self.scope, self.report);
+        let aggregate = criterion::aggregate(node.aggregate(), &cast, self.scope, self.report);
         let varied = Scope { outer: Some(self.scope), names: subject.varied.clone() };
-        let conditions = node.all(Rule::run_conditions).flat_map(|when| when.all(Rule::run_condition));
+        let conditions = node.when().into_iter().flat_map(ast::When::conditions);
         let when: Vec<_> =
             conditions.map(|condition| self.run_condition(condition, &subject, &varied)).collect();
         let (aggregate, dimension, range) = aggregate?;
         let when = when.into_iter().collect::<Option<_>>()?;
         let quantity = Quantity::Measured(Measured { aggregate, of, when });
-        let when = node.child(Rule::run_conditions).map(Node::span);
+        let when = node.when().map(|when| when.span());
         Some((Term { quantity, dimension, range, span: node.span(), when }, subject))
     }
 
-    fn run_condition(&mut self, node: Node, subject: &Subject, varied: &Scope) -> Option<VariationCondition> {
+    fn run_condition(
+        &mut self,
+        node: ast::WhenCondition,
+        subject: &Subject,
+        varied: &Scope,
+    ) -> Option<VariationCondition> {
         let condition = criterion::when_condition(node, From::Scenario, varied, self.report)?;
         let (Some((low, high)), Expression::Constant(Value::Number(bound))) =
             (subject.searched.get(&condition.variable), &condition.bound)
@@ -201,9 +206,9 @@ impl<'s> Claims<'_, 's> {
     }
 
     /// `of NAME` or `of EVALUATE.CONDITION`
-    fn outcomes(&mut self, node: Node) -> Option<(OutcomesOf, Subject<'s>)> {
+    fn outcomes(&mut self, node: ast::Outcomes) -> Option<(OutcomesOf, Subject<'s>)> {
         let (subjects, places) = (self.subjects, self.places);
-        let mut names = node.all(Rule::name);
+        let mut names = node.names();
         let (name, condition) = (names.next()?, names.next());
         let text = name.text().to_string();
         if let Some(condition) = condition {
@@ -241,11 +246,11 @@ impl<'s> Claims<'_, 's> {
             return None;
         }
         let also: Vec<&str> = subjects.searches.names().chain(subjects.evaluates.names()).collect();
-        let subject = subjects.scenario(name, name.text(), &also, places, self.report)?;
+        let subject = subjects.scenario(name.span(), name.text(), &also, places, self.report)?;
         Some((OutcomesOf::Scenario(text), subject))
     }
 
-    fn condition(&mut self, name: Node, condition: Node) -> Option<(OutcomesOf, Subject<'s>)> {
+    fn condition(&mut self, name: ast::Name, condition: ast::Name) -> Option<(OutcomesOf, Subject<'s>)> {
         let (subjects, places) = (self.subjects, self.places);
         if !subjects.evaluates.has(name.text()) {
             let known = subjects.searches.has(name.text())
@@ -282,9 +287,9 @@ impl<'s> Claims<'_, 's> {
     }
 
     /// `chosen(av.controller.braking_distance) of TUNE`
-    fn chosen(&mut self, node: Node) -> Option<Term> {
+    fn chosen(&mut self, node: ast::Chosen) -> Option<Term> {
         let (subjects, places) = (self.subjects, self.places);
-        let (place, name) = (node.child(Rule::target)?, node.child(Rule::name)?);
+        let (place, name) = (node.target(), node.tune());
         if !subjects.tunes.has(name.text()) {
             self.report.push(
                 Diagnostic::new(
@@ -298,7 +303,7 @@ impl<'s> Claims<'_, 's> {
             return None;
         }
         let tune = subjects.tunes.find(name.text())?;
-        let wanted = phrase(place);
+        let wanted = phrase(*place);
         let targets: Vec<String> = tune.over.iter().map(|range| range.target.to_string()).collect();
         if !targets.contains(&wanted) {
             self.report.push(
@@ -333,8 +338,8 @@ impl<'s> Claims<'_, 's> {
     }
 
     /// A number, or a name that stands for one.
-    fn number(&mut self, node: Node) -> Option<Term> {
-        if node.rule() == Rule::reference
+    fn number(&mut self, node: ast::Operand) -> Option<Term> {
+        if matches!(node, ast::Operand::Reference(_))
             && self.scope.find(node.text()).is_none()
             && self.places.files.registry.metrics().get(node.text()).is_some()
         {
@@ -379,14 +384,15 @@ impl Calculation for Claims<'_, '_> {
     type Operand = Term;
 
     fn operand(&mut self, node: Node) -> Option<Term> {
-        match node.rule() {
-            Rule::measured => self.measured(node).map(|(term, _)| term),
-            Rule::chosen => self.chosen(node),
-            Rule::claimed_group => {
-                let inside = value::calculate(node.child(Rule::claimed)?, self)?;
+        match ast::ClaimedOperand::cast(node)? {
+            ast::ClaimedOperand::Measured(node) => self.measured(node).map(|(term, _)| term),
+            ast::ClaimedOperand::Chosen(node) => self.chosen(node),
+            ast::ClaimedOperand::ClaimedGroup(node) => {
+                let inside = value::calculate(*node.inside(), self)?;
                 Some(Term { span: node.span(), when: None, ..inside })
             }
-            _ => self.number(node),
+            ast::ClaimedOperand::Quantity(node) => self.number(ast::Operand::Quantity(node)),
+            ast::ClaimedOperand::Reference(node) => self.number(ast::Operand::Reference(node)),
         }
     }
 

@@ -2,12 +2,12 @@
 
 use crate::lang::codes::Code;
 use crate::lang::diagnostic::Diagnostic;
-use crate::lang::tree::Node;
+use crate::lang::syntax::ast;
 use crate::scenario::{Aggregate, Relation};
 
 /// Of some aggregates no sample ever shows anything with confidence.
 pub fn refuse_confidence(
-    confidence: Node,
+    confidence: ast::Confidence,
     aggregate: &Aggregate,
     relation: Relation,
     report: &mut Vec<Diagnostic>,

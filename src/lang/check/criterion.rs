@@ -1,21 +1,18 @@
 //! `expect { … }`
 
-use std::sync::Arc;
-
 use super::Places;
 use super::confidence::refuse_confidence;
-use super::pedestrian::unknown_vehicle;
-use super::road::constants;
+use super::metric::{example, kind_name, metric_reference};
 use crate::lang::codes::Code;
 use crate::lang::diagnostic::Diagnostic;
-use crate::lang::print;
-use crate::lang::settings::{self, lone_word, repeated};
-use crate::lang::tree::{Node, Rule};
+use crate::lang::settings::{self, repeated};
+use crate::lang::syntax;
+use crate::lang::syntax::ast::{self, View};
 use crate::lang::value::{self, Kind, Scope};
 use crate::registry::Table;
 use crate::scenario::{
-    Aggregate, Claim, Comparison, Criterion, Dimension, Expression, Metric, MetricKind, MetricReference,
-    People, Reach, Relation, Scope as Measured, Value, VariationCondition, WhenUndefined,
+    Aggregate, Claim, Comparison, Criterion, Dimension, Expression, Metric, MetricKind, People, Reach,
+    Relation, Value, VariationCondition, WhenUndefined,
 };
 
 /// The words for what sums up runs, with what each is.
@@ -51,7 +48,7 @@ pub enum From {
 
 /// The criterion of a `criterion` node; `None` if it is wrong or, for a suite's, not about this scenario.
 pub fn criterion(
-    node: Node,
+    node: ast::Criterion,
     from: From,
     cast: &Cast,
     scope: &Scope,
@@ -62,18 +59,18 @@ pub fn criterion(
     let modifiers = modifiers(node, scope, report);
     let mut applies = true;
     let mut when = Vec::new();
-    for condition in node.all(Rule::when).flat_map(|when| when.all(Rule::when_condition)) {
+    for condition in node.whens().flat_map(ast::When::conditions) {
         match when_condition(condition, from, scope, report) {
             Some(condition) => when.push(condition),
             None => applies = false,
         }
     }
-    let claim = match node.child(Rule::aggregate_claim) {
+    let claim = match node.aggregate_claim() {
         Some(claim) => aggregate_claim(claim, &modifiers, cast, scope, report),
-        None => runs_claim(node.child(Rule::condition)?, &modifiers, cast, scope, report),
+        None => runs_claim(node.condition()?, &modifiers, cast, scope, report),
     };
     let people = whom(node, claim.as_ref(), cast, report);
-    let text = text(node);
+    let text = syntax::criterion_text(node);
     if !places.files.overrides.is_empty() {
         set_aside(&mut report[before..]);
     }
@@ -83,9 +80,14 @@ pub fn criterion(
 }
 
 /// Whom the criterion says that it speaks of.
-fn whom(node: Node, claim: Option<&Claim>, cast: &Cast, report: &mut Vec<Diagnostic>) -> Option<People> {
-    let said = node.child(Rule::whom)?;
-    let all = said.has(Rule::kw_all);
+fn whom(
+    node: ast::Criterion,
+    claim: Option<&Claim>,
+    cast: &Cast,
+    report: &mut Vec<Diagnostic>,
+) -> Option<People> {
+    let said = node.whom()?;
+    let all = said.are_all();
     if claim.is_some_and(|claim| claim.confidence().is_none()) {
         report.push(
             Diagnostic::new(
@@ -130,35 +132,36 @@ pub fn set_aside(findings: &mut [Diagnostic]) {
 }
 
 struct Modifiers<'t> {
-    share: Option<(Node<'t>, Option<f64>)>,
-    confidence: Option<(Node<'t>, Option<f64>)>,
+    share: Option<(ast::Share<'t>, Option<f64>)>,
+    confidence: Option<(ast::Confidence<'t>, Option<f64>)>,
     undefined: WhenUndefined,
 }
 
-fn modifiers<'t>(node: Node<'t>, scope: &Scope, report: &mut Vec<Diagnostic>) -> Modifiers<'t> {
-    for rule in [Rule::share, Rule::undefined, Rule::confidence, Rule::whom, Rule::when] {
-        let mut said = node.all(rule);
-        if let (Some(first), Some(second)) = (said.next(), said.next()) {
-            let word = first.text().split_whitespace().next().unwrap_or_default();
-            let mut diagnostic = repeated(word, second.span(), first.span());
-            diagnostic.code = Code::RepeatedModifier;
-            report.push(diagnostic);
-        }
-    }
-    let mut part = |rule, what: &str, open: bool| {
-        let node = node.child(rule)?;
-        let value =
-            node.child(Rule::expression).and_then(|expression| share(expression, what, open, scope, report));
-        Some((node, value))
-    };
-    let share = part(Rule::share, "the share of runs", false);
-    let confidence = part(Rule::confidence, "the confidence", true);
-    Modifiers { share, confidence, undefined: undefined(node) }
+fn modifiers<'t>(node: ast::Criterion<'t>, scope: &Scope, report: &mut Vec<Diagnostic>) -> Modifiers<'t> {
+    reject_twice::<ast::Share>(node, report);
+    reject_twice::<ast::Undefined>(node, report);
+    reject_twice::<ast::Confidence>(node, report);
+    reject_twice::<ast::Whom>(node, report);
+    reject_twice::<ast::When>(node, report);
+    let mut part = |value, what: &str, open: bool| share(value, what, open, scope, report);
+    let share = node.share().map(|said| (said, part(said.value(), "the share of runs", false)));
+    let confidence = node.confidence().map(|said| (said, part(said.value(), "the confidence", true)));
+    Modifiers { share, confidence, undefined: undefined(node.undefined()) }
 }
 
-pub fn undefined(node: Node) -> WhenUndefined {
-    match node.child(Rule::undefined) {
-        Some(undefined) if undefined.has(Rule::kw_passes) => WhenUndefined::Passes,
+fn reject_twice<'t, M: View<'t>>(node: ast::Criterion<'t>, report: &mut Vec<Diagnostic>) {
+    let mut said = node.parts::<M>();
+    if let (Some(first), Some(second)) = (said.next(), said.next()) {
+        let word = first.text().split_whitespace().next().unwrap_or_default();
+        let mut diagnostic = repeated(word, second.span(), first.span());
+        diagnostic.code = Code::RepeatedModifier;
+        report.push(diagnostic);
+    }
+}
+
+pub fn undefined(said: Option<ast::Undefined>) -> WhenUndefined {
+    match said {
+        Some(undefined) if undefined.passes() => WhenUndefined::Passes,
         Some(_) => WhenUndefined::Fails,
         None => WhenUndefined::AsDeclared,
     }
@@ -167,7 +170,7 @@ pub fn undefined(node: Node) -> WhenUndefined {
 /// A constant between 0 and 1 or, for a confidence, above 1/2 and below 1: at 1/2 a claim would pass by luck as often as
 /// not, and below it bounds change sides.
 pub fn share(
-    node: Node,
+    node: ast::Expression,
     what: &str,
     confidence: bool,
     scope: &Scope,
@@ -197,7 +200,7 @@ pub fn share(
 }
 
 fn runs_claim(
-    node: Node,
+    node: ast::Condition,
     modifiers: &Modifiers,
     cast: &Cast,
     scope: &Scope,
@@ -230,7 +233,7 @@ fn runs_claim(
 }
 
 fn aggregate_claim(
-    node: Node,
+    node: ast::AggregateClaim,
     modifiers: &Modifiers,
     cast: &Cast,
     scope: &Scope,
@@ -247,9 +250,8 @@ fn aggregate_claim(
             .hint("remove the share, or compare the metric itself instead of an aggregate"),
         );
     }
-    let relation = relation(node.child(Rule::relation)?);
-    let bound = node.child(Rule::expression)?;
-    let (aggregate, dimension, range) = aggregate(node, cast, scope, report)?;
+    let (relation, bound) = (node.relation().meaning(), node.bound());
+    let (aggregate, dimension, range) = aggregate(node.aggregate(), cast, scope, report)?;
     if let Some((confidence, _)) = &modifiers.confidence {
         refuse_confidence(*confidence, &aggregate, relation, report)?;
     }
@@ -267,30 +269,29 @@ fn aggregate_claim(
     })
 }
 
-/// The aggregate below a node, with the dimension and range of what it can be compared to.
+/// The aggregate with the dimension and range of what it can be compared to.
 pub fn aggregate(
-    node: Node,
+    node: ast::Aggregate,
     cast: &Cast,
     scope: &Scope,
     report: &mut Vec<Diagnostic>,
 ) -> Option<(Aggregate, Dimension, (f64, f64))> {
-    if let Some(rate) = node.child(Rule::rate) {
-        let comparison = comparison(rate.child(Rule::condition)?, undefined(rate), cast, scope, report)?;
-        return Some(if rate.has(Rule::kw_rate) {
-            (Aggregate::Rate(comparison), Dimension::NUMBER, (0.0, 1.0))
-        } else {
-            (Aggregate::Count(comparison), Dimension::NUMBER, (0.0, 1e9))
-        });
-    }
-    let (of, level) = match node.child(Rule::quantile) {
-        Some(quantile) => {
-            let level =
-                share(quantile.child(Rule::expression)?, "the level of a quantile", false, scope, report);
-            (quantile, Some(level))
+    let (metric_node, level) = match node {
+        ast::Aggregate::Rate(rate) => {
+            let when_undefined = undefined(rate.undefined());
+            let comparison = comparison(rate.condition(), when_undefined, cast, scope, report)?;
+            return Some(if rate.is_rate() {
+                (Aggregate::Rate(comparison), Dimension::NUMBER, (0.0, 1.0))
+            } else {
+                (Aggregate::Count(comparison), Dimension::NUMBER, (0.0, 1e9))
+            });
         }
-        None => (node.child(Rule::statistic)?, None),
+        ast::Aggregate::Quantile(quantile) => {
+            let level = share(quantile.level(), "the level of a quantile", false, scope, report);
+            (quantile.metric(), Some(level))
+        }
+        ast::Aggregate::Statistic(statistic) => (statistic.metric(), None),
     };
-    let metric_node = of.child(Rule::metric)?;
     let (reference, found) = metric_reference(metric_node, cast, scope, report)?;
     let MetricKind::Quantity(dimension) = found.kind else {
         report.push(
@@ -308,8 +309,7 @@ pub fn aggregate(
         );
         return None;
     };
-    let statistic = of.child(Rule::statistic_name).map_or("", Node::text);
-    let aggregate = match (level, statistic) {
+    let aggregate = match (level, node.word()) {
         (Some(level), _) => Aggregate::Quantile(level?, reference),
         (_, "mean") => Aggregate::Mean(reference),
         (_, "median") => Aggregate::Median(reference),
@@ -335,17 +335,17 @@ fn aggregate_word(aggregate: &Aggregate) -> String {
 
 /// `no collision`, `gap_accepted`, `pet >= 1.5 s`, `passed_first = pedestrian`
 pub fn comparison(
-    node: Node,
+    node: ast::Condition,
     when_undefined: WhenUndefined,
     cast: &Cast,
     scope: &Scope,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Comparison> {
-    let metric_node = node.child(Rule::metric)?;
+    let metric_node = node.metric();
     let (reference, found) = metric_reference(metric_node, cast, scope, report)?;
     let name = reference.name().to_string();
     let done = |relation, bound| Some(Comparison { metric: reference, relation, bound, when_undefined });
-    if node.has(Rule::kw_no) {
+    if node.is_negative() {
         if found.kind != MetricKind::Flag {
             report.push(
                 Diagnostic::new(
@@ -360,8 +360,7 @@ pub fn comparison(
         }
         return done(Relation::Equal, Expression::number(0.0));
     }
-    let (Some(relation_node), Some(bound)) = (node.child(Rule::relation), node.child(Rule::expression))
-    else {
+    let (Some(relation_node), Some(bound)) = (node.relation(), node.bound()) else {
         if found.kind != MetricKind::Flag {
             report.push(
                 Diagnostic::new(
@@ -376,7 +375,7 @@ pub fn comparison(
         }
         return done(Relation::Equal, Expression::number(1.0));
     };
-    let relation = relation(relation_node);
+    let relation = relation_node.meaning();
     let what = format!("the bound of `{name}`");
     let ordered = matches!(found.kind, MetricKind::Quantity(_));
     if !ordered && !matches!(relation, Relation::Equal | Relation::NotEqual) {
@@ -425,170 +424,14 @@ pub fn comparison(
     }
 }
 
-pub fn kind_name(metric: &Metric) -> String {
-    match &metric.kind {
-        MetricKind::Quantity(dimension) => Kind::Number(*dimension).name(),
-        MetricKind::Flag => "true or false".to_string(),
-        MetricKind::Category(words) => {
-            format!("one of {}", words.iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", "))
-        }
-    }
-}
-
-fn example(metric: &Metric) -> String {
-    let name = &metric.declaration.name;
-    match &metric.kind {
-        MetricKind::Quantity(dimension) => {
-            let bound = format!("{name} >= 1.5 {}", dimension.si_unit());
-            format!("such as `{}`", bound.trim_end())
-        }
-        MetricKind::Flag => format!("such as `no {name}`"),
-        MetricKind::Category(words) => {
-            format!("such as `{name} = {}`", words.first().map_or("…", |word| &**word))
-        }
-    }
-}
-
-/// A metric with the road users it is for.
-pub fn metric_reference(
-    node: Node,
-    cast: &Cast,
-    scope: &Scope,
-    report: &mut Vec<Diagnostic>,
-) -> Option<(MetricReference, Arc<Metric>)> {
-    let name = node.child(Rule::name)?;
-    let Some(found) = cast.metrics.get(name.text()) else {
-        let message = format!("there is no metric `{}`", name.text());
-        let diagnostic = Diagnostic::new(Code::UnknownMetric, name.span(), message).label("unknown metric");
-        report.push(match AGGREGATES.iter().any(|(word, _)| *word == name.text()) {
-            true => {
-                diagnostic.hint("this is about single runs: compare a metric itself, such as `pet < 1.5 s`")
-            }
-            false => diagnostic.suggest(name.text(), cast.metrics.names()),
-        });
-        return None;
-    };
-    let details = node.child(Rule::metric_details);
-    let settings = constants(details, &found.declaration, scope, report);
-    let pair = match details {
-        Some(details) => pair(details, found, cast, report)?,
-        None => None,
-    };
-    Some((MetricReference { metric: found.into(), settings: settings?, pair }, found.clone()))
-}
-
-/// The pair that is meant. A metric of one road user has a value with the first of the other kind; contacts of one
-/// vehicle, with whatever it touches, have no second name.
-fn pair(
-    details: Node,
-    metric: &Metric,
-    cast: &Cast,
-    report: &mut Vec<Diagnostic>,
-) -> Option<Option<(String, String)>> {
-    let names: Vec<_> = details.all(Rule::name).collect();
-    if names.is_empty() {
-        return Some(None);
-    }
-    let mut known = |name: Node, is_vehicle: bool| {
-        let known = if is_vehicle { &cast.vehicles } else { &cast.pedestrians };
-        if known.contains(&name.text()) {
-            return Some(name.text().to_string());
-        }
-        report.push(if is_vehicle {
-            unknown_vehicle(name, known)
-        } else {
-            Diagnostic::new(
-                Code::UnknownPedestrian,
-                name.span(),
-                format!("the scenario has no pedestrian `{}`", name.text()),
-            )
-            .label("unknown pedestrian")
-            .suggest(name.text(), known.iter().copied())
-        });
-        None
-    };
-    if let ([vehicle, others @ ..], Measured::Contact) = (names.as_slice(), metric.scope)
-        && others.len() <= 1
-    {
-        let vehicle = known(*vehicle, true)?;
-        let Some(other) = others.first() else { return Some(Some((vehicle, String::new()))) };
-        return Some(Some((vehicle.clone(), solid(*other, &vehicle, cast, report)?)));
-    }
-    let first = |names: &[&str]| names.first().map(|name| name.to_string());
-    let pair = match (names.as_slice(), metric.scope) {
-        ([vehicle, pedestrian], Measured::Pair) => {
-            let (vehicle, pedestrian) = (known(*vehicle, true), known(*pedestrian, false));
-            (vehicle?, pedestrian?)
-        }
-        ([vehicle], Measured::Vehicle) => (known(*vehicle, true)?, first(&cast.pedestrians)?),
-        ([pedestrian], Measured::Pedestrian) => {
-            let pedestrian = known(*pedestrian, false)?;
-            (first(&cast.vehicles)?, pedestrian)
-        }
-        _ => {
-            let name = &metric.declaration.name;
-            let (whom, example) = match metric.scope {
-                Measured::Pair => ("a vehicle and a pedestrian", format!("{name}(av, walker)")),
-                Measured::Contact => ("a vehicle and what it touches", format!("{name}(av, walker)")),
-                Measured::Vehicle => ("a vehicle", format!("{name}(av)")),
-                Measured::Pedestrian => ("a pedestrian", format!("{name}(walker)")),
-            };
-            report.push(
-                Diagnostic::new(Code::BadPair, details.span(), format!("`{name}` is measured for {whom}"))
-                    .label(format!("{} named here", names.len()))
-                    .hint(format!("write `{example}`")),
-            );
-            return None;
-        }
-    };
-    Some(Some(pair))
-}
-
-/// Anything but `vehicle` that it may touch.
-fn solid(name: Node, vehicle: &str, cast: &Cast, report: &mut Vec<Diagnostic>) -> Option<String> {
-    let all = cast.pedestrians.iter().chain(&cast.vehicles).chain(&cast.boxes).copied();
-    if name.text() == vehicle {
-        report.push(
-            Diagnostic::new(Code::TouchesItself, name.span(), format!("`{vehicle}` never touches itself"))
-                .label("the same vehicle")
-                .hint("name a pedestrian, another vehicle or a box of the road; or nothing, for whatever it touches"),
-        );
-        return None;
-    }
-    if all.clone().any(|known| known == name.text()) {
-        return Some(name.text().to_string());
-    }
-    report.push(
-        Diagnostic::new(
-            Code::UnknownSolid,
-            name.span(),
-            format!("the scenario has no pedestrian, vehicle or box `{}`", name.text()),
-        )
-        .label("nothing of this name")
-        .suggest(name.text(), all.filter(|known| *known != vehicle)),
-    );
-    None
-}
-
-pub fn relation(node: Node) -> Relation {
-    match node.text() {
-        "<" => Relation::Less,
-        "<=" | "≤" => Relation::LessOrEqual,
-        ">" => Relation::Greater,
-        ">=" | "≥" => Relation::GreaterOrEqual,
-        "!=" | "≠" => Relation::NotEqual,
-        _ => Relation::Equal,
-    }
-}
-
 /// A condition on a variation; `None` also where a suite's criterion is not about this scenario.
 pub fn when_condition(
-    node: Node,
+    node: ast::WhenCondition,
     from: From,
     scope: &Scope,
     report: &mut Vec<Diagnostic>,
 ) -> Option<VariationCondition> {
-    let name = node.child(Rule::name)?;
+    let name = node.name();
     let binding = scope.find(name.text()).filter(|binding| match &binding.value {
         Some(value) => matches!(&value.expression, Expression::Variable(variable) if variable == name.text()),
         None => true,
@@ -613,11 +456,11 @@ pub fn when_condition(
         return None;
     };
     let kind = binding.value.as_ref()?.kind;
-    let relation_node = node.child(Rule::relation)?;
-    let relation = relation(relation_node);
-    let bound_node = node.child(Rule::expression).or_else(|| node.child(Rule::lone_operand))?;
+    let relation_node = node.relation();
+    let relation = relation_node.meaning();
+    let bound_node = node.bound();
     let what = format!("`{}`", name.text());
-    let bound = match (kind, lone_word(bound_node)) {
+    let bound = match (kind, bound_node.lone_word()) {
         (Kind::Word, Some(word)) if scope.find(word).is_none() => {
             Expression::Constant(Value::Word(word.to_string()))
         }
@@ -667,80 +510,4 @@ fn holds(relation: Relation, value: &Value, bound: &Value) -> bool {
             _ => false,
         },
     }
-}
-
-/// The criterion in its one spelling.
-pub fn text(node: Node) -> String {
-    let mut text = match node.child(Rule::aggregate_claim) {
-        Some(claim) => claim.children().next().map_or(String::new(), aggregate_text) + &bound_text(claim),
-        None => node.child(Rule::condition).map_or(String::new(), condition_text),
-    };
-    if let Some(share) = node.child(Rule::share).and_then(|share| share.child(Rule::expression)) {
-        text += &format!(" in {} of runs", print::expression(share));
-    }
-    text += &undefined_text(node);
-    if let Some(confidence) = node.child(Rule::confidence).and_then(|node| node.child(Rule::expression)) {
-        text += &format!(" with {} confidence", print::expression(confidence));
-    }
-    if let Some(whom) = node.child(Rule::whom) {
-        text += if whom.has(Rule::kw_all) { " of all people" } else { " of these people" };
-    }
-    let conditions: Vec<_> = node
-        .all(Rule::when)
-        .flat_map(|when| when.all(Rule::when_condition))
-        .map(|condition| {
-            condition.child(Rule::name).map_or("", Node::text).to_string() + &bound_text(condition)
-        })
-        .collect();
-    if !conditions.is_empty() {
-        text += &format!(" when {}", conditions.join(" and "));
-    }
-    text
-}
-
-/// A `rate`, `quantile` or `statistic` in its one spelling.
-pub fn aggregate_text(of: Node) -> String {
-    let name = of.text().split('(').next().unwrap_or_default().trim();
-    let level = of.child(Rule::expression).map(|level| format!("{}, ", print::expression(level)));
-    let inside = match of.child(Rule::condition) {
-        Some(condition) => condition_text(condition) + &undefined_text(of),
-        None => of.child(Rule::metric).map_or(String::new(), metric_text),
-    };
-    format!("{name}({}{inside})", level.unwrap_or_default())
-}
-
-fn condition_text(node: Node) -> String {
-    let no = if node.has(Rule::kw_no) { "no " } else { "" };
-    let metric = node.child(Rule::metric).map_or(String::new(), metric_text);
-    format!("{no}{metric}{}", bound_text(node))
-}
-
-fn undefined_text(node: Node) -> String {
-    match node.child(Rule::undefined) {
-        Some(undefined) if undefined.has(Rule::kw_passes) => " undefined passes".to_string(),
-        Some(_) => " undefined fails".to_string(),
-        None => String::new(),
-    }
-}
-
-fn bound_text(node: Node) -> String {
-    match (node.child(Rule::relation), node.child(Rule::expression)) {
-        (Some(relation_node), Some(bound)) => {
-            format!(" {} {}", relation(relation_node).symbol(), print::expression(bound))
-        }
-        _ => String::new(),
-    }
-}
-
-pub fn metric_text(node: Node) -> String {
-    let name = node.child(Rule::name).map_or("", Node::text);
-    let Some(details) = node.child(Rule::metric_details) else { return name.to_string() };
-    let inside: Vec<_> = details
-        .children()
-        .map(|part| match (part.child(Rule::setting_name), part.child(Rule::expression)) {
-            (Some(setting), Some(value)) => format!("{}: {}", setting.text(), print::expression(value)),
-            _ => part.text().to_string(),
-        })
-        .collect();
-    format!("{name}({})", inside.join(", "))
 }

@@ -9,11 +9,11 @@ use super::experiment::{SummedUp, Takes, bound_in, reject_unmeant, summed_up, ta
 use super::subject::{Subject, Subjects, case_set};
 use crate::lang::codes::Code;
 use crate::lang::diagnostic::Diagnostic;
-use crate::lang::format::phrase;
 use crate::lang::settings::{self, repeated};
 use crate::lang::source::Span;
-use crate::lang::tree::{Node, Rule};
-use crate::lang::value::{self, Scope, unquote};
+use crate::lang::syntax::ast;
+use crate::lang::syntax::phrase;
+use crate::lang::value::{self, Scope};
 use crate::scenario::{
     Condition, Dimension, Evaluate, Expression, Measure, Notation, ParameterSet, Target, Value,
 };
@@ -23,25 +23,24 @@ const DEFAULT: &str = "default";
 
 /// The evaluate at `node`.
 pub fn evaluate(
-    node: Node,
+    node: ast::Evaluate,
     subjects: &Subjects,
     scope: &Scope,
     places: &Places,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Evaluate> {
-    let name = node.child(Rule::name)?;
-    let block = node.child(Rule::evaluate_block)?;
-    reject_repeats(block, &[Rule::reported_row], report);
+    let (name, block) = (node.name(), node.block());
+    reject_repeats(*block, report);
     let layers = [Layer { block, scope }];
     let what = format!("evaluate `{}`", name.text());
-    let Some(on) = block.child(Rule::on_cases) else {
-        missing(&layers, name.span(), &what, "cases", "on SCENARIO", report);
+    let Some(on) = block.on() else {
+        missing::<ast::OnCases>(&layers, name.span(), &what, report);
         return None;
     };
     let (on, subject) = case_set(on, subjects, places, report)?;
-    let nodes: Vec<Node> = block.all(Rule::conditions).flat_map(|node| node.all(Rule::evaluated)).collect();
+    let nodes: Vec<ast::Evaluated> = block.conditions().flat_map(ast::Conditions::each).collect();
     if nodes.is_empty() {
-        missing(&layers, name.span(), &what, "conditions", "with default, TUNE", report);
+        missing::<ast::Conditions>(&layers, name.span(), &what, report);
     }
     let mut names: HashMap<String, Span> = HashMap::new();
     let mut given_in = Vec::new();
@@ -49,7 +48,7 @@ pub fn evaluate(
         .into_iter()
         .map(|node| {
             let condition = condition(node, (subjects, &subject), scope, &mut given_in, places, report)?;
-            let named = node.child(Rule::alias).unwrap_or(node).span();
+            let named = node.alias().map_or(node.span(), |alias| alias.span());
             if let Some(first) = names.insert(condition.name.clone(), named) {
                 report.push(
                     Diagnostic::new(
@@ -66,22 +65,23 @@ pub fn evaluate(
             Some(condition)
         })
         .collect();
-    let fresh = fresh_seeds(block, report);
+    let fresh = fresh_seeds(block.fresh_seeds(), report);
     let cast = subject.cast();
     let measures: Vec<_> = block
-        .all(Rule::measures)
-        .flat_map(|node| node.all(Rule::measure))
+        .measures()
+        .flat_map(ast::Measures::each)
         .map(|node| summed_up(node, "measure", &cast, scope, report))
         .collect();
     let conditions: Vec<Condition> = conditions.into_iter().collect::<Option<_>>()?;
     let measures: Vec<_> = measures.into_iter().collect::<Option<_>>()?;
     let mut written_in = vec![None; measures.len()];
     let reported = reported(block, &conditions, &measures, &mut written_in, scope, report);
-    let nodes = block.all(Rule::measures).flat_map(|node| node.all(Rule::measure));
+    let nodes = block.measures().flat_map(ast::Measures::each);
     let compared: Vec<_> = nodes
         .zip(&measures)
         .filter_map(|(node, measure)| {
-            Some((measure.aggregate.metric(), bound_in(node.child(Rule::rate)?, scope)?))
+            let Some(ast::Aggregate::Rate(rate)) = node.aggregate() else { return None };
+            Some((measure.aggregate.metric(), bound_in(rate.condition(), scope)?))
         })
         .collect();
     for (notation, measure) in written_in.iter_mut().zip(&measures) {
@@ -92,11 +92,11 @@ pub fn evaluate(
     }
     Some(Evaluate {
         name: name.text().to_string(),
-        doc: super::doc(block),
+        doc: super::doc(block.doc()),
         on,
         conditions: Some(conditions).filter(|conditions| !conditions.is_empty())?,
         fresh: fresh?,
-        source: super::source(block),
+        source: block.source().map(|source| source.quoted().value()),
         reported: reported?,
         measures: measures
             .into_iter()
@@ -114,26 +114,26 @@ pub fn evaluate(
 }
 
 /// How often every case runs under fresh seeds; 0 if the block does not say so.
-pub fn fresh_seeds(block: Node, report: &mut Vec<Diagnostic>) -> Option<u32> {
-    match block.child(Rule::fresh_seeds).and_then(|node| node.child(Rule::integer)) {
-        Some(count) => super::count(count, 1, 100_000, "the number of fresh seeds", report),
+pub fn fresh_seeds(said: Option<ast::FreshSeeds>, report: &mut Vec<Diagnostic>) -> Option<u32> {
+    match said {
+        Some(said) => super::count(said.count(), 1, 100_000, "the number of fresh seeds", report),
         None => Some(0),
     }
 }
 
 fn condition(
-    node: Node,
+    node: ast::Evaluated,
     (subjects, subject): (&Subjects, &Subject),
     scope: &Scope,
     given_in: &mut Vec<(Target, Notation)>,
     places: &Places,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Condition> {
-    let alias = node.child(Rule::alias).and_then(|alias| alias.child(Rule::name));
-    let (parameters, own_name) = if let Some(name) = node.child(Rule::name) {
+    let alias = node.alias().map(ast::Alias::name);
+    let (parameters, own_name) = if let Some(name) = node.name() {
         (by_name(name, subjects, subject, places, report)?, Some(name))
-    } else if let Some(path) = node.child(Rule::string) {
-        let saved = places.beside(path.span(), &unquote(path.text()));
+    } else if let Some(path) = node.path() {
+        let saved = places.beside(path.span(), &path.value());
         if !Path::new(&saved).is_file() {
             report.push(
                 Diagnostic::new(
@@ -148,7 +148,7 @@ fn condition(
         }
         (ParameterSet::Saved(saved), None)
     } else {
-        let set = node.child(Rule::parameter_set)?;
+        let set = node.set()?;
         (ParameterSet::Given(given(set, subject, scope, given_in, report)?), None)
     };
     let Some(name) = alias.or(own_name) else {
@@ -164,7 +164,7 @@ fn condition(
 
 /// `default`, what a tune chose, or another scenario.
 fn by_name(
-    name: Node,
+    name: ast::Name,
     subjects: &Subjects,
     subject: &Subject,
     places: &Places,
@@ -174,7 +174,7 @@ fn by_name(
         return Some(ParameterSet::Declared);
     }
     if subjects.scenario_names(places).any(|known| known == name.text()) {
-        let other = subjects.scenario(name, name.text(), &[], places, report)?;
+        let other = subjects.scenario(name.span(), name.text(), &[], places, report)?;
         return fits(name, &other, subject, report).then(|| ParameterSet::Scenario(name.text().to_string()));
     }
     if !subjects.tunes.has(name.text()) {
@@ -218,7 +218,7 @@ fn by_name(
 
 /// Whether the cases of `subject` can be run in the scenario `other`: they must say everything that it leaves open, and
 /// the people in them must be people there.
-fn fits(name: Node, other: &Subject, subject: &Subject, report: &mut Vec<Diagnostic>) -> bool {
+fn fits(name: ast::Name, other: &Subject, subject: &Subject, report: &mut Vec<Diagnostic>) -> bool {
     let unsaid = other.varied.keys().filter(|varied| !subject.varied.contains_key(*varied)).min();
     let lost = subject.scenario.pedestrians.iter().filter(|one| one.individuals.is_some()).find(|one| {
         let same = |there: &&crate::scenario::Pedestrian| {
@@ -247,14 +247,14 @@ fn fits(name: Node, other: &Subject, subject: &Subject, report: &mut Vec<Diagnos
 
 /// `{ av.controller.braking_distance: 10 m }`; `given_in` takes the units.
 fn given(
-    node: Node,
+    node: ast::ParameterSet,
     subject: &Subject,
     scope: &Scope,
     given_in: &mut Vec<(Target, Notation)>,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Vec<(Target, Value)>> {
-    let nodes: Vec<Node> = node.all(Rule::given).collect();
-    if nodes.is_empty() && !node.has(Rule::bad_setting) {
+    let nodes: Vec<ast::Given> = node.given().collect();
+    if nodes.is_empty() && !node.has_bad() {
         report.push(
             Diagnostic::new(Code::BadCondition, node.span(), "this condition sets nothing")
                 .label("no parameters")
@@ -266,16 +266,14 @@ fn given(
     let values: Vec<_> = nodes
         .into_iter()
         .map(|node| {
-            let (place, wanted) = (node.child(Rule::target)?, node.child(Rule::expression)?);
-            if let Some(first) = said.insert(phrase(place), place.span()) {
-                report.push(repeated(&phrase(place), place.span(), first));
+            let (place, wanted) = (node.target(), node.value());
+            if let Some(first) = said.insert(phrase(*place), place.span()) {
+                report.push(repeated(&phrase(*place), place.span(), first));
                 return None;
             }
             let (target, takes) = target(place, subject, report)?;
             reject_unmeant(place, &target, &takes, subject.scenario, "is compared", report)?;
-            let (Takes::Parameter(declaration, _), Some(parameter)) =
-                (takes, place.child(Rule::setting_name))
-            else {
+            let (Takes::Parameter(declaration, _), Some(parameter)) = (takes, place.parameter()) else {
                 report.push(
                     Diagnostic::new(
                         Code::BadTarget,
@@ -300,7 +298,7 @@ fn given(
 
 /// The rows of a source, each with a value for every measure; `written_in` takes the first unit of each.
 fn reported(
-    block: Node,
+    block: ast::EvaluateBlock,
     conditions: &[Condition],
     measures: &[SummedUp],
     written_in: &mut [Option<Notation>],
@@ -309,9 +307,9 @@ fn reported(
 ) -> Option<Vec<(String, Vec<f64>)>> {
     let mut said: HashMap<&str, Span> = HashMap::new();
     let rows: Vec<_> = block
-        .all(Rule::reported_row)
+        .rows()
         .map(|row| {
-            let name = row.child(Rule::name)?;
+            let name = row.name();
             if !conditions.iter().any(|condition| condition.name == name.text()) {
                 report.push(
                     Diagnostic::new(
@@ -328,7 +326,7 @@ fn reported(
                 report.push(repeated(name.text(), name.span(), first));
                 return None;
             }
-            let values: Vec<Node> = row.all(Rule::expression).collect();
+            let values: Vec<ast::Expression> = row.values().collect();
             if values.len() != measures.len() {
                 let (count, wanted) = (values.len(), measures.len());
                 let values = if count == 1 { "1 value".to_string() } else { format!("{count} values") };

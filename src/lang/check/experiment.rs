@@ -7,15 +7,15 @@ use std::collections::HashMap;
 use super::Places;
 use super::block::{Layer, Said, missing, reject_repeats};
 use super::criterion::{self, Cast};
+use super::metric;
 use super::pedestrian::individuals;
 use super::subject::{Subject, Subjects, case_set, declarations};
 use crate::lang::codes::Code;
 use crate::lang::diagnostic::Diagnostic;
-use crate::lang::format::phrase;
-use crate::lang::print;
-use crate::lang::settings::{self, lone_word, repeated};
+use crate::lang::settings::{self, repeated};
 use crate::lang::source::Span;
-use crate::lang::tree::{Node, Rule};
+use crate::lang::syntax::ast::{self, View};
+use crate::lang::syntax::{self, phrase};
 use crate::lang::value::{self, Kind, Scope};
 use crate::scenario::{
     ANOTHER_MODEL, Aggregate, Budget, Comparison, Declaration, Dimension, Expression, Goal, InitialDesign,
@@ -27,55 +27,52 @@ const MOST_EVALUATIONS: u32 = 1_000_000;
 
 /// The search at `node`.
 pub fn search(
-    node: Node,
+    node: ast::Search,
     subjects: &Subjects,
     scope: &Scope,
     places: &Places,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Search> {
-    let name = node.child(Rule::name)?;
-    let block = node.child(Rule::search_block)?;
-    reject_repeats(block, &[Rule::over], report);
+    let (name, block) = (node.name(), node.block());
+    reject_repeats(*block, report);
     let layers = [Layer { block, scope }];
     let what = format!("search `{}`", name.text());
-    let Some(wanted) = block.child(Rule::search_in).and_then(|node| node.child(Rule::name)) else {
-        missing(&layers, name.span(), &what, "scenario", "in SCENARIO", report);
+    let Some(wanted) = block.scenario().map(ast::SearchIn::name) else {
+        missing::<ast::SearchIn>(&layers, name.span(), &what, report);
         return None;
     };
-    let subject = subjects.scenario(wanted, wanted.text(), &[], places, report)?;
+    let subject = subjects.scenario(wanted.span(), wanted.text(), &[], places, report)?;
     let cast = subject.cast();
-    let people = block
-        .children()
-        .find(|child| matches!(child.rule(), Rule::individuals | Rule::individual))
-        .map(|node| individuals(Said { node, scope }, &able_models(&subject), places, report));
-    let objective = match block.child(Rule::objective) {
+    let people =
+        block.people().map(|node| individuals(Said { node, scope }, &able_models(&subject), places, report));
+    let objective = match block.objective() {
         Some(node) => objective(node, &cast, scope, report),
         None => {
-            missing(&layers, name.span(), &what, "objective", "minimise pet", report);
+            missing::<ast::Measure>(&layers, name.span(), &what, report);
             None
         }
     };
-    let over = ranges(block, name, &what, &subject, scope, places, report);
-    let budget = budget(block, name, &what, scope, report);
-    let runs = match block.child(Rule::repeat).and_then(|node| node.child(Rule::integer)) {
-        Some(node) => super::count(node, 1, 100_000, "the number of runs per evaluation", report),
+    let over = ranges(&layers, block.over(), (name.span(), &what), &subject, scope, places, report);
+    let budget = budget(&layers, block.budget(), name, &what, report);
+    let runs = match block.repeat() {
+        Some(repeat) => super::count(repeat.count(), 1, 100_000, "the number of runs per evaluation", report),
         None => Some(1),
     };
-    let keep_node = block.child(Rule::keep);
+    let keep_node = block.keep();
     let keep = keep_node.map(|node| constant_comparison(node, &cast, scope, report));
-    let keep_in = keep_node.and_then(|node| bound_in(node, scope));
+    let keep_in = keep_node.and_then(|node| bound_in(node.condition(), scope));
     let mut objective = objective?;
     let kept = keep.iter().flatten().zip([keep_in]);
     objective.notation = unit_beside(&objective, kept);
     Some(Search {
         name: name.text().to_string(),
-        doc: super::doc(block),
+        doc: super::doc(block.doc()),
         scenario: subject.scenario.name.clone(),
         individuals: match people {
             Some(people) => Some(people?),
             None => None,
         },
-        together: block.has(Rule::together),
+        together: block.together().is_some(),
         objective,
         over: over?,
         budget: budget?,
@@ -91,27 +88,26 @@ pub fn search(
 
 /// The tune at `node`.
 pub fn tune(
-    node: Node,
+    node: ast::Tune,
     subjects: &Subjects,
     scope: &Scope,
     places: &Places,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Tune> {
-    let name = node.child(Rule::name)?;
-    let block = node.child(Rule::tune_block)?;
-    reject_repeats(block, &[Rule::over, Rule::objective, Rule::constraints], report);
+    let (name, block) = (node.name(), node.block());
+    reject_repeats(*block, report);
     let layers = [Layer { block, scope }];
     let what = format!("tune `{}`", name.text());
-    let Some(on) = block.child(Rule::on_cases) else {
-        missing(&layers, name.span(), &what, "cases", "on SCENARIO", report);
+    let Some(on) = block.on() else {
+        missing::<ast::OnCases>(&layers, name.span(), &what, report);
         return None;
     };
     let (case_set, subject) = case_set(on, subjects, places, report)?;
     let cast = subject.cast();
     let objectives: Vec<_> =
-        block.all(Rule::objective).map(|node| (node.span(), objective(node, &cast, scope, report))).collect();
+        block.objectives().map(|node| (node.span(), objective(node, &cast, scope, report))).collect();
     match objectives.as_slice() {
-        [] => missing(&layers, name.span(), &what, "objective", "minimise mean(time_lost)", report),
+        [] => missing::<ast::Measure>(&layers, name.span(), &what, report),
         [_, _, more, ..] => report.push(
             Diagnostic::new(Code::BadObjective, more.0, "a tune has at most two objectives")
                 .label("one too many")
@@ -119,14 +115,14 @@ pub fn tune(
         ),
         _ => {}
     }
-    let nodes: Vec<Node> = block.all(Rule::constraints).flat_map(|node| node.all(Rule::constraint)).collect();
+    let nodes: Vec<ast::Constraint> = block.constraints().flat_map(ast::Constraints::each).collect();
     let constraints: Vec<_> =
         nodes.iter().map(|node| constant_comparison(*node, &cast, scope, report)).collect();
-    let constraints_in: Vec<_> = nodes.iter().map(|node| bound_in(*node, scope)).collect();
-    let over = ranges(block, name, &what, &subject, scope, places, report);
+    let constraints_in: Vec<_> = nodes.iter().map(|node| bound_in(node.condition(), scope)).collect();
+    let over = ranges(&layers, block.over(), (name.span(), &what), &subject, scope, places, report);
     let over = over.filter(|_| only_parameters(block, report));
-    let budget = budget(block, name, &what, scope, report);
-    let fresh = super::evaluate::fresh_seeds(block, report);
+    let budget = budget(&layers, block.budget(), name, &what, report);
+    let fresh = super::evaluate::fresh_seeds(block.fresh_seeds(), report);
     let fallback = fewest_violations(block, report);
     let constraints: Vec<Comparison> = constraints.into_iter().collect::<Option<_>>()?;
     let mut objectives: Vec<Objective> =
@@ -136,7 +132,7 @@ pub fn tune(
     }
     Some(Tune {
         name: name.text().to_string(),
-        doc: super::doc(block),
+        doc: super::doc(block.doc()),
         on: case_set,
         over: over?,
         objectives,
@@ -144,29 +140,29 @@ pub fn tune(
         constraints_in,
         budget: budget?,
         fresh: fresh?,
-        early_stop: block.has(Rule::stop_early),
+        early_stop: block.stop_early().is_some(),
         otherwise_fewest_violations: fallback?,
-        compare_with_default: block.has(Rule::compare),
+        compare_with_default: block.compare().is_some(),
         origin: places.origin(name.span()),
     })
 }
 
 /// Whether the block says what to take where nothing is feasible.
-fn fewest_violations(block: Node, report: &mut Vec<Diagnostic>) -> Option<bool> {
-    let Some(otherwise) = block.child(Rule::otherwise) else { return Some(false) };
+fn fewest_violations(block: ast::TuneBlock, report: &mut Vec<Diagnostic>) -> Option<bool> {
+    let Some(otherwise) = block.otherwise() else { return Some(false) };
     let mut wrong = |message: &str, label: &str, hint: &str| {
         let diagnostic = Diagnostic::new(Code::BadFallback, otherwise.span(), message);
         report.push(diagnostic.label(label).hint(hint));
         None
     };
-    if !block.has(Rule::constraints) {
+    if block.constraints().next().is_none() {
         return wrong(
             "nothing can be violated",
             "there is no constraint",
             "add `subject to pet >= 1.5 s`, or remove this line",
         );
     }
-    if block.has(Rule::stop_early) {
+    if block.stop_early().is_some() {
         return wrong(
             "violations are not counted where a candidate is given up at the first",
             "needs every run of the set",
@@ -177,10 +173,9 @@ fn fewest_violations(block: Node, report: &mut Vec<Diagnostic>) -> Option<bool> 
 }
 
 /// Cases have values of their own for what is varied, so that a tune over it would try the same thing again and again.
-fn only_parameters(block: Node, report: &mut Vec<Diagnostic>) -> bool {
-    let ranges = block.all(Rule::over).flat_map(|over| over.all(Rule::over_range));
-    let targets = ranges.filter_map(|range| range.child(Rule::target));
-    let varied: Vec<Node> = targets.filter(|target| !target.has(Rule::setting_name)).collect();
+fn only_parameters(block: ast::TuneBlock, report: &mut Vec<Diagnostic>) -> bool {
+    let targets = block.over().flat_map(ast::Over::ranges).map(ast::OverRange::target);
+    let varied: Vec<ast::Target> = targets.filter(|target| target.parameter().is_none()).collect();
     for target in &varied {
         report.push(
             Diagnostic::new(
@@ -206,22 +201,23 @@ fn able_models(subject: &Subject) -> Vec<Arc<PedestrianModel>> {
 
 /// A comparison whose bound is the same for all runs.
 fn constant_comparison(
-    node: Node,
+    node: ast::Constraint,
     cast: &Cast,
     scope: &Scope,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Comparison> {
-    let condition = node.child(Rule::condition)?;
-    let comparison = criterion::comparison(condition, criterion::undefined(node), cast, scope, report)?;
+    let condition = node.condition();
+    let comparison =
+        criterion::comparison(condition, criterion::undefined(node.undefined()), cast, scope, report)?;
     match &comparison.bound {
         Expression::Constant(_) => Some(comparison),
         varying => value::not_constant(condition.span(), varying, "the bound of this comparison", report),
     }
 }
 
-/// The unit that the bound of a comparison below `node` is written in.
-pub fn bound_in(node: Node, scope: &Scope) -> Option<Notation> {
-    let bound = node.child(Rule::condition)?.child(Rule::expression)?;
+/// The unit that the bound of a comparison is written in.
+pub fn bound_in(node: ast::Condition, scope: &Scope) -> Option<Notation> {
+    let bound = node.bound()?;
     // What is wrong with it was reported when it was read as a comparison.
     value::evaluate(bound, scope, &mut Vec::new())?.notation
 }
@@ -240,8 +236,13 @@ fn unit_beside<'c>(
     comparisons.find_map(same)
 }
 
-fn objective(node: Node, cast: &Cast, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<Objective> {
-    let (direction, word) = match node.has(Rule::kw_minimise) {
+fn objective(
+    node: ast::Measure,
+    cast: &Cast,
+    scope: &Scope,
+    report: &mut Vec<Diagnostic>,
+) -> Option<Objective> {
+    let (direction, word) = match node.is_minimised() {
         true => (Goal::Minimise, "minimise"),
         false => (Goal::Maximise, "maximise"),
     };
@@ -258,24 +259,22 @@ pub struct SummedUp {
     pub text: String,
 }
 
-/// The aggregate below a node that begins with `word`; a metric alone means its mean or rate.
+/// The aggregate after `word`; a metric alone means its mean or rate.
 pub fn summed_up(
-    node: Node,
+    node: ast::Measure,
     word: &str,
     cast: &Cast,
     scope: &Scope,
     report: &mut Vec<Diagnostic>,
 ) -> Option<SummedUp> {
-    let Some(metric) = node.child(Rule::metric) else {
-        let (aggregate, dimension, range) = criterion::aggregate(node, cast, scope, report)?;
-        let of = node
-            .children()
-            .find(|child| matches!(child.rule(), Rule::rate | Rule::quantile | Rule::statistic));
-        let text = of.map_or(String::new(), criterion::aggregate_text);
+    let Some(metric) = node.metric() else {
+        let of = node.aggregate()?;
+        let (aggregate, dimension, range) = criterion::aggregate(of, cast, scope, report)?;
+        let text = syntax::aggregate_text(of);
         return Some(SummedUp { aggregate, dimension, range, text });
     };
-    let (reference, found) = criterion::metric_reference(metric, cast, scope, report)?;
-    let text = criterion::metric_text(metric);
+    let (reference, found) = metric::metric_reference(metric, cast, scope, report)?;
+    let text = syntax::metric_text(metric);
     match &found.kind {
         MetricKind::Quantity(dimension) => {
             let (aggregate, text) = (Aggregate::Mean(reference), format!("mean({text})"));
@@ -301,7 +300,7 @@ pub fn summed_up(
                 Diagnostic::new(
                     Code::BadObjective,
                     metric.span(),
-                    format!("`{text}` is {}, which cannot be small or large", criterion::kind_name(&found)),
+                    format!("`{text}` is {}, which cannot be small or large", metric::kind_name(&found)),
                 )
                 .label("not a quantity")
                 .hint(format!("take a rate: `{word} rate({text} = …)`")),
@@ -311,30 +310,23 @@ pub fn summed_up(
     }
 }
 
-fn budget(
-    block: Node,
-    name: Node,
+fn budget<'t>(
+    layers: &[Layer<'t, impl View<'t>>],
+    said: Option<ast::Budget<'t>>,
+    name: ast::Name,
     what: &str,
-    scope: &Scope,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Budget> {
-    let Some(node) = block.child(Rule::budget) else {
-        let example = "budget 60 evaluations, 15 random first";
-        missing(&[Layer { block, scope }], name.span(), what, "budget", example, report);
+    let Some(node) = said else {
+        missing::<ast::Budget>(layers, name.span(), what, report);
         return None;
     };
-    reject_repeats(node, &[], report);
+    reject_repeats(*node, report);
     let evaluations =
-        super::count(node.child(Rule::integer)?, 1, MOST_EVALUATIONS, "the number of evaluations", report)?;
-    let (initial, initial_design) = match node.child(Rule::initial) {
+        super::count(node.evaluations(), 1, MOST_EVALUATIONS, "the number of evaluations", report)?;
+    let (initial, initial_design) = match node.initial() {
         Some(first) => {
-            let count = super::count(
-                first.child(Rule::integer)?,
-                1,
-                MOST_EVALUATIONS,
-                "the first evaluations",
-                report,
-            )?;
+            let count = super::count(first.count(), 1, MOST_EVALUATIONS, "the first evaluations", report)?;
             if count > evaluations {
                 report.push(
                     Diagnostic::new(
@@ -347,45 +339,45 @@ fn budget(
                 );
                 return None;
             }
-            let random = first.has(Rule::kw_random);
+            let random = first.is_random();
             (count, if random { InitialDesign::Random } else { InitialDesign::Stratified })
         }
         None => ((evaluations / 4).max(1), InitialDesign::Stratified),
     };
-    let method = match node.child(Rule::method) {
+    let method = match node.method() {
         None => Method::Bayesian,
-        Some(method) if method.has(Rule::kw_gp_minimize_like) => Method::GpMinimizeLike,
-        Some(method) if method.has(Rule::kw_random) => Method::Random,
-        Some(method) if method.has(Rule::kw_latin_hypercube) => Method::LatinHypercube,
-        Some(method) if method.has(Rule::kw_sobol) => Method::Sobol,
-        Some(method) if method.has(Rule::kw_grid) => Method::Grid,
+        Some(method) if method.is_gp_minimize_like() => Method::GpMinimizeLike,
+        Some(method) if method.is_random() => Method::Random,
+        Some(method) if method.is_latin_hypercube() => Method::LatinHypercube,
+        Some(method) if method.is_sobol() => Method::Sobol,
+        Some(method) if method.is_grid() => Method::Grid,
         Some(_) => Method::Bayesian,
     };
-    let batch = match node.child(Rule::batch).and_then(|batch| batch.child(Rule::integer)) {
-        Some(batch) => super::count(batch, 1, 1000, "the evaluations at once", report)?,
+    let batch = match node.batch() {
+        Some(batch) => super::count(batch.count(), 1, 1000, "the evaluations at once", report)?,
         None => 1,
     };
     Some(Budget { evaluations, initial, initial_design, method, batch })
 }
 
-fn ranges(
-    block: Node,
-    name: Node,
-    what: &str,
+fn ranges<'t>(
+    layers: &[Layer<'t, impl View<'t>>],
+    over: impl Iterator<Item = ast::Over<'t>>,
+    (name, what): (Span, &str),
     subject: &Subject,
     scope: &Scope,
     places: &Places,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Vec<Range>> {
-    let nodes: Vec<Node> = block.all(Rule::over).flat_map(|over| over.all(Rule::over_range)).collect();
+    let nodes: Vec<ast::OverRange> = over.flat_map(ast::Over::ranges).collect();
     if nodes.is_empty() {
-        missing(&[Layer { block, scope }], name.span(), what, "range", "over tta in 6 s .. 18 s", report);
+        missing::<ast::Over>(layers, name, what, report);
         return None;
     }
     let mut said: HashMap<String, Span> = HashMap::new();
-    for target in nodes.iter().filter_map(|node| node.child(Rule::target)) {
-        if let Some(first) = said.insert(phrase(target), target.span()) {
-            report.push(repeated(&phrase(target), target.span(), first));
+    for target in nodes.iter().map(|node| node.target()) {
+        if let Some(first) = said.insert(phrase(*target), target.span()) {
+            report.push(repeated(&phrase(*target), target.span(), first));
         }
     }
     reject_parted(&said, subject, report);
@@ -420,20 +412,20 @@ pub enum Takes {
 }
 
 fn range(
-    node: Node,
+    node: ast::OverRange,
     subject: &Subject,
     scope: &Scope,
     places: &Places,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Range> {
-    let target_node = node.child(Rule::target)?;
+    let target_node = node.target();
     let (target, takes) = target(target_node, subject, report)?;
     let what = format!("`{target}`");
     reject_unmeant(target_node, &target, &takes, subject.scenario, "is searched", report)?;
     let (kind, whole, limits, options) = match &takes {
         Takes::Kind(kind) => {
             let kind = *kind;
-            let varied = target_node.child(Rule::name).and_then(|name| subject.varied.get(name.text()));
+            let varied = subject.varied.get(target_node.name().text());
             let values = varied.filter(|_| kind == Kind::Word).and_then(|binding| binding.varied.as_ref());
             let words = values.map(|values| values.iter().filter_map(|one| one.value.as_word()).collect());
             (kind, false, (f64::NEG_INFINITY, f64::INFINITY), words)
@@ -461,9 +453,9 @@ fn range(
         },
     };
     let mut notation = None;
-    let (values, unit) = match (kind, node.child(Rule::list)) {
+    let (values, unit) = match (kind, node.list()) {
         (Kind::Number(dimension), None) => {
-            let mut bounds = node.all(Rule::expression);
+            let mut bounds = node.bounds();
             let mut bound = || {
                 let (bound, written) =
                     value::written_constant(bounds.next()?, dimension, limits, &what, scope, report)?;
@@ -495,13 +487,13 @@ fn range(
 }
 
 fn interval(
-    node: Node,
+    node: ast::OverRange,
     low: f64,
     high: f64,
     whole: bool,
     report: &mut Vec<Diagnostic>,
 ) -> Option<RangeValues> {
-    let logarithmic = node.has(Rule::kw_logarithmic);
+    let logarithmic = node.is_logarithmic();
     let fault = if low >= high {
         Some(("the first bound is not below the second", "write the smaller one first"))
     } else if logarithmic && low <= 0.0 {
@@ -525,21 +517,21 @@ fn interval(
 }
 
 fn words(
-    list: Node,
+    list: ast::List,
     what: &str,
     options: Option<Vec<&str>>,
     scope: &Scope,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Vec<String>> {
     let mut words = Vec::new();
-    for node in list.all(Rule::expression) {
-        let word = match (&options, lone_word(node)) {
+    for node in list.values() {
+        let word = match (&options, node.lone_word()) {
             (Some(options), _) => match settings::choice(node, what, options, scope, report)? {
                 Expression::Constant(Value::Word(word)) => word,
                 varying => return value::not_constant(node.span(), &varying, what, report),
             },
             (None, Some(word)) => word.to_string(),
-            (None, None) => print::expression(node).trim_matches('"').to_string(),
+            (None, None) => syntax::expression(node).trim_matches('"').to_string(),
         };
         words.push(word);
     }
@@ -556,7 +548,7 @@ fn words(
 
 /// Reports a target that has one published value, unless the scenario's settings say that another model is meant.
 pub fn reject_unmeant(
-    node: Node,
+    node: ast::Target,
     target: &Target,
     takes: &Takes,
     scenario: &Scenario,
@@ -582,10 +574,10 @@ pub fn reject_unmeant(
     Some(())
 }
 
-pub fn target(node: Node, subject: &Subject, report: &mut Vec<Diagnostic>) -> Option<(Target, Takes)> {
-    let name = node.child(Rule::name)?;
+pub fn target(node: ast::Target, subject: &Subject, report: &mut Vec<Diagnostic>) -> Option<(Target, Takes)> {
+    let name = node.name();
     let scenario = subject.scenario;
-    let Some(parameter) = node.child(Rule::setting_name) else {
+    let Some(parameter) = node.parameter() else {
         let kind =
             subject.varied.get(name.text()).map(|binding| binding.value.as_ref().map(|value| value.kind));
         let Some(kind) = kind else {
@@ -602,7 +594,7 @@ pub fn target(node: Node, subject: &Subject, report: &mut Vec<Diagnostic>) -> Op
         };
         return Some((Target::Variation(name.text().to_string()), Takes::Kind(kind?)));
     };
-    let part = match (node.has(Rule::kw_controller), node.has(Rule::kw_dynamics), node.has(Rule::kw_sees)) {
+    let part = match (node.is_of_controller(), node.is_of_dynamics(), node.is_of_sees()) {
         (true, ..) => Part::Controller,
         (_, true, _) => Part::Dynamics,
         (.., true) => Part::Sees,

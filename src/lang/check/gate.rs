@@ -3,11 +3,12 @@
 use super::Places;
 use super::block::{Layer, missing, reject_repeats};
 use super::criterion::{self, Cast};
+use super::metric::metric_reference;
 use crate::lang::codes::Code;
 use crate::lang::diagnostic::Diagnostic;
-use crate::lang::print;
-use crate::lang::tree::{Node, Rule};
-use crate::lang::value::{self, Kind, Scope, unquote};
+use crate::lang::syntax;
+use crate::lang::syntax::ast;
+use crate::lang::value::{self, Kind, Scope};
 use crate::scenario::{Dimension, Gate, GateRule, MetricKind, Notation, Tolerance, Worst};
 
 /// What a rule promises that does not say how sure it wants to be.
@@ -18,22 +19,21 @@ const MOST_CONFIDENCE: f64 = 0.9999;
 
 /// The gate at `node`; its metrics may name the road users of `cast`.
 pub fn gate(
-    node: Node,
+    node: ast::Gate,
     cast: &Cast,
     scope: &Scope,
     places: &Places,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Gate> {
-    let name = node.child(Rule::name)?;
-    let block = node.child(Rule::gate_block)?;
-    reject_repeats(block, &[Rule::gate_rule], report);
-    let baseline = block.child(Rule::baseline).and_then(|baseline| baseline.child(Rule::string));
+    let (name, block) = (node.name(), node.block());
+    reject_repeats(*block, report);
+    let baseline = block.baseline().map(ast::Baseline::path);
     if baseline.is_none() {
         let what = format!("gate `{}`", name.text());
-        missing(&[Layer { block, scope }], name.span(), &what, "baseline", "baseline \"zebra.json\"", report);
+        missing::<ast::Baseline>(&[Layer { block, scope }], name.span(), &what, report);
     }
-    let nodes: Vec<Node> = block.all(Rule::gate_rule).collect();
-    if nodes.is_empty() && !block.has(Rule::bad) {
+    let nodes: Vec<ast::GateRule> = block.rules().collect();
+    if nodes.is_empty() && !block.has_bad() {
         report.push(
             Diagnostic::new(Code::BadGate, name.span(), format!("gate `{}` forbids nothing", name.text()))
                 .label("compares nothing")
@@ -52,8 +52,8 @@ pub fn gate(
     }
     Some(Gate {
         name: name.text().to_string(),
-        doc: super::doc(block),
-        baseline: baseline.map(|string| places.beside(string.span(), &unquote(string.text())))?,
+        doc: super::doc(block.doc()),
+        baseline: baseline.map(|string| places.beside(string.span(), &string.value()))?,
         rules: rules.into_iter().collect::<Option<_>>()?,
         origin: places.origin(name.span()),
     })
@@ -69,18 +69,18 @@ fn unguarded(rules: &[Option<GateRule>]) -> Option<&str> {
 }
 
 fn rule(
-    node: Node,
+    node: ast::GateRule,
     cast: &Cast,
     scope: &Scope,
     places: &Places,
     report: &mut Vec<Diagnostic>,
 ) -> Option<GateRule> {
-    if let Some(new) = node.child(Rule::none_new) {
+    if let Some(new) = node.none_new() {
         return none_new(new, cast, scope, places, report);
     }
-    let metric = match node.child(Rule::metric) {
+    let metric = match node.metric() {
         Some(node) => {
-            let found = criterion::metric_reference(node, cast, scope, report)?;
+            let found = metric_reference(node, cast, scope, report)?;
             if let MetricKind::Category(_) = &found.1.kind {
                 let message = format!("`{}` is a word, and no word is worse than another", found.0.name());
                 report.push(
@@ -94,32 +94,32 @@ fn rule(
         }
         None => None,
     };
-    let bound = node.child(Rule::gate_tolerance).and_then(|tolerance| tolerance.child(Rule::expression));
+    let bound = node.tolerance().map(ast::GateTolerance::bound);
     let (tolerance, notation) = match bound {
         None => (Tolerance::Relative(0.0), None),
         Some(bound) => tolerance(bound, metric.as_ref().map(|(_, found)| &found.kind), scope, report)?,
     };
-    let said = node.child(Rule::confidence).and_then(|confidence| confidence.child(Rule::expression));
+    let said = node.confidence().map(ast::Confidence::value);
     let confidence = match said {
         Some(said) => confidence(said, scope, report)?,
         None => DEFAULT_CONFIDENCE,
     };
-    let mut text = match node.child(Rule::metric) {
-        Some(metric) => format!("{} not worse", criterion::metric_text(metric)),
+    let mut text = match node.metric() {
+        Some(metric) => format!("{} not worse", syntax::metric_text(metric)),
         None => "no metric worse".to_string(),
     };
     if let Some(bound) = bound {
-        text += &format!(" by more than {}", print::expression(bound));
+        text += &format!(" by more than {}", syntax::expression(bound));
     }
     if let Some(said) = said {
-        text += &format!(" with {} confidence", print::expression(said));
+        text += &format!(" with {} confidence", syntax::expression(said));
     }
     let metric = metric.map(|(reference, _)| reference);
     Some(GateRule { metric, tolerance, confidence, text, notation, origin: places.origin(node.span()) })
 }
 
 /// The confidence of a rule: all comparisons of a gate share what it leaves to chance.
-fn confidence(said: Node, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<f64> {
+fn confidence(said: ast::Expression, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<f64> {
     let confidence = criterion::share(said, "the confidence", true, scope, report)?;
     if confidence > MOST_CONFIDENCE {
         report.push(
@@ -141,14 +141,14 @@ fn confidence(said: Node, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option
 
 /// `no new collision`
 fn none_new(
-    node: Node,
+    node: ast::NoneNew,
     cast: &Cast,
     scope: &Scope,
     places: &Places,
     report: &mut Vec<Diagnostic>,
 ) -> Option<GateRule> {
-    let metric = node.child(Rule::metric)?;
-    let (reference, found) = criterion::metric_reference(metric, cast, scope, report)?;
+    let metric = node.metric();
+    let (reference, found) = metric_reference(metric, cast, scope, report)?;
     if found.kind != MetricKind::Flag || found.worst != Worst::Largest {
         let message =
             format!("`{}` is nothing that happens in a run or does not, and is bad", reference.name());
@@ -163,7 +163,7 @@ fn none_new(
         metric: Some(reference),
         tolerance: Tolerance::NoneNew { where_none_was: false },
         confidence: DEFAULT_CONFIDENCE,
-        text: format!("no new {}", criterion::metric_text(metric)),
+        text: format!("no new {}", syntax::metric_text(metric)),
         notation: None,
         origin: places.origin(node.span()),
     })
@@ -171,7 +171,7 @@ fn none_new(
 
 /// In percent it is relative; in the metric's own unit absolute, with the unit that it is written in.
 fn tolerance(
-    node: Node,
+    node: ast::Expression,
     metric: Option<&MetricKind>,
     scope: &Scope,
     report: &mut Vec<Diagnostic>,
@@ -182,8 +182,8 @@ fn tolerance(
         (Some(MetricKind::Quantity(dimension)), Kind::Number(found)) if found == *dimension => found,
         _ => Dimension::NUMBER,
     };
-    let is_percentage =
-        node.children().any(|part| part.child(Rule::unit).is_some_and(|unit| unit.text() == "%"));
+    let quantities = node.parts::<ast::Quantity>();
+    let is_percentage = quantities.filter_map(ast::Quantity::unit).any(|unit| unit.text() == "%");
     let number = value::constant_in(node, dimension, (0.0, f64::MAX), what, scope, report)?;
     Some(if dimension == Dimension::NUMBER && (is_percentage || metric.is_none()) {
         (Tolerance::Relative(number), None)

@@ -8,6 +8,7 @@ mod criterion;
 mod evaluate;
 mod experiment;
 mod gate;
+mod metric;
 mod model;
 mod pedestrian;
 mod road;
@@ -24,16 +25,17 @@ use super::codes::Code;
 use super::diagnostic::Diagnostic;
 use super::files::Files;
 use super::source::Span;
-use super::tree::{Node, Rule};
+use super::syntax::ast;
 use crate::scenario::Origin;
 
+pub use block::reject_repeats;
 use book::Book;
-pub use criterion::{AGGREGATES, Cast, relation, set_aside};
+pub use criterion::{AGGREGATES, Cast, set_aside};
 pub use evaluate::evaluate;
 pub use experiment::{search, tune};
 pub use gate::gate;
 pub use pedestrian::DEFAULT_GOAL;
-pub use road::{obstacle, signalised, unmarked, zebra};
+pub use road::{crossings, obstacle};
 pub use scenario::{Defaults, SuiteCriteria, defined_road, scenario};
 pub use statement::statement;
 pub use subject::{Checked, Subjects};
@@ -58,7 +60,13 @@ impl Places<'_> {
 }
 
 /// A whole number in a range.
-pub fn count(node: Node, low: u32, high: u32, what: &str, report: &mut Vec<Diagnostic>) -> Option<u32> {
+pub fn count(
+    node: ast::Integer,
+    low: u32,
+    high: u32,
+    what: &str,
+    report: &mut Vec<Diagnostic>,
+) -> Option<u32> {
     let number = whole(node, report)?;
     match u32::try_from(number) {
         Ok(number) if (low..=high).contains(&number) => Some(number),
@@ -78,7 +86,7 @@ pub fn count(node: Node, low: u32, high: u32, what: &str, report: &mut Vec<Diagn
 }
 
 /// A whole number of at most 64 bits.
-pub fn whole(node: Node, report: &mut Vec<Diagnostic>) -> Option<u64> {
+pub fn whole(node: ast::Integer, report: &mut Vec<Diagnostic>) -> Option<u64> {
     let digits = node.text().replace('_', "");
     let number = match digits.strip_prefix("0x") {
         Some(hexadecimal) => u64::from_str_radix(hexadecimal, 16),
@@ -94,39 +102,12 @@ pub fn whole(node: Node, report: &mut Vec<Diagnostic>) -> Option<u64> {
     })
 }
 
-/// The doc string of a block.
-pub fn doc(block: Node) -> Option<String> {
-    text(block, Rule::doc)
+/// The text of what a block is about.
+pub fn doc(doc: Option<ast::Doc>) -> Option<String> {
+    doc.map(|doc| doc.quoted().value())
 }
 
-/// Where a block says that its numbers come from.
-pub fn source(block: Node) -> Option<String> {
-    text(block, Rule::source)
-}
-
-/// The text of a block's statement of that kind.
-pub fn text(block: Node, rule: Rule) -> Option<String> {
-    let string = block.child(rule)?.child(Rule::string)?;
-    Some(super::value::unquote(string.text()))
-}
-
-/// The tags of a block, in order.
-pub fn tags(block: Node) -> Vec<String> {
-    block.all(Rule::tags).flat_map(|tags| tags.all(Rule::tag)).map(|tag| tag.text().to_string()).collect()
-}
-
-/// Reports what a suite says twice.
-pub fn reject_suite_repeats(block: Node, report: &mut Vec<Diagnostic>) {
-    const REPEATABLE: &[Rule] = &[
-        Rule::suite_files,
-        Rule::tags,
-        Rule::expect,
-        Rule::scenario,
-        Rule::search,
-        Rule::tune,
-        Rule::evaluate,
-        Rule::statement,
-        Rule::gate,
-    ];
-    block::reject_repeats(block, REPEATABLE, report);
+/// The tags that a block says, in order.
+pub fn tags<'t>(said: impl Iterator<Item = ast::Tags<'t>>) -> Vec<String> {
+    said.flat_map(ast::Tags::each).map(|tag| tag.text().to_string()).collect()
 }

@@ -8,7 +8,7 @@ use crate::lang::codes::Code;
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::settings;
 use crate::lang::source::Span;
-use crate::lang::tree::Rule;
+use crate::lang::syntax::ast;
 use crate::lang::value::{self, Typed};
 use crate::registry::Table;
 use crate::scenario::{Expression, Model, Reference, Registered, Value};
@@ -38,18 +38,18 @@ pub struct Named<T> {
 
 /// The things that a statement names, with settings that all of them have.
 pub fn named<T: Registered>(
-    said: Said,
+    said: Said<ast::Named>,
     kind: &Kind<T>,
     places: &Places,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Named<T>> {
-    let name = said.node.child(Rule::name)?;
+    let name = said.node.name();
     let (found, varied_by) = registered(said, kind, report)?;
     let before = report.len();
     let mut given: Vec<(String, Typed)> = Vec::new();
     for (index, one) in found.iter().enumerate() {
         let declaration = one.declaration();
-        let node = said.node.child(Rule::settings);
+        let node = said.node.settings();
         let own = settings::check(node, declaration, said.scope, report);
         if report.len() == before {
             settings::check_texts(name, node, &own, declaration, said.scope, report);
@@ -94,11 +94,11 @@ pub fn named<T: Registered>(
 
 /// The things themselves, and the variation that chooses between them. Their own names come first.
 fn registered<T: Registered>(
-    said: Said,
+    said: Said<ast::Named>,
     kind: &Kind<T>,
     report: &mut Vec<Diagnostic>,
 ) -> Option<(Vec<Arc<T>>, Option<String>)> {
-    let name = said.node.child(Rule::name)?;
+    let name = said.node.name();
     if let Some(found) = kind.all.get(name.text()) {
         return Some((vec![found.clone()], None));
     }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::block::{Layer, Said, last, last_of, missing, reject_repeats};
+use super::block::{Layer, Said, last, missing, reject_repeats};
 use super::model::{Kind, named};
 use super::vehicle::size;
 use super::{Book, Places};
@@ -10,8 +10,8 @@ use crate::lang::codes::Code;
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::settings::repeated;
 use crate::lang::source::Span;
-use crate::lang::tree::{Node, Rule};
-use crate::lang::value::{self, Typed, unquote};
+use crate::lang::syntax::{Node, ast};
+use crate::lang::value::{self, Typed};
 use crate::scenario::{
     BinaryOperator, DeclaredAppearance, DeclaredShape, Dimension, Expression, Individuals, Pedestrian,
     PedestrianModel, Population, Road, Side, Value, VehicleReference, limits, show,
@@ -22,8 +22,8 @@ pub const DEFAULT_GOAL: f64 = 2.0;
 
 /// The pedestrian that `layers` describe together, the last having the last word.
 pub fn pedestrian(
-    name: Node,
-    layers: &[Layer],
+    name: ast::Name,
+    layers: &[Layer<ast::PedestrianBlock>],
     road: Option<&Road>,
     vehicles: &[&str],
     places: &Places,
@@ -31,41 +31,43 @@ pub fn pedestrian(
     report: &mut Vec<Diagnostic>,
 ) -> Option<Pedestrian> {
     if let Some(layer) = layers.last() {
-        reject_repeats(layer.block, &[], report);
-        exclude(layer.block, Rule::size, Rule::radius, report);
-        exclude(layer.block, Rule::individuals, Rule::individual, report);
+        let block = layer.block;
+        reject_repeats(*block, report);
+        exclude(block.size().map(|size| *size), block.radius().map(|radius| *radius), report);
+        let mut people = [false, true].map(|one| block.people().find(|people| people.is_one() == one));
+        let [several, one] = people.each_mut().map(|people| people.take().map(|people| *people));
+        exclude(several, one, report);
     }
     let what = format!("pedestrian `{}`", name.text());
-    let model = match last(layers, Rule::model) {
+    let model = match last(layers, |block| block.model().map(ast::Named::Model)) {
         Some(said) => named(said, &models(places), places, report),
         None => {
-            missing(layers, name.span(), &what, "model", "model carla_walker", report);
+            missing::<ast::Model>(layers, name.span(), &what, report);
             None
         }
     };
     let found = model.as_ref().map_or(&[] as &[_], |model| &model.found);
-    let individuals = last_of(layers, [Rule::individuals, Rule::individual])
-        .map(|said| individuals(said, found, places, report));
-    let shape = last_of(layers, [Rule::size, Rule::radius])
+    let individuals =
+        last(layers, |block| block.people().next()).map(|said| individuals(said, found, places, report));
+    let shape = last(layers, ast::PedestrianBlock::shape)
         .map(|said| shape(said, name.text(), places, written, report));
-    let side = match last(layers, Rule::side) {
-        Some(said) if said.node.has(Rule::kw_far) => Side::Far,
+    let side = match last(layers, ast::PedestrianBlock::side) {
+        Some(said) if said.node.is_far() => Side::Far,
         _ => Side::Near,
     };
-    let start = match last(layers, Rule::pedestrian_start) {
+    let start = match last(layers, ast::PedestrianBlock::start) {
         Some(said) => road.and_then(|road| {
             let (start, typed, offset) = start(said, road, report)?;
             written.shifted(name.text(), "start", &typed, offset, places);
             Some(start)
         }),
         None => {
-            missing(layers, name.span(), &what, "start", "start 2 m from kerb", report);
+            missing::<ast::PedestrianStart>(layers, name.span(), &what, report);
             None
         }
     };
-    let mut length = |rule, default: f64, limit, key: &str, word: &str| match last(layers, rule) {
+    let mut length = |said, default: f64, limit, key: &str, word: &str| match said {
         Some(Said { node, scope }) => {
-            let node = node.child(Rule::expression)?;
             let value = value::quantity_within(node, limit, word, scope, report)?;
             written.statement(name.text(), key, Some(&value), places);
             Some(value.expression)
@@ -73,9 +75,11 @@ pub fn pedestrian(
         None => Some(Expression::number(default)),
     };
     let what = "the place of a pedestrian along the road";
-    let along = length(Rule::along, 0.0, limits::ALONG, "along", what);
-    let goal = length(Rule::goal, DEFAULT_GOAL, limits::GOAL, "goal", "the goal of a pedestrian");
-    let appears = match last(layers, Rule::appears) {
+    let said = last(layers, |block| block.along().map(ast::Along::value));
+    let along = length(said, 0.0, limits::ALONG, "along", what);
+    let said = last(layers, |block| block.goal().map(ast::Goal::value));
+    let goal = length(said, DEFAULT_GOAL, limits::GOAL, "goal", "the goal of a pedestrian");
+    let appears = match last(layers, ast::PedestrianBlock::appears) {
         Some(said) => appears(said, vehicles, report).map(|(appears, typed)| {
             written.statement(name.text(), "appears", Some(&typed), places);
             appears
@@ -84,7 +88,7 @@ pub fn pedestrian(
     };
     written.settings(name.text(), "model", model.as_ref().map_or(&[], |named| &named.given), places);
     if let (Some(road), Some(start), Some(goal)) = (road, &start, &goal) {
-        check_way(start, goal, last(layers, Rule::pedestrian_start), road, report)?;
+        check_way(start, goal, last(layers, ast::PedestrianBlock::start), road, report)?;
     }
     Some(Pedestrian {
         name: name.text().to_string(),
@@ -110,7 +114,7 @@ pub fn pedestrian(
 fn check_way(
     start: &Expression,
     goal: &Expression,
-    said: Option<Said>,
+    said: Option<Said<ast::PedestrianStart>>,
     road: &Road,
     report: &mut Vec<Diagnostic>,
 ) -> Option<()> {
@@ -132,8 +136,8 @@ fn check_way(
 }
 
 /// Two statements that say the same thing in different ways cannot stand together.
-fn exclude(block: Node, first: Rule, second: Rule, report: &mut Vec<Diagnostic>) {
-    if let (Some(first), Some(second)) = (block.child(first), block.child(second)) {
+fn exclude(first: Option<Node>, second: Option<Node>, report: &mut Vec<Diagnostic>) {
+    if let (Some(first), Some(second)) = (first, second) {
         let word = |node: Node| node.text().split_whitespace().next().unwrap_or_default().to_string();
         let mut diagnostic = repeated(&word(second), second.span(), first.span());
         diagnostic.message = format!("`{}` and `{}` say the same thing", word(first), word(second));
@@ -152,7 +156,7 @@ fn models<'a>(places: &'a Places) -> Kind<'a, PedestrianModel> {
 
 /// The people that a statement takes, who must be of every one of these models.
 pub fn individuals(
-    said: Said,
+    said: Said<ast::Individuals>,
     models: &[Arc<PedestrianModel>],
     places: &Places,
     report: &mut Vec<Diagnostic>,
@@ -179,51 +183,60 @@ pub fn individuals(
         return None;
     }
     let number = |report: &mut Vec<Diagnostic>| {
-        super::count(node.child(Rule::integer)?, 1, 1_000_000, "the number of an individual", report)
+        super::count(node.number()?, 1, 1_000_000, "the number of an individual", report)
     };
-    let selection = match node.rule() {
-        Rule::individual => Population::Number(number(report)?),
-        _ if node.has(Rule::kw_all) => Population::All,
-        _ => Population::Count(number(report)?),
+    let selection = match node.is_one() {
+        true => Population::Number(number(report)?),
+        false if node.are_all() => Population::All,
+        false => Population::Count(number(report)?),
     };
-    let population = node.child(Rule::population)?;
-    let named = unquote(population.text());
-    let is_file = population.has(Rule::string);
-    let population = if is_file { places.beside(population.span(), &named) } else { named };
-    let text = is_file.then(|| places.files.text_of(&population, &["csv", "json"]));
+    let path = node.population().path();
+    let population = match path {
+        Some(path) => places.beside(path.span(), &path.value()),
+        None => node.population().text().to_string(),
+    };
+    let text = path.map(|_| places.files.text_of(&population, &["csv", "json"]));
     Some(Individuals { selection, population, text, origin: places.origin(node.span()) })
 }
 
 fn shape(
-    said: Said,
+    said: Said<ast::Shape>,
     name: &str,
     places: &Places,
     written: &mut Book,
     report: &mut Vec<Diagnostic>,
 ) -> Option<DeclaredShape> {
-    if said.node.rule() == Rule::size {
-        let (length, width) = size(said, "a pedestrian", report)?;
-        written.statement(name, "length", Some(&length), places);
-        written.statement(name, "width", Some(&width), places);
-        return Some(DeclaredShape::Rectangle { length: length.expression, width: width.expression });
+    let scope = said.scope;
+    match said.node {
+        ast::Shape::Size(node) => {
+            let (length, width) = size(Said { node, scope }, "a pedestrian", report)?;
+            written.statement(name, "length", Some(&length), places);
+            written.statement(name, "width", Some(&width), places);
+            Some(DeclaredShape::Rectangle { length: length.expression, width: width.expression })
+        }
+        ast::Shape::Radius(node) => {
+            let what = "the radius of a pedestrian";
+            let radius = value::quantity_within(node.value(), limits::RADIUS, what, scope, report)?;
+            written.statement(name, "radius", Some(&radius), places);
+            Some(DeclaredShape::Disc { radius: radius.expression })
+        }
     }
-    let node = said.node.child(Rule::expression)?;
-    let what = "the radius of a pedestrian";
-    let radius = value::quantity_within(node, limits::RADIUS, what, said.scope, report)?;
-    written.statement(name, "radius", Some(&radius), places);
-    Some(DeclaredShape::Disc { radius: radius.expression })
 }
 
 /// The distance from the lane's centre, and the one that was written with how much less it is. A second statement of the
 /// same place must agree with the first.
-fn start(said: Said, road: &Road, report: &mut Vec<Diagnostic>) -> Option<(Expression, Typed, f64)> {
+fn start(
+    said: Said<ast::PedestrianStart>,
+    road: &Road,
+    report: &mut Vec<Diagnostic>,
+) -> Option<(Expression, Typed, f64)> {
     let half = road.lane_width / 2.0;
     let mut distances = Vec::new();
-    for distance in said.node.all(Rule::start_distance) {
-        let from_kerb = distance.has(Rule::kw_kerb);
+    for distance in said.node.distances() {
+        let from_kerb = distance.is_from_kerb();
         let what = "the start of a pedestrian";
-        let node = distance.child(Rule::expression)?;
-        let value = value::quantity_within(node, limits::PEDESTRIAN_START, what, said.scope, report)?;
+        let value =
+            value::quantity_within(distance.value(), limits::PEDESTRIAN_START, what, said.scope, report)?;
         distances.push((from_kerb, value, distance.span()));
     }
     let centred = |(from_kerb, value, _): &(bool, Typed, Span)| match (&value.expression, *from_kerb) {
@@ -266,7 +279,12 @@ fn start(said: Said, road: &Road, report: &mut Vec<Diagnostic>) -> Option<(Expre
 }
 
 /// Whether two ways to say a place agree to a millimetre for every value they can take.
-fn agree(first: &Expression, second: &Expression, said: Said, report: &mut Vec<Diagnostic>) -> Option<bool> {
+fn agree(
+    first: &Expression,
+    second: &Expression,
+    said: Said<ast::PedestrianStart>,
+    report: &mut Vec<Diagnostic>,
+) -> Option<bool> {
     let difference = Expression::Binary {
         operator: BinaryOperator::Subtract,
         left: Box::new(first.clone()),
@@ -293,27 +311,27 @@ fn agree(first: &Expression, second: &Expression, said: Said, report: &mut Vec<D
 }
 
 fn appears(
-    said: Said,
+    said: Said<ast::Appears>,
     vehicles: &[&str],
     report: &mut Vec<Diagnostic>,
 ) -> Option<(DeclaredAppearance, Typed)> {
-    let time = |node: Node, limit, what: &str, report: &mut Vec<Diagnostic>| {
-        value::quantity_within(node.child(Rule::expression)?, limit, what, said.scope, report)
+    let time = |node, limit, what: &str, report: &mut Vec<Diagnostic>| {
+        value::quantity_within(node, limit, what, said.scope, report)
     };
-    if let Some(at) = said.node.child(Rule::appears_at) {
-        let time = time(at, limits::APPEARS_AT, "the time at which a pedestrian appears", report)?;
+    if let Some(at) = said.node.at() {
+        let time = time(at.time(), limits::APPEARS_AT, "the time at which a pedestrian appears", report)?;
         return Some((DeclaredAppearance::At(time.expression.clone()), time));
     }
-    let when = said.node.child(Rule::appears_when)?;
-    let name = when.child(Rule::name)?;
+    let when = said.node.when()?;
+    let name = when.vehicle();
     let what = "the time to arrival at which a pedestrian appears";
-    let time = time(when, limits::APPEARS_WHEN, what, report);
+    let time = time(when.time(), limits::APPEARS_WHEN, what, report);
     if !vehicles.contains(&name.text()) {
         report.push(unknown_vehicle(name, vehicles));
         return None;
     }
-    let reference = match when.child(Rule::vehicle_part) {
-        Some(part) if part.text() == "front" => VehicleReference::Front,
+    let reference = match when.part() {
+        Some(part) if part.is_front() => VehicleReference::Front,
         _ => VehicleReference::Centre,
     };
     let time = time?;
@@ -321,7 +339,7 @@ fn appears(
     Some((DeclaredAppearance::TimeToArrival { vehicle, reference, time: time.expression.clone() }, time))
 }
 
-pub fn unknown_vehicle(name: Node, vehicles: &[&str]) -> Diagnostic {
+pub fn unknown_vehicle(name: ast::Name, vehicles: &[&str]) -> Diagnostic {
     Diagnostic::new(
         Code::UnknownVehicle,
         name.span(),

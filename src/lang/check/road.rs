@@ -5,7 +5,7 @@ use crate::lang::codes::Code;
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::settings;
 use crate::lang::source::Span;
-use crate::lang::tree::{Node, Rule};
+use crate::lang::syntax::ast;
 use crate::lang::value::{self, Kind, Scope, Typed};
 use crate::scenario::{
     Body, Crossing, CrossingKind, Declaration, Dimension, Direction, Expression, Lane, Parameter, Road,
@@ -25,19 +25,19 @@ fn width() -> Parameter {
     )
 }
 
-pub fn zebra() -> Declaration {
+fn zebra() -> Declaration {
     Declaration::new("crossing zebra", "A crossing at which pedestrians have priority.")
         .source(LANGUAGE)
         .parameters([width()])
 }
 
-pub fn unmarked() -> Declaration {
+fn unmarked() -> Declaration {
     Declaration::new("crossing unmarked", "A place to cross at which vehicles have priority.")
         .source(LANGUAGE)
         .parameters([width()])
 }
 
-pub fn signalised() -> Declaration {
+fn signalised() -> Declaration {
     Declaration::new("crossing signalised", "A crossing with a two-phase signal.")
         .source(LANGUAGE)
         .parameters([
@@ -67,6 +67,11 @@ pub fn signalised() -> Declaration {
                 LANGUAGE,
             ),
         ])
+}
+
+/// Every kind of crossing by its word.
+pub fn crossings() -> [(&'static str, Declaration); 3] {
+    [("zebra", zebra()), ("unmarked", unmarked()), ("signalised", signalised())]
 }
 
 const PLACE: (f64, f64) = (-1000.0, 1000.0);
@@ -99,58 +104,59 @@ pub fn obstacle() -> Declaration {
 pub fn road(
     name: &str,
     span: Span,
-    block: Node,
+    block: ast::RoadBlock,
     scope: &Scope,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Road> {
-    reject_repeats(block, &[Rule::obstacle], report);
+    reject_repeats(*block, report);
     let layers = [Layer { block, scope }];
     let what = if name.is_empty() { "this road".to_string() } else { format!("road `{name}`") };
-    let lanes = match block.child(Rule::lanes) {
+    let lanes = match block.lanes() {
         Some(node) => lanes(node, scope, report),
         None => Some(vec![Lane { direction: Direction::Forward }]),
     };
-    let mut number = |rule, limit: limits::Limit, word: &str, example| match block.child(rule) {
-        Some(node) => {
-            let limits::Limit { dimension, range } = limit;
-            value::constant_in(node.child(Rule::expression)?, dimension, range, word, scope, report)
-        }
+    let number = |node, limits::Limit { dimension, range }, word: &str, report: &mut Vec<Diagnostic>| {
+        value::constant_in(node, dimension, range, word, scope, report)
+    };
+    let lane_width = match block.lane_width() {
+        Some(said) => number(said.value(), limits::LANE_WIDTH, "the lane width", report),
         None => {
-            missing(&layers, span, &what, word.trim_start_matches("the "), example, report);
+            missing::<ast::LaneWidth>(&layers, span, &what, report);
             None
         }
     };
-    let lane_width = number(Rule::lane_width, limits::LANE_WIDTH, "the lane width", "lane_width 3.5 m");
-    let speed_limit =
-        number(Rule::speed_limit, limits::SPEED_LIMIT, "the speed limit", "speed_limit 30 km/h");
-    let crossing = match block.child(Rule::crossing) {
+    let speed_limit = match block.speed_limit() {
+        Some(said) => number(said.value(), limits::SPEED_LIMIT, "the speed limit", report),
+        None => {
+            missing::<ast::SpeedLimit>(&layers, span, &what, report);
+            None
+        }
+    };
+    let crossing = match block.crossing() {
         Some(node) => crossing(node, scope, report),
         None => {
-            missing(&layers, span, &what, "crossing", "crossing zebra { width: 4 m }", report);
+            missing::<ast::Crossing>(&layers, span, &what, report);
             None
         }
     };
-    let boxes: Vec<_> = block.all(Rule::obstacle).map(|node| body(node, scope, report)).collect();
+    let boxes: Vec<_> = block.obstacles().map(|node| body(node, scope, report)).collect();
     Some(Road {
         name: name.to_string(),
         lane_width: lane_width?,
         lanes: lanes?,
         speed_limit: speed_limit?,
-        kerbs: !block.has(Rule::no_kerbs),
+        kerbs: block.no_kerbs().is_none(),
         crossing: crossing?,
         boxes: boxes.into_iter().collect::<Option<_>>()?,
     })
 }
 
-fn lanes(node: Node, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<Vec<Lane>> {
-    let Some(count) = node.child(Rule::expression) else {
+fn lanes(node: ast::Lanes, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<Vec<Lane>> {
+    let Some(count) = node.number() else {
         return Some(
-            node.all(Rule::direction)
+            node.directions()
                 .map(|direction| Lane {
-                    direction: match direction.text() {
-                        "backward" => Direction::Backward,
-                        _ => Direction::Forward,
-                    },
+                    direction: if direction.is_backward() { Direction::Backward } else { Direction::Forward },
                 })
                 .collect(),
         );
@@ -164,10 +170,10 @@ fn lanes(node: Node, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<Vec<
     Some(vec![Lane { direction: Direction::Forward }; number as usize])
 }
 
-fn crossing(node: Node, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<Crossing> {
-    let (declaration, kind) = if node.has(Rule::kw_zebra) {
+fn crossing(node: ast::Crossing, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<Crossing> {
+    let (declaration, kind) = if node.is_zebra() {
         (zebra(), CrossingKind::Zebra)
-    } else if node.has(Rule::kw_unmarked) {
+    } else if node.is_unmarked() {
         (unmarked(), CrossingKind::Unmarked)
     } else {
         (
@@ -175,7 +181,7 @@ fn crossing(node: Node, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<C
             CrossingKind::Signalised { cycle: 0.0, pedestrian_green_from: 0.0, pedestrian_green: 0.0 },
         )
     };
-    let given = constants(node.child(Rule::settings), &declaration, scope, report)?;
+    let given = constants(node.settings(), &declaration, scope, report)?;
     let resolved = declaration.resolve(&given).ok()?;
     let kind = match kind {
         CrossingKind::Signalised { .. } => {
@@ -202,16 +208,16 @@ fn crossing(node: Node, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<C
     Some(Crossing { kind, width: resolved.number("width") })
 }
 
-fn body(node: Node, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<Body> {
-    let block = node.child(Rule::settings)?;
+fn body(node: ast::Obstacle, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<Body> {
+    let block = node.settings();
     let given = constants(Some(block), &obstacle(), scope, report)?;
     let mut number = |name: &str| {
         given.optional_number(name).or_else(|| {
-            if !block.has(Rule::bad_setting) {
+            if !block.has_bad() {
                 report.push(
                     Diagnostic::new(
                         Code::MissingStatement,
-                        node.child(Rule::name).map_or(node.span(), Node::span),
+                        node.name().span(),
                         format!("this box has no `{name}`"),
                     )
                     .label(format!("has no `{name}`"))
@@ -222,13 +228,13 @@ fn body(node: Node, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<Body>
         })
     };
     let (x, y, length, width) = (number("along"), number("across"), number("length"), number("width"));
-    let name = node.child(Rule::name).map_or(String::new(), |name| name.text().to_string());
+    let name = node.name().text().to_string();
     Some(Body { name, x: x?, y: y?, length: length?, width: width? })
 }
 
 /// Settings that are the same in all runs.
 pub fn constants(
-    node: Option<Node>,
+    node: Option<ast::Settings>,
     declaration: &Declaration,
     scope: &Scope,
     report: &mut Vec<Diagnostic>,

@@ -1,12 +1,12 @@
 //! How many runs a scenario has and which seed: `repeat`, `runs` and `seed`.
 
 use super::Places;
-use super::block::{Layer, last, last_of};
+use super::block::{Layer, last};
 use super::scenario::Defaults;
 use crate::lang::codes::Code;
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::source::Span;
-use crate::lang::tree::{Node, Rule};
+use crate::lang::syntax::ast;
 use crate::scenario::{Aggregate, Claim, Criterion, People, RunBudget};
 
 /// More runs of one thing are taken for a mistake.
@@ -21,33 +21,32 @@ pub struct Runs {
 
 /// What the layers say together. `criteria` are those that the runs are to decide.
 pub fn runs(
-    layers: &[Layer],
+    layers: &[Layer<ast::ScenarioBlock>],
     criteria: &[(Span, Criterion)],
     places: &Places,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Runs> {
-    let (repeat, budget) = match last_of(layers, [Rule::repeat, Rule::runs]).map(|said| said.node) {
+    let (repeat, budget) = match last(layers, ast::ScenarioBlock::run_count).map(|said| said.node) {
         None => (Some(Defaults::REPEAT), Some(None)),
-        Some(node) if node.rule() == Rule::runs => {
+        Some(ast::RunCount::Runs(node)) => {
             refuse_means(criteria, report);
             refuse_all_people(criteria, report);
             (Some(Defaults::REPEAT), budget(node, places, report).map(Some))
         }
-        Some(node) => {
-            let number = node.child(Rule::integer)?;
-            (super::count(number, 1, MOST_RUNS, "the number of repetitions", report), Some(None))
+        Some(ast::RunCount::Repeat(node)) => {
+            (super::count(node.count(), 1, MOST_RUNS, "the number of repetitions", report), Some(None))
         }
     };
-    let seed = match last(layers, Rule::seed).and_then(|said| said.node.child(Rule::integer)) {
-        Some(number) => super::whole(number, report).map(Some),
+    let seed = match last(layers, ast::ScenarioBlock::seed) {
+        Some(said) => super::whole(said.node.number(), report).map(Some),
         None => Some(None),
     };
     Some(Runs { repeat: repeat?, budget: budget?, seed: seed? })
 }
 
 /// `repeat` and `runs` say the same thing.
-pub fn reject_both(block: Node, report: &mut Vec<Diagnostic>) {
-    if let (Some(repeat), Some(runs)) = (block.child(Rule::repeat), block.child(Rule::runs)) {
+pub fn reject_both(block: ast::ScenarioBlock, report: &mut Vec<Diagnostic>) {
+    if let (Some(repeat), Some(runs)) = (block.repeat(), block.runs()) {
         let message = "`repeat` and `runs` both say how many runs there are";
         report.push(
             Diagnostic::new(Code::RepeatedStatement, runs.span(), message)
@@ -59,8 +58,8 @@ pub fn reject_both(block: Node, report: &mut Vec<Diagnostic>) {
 }
 
 /// `runs 50 .. 2000`
-fn budget(node: Node, places: &Places, report: &mut Vec<Diagnostic>) -> Option<RunBudget> {
-    let mut ends = node.all(Rule::integer);
+fn budget(node: ast::Runs, places: &Places, report: &mut Vec<Diagnostic>) -> Option<RunBudget> {
+    let mut ends = node.ends();
     let mut end = |what: &str, least: u32| super::count(ends.next()?, least, MOST_RUNS, what, report);
     let least = end("the smallest number of runs", 1)?;
     let most = end("the largest number of runs", least)?;

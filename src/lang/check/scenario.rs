@@ -2,7 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::block::{Layer, last, missing, reject_repeats};
+use super::block::{Layer, Said, last, missing, reject_repeats};
 use super::criterion::{Cast, From, criterion};
 use super::pedestrian::pedestrian;
 use super::road::road;
@@ -11,9 +11,9 @@ use super::{Book, Places, runs, variation};
 use crate::lang::codes::Code;
 use crate::lang::diagnostic::{Diagnostic, nearest};
 use crate::lang::files::{Definition, Names};
-use crate::lang::settings::lone_word;
 use crate::lang::source::Span;
-use crate::lang::tree::{Node, Rule};
+use crate::lang::syntax::View;
+use crate::lang::syntax::ast;
 use crate::lang::value::{self, Binding, Kind, Scope, Typed};
 use crate::scenario::limits::Limit;
 use crate::scenario::{
@@ -37,7 +37,7 @@ impl Defaults {
 /// Criteria that a suite adds to its scenarios, with the names that its file can see.
 #[derive(Clone, Copy)]
 pub struct SuiteCriteria<'a> {
-    pub nodes: &'a [Node<'a>],
+    pub nodes: &'a [ast::Criterion<'a>],
     pub scope: &'a Scope<'a>,
 }
 
@@ -48,40 +48,25 @@ pub fn scenario(
     added: Option<SuiteCriteria>,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Scenario> {
-    let node = places.files.node(definition);
-    let name = node.child(Rule::name)?;
+    let name = places.files.scenario(definition).name();
     let before = report.len();
     let chain = chain(definition, places, report)?;
     let parameters = parameter_scopes(&chain, places, report)?;
-    let blocks: Vec<Layer> = chain
-        .iter()
-        .zip(&parameters)
-        .filter_map(|(definition, scope)| {
-            let block = places.files.node(*definition).child(Rule::scenario_block)?;
-            Some(Layer { block, scope })
-        })
-        .collect();
-    const REPEATABLE: &[Rule] = &[
-        Rule::tags,
-        Rule::vehicle,
-        Rule::pedestrian,
-        Rule::vary,
-        Rule::vary_together,
-        Rule::expect,
-        Rule::binding,
-    ];
+    let blocks = layers(&chain, &parameters, places);
     if let Some(own) = blocks.last() {
-        reject_repeats(own.block, REPEATABLE, report);
+        reject_repeats(*own.block, report);
         runs::reject_both(own.block, report);
     }
     let (variations, varied) = variation::variations(&blocks, report);
     let scopes: Vec<Scope> = blocks.iter().map(|layer| layer_scope(*layer, &varied, report)).collect();
-    let layers: Vec<Layer> =
+    let layers: Vec<Layer<_>> =
         blocks.iter().zip(&scopes).map(|(layer, scope)| Layer { block: layer.block, scope }).collect();
 
     let road = scenario_road(&chain, &layers, name, places, report);
-    let vehicle_groups = grouped(&layers, Rule::vehicle, Rule::vehicle_block, report);
-    let pedestrian_groups = grouped(&layers, Rule::pedestrian, Rule::pedestrian_block, report);
+    let vehicle_groups =
+        grouped(&layers, |block| block.vehicles().map(|one| (one.name(), one.block())).collect(), report);
+    let pedestrian_groups =
+        grouped(&layers, |block| block.pedestrians().map(|one| (one.name(), one.block())).collect(), report);
     reject_shared_names(&vehicle_groups, &pedestrian_groups, report);
     let mut written = Book::default();
     for (name, binding) in &varied {
@@ -125,11 +110,9 @@ pub fn scenario(
     cast.individuals = if broken { Some(true) } else { taken().next().map(|_| taken().any(several)) };
     let mut criteria: Vec<(Span, Criterion)> = Vec::new();
     for layer in &layers {
-        for node in layer.block.all(Rule::expect).filter_map(|node| node.child(Rule::expect_block)) {
-            for node in node.all(Rule::criterion) {
-                let found = criterion(node, From::Scenario, &cast, layer.scope, places, report);
-                criteria.extend(found.map(|criterion| (node.span(), criterion)));
-            }
+        for node in layer.block.expects().flat_map(|expect| expect.block().criteria()) {
+            let found = criterion(node, From::Scenario, &cast, layer.scope, places, report);
+            criteria.extend(found.map(|criterion| (node.span(), criterion)));
         }
     }
     if let Some(added) = added {
@@ -140,25 +123,27 @@ pub fn scenario(
         }
     }
 
-    let number = |rule, limit: Limit, what: &str, default: f64, report: &mut Vec<Diagnostic>| {
-        let Some(said) = last(&layers, rule) else { return Some(default) };
-        let node = said.node.child(Rule::expression)?;
-        value::constant_in(node, limit.dimension, limit.range, what, said.scope, report)
-    };
-    if let Some(said) = last(&layers, Rule::step)
-        && let Some(node) = said.node.child(Rule::expression)
-        && let Some(typed) = value::evaluate(node, said.scope, &mut Vec::new())
+    let number =
+        |said: Option<Said<ast::Expression>>, limit: Limit, what: &str, default: f64, report: &mut _| {
+            let Some(Said { node, scope }) = said else { return Some(default) };
+            value::constant_in(node, limit.dimension, limit.range, what, scope, report)
+        };
+    let step = last(&layers, |block| block.step().map(ast::Step::value));
+    if let Some(Said { node, scope }) = step
+        && let Some(typed) = value::evaluate(node, scope, &mut Vec::new())
     {
         written.variation("step", &typed, places);
     }
-    let step = number(Rule::step, limits::STEP, "the simulation step", Defaults::STEP, report);
-    let horizon = number(Rule::horizon, limits::HORIZON, "the horizon", Defaults::HORIZON, report);
-    let finish = number(Rule::finish, limits::FINISH, "the finish line", Defaults::FINISH, report);
+    let horizon = last(&layers, |block| block.horizon().map(ast::Horizon::value));
+    let finish = last(&layers, |block| block.finish().map(ast::Finish::value));
+    let step = number(step, limits::STEP, "the simulation step", Defaults::STEP, report);
+    let horizon = number(horizon, limits::HORIZON, "the horizon", Defaults::HORIZON, report);
+    let finish = number(finish, limits::FINISH, "the finish line", Defaults::FINISH, report);
     let runs = runs::runs(&layers, &criteria, places, report);
     let criteria: Vec<Criterion> = criteria.into_iter().map(|(_, criterion)| criterion).collect();
-    let doc = layers.iter().rev().find_map(|layer| super::doc(layer.block));
+    let doc = layers.iter().rev().find_map(|layer| super::doc(layer.block.doc()));
     let mut tags = Vec::new();
-    for tag in layers.iter().flat_map(|layer| super::tags(layer.block)) {
+    for tag in layers.iter().flat_map(|layer| super::tags(layer.block.tags())) {
         if !tags.contains(&tag) {
             tags.push(tag);
         }
@@ -183,7 +168,7 @@ pub fn scenario(
         step: step?,
         horizon: horizon?,
         finish: finish?,
-        end_on_collision: last(&layers, Rule::end_on_collision).is_some(),
+        end_on_collision: last(&layers, ast::ScenarioBlock::end_on_collision).is_some(),
         written: written.0,
         origin: places.origin(name.span()),
     })
@@ -197,23 +182,25 @@ pub fn surroundings(definition: Definition, places: &Places) -> Option<HashMap<S
     let mut known = Vec::new();
     let chain = chain(definition, places, &mut known)?;
     let scopes = parameter_scopes(&chain, places, &mut known)?;
-    let layers: Vec<Layer> = chain
-        .iter()
-        .zip(&scopes)
-        .filter_map(|(definition, scope)| {
-            let block = places.files.node(*definition).child(Rule::scenario_block)?;
-            Some(Layer { block, scope })
-        })
-        .collect();
-    Some(variation::variations(&layers, &mut known).1)
+    Some(variation::variations(&layers(&chain, &scopes, places), &mut known).1)
+}
+
+/// What every definition of a chain says, with the names that it knows.
+fn layers<'a>(
+    chain: &[Definition],
+    scopes: &'a [Scope<'a>],
+    places: &Places<'a>,
+) -> Vec<Layer<'a, ast::ScenarioBlock<'a>>> {
+    let block = |definition: &Definition| places.files.scenario(*definition).block();
+    chain.iter().zip(scopes).map(|(definition, scope)| Layer { block: block(definition), scope }).collect()
 }
 
 /// What a scenario builds on, the base first and itself last.
 fn chain(definition: Definition, places: &Places, report: &mut Vec<Diagnostic>) -> Option<Vec<Definition>> {
     let mut chain = vec![definition];
     let mut at = definition;
-    while let Some(base) = places.files.node(at).child(Rule::base) {
-        let name = base.child(Rule::name)?;
+    while let Some(base) = places.files.scenario(at).base() {
+        let name = base.name();
         let names = places.files.names(at.file);
         let Some(found) = names.scenarios.get(name.text()) else {
             report.push(
@@ -255,19 +242,16 @@ fn parameter_scopes<'a>(
     // Arguments are said by the layer after, so the last layer comes first.
     let mut scopes: Vec<Scope<'a>> = Vec::new();
     for (index, definition) in chain.iter().enumerate().rev() {
-        let node = places.files.node(*definition);
+        let node = places.files.scenario(*definition);
         let mut scope = Scope::inside(places.files.scope(definition.file));
-        let caller = chain.get(index + 1).map(|caller| places.files.node(*caller));
-        let base = caller.and_then(|caller| caller.child(Rule::base));
-        let arguments: Vec<Node> = base
-            .and_then(|base| base.child(Rule::arguments))
-            .map_or(Vec::new(), |arguments| arguments.all(Rule::argument).collect());
-        let parameters: Vec<Node> = node
-            .child(Rule::parameters)
-            .map_or(Vec::new(), |parameters| parameters.all(Rule::parameter).collect());
+        let base = chain.get(index + 1).and_then(|caller| places.files.scenario(*caller).base());
+        let arguments: Vec<ast::Argument> =
+            base.and_then(ast::Base::arguments).into_iter().flat_map(ast::Arguments::each).collect();
+        let parameters: Vec<ast::Parameter> =
+            node.parameters().into_iter().flat_map(ast::Parameters::each).collect();
         for argument in &arguments {
-            let name = argument.child(Rule::name)?;
-            let known = parameters.iter().filter_map(|parameter| parameter.child(Rule::name).map(Node::text));
+            let name = argument.name();
+            let known = parameters.iter().map(|parameter| parameter.name().text());
             if !known.clone().any(|known| known == name.text()) {
                 report.push(
                     Diagnostic::new(
@@ -281,11 +265,9 @@ fn parameter_scopes<'a>(
             }
         }
         for parameter in parameters {
-            let name = parameter.child(Rule::name)?;
-            let mut given = arguments.iter().filter(|argument| {
-                argument.child(Rule::name).is_some_and(|argument| argument.text() == name.text())
-            });
-            let value = match (given.next(), parameter.child(Rule::expression)) {
+            let name = parameter.name();
+            let mut given = arguments.iter().filter(|argument| argument.name().text() == name.text());
+            let value = match (given.next(), parameter.default()) {
                 (Some(argument), default) => {
                     if let Some(again) = given.next() {
                         report.push(crate::lang::settings::repeated(
@@ -298,7 +280,7 @@ fn parameter_scopes<'a>(
                     let caller_scope = scopes.last()?;
                     let default = default.and_then(|node| argument_value(node, &scope, None, report));
                     let kind = default.as_ref().map(|default| default.kind);
-                    let value = argument_value(argument.child(Rule::expression)?, caller_scope, kind, report);
+                    let value = argument_value(argument.value(), caller_scope, kind, report);
                     value.filter(|value| {
                         default.is_none_or(|default| {
                             let what = format!("parameter `{}`", name.text());
@@ -337,12 +319,12 @@ fn parameter_scopes<'a>(
 /// The value of a parameter. A name that is not defined is a word where the default is one, or where no defined name is
 /// near enough to be meant.
 fn argument_value(
-    expression: Node,
+    expression: ast::Expression,
     scope: &Scope,
     default: Option<Kind>,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Typed> {
-    let Some(word) = lone_word(expression).filter(|word| scope.find(word).is_none()) else {
+    let Some(word) = expression.lone_word().filter(|word| scope.find(word).is_none()) else {
         return value::evaluate(expression, scope, report);
     };
     match default {
@@ -354,12 +336,12 @@ fn argument_value(
 
 /// A layer's names: its file's and parameters, the scenario's variations and its own `let`.
 fn layer_scope<'a>(
-    layer: Layer<'a>,
+    layer: Layer<'a, ast::ScenarioBlock>,
     varied: &HashMap<String, Binding>,
     report: &mut Vec<Diagnostic>,
 ) -> Scope<'a> {
     let mut scope = Scope { outer: Some(layer.scope), names: varied.clone() };
-    for binding in layer.block.all(Rule::binding) {
+    for binding in layer.block.bindings() {
         crate::lang::files::bind(binding, &mut scope, report);
     }
     scope
@@ -367,23 +349,25 @@ fn layer_scope<'a>(
 
 fn scenario_road(
     chain: &[Definition],
-    layers: &[Layer],
-    name: Node,
+    layers: &[Layer<ast::ScenarioBlock>],
+    name: ast::Name,
     places: &Places,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Road> {
-    let chosen = chain.iter().zip(layers).rev().find_map(|(definition, layer)| {
-        Some((definition.file, layer.scope, layer.block.child(Rule::road_choice)?))
-    });
+    let chosen = chain
+        .iter()
+        .zip(layers)
+        .rev()
+        .find_map(|(definition, layer)| Some((definition.file, layer.scope, layer.block.road()?)));
     let Some((file, scope, choice)) = chosen else {
         let what = format!("scenario `{}`", name.text());
-        missing(layers, name.span(), &what, "road", "road NAME` or `road { … }", report);
+        missing::<ast::RoadChoice>(layers, name.span(), &what, report);
         return None;
     };
-    if let Some(block) = choice.child(Rule::road_block) {
+    if let Some(block) = choice.block() {
         return road("", choice.span(), block, scope, report);
     }
-    let wanted = choice.child(Rule::name)?;
+    let wanted = choice.name()?;
     let names: &Names = places.files.names(file);
     let Some(found) = names.roads.get(wanted.text()) else {
         report.push(
@@ -402,27 +386,23 @@ fn scenario_road(
 
 /// A road with a name. Its mistakes are reported where it is defined, whoever uses it.
 pub fn defined_road(definition: Definition, places: &Places, report: &mut Vec<Diagnostic>) -> Option<Road> {
-    let node = places.files.node(definition);
-    let name = node.child(Rule::name)?;
-    road(name.text(), name.span(), node.child(Rule::road_block)?, places.files.scope(definition.file), report)
+    let node = ast::RoadDefinition::cast(places.files.node(definition))?;
+    let name = node.name();
+    road(name.text(), name.span(), node.block(), places.files.scope(definition.file), report)
 }
 
-type Group<'a> = (Node<'a>, Vec<Layer<'a>>);
+type Group<'a, B> = (ast::Name<'a>, Vec<Layer<'a, B>>);
 
 /// Road users by name, in order of first mention, each with what every layer says about it.
-fn grouped<'a>(
-    layers: &[Layer<'a>],
-    rule: Rule,
-    block_rule: Rule,
+fn grouped<'a, B>(
+    layers: &[Layer<'a, ast::ScenarioBlock<'a>>],
+    users: impl Fn(ast::ScenarioBlock<'a>) -> Vec<(ast::Name<'a>, B)>,
     report: &mut Vec<Diagnostic>,
-) -> Vec<Group<'a>> {
-    let mut groups: Vec<Group<'a>> = Vec::new();
+) -> Vec<Group<'a, B>> {
+    let mut groups: Vec<Group<'a, B>> = Vec::new();
     for layer in layers {
         let mut said: HashMap<&str, Span> = HashMap::new();
-        for user in layer.block.all(rule) {
-            let (Some(name), Some(block)) = (user.child(Rule::name), user.child(block_rule)) else {
-                continue;
-            };
+        for (name, block) in users(layer.block) {
             if let Some(first) = said.insert(name.text(), name.span()) {
                 report.push(duplicate(name, first));
                 continue;
@@ -437,14 +417,14 @@ fn grouped<'a>(
     groups
 }
 
-fn duplicate(name: Node, first: Span) -> Diagnostic {
+fn duplicate(name: ast::Name, first: Span) -> Diagnostic {
     Diagnostic::new(Code::DuplicateName, name.span(), format!("`{}` is defined twice", name.text()))
         .label("defined again")
         .context(first, "defined first here")
         .hint("give one of them another name")
 }
 
-fn reject_shared_names(vehicles: &[Group], pedestrians: &[Group], report: &mut Vec<Diagnostic>) {
+fn reject_shared_names<V, P>(vehicles: &[Group<V>], pedestrians: &[Group<P>], report: &mut Vec<Diagnostic>) {
     for (name, _) in pedestrians {
         if let Some((first, _)) = vehicles.iter().find(|(vehicle, _)| vehicle.text() == name.text()) {
             report.push(duplicate(*name, first.span()));
@@ -452,7 +432,7 @@ fn reject_shared_names(vehicles: &[Group], pedestrians: &[Group], report: &mut V
     }
 }
 
-fn nobody(name: Node, cast: &Cast, report: &mut Vec<Diagnostic>) {
+fn nobody(name: ast::Name, cast: &Cast, report: &mut Vec<Diagnostic>) {
     let lacks = match (cast.vehicles.is_empty(), cast.pedestrians.is_empty()) {
         (false, false) => return,
         (true, true) => "neither vehicle nor pedestrian",
@@ -468,15 +448,14 @@ fn nobody(name: Node, cast: &Cast, report: &mut Vec<Diagnostic>) {
 
 /// Warns of names without effect in the scenario's own block.
 fn unused(
-    layers: &[Layer],
+    layers: &[Layer<ast::ScenarioBlock>],
     varied: &HashMap<String, Binding>,
     variations: &[Variation],
     used: &HashSet<&str>,
     report: &mut Vec<Diagnostic>,
 ) {
     let Some(own) = layers.last() else { return };
-    for binding in own.block.all(Rule::binding) {
-        let Some(name) = binding.child(Rule::name) else { continue };
+    for name in own.block.bindings().map(ast::Binding::name) {
         if own.scope.names.get(name.text()).is_some_and(|found| !found.used.get()) {
             report.push(
                 Diagnostic::new(Code::UnusedName, name.span(), format!("`{}` is never used", name.text()))

@@ -6,24 +6,23 @@ use super::claim::claim;
 use super::subject::Subjects;
 use crate::lang::codes::Code;
 use crate::lang::diagnostic::Diagnostic;
-use crate::lang::tree::{Node, Rule};
-use crate::lang::value::{Scope, unquote};
+use crate::lang::syntax::ast;
+use crate::lang::value::Scope;
 use crate::scenario::{Standing, Statement};
 
 /// The statement at `node`.
 pub fn statement(
-    node: Node,
+    node: ast::Statement,
     subjects: &Subjects,
     scope: &Scope,
     places: &Places,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Statement> {
-    let name = node.child(Rule::name)?;
-    let block = node.child(Rule::statement_block)?;
-    reject_repeats(block, &[Rule::claim], report);
+    let (name, block) = (node.name(), node.block());
+    reject_repeats(*block, report);
     let standing = standing(block, report);
-    let nodes: Vec<Node> = block.all(Rule::claim).collect();
-    if nodes.is_empty() && !block.has(Rule::not_comparable) && !block.has(Rule::bad) {
+    let nodes: Vec<ast::Claim> = block.claims().collect();
+    if nodes.is_empty() && block.not_comparable().is_none() && !block.has_bad() {
         report.push(
             Diagnostic::new(
                 Code::BadStatement,
@@ -37,17 +36,17 @@ pub fn statement(
     let claims: Vec<_> = nodes.into_iter().map(|node| claim(node, subjects, scope, places, report)).collect();
     Some(Statement {
         name: name.text().to_string(),
-        doc: super::doc(block),
-        source: super::source(block),
-        reported: super::text(block, Rule::reported),
+        doc: super::doc(block.doc()),
+        source: block.source().map(|source| source.quoted().value()),
+        reported: block.reported().map(|reported| reported.quoted().value()),
         claims: claims.into_iter().collect::<Option<_>>()?,
         standing: standing?,
         origin: places.origin(name.span()),
     })
 }
 
-fn standing(block: Node, report: &mut Vec<Diagnostic>) -> Option<Standing> {
-    let (differs, not_comparable) = (block.child(Rule::differs), block.child(Rule::not_comparable));
+fn standing(block: ast::StatementBlock, report: &mut Vec<Diagnostic>) -> Option<Standing> {
+    let (differs, not_comparable) = (block.differs(), block.not_comparable());
     if let (Some(differs), Some(other)) = (differs, not_comparable) {
         report.push(
             Diagnostic::new(
@@ -61,11 +60,17 @@ fn standing(block: Node, report: &mut Vec<Diagnostic>) -> Option<Standing> {
         );
         return None;
     }
-    let Some(node) = differs.or(not_comparable) else { return Some(Standing::Reproduced) };
-    let reason = node.child(Rule::string).map(|text| unquote(text.text())).unwrap_or_default();
+    let reasons = [
+        differs.map(|said| (said.span(), said.reason())),
+        not_comparable.map(|said| (said.span(), said.reason())),
+    ];
+    let Some((span, reason)) = reasons.into_iter().flatten().next() else {
+        return Some(Standing::Reproduced);
+    };
+    let reason = reason.value();
     if reason.trim().is_empty() {
         report.push(
-            Diagnostic::new(Code::BadStatement, node.span(), "nothing says why")
+            Diagnostic::new(Code::BadStatement, span, "nothing says why")
                 .label("no reason")
                 .hint("a reader needs the reason: `differs \"…\"`"),
         );

@@ -10,8 +10,9 @@ use crate::files::read_kind;
 use crate::lang::codes::Code;
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::files::Definition;
-use crate::lang::tree::{Node, Rule};
-use crate::lang::value::{Binding, unquote};
+use crate::lang::source::Span;
+use crate::lang::syntax::ast;
+use crate::lang::value::Binding;
 use crate::registry::Registry;
 use crate::scenario::{
     CaseSet, Declaration, Evaluate, Part, Range, RangeValues, Reference, Registered, SampleSize, Scenario,
@@ -79,7 +80,7 @@ impl<'a> Subjects<'a> {
     /// The scenario called `text`, which must have no errors of its own; `also` may be named in its place.
     pub fn scenario(
         &self,
-        place: Node,
+        place: Span,
         text: &str,
         also: &[&str],
         places: &Places,
@@ -89,13 +90,9 @@ impl<'a> Subjects<'a> {
             let what = if also.is_empty() { "scenario" } else { "scenario or search" };
             let known: Vec<&str> = self.scenario_names(places).chain(also.iter().copied()).collect();
             report.push(
-                Diagnostic::new(
-                    Code::UnknownScenario,
-                    place.span(),
-                    format!("there is no {what} `{text}` here"),
-                )
-                .label("not in this suite")
-                .suggest(text, known),
+                Diagnostic::new(Code::UnknownScenario, place, format!("there is no {what} `{text}` here"))
+                    .label("not in this suite")
+                    .suggest(text, known),
             );
             return None;
         }
@@ -103,17 +100,16 @@ impl<'a> Subjects<'a> {
     }
 
     pub fn scenario_names<'p>(&'p self, places: &'p Places) -> impl Iterator<Item = &'p str> {
-        self.definitions
-            .iter()
-            .filter_map(|definition| places.files.node(*definition).child(Rule::name).map(Node::text))
+        self.definitions.iter().map(|definition| places.files.scenario(*definition).name().text())
     }
 
     /// The scenario of that name, if there is one without mistakes.
     fn known(&self, name: &str, places: &Places) -> Option<Subject<'a>> {
         let scenario = self.scenarios.into_iter().flatten().find(|scenario| scenario.name == name)?;
-        let definition = self.definitions.iter().find(|definition| {
-            places.files.node(**definition).child(Rule::name).is_some_and(|known| known.text() == name)
-        })?;
+        let definition = self
+            .definitions
+            .iter()
+            .find(|definition| places.files.scenario(**definition).name().text() == name)?;
         let registry = places.files.registry.clone();
         let varied = surroundings(*definition, places)?;
         Some(Subject { scenario, varied, searched: HashMap::new(), registry })
@@ -189,7 +185,7 @@ impl Subject<'_> {
 
 /// The cases of an `on` statement, with what they are of.
 pub fn case_set<'a>(
-    node: Node,
+    node: ast::OnCases,
     subjects: &Subjects<'a>,
     places: &Places,
     report: &mut Vec<Diagnostic>,
@@ -198,7 +194,7 @@ pub fn case_set<'a>(
     let subject = match &set {
         CaseSet::Saved(path) => {
             let scenario = saved_scenario(path)?;
-            subjects.scenario(node, &scenario, &[], places, report)?;
+            subjects.scenario(node.span(), &scenario, &[], places, report)?;
             subjects.of(&set, places)?
         }
         _ => subjects.of(&set, places)?,
@@ -207,13 +203,13 @@ pub fn case_set<'a>(
 }
 
 fn said_set(
-    node: Node,
+    node: ast::OnCases,
     subjects: &Subjects,
     places: &Places,
     report: &mut Vec<Diagnostic>,
 ) -> Option<CaseSet> {
-    if let Some(path) = node.child(Rule::string) {
-        let saved = places.beside(path.span(), &unquote(path.text()));
+    if let Some(path) = node.path() {
+        let saved = places.beside(path.span(), &path.value());
         if saved_scenario(&saved).is_none() {
             report.push(
                 Diagnostic::new(
@@ -228,8 +224,8 @@ fn said_set(
         }
         return Some(CaseSet::Saved(saved));
     }
-    if let Some(as_many) = node.child(Rule::as_many) {
-        let mut names = as_many.all(Rule::name);
+    if let Some(as_many) = node.as_many() {
+        let mut names = as_many.names();
         let (scenario, search) = (names.next()?, names.next()?);
         let drawn = drawn(scenario, subjects, places, report);
         if !subjects.searches.has(search.text()) {
@@ -239,23 +235,28 @@ fn said_set(
         let count = SampleSize::AsManyAs(search.text().to_string());
         return Some(CaseSet::Sample { scenario: drawn?, count });
     }
-    let name = node.child(Rule::name)?;
-    if let Some(count) = node.child(Rule::integer) {
+    let name = node.name()?;
+    if let Some(count) = node.count() {
         let count = super::count(count, 1, 1_000_000, "the number of cases", report);
         let scenario = drawn(name, subjects, places, report)?;
         return Some(CaseSet::Sample { scenario, count: SampleSize::Number(count?) });
     }
     let text = name.text().to_string();
     if subjects.searches.has(name.text()) {
-        return Some(if node.has(Rule::kw_all) { CaseSet::Bests(text) } else { CaseSet::Search(text) });
+        return Some(if node.is_of_all() { CaseSet::Bests(text) } else { CaseSet::Search(text) });
     }
     let searches: Vec<&str> = subjects.searches.names().collect();
-    subjects.scenario(name, name.text(), &searches, places, report)?;
+    subjects.scenario(name.span(), name.text(), &searches, places, report)?;
     Some(CaseSet::Scenario(text))
 }
 
 /// The scenario that some cases are drawn of.
-fn drawn(name: Node, subjects: &Subjects, places: &Places, report: &mut Vec<Diagnostic>) -> Option<String> {
+fn drawn(
+    name: ast::Name,
+    subjects: &Subjects,
+    places: &Places,
+    report: &mut Vec<Diagnostic>,
+) -> Option<String> {
     if subjects.searches.has(name.text()) {
         report.push(
             Diagnostic::new(
@@ -268,11 +269,11 @@ fn drawn(name: Node, subjects: &Subjects, places: &Places, report: &mut Vec<Diag
         );
         return None;
     }
-    subjects.scenario(name, name.text(), &[], places, report)?;
+    subjects.scenario(name.span(), name.text(), &[], places, report)?;
     Some(name.text().to_string())
 }
 
-pub fn unknown_search(name: Node, subjects: &Subjects) -> Diagnostic {
+pub fn unknown_search(name: ast::Name, subjects: &Subjects) -> Diagnostic {
     Diagnostic::new(Code::UnknownBlock, name.span(), format!("there is no search `{}` here", name.text()))
         .label("not in this suite")
         .suggest(name.text(), subjects.searches.names())

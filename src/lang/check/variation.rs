@@ -5,10 +5,9 @@ use std::collections::HashMap;
 use super::block::Layer;
 use crate::lang::codes::Code;
 use crate::lang::diagnostic::Diagnostic;
-use crate::lang::print;
-use crate::lang::settings::{lone_word, repeated};
+use crate::lang::settings::repeated;
 use crate::lang::source::Span;
-use crate::lang::tree::{Node, Rule};
+use crate::lang::syntax::ast;
 use crate::lang::units;
 use crate::lang::value::{self, Binding, Kind, Scope, Typed};
 use crate::scenario::{
@@ -58,7 +57,7 @@ enum Over {
 /// Every variation of a scenario and the names they give to its values. A later layer's variation of a name replaces
 /// the earlier ones.
 pub fn variations(
-    layers: &[Layer],
+    layers: &[Layer<ast::ScenarioBlock>],
     report: &mut Vec<Diagnostic>,
 ) -> (Vec<Variation>, HashMap<String, Binding>) {
     let mut variations: Vec<Variation> = Vec::new();
@@ -66,17 +65,15 @@ pub fn variations(
     let mut together_with: HashMap<String, Vec<(String, Span)>> = HashMap::new();
     for layer in layers {
         let mut names: HashMap<&str, Span> = HashMap::new();
-        let statements =
-            layer.block.children().filter(|node| matches!(node.rule(), Rule::vary | Rule::vary_together));
-        for node in statements {
+        for node in layer.block.variations() {
             let before = report.len();
             let own = varied_names(node);
             let is_other = |(name, _): &(&String, &Binding)| !own.iter().any(|(own, _)| own == name);
             let known: HashMap<String, Binding> =
                 bindings.iter().filter(is_other).map(|(name, one)| (name.clone(), one.clone())).collect();
-            let (varied, variation) = match node.rule() {
-                Rule::vary => single(node, layer.scope, &known, report),
-                _ => together(node, layer.scope, known.clone(), report),
+            let (varied, variation) = match node {
+                ast::Variation::Varied(node) => single(node, layer.scope, &known, report),
+                ast::Variation::VaryTogether(node) => together(node, layer.scope, known.clone(), report),
             };
             say_why_unknown(&mut report[before..], layer, &known, layers);
             for (name, span) in &varied_names(node) {
@@ -143,16 +140,13 @@ fn in_order(
 /// Why a name is not known in a variation though there is something of that name.
 fn say_why_unknown(
     findings: &mut [Diagnostic],
-    layer: &Layer,
+    layer: &Layer<ast::ScenarioBlock>,
     known: &HashMap<String, Binding>,
-    layers: &[Layer],
+    layers: &[Layer<ast::ScenarioBlock>],
 ) {
-    let varied = layers.iter().flat_map(|layer| layer.block.children()).flat_map(|node| match node.rule() {
-        Rule::vary | Rule::vary_together => varied_names(node),
-        _ => Vec::new(),
-    });
+    let varied = layers.iter().flat_map(|layer| layer.block.variations()).flat_map(varied_names);
     let varied: HashMap<&str, Span> = varied.collect();
-    let lets = layer.block.all(Rule::binding).filter_map(|node| node.child(Rule::name));
+    let lets = layer.block.bindings().map(ast::Binding::name);
     let lets: HashMap<&str, Span> = lets.map(|name| (name.text(), name.span())).collect();
     for finding in findings.iter_mut().filter(|finding| finding.code == Code::UnknownName) {
         let is_it = |name: &&&str| finding.message == format!("`{name}` is not defined");
@@ -182,13 +176,14 @@ fn say_why_unknown(
 }
 
 /// Reports names that a layer leaves without values when it varies `name` anew, with which they were varied together.
-fn left_alone(block: Node, name: &str, span: Span, others: &[(String, Span)], report: &mut Vec<Diagnostic>) {
-    let anew: Vec<&str> = block
-        .children()
-        .filter(|node| matches!(node.rule(), Rule::vary | Rule::vary_together))
-        .flat_map(varied_names)
-        .map(|(name, _)| name)
-        .collect();
+fn left_alone(
+    block: ast::ScenarioBlock,
+    name: &str,
+    span: Span,
+    others: &[(String, Span)],
+    report: &mut Vec<Diagnostic>,
+) {
+    let anew: Vec<&str> = block.variations().flat_map(varied_names).map(|(name, _)| name).collect();
     let alone: Vec<&(String, Span)> =
         others.iter().filter(|(other, _)| !anew.contains(&other.as_str())).collect();
     let Some((other, first)) = alone.first() else { return };
@@ -209,18 +204,14 @@ fn varies(variation: &Variation, name: &str) -> bool {
     names.iter().any(|varied| varied == name)
 }
 
-fn varied_names<'t>(node: Node<'t>) -> Vec<(&'t str, Span)> {
-    let name = |node: Node<'t>| node.child(Rule::name).map(|name| (name.text(), name.span()));
-    match node.child(Rule::together_block) {
-        Some(block) => block.all(Rule::varied).filter_map(name).collect(),
-        None => name(node).into_iter().collect(),
-    }
+fn varied_names<'t>(node: ast::Variation<'t>) -> Vec<(&'t str, Span)> {
+    node.names().map(|name| (name.text(), name.span())).collect()
 }
 
 type Outcome<'t> = (Vec<Varied<'t>>, Option<Variation>);
 
 fn single<'t>(
-    node: Node<'t>,
+    node: ast::Varied<'t>,
     scope: &Scope,
     known: &HashMap<String, Binding>,
     report: &mut Vec<Diagnostic>,
@@ -232,7 +223,7 @@ fn single<'t>(
             Some(Variation::Grid { names, rows: values.iter().map(|value| vec![value.clone()]).collect() })
         }
         Over::Distribution(distribution) => node
-            .child(Rule::sampling)
+            .sampling()
             .and_then(|sampling| samples(sampling, vec![(distribution.clone(), varied.kind)], report))
             .map(|samples| Variation::Sampled { names, samples }),
     };
@@ -241,14 +232,14 @@ fn single<'t>(
 
 /// Draws may depend on the names above them in the same block as well.
 fn together<'t>(
-    node: Node<'t>,
+    node: ast::VaryTogether<'t>,
     scope: &Scope,
     mut known: HashMap<String, Binding>,
     report: &mut Vec<Diagnostic>,
 ) -> Outcome<'t> {
-    let Some(block) = node.child(Rule::together_block) else { return (Vec::new(), None) };
-    let lines: Vec<_> = block.all(Rule::varied).collect();
-    let is_drawn = node.has(Rule::sampling);
+    let block = node.block();
+    let lines: Vec<_> = block.each().collect();
+    let is_drawn = node.sampling().is_some();
     let mut found = Vec::new();
     for line in &lines {
         let Some(one) = varied(*line, scope, &known, report) else { continue };
@@ -258,7 +249,7 @@ fn together<'t>(
         found.push(one);
     }
     let varied = found;
-    if varied.len() != lines.len() || block.has(Rule::bad) {
+    if varied.len() != lines.len() || block.has_bad() {
         return (varied, None);
     }
     if varied.is_empty() {
@@ -266,8 +257,7 @@ fn together<'t>(
         return (varied, None);
     }
     let names = varied.iter().map(|varied| varied.name.to_string()).collect();
-    let sampling = node.child(Rule::sampling);
-    let variation = match sampling {
+    let variation = match node.sampling() {
         Some(sampling) => {
             let mut distributions = Vec::new();
             for one in &varied {
@@ -323,15 +313,14 @@ fn rows(varied: &[Varied], report: &mut Vec<Diagnostic>) -> Option<Vec<Vec<Varie
 }
 
 fn samples(
-    node: Node,
+    node: ast::Sampling,
     distributions: Vec<(Distribution, Kind)>,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Samples> {
-    let count =
-        super::count(node.child(Rule::integer)?, 1, MOST_VALUES as u32, "the number of draws", report)?;
-    let scheme = if node.has(Rule::kw_latin_hypercube) {
+    let count = super::count(node.count(), 1, MOST_VALUES as u32, "the number of draws", report)?;
+    let scheme = if node.by_latin_hypercube() {
         SamplingScheme::LatinHypercube
-    } else if node.has(Rule::kw_sobol) {
+    } else if node.by_sobol() {
         SamplingScheme::Sobol
     } else {
         SamplingScheme::Random
@@ -346,20 +335,20 @@ fn samples(
 }
 
 fn varied<'t>(
-    node: Node<'t>,
+    node: ast::Varied<'t>,
     scope: &Scope,
     known: &HashMap<String, Binding>,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Varied<'t>> {
-    let name = node.child(Rule::name)?;
-    let (Written { kind, notation }, over) = if let Some(list) = node.child(Rule::list) {
-        let (written, values) = values(list.span(), list.all(Rule::expression), scope, report)?;
+    let name = node.name();
+    let (Written { kind, notation }, over) = if let Some(list) = node.list() {
+        let (written, values) = values(list.span(), list.values(), scope, report)?;
         (written, Over::Values(values))
-    } else if let Some(range) = node.child(Rule::range) {
+    } else if let Some(range) = node.range() {
         let (written, values) = range_values(range, report)?;
         (written, Over::Values(values))
     } else {
-        let (written, distribution) = distribution(node.child(Rule::distribution)?, scope, known, report)?;
+        let (written, distribution) = distribution(node.distribution()?, scope, known, report)?;
         (written, Over::Distribution(distribution))
     };
     Some(Varied { name: name.text(), span: name.span(), kind, notation, over })
@@ -368,7 +357,7 @@ fn varied<'t>(
 /// Constants of one kind, all different.
 fn values<'t>(
     span: Span,
-    expressions: impl Iterator<Item = Node<'t>>,
+    expressions: impl Iterator<Item = ast::Expression<'t>>,
     scope: &Scope,
     report: &mut Vec<Diagnostic>,
 ) -> Option<(Written, Vec<VariedValue>)> {
@@ -422,8 +411,12 @@ fn empty(span: Span, message: &str, example: &str) -> Diagnostic {
 }
 
 /// A value that does not vary, with the words it was written in. A name that is not defined is a word.
-fn constant(expression: Node, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<(Typed, String)> {
-    if let Some(word) = lone_word(expression)
+fn constant(
+    expression: ast::Expression,
+    scope: &Scope,
+    report: &mut Vec<Diagnostic>,
+) -> Option<(Typed, String)> {
+    if let Some(word) = expression.lone_word()
         && scope.find(word).is_none()
     {
         return Some((Typed::word(word, expression.span()), word.to_string()));
@@ -440,7 +433,7 @@ fn constant(expression: Node, scope: &Scope, report: &mut Vec<Diagnostic>) -> Op
 }
 
 /// `6 s .. 18 s step 4 s`: computed in the unit it is written in, so that values and labels are what people expect.
-fn range_values(node: Node, report: &mut Vec<Diagnostic>) -> Option<(Written, Vec<VariedValue>)> {
+fn range_values(node: ast::Range, report: &mut Vec<Diagnostic>) -> Option<(Written, Vec<VariedValue>)> {
     let mut bad = |span: Span, message: &str| {
         report.push(
             Diagnostic::new(Code::BadDistribution, span, message)
@@ -450,8 +443,8 @@ fn range_values(node: Node, report: &mut Vec<Diagnostic>) -> Option<(Written, Ve
         None
     };
     let mut bounds = Vec::new();
-    for expression in node.all(Rule::expression) {
-        let Some((number, symbol)) = print::signed_quantity(expression) else {
+    for expression in node.bounds() {
+        let Some((number, symbol)) = expression.signed_quantity() else {
             return bad(expression.span(), "a range is made of numbers");
         };
         bounds.push((number, symbol));
@@ -460,7 +453,7 @@ fn range_values(node: Node, report: &mut Vec<Diagnostic>) -> Option<(Written, Ve
     if unit != last_unit || unit != step_unit {
         return bad(node.span(), "the parts of a range have different units");
     }
-    let converted = match unit.as_str() {
+    let converted = match *unit {
         "" => None,
         symbol => match units::unit_of(symbol) {
             Some(unit) => Some(unit),
@@ -500,13 +493,13 @@ fn range_values(node: Node, report: &mut Vec<Diagnostic>) -> Option<(Written, Ve
 
 /// `known` are the variations that its numbers may depend on.
 fn distribution(
-    node: Node,
+    node: ast::Distribution,
     scope: &Scope,
     known: &HashMap<String, Binding>,
     report: &mut Vec<Diagnostic>,
 ) -> Option<(Written, Distribution)> {
-    let name = node.child(Rule::distribution_name)?;
-    let count = node.all(Rule::expression).count();
+    let name = node.name();
+    let count = node.values().count();
     let mut bad = |message: String, hint: &str| {
         report.push(
             Diagnostic::new(Code::BadDistribution, node.span(), message)
@@ -517,7 +510,7 @@ fn distribution(
     };
     let wanted = match name.text() {
         "choice" => {
-            let (kind, values) = values(node.span(), node.all(Rule::expression), scope, report)?;
+            let (kind, values) = values(node.span(), node.values(), scope, report)?;
             return Some((kind, Distribution::Choice(values)));
         }
         "uniform" => "low, high",
@@ -543,7 +536,7 @@ fn distribution(
     let scope = &Scope { outer: Some(scope), names: known.clone() };
     let mut numbers = Vec::new();
     let mut kind = None;
-    for expression in node.all(Rule::expression) {
+    for expression in node.values() {
         let typed = value::evaluate(expression, scope, report)?;
         let expected = *kind.get_or_insert(match typed.kind {
             Kind::Number(_) => Written::of(&typed),

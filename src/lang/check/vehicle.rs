@@ -7,7 +7,7 @@ use crate::lang::codes::Code;
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::settings::{self, not_whole};
 use crate::lang::source::Span;
-use crate::lang::tree::{Node, Rule};
+use crate::lang::syntax::ast;
 use crate::lang::value::{self, Kind, Typed};
 use crate::scenario::{
     CommandKind, ControllerModel, DeclaredVehicleStart, Dimension, DynamicsModel, Model, Reference, Road,
@@ -16,51 +16,51 @@ use crate::scenario::{
 
 /// The vehicle that `layers` describe together, the last having the last word.
 pub fn vehicle(
-    name: Node,
-    layers: &[Layer],
+    name: ast::Name,
+    layers: &[Layer<ast::VehicleBlock>],
     road: Option<&Road>,
     places: &Places,
     written: &mut Book,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Vehicle> {
     if let Some(layer) = layers.last() {
-        reject_repeats(layer.block, &[], report);
+        reject_repeats(*layer.block, report);
     }
     let what = format!("vehicle `{}`", name.text());
-    let controller = match last(layers, Rule::controller) {
+    let controller = match last(layers, |block| block.controller().map(ast::Named::Controller)) {
         Some(said) => named(said, &controllers(places), places, report),
         None => {
-            missing(layers, name.span(), &what, "controller", "controller carla_behavior", report);
+            missing::<ast::Controller>(layers, name.span(), &what, report);
             None
         }
     };
-    let dynamics =
-        last(layers, Rule::dynamics).map(|said| named(said, &all_dynamics(places), places, report));
+    let dynamics = last(layers, |block| block.dynamics().map(ast::Named::Dynamics))
+        .map(|said| named(said, &all_dynamics(places), places, report));
     if let (Some(controller), Some(Some(dynamics))) = (&controller, &dynamics) {
         check_fit(controller, dynamics, places, report);
     }
-    let size = last(layers, Rule::size).map(|said| size(said, "a vehicle", report));
-    let speed = match last(layers, Rule::speed) {
-        Some(Said { node, scope }) => node.child(Rule::expression).and_then(|node| {
+    let size = last(layers, ast::VehicleBlock::size).map(|said| size(said, "a vehicle", report));
+    let speed = match last(layers, ast::VehicleBlock::speed) {
+        Some(Said { node, scope }) => {
             let what = "the speed of a vehicle";
-            value::quantity_within(node, limits::VEHICLE_SPEED, what, scope, report)
-        }),
+            value::quantity_within(node.value(), limits::VEHICLE_SPEED, what, scope, report)
+        }
         None => {
-            missing(layers, name.span(), &what, "speed", "speed 30 km/h", report);
+            missing::<ast::Speed>(layers, name.span(), &what, report);
             None
         }
     };
-    let lane = match last(layers, Rule::lane) {
+    let lane = match last(layers, ast::VehicleBlock::lane) {
         Some(said) => lane(said, road, report),
         None => Some(0),
     };
-    let start = match last(layers, Rule::vehicle_start) {
+    let start = match last(layers, ast::VehicleBlock::start) {
         Some(said) => start(said, report),
         None => Some((DeclaredVehicleStart::Automatic, None)),
     };
-    let sees = last(layers, Rule::sees).map(|Said { node, scope }| {
+    let sees = last(layers, ast::VehicleBlock::sees).map(|Said { node, scope }| {
         let perception = places.files.registry.perception();
-        let given = settings::check(node.child(Rule::settings), &perception.declaration, scope, report);
+        let given = settings::check(Some(node.settings()), &perception.declaration, scope, report);
         written.settings(name.text(), "sees", &given, places);
         Model {
             first: Reference::from(perception),
@@ -169,8 +169,8 @@ fn check_fit(
 }
 
 /// `size LENGTH x WIDTH`
-pub fn size(said: Said, whose: &str, report: &mut Vec<Diagnostic>) -> Option<(Typed, Typed)> {
-    let mut extents = said.node.all(Rule::expression);
+pub fn size(said: Said<ast::Size>, whose: &str, report: &mut Vec<Diagnostic>) -> Option<(Typed, Typed)> {
+    let mut extents = said.node.extents();
     let mut extent = |word: &str| {
         let node = extents.next()?;
         let what = format!("the {word} of {whose}");
@@ -180,8 +180,8 @@ pub fn size(said: Said, whose: &str, report: &mut Vec<Diagnostic>) -> Option<(Ty
     Some((length?, width?))
 }
 
-fn lane(said: Said, road: Option<&Road>, report: &mut Vec<Diagnostic>) -> Option<usize> {
-    let node = said.node.child(Rule::expression)?;
+fn lane(said: Said<ast::Lane>, road: Option<&Road>, report: &mut Vec<Diagnostic>) -> Option<usize> {
+    let node = said.node.value();
     let value = value::quantity_of(node, Dimension::NUMBER, "the lane of a vehicle", said.scope, report)?;
     let Some(number) = value.as_constant_number() else {
         return value::not_constant(value.span, &value.expression, "the lane of a vehicle", report);
@@ -205,8 +205,11 @@ fn lane(said: Said, road: Option<&Road>, report: &mut Vec<Diagnostic>) -> Option
 }
 
 /// The unit says whether a start is a place or an arrival time.
-fn start(said: Said, report: &mut Vec<Diagnostic>) -> Option<(DeclaredVehicleStart, Option<Typed>)> {
-    let node = said.node.child(Rule::expression)?;
+fn start(
+    said: Said<ast::VehicleStart>,
+    report: &mut Vec<Diagnostic>,
+) -> Option<(DeclaredVehicleStart, Option<Typed>)> {
+    let node = said.node.value();
     let value = value::evaluate(node, said.scope, report)?;
     let what = "the start of a vehicle";
     match value.kind {

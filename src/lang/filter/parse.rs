@@ -9,8 +9,8 @@ use super::predicate::{Asked, PREDICATES, Predicate};
 use super::{Condition, Expression, Filter, Test};
 use crate::lang::codes::Code;
 use crate::lang::diagnostic::Diagnostic;
-use crate::lang::lexer::DEEPEST_NESTING;
 use crate::lang::source::{SourceId, Span};
+use crate::lang::syntax::DEEPEST_NESTING;
 use crate::scenario::Relation;
 
 #[derive(Parser)]

@@ -4,8 +4,8 @@ use saphyr_parser::{Event, Parser, ScalarStyle, Span as Mark};
 
 use crate::lang::codes::Code;
 use crate::lang::diagnostic::Diagnostic;
-use crate::lang::lexer::DEEPEST_NESTING;
 use crate::lang::source::{SourceId, Span};
+use crate::lang::syntax::DEEPEST_NESTING;
 
 /// A value and the bytes it was read from.
 #[derive(Debug, Clone)]

@@ -5,7 +5,6 @@
 
 mod document;
 mod schema;
-mod shape;
 mod to_scn;
 mod to_yaml;
 

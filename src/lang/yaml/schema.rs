@@ -2,31 +2,15 @@
 
 use serde_json::{Map, Value, json};
 
-use super::shape::{Key, Shape, keys};
-use crate::lang::check::{obstacle, signalised, unmarked, zebra};
-use crate::lang::statements;
-use crate::lang::tree::Rule;
+use crate::lang::declared::{choices, named};
+use crate::lang::syntax::words::{Block, Kind, Shape, Statement};
 use crate::registry::Registry;
 use crate::scenario::{Declaration, Parameter, ParameterKind};
-
-const BLOCKS: [Rule; 11] = [
-    Rule::file,
-    Rule::road_block,
-    Rule::scenario_block,
-    Rule::vehicle_block,
-    Rule::pedestrian_block,
-    Rule::suite_block,
-    Rule::gate_block,
-    Rule::search_block,
-    Rule::tune_block,
-    Rule::evaluate_block,
-    Rule::statement_block,
-];
 
 /// A schema of draft 2020-12 for scenario files and suites in YAML.
 pub fn schema(registry: &Registry) -> Value {
     let definitions: Map<String, Value> =
-        BLOCKS.iter().map(|rule| (definition_name(*rule), block(*rule, registry))).collect();
+        blocks().map(|known| (known.word(), block(known, registry))).collect();
     json!({
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "Scenario files and suites of scenario-runner",
@@ -35,32 +19,26 @@ pub fn schema(registry: &Registry) -> Value {
     })
 }
 
-fn definition_name(rule: Rule) -> String {
-    format!("{rule:?}").trim_end_matches("_block").to_string()
+/// Those with keys.
+fn blocks() -> impl Iterator<Item = &'static Block> {
+    Kind::ALL.into_iter().map(Kind::block).filter(|block| block.keys().next().is_some())
 }
 
-fn reference(rule: Rule) -> Value {
-    json!({ "$ref": format!("#/$defs/{}", definition_name(rule)) })
+/// To the block that a statement opens.
+fn reference(statement: &Statement) -> Value {
+    let block = statement.opens.map(|kind| kind.block().word()).unwrap_or_default();
+    json!({ "$ref": format!("#/$defs/{block}") })
 }
 
-fn block(rule: Rule, registry: &Registry) -> Value {
+fn block(block: &Block, registry: &Registry) -> Value {
     let properties: Map<String, Value> =
-        keys(rule).iter().map(|key| (key.name.to_string(), described(key, rule, registry))).collect();
+        block.keys().map(|statement| (statement.key.to_string(), described(statement, registry))).collect();
     json!({ "type": "object", "additionalProperties": false, "properties": properties })
 }
 
-fn described(key: &Key, block: Rule, registry: &Registry) -> Value {
-    let mut value = value(key, registry);
-    let statements = statements::block(block).statements;
-    let doc = match key.rule {
-        Rule::doc => Some("What it is about."),
-        Rule::base => Some("The scenario or template that it builds on, with arguments: `base(delay: 2 s)`."),
-        Rule::parameters => Some("The parameters of a template with their defaults."),
-        rule => statements.iter().find(|statement| statement.rule == rule).map(|statement| statement.doc),
-    };
-    if let (Some(fields), Some(doc)) = (value.as_object_mut(), doc) {
-        fields.insert("description".to_string(), doc.into());
-    }
+fn described(statement: &Statement, registry: &Registry) -> Value {
+    let mut value = value(statement, registry);
+    value["description"] = statement.doc.into();
     value
 }
 
@@ -81,20 +59,20 @@ fn mapping_of(value: &Value) -> Value {
     json!({ "type": "object", "additionalProperties": value })
 }
 
-fn value(key: &Key, registry: &Registry) -> Value {
-    match key.shape {
-        Shape::Words(_) | Shape::Lines(_) | Shape::Commas(_) => one_or_several(&words()),
-        Shape::Text(_) => one_or_several(&json!({ "type": "string" })),
-        Shape::Named(_, rule) => mapping_of(&json!({ "anyOf": [reference(rule), { "type": "null" }] })),
-        Shape::NameOrBlock(_, rule) => json!({ "anyOf": [{ "type": "string" }, reference(rule)] }),
-        Shape::Statements(_) => list_of(&json!({ "type": "string" })),
-        Shape::Model(keyword) => model(keyword, registry),
-        Shape::NamedSettings(_) => mapping_of(&settings(&obstacle())),
-        Shape::Settings(_) => settings(&registry.perception().declaration),
-        Shape::Values(_) => mapping_of(&one_or_several(&words())),
+fn value(statement: &Statement, registry: &Registry) -> Value {
+    match statement.shape {
+        Shape::Words | Shape::Lines | Shape::Commas => one_or_several(&words()),
+        Shape::Text => one_or_several(&json!({ "type": "string" })),
+        Shape::Named => mapping_of(&json!({ "anyOf": [reference(statement), { "type": "null" }] })),
+        Shape::NameOrBlock => json!({ "anyOf": [{ "type": "string" }, reference(statement)] }),
+        Shape::Statements => list_of(&json!({ "type": "string" })),
+        Shape::Model => model(statement.word(), registry),
+        Shape::NamedSettings => mapping_of(&own_settings(statement, registry)),
+        Shape::Settings => own_settings(statement, registry),
+        Shape::Values => mapping_of(&one_or_several(&words())),
         Shape::Together => one_or_several(&mapping_of(&one_or_several(&words()))),
         Shape::Bindings => mapping_of(&words()),
-        Shape::Flag(_) | Shape::NotFlag(_) => json!({ "type": "boolean" }),
+        Shape::Flag | Shape::NotFlag => json!({ "type": "boolean" }),
         Shape::Cases => json!({
             "anyOf": [
                 { "type": "string" },
@@ -123,23 +101,15 @@ fn value(key: &Key, registry: &Registry) -> Value {
                 },
             ],
         })),
-        Shape::Rows(_) => mapping_of(&one_or_several(&words())),
-        Shape::Head if key.rule == Rule::parameters => {
-            mapping_of(&json!({ "type": ["string", "number", "boolean", "null"] }))
-        }
-        Shape::Head => json!({ "type": "string" }),
+        Shape::Rows => mapping_of(&one_or_several(&words())),
+        Shape::Parameters => mapping_of(&json!({ "type": ["string", "number", "boolean", "null"] })),
+        Shape::Base => json!({ "type": "string" }),
     }
 }
 
 /// A registered name, or that name with its settings.
 fn model(keyword: &str, registry: &Registry) -> Value {
-    let crossings = [("zebra", zebra()), ("unmarked", unmarked()), ("signalised", signalised())];
-    let declarations: Vec<(&str, &Declaration)> = match keyword {
-        "controller" => registry.controllers().declarations().map(named).collect(),
-        "dynamics" => registry.dynamics().declarations().map(named).collect(),
-        "model" => registry.pedestrians().declarations().map(named).collect(),
-        _ => crossings.iter().map(|(name, declaration)| (*name, declaration)).collect(),
-    };
+    let declarations = choices(keyword, registry);
     let names: Vec<_> = declarations
         .iter()
         .map(|(name, declaration)| json!({ "const": name, "description": declaration.summary }))
@@ -168,8 +138,9 @@ fn model(keyword: &str, registry: &Registry) -> Value {
     })
 }
 
-fn named(declaration: &Declaration) -> (&str, &Declaration) {
-    (&declaration.name, declaration)
+/// Of a statement that names nothing registered.
+fn own_settings(statement: &Statement, registry: &Registry) -> Value {
+    named(statement.word(), "", registry).map_or(Value::Null, |declaration| settings(&declaration))
 }
 
 /// Every parameter may be words, because it may be calculated from variations.

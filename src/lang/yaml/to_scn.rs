@@ -1,13 +1,12 @@
 //! YAML to the text of a scenario file.
 
 use super::document::{Content, Yaml, read};
-use super::shape::{Key, Shape, keys};
 use super::{Piece, Places};
 use crate::lang::codes::Code;
 use crate::lang::diagnostic::Diagnostic;
-use crate::lang::lexer::{self, TokenKind};
 use crate::lang::source::SourceId;
-use crate::lang::tree::Rule;
+use crate::lang::syntax::words::{Kind, Shape, Statement};
+use crate::lang::syntax::{self, TokenKind};
 
 /// The text of a scenario file that says what a YAML file says.
 #[derive(Debug, Clone)]
@@ -27,7 +26,7 @@ pub fn to_scn(source: SourceId, text: &str) -> Result<Translation, Vec<Diagnosti
         report: Vec::new(),
         depth: 0,
     };
-    writer.block(&document, Rule::file, "a file");
+    writer.block(&document, Kind::File, "a file");
     if writer.report.is_empty() {
         Ok(Translation { text: writer.text, places: writer.places })
     } else {
@@ -89,12 +88,12 @@ impl Writer<'_> {
                 "write it as in a scenario file, such as `30 km/h`",
             );
         };
-        let tokens = lexer::fragment(words);
+        let tokens = syntax::fragment(words);
         let forbidden = tokens.iter().any(|token| {
             matches!(token.kind, TokenKind::Comment | TokenKind::Newline | TokenKind::OpenString)
                 || matches!(&words[token.start..token.end], "{" | "}" | ";")
         });
-        if forbidden || !lexer::balance(self.source, words, &tokens).is_empty() {
+        if forbidden || !syntax::balance(self.source, words, &tokens).is_empty() {
             let shown: String = words.chars().take(40).collect();
             return self.wrong(
                 value,
@@ -129,13 +128,13 @@ impl Writer<'_> {
         }
     }
 
-    fn block(&mut self, value: &Yaml, rule: Rule, what: &str) {
+    fn block(&mut self, value: &Yaml, kind: Kind, what: &str) {
         for (name, value) in self.fields(value, what) {
             let word = name.scalar().unwrap_or_default();
-            match keys(rule).iter().find(|key| key.name == word) {
+            match kind.block().keys().find(|statement| statement.key == word) {
                 Some(key) => self.statement(name, value, key),
                 None => {
-                    let known = keys(rule).iter().map(|key| key.name);
+                    let known = kind.block().keys().map(|statement| statement.key);
                     self.report.push(
                         Diagnostic::new(
                             Code::UnknownKey,
@@ -176,49 +175,51 @@ impl Writer<'_> {
         }
     }
 
-    fn statement(&mut self, name: &Yaml, value: &Yaml, key: &Key) {
-        match key.shape {
-            Shape::Words(keyword) | Shape::Lines(keyword) => {
+    fn statement(&mut self, name: &Yaml, value: &Yaml, statement: &Statement) {
+        let (keyword, key) = (statement.words, statement.key);
+        match statement.shape {
+            Shape::Words | Shape::Lines => {
                 for item in Self::each(value) {
                     self.said(name, keyword, |writer| writer.words(item));
                 }
             }
-            Shape::Text(keyword) => {
+            Shape::Text => {
                 for item in Self::each(value) {
                     self.said(name, keyword, |writer| writer.quoted(item));
                 }
             }
-            Shape::Commas(keyword) => self.said(name, keyword, |writer| writer.separated(value)),
-            Shape::Named(keyword, rule) => {
-                for (user, block) in self.fields(value, &format!("`{}`", key.name)) {
+            Shape::Commas => self.said(name, keyword, |writer| writer.separated(value)),
+            Shape::Named => {
+                let Some(kind) = statement.opens else { return };
+                for (user, block) in self.fields(value, &format!("`{key}`")) {
                     self.said(name, keyword, |writer| {
                         writer.name(user);
-                        if rule == Rule::scenario_block {
+                        if kind == Kind::Scenario {
                             writer.head(block);
                         }
-                        writer.braces(|writer| writer.block(block, rule, &format!("a `{keyword}`")));
+                        writer.braces(|writer| writer.block(block, kind, &format!("a `{keyword}`")));
                     });
                 }
             }
-            Shape::NameOrBlock(keyword, rule) => self.said(name, keyword, |writer| match value.value {
-                Content::Mapping(_) => {
-                    writer.braces(|writer| writer.block(value, rule, &format!("a `{keyword}`")))
+            Shape::NameOrBlock => self.said(name, keyword, |writer| match (&value.value, statement.opens) {
+                (Content::Mapping(_), Some(kind)) => {
+                    writer.braces(|writer| writer.block(value, kind, &format!("a `{keyword}`")))
                 }
                 _ => writer.words(value),
             }),
-            Shape::Statements("") => {
+            Shape::Statements if keyword.is_empty() => {
                 for item in Self::each(value) {
                     self.said(name, "", |writer| writer.words(item));
                 }
             }
-            Shape::Statements(keyword) => self.said(name, keyword, |writer| {
+            Shape::Statements => self.said(name, keyword, |writer| {
                 writer.braces(|writer| {
                     for item in Self::each(value) {
                         writer.said(name, "", |writer| writer.words(item));
                     }
                 });
             }),
-            Shape::Model(keyword) => self.said(name, keyword, |writer| match &value.value {
+            Shape::Model => self.said(name, keyword, |writer| match &value.value {
                 Content::Mapping(fields) => match fields.as_slice() {
                     [(model, settings)] => {
                         writer.name(model);
@@ -228,48 +229,44 @@ impl Writer<'_> {
                 },
                 _ => writer.words(value),
             }),
-            Shape::NamedSettings(keyword) => {
-                for (user, settings) in self.fields(value, &format!("`{}`", key.name)) {
+            Shape::NamedSettings => {
+                for (user, settings) in self.fields(value, &format!("`{key}`")) {
                     self.said(name, keyword, |writer| {
                         writer.name(user);
                         writer.settings(settings);
                     });
                 }
             }
-            Shape::Settings(keyword) => self.said(name, keyword, |writer| writer.settings(value)),
-            Shape::Values(keyword) => {
-                for (varied, values) in self.fields(value, &format!("`{}`", key.name)) {
+            Shape::Settings => self.said(name, keyword, |writer| writer.settings(value)),
+            Shape::Values => {
+                for (varied, values) in self.fields(value, &format!("`{key}`")) {
                     self.said(name, keyword, |writer| writer.varied(varied, values));
                 }
             }
             Shape::Together => {
                 for group in Self::each(value) {
-                    self.said(name, "vary together", |writer| writer.together(group));
+                    self.said(name, keyword, |writer| writer.together(group));
                 }
             }
             Shape::Bindings => {
                 for (bound, expression) in self.fields(value, "`let`") {
-                    self.said(name, "let", |writer| {
+                    self.said(name, keyword, |writer| {
                         writer.name(bound);
                         writer.text.push_str(" = ");
                         writer.words(expression);
                     });
                 }
             }
-            Shape::Flag(words) | Shape::NotFlag(words) => {
-                let wanted = matches!(key.shape, Shape::Flag(_));
+            Shape::Flag | Shape::NotFlag => {
+                let wanted = statement.shape == Shape::Flag;
                 match value.scalar() {
-                    Some("true") if wanted => self.said(name, words, |_| {}),
-                    Some("false") if !wanted => self.said(name, words, |_| {}),
+                    Some("true") if wanted => self.said(name, keyword, |_| {}),
+                    Some("false") if !wanted => self.said(name, keyword, |_| {}),
                     Some("true" | "false") => {}
-                    _ => self.wrong(
-                        value,
-                        format!("`{}` is true or false", key.name),
-                        "write `true` or `false`",
-                    ),
+                    _ => self.wrong(value, format!("`{key}` is true or false"), "write `true` or `false`"),
                 }
             }
-            Shape::Cases => self.said(name, "on", |writer| match &value.value {
+            Shape::Cases => self.said(name, keyword, |writer| match &value.value {
                 Content::Mapping(fields) => match fields.as_slice() {
                     [(file, path)] if file.scalar() == Some("file") => writer.quoted(path),
                     _ => writer.wrong(
@@ -280,7 +277,7 @@ impl Writer<'_> {
                 },
                 _ => writer.words(value),
             }),
-            Shape::Conditions => self.said(name, "with", |writer| {
+            Shape::Conditions => self.said(name, keyword, |writer| {
                 for (index, item) in Self::each(value).iter().enumerate() {
                     if index > 0 {
                         writer.text.push_str(", ");
@@ -288,8 +285,8 @@ impl Writer<'_> {
                     writer.condition(item);
                 }
             }),
-            Shape::Rows(keyword) => {
-                for (condition, values) in self.fields(value, &format!("`{}`", key.name)) {
+            Shape::Rows => {
+                for (condition, values) in self.fields(value, &format!("`{key}`")) {
                     self.said(name, keyword, |writer| {
                         writer.name(condition);
                         writer.text.push_str(": ");
@@ -297,7 +294,7 @@ impl Writer<'_> {
                     });
                 }
             }
-            Shape::Head => {}
+            Shape::Base | Shape::Parameters => {}
         }
     }
 

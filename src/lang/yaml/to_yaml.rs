@@ -1,14 +1,13 @@
 //! A scenario file to YAML. Comments and the order of unlike statements are not kept.
 
-use super::shape::{Key, Shape, keys};
-use crate::lang::format::phrase;
-use crate::lang::tree::{Node, Rule, Tree};
-use crate::lang::value::unquote;
+use crate::lang::syntax::ast::{self, View};
+use crate::lang::syntax::words::{Shape, Statement};
+use crate::lang::syntax::{Node, Tree, phrase};
 
 /// The YAML form of a file without syntax errors.
 pub fn to_yaml(tree: &Tree) -> String {
     let mut out = String::new();
-    block(tree.root(), Rule::file, 0, &mut out);
+    block(tree.root(), 0, &mut out);
     if out.is_empty() {
         // A file that says nothing is still a file, and no text at all is no YAML mapping.
         out.push_str("{}\n");
@@ -16,37 +15,29 @@ pub fn to_yaml(tree: &Tree) -> String {
     out
 }
 
-fn block(node: Node, rule: Rule, depth: usize, out: &mut String) {
-    let first_group = node.child(Rule::vary_together).map(|group| group.span().start);
-    for key in keys(rule) {
-        let belongs = |statement: &Node| {
-            let grouped = is_listed(*statement) && first_group.is_some_and(|at| at < statement.span().start);
-            match key.rule {
-                // Variations count in their order: what comes after a group is a group of its own.
-                Rule::vary => statement.rule() == key.rule && !grouped,
-                Rule::vary_together => statement.rule() == key.rule || grouped,
-                _ => statement.rule() == key.rule && belongs(*statement, key),
-            }
+fn block(node: Node, depth: usize, out: &mut String) {
+    let Some(known) = node.block() else { return };
+    let first_group = node.parts::<ast::VaryTogether>().next().map(|group| group.span().start);
+    // Variations count in their order: what comes after a group is a group of its own.
+    let grouped = |said: &Node| {
+        ast::Varied::cast(*said).is_some_and(is_listed)
+            && first_group.is_some_and(|at| at < said.span().start)
+    };
+    for statement in known.keys() {
+        let belongs = |said: &Node| match statement.shape {
+            Shape::Together => statement.is(*said) || grouped(said),
+            _ => statement.is(*said) && !grouped(said),
         };
-        let statements: Vec<Node> = node.children().filter(belongs).collect();
-        if !statements.is_empty() {
-            write(key, &statements, depth, out);
+        let said: Vec<Node> = node.children().filter(belongs).collect();
+        if !said.is_empty() {
+            write(statement, &said, depth, out);
         }
     }
 }
 
 /// `vary NAME in [a, b]`, which a group may say as well; draws belong to the statement that they stand in.
-fn is_listed(statement: Node) -> bool {
-    statement.rule() == Rule::vary && (statement.has(Rule::list) || statement.has(Rule::range))
-}
-
-/// Statements of one rule may have two keys: `minimise` and `maximise`.
-fn belongs(statement: Node, key: &Key) -> bool {
-    match (key.rule, key.name) {
-        (Rule::objective, name) => statement.has(Rule::kw_minimise) == (name == "minimise"),
-        (Rule::obstacle, name) => statement.has(Rule::kw_parked) == (name == "parked"),
-        _ => true,
-    }
+fn is_listed(varied: ast::Varied) -> bool {
+    varied.list().is_some() || varied.range().is_some()
 }
 
 fn line(depth: usize, text: &str, out: &mut String) {
@@ -77,25 +68,25 @@ fn flow_list(items: impl Iterator<Item = String>) -> String {
 }
 
 fn name<'t>(node: Node<'t>) -> &'t str {
-    node.child(Rule::name).map_or("", Node::text)
+    node.parts::<ast::Name>().next().map_or("", |name| name.text())
 }
 
 /// `{ profile: "normal" }`
-fn settings(node: Option<Node>) -> String {
-    let pairs: Vec<_> = node
-        .iter()
-        .flat_map(|node| node.all(Rule::setting))
-        .filter_map(|setting| {
-            let value = phrase(setting.child(Rule::expression)?);
-            Some(format!("{}: {}", setting.child(Rule::setting_name)?.text(), serde_json::Value::from(value)))
-        })
-        .collect();
+fn settings(said: Option<ast::Settings>) -> String {
+    let pair = |setting: ast::Setting| {
+        format!("{}: {}", setting.name().text(), serde_json::Value::from(phrase(*setting.value())))
+    };
+    let pairs: Vec<_> = said.into_iter().flat_map(ast::Settings::each).map(pair).collect();
     if pairs.is_empty() { "{}".to_string() } else { format!("{{ {} }}", pairs.join(", ")) }
 }
 
+fn settings_of<'t>(node: Node<'t>) -> Option<ast::Settings<'t>> {
+    node.parts().next()
+}
+
 fn values(node: Node) -> String {
-    match node.child(Rule::list) {
-        Some(list) => flow_list(list.all(Rule::expression).map(phrase)),
+    match node.parts::<ast::List>().next() {
+        Some(list) => flow_list(list.values().map(|value| phrase(*value))),
         None => {
             let words = phrase(node);
             scalar(words.split_once(" in ").map_or("", |(_, values)| values))
@@ -103,73 +94,62 @@ fn values(node: Node) -> String {
     }
 }
 
-fn write(key: &Key, statements: &[Node], depth: usize, out: &mut String) {
+fn write(statement: &Statement, statements: &[Node], depth: usize, out: &mut String) {
     let Some(first) = statements.first().copied() else { return };
-    match key.shape {
-        Shape::Words(keyword) => match statements {
-            [only] => line(depth, &format!("{}: {}", key.name, scalar(&rest(*only, keyword))), out),
+    let (keyword, key) = (statement.words, statement.key);
+    match statement.shape {
+        Shape::Words => match statements {
+            [only] => line(depth, &format!("{key}: {}", scalar(&rest(*only, keyword))), out),
             several => {
                 let items = several.iter().map(|node| rest(*node, keyword));
-                line(depth, &format!("{}: {}", key.name, flow_list(items)), out);
+                line(depth, &format!("{key}: {}", flow_list(items)), out);
             }
         },
-        Shape::Lines(keyword) => {
-            line(depth, &format!("{}:", key.name), out);
+        Shape::Lines => {
+            line(depth, &format!("{key}:"), out);
             for node in statements {
                 line(depth + 1, &format!("- {}", scalar(&rest(*node, keyword))), out);
             }
         }
-        Shape::Text(_) => {
-            let texts: Vec<String> = statements
-                .iter()
-                .flat_map(|node| node.all(Rule::string))
-                .map(|node| unquote(node.text()))
-                .collect();
+        Shape::Text => {
+            let texts: Vec<String> =
+                statements.iter().flat_map(|node| node.parts::<ast::Text>()).map(ast::Text::value).collect();
             match texts.as_slice() {
-                [only] => {
-                    line(depth, &format!("{}: {}", key.name, serde_json::Value::from(only.as_str())), out)
-                }
-                _ => line(depth, &format!("{}: {}", key.name, flow_list(texts.into_iter())), out),
+                [only] => line(depth, &format!("{key}: {}", serde_json::Value::from(only.as_str())), out),
+                _ => line(depth, &format!("{key}: {}", flow_list(texts.into_iter())), out),
             }
         }
-        Shape::Commas(_) => {
-            const PARTS: [Rule; 5] =
-                [Rule::tag, Rule::direction, Rule::constraint, Rule::expression, Rule::measure];
-            let parts = statements
-                .iter()
-                .flat_map(|node| node.children())
-                .filter(|part| PARTS.contains(&part.rule()));
-            line(depth, &format!("{}: {}", key.name, flow_list(parts.map(phrase))), out);
+        Shape::Commas => {
+            let parts = statements.iter().flat_map(|node| node.parts::<ast::Listed>());
+            line(depth, &format!("{key}: {}", flow_list(parts.map(|part| phrase(*part)))), out);
         }
-        Shape::Named(_, rule) => {
-            line(depth, &format!("{}:", key.name), out);
+        Shape::Named => {
+            line(depth, &format!("{key}:"), out);
             for node in statements {
-                let inner = node.children().find(|child| child.rule() == rule);
                 line(depth + 1, &format!("{}:", name(*node)), out);
                 let before = out.len();
                 head(*node, depth + 2, out);
-                if let Some(inner) = inner {
-                    block(inner, rule, depth + 2, out);
+                if let Some(inner) = statement.opened(*node) {
+                    block(inner, depth + 2, out);
                 }
-                if out.len() == before {
-                    out.pop();
-                    out.push_str(" {}\n");
-                }
+                say_if_empty(before, out);
             }
         }
-        Shape::NameOrBlock(_, rule) => match first.child(rule) {
+        Shape::NameOrBlock => match statement.opened(first) {
             Some(inner) => {
-                line(depth, &format!("{}:", key.name), out);
-                block(inner, rule, depth + 1, out);
+                line(depth, &format!("{key}:"), out);
+                let before = out.len();
+                block(inner, depth + 1, out);
+                say_if_empty(before, out);
             }
-            None => line(depth, &format!("{}: {}", key.name, name(first)), out),
+            None => line(depth, &format!("{key}: {}", name(first)), out),
         },
-        Shape::Statements(_) => {
-            line(depth, &format!("{}:", key.name), out);
+        Shape::Statements => {
+            line(depth, &format!("{key}:"), out);
             let criteria: Vec<Node> = statements
                 .iter()
-                .flat_map(|node| match node.child(Rule::expect_block) {
-                    Some(block) => block.all(Rule::criterion).collect(),
+                .flat_map(|node| match statement.opened(*node) {
+                    Some(block) => block.children().collect(),
                     None => vec![*node],
                 })
                 .collect();
@@ -177,114 +157,113 @@ fn write(key: &Key, statements: &[Node], depth: usize, out: &mut String) {
                 line(depth + 1, &format!("- {}", scalar(&phrase(criterion))), out);
             }
         }
-        Shape::Model(keyword) => {
-            let block = first.child(Rule::settings);
+        Shape::Model => {
+            let block = settings_of(first);
             let words = rest(first, keyword);
             let model = words.split(['{', ' ']).next().unwrap_or_default();
             match block {
-                Some(_) => line(depth, &format!("{}: {{ {model}: {} }}", key.name, settings(block)), out),
-                None => line(depth, &format!("{}: {model}", key.name), out),
+                Some(_) => line(depth, &format!("{key}: {{ {model}: {} }}", settings(block)), out),
+                None => line(depth, &format!("{key}: {model}"), out),
             }
         }
-        Shape::NamedSettings(_) => {
-            line(depth, &format!("{}:", key.name), out);
+        Shape::NamedSettings => {
+            line(depth, &format!("{key}:"), out);
             for node in statements {
-                line(depth + 1, &format!("{}: {}", name(*node), settings(node.child(Rule::settings))), out);
+                line(depth + 1, &format!("{}: {}", name(*node), settings(settings_of(*node))), out);
             }
         }
-        Shape::Settings(_) => {
-            line(depth, &format!("{}: {}", key.name, settings(first.child(Rule::settings))), out)
-        }
-        Shape::Values(_) => {
-            line(depth, &format!("{}:", key.name), out);
+        Shape::Settings => line(depth, &format!("{key}: {}", settings(settings_of(first))), out),
+        Shape::Values => {
+            line(depth, &format!("{key}:"), out);
             for node in statements {
-                let ranges: Vec<Node> = node.all(Rule::over_range).collect();
-                for range in &ranges {
-                    let target = range.child(Rule::target).map(phrase).unwrap_or_default();
-                    line(depth + 1, &format!("{target}: {}", values(*range)), out);
+                for range in node.parts::<ast::OverRange>() {
+                    line(depth + 1, &format!("{}: {}", phrase(*range.target()), values(*range)), out);
                 }
-                if ranges.is_empty() {
-                    line(depth + 1, &format!("{}: {}", name(*node), values(*node)), out);
+                if let Some(varied) = ast::Varied::cast(*node) {
+                    line(depth + 1, &format!("{}: {}", varied.name().text(), values(*varied)), out);
                 }
             }
         }
         Shape::Together => {
-            line(depth, &format!("{}:", key.name), out);
+            line(depth, &format!("{key}:"), out);
             for node in statements {
-                let sample = node
-                    .child(Rule::sampling)
-                    .map(|sampling| format!("sample: {}", scalar(&phrase(sampling))));
-                let varied = node.children().filter(|child| child.rule() == Rule::together_block);
-                let lines = varied
-                    .flat_map(|block| block.all(Rule::varied))
-                    .chain((node.rule() == Rule::vary).then_some(*node))
-                    .map(|varied| format!("{}: {}", name(varied), values(varied)));
+                let sampling = node.parts::<ast::Sampling>().next();
+                let sample = sampling.map(|sampling| format!("sample: {}", scalar(&phrase(*sampling))));
+                let lines = node
+                    .every::<ast::Varied>()
+                    .map(|varied| format!("{}: {}", varied.name().text(), values(*varied)));
                 for (index, text) in sample.into_iter().chain(lines).enumerate() {
                     line(depth + 1, &format!("{} {text}", if index == 0 { "-" } else { " " }), out);
                 }
             }
         }
         Shape::Bindings => {
-            line(depth, &format!("{}:", key.name), out);
-            for node in statements {
-                let value = node.child(Rule::expression).map(phrase).unwrap_or_default();
-                line(depth + 1, &format!("{}: {}", name(*node), scalar(&value)), out);
+            line(depth, &format!("{key}:"), out);
+            for binding in statements.iter().copied().filter_map(ast::Binding::cast) {
+                let value = scalar(&phrase(*binding.value()));
+                line(depth + 1, &format!("{}: {value}", binding.name().text()), out);
             }
         }
-        Shape::Flag(_) => line(depth, &format!("{}: true", key.name), out),
-        Shape::NotFlag(_) => line(depth, &format!("{}: false", key.name), out),
-        Shape::Cases => match first.child(Rule::string) {
+        Shape::Flag => line(depth, &format!("{key}: true"), out),
+        Shape::NotFlag => line(depth, &format!("{key}: false"), out),
+        Shape::Cases => match first.parts::<ast::Text>().next() {
             Some(path) => {
-                let path = serde_json::Value::from(unquote(path.text()));
-                line(depth, &format!("{}: {{ file: {path} }}", key.name), out);
+                let path = serde_json::Value::from(path.value());
+                line(depth, &format!("{key}: {{ file: {path} }}"), out);
             }
-            None => line(depth, &format!("{}: {}", key.name, scalar(&rest(first, "on"))), out),
+            None => line(depth, &format!("{key}: {}", scalar(&rest(first, keyword))), out),
         },
         Shape::Conditions => {
-            let conditions = statements.iter().flat_map(|node| node.all(Rule::evaluated)).map(condition);
-            line(depth, &format!("{}: [{}]", key.name, conditions.collect::<Vec<_>>().join(", ")), out);
+            let conditions = statements.iter().flat_map(|node| node.parts::<ast::Evaluated>()).map(condition);
+            line(depth, &format!("{key}: [{}]", conditions.collect::<Vec<_>>().join(", ")), out);
         }
-        Shape::Rows(_) => {
-            line(depth, &format!("{}:", key.name), out);
-            for row in statements {
-                let values = flow_list(row.all(Rule::expression).map(phrase));
-                line(depth + 1, &format!("{}: {values}", name(*row)), out);
+        Shape::Rows => {
+            line(depth, &format!("{key}:"), out);
+            for row in statements.iter().copied().filter_map(ast::ReportedRow::cast) {
+                let values = flow_list(row.values().map(|value| phrase(*value)));
+                line(depth + 1, &format!("{}: {values}", row.name().text()), out);
             }
         }
-        Shape::Head => {}
+        Shape::Base | Shape::Parameters => {}
+    }
+}
+
+/// A block that says nothing is still a block.
+fn say_if_empty(before: usize, out: &mut String) {
+    if out.len() == before {
+        out.pop();
+        out.push_str(" {}\n");
     }
 }
 
 /// `"braking as tuned"`, `{ file: "tuned.json", as: saved }` or `{ set: { av.controller.gap: "5 m" }, as: near }`
-fn condition(node: Node) -> String {
-    let alias = node.child(Rule::alias).map(|alias| format!(", as: {}", name(alias))).unwrap_or_default();
-    if let Some(path) = node.child(Rule::string) {
-        return format!("{{ file: {}{alias} }}", serde_json::Value::from(unquote(path.text())));
+fn condition(node: ast::Evaluated) -> String {
+    let alias = node.alias().map(|alias| format!(", as: {}", alias.name().text())).unwrap_or_default();
+    if let Some(path) = node.path() {
+        return format!("{{ file: {}{alias} }}", serde_json::Value::from(path.value()));
     }
-    let Some(set) = node.child(Rule::parameter_set) else {
-        return serde_json::Value::from(phrase(node)).to_string();
+    let Some(set) = node.set() else {
+        return serde_json::Value::from(phrase(*node)).to_string();
     };
-    let pairs: Vec<_> = set
-        .all(Rule::given)
-        .filter_map(|given| {
-            let value = serde_json::Value::from(phrase(given.child(Rule::expression)?));
-            Some(format!("{}: {value}", phrase(given.child(Rule::target)?)))
-        })
-        .collect();
+    let pair = |given: ast::Given| {
+        let value = serde_json::Value::from(phrase(*given.value()));
+        format!("{}: {value}", phrase(*given.target()))
+    };
+    let pairs: Vec<_> = set.given().map(pair).collect();
     let set = if pairs.is_empty() { "{}".to_string() } else { format!("{{ {} }}", pairs.join(", ")) };
     format!("{{ set: {set}{alias} }}")
 }
 
 fn head(node: Node, depth: usize, out: &mut String) {
-    if let Some(base) = node.child(Rule::base) {
-        line(depth, &format!("extends: {}", scalar(phrase(base).trim_start_matches(':').trim())), out);
+    let Some(scenario) = ast::Scenario::cast(node) else { return };
+    if let Some(base) = scenario.base() {
+        line(depth, &format!("extends: {}", scalar(phrase(*base).trim_start_matches(':').trim())), out);
     }
-    if let Some(parameters) = node.child(Rule::parameters) {
+    if let Some(parameters) = scenario.parameters() {
         line(depth, "parameters:", out);
-        for parameter in parameters.all(Rule::parameter) {
-            let default =
-                parameter.child(Rule::expression).map(|value| format!(" {}", scalar(&phrase(value))));
-            line(depth + 1, &format!("{}:{}", name(parameter), default.unwrap_or_default()), out);
+        for parameter in parameters.each() {
+            let default = parameter.default().map(|value| format!(" {}", scalar(&phrase(*value))));
+            line(depth + 1, &format!("{}:{}", parameter.name().text(), default.unwrap_or_default()), out);
         }
     }
 }

@@ -6,11 +6,11 @@
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
-use super::check::relation;
-use super::diagnostic::Diagnostic;
+use super::ast::{self, View};
 use super::lexer::TokenKind;
-use super::source::SourceId;
 use super::tree::{Node, Rule, Tree};
+use crate::lang::diagnostic::Diagnostic;
+use crate::lang::source::SourceId;
 
 const INDENT: &str = "  ";
 
@@ -106,7 +106,8 @@ fn atoms(of: Node) -> Vec<Atom> {
             Rule::base => _ = bases.insert(span.start),
             Rule::group | Rule::claimed_group => _ = groups.insert(span.start),
             Rule::relation => {
-                let symbol = relation(node).symbol().to_string();
+                let meaning = ast::Relation::cast(node).map(ast::Relation::meaning);
+                let symbol = meaning.map_or(String::new(), |relation| relation.symbol().to_string());
                 leaves.insert(span.start, (span.end, Rule::relation, symbol));
             }
             rule if is_leaf(rule) => {
@@ -375,8 +376,8 @@ impl Printer {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Sources;
     use super::*;
+    use crate::lang::Sources;
 
     fn formatted(text: &str) -> String {
         format(Sources::default().add("test.scn", ""), text).unwrap()

@@ -3,12 +3,12 @@
 use pest::Parser;
 use pest::error::{Error, ErrorVariant, InputLocation};
 
-use super::codes::Code;
-use super::diagnostic::{Diagnostic, MOST_FINDINGS, nearest};
 use super::lexer::{self, Token, TokenKind};
-use super::source::{SourceId, Span};
-use super::statements::{self, Statement};
 use super::tree::{Grammar, Node, Rule, Tree};
+use super::words::{self as statements, Statement};
+use crate::lang::codes::Code;
+use crate::lang::diagnostic::{Diagnostic, MOST_FINDINGS, nearest};
+use crate::lang::source::{SourceId, Span};
 
 /// A diagnostic for every statement that is `bad`.
 pub fn explain(tree: &Tree) -> Vec<Diagnostic> {
@@ -19,7 +19,7 @@ pub fn explain(tree: &Tree) -> Vec<Diagnostic> {
                 return diagnostics;
             }
             match child.rule() {
-                Rule::bad => diagnostics.push(statement(block.rule(), child)),
+                Rule::bad => diagnostics.push(statement(block, child)),
                 Rule::bad_setting => diagnostics.push(setting(block.rule(), child)),
                 _ => {}
             }
@@ -28,26 +28,12 @@ pub fn explain(tree: &Tree) -> Vec<Diagnostic> {
     diagnostics
 }
 
-fn statement(block: Rule, bad: Node) -> Diagnostic {
-    let context = statements::block(block);
+fn statement(block: Node, bad: Node) -> Diagnostic {
+    let context = block.block().unwrap_or(statements::Kind::File.block());
     let word = first_word(bad);
     let word_text = &bad.tree().text()[word.start..word.end];
-    if let [only] = context.statements
-        && only.word.is_empty()
-    {
-        return again(bad, only);
-    }
-    let is_together = statements::second_word(bad.text()) == "together";
-    let known = context
-        .statements
-        .iter()
-        .filter(|statement| statement.word == word_text)
-        .max_by_key(|statement| (statement.rule == Rule::vary_together) == is_together);
-    if let Some(statement) = known {
+    if let Some(statement) = context.beginning(bad.text()).or(context.free()) {
         return again(bad, statement);
-    }
-    if let Some(free) = context.statements.iter().find(|statement| statement.word.is_empty()) {
-        return again(bad, free);
     }
     let place = context.name;
     let elsewhere = statements::homes(word_text);
@@ -71,7 +57,7 @@ fn statement(block: Rule, bad: Node) -> Diagnostic {
     }
     Diagnostic::new(Code::UnknownStatement, word, format!("{place} has no statement `{word_text}`"))
         .label("unknown here")
-        .suggest(word_text, context.statements.iter().map(|statement| statement.word))
+        .suggest(word_text, context.statements.iter().map(Statement::word))
 }
 
 fn setting(block: Rule, bad: Node) -> Diagnostic {
@@ -103,8 +89,59 @@ fn again(bad: Node, statement: &Statement) -> Diagnostic {
     }
 }
 
-/// The rules with which a statement could go on that begins with `text`; none if that is wrong already.
-pub fn goes_on_with(rule: Rule, text: &str) -> Vec<Rule> {
+/// What a statement that is being written could go on with.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Next {
+    Metric,
+    Aggregate,
+    Value,
+    Target,
+    Name,
+    SettingName,
+    Distribution,
+    Keyword(String),
+    Sign,
+}
+
+/// What those statements could go on with that begin with `text`, each once and in the order of the grammar; nothing after what is
+/// wrong already.
+pub fn goes_on_with<'s>(statements: impl Iterator<Item = &'s Statement>, text: &str) -> Vec<Next> {
+    let mut rules: Vec<Rule> = statements.flat_map(|statement| after(statement.rule, text)).collect();
+    rules.sort_unstable();
+    rules.dedup();
+    let mut all: Vec<Next> = Vec::new();
+    for one in rules.into_iter().map(next) {
+        if !all.contains(&one) {
+            all.push(one);
+        }
+    }
+    all
+}
+
+fn next(rule: Rule) -> Next {
+    match rule {
+        Rule::metric | Rule::condition | Rule::criterion | Rule::constraint => Next::Metric,
+        Rule::rate
+        | Rule::quantile
+        | Rule::statistic
+        | Rule::statistic_name
+        | Rule::aggregate_claim
+        | Rule::measured
+        | Rule::measure => Next::Aggregate,
+        Rule::expression | Rule::quantity | Rule::reference | Rule::lone_operand | Rule::group => Next::Value,
+        Rule::target => Next::Target,
+        Rule::name | Rule::when_condition | Rule::run_condition => Next::Name,
+        Rule::setting_name => Next::SettingName,
+        Rule::distribution | Rule::distribution_name => Next::Distribution,
+        other => match format!("{other:?}").strip_prefix("kw_") {
+            Some(word) => Next::Keyword(word.to_string()),
+            None => Next::Sign,
+        },
+    }
+}
+
+/// The rules with which one could go on.
+fn after(rule: Rule, text: &str) -> Vec<Rule> {
     // No statement has this character outside of texts, so that every one stops there.
     const STOP: char = '\u{0}';
     let stopped = format!("{text}{STOP}");

@@ -7,9 +7,10 @@ use pest::iterators::Pair;
 use pest_derive::Parser;
 
 use super::closing;
-use super::diagnostic::Diagnostic;
+use super::error;
 use super::lexer::{self, Token};
-use super::source::{SourceId, Span};
+use crate::lang::diagnostic::Diagnostic;
+use crate::lang::source::{SourceId, Span};
 
 #[derive(Parser)]
 #[grammar = "../grammar/scn.pest"]
@@ -55,13 +56,13 @@ impl Tree {
                     if let Some(file) = pairs.next() {
                         tree.add(file, &[]);
                     }
-                    let diagnostics = super::syntax_error::explain(&tree);
+                    let diagnostics = error::explain(&tree);
                     return (tree, diagnostics);
                 }
                 Err(error) => {
                     tree.add_empty_file();
-                    let diagnostic = super::syntax_error::unexpected(source, 0, &text, &error)
-                        .hint("is a line unfinished?");
+                    let diagnostic =
+                        error::unexpected(source, 0, &text, &error).hint("is a line unfinished?");
                     return (tree, vec![diagnostic]);
                 }
             }
@@ -76,17 +77,26 @@ impl Tree {
             let mut diagnostics = closing::explain(source, &text, &missing);
             // Of a statement that lacks a brace itself there is nothing to say but that.
             let is_whole = |finding: &Diagnostic| {
-                let bad = tree.nodes().filter(|node| matches!(node.rule(), Rule::bad | Rule::bad_setting));
+                let bad = tree.nodes().filter(|node| node.is_bad());
                 let (start, end) = (finding.span().start, finding.span().end);
                 let around = bad.map(Node::span).filter(|span| span.start <= start && end <= span.end);
                 !around.into_iter().any(|span| added.iter().any(|at| span.start < *at && *at <= span.end))
             };
-            let others = super::syntax_error::explain(&tree);
+            let others = error::explain(&tree);
             diagnostics.extend(others.into_iter().filter(is_whole));
             return (tree, diagnostics);
         }
         tree.add_empty_file();
         (tree, unbalanced)
+    }
+
+    /// A text that the rule describes by itself; its root is the node of that rule.
+    pub(super) fn of(rule: Rule, text: &str) -> Option<Self> {
+        let mut pairs = Grammar::parse(rule, text).ok()?;
+        let tokens = lexer::tokens(text);
+        let mut tree = Self { source: SourceId(u32::MAX), text: text.into(), tokens, nodes: Vec::new() };
+        tree.add(pairs.next()?, &[]);
+        Some(tree)
     }
 
     fn add_empty_file(&mut self) {
@@ -158,6 +168,10 @@ impl Tree {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct NodeIndex(u32);
 
+/// What kind of node something is: equal where the grammar has one rule for both.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct NodeKind(Rule);
+
 impl<'t> Node<'t> {
     fn data(self) -> NodeData {
         self.tree.nodes[self.index as usize]
@@ -171,7 +185,7 @@ impl<'t> Node<'t> {
         self.tree
     }
 
-    pub fn rule(self) -> Rule {
+    pub(super) fn rule(self) -> Rule {
         self.data().rule
     }
 
@@ -202,22 +216,23 @@ impl<'t> Node<'t> {
         (self.index..self.data().after).map(move |index| Node { tree: self.tree, index })
     }
 
-    /// The first child of that rule.
-    pub fn child(self, rule: Rule) -> Option<Node<'t>> {
-        self.children().find(|child| child.rule() == rule)
+    /// What kind of node it is, to be compared.
+    pub fn kind(self) -> NodeKind {
+        NodeKind(self.rule())
     }
 
-    /// Every child of that rule.
-    pub fn all(self, rule: Rule) -> impl Iterator<Item = Node<'t>> {
-        self.children().filter(move |child| child.rule() == rule)
+    /// Whether it is what could not be read.
+    pub fn is_bad(self) -> bool {
+        matches!(self.rule(), Rule::bad | Rule::bad_setting)
     }
 
-    pub fn has(self, rule: Rule) -> bool {
-        self.child(rule).is_some()
+    /// Whether one of its own parts could not be read.
+    pub fn has_bad(self) -> bool {
+        self.children().any(Node::is_bad)
     }
 
     /// Whether something in it could not be read.
     pub fn is_broken(self) -> bool {
-        self.descendants().any(|node| matches!(node.rule(), Rule::bad | Rule::bad_setting))
+        self.descendants().any(Node::is_bad)
     }
 }

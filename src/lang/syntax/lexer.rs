@@ -3,9 +3,9 @@
 //! Comments and white space are here and nowhere else; brackets and quotes are balanced here, before the grammar
 //! is asked, so that its recovery may rely on them.
 
-use super::codes::Code;
-use super::diagnostic::Diagnostic;
-use super::source::{SourceId, Span};
+use crate::lang::codes::Code;
+use crate::lang::diagnostic::Diagnostic;
+use crate::lang::source::{SourceId, Span};
 
 /// Brackets inside brackets beyond this are refused.
 pub const DEEPEST_NESTING: usize = 64;

@@ -1,0 +1,79 @@
+//! Criteria: metrics, what sums them up, and what they are compared to.
+
+use super::{Expression, Name, Named, Settings};
+#[cfg(test)]
+use super::{Holds, Made};
+use super::{Node, Rule, View};
+use crate::scenario;
+
+views! {
+    /// `expect { … }`
+    Expect = expect { block: ExpectBlock }
+    ExpectBlock = expect_block { criteria: [Criterion] }
+    Criterion = criterion {
+        aggregate_claim: (AggregateClaim),
+        condition: (Condition),
+        share: (Share),
+        undefined: (Undefined),
+        confidence: (Confidence),
+        whom: (Whom),
+        whens: [When],
+    }
+    /// `mean(time_lost) <= 3 s`
+    AggregateClaim = aggregate_claim { aggregate: Aggregate, relation: Relation, bound: Expression }
+    /// `rate(…)` or `count(…)`
+    Rate = rate { is_rate: {kw_rate}, condition: Condition, undefined: (Undefined) }
+    /// `quantile(95 %, pet)`
+    Quantile = quantile { level: Expression, metric: Metric }
+    /// `mean(pet)`
+    Statistic = statistic { name: StatisticName, metric: Metric }
+    StatisticName = statistic_name {}
+    /// `no collision`, `gap_accepted` or `pet >= 1.5 s`
+    Condition = condition {
+        is_negative: {kw_no},
+        metric: Metric,
+        relation: (Relation),
+        bound: (Expression),
+    }
+    /// `pet(av, walker)`
+    Metric = metric { name: Name, details: (Settings) }
+    Relation = relation {}
+    /// `in 80 % of runs`
+    Share = share { value: Expression }
+    /// `undefined passes`
+    Undefined = undefined { passes: {kw_passes} }
+    /// `with 95 % confidence`
+    Confidence = confidence { value: Expression }
+    /// `of all people`
+    Whom = whom { are_all: {kw_all} }
+    /// `when tta = 6 s and age = old`
+    When = when | run_conditions { conditions: [WhenCondition] }
+    WhenCondition = when_condition | run_condition { name: Name, relation: Relation, bound: Expression }
+}
+
+choices! {
+    /// What names a registered thing.
+    NamesRegistered = Named | Metric;
+    /// What sums up the runs of a trial.
+    Aggregate = Rate | Quantile | Statistic;
+}
+
+impl<'t> Aggregate<'t> {
+    /// What it is called.
+    pub fn word(self) -> &'t str {
+        self.text().split('(').next().unwrap_or_default().trim()
+    }
+}
+
+impl Relation<'_> {
+    pub fn meaning(self) -> scenario::Relation {
+        match self.text() {
+            "<" => scenario::Relation::Less,
+            "<=" | "≤" => scenario::Relation::LessOrEqual,
+            ">" => scenario::Relation::Greater,
+            ">=" | "≥" => scenario::Relation::GreaterOrEqual,
+            "!=" | "≠" => scenario::Relation::NotEqual,
+            _ => scenario::Relation::Equal,
+        }
+    }
+}

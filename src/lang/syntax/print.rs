@@ -1,0 +1,97 @@
+//! Syntax back into words: one spelling for what can be spelled in several ways.
+
+use super::ast::{
+    Aggregate, Condition, Criterion, Expression, Group, Metric, Quantity, Relation, Setting, Undefined, View,
+    When,
+};
+use super::tree::{Node, Rule};
+
+/// An expression with single spaces: `1.5 s`, `-2 * (tta + 1 s)`.
+pub fn expression(of: Expression) -> String {
+    of.children().map(part).collect()
+}
+
+fn part(node: Node) -> String {
+    if node.rule() == Rule::operator {
+        format!(" {} ", node.text())
+    } else if let Some(group) = Group::cast(node) {
+        format!("({})", expression(group.inside()))
+    } else if let Some(quantity) = Quantity::cast(node) {
+        match quantity.unit() {
+            Some(unit) => format!("{} {}", quantity.number().text(), unit.text()),
+            None => quantity.text().to_string(),
+        }
+    } else {
+        node.text().to_string()
+    }
+}
+
+/// The criterion in its one spelling.
+pub fn criterion_text(node: Criterion) -> String {
+    let mut text = match node.aggregate_claim() {
+        Some(claim) => aggregate_text(claim.aggregate()) + &bound_text(claim.relation(), claim.bound()),
+        None => node.condition().map_or(String::new(), condition_text),
+    };
+    if let Some(share) = node.share() {
+        text += &format!(" in {} of runs", expression(share.value()));
+    }
+    text += undefined_text(node.undefined());
+    if let Some(confidence) = node.confidence() {
+        text += &format!(" with {} confidence", expression(confidence.value()));
+    }
+    if let Some(whom) = node.whom() {
+        text += if whom.are_all() { " of all people" } else { " of these people" };
+    }
+    let conditions: Vec<_> = node
+        .whens()
+        .flat_map(When::conditions)
+        .map(|one| one.name().text().to_string() + &bound_text(one.relation(), one.bound()))
+        .collect();
+    if !conditions.is_empty() {
+        text += &format!(" when {}", conditions.join(" and "));
+    }
+    text
+}
+
+/// An aggregate in its one spelling.
+pub fn aggregate_text(of: Aggregate) -> String {
+    let inside = match of {
+        Aggregate::Rate(rate) => condition_text(rate.condition()) + undefined_text(rate.undefined()),
+        Aggregate::Quantile(of) => format!("{}, {}", expression(of.level()), metric_text(of.metric())),
+        Aggregate::Statistic(of) => metric_text(of.metric()),
+    };
+    format!("{}({inside})", of.word())
+}
+
+fn condition_text(node: Condition) -> String {
+    let no = if node.is_negative() { "no " } else { "" };
+    let bound = node.relation().zip(node.bound());
+    let bound = bound.map_or(String::new(), |(relation, bound)| bound_text(relation, bound));
+    format!("{no}{}{bound}", metric_text(node.metric()))
+}
+
+fn undefined_text(said: Option<Undefined>) -> &'static str {
+    match said {
+        Some(undefined) if undefined.passes() => " undefined passes",
+        Some(_) => " undefined fails",
+        None => "",
+    }
+}
+
+fn bound_text(relation: Relation, bound: Expression) -> String {
+    format!(" {} {}", relation.meaning().symbol(), expression(bound))
+}
+
+/// A metric in its one spelling.
+pub fn metric_text(node: Metric) -> String {
+    let name = node.name().text();
+    let Some(details) = node.details() else { return name.to_string() };
+    let inside: Vec<_> = details
+        .children()
+        .map(|part| match Setting::cast(part) {
+            Some(setting) => format!("{}: {}", setting.name().text(), expression(setting.value())),
+            None => part.text().to_string(),
+        })
+        .collect();
+    format!("{name}({})", inside.join(", "))
+}

@@ -1,0 +1,333 @@
+//! The statements of the language: one entry for each, and all that is known of it. The grammar's tests, checker, YAML, completion,
+//! hover, JSON Schema, the writer and the page of reference take it from here.
+
+mod experiments;
+#[cfg(test)]
+mod tests;
+mod world;
+
+use super::ast::View;
+use super::tree::{Node, Rule};
+
+/// A statement of a block.
+#[derive(Debug)]
+pub struct Statement {
+    /// The words that it begins with, whatever follows; none for statements that begin with any name.
+    pub words: &'static str,
+    pub(super) rule: Rule,
+    /// An example, or several between which stands `` ` or ` ``: each is read in the tests.
+    pub usage: &'static str,
+    /// One line.
+    pub doc: &'static str,
+    /// The key that stands for it in YAML; none for statements of blocks that have no keys there.
+    pub key: &'static str,
+    /// How the value of that key becomes statements.
+    pub shape: Shape,
+    /// Whether a block may say it several times.
+    pub repeats: bool,
+    /// The block that it opens.
+    pub opens: Option<Kind>,
+    /// Whether it gives something a name that other statements may use.
+    pub names: bool,
+    /// What is said where a block needs it and does not have it: what is lacking, and an example.
+    missing: Option<(&'static str, &'static str)>,
+    /// What stands around the value where it is set from outside.
+    pub set: Option<Set>,
+}
+
+/// How a statement takes a value from outside.
+#[derive(Debug, Clone, Copy)]
+pub struct Set {
+    /// What is written around the value where the block does not say it; nothing if that would be a guess.
+    pub around: Option<(&'static str, &'static str)>,
+    /// The other statement that says the same in another way, whose place it takes.
+    instead_of: Option<Rule>,
+}
+
+/// How the value of a key in YAML becomes statements.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shape {
+    /// The words after those that it begins with; a list makes one statement an item.
+    Words,
+    /// As [`Self::Words`], but long ones: a list stands on lines of its own.
+    Lines,
+    /// `a, b, c`
+    Commas,
+    /// `"text"`; a list makes one statement an item.
+    Text,
+    /// A mapping of names to the blocks that it opens: `name { … }`
+    Named,
+    /// A name, or a block in place: `road NAME`, `road { … }`
+    NameOrBlock,
+    /// A list of free statements: `expect { … }`; without words they stand in the block itself.
+    Statements,
+    /// A name, or a name with settings.
+    Model,
+    /// A mapping of names to settings: `box van { … }`
+    NamedSettings,
+    /// `sees { … }`
+    Settings,
+    /// A mapping: `name in values`
+    Values,
+    /// A mapping, or a list of them, with names that go together.
+    Together,
+    /// A mapping: `let name = value`
+    Bindings,
+    /// Stands there if true.
+    Flag,
+    /// Stands there if false.
+    NotFlag,
+    /// Words for cases, or `{ file: PATH }`.
+    Cases,
+    /// A list of `default`, names, `{ file: PATH, as: NAME }` and `{ set: { parameter: value }, as: NAME }`.
+    Conditions,
+    /// A mapping of names to lists: `reported name: a, b`
+    Rows,
+    /// The scenario or template that a scenario builds on.
+    Base,
+    /// The parameters of a template.
+    Parameters,
+}
+
+/// A kind of block.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    File,
+    Road,
+    Scenario,
+    Vehicle,
+    Pedestrian,
+    Expect,
+    Together,
+    Suite,
+    Gate,
+    Search,
+    Tune,
+    Evaluate,
+    Statement,
+}
+
+/// A kind of block with its statements.
+#[derive(Debug)]
+pub struct Block {
+    pub kind: Kind,
+    rule: Rule,
+    /// With an article: "a `vehicle`".
+    pub name: &'static str,
+    /// What stands before its statements without a word of its own.
+    heads: &'static [Statement],
+    pub statements: &'static [Statement],
+}
+
+impl Kind {
+    /// The file first.
+    pub const ALL: [Self; 13] = [
+        Self::File,
+        Self::Road,
+        Self::Scenario,
+        Self::Vehicle,
+        Self::Pedestrian,
+        Self::Expect,
+        Self::Together,
+        Self::Suite,
+        Self::Gate,
+        Self::Search,
+        Self::Tune,
+        Self::Evaluate,
+        Self::Statement,
+    ];
+
+    pub fn block(self) -> &'static Block {
+        match self {
+            Self::File => &world::FILE,
+            Self::Road => &world::ROAD,
+            Self::Scenario => &world::SCENARIO_BLOCK,
+            Self::Vehicle => &world::VEHICLE,
+            Self::Pedestrian => &world::PEDESTRIAN,
+            Self::Expect => &world::EXPECT_BLOCK,
+            Self::Together => &world::TOGETHER,
+            Self::Suite => &experiments::SUITE,
+            Self::Gate => &experiments::GATE,
+            Self::Search => &experiments::SEARCH_BLOCK,
+            Self::Tune => &experiments::TUNE_BLOCK,
+            Self::Evaluate => &experiments::EVALUATE_BLOCK,
+            Self::Statement => &experiments::STATEMENT_BLOCK,
+        }
+    }
+
+    fn of(rule: Rule) -> Option<Self> {
+        Self::ALL.into_iter().find(|kind| kind.block().rule == rule)
+    }
+}
+
+impl Block {
+    /// The kind's name alone, such as `vehicle`.
+    pub fn word(&self) -> String {
+        format!("{:?}", self.rule).trim_end_matches("_block").to_string()
+    }
+
+    /// What has a key in YAML, in the order in which it is written there.
+    pub fn keys(&self) -> impl Iterator<Item = &'static Statement> {
+        self.heads.iter().chain(self.statements).filter(|statement| !statement.key.is_empty())
+    }
+
+    /// The statement that begins as `text` does.
+    pub fn beginning(&self, text: &str) -> Option<&'static Statement> {
+        let written = |index| text.split(|c: char| !is_letter(c)).filter(|word| !word.is_empty()).nth(index);
+        let first = text.split(|c: char| !is_letter(c)).next().unwrap_or_default();
+        let known = self.statements.iter().filter(|statement| statement.word() == first && !first.is_empty());
+        known.max_by_key(|statement| {
+            let words = statement.words.split(' ').enumerate();
+            let same = words.clone().take_while(|(index, word)| written(*index) == Some(word)).count();
+            (same, std::cmp::Reverse(words.count()))
+        })
+    }
+
+    /// The statement that begins with any name.
+    pub fn free(&self) -> Option<&'static Statement> {
+        self.statements.iter().find(|statement| statement.words.is_empty())
+    }
+}
+
+fn is_letter(c: char) -> bool {
+    c.is_ascii_alphanumeric() || c == '_'
+}
+
+impl Statement {
+    /// The first of its words.
+    pub fn word(&self) -> &'static str {
+        self.words.split(' ').next().unwrap_or_default()
+    }
+
+    /// Whether the node is this statement.
+    pub fn is(&self, node: Node) -> bool {
+        // Of two that are of one kind their first words tell.
+        self.rule == node.rule()
+            && (self.words.is_empty() || node.text().split(|c| !is_letter(c)).next() == Some(self.word()))
+    }
+
+    /// The block that is the node, which is this statement, opens.
+    pub fn opened<'t>(&self, node: Node<'t>) -> Option<Node<'t>> {
+        let rule = self.opens?.block().rule;
+        node.children().find(|child| child.rule() == rule)
+    }
+
+    /// The node of the block that this is, or that says the same in another way.
+    pub fn said_in<'t>(&self, block: Node<'t>) -> Option<Node<'t>> {
+        let other = || {
+            let rule = self.set?.instead_of?;
+            block.children().find(|child| child.rule() == rule)
+        };
+        block.children().find(|child| self.is(*child)).or_else(other)
+    }
+
+    /// What is said where a block needs it: what is lacking, and an example.
+    pub fn missing(&self) -> (&'static str, &'static str) {
+        self.missing.unwrap_or((self.word(), self.usage))
+    }
+
+    /// Its examples, one by one.
+    pub fn usages(&self) -> impl Iterator<Item = &'static str> {
+        self.usage.split("` or `").flat_map(|usage| usage.split("`, `"))
+    }
+}
+
+impl<'t> Node<'t> {
+    /// The kind of block that it is.
+    pub fn block(self) -> Option<&'static Block> {
+        Kind::of(self.rule()).map(Kind::block)
+    }
+
+    /// The statement that a node of this block is.
+    pub fn statement_of(self, block: &Block) -> Option<&'static Statement> {
+        block.heads.iter().chain(block.statements).find(|statement| statement.is(self))
+    }
+}
+
+/// The statement of the block that is seen as `V`.
+pub fn viewed<'t, V: View<'t>>(block: Node<'t>) -> Option<&'static Statement> {
+    let statements = block.block()?.statements.iter();
+    statements.filter(|statement| V::is(statement.rule)).min_by_key(|statement| statement.missing.is_none())
+}
+
+/// Every statement of every block.
+pub fn all() -> impl Iterator<Item = &'static Statement> {
+    Kind::ALL.into_iter().flat_map(|kind| kind.block().statements)
+}
+
+/// The blocks that have a statement beginning with the word.
+pub fn homes(word: &str) -> Vec<&'static str> {
+    let has = |block: &&Block| block.statements.iter().any(|statement| statement.word() == word);
+    Kind::ALL.into_iter().map(Kind::block).filter(has).map(|block| block.name).collect()
+}
+
+/// A setting in braces.
+pub static SETTING: Statement = statement(
+    "",
+    Rule::whole_setting,
+    "{ profile: normal, braking_distance: 5 m }",
+    "A parameter with its value.",
+);
+
+/// A parameter of a road user in braces.
+pub static GIVEN: Statement = statement(
+    "",
+    Rule::whole_given,
+    "{ av.controller.braking_distance: 10 m }",
+    "A parameter of a road user with its value.",
+);
+
+/// A statement that stands once in a block and has no key in YAML.
+const fn statement(words: &'static str, rule: Rule, usage: &'static str, doc: &'static str) -> Statement {
+    Statement {
+        words,
+        rule,
+        usage,
+        doc,
+        key: "",
+        shape: Shape::Words,
+        repeats: false,
+        opens: None,
+        names: false,
+        missing: None,
+        set: None,
+    }
+}
+
+impl Statement {
+    const fn key(self, key: &'static str, shape: Shape) -> Self {
+        Self { key, shape, ..self }
+    }
+
+    const fn repeats(self) -> Self {
+        Self { repeats: true, ..self }
+    }
+
+    const fn opens(self, block: Kind) -> Self {
+        Self { opens: Some(block), ..self }
+    }
+
+    const fn names(self) -> Self {
+        Self { names: true, ..self }
+    }
+
+    /// What a block that needs it and does not have it lacks, with an example.
+    const fn needed(self, lacks: &'static str, example: &'static str) -> Self {
+        Self { missing: Some((lacks, example)), ..self }
+    }
+
+    /// Takes its value from outside, between these words where nothing is said.
+    const fn set(self, before: &'static str, after: &'static str) -> Self {
+        Self { set: Some(Set { around: Some((before, after)), instead_of: None }), ..self }
+    }
+
+    /// As [`Self::set`], in place of another statement too.
+    const fn set_instead_of(self, other: Rule, before: &'static str) -> Self {
+        Self { set: Some(Set { around: Some((before, "")), instead_of: Some(other) }), ..self }
+    }
+
+    /// Takes its value from outside where it is said.
+    const fn set_where_said(self) -> Self {
+        Self { set: Some(Set { around: None, instead_of: None }), ..self }
+    }
+}

@@ -1,0 +1,150 @@
+//! Every statement of the table is known to all who take their statements from it.
+
+use std::collections::BTreeSet;
+
+use super::*;
+use crate::lang::syntax::words::{Block, Kind, Statement};
+use crate::lang::syntax::{Node, words};
+
+/// A file in which the block of a kind says `inside`.
+fn around(kind: Kind, inside: &str) -> String {
+    match kind {
+        Kind::File => inside.to_string(),
+        Kind::Road => format!("road street {{\n  {inside}\n}}\n"),
+        Kind::Scenario => format!("scenario a {{\n  {inside}\n}}\n"),
+        Kind::Vehicle => around(Kind::Scenario, &format!("vehicle av {{\n    {inside}\n  }}")),
+        Kind::Pedestrian => around(Kind::Scenario, &format!("pedestrian walker {{\n    {inside}\n  }}")),
+        Kind::Expect => around(Kind::Scenario, &format!("expect {{\n    {inside}\n  }}")),
+        Kind::Together => around(Kind::Scenario, &format!("vary together {{\n    {inside}\n  }}")),
+        Kind::Suite => format!("suite s {{\n  {inside}\n}}\n"),
+        Kind::Gate => around(Kind::Suite, &format!("gate g {{\n    {inside}\n  }}")),
+        Kind::Search => format!("search s {{\n  {inside}\n}}\n"),
+        Kind::Tune => format!("tune t {{\n  {inside}\n}}\n"),
+        Kind::Evaluate => format!("evaluate e {{\n  {inside}\n}}\n"),
+        Kind::Statement => format!("statement t {{\n  {inside}\n}}\n"),
+    }
+}
+
+/// Every example of every statement in a file of its own.
+fn examples() -> impl Iterator<Item = (&'static Block, &'static Statement, String)> {
+    Kind::ALL.into_iter().map(Kind::block).flat_map(|block| {
+        block.statements.iter().flat_map(move |statement| {
+            let usages = statement.usages().map(|usage| usage.replace('…', ""));
+            usages.map(move |usage| (block, statement, around(block.kind, &usage)))
+        })
+    })
+}
+
+fn parsed(text: &str) -> Tree {
+    let (tree, found) = Tree::parse(Sources::default().add("a.scn", text), text.into());
+    assert!(found.is_empty(), "{text}: {found:?}");
+    tree
+}
+
+fn says(tree: &Tree, block: &Block, statement: &Statement) -> bool {
+    let blocks = tree.nodes().filter(|node| node.block().is_some_and(|known| known.kind == block.kind));
+    blocks.flat_map(Node::children).any(|said| statement.is(said))
+}
+
+#[test]
+fn it_is_read_and_formatted_into_the_same() {
+    for (block, statement, text) in examples() {
+        let source = Sources::default().add("a.scn", &*text);
+        assert!(says(&parsed(&text), block, statement), "{text}");
+        let once = format(source, &text).unwrap();
+        assert!(says(&parsed(&once), block, statement), "{once}");
+        assert_eq!(format(source, &once).unwrap(), once);
+    }
+}
+
+#[test]
+fn it_goes_to_yaml_and_back() {
+    for (_, _, text) in examples() {
+        let source = Sources::default().add("a.scn", &*text);
+        let yaml = to_yaml(source, &text).unwrap();
+        let back = from_yaml(source, &yaml).unwrap_or_else(|found| panic!("{yaml}: {found:?}"));
+        let flat = |text: &str| {
+            let formatted = format(source, text).unwrap().replace(['\n', ';'], " ");
+            formatted.split_whitespace().collect::<Vec<_>>().join(" ")
+        };
+        assert_eq!(flat(&back), flat(&text), "{yaml}");
+    }
+}
+
+#[test]
+fn its_key_is_in_the_schema() {
+    let schema = yaml_schema(&standard());
+    for block in Kind::ALL.into_iter().map(Kind::block) {
+        for statement in block.keys() {
+            let property = &schema["$defs"][block.word()]["properties"][statement.key];
+            assert_eq!(property["description"], statement.doc, "{}.{}", block.word(), statement.key);
+        }
+    }
+}
+
+#[test]
+fn it_is_completed_and_hovered() {
+    for (block, statement, text) in examples().filter(|(_, statement, _)| !statement.words.is_empty()) {
+        let empty = around(block.kind, "@");
+        let at = empty.find('@').unwrap();
+        let (path, empty) = (Path::new("nowhere/a.scn"), empty.replace('@', ""));
+        let proposals = complete(path, &empty, at, &standard(), &Memory::default());
+        let proposed = proposals.iter().find(|proposal| proposal.word == statement.word());
+        assert!(proposed.is_some_and(|proposal| !proposal.detail.is_empty()), "{}", statement.words);
+        let (_, said) = hover(&parsed(&text), at, &standard()).unwrap();
+        assert!(said.starts_with(statement.doc), "{text}: {said}");
+    }
+}
+
+#[test]
+fn it_stands_in_the_page_of_reference() {
+    let page = std::fs::read_to_string("docs/language.md").unwrap();
+    let fenced = |language: &str| {
+        let fence = format!("```{language}\n");
+        let parts = page.split(&fence).skip(1);
+        parts.map(|rest| parsed(rest.split("```").next().unwrap())).collect::<Vec<_>>()
+    };
+    let trees: Vec<Tree> = fenced("scn").into_iter().chain(fenced("suite")).collect();
+    let missing: BTreeSet<String> = Kind::ALL
+        .into_iter()
+        .map(Kind::block)
+        .flat_map(|block| block.statements.iter().map(move |statement| (block, statement)))
+        .filter(|(block, statement)| {
+            let shown = trees.iter().any(|tree| says(tree, block, statement));
+            // What is said beside an example, or of what an example of another block shows.
+            let said = page.contains(&format!("`{}", statement.words)) && !statement.words.is_empty();
+            let elsewhere = Kind::ALL.into_iter().map(Kind::block).any(|other| {
+                let mut same = other.statements.iter().filter(|one| one.doc == statement.doc);
+                same.any(|one| trees.iter().any(|tree| says(tree, other, one)))
+            });
+            !(shown || said || elsewhere)
+        })
+        .map(|(block, statement)| format!("{}: {}", block.name, statement.words))
+        .collect();
+    assert!(missing.is_empty(), "no example shows {missing:#?}");
+}
+
+#[test]
+fn it_takes_values_from_outside_where_the_table_says_so() {
+    for (block, statement, text) in examples().filter(|(_, statement, _)| statement.set.is_some()) {
+        let prefix = match block.kind {
+            Kind::Vehicle => "av.",
+            Kind::Pedestrian => "walker.",
+            _ => "",
+        };
+        let value = if statement.word() == "size" { "3 m x 2 m" } else { "7" };
+        let wanted: Override = format!("{prefix}{}={value}", statement.word()).parse().unwrap();
+        let mut overrides = overrides::Overrides::new(std::slice::from_ref(&wanted));
+        let changed = overrides::apply(&text, &overrides.edits(&parsed(&text), &standard()));
+        assert!(overrides.unknown().0.is_empty(), "{text}");
+        assert!(changed.contains(value), "{changed}");
+    }
+}
+
+#[test]
+fn what_gives_names_has_one() {
+    for statement in words::all().filter(|statement| statement.names) {
+        let has_name = |usage: &str| usage.contains("NAME") || usage.contains('=') || usage.contains(" in ");
+        assert!(statement.usages().any(has_name), "{}", statement.words);
+    }
+}
