@@ -11,7 +11,7 @@ use scenario_runner::lang;
 use scenario_runner::models::standard;
 use scenario_runner::plan::plan;
 use scenario_runner::results::{Check, CheckOutcome, GateVerdict, Requests, Subject, Verdict};
-use scenario_runner::run::{FreeFlows, Stop, run_batch};
+use scenario_runner::run::{Batch, Measured, Stop, Threads};
 use scenario_runner::scenario::{Expression, Gate, Suite, Value};
 
 const RERUNS: u64 = 200;
@@ -95,18 +95,12 @@ fn with(suite: &Suite, parameter: &str, value: f64) -> Suite {
 fn runs(suite: &Suite) -> Baseline {
     let plan = plan(suite).expect("the suite can be planned");
     let requests = Requests::defaults(&standard());
-    let free_flows = FreeFlows::default();
+    let (threads, measured) = (Threads::all(), Measured::new(requests.clone()));
+    let batch = Batch { executor: &threads, measured: &measured, stop: &Stop::default() };
     let trials: Vec<_> = plan
         .trials
         .iter()
-        .map(|trial| {
-            let cases: Vec<_> = trial.cases.iter().collect();
-            (
-                trial,
-                run_batch(&cases, &requests, &free_flows, &Stop::default(), || {})
-                    .expect("every case can be run"),
-            )
-        })
+        .map(|trial| (trial, batch.outcomes(trial.cases.iter(), || {}).expect("every case can be run")))
         .collect();
     let trials: Vec<_> = trials.iter().map(|(trial, outcomes)| (*trial, &outcomes[..])).collect();
     record(&plan, &trials, &requests)

@@ -7,11 +7,12 @@
 //! uniformly; the Bayesian methods get the 100 that the suite gives them.
 
 use rayon::prelude::*;
-use scenario_runner::experiment::{EarlierResults, Laboratory, Silent, run_block};
+use scenario_runner::experiment::{Context, EarlierResults, Silent, run_block};
 use scenario_runner::files::Disk;
 use scenario_runner::lang;
 use scenario_runner::models::standard;
 use scenario_runner::results::{BlockResult, Candidate};
+use scenario_runner::run::Threads;
 use scenario_runner::scenario::{Block, Method, Tune};
 use std::path::Path;
 
@@ -68,10 +69,11 @@ fn main() {
     let loaded = lang::load(&path, &standard(), &Disk)
         .unwrap_or_else(|failure| panic!("{}", failure.render(lang::Style { colour: false })));
     let suite = loaded.suite;
-    let laboratory = Laboratory::new(&suite, None, &standard());
+    let threads = Threads::all();
+    let context = Context::new(&suite, &threads, &standard());
     let mut results = EarlierResults::default();
     let search = Block::Search(suite.searches[0].clone());
-    let found = run_block(&search, &laboratory, &results, &Silent).expect("the search runs");
+    let found = run_block(&search, &context, &results, &Silent).expect("the search runs");
     results.blocks.insert(search.name().to_owned(), found);
 
     // Another name is another seed of the optimiser; the cases keep theirs.
@@ -81,7 +83,7 @@ fn main() {
         tune.compare_with_default = false;
         tune.budget.method = method;
         tune.budget.evaluations = evaluations;
-        match run_block(&Block::Tune(tune.clone()), &laboratory, &results, &Silent).expect("the tune runs") {
+        match run_block(&Block::Tune(tune.clone()), &context, &results, &Silent).expect("the tune runs") {
             BlockResult::Tune(result) => result.evaluations,
             _ => unreachable!("a tune gives a tune's result"),
         }

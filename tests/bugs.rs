@@ -4,14 +4,14 @@ use std::path::Path;
 use std::process::Command;
 
 use scenario_runner::cli::{Exit, guarded};
-use scenario_runner::dispatch::{Orders, Workshop, dispatch, units};
 use scenario_runner::files::Disk;
 use scenario_runner::lang;
 use scenario_runner::models::standard;
 use scenario_runner::plan::plan;
 use scenario_runner::project::PlannedSuite;
 use scenario_runner::results::{Event, Reporter, Requests, TrialState};
-use scenario_runner::run::{FreeFlows, Stop, note_places, run_case};
+use scenario_runner::run::{FreeFlows, Threads, note_places, run_case};
+use scenario_runner::runner::{Orders, Session, units};
 use scenario_runner::sim::{Observer, Step};
 
 /// Set for a process that is to panic, to what in.
@@ -41,11 +41,11 @@ impl Reporter for Startled {
     }
 }
 
-fn run_all(reporter: &mut dyn Reporter, workshop: &Workshop) -> Vec<(String, TrialState)> {
-    let units = units(workshop.suites());
+fn run_all(reporter: &mut dyn Reporter, session: &Session) -> Vec<(String, TrialState)> {
+    let units = units(session.suites());
     let chosen = vec![true; units.len()];
-    let orders = Orders { chosen: &chosen, first: &[], threads: 2, max_failures: None };
-    let mut reports = dispatch(workshop, &units, &orders, reporter);
+    let orders = Orders { chosen: &chosen, first: &[], max_failures: None };
+    let mut reports = session.run(&units, &orders, reporter);
     reports.remove(0).trials.into_iter().map(|one| (one.trial.key.clone(), one.state)).collect()
 }
 
@@ -68,7 +68,8 @@ fn panicking(place: &str) -> Exit {
             drop(run_case(case, &Requests::defaults(&standard()), &FreeFlows::default(), &mut Panicking));
         }
         "reporter" => {
-            drop(run_all(&mut Startled, &Workshop::new(&suites, None, &Stop::default(), &standard())))
+            let threads = Threads::new(2);
+            drop(run_all(&mut Startled, &Session::new(&suites, &threads, &standard())))
         }
         other => panic!("there is no place called {other}"),
     }
@@ -130,9 +131,9 @@ fn a_panic_in_a_trial_is_an_error_of_it_and_the_others_finish() {
     let watch = |case: &scenario_runner::scenario::Case, _: &_| {
         assert!(!case.key.starts_with(broken.as_str()), "watched too closely");
     };
-    let stop = Stop::default();
-    let workshop = Workshop::new(&suites, None, &stop, &standard()).watched_by(&watch);
-    for (key, state) in run_all(&mut Deaf, &workshop) {
+    let threads = Threads::new(2);
+    let session = Session::new(&suites, &threads, &standard()).watched_by(&watch);
+    for (key, state) in run_all(&mut Deaf, &session) {
         match state {
             TrialState::Errored(message) if key == *broken => {
                 assert!(message.starts_with(&format!("{key}: scenario-runner ")), "{message}");

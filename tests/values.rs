@@ -2,11 +2,12 @@
 //! range is taken, and no world that is planned has a number that nobody can calculate with.
 
 use proptest::prelude::*;
-use scenario_runner::experiment::{Laboratory, Silent, run_search};
+use scenario_runner::experiment::{Context, Silent, run_search};
 use scenario_runner::files::Disk;
 use scenario_runner::lang::{self, Override};
 use scenario_runner::models::standard;
 use scenario_runner::plan::{self, PlanError};
+use scenario_runner::run::Threads;
 use scenario_runner::scenario::Suite;
 
 /// A statement whose number is given as `X`, its unit and the range that it must keep, in that unit.
@@ -187,9 +188,10 @@ fn refused(statement: &Statement, way: &str, value: f64) -> Result<(), String> {
 }
 
 fn searched(suite: &Suite) -> Result<(), String> {
-    let laboratory = Laboratory::new(suite, None, &standard());
+    let threads = Threads::new(1);
+    let context = Context::new(suite, &threads, &standard());
     suite.searches.iter().try_for_each(|search| {
-        run_search(&laboratory, search, &Silent).map(|_| ()).map_err(|error| error.to_string())
+        run_search(&context, search, &Silent).map(|_| ()).map_err(|error| error.to_string())
     })
 }
 

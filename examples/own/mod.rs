@@ -2,23 +2,24 @@
 
 use std::error::Error;
 
-use scenario_runner::dispatch::{Orders, Workshop, dispatch, units};
 use scenario_runner::files::Disk;
 use scenario_runner::project::Project;
 use scenario_runner::registry::Registry;
 use scenario_runner::report::{render_block, render_tables};
 use scenario_runner::results::{BlockState, Event, Reporter};
-use scenario_runner::run::Stop;
+use scenario_runner::run::Threads;
+use scenario_runner::runner::{Orders, Session, units};
 
 /// Runs everything in a file that may name what is in `registry`.
 pub fn tables(file: &str, registry: &Registry) -> Result<String, Box<dyn Error>> {
     let project = Project::open(file, registry, &Disk)?;
-    let workshop = Workshop::new(project.suites(), None, &Stop::default(), registry);
-    let (units, threads) = (units(project.suites()), std::thread::available_parallelism()?.get());
+    let threads = Threads::all();
+    let session = Session::new(project.suites(), &threads, registry);
+    let units = units(project.suites());
     let chosen = vec![true; units.len()];
-    let orders = Orders { chosen: &chosen, first: &[], threads, max_failures: None };
-    let report = dispatch(&workshop, &units, &orders, &mut Silent).remove(0);
-    let mut text = render_tables(&report, workshop.requests(), false);
+    let orders = Orders { chosen: &chosen, first: &[], max_failures: None };
+    let report = session.run(&units, &orders, &mut Silent).remove(0);
+    let mut text = render_tables(&report, session.requests(), false);
     for block in &report.blocks {
         match &block.state {
             BlockState::Finished(result) => text += &render_block(result),

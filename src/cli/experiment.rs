@@ -2,7 +2,6 @@
 
 use std::io;
 use std::path::{Path, PathBuf};
-use std::thread;
 
 use clap::Args;
 
@@ -10,12 +9,13 @@ use super::interrupt::stop_on_interrupt;
 use super::set::SetArguments;
 use super::{Exit, load, shows_progress, store};
 use crate::console::{stderr, stdout};
-use crate::dispatch::{self, Orders, Unit, Work, Workshop, dispatch};
 use crate::experiment::{CaseFile, ParameterFile};
 use crate::files;
 use crate::registry::Registry;
 use crate::report::{Live, Terminal, render_block, tuned_parameters};
 use crate::results::{BlockReport, BlockResult, BlockState, set_options};
+use crate::run::Threads;
+use crate::runner::{self, Orders, Session, Unit, Work};
 use crate::scenario::{Block, Suite};
 
 #[derive(Debug, Args)]
@@ -69,21 +69,22 @@ fn run(arguments: &ExperimentArguments, kind: &'static str, registry: &Registry)
         Err(exit) => return exit,
     };
     let suites = project.suites();
-    let units = dispatch::units(suites);
+    let units = runner::units(suites);
     let Some(wanted) = units.iter().position(|unit| is_called(unit, kind, &arguments.name)) else {
         return unknown(arguments, &units, kind);
     };
     let asked = (0..units.len()).map(|unit| unit == wanted).collect();
-    let chosen = dispatch::with_needs(&units, asked);
+    let chosen = runner::with_needs(&units, asked);
     let stop = stop_on_interrupt();
     if let Err(exit) = store::prepare(&arguments.journal) {
         return exit;
     }
-    let workshop = Workshop::new(suites, Some(arguments.journal.clone()), &stop, registry);
-    let threads = thread::available_parallelism().map_or(1, usize::from);
-    let orders = Orders { chosen: &chosen, first: &[], threads, max_failures: None };
+    let threads = Threads::all();
+    let session =
+        Session::new(suites, &threads, registry).journals(arguments.journal.clone()).stopped_by(&stop);
+    let orders = Orders { chosen: &chosen, first: &[], max_failures: None };
     let mut watcher = Terminal::quiet(shows_progress(arguments.no_progress).then(Live::new));
-    let reports = dispatch(&workshop, &units, &orders, &mut watcher);
+    let reports = session.run(&units, &orders, &mut watcher);
     let done = reports.iter().flat_map(|report| &report.blocks);
     let shown: Vec<_> = done.clone().filter_map(BlockReport::result).map(render_block).collect();
     write!(stdout(), "{}", shown.join("\n"));

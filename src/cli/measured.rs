@@ -13,7 +13,7 @@ use crate::plan::{self, Plan};
 use crate::project::plan_notices;
 use crate::registry::Registry;
 use crate::results::{Requests, record_command};
-use crate::run::{BatchError, FreeFlows, Stop, run_batch};
+use crate::run::{Batch, BatchError, Measured, Stop, Threads};
 use crate::scenario::{Gate, Suite};
 
 /// Whether a file holds a baseline and not a suite.
@@ -53,8 +53,9 @@ pub fn run_suite(suite: &Suite, requests: &Requests, title: &str, stop: &Stop) -
 fn run_plan(plan: &Plan, requests: &Requests, title: &str, stop: &Stop) -> Result<Baseline, Exit> {
     let cases: Vec<_> = plan.trials.iter().flat_map(|trial| &trial.cases).collect();
     let bar = bar(title, cases.len() as u64);
-    let free_flows = FreeFlows::default();
-    let outcomes = run_batch(&cases, requests, &free_flows, stop, || bar.inc(1));
+    let (threads, measured) = (Threads::all(), Measured::new(requests.clone()));
+    let batch = Batch { executor: &threads, measured: &measured, stop };
+    let outcomes = batch.outcomes(cases.into_iter(), || bar.inc(1));
     bar.finish_and_clear();
     let outcomes = outcomes.map_err(|error| match error {
         BatchError::Stopped => Exit::Interrupted,

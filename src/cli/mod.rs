@@ -23,7 +23,6 @@ mod number;
 mod one_case;
 mod parameters;
 mod project;
-mod record;
 mod replay;
 mod report;
 mod run;

@@ -9,9 +9,9 @@ use super::load;
 use super::set::SetArguments;
 use crate::console::stderr;
 use crate::corpus;
-use crate::dispatch::{Work, units};
 use crate::project::{PlannedSuite, Project};
 use crate::registry::Registry;
+use crate::runner::{Work, units};
 use crate::scenario::{Case, Criterion};
 
 #[derive(Debug, Args)]

@@ -6,7 +6,6 @@ use clap::Args;
 
 use super::Exit;
 use super::one_case::{CaseArguments, Found};
-use super::record::{Recorded, record};
 use super::run::LastRun;
 use crate::console::{stderr, stdout};
 use crate::corpus::{case_hash, corpus_path};
@@ -14,7 +13,7 @@ use crate::files::WholeFile;
 use crate::registry::Registry;
 use crate::report::{ReplayIntroduction, case_values, render_replay, replay_reasons, write_trace};
 use crate::results::Requests;
-use crate::run::{FreeFlows, Unwatched, run_case};
+use crate::run::{Batch, Measured, Ran, Stop, Threads, Wanted};
 
 #[derive(Debug, Args)]
 pub struct ReplayArguments {
@@ -52,22 +51,25 @@ fn replay_case(arguments: &ReplayArguments, found: &Found, registry: &Registry) 
     let mut requests = Requests::defaults(registry);
     suite.plan.trials.iter().for_each(|trial| requests.include(&trial.criteria));
     requests.include(&found.criteria);
-    let free_flows = FreeFlows::default();
-    let runs = record(case, &requests, &free_flows)
-        .and_then(|recorded| Ok((recorded, run_case(case, &requests, &free_flows, &mut Unwatched)?)));
-    let (Recorded { outcome, trace, events }, again) = match runs {
+    let (threads, measured, stop) = (Threads::new(1), Measured::new(requests), Stop::default());
+    let batch = Batch { executor: &threads, measured: &measured, stop: &stop };
+    let runs = batch
+        .one(case, Wanted::TraceAndEvents)
+        .and_then(|ran| Ok((ran, batch.one(case, Wanted::Outcome)?.outcome)));
+    let (Ran { outcome, trace, events }, again) = match runs {
         Ok(runs) => runs,
         Err(error) => {
-            writeln!(stderr(), "error: {}: {error}", case.key);
+            writeln!(stderr(), "error: {error}");
             return Exit::Scenario;
         }
     };
+    let requests = &measured.requests;
     let scenario = suite.suite.scenarios.iter().find(|scenario| scenario.name == case.scenario);
     let mut values = scenario.map_or_else(Vec::new, |scenario| case_values(case, scenario));
     values.extend(suite.suite.set.iter().map(|set| ("set".to_string(), set.clone())));
-    let reasons = replay_reasons(&found.criteria, &outcome, &requests);
+    let reasons = replay_reasons(&found.criteria, &outcome, requests);
     let introduction = ReplayIntroduction { values, reasons };
-    write!(stdout(), "{}", render_replay(case, &introduction, &outcome, &events, &requests));
+    write!(stdout(), "{}", render_replay(case, &introduction, &outcome, &events, requests));
     if let Some(path) = &arguments.trace {
         let written = WholeFile::create(path).and_then(|mut file| {
             write_trace(&case.world, &trace, &mut file)?;

@@ -14,7 +14,7 @@ use crate::judge::{PerRun, per_run};
 use crate::registry::Registry;
 use crate::report::{SHRUNK_BY, render_shrunk, run_words, shrunk_file};
 use crate::results::{Outcome, Requests, SuiteIdentity};
-use crate::run::{FreeFlows, Unwatched, run_case};
+use crate::run::{Batch, BatchError, Measured, Stop, Threads, Wanted};
 use crate::scenario::Case;
 use crate::shrink::{Place, Shrunk, shrink as shrink_case, unmoved};
 use crate::{lang, plan};
@@ -129,13 +129,15 @@ fn shrink_found(
         key: case.key.clone(),
         seed: case.seed,
     };
+    // Each run decides which is next.
+    let threads = Threads::new(1);
     let shrunk = if arguments.as_is {
-        unmoved(place, criterion, registry)
+        unmoved(place, criterion, registry, &threads)
     } else {
         let stop = stop_on_interrupt();
         let bar = progress_bar(shows_progress(arguments.no_progress));
         let told = |runs: usize, what: &str| bar.set_message(format!("{runs} runs, moving {what}"));
-        let shrunk = shrink_case(place, criterion, registry, &stop, &mut { told });
+        let shrunk = shrink_case(place, criterion, registry, &threads, &stop, &mut { told });
         bar.finish_and_clear();
         shrunk
     };
@@ -210,10 +212,16 @@ fn progress_bar(shown: bool) -> ProgressBar {
 }
 
 fn run(case: &Case, requests: &Requests) -> Result<Outcome, Exit> {
-    run_case(case, requests, &FreeFlows::default(), &mut Unwatched).map_err(|error| {
-        writeln!(stderr(), "error: {}: {error}", case.key);
+    outcome(case, requests).map_err(|error| {
+        writeln!(stderr(), "error: {error}");
         Exit::Scenario
     })
+}
+
+fn outcome(case: &Case, requests: &Requests) -> Result<Outcome, BatchError> {
+    let (threads, measured, stop) = (Threads::new(1), Measured::new(requests.clone()), Stop::default());
+    let batch = Batch { executor: &threads, measured: &measured, stop: &stop };
+    batch.one(case, Wanted::Outcome).map(|ran| ran.outcome)
 }
 
 /// Reads the file again and runs it: it has to be the same run.
@@ -226,8 +234,10 @@ fn verify(text: &str, shrunk: &Shrunk, path: &Path, registry: &Registry) -> Resu
         let scenario = loaded.suite.scenarios.first().ok_or("it has no scenario")?;
         let trials = plan::plan_scenario(&loaded.suite, scenario).map_err(|error| error.to_string())?;
         let case = trials.first().and_then(|trial| trial.cases.first()).ok_or("it has no run")?;
-        run_case(case, &shrunk.requests, &FreeFlows::default(), &mut Unwatched)
-            .map_err(|error| error.to_string())
+        outcome(case, &shrunk.requests).map_err(|error| match error {
+            BatchError::Run { error, .. } => error.to_string(),
+            BatchError::Stopped => error.to_string(),
+        })
     };
     let why = match again() {
         Ok(outcome)

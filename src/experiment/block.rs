@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::{
-    ExperimentError, Laboratory, Progress, run_evaluate, run_search, run_statement, run_tune, statement,
+    Context, ExperimentError, Progress, run_evaluate, run_search, run_statement, run_tune, statement,
 };
 use crate::results::{BlockResult, EvaluateResult, Outcome, SearchResult, TuneResult};
 use crate::scenario::{Block, Case, CaseSet, OutcomesOf, ParameterSet, SampleSize};
@@ -23,7 +23,7 @@ pub struct EarlierResults {
     /// By name of the block.
     pub blocks: HashMap<String, BlockResult>,
     /// Every run, by name of the scenario; only scenarios that some block needs, and only once they are complete. Their
-    /// metrics are in the order of the laboratory's requests.
+    /// metrics are in the order of the context's requests.
     pub scenarios: HashMap<String, Vec<(Case, Outcome)>>,
 }
 
@@ -66,19 +66,17 @@ pub fn needs(block: &Block) -> Vec<Need> {
 /// Whatever keeps it from a result.
 pub fn run_block(
     block: &Block,
-    laboratory: &Laboratory,
+    context: &Context,
     results: &EarlierResults,
     progress: &dyn Progress,
 ) -> Result<BlockResult, ExperimentError> {
     match block {
-        Block::Search(search) => run_search(laboratory, search, progress).map(BlockResult::Search),
-        Block::Tune(tune) => run_tune(laboratory, tune, results, progress).map(BlockResult::Tune),
+        Block::Search(search) => run_search(context, search, progress).map(BlockResult::Search),
+        Block::Tune(tune) => run_tune(context, tune, results, progress).map(BlockResult::Tune),
         Block::Evaluate(evaluate) => {
-            run_evaluate(laboratory, evaluate, results, progress).map(BlockResult::Evaluate)
+            run_evaluate(context, evaluate, results, progress).map(BlockResult::Evaluate)
         }
-        Block::Statement(statement) => {
-            run_statement(laboratory, statement, results).map(BlockResult::Statement)
-        }
+        Block::Statement(statement) => run_statement(context, statement, results).map(BlockResult::Statement),
     }
 }
 

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::{EarlierResults, ExperimentError, Laboratory, overrides};
+use super::{Context, EarlierResults, ExperimentError, overrides};
 use crate::files;
 use crate::numbers::random::Stream;
 use crate::numbers::random::derive_seed;
@@ -31,7 +31,7 @@ impl CaseFile {
     }
 }
 
-impl Laboratory<'_> {
+impl Context<'_> {
     /// The case to run again with `settings` over its own, under another seed if one is given.
     pub(super) fn revive(
         &self,
@@ -69,7 +69,7 @@ impl Laboratory<'_> {
     }
 }
 
-impl Laboratory<'_> {
+impl Context<'_> {
     /// The cases that the block called `name` is about; never empty.
     pub(super) fn case_set(
         &self,

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::parameters::ParameterFile;
-use super::{EarlierResults, ExperimentError, Laboratory, Progress, overrides};
+use super::{Context, EarlierResults, ExperimentError, Progress, overrides};
 use crate::judge::{Seen, Span, aggregate, aggregate_against, span_of, undecided};
 use crate::numbers::inference::{paired_difference, rate_change};
 use crate::numbers::random::derive_seed;
@@ -25,21 +25,21 @@ const CONFIDENCE: f64 = 0.95;
 /// # Errors
 /// Whatever keeps it from a result; a tune that chose nothing leaves its condition empty.
 pub fn run_evaluate(
-    laboratory: &Laboratory,
+    context: &Context,
     evaluate: &Evaluate,
     results: &EarlierResults,
     progress: &dyn Progress,
 ) -> Result<EvaluateResult, ExperimentError> {
-    let cases = laboratory.case_set(&evaluate.on, &evaluate.name, results)?;
+    let cases = context.case_set(&evaluate.on, &evaluate.name, results)?;
     let measures =
-        if evaluate.measures.is_empty() { laboratory.all_measures() } else { evaluate.measures.clone() };
-    let series = Series { laboratory, evaluate, cases, measures };
+        if evaluate.measures.is_empty() { context.all_measures() } else { evaluate.measures.clone() };
+    let series = Series { context, evaluate, cases, measures };
     let all = evaluate.conditions.len();
     let mut conditions: Vec<ConditionResult> = Vec::with_capacity(all);
     let setups: Vec<Known> = evaluate
         .conditions
         .iter()
-        .map(|condition| laboratory.settings_of(condition, results))
+        .map(|condition| context.settings_of(condition, results))
         .collect::<Result<_, _>>()?;
     let targets = targets(&setups);
     for (condition, setup) in evaluate.conditions.iter().zip(setups) {
@@ -51,7 +51,7 @@ pub fn run_evaluate(
         name: evaluate.name.clone(),
         doc: evaluate.doc.clone(),
         source: evaluate.source.clone(),
-        metrics: laboratory.requests.iter().map(MetricReference::label).collect(),
+        metrics: context.requests().iter().map(MetricReference::label).collect(),
         cases: series.cases.len(),
         measures: series.measures,
         fresh: evaluate.fresh,
@@ -90,7 +90,7 @@ fn targets(setups: &[Known]) -> Vec<Target> {
 
 /// One evaluation under way.
 struct Series<'a> {
-    laboratory: &'a Laboratory<'a>,
+    context: &'a Context<'a>,
     evaluate: &'a Evaluate,
     cases: Vec<SavedCase>,
     measures: Vec<Measure>,
@@ -128,8 +128,8 @@ impl Series<'_> {
         let (saved, cases) = self.cases(condition, &setup)?;
         let given_in = &self.evaluate.given_in;
         result.parameters = targets.iter().map(|target| parameter(target, &cases, given_in)).collect();
-        let outcomes = self.laboratory.run_all(&cases)?;
-        let requests = &self.laboratory.requests;
+        let outcomes = self.context.run_all(&cases)?;
+        let requests = self.context.requests();
         let measures = self.measures.iter().map(|measure| &measure.aggregate);
         result.undecided =
             measures.clone().map(|measure| undecided(measure.metric(), &outcomes, requests)).collect();
@@ -142,7 +142,7 @@ impl Series<'_> {
                 .map(|measure| self.difference(measure, &condition.name, &base, &outcomes))
                 .collect();
         }
-        result.runs = self.laboratory.case_runs(saved, outcomes);
+        result.runs = self.context.case_runs(saved, outcomes);
         Ok(result)
     }
 
@@ -153,7 +153,7 @@ impl Series<'_> {
         condition: &Condition,
         setup: &Setup,
     ) -> Result<(Vec<SavedCase>, Vec<Case>), ExperimentError> {
-        let (suite, name) = (self.laboratory.suite, &self.evaluate.name);
+        let (suite, name) = (self.context.suite, &self.evaluate.name);
         let mut saved = Vec::new();
         let mut cases = Vec::new();
         for (index, case) in self.cases.iter().enumerate() {
@@ -167,7 +167,7 @@ impl Series<'_> {
                 let key = format!("{}/{name}/{}/{within}", suite.name, condition.name);
                 let seed = (self.evaluate.fresh > 0)
                     .then(|| derive_seed(suite.seed, &format!("{}/{name}/{within}", suite.name)));
-                cases.push(self.laboratory.revive(&case, &setup.settings, key.clone(), seed)?);
+                cases.push(self.context.revive(&case, &setup.settings, key.clone(), seed)?);
                 let settings = case.settings.iter().chain(&setup.settings).cloned().collect();
                 let seed = seed.unwrap_or(case.seed);
                 saved.push(SavedCase { key, settings, seed, ..case.clone() });
@@ -184,12 +184,12 @@ impl Series<'_> {
         base: &[Outcome],
         outcomes: &[Outcome],
     ) -> Option<Difference> {
-        let requests = &self.laboratory.requests;
+        let requests = self.context.requests();
         let per_case = self.evaluate.fresh.max(1) as usize;
         let seed = || {
             let key =
-                format!("{}/{}/{condition}/{}", self.laboratory.suite.name, self.evaluate.name, measure.text);
-            derive_seed(self.laboratory.suite.seed, &key)
+                format!("{}/{}/{condition}/{}", self.context.suite.name, self.evaluate.name, measure.text);
+            derive_seed(self.context.suite.seed, &key)
         };
         // The runs of one case are alike, so that a case counts once, by its mean.
         let paired = |of: &dyn Fn(&Outcome) -> Option<f64>| {
@@ -267,7 +267,7 @@ fn side(reference: &MetricReference) -> Relation {
     }
 }
 
-impl Laboratory<'_> {
+impl Context<'_> {
     fn settings_of(&self, condition: &Condition, results: &EarlierResults) -> Result<Known, ExperimentError> {
         match &condition.parameters {
             ParameterSet::Declared => Ok(Ok(Setup::default())),
@@ -319,7 +319,7 @@ impl Laboratory<'_> {
                 }),
             }
         };
-        self.requests.iter().filter_map(measure).collect()
+        self.requests().iter().filter_map(measure).collect()
     }
 }
 

@@ -2,8 +2,8 @@
 //!
 //! A search looks for the values at which a metric is worst, person by person; a tune looks for controller parameters
 //! that are best on a set of cases under constraints; an evaluation compares sets of parameters on the same cases; a
-//! statement holds what a source says against all that. Each is a function of the suite and its seed: the number of
-//! threads changes nothing.
+//! statement holds what a source says against all that. Each is a function of the suite and its seed: what
+//! makes the runs, and when, changes nothing.
 
 mod block;
 mod cases;
@@ -14,6 +14,7 @@ mod journal;
 mod overrides;
 mod parameters;
 mod rehearsal;
+mod rounds;
 mod runs;
 mod search;
 mod statement;
@@ -22,7 +23,7 @@ mod tests;
 mod tune;
 
 use std::path::PathBuf;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use thiserror::Error;
 
@@ -30,7 +31,7 @@ use crate::optimise;
 use crate::plan::PlanError;
 use crate::registry::Registry;
 use crate::results::Requests;
-use crate::run::{FreeFlows, RunError, Stop};
+use crate::run::{Executor, Measured, RunError, Stop};
 use crate::scenario::{Scenario, Suite};
 
 pub use block::{EarlierResults, Need, needs, run_block};
@@ -44,10 +45,12 @@ pub use statement::run_statement;
 pub use tune::run_tune;
 
 /// What every experiment of a suite shares.
-pub struct Laboratory<'a> {
+pub struct Context<'a> {
     pub suite: &'a Suite,
-    pub requests: Requests,
-    pub free_flows: FreeFlows,
+    /// What is read off every run.
+    pub measured: Arc<Measured>,
+    /// What makes the runs.
+    pub executor: &'a dyn Executor,
     /// Where journals are kept; `None` keeps none.
     pub journals: Option<PathBuf>,
     /// Looked at before every run.
@@ -56,9 +59,9 @@ pub struct Laboratory<'a> {
     pub notices: Mutex<Vec<String>>,
 }
 
-impl<'a> Laboratory<'a> {
+impl<'a> Context<'a> {
     /// With every metric that anything in the suite asks for.
-    pub fn new(suite: &'a Suite, journals: Option<PathBuf>, registry: &Registry) -> Self {
+    pub fn new(suite: &'a Suite, executor: &'a dyn Executor, registry: &Registry) -> Self {
         let mut requests = Requests::defaults(registry);
         suite.scenarios.iter().for_each(|scenario| requests.include(&scenario.criteria));
         for search in &suite.searches {
@@ -79,9 +82,9 @@ impl<'a> Laboratory<'a> {
         rules.filter_map(|rule| rule.metric.as_ref()).for_each(|metric| requests.add(metric));
         Self {
             suite,
-            requests,
-            free_flows: FreeFlows::default(),
-            journals,
+            measured: Measured::new(requests),
+            executor,
+            journals: None,
             stop: Stop::default(),
             notices: Mutex::default(),
         }
@@ -92,9 +95,9 @@ impl<'a> Laboratory<'a> {
         notices.extend(notice.map(str::to_string));
     }
 
-    /// One in which no run begins any more once `stop` is requested.
-    pub fn stopped_by(self, stop: Stop) -> Self {
-        Self { stop, ..self }
+    /// What is measured in every run, in the order of the outcomes' metrics.
+    pub fn requests(&self) -> &Requests {
+        &self.measured.requests
     }
 
     fn scenario(&self, name: &str) -> Result<&'a Scenario, ExperimentError> {

@@ -2,26 +2,21 @@
 
 use std::time::Duration;
 
-use rayon::prelude::*;
-
-use super::{ExperimentError, Laboratory};
+use super::{Context, ExperimentError};
 use crate::judge::{Seen, aggregate_against, counted, holds_undefined};
 use crate::numbers::summary::{mean, variance_of_mean};
 use crate::results::{CaseRun, MetricSummary, Outcome, SavedCase};
-use crate::run::{Unwatched, run_case};
+use crate::run::{Batch, BatchError};
 use crate::scenario::{Aggregate, Case, Comparison, Goal, MetricKind, MetricReference, Relation, ShownIn};
 
-impl Laboratory<'_> {
-    /// Runs every case side by side; the outcomes are in the order of the cases.
+impl Context<'_> {
+    /// Runs every case, in a round; the outcomes are in the order of the cases.
     pub(super) fn run_all(&self, cases: &[Case]) -> Result<Vec<Outcome>, ExperimentError> {
-        cases.par_iter().map(|case| self.run_one(case)).collect()
-    }
-
-    pub(super) fn run_one(&self, case: &Case) -> Result<Outcome, ExperimentError> {
-        if self.stop.is_requested() {
-            return Err(ExperimentError::Stopped);
-        }
-        Ok(run_case(case, &self.requests, &self.free_flows, &mut Unwatched)?)
+        let batch = Batch { executor: self.executor, measured: &self.measured, stop: &self.stop };
+        batch.outcomes(cases.iter(), || ()).map_err(|error| match error {
+            BatchError::Run { error, .. } => error.into(),
+            BatchError::Stopped => ExperimentError::Stopped,
+        })
     }
 
     /// Cases with their outcomes, in the same order.
@@ -32,7 +27,7 @@ impl Laboratory<'_> {
     ) -> Vec<CaseRun> {
         let run = |(case, mut outcome): (SavedCase, Outcome)| {
             // Nobody asks when a metric had its value, and results are the same bytes however long they took.
-            outcome.forget_unasked(&[], &self.requests);
+            outcome.forget_unasked(&[], self.requests());
             outcome.wall_time = Duration::ZERO;
             let passed_first = self.passed_first(&outcome);
             CaseRun { case, outcome, passed_first }
@@ -43,14 +38,14 @@ impl Laboratory<'_> {
     /// The metric in every outcome.
     pub(super) fn values(&self, metric: &MetricReference, outcomes: &[Outcome]) -> Vec<Option<f64>> {
         let index =
-            self.requests.index(metric).expect("the laboratory requested every metric that is asked for");
+            self.requests().index(metric).expect("the context requested every metric that is asked for");
         outcomes.iter().map(|outcome| outcome.metrics[index]).collect()
     }
 
     /// What every outcome says of the metric.
     pub(super) fn seen(&self, metric: &MetricReference, outcomes: &[Outcome]) -> Vec<Seen> {
         let index =
-            self.requests.index(metric).expect("the laboratory requested every metric that is asked for");
+            self.requests().index(metric).expect("the context requested every metric that is asked for");
         outcomes.iter().map(|outcome| Seen::of(outcome, index)).collect()
     }
 
@@ -67,10 +62,10 @@ impl Laboratory<'_> {
             Goal::Minimise => Relation::LessOrEqual,
             Goal::Maximise => Relation::GreaterOrEqual,
         };
-        let value = aggregate_against(objective, relation, outcomes, &self.requests);
+        let value = aggregate_against(objective, relation, outcomes, self.requests());
         let variance = match objective {
             Aggregate::Mean(metric) if value.is_some() => {
-                let counted = counted(metric, relation, outcomes, &self.requests);
+                let counted = counted(metric, relation, outcomes, self.requests());
                 variance_of_mean(&counted.into_iter().flatten().collect::<Vec<_>>())
             }
             _ => None,
@@ -137,13 +132,15 @@ impl Laboratory<'_> {
         let has_mean = |reference: &&MetricReference| {
             reference.known().is_some_and(|metric| !matches!(metric.kind, MetricKind::Category(_)))
         };
-        self.requests.iter().filter(has_mean)
+        self.requests().iter().filter(has_mean)
     }
 
     /// Who passed first in an outcome, in the metric's own words.
     pub(super) fn passed_first(&self, outcome: &Outcome) -> Option<String> {
-        let index = self.requests.iter().position(|reference| reference.name() == "passed_first")?;
-        let MetricKind::Category(words) = &self.requests.as_slice()[index].known()?.kind else { return None };
+        let index = self.requests().iter().position(|reference| reference.name() == "passed_first")?;
+        let MetricKind::Category(words) = &self.requests().as_slice()[index].known()?.kind else {
+            return None;
+        };
         words.get(outcome.metrics[index]? as usize).map(ToString::to_string)
     }
 }

@@ -5,7 +5,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use rayon::prelude::*;
 
 use super::journal::Record;
-use super::{ExperimentError, Laboratory, Progress, overrides};
+use super::rounds::{Evaluate, Optimisation, optimise};
+use super::{Context, ExperimentError, Progress, overrides};
 use crate::numbers::random::derive_seed;
 use crate::numbers::summary::mean;
 use crate::optimise::{
@@ -30,32 +31,46 @@ const COURSE_STEPS: usize = 25;
 /// Runs at each of them.
 const COURSE_RUNS: u32 = 10;
 
+/// Groups that are searched for at a time, a round of each together: enough for many threads, and not more surrogates than
+/// there is memory for.
+const SIDE_BY_SIDE: usize = 64;
+
+/// People who are all in every evaluation, each of them one or several pedestrians.
+type Group = Vec<Vec<Individual>>;
+
 /// Runs one search to its end.
 ///
 /// # Errors
 /// Whatever keeps it from a result; evaluations without a value are not errors but count as undefined.
 pub fn run_search(
-    laboratory: &Laboratory,
+    context: &Context,
     search: &Search,
     progress: &dyn Progress,
 ) -> Result<SearchResult, ExperimentError> {
-    let scenario = with_individuals(laboratory.scenario(&search.scenario)?, search);
-    let people = plan::select_people(laboratory.suite.seed, &scenario)?;
-    let groups: Vec<Vec<Vec<Individual>>> =
+    let scenario = with_individuals(context.scenario(&search.scenario)?, search);
+    let people = plan::select_people(context.suite.seed, &scenario)?;
+    let groups: Vec<Group> =
         if search.together { vec![people] } else { people.into_iter().map(|group| vec![group]).collect() };
-    let hunt = Hunt {
-        laboratory,
+    let under = Under {
+        context,
         search,
         scenario: &scenario,
         progress,
         done: AtomicUsize::new(0),
         all: groups.len() * search.budget.evaluations as usize,
     };
-    let hunted: Vec<_> = groups.par_iter().map(|group| hunt.hunt(group)).collect::<Result<_, _>>()?;
-    let (mut found, records): (Vec<Found>, Vec<Record>) = hunted.into_iter().unzip();
-    hunt.follow(&groups, &mut found)?;
+    let (mut found, mut over) = (Vec::with_capacity(groups.len()), Vec::with_capacity(groups.len()));
+    for groups in groups.chunks(SIDE_BY_SIDE) {
+        let begin = |group: &Group| under.begin(group);
+        let mut all =
+            context.executor.think(|| groups.par_iter().map(begin).collect::<Result<Vec<_>, _>>())?;
+        optimise(context, &mut all, &Groups { under: &under, groups })?;
+        found.extend(under.conclude(groups, &all)?);
+        over.extend(all.into_iter().map(Optimisation::into_record));
+    }
+    under.follow(&groups, &mut found)?;
     // Only now: a search that is cut off repeats nobody.
-    records.into_iter().for_each(Record::remove);
+    over.into_iter().for_each(Record::remove);
     let kept = found.iter().flat_map(Found::kept_cases).cloned().collect();
     Ok(SearchResult {
         name: search.name.clone(),
@@ -63,14 +78,14 @@ pub fn run_search(
         direction: search.objective.direction,
         shown_in: search.over.iter().map(Range::shown_in).collect(),
         objective_in: ShownIn::new(search.objective.notation, &search.objective.aggregate.unit()),
-        metrics: laboratory.requests.iter().map(|reference| reference.label()).collect(),
+        metrics: context.requests().iter().map(|reference| reference.label()).collect(),
         kept: SavedSet {
             name: search.name.clone(),
             source: format!(
                 "search {} of suite {}, seed {}, scenario-runner {}",
                 search.name,
-                laboratory.suite.name,
-                laboratory.suite.seed,
+                context.suite.name,
+                context.suite.seed,
                 env!("CARGO_PKG_VERSION")
             ),
             cases: kept,
@@ -135,8 +150,8 @@ pub(super) fn definition(
 const PENALTY: f64 = 1000.0;
 
 /// One search under way.
-struct Hunt<'a> {
-    laboratory: &'a Laboratory<'a>,
+struct Under<'a> {
+    context: &'a Context<'a>,
     search: &'a Search,
     scenario: &'a Scenario,
     progress: &'a dyn Progress,
@@ -144,54 +159,51 @@ struct Hunt<'a> {
     all: usize,
 }
 
-impl Hunt<'_> {
-    /// Searches for one group of people, who are all in every evaluation.
-    fn hunt(&self, group: &[Vec<Individual>]) -> Result<(Found, Record), ExperimentError> {
-        let suite = self.laboratory.suite;
+/// Groups that are searched for side by side.
+struct Groups<'a> {
+    under: &'a Under<'a>,
+    groups: &'a [Group],
+}
+
+impl Evaluate for Groups<'_> {
+    fn cases(&self, group: usize, proposal: &Proposal) -> Result<Vec<Case>, ExperimentError> {
+        let (under, group) = (self.under, &self.groups[group]);
+        let key = format!("{}/evaluation={}", under.name(group), proposal.id);
+        under.cases(&key, group, &proposal.point, under.search.runs)
+    }
+
+    fn evaluation(&self, outcomes: &[Outcome], _: bool) -> Evaluation {
+        let (value, noise_variance) = self.under.objective(outcomes);
+        Evaluation {
+            objectives: vec![ObjectiveValue { value, noise_variance }],
+            margins: Vec::new(),
+            repetitions: self.under.search.runs,
+        }
+    }
+
+    fn evaluated(&self, evaluation: &Evaluation) {
+        let done = self.under.done.fetch_add(1, Ordering::Relaxed) + 1;
+        self.under.progress.evaluated(done, self.under.all, evaluation.objectives[0].value);
+    }
+}
+
+impl Under<'_> {
+    /// The search for one group of people.
+    fn begin(&self, group: &Group) -> Result<Optimisation, ExperimentError> {
+        let suite = self.context.suite;
         let name = self.name(group);
         let space = overrides::space(&self.search.over)?;
         let seed = derive_seed(suite.seed, &name);
         let goals = vec![self.search.objective.direction];
         let definition = definition(space, &self.search.budget, goals, 0, seed);
-        let batch = self.search.budget.batch as usize;
         let inputs = (suite.seed, &name, self.scenario, self.search, group);
-        let mut record =
-            Record::open(self.laboratory.journals.as_deref(), &name, &inputs, &definition, batch)?;
-        self.laboratory.tell(record.notice());
-        let mut optimiser = Optimiser::new(definition)?;
-        optimise::try_run(&mut optimiser, batch, record.journal(), |proposal| {
-            self.evaluate(&name, group, proposal)
-        })?;
-        Ok((self.conclude(&name, group, &optimiser)?, record))
+        Optimisation::begin(self.context, &name, &inputs, definition, self.search.budget.batch as usize)
     }
 
     /// The beginning of the keys of a group's runs.
     fn name(&self, group: &[Vec<Individual>]) -> String {
         let label = if self.search.together { String::new() } else { plan::people_label(&group[0]) };
-        format!("{}/{}{label}", self.laboratory.suite.name, self.search.name)
-    }
-
-    fn evaluate(
-        &self,
-        name: &str,
-        group: &[Vec<Individual>],
-        proposal: &Proposal,
-    ) -> Result<Evaluation, ExperimentError> {
-        let cases = self.cases(
-            &format!("{name}/evaluation={}", proposal.id),
-            group,
-            &proposal.point,
-            self.search.runs,
-        )?;
-        let outcomes = self.laboratory.run_all(&cases)?;
-        let (value, noise_variance) = self.objective(&outcomes);
-        let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
-        self.progress.evaluated(done, self.all, value);
-        Ok(Evaluation {
-            objectives: vec![ObjectiveValue { value, noise_variance }],
-            margins: Vec::new(),
-            repetitions: self.search.runs,
-        })
+        format!("{}/{}{label}", self.context.suite.name, self.search.name)
     }
 
     /// The cases of one evaluation: everybody, in every variation that is not searched, `runs` times.
@@ -206,7 +218,7 @@ impl Hunt<'_> {
         overrides::apply(&mut scenario, &overrides::settings(&self.search.over, point))?;
         let fixed = overrides::assignments(&self.search.over, point);
         let mut cases = Vec::new();
-        let seed = self.laboratory.suite.seed;
+        let seed = self.context.suite.seed;
         for combination in plan::combinations(seed, &scenario, plan::variables(&fixed))? {
             let variation: Vec<Assignment> = [fixed.clone(), combination].concat();
             let labels: String = variation
@@ -218,7 +230,7 @@ impl Hunt<'_> {
                     if self.search.together { plan::people_label(people) } else { String::new() };
                 for run in 1..=runs {
                     let key = format!("{key}{labels}{people_label}/rep={run}");
-                    let seed = derive_seed(self.laboratory.suite.seed, &key);
+                    let seed = derive_seed(self.context.suite.seed, &key);
                     let people = people.clone();
                     cases.push(plan::concrete_case(&scenario, key, variation.clone(), people, run, seed)?);
                 }
@@ -227,12 +239,41 @@ impl Hunt<'_> {
         Ok(cases)
     }
 
-    fn conclude(
-        &self,
-        name: &str,
-        group: &[Vec<Individual>],
-        optimiser: &Optimiser,
-    ) -> Result<Found, ExperimentError> {
+    /// What was found for each of the groups, whose best points are run again and with fresh seeds.
+    fn conclude(&self, groups: &[Group], all: &[Optimisation]) -> Result<Vec<Found>, ExperimentError> {
+        let context = self.context;
+        let each = |(group, one): (&Group, &Optimisation)| self.conclude_one(group, &one.optimiser);
+        let mut found = context.executor.think(|| groups.par_iter().zip(all).map(each).collect::<Vec<_>>());
+        let mut cases = Vec::new();
+        for (group, one) in groups.iter().zip(all) {
+            if let Some(best) = one.optimiser.best_observed() {
+                let name = self.name(group);
+                let again = format!("{name}/evaluation={}", best.id);
+                cases.push(self.cases(&again, group, &best.point, self.search.runs)?);
+                cases.push(self.cases(&format!("{name}/fresh"), group, &best.point, FRESH_RUNS)?);
+            }
+        }
+        let mut outcomes = context.run_all(&cases.concat())?.into_iter();
+        let mut cases = cases.iter();
+        for (one, found) in all.iter().zip(&mut found) {
+            let Some(best) = one.optimiser.best_observed() else { continue };
+            let mut next = || {
+                let cases = cases.next().expect("there are two of each that has a best point");
+                (cases, outcomes.by_ref().take(cases.len()).collect::<Vec<_>>())
+            };
+            let ((again, runs), (_, fresh)) = (next(), next());
+            found.passed_first = runs.first().and_then(|outcome| context.passed_first(outcome));
+            found.kept = runs.iter().map(|outcome| self.keeps(outcome)).collect();
+            found.runs = self.saved(&best.point, again, runs);
+            found.fresh = self.objective(&fresh).0;
+            let decided = context.seen(self.search.objective.aggregate.metric(), &fresh);
+            found.fresh_runs = decided.iter().filter(|one| one.is_value()).count() as u32;
+        }
+        Ok(found)
+    }
+
+    /// What the optimiser found, of which nothing is run yet.
+    fn conclude_one(&self, group: &Group, optimiser: &Optimiser) -> Found {
         let evaluations = optimiser
             .trials()
             .iter()
@@ -253,7 +294,7 @@ impl Hunt<'_> {
             kept: Vec::new(),
             courses: Vec::new(),
         };
-        let Some(best) = optimiser.best_observed() else { return Ok(found) };
+        let Some(best) = optimiser.best_observed() else { return found };
         let names = self.search.over.iter().map(|range| range.target.to_string());
         found.best = Some(names.zip(best.point.iter().cloned()).collect());
         found.observed = best.evaluation.objectives[0].value;
@@ -266,35 +307,23 @@ impl Hunt<'_> {
                 .slices
                 .push(optimiser.surrogate_slice(dimension, &best.point, SLICE_STEPS).unwrap_or_default());
         }
-        let evaluation_key = format!("{name}/evaluation={}", best.id);
-        let cases = self.cases(&evaluation_key, group, &best.point, self.search.runs)?;
-        let outcomes = self.laboratory.run_all(&cases)?;
-        found.passed_first = outcomes.first().and_then(|outcome| self.laboratory.passed_first(outcome));
-        found.kept = outcomes.iter().map(|outcome| self.keeps(outcome)).collect();
-        found.runs = self.saved(&best.point, &cases, outcomes);
-        let fresh = self.cases(&format!("{name}/fresh"), group, &best.point, FRESH_RUNS)?;
-        let outcomes = self.laboratory.run_all(&fresh)?;
-        found.fresh = self.objective(&outcomes).0;
-        let metric = self.search.objective.aggregate.metric();
-        let decided = self.laboratory.seen(metric, &outcomes);
-        found.fresh_runs = decided.iter().filter(|one| one.is_value()).count() as u32;
-        Ok(found)
+        found
     }
 
     fn objective(&self, outcomes: &[Outcome]) -> (Option<f64>, Option<f64>) {
         let Objective { aggregate, direction, .. } = &self.search.objective;
-        self.laboratory.objective(aggregate, *direction, outcomes)
+        self.context.objective(aggregate, *direction, outcomes)
     }
 
     /// Whether a run at the best point is one that the search was to keep; without a condition all are.
     fn keeps(&self, outcome: &Outcome) -> bool {
         let Some(keep) = &self.search.keep else { return true };
-        self.laboratory.seen(&keep.metric, std::slice::from_ref(outcome))[0].holds(keep, false)
+        self.context.seen(&keep.metric, std::slice::from_ref(outcome))[0].holds(keep, false)
     }
 
     /// Runs as cases to be used again, with what came of them.
     fn saved(&self, point: &[optimise::Value], cases: &[Case], outcomes: Vec<Outcome>) -> Vec<CaseRun> {
-        let values = self.laboratory.values(self.search.objective.aggregate.metric(), &outcomes);
+        let values = self.context.values(self.search.objective.aggregate.metric(), &outcomes);
         let settings = overrides::settings(&self.search.over, point);
         let saved = cases.iter().zip(values).map(|(case, value)| SavedCase {
             key: case.key.clone(),
@@ -305,11 +334,11 @@ impl Hunt<'_> {
             seed: case.seed,
             value,
         });
-        self.laboratory.case_runs(saved, outcomes)
+        self.context.case_runs(saved, outcomes)
     }
 
     /// Gives those who were kept, the worst first, their courses.
-    fn follow(&self, groups: &[Vec<Vec<Individual>>], found: &mut [Found]) -> Result<(), ExperimentError> {
+    fn follow(&self, groups: &[Group], found: &mut [Found]) -> Result<(), ExperimentError> {
         if self.search.keep.is_none() || self.search.together {
             return Ok(());
         }
@@ -322,17 +351,33 @@ impl Hunt<'_> {
             .collect();
         kept.sort_by(|left, right| left.0.total_cmp(&right.0).then(left.1.cmp(&right.1)));
         kept.truncate(MOST_COURSES);
-        let course = |(_, index): &(f64, usize)| Ok((*index, self.courses(&groups[*index], &found[*index])?));
-        let courses: Vec<_> = kept.par_iter().map(course).collect::<Result<_, ExperimentError>>()?;
-        for (index, courses) in courses {
-            found[index].courses = courses;
+        let mut asked = Vec::new();
+        for (_, index) in kept {
+            asked.extend(self.courses(index, &groups[index], &found[index])?);
+        }
+        let cases: Vec<Case> = asked.iter().flat_map(|one| &one.cases).cloned().collect();
+        let mut outcomes = self.context.run_all(&cases)?.into_iter();
+        for AskedPoint { group, over, at, cases } in asked {
+            let outcomes: Vec<_> = outcomes.by_ref().take(cases.len()).collect();
+            let courses = &mut found[group].courses;
+            if courses.last().is_none_or(|course| course.over != over) {
+                courses.push(Course { over, points: Vec::new() });
+            }
+            let points = courses.last_mut().map(|course| &mut course.points);
+            points.into_iter().for_each(|points| points.extend(self.course_point(at, &outcomes)));
         }
         Ok(())
     }
 
-    fn courses(&self, group: &[Vec<Individual>], found: &Found) -> Result<Vec<Course>, ExperimentError> {
+    /// The runs of the courses of a group, along each of the ranges that has an order.
+    fn courses(
+        &self,
+        index: usize,
+        group: &Group,
+        found: &Found,
+    ) -> Result<Vec<AskedPoint>, ExperimentError> {
         let best: Vec<_> = found.best.iter().flatten().map(|(_, value)| value.clone()).collect();
-        let mut courses = Vec::new();
+        let mut asked = Vec::new();
         for (dimension, range) in self.search.over.iter().enumerate() {
             let dimension_values = overrides::dimension(range);
             if dimension_values.is_categorical() {
@@ -342,32 +387,38 @@ impl Hunt<'_> {
             let mut steps: Vec<optimise::Value> = (0..COURSE_STEPS).map(place).collect();
             steps.dedup();
             let over = range.target.to_string();
-            let mut points = Vec::new();
             for step in steps {
                 let Some(at) = step.number() else { continue };
                 let mut point = best.clone();
                 point[dimension] = step;
-                let cases =
-                    self.cases(&format!("{}/course={over}", self.name(group)), group, &point, COURSE_RUNS)?;
-                let outcomes = self.laboratory.run_all(&cases)?;
-                let metric = self.search.objective.aggregate.metric();
-                let mut values: Vec<f64> =
-                    self.laboratory.values(metric, &outcomes).into_iter().flatten().collect();
-                values.sort_by(f64::total_cmp);
-                if let (Some(smallest), Some(mean), Some(largest)) =
-                    (values.first(), mean(&values), values.last())
-                {
-                    points.push(CoursePoint {
-                        at,
-                        smallest: *smallest,
-                        mean,
-                        largest: *largest,
-                        runs: values.len(),
-                    });
-                }
+                let key = format!("{}/course={over}", self.name(group));
+                let cases = self.cases(&key, group, &point, COURSE_RUNS)?;
+                asked.push(AskedPoint { group: index, over: over.clone(), at, cases });
             }
-            courses.push(Course { over, points });
         }
-        Ok(courses)
+        Ok(asked)
     }
+
+    /// What the runs at a point of a course came to; `None` where the metric exists in none.
+    fn course_point(&self, at: f64, outcomes: &[Outcome]) -> Option<CoursePoint> {
+        let metric = self.search.objective.aggregate.metric();
+        let mut values: Vec<f64> = self.context.values(metric, outcomes).into_iter().flatten().collect();
+        values.sort_by(f64::total_cmp);
+        Some(CoursePoint {
+            at,
+            smallest: *values.first()?,
+            mean: mean(&values)?,
+            largest: *values.last()?,
+            runs: values.len(),
+        })
+    }
+}
+
+/// A point of a course, before it is run.
+struct AskedPoint {
+    /// Index of the group.
+    group: usize,
+    over: String,
+    at: f64,
+    cases: Vec<Case>,
 }

@@ -1,7 +1,7 @@
 //! `statement`: what a source says, held against the results of the suite.
 
 use super::claim::{Operand, combine, follows, in_words, name_of};
-use super::{EarlierResults, ExperimentError, Laboratory, evaluate};
+use super::{Context, EarlierResults, ExperimentError, evaluate};
 use crate::judge::{Span, open_runs};
 use crate::plan::variables;
 use crate::results::{ClaimResult, ClaimValues, Conclusion, Outcome, StatementResult, TrendPoint};
@@ -15,11 +15,11 @@ use crate::scenario::{
 /// # Errors
 /// Something that it names was not run; numbers that do not exist are not errors but make it not comparable.
 pub fn run_statement(
-    laboratory: &Laboratory,
+    context: &Context,
     statement: &Statement,
     results: &EarlierResults,
 ) -> Result<StatementResult, ExperimentError> {
-    let court = Court { laboratory, results };
+    let court = Court { context, results };
     let claims: Vec<ClaimResult> =
         statement.claims.iter().map(|claim| court.claim(claim)).collect::<Result<_, _>>()?;
     let conclusion = match &statement.standing {
@@ -84,7 +84,7 @@ fn leaves(quantity: &Quantity) -> Vec<&Quantity> {
 
 /// Where claims are held against results.
 struct Court<'a> {
-    laboratory: &'a Laboratory<'a>,
+    context: &'a Context<'a>,
     results: &'a EarlierResults,
 }
 
@@ -137,7 +137,7 @@ impl Court<'_> {
         for measured in measured_by(claim) {
             let Ok(runs) = self.runs(measured)? else { continue };
             let outcomes: Vec<Outcome> = runs.iter().map(|(_, outcome)| (*outcome).clone()).collect();
-            let requests = &self.laboratory.requests;
+            let requests = self.context.requests();
             let open = open_runs(measured.aggregate.metric(), &outcomes, requests);
             let times = Span::around(open.iter().map(|outcome| outcome.ending.time));
             if open.is_empty() {
@@ -182,7 +182,7 @@ impl Court<'_> {
                         .number()
                         .ok_or_else(|| format!("`{parameter}` of `{tune}` is not a number")),
                 };
-                let declared = self.laboratory.suite.tunes.iter().find(|one| one.name == *tune);
+                let declared = self.context.suite.tunes.iter().find(|one| one.name == *tune);
                 let range = declared.and_then(|tune| tune.over.iter().find(|range| range.target == *target));
                 Operand::known(value, range.map(|range| range.unit.clone()))
             }
@@ -234,14 +234,14 @@ impl Court<'_> {
 
     fn value(&self, measured: &Measured, runs: &Runs) -> Result<f64, String> {
         let outcomes: Vec<Outcome> = runs.iter().map(|(_, outcome)| (*outcome).clone()).collect();
-        let value = evaluate::measured(&measured.aggregate, &outcomes, &self.laboratory.requests);
+        let value = evaluate::measured(&measured.aggregate, &outcomes, self.context.requests());
         value.ok_or_else(|| too_few(measured, runs))
     }
 
     /// Between what the runs that were cut off could still have made of it.
     fn span(&self, measured: &Measured, runs: &Runs) -> Result<Span, String> {
         let outcomes: Vec<Outcome> = runs.iter().map(|(_, outcome)| (*outcome).clone()).collect();
-        let span = evaluate::measured_between(&measured.aggregate, &outcomes, &self.laboratory.requests);
+        let span = evaluate::measured_between(&measured.aggregate, &outcomes, self.context.requests());
         span.ok_or_else(|| too_few(measured, runs))
     }
 

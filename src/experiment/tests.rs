@@ -5,9 +5,12 @@ mod search_and_tune;
 mod statement;
 mod survivors;
 
+use std::sync::LazyLock;
+
 use super::*;
 use crate::models::standard;
 use crate::registry::Table;
+use crate::run::Threads;
 use crate::scenario::{
     self, Aggregate, Block, Budget, CaseSet, Comparison as Bound, DeclaredAppearance, DeclaredVehicleStart,
     Direction, Evaluate, Expression, Goal, Individuals, InitialDesign, Measure, Measured, Method,
@@ -16,6 +19,11 @@ use crate::scenario::{
     StatementClaim, StatementClaimKind, Target, TrendDirection, Tune, Value, Variation, VariationCondition,
     VariedValue, Vehicle, VehicleReference, WhenUndefined,
 };
+
+fn threads() -> &'static Threads {
+    static ALL: LazyLock<Threads> = LazyLock::new(Threads::all);
+    &ALL
+}
 
 fn metric(name: &str) -> MetricReference {
     crate::models::known::measured(name)
@@ -215,14 +223,14 @@ fn evaluated_suite() -> Suite {
 
 /// Every block of a suite in order, with the runs of its scenario.
 fn run_all(suite: &Suite) -> EarlierResults {
-    let laboratory = Laboratory::new(suite, None, &standard());
+    let context = Context::new(suite, threads(), &standard());
     let mut results = EarlierResults::default();
     let cases: Vec<_> = crate::plan::plan_scenario(suite, &suite.scenarios[0])
         .unwrap()
         .into_iter()
         .flat_map(|trial| trial.cases)
         .collect();
-    let outcomes = laboratory.run_all(&cases).unwrap();
+    let outcomes = context.run_all(&cases).unwrap();
     results.scenarios.insert("encounter".into(), cases.into_iter().zip(outcomes).collect());
     for block in Block::all(suite) {
         for need in needs(&block) {
@@ -231,7 +239,7 @@ fn run_all(suite: &Suite) -> EarlierResults {
                 Need::Scenario(name) => assert!(results.scenarios.contains_key(&name)),
             }
         }
-        let result = run_block(&block, &laboratory, &results, &Silent).unwrap();
+        let result = run_block(&block, &context, &results, &Silent).unwrap();
         results.blocks.insert(block.name().into(), result);
     }
     results

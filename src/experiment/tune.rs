@@ -2,11 +2,9 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use rayon::prelude::*;
-
-use super::journal::Record;
+use super::rounds::{Evaluate, Optimisation, optimise};
 use super::search::definition;
-use super::{EarlierResults, ExperimentError, Laboratory, Progress, overrides};
+use super::{Context, EarlierResults, ExperimentError, Progress, overrides};
 use crate::numbers::random::derive_seed;
 use crate::optimise::{self, Evaluation, Margin, ObjectiveValue, Optimiser, Proposal};
 use crate::results::{BeforeAndAfter, Candidate, Outcome, SavedCase, TuneResult, Violations};
@@ -15,8 +13,8 @@ use crate::scenario::{Case, Goal, Objective, Range, ShownIn, Target, Tune, Value
 /// Points of a slice through the surrogate.
 const SLICE_STEPS: usize = 101;
 
-/// Cases of a candidate that run side by side before anybody looks for a violation. What comes after one is not counted,
-/// so that this number changes nothing but the time it takes.
+/// Cases of a candidate that may run ahead of the search for a violation. What comes after one is not counted, so that this
+/// number changes nothing but the time it takes.
 const AHEAD: usize = 8;
 
 /// Runs one tune to its end. `results` holds the searches that its cases come from.
@@ -24,28 +22,67 @@ const AHEAD: usize = 8;
 /// # Errors
 /// Whatever keeps it from a result; that no candidate is feasible is a result.
 pub fn run_tune(
-    laboratory: &Laboratory,
+    context: &Context,
     tune: &Tune,
     results: &EarlierResults,
     progress: &dyn Progress,
 ) -> Result<TuneResult, ExperimentError> {
-    let cases = laboratory.case_set(&tune.on, &tune.name, results)?;
-    let bench = Bench { laboratory, tune, cases, progress, done: AtomicUsize::new(0) };
-    bench.run()
+    let cases = context.case_set(&tune.on, &tune.name, results)?;
+    let under = Under { context, tune, cases, progress, done: AtomicUsize::new(0) };
+    under.run()
 }
 
 /// One tune under way.
-struct Bench<'a> {
-    laboratory: &'a Laboratory<'a>,
+struct Under<'a> {
+    context: &'a Context<'a>,
     tune: &'a Tune,
     cases: Vec<SavedCase>,
     progress: &'a dyn Progress,
     done: AtomicUsize,
 }
 
-impl Bench<'_> {
+impl Evaluate for Under<'_> {
+    fn cases(&self, _: usize, proposal: &Proposal) -> Result<Vec<Case>, ExperimentError> {
+        self.runs_with(&overrides::settings(&self.tune.over, &proposal.point), false)
+    }
+
+    /// Algorithm 1 of the founding paper: the cases one after the other, and the first violation ends the candidate.
+    fn is_enough(&self, outcomes: &[Outcome]) -> bool {
+        let ends_early = self.tune.early_stop && !self.tune.constraints.is_empty();
+        ends_early && outcomes.last().is_some_and(|last| self.violated(std::slice::from_ref(last)))
+    }
+
+    fn ahead(&self) -> usize {
+        if self.tune.early_stop { AHEAD } else { usize::MAX }
+    }
+
+    fn evaluation(&self, outcomes: &[Outcome], abandoned: bool) -> Evaluation {
+        let objective = |objective: &Objective| {
+            let (value, noise_variance) =
+                self.context.objective(&objective.aggregate, objective.direction, outcomes);
+            // Of a part of the set an objective says nothing.
+            let value = value.filter(|_| !abandoned);
+            ObjectiveValue { value, noise_variance: noise_variance.filter(|_| value.is_some()) }
+        };
+        let margin =
+            |constraint| Margin { value: self.context.margin(constraint, outcomes), censored: abandoned };
+        Evaluation {
+            objectives: self.tune.objectives.iter().map(objective).collect(),
+            margins: self.tune.constraints.iter().map(margin).collect(),
+            repetitions: 1,
+        }
+    }
+
+    fn evaluated(&self, evaluation: &Evaluation) {
+        let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
+        let best = evaluation.objectives[0].value.filter(|_| is_feasible(evaluation));
+        self.progress.evaluated(done, self.tune.budget.evaluations as usize, best);
+    }
+}
+
+impl Under<'_> {
     fn run(&self) -> Result<TuneResult, ExperimentError> {
-        let (suite, tune) = (self.laboratory.suite, self.tune);
+        let (suite, tune) = (self.context.suite, self.tune);
         let name = format!("{}/{}", suite.name, tune.name);
         let goals = tune.objectives.iter().map(|objective| objective.direction).collect();
         let space = overrides::space(&tune.over)?;
@@ -53,48 +90,17 @@ impl Bench<'_> {
         let definition = definition(space, &tune.budget, goals, tune.constraints.len(), seed);
         let batch = tune.budget.batch as usize;
         let inputs = (suite.seed, &suite.scenarios, &suite.supporting, tune, &self.cases);
-        let mut record =
-            Record::open(self.laboratory.journals.as_deref(), &name, &inputs, &definition, batch)?;
-        self.laboratory.tell(record.notice());
-        let mut optimiser = Optimiser::new(definition)?;
-        optimise::try_run(&mut optimiser, batch, record.journal(), |proposal| self.evaluate(proposal))?;
-        let result = self.conclude(&optimiser)?;
-        record.remove();
+        let optimisation = Optimisation::begin(self.context, &name, &inputs, definition, batch)?;
+        let mut only = [optimisation];
+        optimise(self.context, &mut only, self)?;
+        let result = self.conclude(&only[0].optimiser)?;
+        let [optimisation] = only;
+        optimisation.into_record().remove();
         Ok(result)
     }
 
-    fn evaluate(&self, proposal: &Proposal) -> Result<Evaluation, ExperimentError> {
-        let settings = overrides::settings(&self.tune.over, &proposal.point);
-        let evaluation = if self.tune.early_stop && !self.tune.constraints.is_empty() {
-            self.evaluate_until_violated(&settings)?
-        } else {
-            let outcomes = self.laboratory.run_all(&self.cases(&settings, false)?)?;
-            self.evaluation(&outcomes, false)
-        };
-        let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
-        let best = evaluation.objectives[0].value.filter(|_| is_feasible(&evaluation));
-        self.progress.evaluated(done, self.tune.budget.evaluations as usize, best);
-        Ok(evaluation)
-    }
-
-    /// Algorithm 1 of the founding paper: the cases one after the other, and the first violation ends the candidate.
-    fn evaluate_until_violated(&self, settings: &[(Target, Value)]) -> Result<Evaluation, ExperimentError> {
-        let cases = self.cases(settings, false)?;
-        let mut outcomes: Vec<Outcome> = Vec::with_capacity(cases.len());
-        for ahead in cases.chunks(AHEAD) {
-            let results: Vec<_> = ahead.par_iter().map(|case| self.laboratory.run_one(case)).collect();
-            for result in results {
-                outcomes.push(result?);
-                if self.violated(&outcomes[outcomes.len() - 1..]) {
-                    return Ok(self.evaluation(&outcomes, outcomes.len() < cases.len()));
-                }
-            }
-        }
-        Ok(self.evaluation(&outcomes, false))
-    }
-
     fn violated(&self, outcomes: &[Outcome]) -> bool {
-        let margin = |constraint| self.laboratory.margin(constraint, outcomes);
+        let margin = |constraint| self.context.margin(constraint, outcomes);
         self.tune.constraints.iter().any(|one| margin(one).is_none_or(|margin| margin < 0.0))
     }
 
@@ -114,7 +120,7 @@ impl Bench<'_> {
         let mut fewest: Option<(&optimise::EvaluatedPoint, Violations)> = None;
         for trial in optimiser.trials() {
             let settings = overrides::settings(&self.tune.over, &trial.point);
-            let outcomes = self.laboratory.run_all(&self.cases(&settings, false)?)?;
+            let outcomes = self.context.run_all(&self.runs_with(&settings, false)?)?;
             let runs = outcomes.iter().filter(|outcome| self.violated(std::slice::from_ref(outcome))).count();
             let is_less = |(best, least): &(&optimise::EvaluatedPoint, Violations)| {
                 runs.cmp(&least.runs).then(worth(trial).total_cmp(&worth(best))).is_lt()
@@ -126,26 +132,9 @@ impl Bench<'_> {
         Ok(fewest)
     }
 
-    fn evaluation(&self, outcomes: &[Outcome], abandoned: bool) -> Evaluation {
-        let objective = |objective: &crate::scenario::Objective| {
-            let (value, noise_variance) =
-                self.laboratory.objective(&objective.aggregate, objective.direction, outcomes);
-            // Of a part of the set an objective says nothing.
-            let value = value.filter(|_| !abandoned);
-            ObjectiveValue { value, noise_variance: noise_variance.filter(|_| value.is_some()) }
-        };
-        let margin =
-            |constraint| Margin { value: self.laboratory.margin(constraint, outcomes), censored: abandoned };
-        Evaluation {
-            objectives: self.tune.objectives.iter().map(objective).collect(),
-            margins: self.tune.constraints.iter().map(margin).collect(),
-            repetitions: 1,
-        }
-    }
-
     /// The set's cases with these settings: under the same seeds for every candidate, or `again` under others.
-    fn cases(&self, settings: &[(Target, Value)], again: bool) -> Result<Vec<Case>, ExperimentError> {
-        let suite = self.laboratory.suite;
+    fn runs_with(&self, settings: &[(Target, Value)], again: bool) -> Result<Vec<Case>, ExperimentError> {
+        let suite = self.context.suite;
         let mut cases = Vec::with_capacity(self.cases.len() * self.tune.fresh.max(1) as usize);
         for (index, saved) in self.cases.iter().enumerate() {
             let key = format!("{}/{}/case={}", suite.name, self.tune.name, index + 1);
@@ -156,7 +145,7 @@ impl Bench<'_> {
                     _ => (format!("{key}/fresh={run}"), Some(format!("{key}/fresh={run}"))),
                 };
                 let seed = named.map(|name| derive_seed(suite.seed, &name));
-                cases.push(self.laboratory.revive(saved, settings, key, seed)?);
+                cases.push(self.context.revive(saved, settings, key, seed)?);
             }
         }
         Ok(cases)
@@ -222,19 +211,19 @@ impl Bench<'_> {
 
     fn compare(&self, chosen: &[(Target, Value)]) -> Result<BeforeAndAfter, ExperimentError> {
         let outcomes = |settings: &[(Target, Value)], fresh| {
-            let cases = self.cases(settings, fresh)?;
-            self.laboratory.run_all(&cases)
+            let cases = self.runs_with(settings, fresh)?;
+            self.context.run_all(&cases)
         };
         let after_fresh = outcomes(chosen, true)?;
         let keeps =
-            |constraint| self.laboratory.margin(constraint, &after_fresh).is_some_and(|margin| margin >= 0.0);
+            |constraint| self.context.margin(constraint, &after_fresh).is_some_and(|margin| margin >= 0.0);
         Ok(BeforeAndAfter {
-            shown_in: self.laboratory.summaries_in(),
-            before: self.laboratory.summaries(&outcomes(&[], false)?),
-            after: self.laboratory.summaries(&outcomes(chosen, false)?),
-            before_fresh: self.laboratory.summaries(&outcomes(&[], true)?),
+            shown_in: self.context.summaries_in(),
+            before: self.context.summaries(&outcomes(&[], false)?),
+            after: self.context.summaries(&outcomes(chosen, false)?),
+            before_fresh: self.context.summaries(&outcomes(&[], true)?),
             feasible_fresh: self.tune.constraints.iter().all(keeps),
-            after_fresh: self.laboratory.summaries(&after_fresh),
+            after_fresh: self.context.summaries(&after_fresh),
         })
     }
 }

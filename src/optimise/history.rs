@@ -68,7 +68,10 @@ impl Evaluation {
     }
 
     /// Checks it against the definition and turns numbers that are not finite into undefined ones.
-    pub(super) fn checked(mut self, definition: &Definition) -> Result<Self, Error> {
+    ///
+    /// # Errors
+    /// [`Error::Evaluation`] if it does not fit.
+    pub fn checked(mut self, definition: &Definition) -> Result<Self, Error> {
         let refuse = |reason: String| Err(Error::Evaluation(reason));
         if self.objectives.len() != definition.objectives.len() {
             let (got, expected) = (self.objectives.len(), definition.objectives.len());

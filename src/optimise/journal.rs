@@ -181,19 +181,6 @@ pub fn run(
     journal: Option<&mut Journal>,
     evaluate: impl Fn(&Proposal) -> Evaluation + Sync,
 ) -> Result<(), Error> {
-    try_run(optimiser, batch, journal, |proposal| Ok(evaluate(proposal)))
-}
-
-/// As [`run`], but evaluations may fail. One that does ends the run and is not recorded: a later run tries it again.
-///
-/// # Errors
-/// The first of `evaluate` in the order of the proposals, and those of [`run`].
-pub fn try_run<E: From<Error> + Send>(
-    optimiser: &mut Optimiser,
-    batch: usize,
-    journal: Option<&mut Journal>,
-    evaluate: impl Fn(&Proposal) -> Result<Evaluation, E> + Sync,
-) -> Result<(), E> {
     let journal = journal.map(Mutex::new);
     loop {
         let proposals = optimiser.ask(batch.max(1));
@@ -210,13 +197,14 @@ pub fn try_run<E: From<Error> + Send>(
                 return Ok(evaluation.clone());
             }
             // NaN has no JSON: record what `tell` will make of it, so that a resumed run is told the same.
-            let evaluation = evaluate(proposal)?.checked(optimiser.definition())?;
+            let evaluation = evaluate(proposal).checked(optimiser.definition())?;
             if let Some(mut journal) = lock() {
                 journal.record(proposal, &evaluation)?;
             }
             Ok(evaluation)
         };
-        let evaluations: Vec<Result<Evaluation, E>> = proposals.par_iter().map(evaluate_or_recall).collect();
+        let evaluations: Vec<Result<Evaluation, Error>> =
+            proposals.par_iter().map(evaluate_or_recall).collect();
         for (proposal, evaluation) in proposals.iter().zip(evaluations) {
             optimiser.tell(proposal.id, evaluation?)?;
         }

@@ -41,7 +41,7 @@ pub use acquisition::Acquisition;
 pub use definition::{Definition, Goal, ImprovementStop, InitialDesign, Method};
 pub use findings::{Prediction, SlicePoint};
 pub use history::{EvaluatedPoint, Evaluation, Margin, ObjectiveValue};
-pub use journal::{Journal, run, try_run};
+pub use journal::{Journal, run};
 pub use optimiser::{OptimisationEnd, Optimiser, Proposal, ProposalOrigin};
 pub use space::{LARGEST_DIMENSION_COUNT, Point, Range, SearchDimension, Space, Value};
 

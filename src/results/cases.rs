@@ -36,7 +36,7 @@ pub struct SavedCase {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CaseRun {
     pub case: SavedCase,
-    /// Its metrics are in the order of the laboratory's requests.
+    /// Its metrics are in the order of the requests of whoever ran it.
     pub outcome: Outcome,
     pub passed_first: Option<String>,
 }

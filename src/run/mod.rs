@@ -1,4 +1,4 @@
-//! Executing cases: road users built from registered models, metrics read off, trials within their time limit.
+//! Executing cases: road users built from registered models, metrics read off, on whatever an executor runs them on.
 
 mod batch;
 mod build;
@@ -6,20 +6,30 @@ mod case;
 mod chance;
 mod cut_off;
 mod departure;
+mod executor;
 mod free_flow;
+mod job;
 mod name;
 mod panic;
 mod rehearsal;
+mod sequence;
+mod shuffled;
 mod stop;
-mod trial;
+#[cfg(test)]
+mod tests;
+mod threads;
 
-pub use batch::{BatchError, run_batch};
+pub use batch::{Batch, BatchError};
 pub use build::{RunError, road_users};
 pub use case::{Unwatched, run_case};
 pub use chance::drawing;
 pub use departure::{Departing, departing, departures};
+pub use executor::{Executor, Round};
 pub use free_flow::FreeFlows;
+pub use job::{Done, Failure, Job, Measured, Place, Ran, Wanted};
 pub use panic::{Panicked, note_places};
 pub use rehearsal::{Obstacle, Stage, rehearse, rehearse_trials};
+pub use sequence::{Sequence, Sequences, run_sequences};
+pub use shuffled::Shuffled;
 pub use stop::Stop;
-pub use trial::{Ran, SharedTrial, TrialError};
+pub use threads::Threads;

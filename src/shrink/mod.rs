@@ -1,9 +1,12 @@
 //! Failing cases moved towards what is declared: what is left is what the failure needs.
 //!
 //! One thing is moved at a time, all the way if the case still fails there, else as far as it does, and this again until
-//! nothing moves. The seed stays. Each step depends only on runs before it, so the same case always shrinks alike.
+//! nothing moves. The seed stays. Each step depends only on runs before it, a round of one run each, so the same case always
+//! shrinks alike.
 
 mod knob;
+
+use std::sync::Arc;
 
 use thiserror::Error;
 
@@ -11,7 +14,7 @@ use crate::judge::{PerRun, RunStanding};
 use crate::plan::PlanError;
 use crate::registry::Registry;
 use crate::results::{Outcome, Requests};
-use crate::run::{FreeFlows, RunError, Stop, Unwatched, run_case};
+use crate::run::{Batch, BatchError, Executor, Measured, RunError, Stop, Wanted};
 use crate::scenario::{DeclaredAppearance, significant};
 
 pub use knob::{Knob, Place};
@@ -23,6 +26,9 @@ pub enum ShrinkError {
     Plan(#[from] PlanError),
     #[error("{0}")]
     Run(#[from] RunError),
+    /// Somebody wished it before anything was known.
+    #[error("interrupted")]
+    Stopped,
     #[error("the run does not speak against `{criterion}`")]
     Holds { criterion: String },
 }
@@ -73,7 +79,7 @@ const LEAST_MOVE: f64 = 0.05;
 const GIVEN_FOR_ROUNDNESS: f64 = 0.1;
 const MOST_DIGITS: i32 = 6;
 
-/// Shrinks the case at `place`, which fails `criterion`, as long as nobody wishes to stop.
+/// Shrinks the case at `place`, which fails `criterion`, as long as nobody wishes to stop. `executor` makes the runs.
 ///
 /// # Errors
 /// If it cannot be run, or does not fail.
@@ -81,10 +87,11 @@ pub fn shrink(
     place: Place,
     criterion: &PerRun,
     registry: &Registry,
+    executor: &dyn Executor,
     stop: &Stop,
     progress: &mut Progress,
 ) -> Result<Shrunk, ShrinkError> {
-    let mut trials = Trials::new(criterion, registry, stop, progress);
+    let mut trials = Trials::new(criterion, registry, executor, stop, progress);
     let mut shrunk = trials.begin(place)?;
     leave_out(&mut shrunk, &mut trials);
     let knobs = knob::knobs(&shrunk.place);
@@ -108,8 +115,13 @@ pub fn shrink(
 ///
 /// # Errors
 /// As for [`shrink`].
-pub fn unmoved(place: Place, criterion: &PerRun, registry: &Registry) -> Result<Shrunk, ShrinkError> {
-    Trials::new(criterion, registry, &Stop::default(), &mut |_, _| ()).begin(place)
+pub fn unmoved(
+    place: Place,
+    criterion: &PerRun,
+    registry: &Registry,
+    executor: &dyn Executor,
+) -> Result<Shrunk, ShrinkError> {
+    Trials::new(criterion, registry, executor, &Stop::default(), &mut |_, _| ()).begin(place)
 }
 
 /// What is measured in every run: all metrics, and the criterion's own.
@@ -122,8 +134,8 @@ pub fn requests(criterion: &PerRun, registry: &Registry) -> Requests {
 /// Runs cases to see whether they fail.
 struct Trials<'t, 'p> {
     criterion: &'t PerRun,
-    requests: Requests,
-    free_flows: FreeFlows,
+    measured: Arc<Measured>,
+    executor: &'t dyn Executor,
     stop: &'t Stop,
     progress: &'t mut Progress<'p>,
     runs: usize,
@@ -133,13 +145,14 @@ impl<'t, 'p> Trials<'t, 'p> {
     fn new(
         criterion: &'t PerRun,
         registry: &Registry,
+        executor: &'t dyn Executor,
         stop: &'t Stop,
         progress: &'t mut Progress<'p>,
     ) -> Self {
         Self {
             criterion,
-            requests: requests(criterion, registry),
-            free_flows: FreeFlows::default(),
+            measured: Measured::new(requests(criterion, registry)),
+            executor,
             stop,
             progress,
             runs: 0,
@@ -151,16 +164,24 @@ impl<'t, 'p> Trials<'t, 'p> {
         let criterion = || self.criterion.criterion.text.clone();
         let (outcome, standing) = failed.ok_or_else(|| ShrinkError::Holds { criterion: criterion() })?;
         let (moves, left_out) = (Vec::new(), Vec::new());
-        let requests = self.requests.clone();
+        let requests = self.measured.requests.clone();
         Ok(Shrunk { place, outcome, requests, standing, moves, left_out, runs: self.runs, stopped: false })
     }
 
     /// What comes of the case, if it fails.
     fn run(&mut self, place: &Place, what: &str) -> Result<Option<(Outcome, RunStanding)>, ShrinkError> {
-        let outcome = run_case(&place.case()?, &self.requests, &self.free_flows, &mut Unwatched)?;
+        // The first run is made whatever is wished: without it there is nothing to say.
+        let never = Stop::default();
+        let stop = if self.runs == 0 { &never } else { self.stop };
+        let batch = Batch { executor: self.executor, measured: &self.measured, stop };
+        let outcome = match batch.one(&place.case()?, Wanted::Outcome) {
+            Ok(ran) => ran.outcome,
+            Err(BatchError::Run { error, .. }) => return Err(error.into()),
+            Err(BatchError::Stopped) => return Err(ShrinkError::Stopped),
+        };
         self.runs += 1;
         (self.progress)(self.runs, what);
-        let standing = self.criterion.standing(&outcome, &self.requests);
+        let standing = self.criterion.standing(&outcome, &self.measured.requests);
         Ok((!standing.holds).then_some((outcome, standing)))
     }
 

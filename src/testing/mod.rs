@@ -33,7 +33,6 @@ use libtest_mimic::{Arguments, Failed, Trial};
 use thiserror::Error;
 
 use crate::console::stderr;
-use crate::dispatch::{self, Kept, Unit, Work, Workshop, gate_key, judge_one_gate, measured_trials};
 use crate::experiment::Silent;
 use crate::files::Disk;
 use crate::lang::Style;
@@ -41,7 +40,8 @@ use crate::project::{Project, ProjectOptions};
 use crate::registry::Registry;
 use crate::report::{explain, render_gate_report};
 use crate::results::{Skip, Standing, UnitReport, Verdict};
-use crate::run::{SharedTrial, Stop};
+use crate::run::Threads;
+use crate::runner::{self, Unit, Usable, Work, gate_key, judge_one_gate, measured_trials};
 use crate::scenario::Gate;
 use fingerprints::{compare, lines, path, recording};
 
@@ -89,7 +89,7 @@ pub fn trials(patterns: &[&str], registry: &Registry) -> Result<Vec<Trial>, Test
 }
 
 /// Suites and scenarios, each of whose units is run at most once however many tests ask for it.
-pub struct Suites(Arc<Session>);
+pub struct Suites(Arc<Tested>);
 
 impl Suites {
     /// Loads, checks and plans whatever the patterns name, which may name what is in `registry`; a file that several of them name is there once.
@@ -103,7 +103,7 @@ impl Suites {
         notices.iter().for_each(|notice| stderr().styled(&notice.render(Style::default())));
         let project = opened.map_err(|_| TestingError::Invalid)?;
         // Tests own what they need and live as long as the process.
-        Ok(Self(Arc::new(Session::new(Box::leak(Box::new(project))))))
+        Ok(Self(Arc::new(Tested::new(Box::leak(Box::new(project))))))
     }
 
     /// The units and gates of the files that the patterns name, as [`trials`] gives them.
@@ -114,15 +114,15 @@ impl Suites {
         let chosen = self.chosen(patterns)?;
         let units = self.0.units.iter().enumerate().filter(|(_, unit)| chosen.contains(&unit.suite)).map(
             |(index, unit)| {
-                let session = Arc::clone(&self.0);
-                Trial::test(unit.key.to_string(), move || session.judge(index))
+                let tested = Arc::clone(&self.0);
+                Trial::test(unit.key.to_string(), move || tested.judge(index))
             },
         );
         let gates = chosen.iter().flat_map(|&suite| {
-            let suite_of = &self.0.workshop.suites()[suite].suite;
+            let suite_of = &self.0.session.suites()[suite].suite;
             suite_of.gates.iter().map(move |gate| {
-                let session = Arc::clone(&self.0);
-                Trial::test(gate_key(&suite_of.name, gate), move || session.judge_gate(suite, gate))
+                let tested = Arc::clone(&self.0);
+                Trial::test(gate_key(&suite_of.name, gate), move || tested.judge_gate(suite, gate))
             })
         });
         Ok(units.chain(gates).collect())
@@ -136,11 +136,11 @@ impl Suites {
     /// If a pattern names no file that was loaded.
     pub fn fingerprints(&self, patterns: &[&str], folder: &Path) -> Result<Vec<Trial>, TestingError> {
         let test = |suite: usize| {
-            let session = Arc::clone(&self.0);
-            let file = &self.0.workshop.suites()[suite].file;
+            let tested = Arc::clone(&self.0);
+            let file = &self.0.session.suites()[suite].file;
             let kept = path(folder, file);
             let unknown = !recording() && kept.parent().is_none_or(|folder| !folder.exists());
-            Trial::test(format!("fingerprints of {file}"), move || session.compare_fingerprints(suite, &kept))
+            Trial::test(format!("fingerprints of {file}"), move || tested.compare_fingerprints(suite, &kept))
                 .with_ignored_flag(unknown)
         };
         Ok(self.chosen(patterns)?.into_iter().map(test).collect())
@@ -149,7 +149,7 @@ impl Suites {
     /// Indices of the suites that the patterns name, in the order in which they were loaded.
     fn chosen(&self, patterns: &[&str]) -> Result<Vec<usize>, TestingError> {
         let wanted = files(patterns)?;
-        let suites = self.0.workshop.suites();
+        let suites = self.0.session.suites();
         if let Some(unknown) = wanted.iter().find(|file| suites.iter().all(|suite| suite.file != **file)) {
             return Err(TestingError::NotLoaded(unknown.clone()));
         }
@@ -179,23 +179,24 @@ fn files(patterns: &[&str]) -> Result<Vec<String>, TestingError> {
 }
 
 /// All units, each run when somebody first asks for it.
-struct Session {
-    workshop: Workshop<'static>,
+struct Tested {
+    session: runner::Session<'static>,
     units: Vec<Unit<'static>>,
     done: Vec<OnceLock<Done>>,
 }
 
 struct Done {
     report: UnitReport,
-    kept: Option<Arc<Kept>>,
+    kept: Option<Arc<Usable>>,
 }
 
-impl Session {
+impl Tested {
     fn new(project: &'static Project) -> Self {
         let (suites, registry) = (project.suites(), project.registry());
-        let units = dispatch::units(suites);
+        let units = runner::units(suites);
         let done = units.iter().map(|_| OnceLock::new()).collect();
-        Self { workshop: Workshop::new(suites, None, &Stop::default(), registry), units, done }
+        let threads = Box::leak(Box::new(Threads::all()));
+        Self { session: runner::Session::new(suites, threads, registry), units, done }
     }
 
     fn judge(&self, index: usize) -> Result<(), Failed> {
@@ -204,7 +205,7 @@ impl Session {
             Standing::NotJudged | Standing::Judged(Verdict::Passed) => Ok(()),
             Standing::Skipped => Err(report.skip().map(Skip::to_string).unwrap_or_default().into()),
             Standing::Judged(_) | Standing::NotFinished(_) | Standing::Errored => {
-                let suite = self.workshop.identity(self.units[index].suite);
+                let suite = self.session.identity(self.units[index].suite);
                 Err(explain(&suite, report, false).into())
             }
         }
@@ -219,18 +220,18 @@ impl Session {
                 UnitReport::Recorded(_) | UnitReport::Block(_) => None,
             })
             .collect();
-        let measured = measured_trials(&self.workshop, suite, &trials);
-        let report = judge_one_gate(&self.workshop, suite, gate, measured.as_ref(), false);
+        let measured = measured_trials(&self.session, suite, &trials);
+        let report = judge_one_gate(&self.session, suite, gate, measured.as_ref(), false);
         match report.standing() {
             Standing::Judged(Verdict::Passed) => Ok(()),
-            _ => Err(render_gate_report(&self.workshop.identity(suite), &report, false).into()),
+            _ => Err(render_gate_report(&self.session.identity(suite), &report, false).into()),
         }
     }
 
     fn compare_fingerprints(&self, suite: usize, kept: &Path) -> Result<(), Failed> {
         let of_suite = self.units.iter().enumerate().filter(|(_, unit)| unit.suite == suite);
         let reports = of_suite.map(|(index, _)| &self.done(index).report);
-        let found = lines(reports, self.workshop.requests(), self.workshop.registry())?;
+        let found = lines(reports, self.session.requests(), self.session.registry())?;
         Ok(compare(kept, &found)?)
     }
 
@@ -239,33 +240,24 @@ impl Session {
     fn done(&self, index: usize) -> &Done {
         self.done[index].get_or_init(|| {
             let report = self.run(index);
-            let kept = Kept::of(&self.units[index].work, &report).map(Arc::new);
+            let kept = Usable::of(&self.units[index].work, &report).map(Arc::new);
             Done { report, kept }
         })
     }
 
     fn run(&self, index: usize) -> UnitReport {
         let unit = &self.units[index];
-        let block = match &unit.work {
-            Work::Recorded(recorded) => {
-                return UnitReport::Recorded(self.workshop.recorded(unit.suite, &unit.key, recorded));
-            }
-            Work::Trial(trial) => {
-                return UnitReport::Trial(self.workshop.trial(unit.suite, &SharedTrial::new(trial), &|| ()));
-            }
-            Work::Block(block) => block,
-        };
         let mut kept = Vec::new();
         for need in &unit.needs {
             match &self.done(*need).kept {
                 Some(one) => kept.push(Arc::clone(one)),
                 None => {
                     let skip = Skip::needs(&self.units[*need].key, self.done(*need).report.standing());
-                    return self.workshop.skipped(unit, skip);
+                    return self.session.skipped(unit, skip);
                 }
             }
         }
-        UnitReport::Block(self.workshop.block(unit.suite, block, &Kept::gather(kept), &Silent))
+        self.session.run_unit(unit, &Usable::gather(kept), &Silent)
     }
 }
 

@@ -10,10 +10,8 @@ mod watch;
 
 use std::collections::BTreeSet;
 use std::env;
-use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
-use std::thread;
 
 use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
@@ -22,12 +20,13 @@ use super::interrupt::stop_on_interrupt;
 use super::set::SetArguments;
 use super::{Exit, filter, load, measured, number, store};
 use crate::console::{Output, stderr, stdout};
-use crate::dispatch::{self, Orders, Unit, Workshop, dispatch, judge_gates};
 use crate::escape::terminal_line;
 use crate::files;
 use crate::registry::Registry;
 use crate::report::{Live, StatusLevel, Terminal, render_gates};
 use crate::results::{GateReport, GateState, NotJudged, Standing, SuiteReport, Verdict};
+use crate::run::Threads;
+use crate::runner::{self, Orders, Session, Unit, judge_gates};
 
 pub use self::remember::LastRun;
 
@@ -223,7 +222,7 @@ pub fn run(arguments: RunArguments, registry: &Registry) -> Exit {
         return Exit::Usage;
     }
     baselines.into_iter().for_each(|path| measured::warn_of_unchecked(Path::new(path)));
-    let units = dispatch::units(suites);
+    let units = runner::units(suites);
     let mut last = LastRun::read();
     let subjects = select::subjects(suites, &units);
     filter::warn(&expressions, &subjects, colour);
@@ -243,7 +242,7 @@ pub fn run(arguments: RunArguments, registry: &Registry) -> Exit {
             writeln!(stderr(), "note: {why}: all of it is run");
         }
     }
-    let chosen = dispatch::with_needs(&units, asked);
+    let chosen = runner::with_needs(&units, asked);
     if !chosen.contains(&true) {
         let keys: Vec<&str> = units.iter().map(|unit| &*unit.key).collect();
         let hints = hints::selection(
@@ -263,36 +262,37 @@ pub fn run(arguments: RunArguments, registry: &Registry) -> Exit {
         writeln!(stderr(), "error: cannot create the folder {}: {error}", folder.display());
         return Exit::Output;
     }
-    let threads = threads(arguments.test_threads);
+    let threads = arguments.test_threads.map_or_else(Threads::all, Threads::new);
     let stop = stop_on_interrupt();
     if let Err(exit) = store::prepare(&arguments.journal) {
         return exit;
     }
     let watcher = arguments.trace.as_deref().map(watch::Traces::new);
     let watch = watcher.as_ref().map(|traces| |case: &_, trace: &_| traces.save(case, trace));
-    let mut workshop = Workshop::new(suites, Some(arguments.journal.clone()), &stop, registry);
+    let mut session =
+        Session::new(suites, &threads, registry).journals(arguments.journal.clone()).stopped_by(&stop);
     if let Some(watch) = &watch {
-        workshop = workshop.watched_by(watch);
+        session = session.watched_by(watch);
     }
     let colour = arguments.color.wanted(stdout());
     let live = super::shows_progress(arguments.no_progress).then(Live::new);
     let mut terminal = Terminal::new(arguments.status_level, colour, live);
     let max_failures = if arguments.fail_fast { Some(1) } else { arguments.max_fail.0 };
-    let orders = Orders { chosen: &chosen, first: &[], threads, max_failures };
-    let mut reports = dispatch(&workshop, &units, &orders, &mut terminal);
-    judge_gates(&workshop, &mut reports, arguments.baseline_lenient);
+    let orders = Orders { chosen: &chosen, first: &[], max_failures };
+    let mut reports = session.run(&units, &orders, &mut terminal);
+    judge_gates(&session, &mut reports, arguments.baseline_lenient);
     stdout().styled(&render_gates(&reports, colour));
     let mut complaints = watcher.as_ref().map(watch::Traces::finish).unwrap_or_default();
-    let (results, unrecorded) = output::results(&arguments.output, &workshop, reports);
+    let (results, unrecorded) = output::results(&arguments.output, &session, reports);
     let reports = &results.suites;
     complaints.extend(unrecorded);
     complaints.extend(output::write(&arguments.output, &results, in_github_actions()));
-    complaints.extend(remember::failures(&arguments.remember, suites, reports, workshop.requests()));
+    complaints.extend(remember::failures(&arguments.remember, suites, reports, session.requests()));
     last.learn(suites, reports);
     if let Err(error) = last.write() {
         writeln!(stderr(), "warning: cannot remember what failed: {error}");
     }
-    for notice in workshop.notices() {
+    for notice in session.notices() {
         writeln!(stderr(), "note: {notice}");
     }
     for complaint in &complaints {
@@ -381,14 +381,4 @@ fn list(units: &[Unit], chosen: &[bool]) -> Exit {
         writeln!(stdout(), "{}", terminal_line(&unit.key));
     }
     Exit::Success
-}
-
-/// The number of workers; inside a block there are as many.
-fn threads(wanted: Option<usize>) -> usize {
-    let Some(wanted) = wanted else {
-        return thread::available_parallelism().map_or(1, NonZeroUsize::get);
-    };
-    // It fails if there is a pool already, which then is the right one.
-    let _ = rayon::ThreadPoolBuilder::new().num_threads(wanted).build_global();
-    wanted
 }

@@ -6,16 +6,15 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use rayon::prelude::*;
 
-use crate::cli::record::record;
 use crate::console::stdout;
-use crate::dispatch::Workshop;
 use crate::files::{WholeFile, append_text};
 use crate::report::{
     Repository, annotations, step_summary, to_html, write_csv, write_json, write_junit, write_runs, write_tap,
 };
 use crate::results::{Chosen, Outcome, Recording, Results, SuiteReport, choose_runs};
+use crate::run::{Batch, BatchError, Stop, Wanted};
+use crate::runner::Session;
 use crate::scenario::Case;
 
 #[derive(Debug, Args)]
@@ -68,14 +67,14 @@ impl OutputArguments {
 /// are run again. Also what could not be recorded.
 pub fn results(
     arguments: &OutputArguments,
-    workshop: &Workshop,
+    session: &Session,
     suites: Vec<SuiteReport>,
 ) -> (Results, Option<String>) {
-    let mut results = Results { requests: workshop.requests().clone(), suites, recordings: Vec::new() };
+    let mut results = Results { requests: session.requests().clone(), suites, recordings: Vec::new() };
     if arguments.html.is_none() && arguments.json.is_none() {
         return (results, None);
     }
-    let recorded = recordings(workshop, &results.suites).map(|recordings| results.recordings = recordings);
+    let recorded = recordings(session, &results.suites).map(|recordings| results.recordings = recordings);
     (results, recorded.err())
 }
 
@@ -116,31 +115,35 @@ fn tell_github(results: &Results, repository: &Repository) -> Option<String> {
 }
 
 /// The courses of the runs to draw: they are run again.
-fn recordings(workshop: &Workshop, reports: &[SuiteReport]) -> Result<Vec<(Chosen, Recording)>, String> {
-    let chosen = reports
-        .iter()
-        .enumerate()
-        .flat_map(|(suite, report)| choose_runs(report).into_iter().map(move |chosen| (suite, chosen)));
-    let chosen: Vec<_> = chosen.collect();
-    let wanted: HashSet<&str> = chosen.iter().map(|(_, chosen)| chosen.key.as_str()).collect();
+fn recordings(session: &Session, reports: &[SuiteReport]) -> Result<Vec<(Chosen, Recording)>, String> {
+    let chosen: Vec<Chosen> = reports.iter().flat_map(choose_runs).collect();
+    let wanted: HashSet<&str> = chosen.iter().map(|chosen| chosen.key.as_str()).collect();
     let outcomes: HashMap<&str, (&Case, &Outcome)> = reports
         .iter()
-        .zip(workshop.suites())
+        .zip(session.suites())
         .flat_map(|(report, suite)| suite.plan.trials.iter().zip(&report.trials))
         .flat_map(|(planned, trial)| planned.cases.iter().zip(&trial.outcomes))
         .filter(|(case, _)| wanted.contains(case.key.as_str()))
         .map(|(case, outcome)| (case.key.as_str(), (case, outcome)))
         .collect();
-    let again = |(suite, chosen): &(usize, Chosen)| {
-        let (case, outcome) = outcomes[chosen.key.as_str()];
-        let recorded = record(case, workshop.requests(), workshop.free_flows(*suite))
-            .map_err(|error| error.to_string())?;
-        if recorded.outcome.fingerprint != outcome.fingerprint {
-            return Err(format!("{} went differently when it was repeated: please report this", case.key));
+    let mut recordings = Vec::with_capacity(chosen.len());
+    let mut differs = None;
+    let case = |index: usize| outcomes[chosen[index].key.as_str()].0.clone();
+    // Also of a session that was interrupted: what there is of it is drawn.
+    let batch = Batch { stop: &Stop::default(), ..session.batch() };
+    let made = batch.each(chosen.len(), Wanted::TraceAndEvents, case, |case, ran| {
+        let chosen = &chosen[recordings.len()];
+        if ran.outcome.fingerprint != outcomes[chosen.key.as_str()].1.fingerprint {
+            differs.get_or_insert_with(|| case.key.clone());
         }
-        Ok((chosen.clone(), Recording::new(case, &recorded.trace, recorded.events)))
-    };
-    chosen.par_iter().map(again).collect()
+        recordings.push((chosen.clone(), Recording::new(&case, &ran.trace, ran.events)));
+    });
+    match (differs, made) {
+        (Some(key), _) => Err(format!("{key} went differently when it was repeated: please report this")),
+        (None, Err(BatchError::Run { error, .. })) => Err(error.to_string()),
+        (None, Err(error)) => Err(error.to_string()),
+        (None, Ok(())) => Ok(recordings),
+    }
 }
 
 /// Writes a file as a whole, making the folders it is to be in.

@@ -10,13 +10,13 @@ use serde::{Deserialize, Serialize};
 use crate::cli::store;
 use crate::console::stderr;
 use crate::corpus::{case_hash, corpus_path, is_unchecked, record, write_corpus};
-use crate::dispatch::{Unit, gate_key};
 use crate::files::Disk;
 use crate::judge::{judge, per_run};
 use crate::plan::{Plan, PlannedTrial};
 use crate::project::PlannedSuite;
 use crate::report::{count, with_worst};
 use crate::results::{Recorded, Requests, Skip, Standing, SuiteReport, TrialReport, TrialState, Verdict};
+use crate::runner::{Unit, gate_key};
 use crate::scenario::{Gate, Suite};
 
 #[derive(Debug, Args)]

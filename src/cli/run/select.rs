@@ -6,9 +6,9 @@ use clap::Args;
 
 use super::partition::Partition;
 use crate::cli::filter::{self, FilterArguments};
-use crate::dispatch::{Unit, Work};
 use crate::lang::filter::{Filters, Subject};
 use crate::project::PlannedSuite;
+use crate::runner::{Unit, Work};
 
 #[derive(Debug, Args)]
 pub struct SelectArguments {
@@ -46,7 +46,7 @@ pub fn subjects<'a>(suites: &'a [PlannedSuite], units: &'a [Unit]) -> Vec<Subjec
     units.iter().map(subject).collect()
 }
 
-/// Whether each unit is asked for, by the filter expressions and by its name; if `failed` are given, only those of them. What units need is not looked at: see [`crate::dispatch::with_needs`].
+/// Whether each unit is asked for, by the filter expressions and by its name; if `failed` are given, only those of them. What units need is not looked at: see [`crate::runner::with_needs`].
 pub fn select(
     units: &[Unit],
     subjects: &[Subject],

@@ -91,7 +91,7 @@ fn tuned_parameters_round_trip_as_a_condition() {
     suite.evaluates[0].conditions[1].parameters = ParameterSet::Saved(path.to_string_lossy().into_owned());
     assert_eq!(runs(&run_all(&suite)), before);
     suite.evaluates[0].conditions[1].parameters = ParameterSet::Saved("nowhere.json".into());
-    let laboratory = Laboratory::new(&suite, None, &standard());
-    let missing = run_evaluate(&laboratory, &suite.evaluates[0], &results, &Silent).unwrap_err();
+    let context = Context::new(&suite, threads(), &standard());
+    let missing = run_evaluate(&context, &suite.evaluates[0], &results, &Silent).unwrap_err();
     assert!(missing.to_string().starts_with("cannot read the parameters of nowhere.json"), "{missing}");
 }

@@ -4,13 +4,22 @@ use std::time::Duration;
 
 use super::*;
 use crate::results::{BlockResult, MetricSummary, SearchResult, TuneResult, Violations};
+use crate::run::Shuffled;
 
 fn run(suite: &Suite, journals: Option<std::path::PathBuf>) -> (SearchResult, TuneResult) {
-    let laboratory = Laboratory::new(suite, journals, &standard());
-    let found = run_search(&laboratory, &suite.searches[0], &Silent).unwrap();
+    run_by(threads(), suite, journals)
+}
+
+fn run_by(
+    executor: &dyn Executor,
+    suite: &Suite,
+    journals: Option<std::path::PathBuf>,
+) -> (SearchResult, TuneResult) {
+    let context = Context { journals, ..Context::new(suite, executor, &standard()) };
+    let found = run_search(&context, &suite.searches[0], &Silent).unwrap();
     let mut results = EarlierResults::default();
     results.blocks.insert(found.name.clone(), BlockResult::Search(found.clone()));
-    let tuned = run_tune(&laboratory, &suite.tunes[0], &results, &Silent).unwrap();
+    let tuned = run_tune(&context, &suite.tunes[0], &results, &Silent).unwrap();
     (found, tuned)
 }
 
@@ -48,13 +57,12 @@ fn a_search_and_a_tune_on_what_it_found() {
 }
 
 #[test]
-fn threads_change_nothing() {
+fn executors_change_nothing() {
     let suite = suite();
-    let with = |threads| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| text(&run(&suite, None)))
-    };
-    assert_eq!(with(1), with(3));
+    let with = |executor: &dyn Executor| text(&run_by(executor, &suite, None));
+    let alone = with(&Threads::new(1));
+    assert_eq!(with(&Threads::new(3)), alone);
+    assert_eq!(with(&Shuffled::seeded(1)), alone);
 }
 
 #[test]
@@ -62,7 +70,8 @@ fn a_run_that_was_cut_off_resumes_to_the_same_result() {
     let suite = suite();
     let folder = tempfile::tempdir().unwrap();
     let undisturbed = text(&run(&suite, None));
-    let laboratory = Laboratory::new(&suite, Some(folder.path().to_owned()), &standard());
+    let context =
+        Context { journals: Some(folder.path().to_owned()), ..Context::new(&suite, threads(), &standard()) };
     // Dies in the middle of the search.
     struct Dies;
     impl Progress for Dies {
@@ -71,7 +80,7 @@ fn a_run_that_was_cut_off_resumes_to_the_same_result() {
         }
     }
     let killed = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
-        run_search(&laboratory, &suite.searches[0], &Dies)
+        run_search(&context, &suite.searches[0], &Dies)
     }));
     assert!(killed.is_err());
     assert!(std::fs::read_dir(folder.path()).unwrap().count() > 0, "journals are left behind");
@@ -84,7 +93,8 @@ fn a_run_that_is_asked_to_stop_leaves_a_journal_without_the_evaluations_that_it_
     let suite = suite();
     let folder = tempfile::tempdir().unwrap();
     let undisturbed = text(&run(&suite, None));
-    let laboratory = Laboratory::new(&suite, Some(folder.path().to_owned()), &standard());
+    let context =
+        Context { journals: Some(folder.path().to_owned()), ..Context::new(&suite, threads(), &standard()) };
     struct Stops<'a>(&'a crate::run::Stop);
     impl Progress for Stops<'_> {
         fn evaluated(&self, done: usize, _all: usize, _value: Option<f64>) {
@@ -93,7 +103,7 @@ fn a_run_that_is_asked_to_stop_leaves_a_journal_without_the_evaluations_that_it_
             }
         }
     }
-    let stopped = run_search(&laboratory, &suite.searches[0], &Stops(&laboratory.stop));
+    let stopped = run_search(&context, &suite.searches[0], &Stops(&context.stop));
     assert!(matches!(stopped, Err(ExperimentError::Stopped)));
     let lines = |path: std::path::PathBuf| std::fs::read_to_string(path).unwrap().lines().count();
     let files = std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().path());
@@ -112,8 +122,8 @@ fn sets_of_cases_round_trip_and_can_be_tuned_on() {
     std::fs::write(&path, CaseFile::write(&found.kept)).unwrap();
     assert_eq!(CaseFile::read(&path).unwrap(), found.kept);
     suite.tunes[0].on = CaseSet::Saved(path.to_string_lossy().into_owned());
-    let laboratory = Laboratory::new(&suite, None, &standard());
-    let again = run_tune(&laboratory, &suite.tunes[0], &EarlierResults::default(), &Silent).unwrap();
+    let context = Context::new(&suite, threads(), &standard());
+    let again = run_tune(&context, &suite.tunes[0], &EarlierResults::default(), &Silent).unwrap();
     assert_eq!(serde_json::to_string(&again).unwrap(), serde_json::to_string(&tuned).unwrap());
 }
 
@@ -121,23 +131,23 @@ fn sets_of_cases_round_trip_and_can_be_tuned_on() {
 fn an_empty_set_and_an_unsatisfiable_constraint_are_said_plainly() {
     let mut suite = suite();
     suite.searches[0].keep = Some(condition("pet", Relation::Less, -1.0));
-    let laboratory = Laboratory::new(&suite, None, &standard());
-    let early = run_tune(&laboratory, &suite.tunes[0], &EarlierResults::default(), &Silent);
+    let context = Context::new(&suite, threads(), &standard());
+    let early = run_tune(&context, &suite.tunes[0], &EarlierResults::default(), &Silent);
     assert_eq!(early.unwrap_err().to_string(), "`low_pet` has not been run, but is needed");
-    let nothing = run_search(&laboratory, &suite.searches[0], &Silent).unwrap();
+    let nothing = run_search(&context, &suite.searches[0], &Silent).unwrap();
     let mut results = EarlierResults::default();
     results.blocks.insert("low_pet".into(), BlockResult::Search(nothing));
-    let empty = run_tune(&laboratory, &suite.tunes[0], &results, &Silent);
+    let empty = run_tune(&context, &suite.tunes[0], &results, &Silent);
     assert_eq!(empty.unwrap_err().to_string(), "the set of cases `low_pet` is empty");
     suite.tunes[0].on =
         CaseSet::Sample { scenario: "encounter".into(), count: SampleSize::Number(1_000_000) };
-    let laboratory = Laboratory::new(&suite, None, &standard());
-    let small = run_tune(&laboratory, &suite.tunes[0], &EarlierResults::default(), &Silent).unwrap_err();
+    let context = Context::new(&suite, threads(), &standard());
+    let small = run_tune(&context, &suite.tunes[0], &EarlierResults::default(), &Silent).unwrap_err();
     assert!(small.to_string().ends_with("runs, and 1000000 are to be drawn of them"), "{small}");
     suite.tunes[0].on = CaseSet::Sample { scenario: "encounter".into(), count: SampleSize::Number(2) };
     suite.tunes[0].constraints = vec![condition("min_distance", Relation::Greater, 1e6)];
-    let laboratory = Laboratory::new(&suite, None, &standard());
-    let result = run_tune(&laboratory, &suite.tunes[0], &EarlierResults::default(), &Silent).unwrap();
+    let context = Context::new(&suite, threads(), &standard());
+    let result = run_tune(&context, &suite.tunes[0], &EarlierResults::default(), &Silent).unwrap();
     assert!(result.chosen.is_none() && result.evaluations.iter().all(|one| !one.feasible));
 }
 
@@ -149,8 +159,8 @@ fn where_nothing_is_feasible_the_fewest_violations_can_be_chosen() {
     tune.early_stop = false;
     tune.otherwise_fewest_violations = true;
     let tuned = |suite: &Suite| {
-        let laboratory = Laboratory::new(suite, None, &standard());
-        run_tune(&laboratory, &suite.tunes[0], &EarlierResults::default(), &Silent).unwrap()
+        let context = Context::new(suite, threads(), &standard());
+        run_tune(&context, &suite.tunes[0], &EarlierResults::default(), &Silent).unwrap()
     };
     // What every run violates is broken equally by all: then the objective decides.
     suite.tunes[0].constraints = vec![condition("min_distance", Relation::Greater, 1e6)];
@@ -170,12 +180,12 @@ fn where_nothing_is_feasible_the_fewest_violations_can_be_chosen() {
 #[test]
 fn a_strict_constraint_is_violated_at_its_bound() {
     let suite = suite();
-    let laboratory = Laboratory::new(&suite, None, &standard());
-    let cases = laboratory.cases_of("encounter").unwrap();
-    let case = laboratory.revive(&cases[0], &[], "key".into(), None).unwrap();
-    let outcomes = [laboratory.run_one(&case).unwrap()];
+    let context = Context::new(&suite, threads(), &standard());
+    let cases = context.cases_of("encounter").unwrap();
+    let case = context.revive(&cases[0], &[], "key".into(), None).unwrap();
+    let outcomes = context.run_all(&[case]).unwrap();
     // Nobody is hit, so that `collision` is 0.
-    let margin = |relation| laboratory.margin(&condition("collision", relation, 0.0), &outcomes).unwrap();
+    let margin = |relation| context.margin(&condition("collision", relation, 0.0), &outcomes).unwrap();
     assert!(margin(Relation::Less) < 0.0 && margin(Relation::Greater) < 0.0);
     assert!(margin(Relation::LessOrEqual) >= 0.0 && margin(Relation::Equal) > 0.0);
 }
@@ -188,8 +198,8 @@ fn stopping_early_costs_no_accuracy() {
         let mut suite = suite.clone();
         suite.tunes[0].early_stop = early_stop;
         suite.tunes[0].constraints = vec![condition("time_lost", Relation::LessOrEqual, most_lost)];
-        let laboratory = Laboratory::new(&suite, None, &standard());
-        run_tune(&laboratory, &suite.tunes[0], &EarlierResults::default(), &Silent).unwrap()
+        let context = Context::new(&suite, threads(), &standard());
+        run_tune(&context, &suite.tunes[0], &EarlierResults::default(), &Silent).unwrap()
     };
     // A bound that some of the random first candidates keep and others do not; they are the same for every bound.
     let mut lost: Vec<f64> =

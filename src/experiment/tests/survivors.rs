@@ -17,8 +17,8 @@ enum Came {
 
 use Came::{Between, Nothing, To};
 
-fn outcomes(laboratory: &Laboratory, came: &[Came]) -> Vec<Outcome> {
-    let count = laboratory.requests.iter().count();
+fn outcomes(context: &Context, came: &[Came]) -> Vec<Outcome> {
+    let count = context.requests().iter().count();
     let outcome = |came: &Came| {
         let (value, open) = match came {
             To(value) => (Some(*value), None),
@@ -46,9 +46,9 @@ const FOREVER: f64 = f64::INFINITY;
 #[test]
 fn an_objective_counts_runs_without_a_value_against_its_goal() {
     let suite = suite();
-    let laboratory = Laboratory::new(&suite, None, &standard());
+    let context = Context::new(&suite, threads(), &standard());
     let of = |goal, aggregate: Aggregate, came: &[Came]| {
-        laboratory.objective(&aggregate, goal, &outcomes(&laboratory, came))
+        context.objective(&aggregate, goal, &outcomes(&context, came))
     };
     let least = |name, came: &[Came]| of(Goal::Minimise, Aggregate::Mean(metric(name)), came);
     let most = |name, came: &[Came]| of(Goal::Maximise, Aggregate::Mean(metric(name)), came);
@@ -74,9 +74,9 @@ fn an_objective_counts_runs_without_a_value_against_its_goal() {
 #[test]
 fn a_constraint_holds_only_however_a_run_would_have_gone_on() {
     let suite = suite();
-    let laboratory = Laboratory::new(&suite, None, &standard());
+    let context = Context::new(&suite, threads(), &standard());
     let margin = |name, relation, bound, came: &[Came]| {
-        laboratory.margin(&condition(name, relation, bound), &outcomes(&laboratory, came))
+        context.margin(&condition(name, relation, bound), &outcomes(&context, came))
     };
     let lost = |bound, came: &[Came]| margin("time_lost", Relation::LessOrEqual, bound, came);
     assert_eq!(lost(5.0, &[To(2.0), To(4.0)]), Some(1.0));
@@ -110,8 +110,8 @@ fn hasty() -> Suite {
 #[test]
 fn reports_say_how_many_runs_have_no_value() {
     let suite = hasty();
-    let laboratory = Laboratory::new(&suite, None, &standard());
-    let search = run_search(&laboratory, &suite.searches[0], &Silent).unwrap();
+    let context = Context::new(&suite, threads(), &standard());
+    let search = run_search(&context, &suite.searches[0], &Silent).unwrap();
     let evaluations: usize = search.found.iter().map(|one| one.evaluations.len()).sum();
     assert!(search.found.iter().all(|one| one.evaluations.iter().all(|(_, value)| value.is_none())));
     let text = render_search(&search);
@@ -123,8 +123,8 @@ fn reports_say_how_many_runs_have_no_value() {
         .measures
         .push(aggregate(Aggregate::Mean(metric("min_distance")), "mean(min_distance)"));
     suite.tunes[0].on = CaseSet::Scenario("encounter".into());
-    let laboratory = Laboratory::new(&suite, None, &standard());
-    let result = run_evaluate(&laboratory, &suite.evaluates[0], &EarlierResults::default(), &Silent).unwrap();
+    let context = Context::new(&suite, threads(), &standard());
+    let result = run_evaluate(&context, &suite.evaluates[0], &EarlierResults::default(), &Silent).unwrap();
     let default = &result.conditions[0];
     let runs = default.runs.len();
     assert_eq!((default.measured[0], default.undecided[0]), (None, runs));
@@ -134,7 +134,7 @@ fn reports_say_how_many_runs_have_no_value() {
     let said = format!("mean(time_lost) of default: no value in {runs} of {runs} runs");
     assert!(text.contains(&said), "{text}");
 
-    let tuned = run_tune(&laboratory, &suite.tunes[0], &EarlierResults::default(), &Silent).unwrap();
+    let tuned = run_tune(&context, &suite.tunes[0], &EarlierResults::default(), &Silent).unwrap();
     assert!(tuned.evaluations.iter().all(|one| one.objectives == [None]));
     assert!(tuned.evaluations.iter().all(|one| !one.feasible) && tuned.chosen.is_none());
     let keeps = |margin: &Option<f64>| margin.is_some_and(|margin| margin >= 0.0);

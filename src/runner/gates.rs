@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
 
-use super::workshop::Workshop;
+use super::session::Session;
 use crate::judge::baseline::{Baseline, Incompatible, measured_metrics, record};
 use crate::judge::gate::judge_gate;
 use crate::plan::PlannedTrial;
@@ -12,27 +12,27 @@ use crate::results::{
     GateReport, GateState, NotJudged, Refusal, Skip, SuiteIdentity, SuiteReport, TrialReport, TrialState,
     record_command,
 };
-use crate::run::{BatchError, Panicked, run_batch};
+use crate::run::{BatchError, Panicked};
 use crate::scenario::{Gate, Suite, Trial};
 
 /// Judges every gate of every suite and puts what it came to into the suite's report. With `lenient`, trials that a
 /// baseline lacks are left out instead of being a reason not to compare.
-pub fn judge_gates<'a>(workshop: &Workshop<'a>, reports: &mut [SuiteReport], lenient: bool) {
+pub fn judge_gates<'a>(session: &Session<'a>, reports: &mut [SuiteReport], lenient: bool) {
     for (suite, report) in reports.iter_mut().enumerate() {
-        let gates = &workshop.suites()[suite].suite.gates;
+        let gates = &session.suites()[suite].suite.gates;
         if gates.is_empty() {
             continue;
         }
-        let identity = workshop.identity(suite);
+        let identity = session.identity(suite);
         let refusals: Vec<_> = gates.iter().map(|gate| other_runs(gate, &identity.set)).collect();
         // Runs that a trial did not need itself are made up for only where something is compared.
         let measured = refusals.contains(&None).then(|| {
             let trials: Vec<_> = report.trials.iter().collect();
-            measured_trials(workshop, suite, &trials)
+            measured_trials(session, suite, &trials)
         });
-        report.interrupted |= matches!(measured, Some(Err(_))) && workshop.stop().is_requested();
+        report.interrupted |= matches!(measured, Some(Err(_))) && session.stop().is_requested();
         let judged = |(gate, refusal): (&'a Gate, Option<Refusal>)| match (refusal, &measured) {
-            (None, Some(measured)) => judge_one_gate(workshop, suite, gate, measured.as_ref(), lenient),
+            (None, Some(measured)) => judge_one_gate(session, suite, gate, measured.as_ref(), lenient),
             (refusal, _) => {
                 let state = GateState::Refused(refusal.expect("whatever is not refused was measured"));
                 GateReport { gate: Arc::new(gate.clone()), key: gate_key(&identity.suite, gate), state }
@@ -63,16 +63,16 @@ fn other_runs(gate: &Gate, set: &[String]) -> Option<Refusal> {
 
 /// Judges one gate of the suite with index `suite` on what [`measured_trials`] gave.
 pub fn judge_one_gate<'a>(
-    workshop: &Workshop<'a>,
+    session: &Session<'a>,
     suite: usize,
     gate: &'a Gate,
     measured: Result<&Baseline, &NotJudged>,
     lenient: bool,
 ) -> GateReport {
-    let identity = workshop.identity(suite);
+    let identity = session.identity(suite);
     let state = match measured {
         Ok(candidate) => {
-            let suite = &workshop.suites()[suite].suite;
+            let suite = &session.suites()[suite].suite;
             state(gate, candidate, &identity, suite, lenient)
         }
         Err(why) => GateState::NotJudged(why.clone()),
@@ -87,7 +87,7 @@ pub fn gate_key(suite: &str, gate: &Gate) -> String {
 
 /// All trials of a suite as a baseline, or why they do not make one.
 pub fn measured_trials(
-    workshop: &Workshop,
+    session: &Session,
     suite: usize,
     trials: &[&TrialReport],
 ) -> Result<Baseline, NotJudged> {
@@ -106,17 +106,17 @@ pub fn measured_trials(
         };
         return Err(NotJudged::Incomplete(format!("{} {what}", trial.trial.key)));
     }
-    let prepared = &workshop.suites()[suite];
-    let (requests, free_flows) = (workshop.requests(), workshop.free_flows(suite));
+    let prepared = &session.suites()[suite];
+    let requests = session.requests();
     let by_trial: HashMap<*const Trial, &PlannedTrial> =
         prepared.plan.trials.iter().map(|planned| (Arc::as_ptr(&planned.trial), planned)).collect();
     let mut outcomes = Vec::with_capacity(trials.len());
     for trial in trials {
         let planned = by_trial[&Arc::as_ptr(&trial.trial)];
         // When a trial was decided must not decide what is compared.
-        let rest: Vec<_> = planned.cases[trial.outcomes.len()..].iter().collect();
+        let rest = &planned.cases[trial.outcomes.len()..];
         let mut all = trial.outcomes.clone();
-        let more = Panicked::catch(|| run_batch(&rest, requests, free_flows, workshop.stop(), || ()));
+        let more = Panicked::catch(|| session.batch().outcomes(rest.iter(), || ()));
         let more = more.map_err(|panicked| NotJudged::Broken(panicked.to_string()))?;
         all.extend(more.map_err(|error| match error {
             BatchError::Stopped => {
@@ -129,7 +129,7 @@ pub fn measured_trials(
     let trials: Vec<_> = outcomes.iter().map(|(trial, outcomes)| (*trial, &outcomes[..])).collect();
     let mut all = record(&prepared.plan, &trials, requests);
     // Other suites of the session may have asked for more.
-    all.keep_metrics(&measured_metrics(&prepared.suite, workshop.registry()));
+    all.keep_metrics(&measured_metrics(&prepared.suite, session.registry()));
     Ok(all)
 }
 
@@ -166,12 +166,15 @@ fn state(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::experiment::{EarlierResults, Silent};
     use crate::files::Disk;
     use crate::lang;
     use crate::models::standard;
     use crate::plan::plan;
     use crate::project::PlannedSuite;
-    use crate::run::{SharedTrial, Stop};
+    use crate::results::UnitReport;
+    use crate::run::Threads;
+    use crate::runner::units;
 
     #[test]
     fn trials_that_were_decided_early_are_run_to_their_end() {
@@ -181,21 +184,23 @@ mod tests {
             .suite;
         let plan = plan(&suite).unwrap();
         let suites = [PlannedSuite { file: "walker.scn".into(), suite, plan, recorded: Vec::new() }];
-        let workshop = Workshop::new(&suites, None, &Stop::default(), &standard());
-        let mut trials: Vec<_> = suites[0]
-            .plan
-            .trials
-            .iter()
-            .map(|trial| workshop.trial(0, &SharedTrial::new(trial), &|| ()))
-            .collect();
+        let threads = Threads::new(2);
+        let session = Session::new(&suites, &threads, &standard());
+        let mut trials = Vec::new();
+        for unit in units(&suites) {
+            match session.run_unit(&unit, &EarlierResults::default(), &Silent) {
+                UnitReport::Trial(trial) => trials.push(trial),
+                _ => panic!("a scenario has trials only"),
+            }
+        }
         let measured = |trials: &[TrialReport]| {
-            measured_trials(&workshop, 0, &trials.iter().collect::<Vec<_>>()).unwrap()
+            measured_trials(&session, 0, &trials.iter().collect::<Vec<_>>()).unwrap()
         };
         let whole = measured(&trials);
         trials[0].outcomes.truncate(3);
         assert_eq!(measured(&trials), whole);
         trials[0].state = TrialState::Errored("no".into());
-        let error = measured_trials(&workshop, 0, &trials.iter().collect::<Vec<_>>()).unwrap_err();
+        let error = measured_trials(&session, 0, &trials.iter().collect::<Vec<_>>()).unwrap_err();
         assert!(error.to_string().contains("could not be run"), "{error}");
     }
 }

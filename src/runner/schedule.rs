@@ -44,6 +44,11 @@ impl Schedule {
         schedule
     }
 
+    /// The unit that is to begin next, if one can.
+    pub fn next(&self) -> Option<usize> {
+        self.ready.first().map(|(_, unit)| *unit)
+    }
+
     /// Takes the unit that is to begin next, if one can.
     pub fn begin(&mut self) -> Option<usize> {
         let (_, unit) = self.ready.pop_first()?;

@@ -1,4 +1,4 @@
-//! EarlierResults that later units build on.
+//! What later units build on.
 
 use std::sync::Arc;
 
@@ -11,12 +11,12 @@ use crate::scenario::Case;
 
 /// What others may need of a unit.
 #[derive(Debug)]
-pub enum Kept {
+pub enum Usable {
     Runs { scenario: String, runs: Vec<(Case, Outcome)> },
     Block { name: String, result: Box<BlockResult> },
 }
 
-impl Kept {
+impl Usable {
     /// Of what became of a unit that is this work; `None` if there is nothing to build on.
     pub fn of(work: &Work, report: &UnitReport) -> Option<Self> {
         match report {

@@ -1,0 +1,118 @@
+//! Runs made on threads of this process.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use rayon::{Scope, ThreadPool, ThreadPoolBuilder};
+
+use super::executor::{Executor, Round};
+use super::job::Job;
+
+/// So many threads, whatever is run on them side by side.
+#[derive(Debug)]
+pub struct Threads {
+    pool: ThreadPool,
+    /// Rounds and other work that want threads now.
+    wanting: AtomicUsize,
+}
+
+impl Threads {
+    /// `threads` of them, at least one; fewer if the system gives no more.
+    ///
+    /// # Panics
+    /// If it gives none.
+    pub fn new(threads: usize) -> Self {
+        let threads = threads.max(1);
+        match ThreadPoolBuilder::new().num_threads(threads).build() {
+            Ok(pool) => Self { pool, wanting: AtomicUsize::new(0) },
+            Err(error) if threads == 1 => panic!("no thread can be started: {error}"),
+            // Results do not depend on how many there are.
+            Err(_) => Self::new(threads / 2),
+        }
+    }
+
+    /// One for each core.
+    pub fn all() -> Self {
+        Self::new(std::thread::available_parallelism().map_or(1, usize::from))
+    }
+
+    /// How many threads a round may have while others want some, too.
+    fn share(&self) -> usize {
+        let wanting = self.wanting.load(Ordering::Relaxed).max(1);
+        self.parallelism().div_ceil(wanting)
+    }
+
+    fn wanted<T>(&self, work: impl FnOnce() -> T) -> T {
+        struct Wanting<'t>(&'t AtomicUsize);
+        impl Drop for Wanting<'_> {
+            fn drop(&mut self) {
+                self.0.fetch_sub(1, Ordering::Relaxed);
+            }
+        }
+        self.wanting.fetch_add(1, Ordering::Relaxed);
+        let _wanting = Wanting(&self.wanting);
+        work()
+    }
+}
+
+impl Executor for Threads {
+    fn run(&self, round: &mut dyn Round) {
+        let turn = Mutex::new(Turn { round, running: 0 });
+        let call = Call { threads: self, turn: &turn };
+        self.wanted(|| self.pool.in_place_scope(|scope| call.fill(&mut call.lock(), scope)));
+    }
+
+    fn parallelism(&self) -> usize {
+        self.pool.current_num_threads()
+    }
+
+    fn host(&self, work: &mut (dyn FnMut() + Send)) {
+        self.wanted(|| self.pool.install(work));
+    }
+}
+
+/// A round under way.
+#[derive(Clone, Copy)]
+struct Call<'c, 'r> {
+    threads: &'c Threads,
+    turn: &'c Mutex<Turn<'r>>,
+}
+
+struct Turn<'r> {
+    round: &'r mut dyn Round,
+    /// Threads that make runs of it.
+    running: usize,
+}
+
+impl<'c, 'r: 'c> Call<'c, 'r> {
+    fn lock(&self) -> MutexGuard<'c, Turn<'r>> {
+        self.turn.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Gives every thread a run that the round may have and there is a run for.
+    fn fill(self, turn: &mut Turn, scope: &Scope<'c>) {
+        while turn.running < self.threads.share() {
+            let Some(job) = turn.round.next() else { break };
+            turn.running += 1;
+            scope.spawn(move |scope| self.work(job, scope));
+        }
+    }
+
+    /// Makes a run, and then others, until there are no more or others are to have the thread.
+    fn work(self, mut job: Job, scope: &Scope<'c>) {
+        loop {
+            let done = job.run();
+            let mut turn = self.lock();
+            // Should whoever is told panic, this thread is not at work any more.
+            turn.running -= 1;
+            turn.round.done(done);
+            if turn.running >= self.threads.share() {
+                return;
+            }
+            let Some(next) = turn.round.next() else { return };
+            turn.running += 1;
+            self.fill(&mut turn, scope);
+            job = next;
+        }
+    }
+}

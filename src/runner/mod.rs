@@ -1,0 +1,19 @@
+//! Running the units of suites, which are trials and blocks: several at a time, each after what it needs.
+//!
+//! Runs are made by an executor, and whatever is made of them here depends on their order alone. One thread hears of
+//! everything that happens and tells it on in order, so that reports need no locks.
+
+mod coordinator;
+mod earlier;
+mod gates;
+mod reporting;
+mod schedule;
+mod session;
+mod unit;
+mod unit_run;
+
+pub use coordinator::Orders;
+pub use earlier::Usable;
+pub use gates::{gate_key, judge_gates, judge_one_gate, measured_trials};
+pub use session::{Session, Watch};
+pub use unit::{Unit, Work, units, with_needs};

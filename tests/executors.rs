@@ -1,0 +1,167 @@
+//! Executors change nothing: trials, searches, tunes, evaluations, gates and shrinking come to the same, byte for byte, on any
+//! number of threads and in any order of completion.
+
+use std::fs;
+use std::path::Path;
+
+use scenario_runner::files::Disk;
+use scenario_runner::judge::per_run;
+use scenario_runner::lang;
+use scenario_runner::models::standard;
+use scenario_runner::plan::plan;
+use scenario_runner::project::PlannedSuite;
+use scenario_runner::results::{Event, Reporter, TrialState, Verdict};
+use scenario_runner::run::{Executor, Shuffled, Stop, Threads};
+use scenario_runner::runner::{Orders, Session, judge_gates, measured_trials, units};
+use scenario_runner::shrink::{Place, shrink};
+use serde_json::Value;
+
+/// Trials of fixed and of open length, what builds on them and on each other, and a gate.
+const SUITE: &str = r#"suite everything {
+  seed 20261122
+  scenario walker {
+    road { lane_width 4 m; speed_limit 30 km/h; crossing zebra }
+    vehicle av { controller carla_behavior; speed 30 km/h }
+    pedestrian walker {
+      model carla_walker
+      start 2 m from kerb
+      appears when time_to_arrival(av) = tta
+    }
+    vary tta in [3 s, 4 s, 5 s]
+    repeat 12
+    expect { max_deceleration <= 2 m/s^2; no collision }
+  }
+  scenario open {
+    road { lane_width 4 m; speed_limit 30 km/h; crossing zebra }
+    vehicle av { controller carla_behavior; speed 30 km/h }
+    pedestrian walker {
+      model carla_walker
+      start 2 m from kerb
+      appears when time_to_arrival(av) = tta
+    }
+    vary tta in [3 s, 12 s]
+    runs 20 .. 300
+    expect { rate(pet > 0.1 s) >= 50 % with 95 % confidence; rate(pet > 2 s) <= 50 % with 95 % confidence }
+  }
+  gate braking {
+    baseline "everything.json"
+    no metric worse by more than 5 % with 95 % confidence
+    collision not worse
+  }
+}
+search found {
+  in walker
+  minimise pet
+  over tta in 3 s .. 9 s
+  repeat 2
+  budget 6 evaluations, 3 random first
+}
+tune good {
+  on found
+  over av.controller.braking_distance in 4 m .. 12 m
+  minimise mean(time_lost)
+  subject to max_deceleration <= 3 m/s^2
+  stop early
+  budget 5 evaluations, 3 random first
+  compare with default
+}
+evaluate both {
+  on walker
+  with default, good
+}
+statement slower {
+  claim mean(pet) of walker > 0 s
+}
+"#;
+
+struct Silent;
+
+impl Reporter for Silent {
+    fn tell(&mut self, _: &Event) {}
+}
+
+fn prepared(folder: &Path) -> [PlannedSuite; 1] {
+    let path = folder.join("everything.suite");
+    let suite = lang::load(&path, &standard(), &Disk)
+        .unwrap_or_else(|failure| panic!("{}", failure.render(lang::Style::default())))
+        .suite;
+    let plan = plan(&suite).unwrap();
+    [PlannedSuite { file: "everything.suite".into(), suite, plan, recorded: Vec::new() }]
+}
+
+/// Without what depends on the clock.
+fn timeless(value: &mut Value) {
+    match value {
+        Value::Object(members) => {
+            members.retain(|name, _| !matches!(name.as_str(), "wall_time" | "started"));
+            members.values_mut().for_each(timeless);
+        }
+        Value::Array(items) => items.iter_mut().for_each(timeless),
+        _ => {}
+    }
+}
+
+/// Everything that the suite comes to, and what its first failing run shrinks to.
+fn run_by(executor: &dyn Executor, folder: &Path) -> (String, String) {
+    let suites = prepared(folder);
+    let session = Session::new(&suites, executor, &standard()).journals(folder.join("journal"));
+    let units = units(&suites);
+    let chosen = vec![true; units.len()];
+    let orders = Orders { chosen: &chosen, first: &[], max_failures: None };
+    let mut reports = session.run(&units, &orders, &mut Silent);
+    let baseline = folder.join("everything.json");
+    if !baseline.exists() {
+        let trials: Vec<_> = reports[0].trials.iter().collect();
+        fs::write(&baseline, measured_trials(&session, 0, &trials).unwrap().text()).unwrap();
+    }
+    judge_gates(&session, &mut reports, false);
+    let failing = reports[0].trials.iter().find_map(|trial| match &trial.state {
+        TrialState::Judged(judged) if judged.verdict == Verdict::Failed => Some((trial, &judged.findings)),
+        _ => None,
+    });
+    let (trial, findings) = failing.expect("some trial fails");
+    let (at, finding) =
+        findings.iter().enumerate().find(|(_, finding)| finding.verdict == Verdict::Failed).unwrap();
+    let outcome = trial.outcomes.iter().find(|one| one.key == finding.worst[0].key).unwrap();
+    let place = Place {
+        scenario: suites[0].suite.scenario(&trial.trial.scenario).unwrap().clone(),
+        variation: trial.trial.variation.clone(),
+        individuals: outcome.individuals.clone(),
+        key: outcome.key.clone(),
+        seed: outcome.seed,
+    };
+    let criterion = per_run(&trial.trial.criteria[at]).expect("a single run may speak against it");
+    let shrunk = shrink(place, &criterion, &standard(), executor, &Stop::default(), &mut |_, _| ()).unwrap();
+    let shrunk = format!("{:?} {:?} {:x}", shrunk.moves, shrunk.left_out, shrunk.outcome.fingerprint);
+    let mut all = serde_json::to_value(&reports).unwrap();
+    timeless(&mut all);
+    (serde_json::to_string_pretty(&all).unwrap(), shrunk)
+}
+
+#[test]
+fn executors_change_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = SUITE.replace("\"everything.json\"", &format!("{:?}", folder.path().join("everything.json")));
+    fs::write(folder.path().join("everything.suite"), text).unwrap();
+    let (alone, shrunk) = run_by(&Threads::new(1), folder.path());
+    assert!(!shrunk.starts_with("[]"), "something is moved: {shrunk}");
+    for word in
+        ["\"decided\"", "\"budget\"", "\"search\"", "\"tune\"", "\"evaluate\"", "\"statement\"", "\"gates\""]
+    {
+        assert!(alone.contains(word), "there is no {word} in the results");
+    }
+    let executors: Vec<(String, Box<dyn Executor>)> = [2, 5]
+        .map(|threads| (format!("{threads} threads"), Box::new(Threads::new(threads)) as Box<dyn Executor>))
+        .into_iter()
+        .chain(
+            (0..3)
+                .map(|seed| (format!("order {seed}"), Box::new(Shuffled::seeded(seed)) as Box<dyn Executor>)),
+        )
+        .collect();
+    for (name, executor) in executors {
+        let (all, same) = run_by(&*executor, folder.path());
+        let differing = alone.lines().zip(all.lines()).find(|(left, right)| left != right);
+        assert_eq!(differing, None, "with {name}");
+        assert!(alone == all && shrunk == same, "with {name}");
+    }
+}
