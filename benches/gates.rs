@@ -98,11 +98,13 @@ fn runs(suite: &Suite) -> Baseline {
     let (threads, measured) = (Threads::all(), Measured::new(requests.clone()));
     let batch = Batch { executor: &threads, measured: &measured, stop: &Stop::default() };
     let trials: Vec<_> = plan
-        .trials
-        .iter()
-        .map(|trial| (trial, batch.outcomes(trial.cases.iter(), || {}).expect("every case can be run")))
+        .trials()
+        .map(|trial| {
+            let outcomes = batch.outcomes(trial.cases.iter(), || {}).expect("every case can be run");
+            (trial, outcomes)
+        })
         .collect();
-    let trials: Vec<_> = trials.iter().map(|(trial, outcomes)| (*trial, &outcomes[..])).collect();
+    let trials: Vec<_> = trials.iter().map(|(trial, outcomes)| (trial, &outcomes[..])).collect();
     record(&plan, &trials, &requests)
 }
 

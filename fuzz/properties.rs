@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use scenario_runner::files::{Disk, Overlay};
-use scenario_runner::lang::filter::{Filters, SCENARIO, Subject};
+use scenario_runner::lang::filter::{Filters, SCENARIO, Show, Subject};
 use scenario_runner::lang::{self, Sources, Style};
 use scenario_runner::models::standard;
 use scenario_runner::scenario::{Assignment, Value};
@@ -116,7 +116,7 @@ pub fn filter(text: &str) {
                 if let Ok(opposite) = &opposite {
                     assert_ne!(filters.matches(trial), opposite.matches(trial), "{text}");
                 }
-                filters.warnings(std::slice::from_ref(trial));
+                filters.warnings(&|show: &mut Show| show(trial));
             });
         }
         Err(failure) => {

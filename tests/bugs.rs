@@ -64,7 +64,7 @@ fn panicking(place: &str) -> Exit {
         "nowhere" => return Exit::Regressed,
         "outside" => panic!("nobody expected this"),
         "run" => {
-            let case = &suites[0].plan.trials[0].cases[0];
+            let case = &suites[0].plan.trial(0).cases.first();
             drop(run_case(case, &Requests::defaults(&standard()), &FreeFlows::default(), &mut Panicking));
         }
         "reporter" => {
@@ -112,7 +112,7 @@ fn a_panic_outside_of_runs_is_a_bug_with_a_code_of_its_own() {
 fn it_names_the_run_in_which_it_happened() {
     let (code, text) = process("run");
     assert_eq!(code, Some(120), "{text}");
-    let key = &prepared()[0].plan.trials[0].cases[0].key;
+    let key = &prepared()[0].plan.trial(0).cases.first().key;
     assert!(text.contains(&format!("error: {key}: scenario-runner ")), "{text}");
     assert!(text.contains("this step is one too many"), "{text}");
 }
@@ -127,7 +127,7 @@ fn a_panic_while_others_run_ends_the_program_instead_of_hanging() {
 #[test]
 fn a_panic_in_a_trial_is_an_error_of_it_and_the_others_finish() {
     let suites = prepared();
-    let broken = &suites[0].plan.trials[0].key;
+    let broken = &suites[0].plan.trial(0).key.clone();
     let watch = |case: &scenario_runner::scenario::Case, _: &_| {
         assert!(!case.key.starts_with(broken.as_str()), "watched too closely");
     };

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use scenario_runner::files::{Disk, Overlay};
-use scenario_runner::lang::filter::Filters;
+use scenario_runner::lang::filter::{Filters, Show};
 use scenario_runner::lang::{self, Code, Diagnostic, Severity, Sources, Style};
 use scenario_runner::models::standard;
 use scenario_runner::plan;
@@ -121,7 +121,7 @@ fn wrong_filters_give_exactly_the_findings_they_announce() {
         let code: Vec<&str> = text.lines().map(|line| line.split("#~").next().unwrap()).collect();
         let (found, sources) = match Filters::parse(&[code.join("\n")]) {
             Ok(filters) => (
-                properties::ask_of_trial(|trial| filters.warnings(std::slice::from_ref(trial))),
+                properties::ask_of_trial(|trial| filters.warnings(&|show: &mut Show| show(trial))),
                 filters.sources,
             ),
             Err(failure) => (failure.diagnostics, failure.sources),
@@ -447,10 +447,12 @@ fn variations_choose_what_drives_and_walks() {
     let suite = lang::load(&folder("ok/choices.scn"), &standard(), &Disk).unwrap().suite;
     let plan = scenario_runner::plan::plan(&suite).unwrap();
     let chosen = |key: &str| {
-        let trial = plan.trials.iter().find(|trial| trial.key == key).unwrap_or_else(|| panic!("no {key}"));
-        let world = &trial.cases[0].world;
+        let trial = plan.trials().find(|trial| trial.key == key).unwrap_or_else(|| panic!("no {key}"));
+        let world = trial.cases.first().world;
         let car = &world.vehicles[0];
-        [car.controller.model.name(), car.dynamics.model.name(), world.pedestrians[0].model.model.name()]
+        let person = &world.pedestrians[0];
+        [car.controller.model.name(), car.dynamics.model.name(), person.model.model.name()]
+            .map(str::to_string)
     };
     let open = "choices/open_settings/vehicle_dynamics";
     assert_eq!(chosen(&format!("{open}=model3/mode=stock/gap=9m")), ["carla_behavior", "model3", "scripted"]);
@@ -458,9 +460,9 @@ fn variations_choose_what_drives_and_walks() {
     let pair = "choices/pairings/driver=autoware/wheels=delay_lag/who=carla_walker";
     assert_eq!(chosen(pair), ["autoware", "delay_lag", "carla_walker"]);
     assert_eq!(chosen("choices/given"), ["carla_behavior", "generic", "carla_walker"]);
-    let drawn = plan.trials.iter().filter(|trial| trial.scenario == "drawn");
+    let drawn = plan.trials().filter(|trial| trial.scenario == "drawn");
     for trial in drawn {
-        let car = &trial.cases[0].world.vehicles[0];
+        let car = &trial.cases.first().world.vehicles[0];
         assert!(trial.key.contains(&format!("wheels={}", car.dynamics.model)), "{}", trial.key);
     }
 }
@@ -532,9 +534,9 @@ fn examples(language: &str) -> Vec<String> {
 fn run_one_of_each(suite: &Suite) {
     let plan = plan::plan(suite).unwrap_or_else(|errors| panic!("{errors:?}"));
     let mut requests = Requests::defaults(&standard());
-    plan.trials.iter().for_each(|trial| requests.include(&trial.criteria));
-    for trials in plan.trials.chunk_by(|one, next| one.scenario == next.scenario) {
-        let case = &trials[0].cases[0];
+    plan.trials().for_each(|trial| requests.include(&trial.criteria));
+    for scenario in plan.scenarios() {
+        let case = &scenario.trial(0).cases.first();
         let outcome = run_case(case, &requests, &FreeFlows::default(), &mut Unwatched);
         outcome.unwrap_or_else(|error| panic!("{}: {error}", case.key));
     }

@@ -80,6 +80,6 @@ fn cases(file: &str) -> Result<HashMap<String, u64>, Failed> {
     let suite =
         lang::load(Path::new(file), &standard(), &Disk).map_err(|_| format!("{file} has errors"))?.suite;
     let plan = plan(&suite).map_err(|errors| errors[0].message.clone())?;
-    let cases = plan.trials.iter().flat_map(|trial| &trial.cases);
-    Ok(cases.map(|case| (case.key.clone(), case_hash(case))).collect())
+    let cases = plan.trials().flat_map(|trial| trial.cases.iter().collect::<Vec<_>>());
+    Ok(cases.map(|case| (case.key.clone(), case_hash(&case))).collect())
 }

@@ -176,7 +176,7 @@ fn refusal(text: &str, set: &[Override]) -> Result<(), String> {
         assert!(case.as_ref().is_some_and(|case| case.starts_with("values/a")), "{errors:?}");
         errors[0].to_string()
     })?;
-    for case in plan.trials.iter().flat_map(|trial| &trial.cases) {
+    for case in plan.trials().flat_map(|trial| trial.cases.iter().collect::<Vec<_>>()) {
         only_numbers(&serde_json::to_value(&*case.world).unwrap());
     }
     searched(&loaded.suite)

@@ -7,11 +7,11 @@ use clap::Args;
 use super::Exit;
 use crate::console::stderr;
 use crate::experiment::{Need, needs};
-use crate::lang::filter::{Filters, SCENARIO, Subject};
+use crate::lang::filter::{Each, Filters, SCENARIO, Show, Subject};
 use crate::lang::{self, Style};
 use crate::plan::{Plan, PlannedTrial};
 use crate::results::Recorded;
-use crate::scenario::{Block, CaseSet, Scenario, Suite};
+use crate::scenario::{Block, Case, CaseSet, Scenario, Suite};
 
 /// For commands that may be about some of what is loaded.
 #[derive(Debug, Clone, Default, Args)]
@@ -32,35 +32,26 @@ impl FilterArguments {
     }
 }
 
-/// Warns of predicates that match none of the subjects.
-pub fn warn(filters: &Filters, subjects: &[Subject], colour: bool) {
-    for warning in filters.warnings(subjects) {
+/// Warns of predicates that match none of the subjects, which `each` shows one after the other.
+pub fn warn(filters: &Filters, each: &Each, colour: bool) {
+    for warning in filters.warnings(each) {
         stderr().styled(&format!("{}\n\n", lang::render(&warning, &filters.sources, Style { colour })));
     }
 }
 
-/// What a filter may ask about a trial of the suite that was loaded from `file`.
-pub fn trial<'a>(suite: &'a str, file: &'a str, trial: &'a PlannedTrial) -> Subject<'a> {
-    let case = trial.cases.first();
-    let world = case.map(|case| &case.world);
-    Subject {
+/// Shows what a filter may ask about a trial of the suite that was loaded from `file`.
+pub fn with_trial<T>(suite: &str, file: &str, trial: &PlannedTrial, show: impl FnOnce(&Subject) -> T) -> T {
+    let Case { world, variation, .. } = trial.cases.first();
+    show(&Subject {
         suite,
         kind: SCENARIO,
         name: &trial.scenario,
         tags: &trial.tags,
-        models: world
-            .iter()
-            .flat_map(|world| &world.pedestrians)
-            .map(|walker| walker.model.model.name())
-            .collect(),
-        controllers: world
-            .iter()
-            .flat_map(|world| &world.vehicles)
-            .map(|car| car.controller.model.name())
-            .collect(),
+        models: world.pedestrians.iter().map(|walker| walker.model.model.name()).collect(),
+        controllers: world.vehicles.iter().map(|car| car.controller.model.name()).collect(),
         files: vec![&trial.origin.file, file],
-        variation: case.map_or(&[], |case| &case.variation),
-    }
+        variation: &variation,
+    })
 }
 
 /// What a filter may ask about a run that failed before: what it may ask about its scenario.
@@ -125,13 +116,8 @@ fn scenarios_of<'a>(suite: &'a Suite, block: &Block) -> Vec<&'a Scenario> {
     scenarios
 }
 
-/// Everything that a filter may select of a suite: its trials, then its blocks.
-pub fn subjects<'a>(
-    suite: &'a Suite,
-    plan: &'a Plan,
-    blocks: &'a [Arc<Block>],
-    file: &'a str,
-) -> Vec<Subject<'a>> {
-    let trials = plan.trials.iter().map(|planned| trial(&suite.name, file, planned));
-    trials.chain(blocks.iter().map(|found| block(suite, file, found))).collect()
+/// Shows everything that a filter may select of a suite: its trials, then its blocks.
+pub fn each_subject(suite: &Suite, plan: &Plan, blocks: &[Arc<Block>], file: &str, show: &mut Show) {
+    plan.trials().for_each(|planned| with_trial(&suite.name, file, &planned, &mut *show));
+    blocks.iter().for_each(|found| show(&block(suite, file, found)));
 }

@@ -11,7 +11,7 @@ use super::filter::{self, FilterArguments};
 use super::load;
 use crate::console::{stderr, stdout};
 use crate::files::Disk;
-use crate::lang::filter::{SCENARIO, Subject};
+use crate::lang::filter::{SCENARIO, Show, Subject};
 use crate::lang::{self, Style};
 use crate::plan::{self, Plan, PlannedTrial};
 use crate::project::plan_notices;
@@ -77,28 +77,31 @@ pub fn list(arguments: &ListArguments, registry: &Registry) -> Exit {
         }
     }
     let blocks: Vec<_> = suites.iter().map(|(_, suite, _)| Block::all(suite)).collect();
-    let subjects: Vec<Subject> = suites
-        .iter()
-        .zip(&blocks)
-        .flat_map(|((file, suite, plan), blocks)| {
-            let gates = suite.gates.iter().map(|gate| gate_subject(suite, file, gate));
-            filter::subjects(suite, plan, blocks, file).into_iter().chain(gates)
-        })
-        .collect();
-    filter::warn(&filters, &subjects, colour);
+    let each = |show: &mut Show| {
+        for ((file, suite, plan), blocks) in suites.iter().zip(&blocks) {
+            filter::each_subject(suite, plan, blocks, file, show);
+            suite.gates.iter().for_each(|gate| show(&gate_subject(suite, file, gate)));
+        }
+    };
+    filter::warn(&filters, &each, colour);
     let mut lines = Vec::new();
     for ((file, suite, plan), blocks) in suites.iter().zip(&blocks) {
         for scenario in &suite.scenarios {
-            let selected = |trial: &&PlannedTrial| {
-                trial.scenario == scenario.name && filters.matches(&filter::trial(&suite.name, file, trial))
+            let planned = plan.scenarios().iter().find(|planned| planned.scenario().name == scenario.name);
+            let Some(planned) = planned else { continue };
+            let selected = |trial: &PlannedTrial| {
+                filter::with_trial(&suite.name, file, trial, |subject| filters.matches(subject))
             };
-            let trials: Vec<&PlannedTrial> = plan.trials.iter().filter(selected).collect();
-            if !trials.is_empty() {
-                let runs = trials.iter().map(|trial| trial.cases.len()).sum();
+            let trials = match filters.is_empty() {
+                true => planned.len(),
+                false => planned.trials().filter(selected).count(),
+            };
+            if trials > 0 {
+                let runs = trials * planned.runs();
                 lines.push(Line {
                     name: format!("{}/{}", suite.name, scenario.name),
                     kind: SCENARIO,
-                    counts: vec![("trial", trials.len()), ("run", runs)],
+                    counts: vec![("trial", trials), ("run", runs)],
                     at_most: scenario.runs.is_some(),
                     tags: &scenario.tags,
                     doc: scenario.doc.as_deref(),

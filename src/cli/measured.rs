@@ -51,29 +51,25 @@ pub fn run_suite(suite: &Suite, requests: &Requests, title: &str, stop: &Stop) -
 }
 
 fn run_plan(plan: &Plan, requests: &Requests, title: &str, stop: &Stop) -> Result<Baseline, Exit> {
-    let cases: Vec<_> = plan.trials.iter().flat_map(|trial| &trial.cases).collect();
-    let bar = bar(title, cases.len() as u64);
+    let runs = plan.scenarios().iter().map(|one| one.len() * one.runs()).sum::<usize>();
+    let bar = bar(title, runs as u64);
     let (threads, measured) = (Threads::all(), Measured::new(requests.clone()));
     let batch = Batch { executor: &threads, measured: &measured, stop };
-    let outcomes = batch.outcomes(cases.into_iter(), || bar.inc(1));
+    let mut trials = Vec::with_capacity(plan.len());
+    let made = plan.trials().try_for_each(|trial| {
+        let outcomes = batch.outcomes(trial.cases.iter(), || bar.inc(1))?;
+        trials.push((trial, outcomes));
+        Ok(())
+    });
     bar.finish_and_clear();
-    let outcomes = outcomes.map_err(|error| match error {
+    made.map_err(|error| match error {
         BatchError::Stopped => Exit::Interrupted,
         BatchError::Run { .. } => {
             writeln!(stderr(), "error: {error}");
             Exit::Scenario
         }
     })?;
-    let mut rest = &outcomes[..];
-    let trials: Vec<_> = plan
-        .trials
-        .iter()
-        .map(|trial| {
-            let (own, others) = rest.split_at(trial.cases.len());
-            rest = others;
-            (trial, own)
-        })
-        .collect();
+    let trials: Vec<_> = trials.iter().map(|(trial, outcomes)| (trial, &outcomes[..])).collect();
     Ok(record(plan, &trials, requests))
 }
 

@@ -80,16 +80,18 @@ impl CaseArguments {
             }
         }
         let cases = || {
-            let trials =
-                suites.iter().flat_map(|suite| suite.plan.trials.iter().map(move |one| (suite, one)));
-            trials.flat_map(|(suite, trial)| trial.cases.iter().map(move |case| (suite, trial, case)))
+            let trials = suites.iter().flat_map(|suite| suite.plan.trials().map(move |one| (suite, one)));
+            trials.flat_map(|(suite, trial)| {
+                let runs = 0..trial.cases.len();
+                runs.map(move |run| (suite, trial.clone(), trial.cases.get(run)))
+            })
         };
         if let Some((suite, trial, case)) = cases().find(|(_, _, case)| case.key == *key) {
-            return Ok(Found { suite, case: case.clone(), criteria: trial.criteria.clone() });
+            return Ok(Found { suite, case, criteria: trial.criteria.clone() });
         }
         writeln!(stderr(), "error: no run is called `{key}`");
         let similarity = |known: &str| (strsim::normalized_levenshtein(known, key) * 1e6) as u64;
-        let nearest = cases().map(|(_, _, case)| &case.key).max_by_key(|known| similarity(known));
+        let nearest = cases().map(|(_, _, case)| case.key).max_by_key(|known| similarity(known));
         if let Some(nearest) = nearest {
             writeln!(stderr(), "help: the nearest name is `{nearest}`");
         }

@@ -49,7 +49,7 @@ struct Expected {
 fn replay_case(arguments: &ReplayArguments, found: &Found, registry: &Registry) -> Exit {
     let Found { suite, case, .. } = found;
     let mut requests = Requests::defaults(registry);
-    suite.plan.trials.iter().for_each(|trial| requests.include(&trial.criteria));
+    suite.plan.trials().for_each(|trial| requests.include(&trial.criteria));
     requests.include(&found.criteria);
     let (threads, measured, stop) = (Threads::new(1), Measured::new(requests), Stop::default());
     let batch = Batch { executor: &threads, measured: &measured, stop: &stop };

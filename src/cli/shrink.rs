@@ -232,9 +232,9 @@ fn verify(text: &str, shrunk: &Shrunk, path: &Path, registry: &Registry) -> Resu
         let loaded = lang::load(named, registry, &Overlay::new(&Disk, named, text))
             .map_err(|failure| failure.render(lang::Style::default()))?;
         let scenario = loaded.suite.scenarios.first().ok_or("it has no scenario")?;
-        let trials = plan::plan_scenario(&loaded.suite, scenario).map_err(|error| error.to_string())?;
-        let case = trials.first().and_then(|trial| trial.cases.first()).ok_or("it has no run")?;
-        outcome(case, &shrunk.requests).map_err(|error| match error {
+        let planned = plan::plan_scenario(&loaded.suite, scenario).map_err(|error| error.to_string())?;
+        let case = planned.trials().next().map(|trial| trial.cases.first()).ok_or("it has no run")?;
+        outcome(&case, &shrunk.requests).map_err(|error| match error {
             BatchError::Run { error, .. } => error.to_string(),
             BatchError::Stopped => error.to_string(),
         })

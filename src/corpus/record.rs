@@ -106,7 +106,7 @@ mod tests {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/zebra/carla_walker.scn");
         let suite =
             lang::load(&path, &standard(), &Disk).unwrap_or_else(|_| panic!("it is a scenario")).suite;
-        let mut case = plan::plan(&suite).unwrap().trials[0].cases[0].clone();
+        let mut case = plan::plan(&suite).unwrap().trial(0).cases.first();
         let mut hash = |name: &str, x: f64| {
             let body = Body { name: name.into(), x, y: -3.2, length: 4.5, width: 1.8 };
             Arc::make_mut(&mut case.world).road.boxes = vec![body];

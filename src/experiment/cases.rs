@@ -50,12 +50,10 @@ impl Context<'_> {
 
     /// Every case of a scenario as the suite plans it.
     pub(super) fn cases_of(&self, scenario: &str) -> Result<Vec<SavedCase>, ExperimentError> {
-        let trials = plan::plan_scenario(self.suite, self.scenario(scenario)?)?;
-        let cases = trials.into_iter().flat_map(|mut trial| {
-            let certain = trial.certain_runs();
-            trial.cases.truncate(certain);
-            trial.cases
-        });
+        let planned = plan::plan_scenario(self.suite, self.scenario(scenario)?)?;
+        let certain =
+            |trial: plan::PlannedTrial| trial.cases.iter().take(trial.certain_runs()).collect::<Vec<_>>();
+        let cases = planned.trials().flat_map(certain);
         let saved = cases.map(|case| SavedCase {
             key: case.key,
             scenario: case.scenario,

@@ -13,7 +13,7 @@ impl Context<'_> {
     /// Runs every case, in a round; the outcomes are in the order of the cases.
     pub(super) fn run_all(&self, cases: &[Case]) -> Result<Vec<Outcome>, ExperimentError> {
         let batch = Batch { executor: self.executor, measured: &self.measured, stop: &self.stop };
-        batch.outcomes(cases.iter(), || ()).map_err(|error| match error {
+        batch.outcomes(cases.iter().cloned(), || ()).map_err(|error| match error {
             BatchError::Run { error, .. } => error.into(),
             BatchError::Stopped => ExperimentError::Stopped,
         })

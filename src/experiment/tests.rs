@@ -227,8 +227,8 @@ fn run_all(suite: &Suite) -> EarlierResults {
     let mut results = EarlierResults::default();
     let cases: Vec<_> = crate::plan::plan_scenario(suite, &suite.scenarios[0])
         .unwrap()
-        .into_iter()
-        .flat_map(|trial| trial.cases)
+        .trials()
+        .flat_map(|trial| trial.cases.iter().collect::<Vec<_>>())
         .collect();
     let outcomes = context.run_all(&cases).unwrap();
     results.scenarios.insert("encounter".into(), cases.into_iter().zip(outcomes).collect());

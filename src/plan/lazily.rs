@@ -100,8 +100,9 @@ impl ScenarioPlan {
         let all = combinations.count().saturating_mul(runs);
         if all > MOST_RUNS {
             let message = format!("scenario `{}` asks for {all} runs, more than {MOST_RUNS}", scenario.name);
-            return Err(PlanError::new(&scenario.origin, message)
-                .with_hint("vary fewer values or repeat less often"));
+            return Err(
+                PlanError::new(&scenario.origin, message).with_hint("vary fewer values or repeat less often")
+            );
         }
         let (suite, seed, scenario) = (suite.name.clone(), suite.seed, scenario.clone());
         Ok(Self(Arc::new(Common { suite, seed, scenario, people, combinations, rounds, runs })))
@@ -183,7 +184,8 @@ impl ScenarioPlan {
         });
         let worlds = (0..people).map(|_| OnceLock::new()).collect();
         let in_rounds = rounds.is_some();
-        let planned = Planned { of: self.clone(), trial: trial.clone(), people, repetitions, in_rounds, worlds };
+        let planned =
+            Planned { of: self.clone(), trial: trial.clone(), people, repetitions, in_rounds, worlds };
         Ok(PlannedTrial { trial, cases: Cases(Source::Planned(planned)) })
     }
 
@@ -309,9 +311,8 @@ impl Planned {
     fn resolve(&self, who: usize) -> Result<Arc<World>, PlanError> {
         let Common { scenario, people, .. } = &*self.of.0;
         let world = setup::world(scenario, &variables(&self.trial.variation), &people[who]);
-        let in_case = |error: PlanError| {
-            error.in_case(&format!("{}{}", self.trial.key, people_label(&people[who])))
-        };
+        let in_case =
+            |error: PlanError| error.in_case(&format!("{}{}", self.trial.key, people_label(&people[who])));
         world.map(Arc::new).map_err(in_case)
     }
 }
@@ -350,4 +351,58 @@ pub fn probe_scenario(suite: &Suite, scenario: &Scenario) -> Result<Vec<PlannedT
         Ok(trial)
     };
     (0..plan.len().min(MOST_PROBES)).map(probe).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::files::Disk;
+    use crate::lang;
+    use crate::models::standard;
+
+    fn planned(file: &str) -> ScenarioPlan {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(file);
+        let suite =
+            lang::load(&path, &standard(), &Disk).unwrap_or_else(|_| panic!("{file} is a scenario")).suite;
+        plan_scenario(&suite, &suite.scenarios[0]).expect("it can be planned")
+    }
+
+    fn known_worlds(trial: &PlannedTrial) -> usize {
+        match &trial.cases.0 {
+            Source::Planned(planned) => planned.worlds.iter().filter(|world| world.get().is_some()).count(),
+            Source::Listed(listed) => listed.len(),
+        }
+    }
+
+    /// There may be a million: what is planned grows with neither trials nor runs, and what a trial holds not with its runs.
+    #[test]
+    fn no_world_and_no_run_is_there_before_somebody_asks() {
+        let planned = planned("scenarios/zebra/commotions_carla.scn");
+        let trial = planned.trial(2);
+        assert_eq!((trial.cases.len(), known_worlds(&trial)), (20, 0));
+        let last = trial.cases.get(19);
+        assert_eq!(known_worlds(&trial), 1, "the world of one person");
+        assert!(Arc::ptr_eq(&last.world, &trial.cases.get(16).world), "which all of their runs share");
+        assert_eq!(trial.cases.iter().count(), 20);
+        assert_eq!(known_worlds(&trial), 5);
+        assert_eq!(known_worlds(&planned.trial(2)), 0, "and which the plan itself does not keep");
+    }
+
+    #[test]
+    fn runs_have_their_places_whoever_asks_first() {
+        for file in ["scenarios/zebra/commotions_carla.scn", "scenarios/zebra/carla_walker.scn"] {
+            let planned = planned(file);
+            for (index, trial) in planned.trials().enumerate() {
+                let listed: Vec<Case> = trial.cases.iter().collect();
+                let again = planned.trial(index);
+                let backwards: Vec<Case> =
+                    (0..again.cases.len()).rev().map(|run| again.cases.get(run)).collect();
+                assert!(listed.iter().eq(backwards.iter().rev()), "{}", trial.key);
+                assert_eq!(trial.first_run, listed[0].key);
+                assert!(listed.iter().all(|case| case.key.starts_with(&trial.key)));
+            }
+        }
+    }
 }

@@ -2,6 +2,8 @@
 
 use std::collections::HashMap;
 
+use sha2::{Digest, Sha256};
+
 use super::Variables;
 use crate::numbers::design::{SOBOL_CELL, latin_hypercube, sobol_point, uniform};
 use crate::numbers::distributions::normal::Normal;
@@ -10,8 +12,39 @@ use crate::scenario::{
     Assignment, DistributionError, KnownDistribution, Samples, SamplingScheme, Value, significant,
 };
 
-/// One row per sample, one assignment per name. `known` are the variations that distributions may depend on; so they may on
-/// earlier names of their row.
+/// The samples of a variation: where each lies in the design, and how many before it read the same. What they are is worked
+/// out again for whoever asks, so that a million take little memory.
+#[derive(Debug)]
+pub struct Drawn {
+    /// One point of the open unit cube per sample, one after the other.
+    points: Vec<f64>,
+    /// Which of those that read the same each is, from 1.
+    copies: Vec<u32>,
+}
+
+impl Drawn {
+    /// The values of the sample with this index, which depend on the same `known` as when they were drawn.
+    ///
+    /// # Errors
+    /// As for [`draw`].
+    pub fn row(
+        &self,
+        index: usize,
+        names: &[String],
+        samples: &Samples,
+        known: &Variables,
+    ) -> Result<Vec<Assignment>, (String, DistributionError)> {
+        let point = &self.points[index * names.len()..][..names.len()];
+        let mut row = row(point, names, samples, &mut known.clone())?;
+        if self.copies[index] > 1 {
+            row[0].label += &format!("#{}", self.copies[index]);
+        }
+        Ok(row)
+    }
+}
+
+/// Draws the samples of a variation. `known` are the variations that distributions may depend on; so they may on earlier names
+/// of their row.
 ///
 /// # Errors
 /// If nothing can be drawn from a distribution with the numbers that it has there: its name, and why.
@@ -20,41 +53,62 @@ pub fn draw(
     names: &[String],
     samples: &Samples,
     known: &Variables,
-) -> Result<Vec<Vec<Assignment>>, (String, DistributionError)> {
-    let mut drawn: HashMap<Vec<String>, usize> = HashMap::new();
+) -> Result<Drawn, (String, DistributionError)> {
+    let points = design(samples.scheme, samples.count as usize, names.len(), seed);
     let mut known = known.clone();
-    let row = |point: Vec<f64>| {
-        let mut row = Vec::with_capacity(names.len());
-        for (index, name) in names.iter().enumerate() {
-            let distribution = samples.distributions[index].known(&known);
-            let distribution = distribution.map_err(|error| (name.clone(), error))?;
-            let (value, label) = quantile(&distribution, point[index], &samples.units[index]);
-            known.insert(name.clone(), value.clone());
-            row.push(Assignment { name: name.clone(), label, value });
-        }
-        // Two draws that round to the same words still need names of their own.
-        let copies = drawn.entry(row.iter().map(|one| one.label.clone()).collect()).or_default();
+    // Two draws that round to the same words still need names of their own.
+    let mut read: HashMap<[u8; 16], u32> = HashMap::new();
+    let copies = points.chunks_exact(names.len()).map(|point| {
+        let row = row(point, names, samples, &mut known)?;
+        let copies = read.entry(digest(row.iter().map(|one| one.label.as_str()))).or_default();
         *copies += 1;
-        if *copies > 1 {
-            row[0].label += &format!("#{copies}");
-        }
-        Ok(row)
-    };
-    design(samples.scheme, samples.count as usize, names.len(), seed).into_iter().map(row).collect()
+        Ok(*copies)
+    });
+    let copies = copies.collect::<Result<_, _>>()?;
+    Ok(Drawn { points, copies })
 }
 
-/// `count` points of the open unit cube.
-fn design(scheme: SamplingScheme, count: usize, dimensions: usize, seed: u64) -> Vec<Vec<f64>> {
+/// What a point of the design is in words and values. Each is known to those after it.
+fn row(
+    point: &[f64],
+    names: &[String],
+    samples: &Samples,
+    known: &mut Variables,
+) -> Result<Vec<Assignment>, (String, DistributionError)> {
+    let mut row = Vec::with_capacity(names.len());
+    for (index, name) in names.iter().enumerate() {
+        let distribution = samples.distributions[index].known(known);
+        let distribution = distribution.map_err(|error| (name.clone(), error))?;
+        let (value, label) = quantile(&distribution, point[index], &samples.units[index]);
+        known.insert(name.clone(), value.clone());
+        row.push(Assignment { name: name.clone(), label, value });
+    }
+    Ok(row)
+}
+
+/// Stands for words where there may be a million of them.
+pub fn digest<'w>(words: impl Iterator<Item = &'w str>) -> [u8; 16] {
+    let mut digest = Sha256::new();
+    for word in words {
+        digest.update((word.len() as u64).to_le_bytes());
+        digest.update(word);
+    }
+    let bytes: [u8; 32] = digest.finalize().into();
+    std::array::from_fn(|index| bytes[index])
+}
+
+/// `count` points of the open unit cube, one after the other.
+fn design(scheme: SamplingScheme, count: usize, dimensions: usize, seed: u64) -> Vec<f64> {
     let mut stream = Stream::seeded(seed);
     match scheme {
-        SamplingScheme::Random => uniform(count, dimensions, &mut stream),
-        SamplingScheme::LatinHypercube => latin_hypercube(count, dimensions, &mut stream),
+        SamplingScheme::Random => uniform(count, dimensions, &mut stream).concat(),
+        SamplingScheme::LatinHypercube => latin_hypercube(count, dimensions, &mut stream).concat(),
         SamplingScheme::Sobol => {
             let scramble = (seed ^ (seed >> 32)) as u32;
             // In the middle of its cell, so never on the edge.
             let inside = |corner: f64| corner + 0.5 * SOBOL_CELL;
-            let point = |index| sobol_point(index, dimensions, scramble).into_iter().map(inside).collect();
-            (0..count).map(point).collect()
+            let points = (0..count).flat_map(|index| sobol_point(index, dimensions, scramble));
+            points.map(inside).collect()
         }
     }
 }
@@ -88,9 +142,14 @@ mod tests {
         Samples { count: 256, scheme, distributions: vec![distribution], units: vec!["s".into()] }
     }
 
+    fn rows(samples: &Samples) -> Vec<Vec<Assignment>> {
+        let (names, known) = (["tta".to_string()], Variables::new());
+        let drawn = draw(3, &names, samples, &known).unwrap();
+        (0..samples.count as usize).map(|row| drawn.row(row, &names, samples, &known).unwrap()).collect()
+    }
+
     fn numbers(samples: &Samples) -> Vec<f64> {
-        let rows = draw(3, &["tta".to_string()], samples, &Variables::new()).unwrap();
-        rows.iter().map(|row| row[0].value.as_number().unwrap()).collect()
+        rows(samples).iter().map(|row| row[0].value.as_number().unwrap()).collect()
     }
 
     #[test]
@@ -109,8 +168,10 @@ mod tests {
     fn stratified_schemes_hold_one_point_a_slice() {
         for scheme in [SamplingScheme::LatinHypercube, SamplingScheme::Sobol] {
             for dimension in 0..2 {
-                let mut slices: Vec<_> =
-                    design(scheme, 64, 2, 9).iter().map(|point| (point[dimension] * 64.0) as usize).collect();
+                let mut slices: Vec<_> = design(scheme, 64, 2, 9)
+                    .chunks(2)
+                    .map(|point| (point[dimension] * 64.0) as usize)
+                    .collect();
                 slices.sort_unstable();
                 assert_eq!(slices, (0..64).collect::<Vec<_>>(), "{scheme:?}");
             }
@@ -123,7 +184,7 @@ mod tests {
             let points = design(scheme, 8, 300, 1);
             let slices = |dimension: usize| {
                 let mut slices: Vec<_> =
-                    points.iter().map(|point| (8.0 * point[dimension]) as usize).collect();
+                    points.chunks(300).map(|point| (8.0 * point[dimension]) as usize).collect();
                 slices.sort_unstable();
                 slices
             };
@@ -154,7 +215,7 @@ mod tests {
     fn equal_labels_are_told_apart() {
         let only = crate::scenario::VariedValue { value: Value::Number(1.0), label: "1s".into() };
         let samples = samples(SamplingScheme::Random, Distribution::Choice(vec![only]));
-        let rows = draw(3, &["tta".to_string()], &samples, &Variables::new()).unwrap();
+        let rows = rows(&samples);
         assert_eq!([&rows[0][0].label, &rows[1][0].label, &rows[255][0].label], ["1s", "1s#2", "1s#256"]);
     }
 }

@@ -1,41 +1,33 @@
-//! Variations: the combinations of values that a scenario is run for.
+//! Variations: the combinations of values that a scenario is run for, each made when somebody asks for it.
 
-use super::{PlanError, Variables, sampling};
+use std::borrow::Cow;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use super::sampling::{self, Drawn};
+use super::{PlanError, Variables};
 use crate::numbers::random::derive_seed;
-use crate::scenario::{Assignment, DistributionError, Samples, Scenario, Variation};
+use crate::scenario::{Assignment, DistributionError, Samples, Scenario, Variation, VariedValue};
 
-/// Per run of a variation the values of its names.
-type Rows = Vec<Vec<Assignment>>;
-
-/// The combinations of a scenario's variations, made one by one.
+/// The combinations of a scenario's variations.
+#[derive(Debug)]
 pub struct Combinations<'a> {
-    scenario: &'a Scenario,
+    scenario: Cow<'a, Scenario>,
     /// What a variation may depend on though the scenario does not vary it (any more).
     given: Variables,
-    /// The last varies fastest.
-    variations: Vec<Varying<'a>>,
+    /// One per variation; the last varies fastest.
+    draws: Vec<Draws>,
 }
 
-/// One variation.
-enum Varying<'a> {
-    Rows(Rows),
+/// What of a variation is drawn.
+#[derive(Debug)]
+enum Draws {
+    /// Nothing: its values are listed.
+    None,
+    /// All of its draws, which depend on nothing that varies.
+    Once(Drawn),
     /// Draws that depend on the variations before: those for the combination of them that was asked for last, which is that of
     /// the next one as well, until all of its draws have been had.
-    Drawn {
-        seed: u64,
-        names: &'a [String],
-        samples: &'a Samples,
-        known: Option<(usize, Rows)>,
-    },
-}
-
-impl Varying<'_> {
-    fn count(&self) -> usize {
-        match self {
-            Self::Rows(rows) => rows.len(),
-            Self::Drawn { samples, .. } => samples.count as usize,
-        }
-    }
+    Each { seed: u64, last: Mutex<Option<(usize, Arc<Drawn>)>> },
 }
 
 impl<'a> Combinations<'a> {
@@ -43,64 +35,93 @@ impl<'a> Combinations<'a> {
     ///
     /// # Errors
     /// If nothing can be drawn from a distribution.
-    pub fn new(seed: u64, scenario: &'a Scenario, given: Variables) -> Result<Self, PlanError> {
-        let varying = |variation: &'a Variation| match variation {
-            Variation::Grid { names, rows } => {
-                let value = |(name, varied): (&String, &crate::scenario::VariedValue)| Assignment {
-                    name: name.clone(),
-                    label: varied.label.clone(),
-                    value: varied.value.clone(),
-                };
-                let row = |row: &Vec<_>| names.iter().zip(row).map(value).collect();
-                Ok(Varying::Rows(rows.iter().map(row).collect()))
-            }
+    pub fn new(seed: u64, scenario: Cow<'a, Scenario>, given: Variables) -> Result<Self, PlanError> {
+        let draws = |variation: &Variation| match variation {
+            Variation::Grid { .. } => Ok(Draws::None),
             Variation::Sampled { names, samples } => {
                 let seed = derive_seed(seed, &format!("{}/{}", scenario.name, names.join("+")));
                 if variation.depends_on().iter().all(|name| names.iter().any(|own| own == name)) {
-                    let rows = sampling::draw(seed, names, samples, &given);
-                    return rows.map(Varying::Rows).map_err(|error| refused(scenario, error));
+                    let drawn = sampling::draw(seed, names, samples, &given);
+                    return drawn.map(Draws::Once).map_err(|error| refused(&scenario, error));
                 }
-                Ok(Varying::Drawn { seed, names, samples, known: None })
+                Ok(Draws::Each { seed, last: Mutex::default() })
             }
         };
-        let variations = scenario.variations.iter().map(varying).collect::<Result<_, _>>()?;
-        Ok(Self { scenario, given, variations })
+        let draws = scenario.variations.iter().map(draws).collect::<Result<_, _>>()?;
+        Ok(Self { scenario, given, draws })
     }
 
     /// At most [`usize::MAX`]; one empty combination without any variation.
     pub fn count(&self) -> usize {
-        self.variations.iter().fold(1, |count, variation| count.saturating_mul(variation.count()))
+        self.scenario.variations.iter().fold(1, |all, variation| all.saturating_mul(values(variation)))
     }
 
     /// The combination of that index below [`Self::count`].
     ///
     /// # Errors
     /// If nothing can be drawn from a distribution with the values that it depends on.
-    pub fn get(&mut self, index: usize) -> Result<Vec<Assignment>, PlanError> {
+    pub fn get(&self, index: usize) -> Result<Vec<Assignment>, PlanError> {
         let mut rest = self.count();
-        let depends = self.variations.iter().any(|one| matches!(one, Varying::Drawn { .. }));
+        let depends = self.draws.iter().any(|one| matches!(one, Draws::Each { .. }));
         let mut known = if depends { self.given.clone() } else { Variables::new() };
         let mut combination: Vec<Assignment> = Vec::new();
-        for variation in &mut self.variations {
+        for (variation, draws) in self.scenario.variations.iter().zip(&self.draws) {
             let before = index / rest;
-            rest /= variation.count();
-            let row = index / rest % variation.count();
-            let values = match variation {
-                Varying::Rows(rows) => &rows[row],
-                Varying::Drawn { seed, names, samples, known: drawn } => {
-                    if drawn.as_ref().is_none_or(|(of, _)| *of != before) {
-                        let rows = sampling::draw(*seed, names, samples, &known);
-                        *drawn = Some((before, rows.map_err(|error| refused(self.scenario, error))?));
-                    }
-                    &drawn.as_ref().expect("it was drawn just now").1[row]
+            rest /= values(variation);
+            let row = index / rest % values(variation);
+            let own = match (variation, draws) {
+                (Variation::Grid { names, rows }, _) => {
+                    let value = |(name, varied): (&String, &VariedValue)| Assignment {
+                        name: name.clone(),
+                        label: varied.label.clone(),
+                        value: varied.value.clone(),
+                    };
+                    names.iter().zip(&rows[row]).map(value).collect()
                 }
+                (Variation::Sampled { names, samples }, Draws::Once(drawn)) => {
+                    self.row(drawn, row, names, samples, &self.given)?
+                }
+                (Variation::Sampled { names, samples }, Draws::Each { seed, last }) => {
+                    let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
+                    let drawn = match &*last {
+                        Some((of, drawn)) if *of == before => drawn.clone(),
+                        _ => {
+                            let drawn = sampling::draw(*seed, names, samples, &known);
+                            let drawn = Arc::new(drawn.map_err(|error| refused(&self.scenario, error))?);
+                            *last = Some((before, drawn.clone()));
+                            drawn
+                        }
+                    };
+                    drop(last);
+                    self.row(&drawn, row, names, samples, &known)?
+                }
+                (Variation::Sampled { .. }, Draws::None) => Vec::new(),
             };
             if depends {
-                known.extend(values.iter().map(|one| (one.name.clone(), one.value.clone())));
+                known.extend(own.iter().map(|one| (one.name.clone(), one.value.clone())));
             }
-            combination.extend(values.iter().cloned());
+            combination.extend(own);
         }
         Ok(combination)
+    }
+
+    fn row(
+        &self,
+        drawn: &Drawn,
+        row: usize,
+        names: &[String],
+        samples: &Samples,
+        known: &Variables,
+    ) -> Result<Vec<Assignment>, PlanError> {
+        drawn.row(row, names, samples, known).map_err(|error| refused(&self.scenario, error))
+    }
+}
+
+/// How many values a variation has.
+fn values(variation: &Variation) -> usize {
+    match variation {
+        Variation::Grid { rows, .. } => rows.len(),
+        Variation::Sampled { samples, .. } => samples.count as usize,
     }
 }
 
@@ -116,6 +137,6 @@ fn refused(scenario: &Scenario, (name, error): (String, DistributionError)) -> P
 /// # Errors
 /// If nothing can be drawn from a distribution.
 pub fn expand(seed: u64, scenario: &Scenario, given: Variables) -> Result<Vec<Vec<Assignment>>, PlanError> {
-    let mut combinations = Combinations::new(seed, scenario, given)?;
+    let combinations = Combinations::new(seed, Cow::Borrowed(scenario), given)?;
     (0..combinations.count()).map(|index| combinations.get(index)).collect()
 }

@@ -122,7 +122,7 @@ scenario walk {
     fn a_project_needs_no_disk() {
         let files = Memory::default().with("a.scn", SCENARIO);
         let project = Project::open("a.scn", &standard(), &files).unwrap_or_else(|error| panic!("{error}"));
-        assert_eq!(project.suites()[0].plan.trials.len(), 1);
+        assert_eq!(project.suites()[0].plan.len(), 1);
         let people =
             SCENARIO.replace("model scripted", "model commotions; individuals all of \"people.csv\"");
         let files = Memory::default().with("a.scn", people.as_str());
@@ -133,7 +133,7 @@ scenario walk {
         );
         let files = files.with("people.csv", "T_delta\n10\n20\n");
         let project = Project::open("a.scn", &standard(), &files).unwrap_or_else(|error| panic!("{error}"));
-        assert_eq!(project.suites()[0].plan.trials[0].runs, 2);
+        assert_eq!(project.suites()[0].plan.trial(0).runs, 2);
     }
 
     #[test]

@@ -53,7 +53,7 @@ pub fn open(
         }
     };
     // Road users are built once, so that what a model cannot do is said before anything runs.
-    let mut obstacles = rehearse_trials(&suite, &plan.trials);
+    let mut obstacles = rehearse_trials(&plan);
     obstacles.extend(rehearse_searches(&suite));
     if !obstacles.is_empty() {
         notices.extend(obstacles.into_iter().map(obstacle));
@@ -99,8 +99,8 @@ fn nothing_asked(suite: &Suite, plan: &Plan, is_set_aside: bool) -> Option<Notic
     let asks_something = |name: &str| {
         is_set_aside || suite.scenarios.iter().any(|one| one.name == name && !one.criteria.is_empty())
     };
-    let idle = |trial: &&PlannedTrial| trial.criteria.is_empty() && asks_something(&trial.scenario);
-    let trial = plan.trials.iter().find(idle)?;
+    let idle = |trial: &PlannedTrial| trial.criteria.is_empty() && asks_something(&trial.scenario);
+    let trial = plan.trials().find(idle)?;
     Some(Notice::Plain {
         level: NoticeLevel::Error,
         message: format!("with {} no criterion applies to {}", suite.set.join(", "), trial.key),

@@ -49,7 +49,7 @@ impl Session {
         trials.iter().for_each(|trial: &PlannedTrial| requests.include(&trial.criteria));
         let (search, tune) = blocks();
         Self {
-            recorded: Arc::new(recorded(&trials[0].cases[1])),
+            recorded: Arc::new(recorded(&trials[0].cases.get(1))),
             trials,
             search,
             tune,
@@ -75,13 +75,15 @@ impl Session {
             for one in &mut trial.variation {
                 [&mut one.name, &mut one.label].into_iter().for_each(name);
             }
-            for case in &mut planned.cases {
+            let mut cases: Vec<_> = planned.cases.iter().collect();
+            for case in &mut cases {
                 case.key = case.key.replace(&key, &trial.key);
                 name(&mut case.scenario);
                 for one in &mut case.variation {
                     [&mut one.name, &mut one.label].into_iter().for_each(name);
                 }
             }
+            planned.cases = cases.into();
             for criterion in &mut trial.criteria {
                 let origin = &mut criterion.origin;
                 name(&mut criterion.text);
@@ -245,10 +247,10 @@ impl Session {
 
     /// A straight course for every chosen run.
     pub fn record(&self, chosen: Vec<Chosen>) -> Vec<(Chosen, Recording)> {
-        let cases = || self.trials.iter().flat_map(|trial| &trial.cases);
+        let cases = || self.trials.iter().flat_map(|trial| trial.cases.iter());
         let recording = |chosen: Chosen| {
             let case = cases().find(|case| case.key == chosen.key).expect("a chosen run is one of the runs");
-            (chosen, course(case))
+            (chosen, course(&case))
         };
         chosen.into_iter().map(recording).collect()
     }
@@ -276,7 +278,7 @@ impl Session {
                 wall_time: Duration::from_millis(3),
             }
         };
-        trial.cases.iter().map(outcome).collect()
+        trial.cases.iter().map(|case| outcome(&case)).collect()
     }
 }
 

@@ -66,15 +66,15 @@ impl Batch<'_> {
     ///
     /// # Panics
     /// As for [`Self::each`].
-    pub fn outcomes<'c>(
+    pub fn outcomes(
         self,
-        cases: impl ExactSizeIterator<Item = &'c Case> + Send,
+        cases: impl ExactSizeIterator<Item = Case> + Send,
         mut done: impl FnMut() + Send,
     ) -> Result<Vec<Outcome>, BatchError> {
         let mut cases = cases;
         let runs = cases.len();
         let mut outcomes = Vec::with_capacity(runs);
-        let case = |_| cases.next().expect("there are as many as were counted").clone();
+        let case = |_| cases.next().expect("there are as many as were counted");
         self.each(runs, Wanted::Outcome, case, |_, ran| {
             outcomes.push(ran.outcome);
             done();

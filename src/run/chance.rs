@@ -50,7 +50,7 @@ mod tests {
         std::fs::write(&path, text).unwrap();
         let suite = lang::load(&path, &standard(), &Disk).ok()?.suite;
         let plan = plan(&suite).ok()?;
-        let cases = &plan.trials[0].cases;
+        let cases: Vec<_> = plan.trial(0).cases.iter().collect();
         let run = |case| {
             run_case(case, &Requests::defaults(&standard()), &FreeFlows::default(), &mut Unwatched).ok()
         };

@@ -1,10 +1,7 @@
 //! Models that a world makes other ones than were published: what every report and baseline names.
 
-use std::collections::HashSet;
-use std::sync::Arc;
-
 use crate::plan::{self, PlannedTrial};
-use crate::scenario::{Case, Departure, ModelSetup, Origin, Registered, Scenario, Suite, World};
+use crate::scenario::{Departure, ModelSetup, Origin, Registered, Scenario, Suite, World};
 
 /// A road user whose model is another one than was published.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,8 +34,8 @@ fn of_model<T: Registered>(setup: &ModelSetup<T>) -> Vec<Departure> {
 /// What is to be warned of in a trial, each thing once: `` `walker`: `dt` of `commotions` is … ``.
 pub fn departures(trial: &PlannedTrial) -> Vec<String> {
     let mut said = Vec::new();
-    for world in worlds(&trial.cases) {
-        for (who, departure) in of_world(world) {
+    for world in trial.cases.worlds() {
+        for (who, departure) in of_world(&world) {
             let text = format!("`{who}`: {departure}");
             if !said.contains(&text) {
                 said.push(text);
@@ -46,12 +43,6 @@ pub fn departures(trial: &PlannedTrial) -> Vec<String> {
         }
     }
     said
-}
-
-/// Each world once, however many runs share it.
-fn worlds(cases: &[Case]) -> impl Iterator<Item = &World> {
-    let mut seen = HashSet::new();
-    cases.iter().filter(move |case| seen.insert(Arc::as_ptr(&case.world))).map(|case| &*case.world)
 }
 
 /// Of a few runs of every scenario, as [`plan::probe_scenario`] plans them; each thing once.
@@ -62,7 +53,7 @@ pub fn departing(suite: &Suite) -> Vec<Departing> {
 fn of_scenario(suite: &Suite, scenario: &Scenario) -> Vec<Departing> {
     let mut found: Vec<Departing> = Vec::new();
     let trials = plan::probe_scenario(suite, scenario).unwrap_or_default();
-    for case in trials.iter().flat_map(|trial| &trial.cases) {
+    for case in trials.iter().flat_map(|trial| trial.cases.iter()) {
         for (who, departure) in of_world(&case.world) {
             if found.iter().any(|known| known.who == who && known.departure == departure) {
                 continue;

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::build::{RunError, road_users};
-use crate::plan::{self, PlanError, PlannedTrial};
+use crate::plan::{self, Plan, PlanError, PlannedTrial, ScenarioPlan};
 use crate::scenario::{Case, Origin, Scenario, Suite};
 
 /// Something that no run gets past.
@@ -30,7 +30,9 @@ pub fn rehearse(suite: &Suite) -> Vec<Obstacle> {
     let mut obstacles = Vec::new();
     for scenario in &suite.scenarios {
         match plan::probe_scenario(suite, scenario) {
-            Ok(trials) => obstacles.extend(refusals(scenario, trials.iter().flat_map(|trial| &trial.cases))),
+            Ok(trials) => {
+                obstacles.extend(refusals(scenario, trials.iter().flat_map(|trial| trial.cases.iter())))
+            }
             Err(PlanError { message, hint, case, origin }) => {
                 let met = case.map(|key| (key, 1));
                 obstacles.push(Obstacle { stage: Stage::Planning, message, hint, met, origin: *origin });
@@ -41,21 +43,22 @@ pub fn rehearse(suite: &Suite) -> Vec<Obstacle> {
 }
 
 /// What models refuse of trials that are planned already: in the first run of each, and everybody's in the first.
-pub fn rehearse_trials(suite: &Suite, trials: &[PlannedTrial]) -> Vec<Obstacle> {
-    let scenarios: HashMap<&str, &Scenario> =
-        suite.scenarios.iter().map(|scenario| (scenario.name.as_str(), scenario)).collect();
-    let mut obstacles = Vec::new();
-    for own in trials.chunk_by(|one, next| one.scenario == next.scenario) {
-        let Some(scenario) = scenarios.get(own[0].scenario.as_str()) else { continue };
-        let first = own[0].cases.iter().filter(|case| case.repetition == 1);
-        let others = own[1..].iter().filter_map(|trial| trial.cases.first());
-        obstacles.extend(refusals(scenario, first.chain(others)));
-    }
-    obstacles
+pub fn rehearse_trials(plan: &Plan) -> Vec<Obstacle> {
+    let of_scenario = |planned: &ScenarioPlan| {
+        let first: Vec<Case> = planned.trials().take(1).flat_map(|trial| everybody(&trial)).collect();
+        let others = planned.trials().skip(1).map(|trial| trial.cases.first());
+        refusals(planned.scenario(), first.into_iter().chain(others))
+    };
+    plan.scenarios().iter().flat_map(of_scenario).collect()
+}
+
+/// The first run of everybody.
+fn everybody(trial: &PlannedTrial) -> Vec<Case> {
+    trial.cases.iter().filter(|case| case.repetition == 1).collect()
 }
 
 /// Every refusal once, at the model that refuses.
-fn refusals<'a>(scenario: &Scenario, cases: impl Iterator<Item = &'a Case>) -> Vec<Obstacle> {
+fn refusals(scenario: &Scenario, cases: impl Iterator<Item = Case>) -> Vec<Obstacle> {
     let mut obstacles: Vec<Obstacle> = Vec::new();
     let mut known: HashMap<String, usize> = HashMap::new();
     for case in cases {

@@ -25,7 +25,7 @@ impl Usable {
                 let Work::Trial(PlannedTrial { cases, .. }) = work else { return None };
                 matches!(report.state, TrialState::Judged(_)).then(|| Self::Runs {
                     scenario: report.trial.scenario.clone(),
-                    runs: cases.iter().cloned().zip(report.outcomes.iter().cloned()).collect(),
+                    runs: cases.iter().zip(report.outcomes.iter().cloned()).collect(),
                 })
             }
             UnitReport::Block(report) => {

@@ -1,19 +1,17 @@
 //! Gates, once everything is judged: each suite's runs against its baseline.
 
-use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
 
 use super::session::Session;
 use crate::judge::baseline::{Baseline, Incompatible, measured_metrics, record};
 use crate::judge::gate::judge_gate;
-use crate::plan::PlannedTrial;
 use crate::results::{
     GateReport, GateState, NotJudged, Refusal, Skip, SuiteIdentity, SuiteReport, TrialReport, TrialState,
     record_command,
 };
 use crate::run::{BatchError, Panicked};
-use crate::scenario::{Gate, Suite, Trial};
+use crate::scenario::{Gate, Suite};
 
 /// Judges every gate of every suite and puts what it came to into the suite's report. With `lenient`, trials that a
 /// baseline lacks are left out instead of being a reason not to compare.
@@ -108,15 +106,13 @@ pub fn measured_trials(
     }
     let prepared = &session.suites()[suite];
     let requests = session.requests();
-    let by_trial: HashMap<*const Trial, &PlannedTrial> =
-        prepared.plan.trials.iter().map(|planned| (Arc::as_ptr(&planned.trial), planned)).collect();
     let mut outcomes = Vec::with_capacity(trials.len());
-    for trial in trials {
-        let planned = by_trial[&Arc::as_ptr(&trial.trial)];
+    // Reports have all trials of the plan, in its order.
+    for (trial, planned) in trials.iter().zip(prepared.plan.trials()) {
         // When a trial was decided must not decide what is compared.
-        let rest = &planned.cases[trial.outcomes.len()..];
         let mut all = trial.outcomes.clone();
-        let more = Panicked::catch(|| session.batch().outcomes(rest.iter(), || ()));
+        let more =
+            Panicked::catch(|| session.batch().outcomes(planned.cases.from(trial.outcomes.len()), || ()));
         let more = more.map_err(|panicked| NotJudged::Broken(panicked.to_string()))?;
         all.extend(more.map_err(|error| match error {
             BatchError::Stopped => {
@@ -126,7 +122,7 @@ pub fn measured_trials(
         })?);
         outcomes.push((planned, all));
     }
-    let trials: Vec<_> = outcomes.iter().map(|(trial, outcomes)| (*trial, &outcomes[..])).collect();
+    let trials: Vec<_> = outcomes.iter().map(|(trial, outcomes)| (trial, &outcomes[..])).collect();
     let mut all = record(&prepared.plan, &trials, requests);
     // Other suites of the session may have asked for more.
     all.keep_metrics(&measured_metrics(&prepared.suite, session.registry()));

@@ -138,7 +138,7 @@ impl<'a> Session<'a> {
     /// A unit that is made of runs, at its beginning; `None` for a block. `told` is called after every run of a trial.
     pub(super) fn begin<'s>(
         &'s self,
-        unit: &Unit<'a>,
+        unit: &'s Unit<'a>,
         told: Box<dyn FnMut() + Send + 's>,
     ) -> Option<UnitRun<'s, 'a>> {
         match &unit.work {
@@ -263,7 +263,7 @@ mod tests {
         let suites = [PlannedSuite { file: "walker.scn".into(), suite, plan, recorded: Vec::new() }];
         let threads = Threads::new(1);
         let session = Session::new(&suites, &threads, &standard());
-        let trial = &suites[0].plan.trials[0];
+        let trial = suites[0].plan.trial(0);
         let unit = &units(&suites)[0];
         let UnitReport::Trial(report) = session.run_unit(unit, &EarlierResults::default(), &Silent) else {
             panic!("the first unit is a trial");

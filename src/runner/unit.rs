@@ -26,7 +26,7 @@ pub struct Unit<'a> {
 pub enum Work<'a> {
     /// A run that failed in an earlier session.
     Recorded(&'a Recorded),
-    Trial(&'a PlannedTrial),
+    Trial(PlannedTrial),
     Block(Arc<Block>),
 }
 
@@ -54,10 +54,10 @@ pub fn units(suites: &[PlannedSuite]) -> Vec<Unit<'_>> {
             }
             units.push(Unit { suite, key: key.into(), work: Work::Recorded(recorded), needs: Vec::new() });
         }
-        let mut scenarios: HashMap<&str, Vec<usize>> = HashMap::new();
-        for trial in &prepared.plan.trials {
-            scenarios.entry(&trial.scenario).or_default().push(units.len());
-            let key = Cow::Borrowed(trial.key.as_str());
+        let mut scenarios: HashMap<String, Vec<usize>> = HashMap::new();
+        for trial in prepared.plan.trials() {
+            scenarios.entry(trial.scenario.clone()).or_default().push(units.len());
+            let key = Cow::Owned(trial.key.clone());
             units.push(Unit { suite, key, work: Work::Trial(trial), needs: Vec::new() });
         }
         let mut blocks: HashMap<&str, usize> = HashMap::new();

@@ -41,7 +41,7 @@ impl Sequence for UnitRun<'_, '_> {
 
     fn job(&mut self, place: Place) -> Job {
         let (session, case) = match self {
-            Self::Trial(one) => (one.session, one.trial.cases[place.run].clone()),
+            Self::Trial(one) => (one.session, one.trial.cases.get(place.run)),
             Self::Recorded(one) => (one.session, one.case.take().expect("it is run once")),
         };
         session.job(place, case)
@@ -66,7 +66,7 @@ impl Sequence for UnitRun<'_, '_> {
 pub struct TrialRun<'s, 'a> {
     session: &'s Session<'a>,
     suite: usize,
-    trial: &'a PlannedTrial,
+    trial: &'s PlannedTrial,
     begun: Instant,
     time_limit: Option<Duration>,
     watch: judge::Watch<'s>,
@@ -83,7 +83,7 @@ impl<'s, 'a> TrialRun<'s, 'a> {
     pub fn new(
         session: &'s Session<'a>,
         suite: usize,
-        trial: &'a PlannedTrial,
+        trial: &'s PlannedTrial,
         told: Box<dyn FnMut() + Send + 's>,
     ) -> Self {
         Self {

@@ -22,6 +22,7 @@ use super::{Exit, filter, load, measured, number, store};
 use crate::console::{Output, stderr, stdout};
 use crate::escape::terminal_line;
 use crate::files;
+use crate::lang::filter::Show;
 use crate::registry::Registry;
 use crate::report::{Live, StatusLevel, Terminal, render_gates};
 use crate::results::{GateReport, GateState, NotJudged, Standing, SuiteReport, Verdict};
@@ -224,11 +225,13 @@ pub fn run(arguments: RunArguments, registry: &Registry) -> Exit {
     baselines.into_iter().for_each(|path| measured::warn_of_unchecked(Path::new(path)));
     let units = runner::units(suites);
     let mut last = LastRun::read();
-    let subjects = select::subjects(suites, &units);
-    filter::warn(&expressions, &subjects, colour);
+    let each = |show: &mut Show| {
+        units.iter().for_each(|unit| select::with_subject(suites, unit, &mut *show));
+    };
+    filter::warn(&expressions, &each, colour);
     let word = filters.first().map(|filter| filter.as_str());
     let select = |failed: Option<&BTreeSet<String>>| {
-        select::select(&units, &subjects, &expressions, word, &arguments.select, failed)
+        select::select(suites, &units, &expressions, word, &arguments.select, failed)
     };
     let mut asked = select(arguments.select.last_failed.then(|| last.failed_units(suites, &units)).as_ref());
     if arguments.select.last_failed && !asked.contains(&true) {

@@ -118,13 +118,17 @@ fn tell_github(results: &Results, repository: &Repository) -> Option<String> {
 fn recordings(session: &Session, reports: &[SuiteReport]) -> Result<Vec<(Chosen, Recording)>, String> {
     let chosen: Vec<Chosen> = reports.iter().flat_map(choose_runs).collect();
     let wanted: HashSet<&str> = chosen.iter().map(|chosen| chosen.key.as_str()).collect();
-    let outcomes: HashMap<&str, (&Case, &Outcome)> = reports
+    let outcomes: HashMap<&str, (Case, &Outcome)> = reports
         .iter()
         .zip(session.suites())
-        .flat_map(|(report, suite)| suite.plan.trials.iter().zip(&report.trials))
-        .flat_map(|(planned, trial)| planned.cases.iter().zip(&trial.outcomes))
-        .filter(|(case, _)| wanted.contains(case.key.as_str()))
-        .map(|(case, outcome)| (case.key.as_str(), (case, outcome)))
+        .flat_map(|(report, suite)| suite.plan.trials().zip(&report.trials))
+        .flat_map(|(planned, trial)| {
+            let outcomes = trial.outcomes.iter().enumerate();
+            let chosen = outcomes.filter(|(_, outcome)| wanted.contains(outcome.key.as_str()));
+            chosen
+                .map(|(index, outcome)| (outcome.key.as_str(), (planned.cases.get(index), outcome)))
+                .collect::<Vec<_>>()
+        })
         .collect();
     let mut recordings = Vec::with_capacity(chosen.len());
     let mut differs = None;

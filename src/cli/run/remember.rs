@@ -95,8 +95,8 @@ pub fn failures(
 
 /// The runs that failed criteria name as their worst, each with all that it speaks against.
 fn speaking_against(plan: &Plan, report: &SuiteReport, requests: &Requests) -> Vec<Recorded> {
-    let trials = plan.trials.iter().zip(&report.trials);
-    trials.flat_map(|(planned, trial)| runs_against(planned, trial, requests)).collect()
+    let trials = plan.trials().zip(&report.trials);
+    trials.flat_map(|(planned, trial)| runs_against(&planned, trial, requests)).collect()
 }
 
 fn runs_against(planned: &PlannedTrial, trial: &TrialReport, requests: &Requests) -> Vec<Recorded> {
@@ -117,7 +117,7 @@ fn runs_against(planned: &PlannedTrial, trial: &TrialReport, requests: &Requests
         let against: Vec<_> = against.map(with_worst).collect();
         // The worst run for an aggregate may be on the right side of its bound.
         if !against.is_empty() {
-            records.push(record(case, outcome, against));
+            records.push(record(&case, outcome, against));
         }
     }
     records
@@ -213,9 +213,9 @@ impl LastRun {
             for (key, _) in skipped.filter(|(_, skip)| is_as_declared && skip.is_some_and(was_to_be_run)) {
                 self.failed.insert(key.to_string());
             }
-            let trials = suite.plan.trials.iter().zip(&report.trials);
+            let trials = suite.plan.trials().zip(&report.trials);
             for (planned, trial) in trials.filter(|(_, trial)| !trial.skipped()) {
-                self.learn_runs(planned, trial);
+                self.learn_runs(&planned, trial);
             }
         }
     }
@@ -232,7 +232,7 @@ impl LastRun {
             let name = Self::run_name(&outcome.key, outcome.seed);
             if worst.contains(outcome.key.as_str()) {
                 let hexadecimal = |number: u64| format!("{number:016x}");
-                let (case, fingerprint) = (hexadecimal(case_hash(case)), hexadecimal(outcome.fingerprint));
+                let (case, fingerprint) = (hexadecimal(case_hash(&case)), hexadecimal(outcome.fingerprint));
                 self.runs.insert(name, SeenRun { case, fingerprint });
             } else {
                 self.runs.remove(&name);

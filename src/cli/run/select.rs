@@ -33,23 +33,20 @@ pub struct SelectArguments {
     pub partition: Option<Partition>,
 }
 
-/// What filter expressions may ask about each unit.
-pub fn subjects<'a>(suites: &'a [PlannedSuite], units: &'a [Unit]) -> Vec<Subject<'a>> {
-    let subject = |unit: &'a Unit| {
-        let PlannedSuite { file, suite, .. } = &suites[unit.suite];
-        match &unit.work {
-            Work::Trial(trial) => filter::trial(&suite.name, file, trial),
-            Work::Block(block) => filter::block(suite, file, block),
-            Work::Recorded(recorded) => filter::recorded(suite, file, recorded),
-        }
-    };
-    units.iter().map(subject).collect()
+/// Shows what filter expressions may ask about a unit.
+pub fn with_subject<T>(suites: &[PlannedSuite], unit: &Unit, show: impl FnOnce(&Subject) -> T) -> T {
+    let PlannedSuite { file, suite, .. } = &suites[unit.suite];
+    match &unit.work {
+        Work::Trial(trial) => filter::with_trial(&suite.name, file, trial, show),
+        Work::Block(block) => show(&filter::block(suite, file, block)),
+        Work::Recorded(recorded) => show(&filter::recorded(suite, file, recorded)),
+    }
 }
 
 /// Whether each unit is asked for, by the filter expressions and by its name; if `failed` are given, only those of them. What units need is not looked at: see [`crate::runner::with_needs`].
 pub fn select(
+    suites: &[PlannedSuite],
     units: &[Unit],
-    subjects: &[Subject],
     filters: &Filters,
     filter: Option<&str>,
     arguments: &SelectArguments,
@@ -58,18 +55,17 @@ pub fn select(
     let matches = |key: &str, filter: &str| {
         if arguments.exact { key == filter } else { key.contains(filter) }
     };
-    let wanted = |unit: &Unit, subject: &Subject| {
+    let wanted = |unit: &Unit| {
         filter.is_none_or(|filter| matches(&unit.key, filter))
             && failed.is_none_or(|failed| failed.contains(&*unit.key))
             && !arguments.skip.iter().any(|skip| matches(&unit.key, skip))
-            && filters.matches(subject)
+            && (filters.is_empty() || with_subject(suites, unit, |subject| filters.matches(subject)))
     };
     let mut place = 0;
     units
         .iter()
-        .zip(subjects)
-        .map(|(unit, subject)| {
-            let wanted = wanted(unit, subject);
+        .map(|unit| {
+            let wanted = wanted(unit);
             let mine = arguments.partition.is_none_or(|partition| partition.holds(place, &unit.key));
             place += usize::from(wanted);
             wanted && mine

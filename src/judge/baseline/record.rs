@@ -23,7 +23,7 @@ pub fn record(plan: &Plan, trials: &[(&PlannedTrial, &[Outcome])], requests: &Re
     let mut vehicles: Vec<Vec<TestedVehicle>> = Vec::new();
     let mut recorded = Vec::with_capacity(trials.len());
     for (trial, outcomes) in trials {
-        let tested = tested_vehicles(&trial.cases[0]);
+        let tested = tested_vehicles(&trial.cases.first());
         let place = vehicles.iter().position(|known| *known == tested).unwrap_or_else(|| {
             vehicles.push(tested);
             vehicles.len() - 1
@@ -37,11 +37,11 @@ pub fn record(plan: &Plan, trials: &[(&PlannedTrial, &[Outcome])], requests: &Re
         recorded.push(RecordedTrial {
             key: trial.key.strip_prefix(&format!("{suite}/")).unwrap_or(&trial.key).to_string(),
             scenario: trial.scenario.clone(),
-            certain: trial.cases.iter().all(|case| drawing(&case.world).is_empty()),
+            certain: trial.cases.worlds().iter().all(|world| drawing(world).is_empty()),
             fingerprint: hash(&outcomes.iter().map(|outcome| outcome.fingerprint).collect::<Vec<_>>(), 16),
             seeds: Some(hash(&trial.cases.iter().map(|case| case.seed).collect::<Vec<_>>(), 12)),
             warnings: departures(trial),
-            parts: parts(&trial.cases),
+            parts: parts(&trial.cases.iter().collect::<Vec<_>>()),
             vehicles: place,
             runs: outcomes.iter().map(label).collect(),
             values: (0..requests.iter().count()).map(row).collect(),

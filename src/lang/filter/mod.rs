@@ -67,6 +67,12 @@ enum Test {
     Always(bool),
 }
 
+/// Is shown subjects.
+pub type Show<'s> = dyn FnMut(&Subject) + 's;
+
+/// Shows all subjects that there are, one after the other.
+pub type Each<'s> = dyn Fn(&mut Show) + 's;
+
 impl Filters {
     /// Reads every expression.
     ///
@@ -97,14 +103,21 @@ impl Filters {
         self.is_empty() || self.filters.iter().any(|filter| filter.holds(&filter.expression, subject))
     }
 
-    /// A warning for every predicate that holds for none of the `subjects`.
-    pub fn warnings(&self, subjects: &[Subject]) -> Vec<Diagnostic> {
+    /// A warning for every predicate that holds for none of the subjects, of which there may be millions: `each` shows them one
+    /// after the other.
+    pub fn warnings(&self, each: &Each) -> Vec<Diagnostic> {
         let conditions = self.filters.iter().flat_map(|filter| &filter.conditions);
-        conditions
-            .filter(|condition| !matches!(condition.test, Test::Always(_)))
-            .filter(|condition| !subjects.iter().any(|subject| condition.holds(subject)))
-            .map(|condition| condition.idle(subjects))
-            .collect()
+        let mut idle: Vec<&Condition> =
+            conditions.filter(|condition| !matches!(condition.test, Test::Always(_))).collect();
+        if !idle.is_empty() {
+            each(&mut |subject| idle.retain(|condition| !condition.holds(subject)));
+        }
+        let warning = |condition: &Condition| {
+            let mut values = BTreeSet::new();
+            each(&mut |subject| values.extend(condition.asked.values(subject)));
+            condition.idle(&values)
+        };
+        idle.into_iter().map(warning).collect()
     }
 }
 
@@ -150,10 +163,8 @@ impl Condition {
         }
     }
 
-    /// Says that it holds for none of the `subjects`, and what would.
-    fn idle(&self, subjects: &[Subject]) -> Diagnostic {
-        let values: BTreeSet<String> =
-            subjects.iter().flat_map(|subject| self.asked.values(subject)).collect();
+    /// Says that it holds for nothing, and what would, of all the values that it asks about.
+    fn idle(&self, values: &BTreeSet<String>) -> Diagnostic {
         let finding = Diagnostic::new(Code::IdlePredicate, self.span, "this matches nothing that is loaded")
             .label("matches nothing");
         if let Test::Value { name, .. } = &self.test {

@@ -159,11 +159,15 @@ fn deep_brackets_are_refused_before_they_take_long() {
     assert_eq!(chosen(&[&format!("{}all(){}", "(".repeat(60), ")".repeat(60))]), "abcs");
 }
 
+fn warnings(filters: &Filters) -> Vec<Diagnostic> {
+    with_subjects(|subjects| filters.warnings(&|show: &mut Show| subjects.iter().for_each(&mut *show)))
+}
+
 #[test]
 fn what_matches_nothing_is_named_with_what_would() {
     let hints = |text: &str| {
         let filters = Filters::parse(&[text]).unwrap();
-        let warnings = with_subjects(|subjects| filters.warnings(subjects));
+        let warnings = warnings(&filters);
         assert!(warnings.iter().all(|finding| finding.severity == Severity::Warning));
         warnings.into_iter().flat_map(|finding| finding.hints).collect::<Vec<_>>()
     };
@@ -233,7 +237,7 @@ proptest! {
     fn no_expression_makes_the_reader_panic(pieces in prop::collection::vec(prop::sample::select(PIECES), 0..40), random: String) {
         for text in [pieces.concat(), random] {
             match Filters::parse(&[&text]) {
-                Ok(filters) => with_subjects(|subjects| { filters.warnings(subjects); }),
+                Ok(filters) => drop(warnings(&filters)),
                 Err(failure) => {
                     prop_assert!(!failure.diagnostics.is_empty());
                     failure.render(Style { colour: true });

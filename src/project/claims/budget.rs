@@ -243,7 +243,8 @@ fn without_chance(suite: &Suite, scenario: &Scenario) -> HashSet<String> {
         return HashSet::new();
     }
     let trials = plan::probe_scenario(suite, scenario).unwrap_or_default();
-    let certain = |trial: &plan::PlannedTrial| trial.cases.iter().all(|case| drawing(&case.world).is_empty());
+    let certain =
+        |trial: &plan::PlannedTrial| trial.cases.worlds().iter().all(|world| drawing(world).is_empty());
     trials.into_iter().filter(certain).map(|trial| trial.key.clone()).collect()
 }
 

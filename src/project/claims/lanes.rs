@@ -22,7 +22,7 @@ fn of_scenario(suite: &Suite, scenario: &Scenario, sources: &Sources) -> Vec<Dia
     let Ok(trials) = plan::probe_scenario(suite, scenario) else { return Vec::new() };
     let mut known: Vec<(usize, usize)> = Vec::new();
     let mut found = Vec::new();
-    for case in trials.iter().flat_map(|trial| &trial.cases) {
+    for case in trials.iter().flat_map(|trial| trial.cases.iter()) {
         for (vehicle, index, way) in blocked_lanes(&case.world) {
             let (car, body) = (&scenario.vehicles[vehicle], Solid::Box(index).name(&case.world));
             let named = scenario.criteria.iter().any(|criterion| {
