@@ -244,15 +244,15 @@ impl Under<'_> {
         let context = self.context;
         let each = |(group, one): (&Group, &Optimisation)| self.conclude_one(group, &one.optimiser);
         let mut found = context.executor.think(|| groups.par_iter().zip(all).map(each).collect::<Vec<_>>());
-        let mut cases = Vec::new();
-        for (group, one) in groups.iter().zip(all) {
-            if let Some(best) = one.optimiser.best_observed() {
-                let name = self.name(group);
-                let again = format!("{name}/evaluation={}", best.id);
-                cases.push(self.cases(&again, group, &best.point, self.search.runs)?);
-                cases.push(self.cases(&format!("{name}/fresh"), group, &best.point, FRESH_RUNS)?);
-            }
-        }
+        let once_more = |(group, one): (&Group, &Optimisation)| {
+            let Some(best) = one.optimiser.best_observed() else { return Ok(Vec::new()) };
+            let name = self.name(group);
+            let again = format!("{name}/evaluation={}", best.id);
+            let again = self.cases(&again, group, &best.point, self.search.runs)?;
+            Ok(vec![again, self.cases(&format!("{name}/fresh"), group, &best.point, FRESH_RUNS)?])
+        };
+        let cases = context.executor.think(|| groups.par_iter().zip(all).map(once_more).collect::<Vec<_>>());
+        let cases = cases.into_iter().collect::<Result<Vec<_>, ExperimentError>>()?.concat();
         let mut outcomes = context.run_all(&cases.concat())?.into_iter();
         let mut cases = cases.iter();
         for (one, found) in all.iter().zip(&mut found) {
@@ -351,10 +351,9 @@ impl Under<'_> {
             .collect();
         kept.sort_by(|left, right| left.0.total_cmp(&right.0).then(left.1.cmp(&right.1)));
         kept.truncate(MOST_COURSES);
-        let mut asked = Vec::new();
-        for (_, index) in kept {
-            asked.extend(self.courses(index, &groups[index], &found[index])?);
-        }
+        let points = |(_, index): &(f64, usize)| self.courses(*index, &groups[*index], &found[*index]);
+        let asked = self.context.executor.think(|| kept.par_iter().map(points).collect::<Vec<_>>());
+        let asked = asked.into_iter().collect::<Result<Vec<_>, _>>()?.concat();
         let cases: Vec<Case> = asked.iter().flat_map(|one| &one.cases).cloned().collect();
         let mut outcomes = self.context.run_all(&cases)?.into_iter();
         for AskedPoint { group, over, at, cases } in asked {
@@ -415,6 +414,7 @@ impl Under<'_> {
 }
 
 /// A point of a course, before it is run.
+#[derive(Clone)]
 struct AskedPoint {
     /// Index of the group.
     group: usize,
