@@ -9,7 +9,7 @@ use scenario_runner::scenario::{
     Appearance, Direction, MetricReference, ModelSetup, PedestrianSetup, Position, Reference, Road, Settings,
     Shape, Side, VehicleSetup, VehicleStart, World,
 };
-use scenario_runner::sim::{Longitudinal, Observer, PedestrianState, Snapshot, Step, VehicleState};
+use scenario_runner::sim::{Longitudinal, Mode, Observer, PedestrianState, Snapshot, Step, VehicleState};
 
 fn main() {
     divan::main();
@@ -53,8 +53,8 @@ fn measure(bencher: Bencher, names: &[&str]) {
                     before: &pair[0],
                     after: &pair[1],
                     whole: &pair[1],
-                    pedestrian_modes: &[""],
-                    vehicle_modes: &[""],
+                    pedestrian_modes: &[Mode::NONE],
+                    vehicle_modes: &[Mode::NONE],
                     motions: &[],
                     contacts: &[],
                 });

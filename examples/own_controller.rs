@@ -7,7 +7,7 @@ use std::error::Error;
 use scenario_runner::models::standard;
 use scenario_runner::registry::Registry;
 use scenario_runner::scenario::{Chance, CommandKind, ControllerModel, Declaration, Dimension};
-use scenario_runner::sim::{Command, Controller, Observation, Schedule};
+use scenario_runner::sim::{Command, Controller, ControllerError, Observation, Schedule};
 
 /// Stops before the crossing as long as it sees anybody on the road.
 struct Patient {
@@ -20,16 +20,16 @@ impl Controller for Patient {
         Schedule::every(0.05)
     }
 
-    fn act(&mut self, seen: &Observation) -> Command {
+    fn act(&mut self, seen: &Observation) -> Result<Command, ControllerError> {
         let (ego, road) = (&seen.ego, &seen.road);
         let ahead = ego.distance_to_crossing - ego.length / 2.0 - self.margin;
         let on_road = |y: f64| road.right_kerb - 1.0 < y && y < road.left_kerb + 1.0;
         let waits = ahead > 0.0 && seen.pedestrians.iter().any(|one| on_road(one.position.y));
         let needed = ego.speed * ego.speed / (2.0 * ahead.max(0.1));
-        Command::Acceleration(match waits {
+        Ok(Command::Acceleration(match waits {
             true if needed > 0.8 * self.comfort => -needed,
             _ => (seen.cruise_speed - ego.speed).clamp(-self.comfort, self.comfort),
-        })
+        }))
     }
 }
 

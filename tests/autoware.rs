@@ -2,6 +2,8 @@
 
 mod support;
 
+use std::sync::Arc;
+
 use proptest::prelude::*;
 use scenario_runner::models::standard;
 use scenario_runner::numbers::random::Stream;
@@ -10,7 +12,8 @@ use scenario_runner::scenario::{
     Road, Settings, Shape, Side, Value, VehicleReference, VehicleSetup, VehicleStart, World,
 };
 use scenario_runner::sim::{
-    Driven, Ending, Motion, Observer, Pedestrian, RoadUsers, Scene, Snapshot, Step, StopReason, simulate,
+    Driven, Ending, Mode, Motion, Observer, Pedestrian, RoadUsers, Scene, Snapshot, Step, StopReason,
+    simulate,
 };
 use scenario_runner::vehicle::ControllerContext;
 use support::counting::{Counting, allocations};
@@ -142,7 +145,7 @@ struct Run {
     /// When the pedestrian had left the ego's path, and when the ego came to his line, s.
     pedestrian_clear: Option<f64>,
     front_at_line: Option<f64>,
-    modes: Vec<&'static str>,
+    modes: Vec<Mode>,
     /// Speeds after each step, m/s.
     speeds: Vec<f64>,
 }
@@ -158,12 +161,12 @@ impl Observer for Run {
         if after.motion.speed > 0.0 {
             self.peak = self.peak.min((after.motion.speed - before.motion.speed) / step.duration);
         }
-        let mode = step.vehicle_modes[0];
-        if self.modes.last() != Some(&mode) {
-            if self.modes.last() == Some(&"wait") {
+        let mode = &step.vehicle_modes[0];
+        if self.modes.last() != Some(mode) {
+            if self.modes.last().is_some_and(|last| *last == "wait") {
                 self.released = Some(step.time);
             }
-            self.modes.push(mode);
+            self.modes.push(mode.clone());
         }
         if after.motion.speed == 0.0 && self.stood.is_none() {
             self.stood = Some((front, time));
@@ -214,10 +217,10 @@ fn driven(world: &World) -> Driven {
     let setup = &world.vehicles[0];
     let context = ControllerContext { settings: &setup.controller.settings, setup, world, rank: 0, seed: 1 };
     let dynamics = setup.dynamics.model.entry().unwrap();
-    Driven {
-        controller: (standard().controllers().get("autoware").unwrap().build)(&context).unwrap(),
-        dynamics: (dynamics.build)(&setup.dynamics.settings).unwrap(),
-    }
+    Driven::new(
+        (standard().controllers().get("autoware").unwrap().build)(&context).unwrap(),
+        (dynamics.build)(&setup.dynamics.settings).unwrap(),
+    )
 }
 
 fn run(world: &World, pedestrians: Vec<Box<dyn Pedestrian>>) -> Run {
@@ -234,8 +237,12 @@ fn run(world: &World, pedestrians: Vec<Box<dyn Pedestrian>>) -> Run {
         modes: Vec::new(),
         speeds: Vec::new(),
     };
-    let Ending { reason, .. } =
-        simulate(world, &mut RoadUsers { vehicles: vec![driven(world)], pedestrians }, &mut noted);
+    let Ending { reason, .. } = simulate(
+        &Arc::new(world.clone()),
+        RoadUsers { vehicles: vec![driven(world)], pedestrians },
+        &mut noted,
+    )
+    .unwrap();
     Run { reason, ..noted }
 }
 
@@ -368,11 +375,13 @@ fn who_appears_late_gets_a_moderate_stop_then_a_hard_one_then_none() {
     let appearing = |arrival| run(&world(&preset("mapped"), arrival), vec![walker(|_| 1.39)]);
     // Specification: a stop with -1.5 at 5 s. He has crossed before ours needs all of it.
     let early = appearing(5.0);
-    assert!(early.modes.contains(&"brake") && !early.modes.contains(&"lane_stop"), "{early:?}");
+    assert!(early.modes.contains(&"brake".into()) && !early.modes.contains(&"lane_stop".into()), "{early:?}");
     assert!((-1.5..-1.2).contains(&early.peak), "{}", early.peak);
     // No yield but a stop in the lane with -2.9 at 4 s.
     let late = appearing(4.0);
-    assert!(!late.modes.contains(&"brake") && late.modes.contains(&"lane_stop") && !late.collided());
+    assert!(
+        !late.modes.contains(&"brake".into()) && late.modes.contains(&"lane_stop".into()) && !late.collided()
+    );
     assert!((late.peak + 2.9).abs() < 0.29, "{}", late.peak);
     // A collision at 3 s.
     assert!(appearing(3.0).collided());
@@ -385,7 +394,7 @@ fn at_every_distance_beyond_30_3_m_a_newly_appearing_waiting_pedestrian_is_yield
         let arrival = f64::from(k) * 0.1;
         let gap_when_known = (arrival - 0.6) * CRUISE - 2.0;
         let run = run(&world(&preset("mapped"), arrival), vec![standing()]);
-        let yields = run.modes.contains(&"brake");
+        let yields = run.modes.contains(&"brake".into());
         if gap_when_known > 30.3 + CRUISE * 0.1 {
             assert!(yields, "{arrival}");
         } else if gap_when_known < 30.3 - CRUISE * 0.1 {
@@ -417,7 +426,10 @@ fn emergency_braking_is_the_moderate_stop_of_the_original() {
     for k in 52..60 {
         let arrival = f64::from(k) * 0.1;
         let (with, without) = (stepping_out(true, arrival), stepping_out(false, arrival));
-        assert!(with.modes.contains(&"mrm_stop") && !without.modes.contains(&"mrm_stop"), "{arrival}");
+        assert!(
+            with.modes.contains(&"mrm_stop".into()) && !without.modes.contains(&"mrm_stop".into()),
+            "{arrival}"
+        );
         assert!(!with.collided() && with.peak > -2.5001, "{arrival}: {}", with.peak);
         assert!(without.peak < -2.5, "{arrival}: {}", without.peak);
     }
@@ -510,12 +522,12 @@ fn nothing_is_allocated_after_the_first_second() {
     }
     let mut world = world(&preset("mapped"), 8.0);
     world.pedestrians.push(at_side(Side::Far));
-    let mut users = RoadUsers {
+    let users = RoadUsers {
         vehicles: vec![driven(&world)],
         pedestrians: vec![heedless(1.4, 3.0, 9.0, 0.0), heedless(1.4, 12.0, 9.0, 0.0)],
     };
     let mut watch = Watch { after_warm_up: None, last: 0 };
-    let ending = simulate(&world, &mut users, &mut watch);
+    let ending = simulate(&Arc::new(world), users, &mut watch).unwrap();
     assert!(ending.time > 15.0);
     assert_eq!(watch.after_warm_up, Some(watch.last));
 }

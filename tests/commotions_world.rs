@@ -13,6 +13,7 @@ use scenario_runner::scenario::{
     VehicleReference, VehicleSetup, VehicleStart, World,
 };
 use scenario_runner::sim::{Ending, Observer, Step, StopReason, simulate};
+use std::sync::Arc;
 
 use proptest::prelude::*;
 use rayon::prelude::*;
@@ -77,9 +78,9 @@ impl Observer for Passing {
 }
 
 fn run(world: &World, seed: u64) -> (Ending, Passing) {
-    let mut users = road_users(world, seed).unwrap();
+    let users = road_users(world, seed).unwrap();
     let mut passing = Passing::default();
-    let ending = simulate(world, &mut users, &mut passing);
+    let ending = simulate(&Arc::new(world.clone()), users, &mut passing).unwrap();
     (ending, passing)
 }
 

@@ -44,7 +44,7 @@ fn check_1_initialising() {
             checks.holds(
                 &format!("1 {name}: waits or crosses then"),
                 step,
-                ["waiting", "crossing"].contains(&next.mode),
+                ["waiting", "crossing"].contains(&next.mode.as_str()),
             );
             checks.near(&format!("1 {name}: decides at"), step, next.time, 0.8, 1e-9);
         }
@@ -198,7 +198,7 @@ fn check_9_bounds() {
                     let episode = drawn(seed, &mut arrivals, step, preset(name), car);
                     let course = Zebra { horizon: 60.0, ..episode }.run();
                     let moving = |mode: &str| !["initialising", "waiting", "finished"].contains(&mode);
-                    for point in course.points.iter().filter(|point| moving(point.mode)) {
+                    for point in course.points.iter().filter(|point| moving(&point.mode)) {
                         greatest = greatest.max(point.acceleration);
                         fastest = fastest.max(point.speed.abs());
                     }
@@ -226,7 +226,7 @@ fn check_10_monte_carlo() {
         let mut seen = std::collections::BTreeSet::new();
         for seed in 0..500 {
             let course = drawn(seed, &mut arrivals, step, preset("adversarial"), Car::Constant).run();
-            seen.extend(course.visits());
+            seen.extend(course.visits().into_iter().map(str::to_string));
         }
         checks.near("10 states of 500 drawn episodes", step, seen.len() as f64, 6.0, 0.0);
 

@@ -20,7 +20,8 @@ use scenario_runner::scenario::{
     Side, Value, VehicleReference, VehicleSetup, VehicleStart, World,
 };
 use scenario_runner::sim::{
-    Command, Controller, Ending, Observation, Observer, Schedule, Snapshot, Step, StopReason, simulate,
+    Command, Controller, ControllerError, Driver, Ending, Mode, Observation, Observer, Schedule, Snapshot,
+    Step, StopReason, simulate,
 };
 use scenario_runner::vehicle::{ControllerModel, DynamicsModel};
 
@@ -42,15 +43,15 @@ impl Controller for Recorded {
         self.controller.settling_time()
     }
 
-    fn act(&mut self, observation: &Observation) -> Command {
-        let command = self.controller.act(observation);
+    fn act(&mut self, observation: &Observation) -> Result<Command, ControllerError> {
+        let command = self.controller.act(observation)?;
         if observation.time >= -1e-9 {
             self.commands.lock().unwrap().push((observation.time, command));
         }
-        command
+        Ok(command)
     }
 
-    fn mode(&self) -> &'static str {
+    fn mode(&self) -> Mode {
         self.controller.mode()
     }
 }
@@ -172,16 +173,15 @@ fn run(world: &World, step: f64, requests: &Requests) -> Course {
         .vehicles
         .into_iter()
         .map(|mut driven| {
-            driven.controller =
-                Box::new(Recorded { controller: driven.controller, commands: commands.clone() });
+            let Driver::Inside(controller) = driven.driver else { panic!("built-in controllers are inside") };
+            driven.driver = Driver::Inside(Box::new(Recorded { controller, commands: commands.clone() }));
             driven
         })
         .collect();
     let speeds: Vec<f64> = users.pedestrians.iter().map(|person| person.free_speed()).collect();
     let measurement = Measurement::new(&world, requests.as_slice(), &flows, &speeds);
     let mut watch = Watch { measurement, slowest: f64::INFINITY };
-    let ending = simulate(&world, &mut users, &mut watch);
-    drop(users);
+    let ending = simulate(&Arc::new(world), users, &mut watch).unwrap();
     let commands = Arc::into_inner(commands).unwrap().into_inner().unwrap();
     Course { metrics: watch.measurement.values(), commands, ending, slowest: watch.slowest }
 }

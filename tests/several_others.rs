@@ -13,6 +13,7 @@ use scenario_runner::scenario::{
     Appearance, CrossingKind, ModelSetup, Settings, Value, VehicleSetup, VehicleStart, World,
 };
 use scenario_runner::sim::{Observer, Step, simulate};
+use std::sync::Arc;
 use support::counting::{Counting, allocations};
 use support::street::{self, Course, car, controller, model, person, run, street};
 
@@ -556,9 +557,11 @@ fn minds_allocate_nothing_after_the_first_step() {
                 walker.appears = Appearance::At(f64::from(k));
                 walker
             };
-            let world = street(SPEED, (0..cars).map(vehicle).collect(), (0..people).map(walker).collect());
+            let world =
+                Arc::new(street(SPEED, (0..cars).map(vehicle).collect(), (0..people).map(walker).collect()));
             let mut watch = Watch::default();
-            simulate(&world, &mut road_users(&world, 1).expect("road users"), &mut watch);
+            simulate(&world, road_users(&world, 1).expect("road users"), &mut watch)
+                .expect("they can decide");
             assert!(watch.steps > 100);
             assert_eq!(
                 watch.last, watch.after_the_first,

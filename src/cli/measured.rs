@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+use super::one_case::could_not_run;
 use super::set::SetArguments;
 use super::{Exit, load};
 use crate::console::stderr;
@@ -64,10 +65,7 @@ fn run_plan(plan: &Plan, requests: &Requests, title: &str, stop: &Stop) -> Resul
     bar.finish_and_clear();
     made.map_err(|error| match error {
         BatchError::Stopped => Exit::Interrupted,
-        BatchError::Run { .. } => {
-            writeln!(stderr(), "error: {error}");
-            Exit::Scenario
-        }
+        error @ BatchError::Run { .. } => could_not_run(&error),
     })?;
     let trials: Vec<_> = trials.iter().map(|(trial, outcomes)| (trial, &outcomes[..])).collect();
     Ok(record(plan, &trials, requests))

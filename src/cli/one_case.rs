@@ -11,6 +11,7 @@ use crate::console::stderr;
 use crate::corpus;
 use crate::project::{PlannedSuite, Project};
 use crate::registry::Registry;
+use crate::run::BatchError;
 use crate::runner::{Work, units};
 use crate::scenario::{Case, Criterion};
 
@@ -97,6 +98,19 @@ impl CaseArguments {
         }
         Err(Exit::NothingSelected)
     }
+}
+
+/// Says on stderr why a run has no outcome; how the program ends then.
+pub fn could_not_run(error: &BatchError) -> Exit {
+    writeln!(stderr(), "error: {error}");
+    let BatchError::Run { error, .. } = error else { return Exit::Interrupted };
+    if !error.had_begun() {
+        return Exit::Scenario;
+    }
+    if let Some(hint) = error.hint() {
+        writeln!(stderr(), "help: {hint}");
+    }
+    Exit::Failed
 }
 
 fn default_file(key: &str) -> Option<String> {

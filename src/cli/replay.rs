@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::Exit;
-use super::one_case::{CaseArguments, Found};
+use super::one_case::{CaseArguments, Found, could_not_run};
 use super::run::LastRun;
 use crate::console::{stderr, stdout};
 use crate::corpus::{case_hash, corpus_path};
@@ -59,8 +59,7 @@ fn replay_case(arguments: &ReplayArguments, found: &Found, registry: &Registry) 
     let (Ran { outcome, trace, events }, again) = match runs {
         Ok(runs) => runs,
         Err(error) => {
-            writeln!(stderr(), "error: {error}");
-            return Exit::Scenario;
+            return could_not_run(&error);
         }
     };
     let requests = &measured.requests;

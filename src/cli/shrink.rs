@@ -6,7 +6,7 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::interrupt::stop_on_interrupt;
-use super::one_case::{CaseArguments, Found};
+use super::one_case::{CaseArguments, Found, could_not_run};
 use super::{Exit, shows_progress};
 use crate::console::{stderr, stdout};
 use crate::files::{self, Disk, Lines, Overlay};
@@ -212,10 +212,7 @@ fn progress_bar(shown: bool) -> ProgressBar {
 }
 
 fn run(case: &Case, requests: &Requests) -> Result<Outcome, Exit> {
-    outcome(case, requests).map_err(|error| {
-        writeln!(stderr(), "error: {error}");
-        Exit::Scenario
-    })
+    outcome(case, requests).map_err(|error| could_not_run(&error))
 }
 
 fn outcome(case: &Case, requests: &Requests) -> Result<Outcome, BatchError> {

@@ -145,10 +145,15 @@ pub enum ExperimentError {
     ParameterFile { path: PathBuf, reason: String },
     #[error(transparent)]
     Plan(#[from] PlanError),
-    #[error(transparent)]
-    Run(#[from] RunError),
+    #[error("{}", of_run(key, error))]
+    Run { key: String, error: RunError },
     #[error(transparent)]
     Optimise(#[from] optimise::Error),
+}
+
+/// What is wrong with a run, which is named if it had begun.
+fn of_run(key: &str, error: &RunError) -> String {
+    if error.had_begun() { format!("{key}: {error}") } else { error.to_string() }
 }
 
 impl ExperimentError {
@@ -159,7 +164,7 @@ impl ExperimentError {
                 Some(format!("`{name}` kept no case; loosen its `keep`, or search longer"))
             }
             Self::TooFewCases(name, ..) => Some(format!("draw fewer, or let `{name}` vary or repeat more")),
-            Self::Run(error) => error.hint().map(str::to_string),
+            Self::Run { error, .. } => error.hint().map(str::to_string),
             Self::Plan(error) => error.hint.clone(),
             _ => None,
         }

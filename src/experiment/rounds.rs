@@ -141,7 +141,7 @@ impl Sequence for Proposed<'_> {
         match done.result {
             Ok(ran) => self.outcomes.push(ran.outcome),
             Err(Failure::Error(error)) => {
-                self.evaluated = Some(Err(error.into()));
+                self.evaluated = Some(Err(ExperimentError::Run { key: done.case.key, error }));
                 return ControlFlow::Break(());
             }
             Err(Failure::Panicked(panicked)) => std::panic::resume_unwind(Box::new(panicked)),

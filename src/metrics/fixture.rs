@@ -5,8 +5,8 @@ use nalgebra::Vector2;
 use super::{FreeFlow, Measurement, Open, Presence, Reading, metrics};
 use crate::scenario::{Appearance, MetricReference, Settings, Value, World};
 use crate::sim::{
-    Contacts, Ending, Longitudinal, Observer, PedestrianState, Snapshot, Step, StopReason, VehicleState,
-    fixture,
+    Contacts, Ending, Longitudinal, Mode, Observer, PedestrianState, Snapshot, Step, StopReason,
+    VehicleState, fixture,
 };
 
 /// The world of [`fixture`] at this step and horizon, s.
@@ -96,8 +96,8 @@ fn observe(world: &World, requests: &[MetricReference], car: &Profile, walk: &Wa
             before: &before,
             after: &after,
             whole: &after,
-            pedestrian_modes: &[""],
-            vehicle_modes: &[""],
+            pedestrian_modes: &[Mode::NONE],
+            vehicle_modes: &[Mode::NONE],
             motions: &[],
             contacts: contacts.found(),
         };

@@ -11,7 +11,7 @@ use crate::scenario::{
     ChoiceOption, Declaration, Dimension, Parameter, Position, Preset, PresetFamily, Settings, Value,
 };
 use crate::sim::random::{Agent, Purpose, stream};
-use crate::sim::{ModelError, Motion, Pedestrian, Scene, VehicleState, geometry};
+use crate::sim::{Mode, ModelError, Motion, Pedestrian, Scene, VehicleState, geometry};
 
 const WALKER: &str = "CARLA LibCarla/source/carla/nav";
 const EVENT: &str = "CARLA nav/WalkerEvent.cpp, nav/WalkerManager.cpp";
@@ -573,8 +573,8 @@ impl Pedestrian for CarlaWalker {
         }
     }
 
-    fn mode(&self) -> &'static str {
-        match self.state {
+    fn mode(&self) -> Mode {
+        Mode::new(match self.state {
             State::Wait => "waiting",
             State::Approach | State::Walk if self.arrived => "arrived",
             State::Approach => "approaching",
@@ -582,7 +582,7 @@ impl Pedestrian for CarlaWalker {
             State::Walk => "walking",
             State::WalkAway(_) => "walking_away",
             State::Dead => "hit",
-        }
+        })
     }
 
     fn free_speed(&self) -> f64 {

@@ -9,7 +9,7 @@ use crate::scenario::{
     Chance, ChoiceOption, Declaration, Dimension, Parameter, Position, Road, Side, VehicleReference,
 };
 use crate::sim::random::{Agent, Purpose, stream};
-use crate::sim::{ModelError, Motion, Pedestrian, Scene, Stated, StatedBy, VehicleState};
+use crate::sim::{Mode, ModelError, Motion, Pedestrian, Scene, Stated, StatedBy, VehicleState};
 
 const IDEA: &str = "Yang, Kujanpaa et al. 2023, ITSC, arXiv 2309.00249";
 const CHOICE: &str = "our choice; the paper's agent is learned";
@@ -264,14 +264,14 @@ impl Pedestrian for Interceptor {
         Motion::Walk(Vector2::new(0.0, sign * faster))
     }
 
-    fn mode(&self) -> &'static str {
-        match self.state {
+    fn mode(&self) -> Mode {
+        Mode::new(match self.state {
             State::Approach => "approaching",
             State::Lurk => "lurking",
             State::Commit(_) => "committed",
             State::Leave => "leaving",
             State::Finished => "finished",
-        }
+        })
     }
 
     fn free_speed(&self) -> f64 {

@@ -2,7 +2,7 @@
 
 use super::{PedestrianContext, PedestrianModel};
 use crate::scenario::{Chance, Declaration, Dimension, Parameter};
-use crate::sim::{ModelError, Motion, Pedestrian, Scene};
+use crate::sim::{Mode, ModelError, Motion, Pedestrian, Scene};
 
 const FREE: &str = "free choice";
 
@@ -102,8 +102,8 @@ impl Pedestrian for Scripted {
         Motion::Walk(way * speed)
     }
 
-    fn mode(&self) -> &'static str {
-        self.mode
+    fn mode(&self) -> Mode {
+        Mode::new(self.mode)
     }
 
     fn free_speed(&self) -> f64 {

@@ -9,7 +9,7 @@ use super::{PedestrianContext, PedestrianModel, sum_in_any_order};
 use crate::numbers::random::Stream;
 use crate::scenario::{Chance, Declaration, Dimension, Parameter};
 use crate::sim::random::{Agent, Purpose, stream};
-use crate::sim::{ModelError, Motion, Pedestrian, Scene, VehicleState};
+use crate::sim::{Mode, ModelError, Motion, Pedestrian, Scene, VehicleState};
 
 const PAPER: &str = "Helbing & Molnar 1995, Phys. Rev. E 51:4282";
 const CHOICE: &str = "our choice; the paper has no vehicles";
@@ -253,8 +253,8 @@ impl Pedestrian for SocialForce {
         Motion::Walk(way * faster.clamp(-self.max_speed, self.max_speed))
     }
 
-    fn mode(&self) -> &'static str {
-        self.mode
+    fn mode(&self) -> Mode {
+        Mode::new(self.mode)
     }
 
     fn free_speed(&self) -> f64 {

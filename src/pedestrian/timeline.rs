@@ -5,7 +5,7 @@ use nalgebra::Vector2;
 use super::{PedestrianContext, PedestrianModel};
 use crate::scenario::{Chance, Declaration, Dimension, Parameter, Side, TextError, VehicleReference};
 use crate::sim::script::{Action, Quantity, Script, parameters};
-use crate::sim::{ModelError, Motion, Pedestrian, Scene, geometry};
+use crate::sim::{Mode, ModelError, Motion, Pedestrian, Scene, geometry};
 
 pub fn timeline() -> PedestrianModel {
     let declaration = Declaration::new("timeline", "Walks by scripted steps; `when` compares distance, time_to_arrival, vehicle_speed, walked, distance_to_kerb or speed.").source("conditions and actions after ASAM OpenSCENARIO").parameters(parameters(check)).parameters([
@@ -109,13 +109,13 @@ impl Pedestrian for ByTimeline {
         }
     }
 
-    fn mode(&self) -> &'static str {
-        match self.action {
+    fn mode(&self) -> Mode {
+        Mode::new(match self.action {
             Action::Speed(_) => "speed",
             Action::Accelerate(_) => "accelerate",
             Action::Stop => "standing",
             Action::Resume => "walking",
-        }
+        })
     }
 
     fn free_speed(&self) -> f64 {

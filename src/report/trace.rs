@@ -45,7 +45,7 @@ pub fn write_trace(world: &World, trace: &Trace, out: impl Write) -> io::Result<
             &sample.velocity.x.to_string(),
             &sample.velocity.y.to_string(),
             &sample.acceleration.to_string(),
-            sample.mode,
+            &csv_cell(&sample.mode),
             &csv_cell(&events.join("; ")),
         ])?;
     }

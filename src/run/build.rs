@@ -3,16 +3,32 @@
 use thiserror::Error;
 
 use crate::numbers::random::ranks;
-use crate::scenario::{ControllerContext, PedestrianContext, Reference, Scenario, World};
-use crate::sim::{Driven, ModelError, RoadUsers, StatedBy};
+use crate::scenario::{ControllerContext, Dimension, PedestrianContext, Reference, Scenario, World, show};
+use crate::sim::{ControllerError, Driven, Driver, Fault, ModelError, RoadUsers, StatedBy};
 
-/// Why a case cannot be run.
+/// Why a case cannot be run, or not to its end.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum RunError {
     #[error("there is no {kind} called `{name}`")]
     Unknown { kind: &'static str, name: String },
     #[error("`{who}`: {error}")]
     Model { who: String, error: ModelError },
+    #[error("`{who}` cannot decide {}: {error}", moment(*time, *free_flow))]
+    Controller {
+        who: String,
+        /// s; negative while settling before the start.
+        time: f64,
+        /// Whether it was alone on the road, to see how it drives in free flow.
+        free_flow: bool,
+        error: ControllerError,
+    },
+}
+
+/// When somebody decides, in words.
+fn moment(time: f64, free_flow: bool) -> String {
+    let seconds = show(time.abs(), None, Dimension::TIME);
+    let moment = if time < 0.0 { format!("{seconds} before the start") } else { format!("at {seconds}") };
+    if free_flow { format!("in free flow, without pedestrians, {moment}") } else { moment }
 }
 
 impl RunError {
@@ -35,7 +51,19 @@ impl RunError {
         match self {
             Self::Unknown { .. } => None,
             Self::Model { error, .. } => error.hint.as_deref(),
+            Self::Controller { error, .. } => error.hint.as_deref(),
         }
+    }
+
+    /// Whether the run had begun, so that it can be seen again; else no run of the case begins.
+    pub fn had_begun(&self) -> bool {
+        matches!(self, Self::Controller { .. })
+    }
+
+    /// What kept a run of `world` from its end.
+    pub fn of_fault(world: &World, fault: Fault, free_flow: bool) -> Self {
+        let who = world.vehicles[fault.vehicle].name.clone();
+        Self::Controller { who, time: fault.time, free_flow, error: fault.error }
     }
 }
 
@@ -61,14 +89,14 @@ pub fn road_users(world: &World, seed: u64) -> Result<RoadUsers, RunError> {
             let dynamics = resolved(&setup.dynamics.model, "vehicle dynamics")?;
             let context =
                 ControllerContext { settings: &setup.controller.settings, setup, world, rank, seed };
-            let mut controller = (model.build)(&context).map_err(named(&setup.name))?;
-            if let Some(sees) = &setup.sees {
+            let driver = Driver::Inside((model.build)(&context).map_err(named(&setup.name))?);
+            let perception = setup.sees.as_ref().map(|sees| {
                 let perception = resolved(&sees.model, "perception")?;
-                controller = (perception.perceive)(controller, &sees.settings, &context)
-                    .map_err(named(&setup.name))?;
-            }
+                (perception.build)(&sees.settings, &context, driver.schedule()).map_err(named(&setup.name))
+            });
             Ok(Driven {
-                controller,
+                driver,
+                perception: perception.transpose()?,
                 dynamics: (dynamics.build)(&setup.dynamics.settings).map_err(named(&setup.name))?,
             })
         })

@@ -35,7 +35,7 @@ fn run(
     watcher: &mut dyn Observer,
 ) -> Result<Outcome, RunError> {
     let begun = Instant::now();
-    let mut users = road_users(&case.world, case.seed)?;
+    let users = road_users(&case.world, case.seed)?;
     let free_speeds: Vec<f64> = users.pedestrians.iter().map(|pedestrian| pedestrian.free_speed()).collect();
     let flows = free_flows.of(&case.world)?;
     let mut observers = Observers {
@@ -44,7 +44,8 @@ fn run(
         last: None,
         watcher,
     };
-    let ending = simulate(&case.world, &mut users, &mut observers);
+    let ending = simulate(&case.world, users, &mut observers)
+        .map_err(|fault| RunError::of_fault(&case.world, fault, false))?;
     let readings = observers.measurement.readings();
     let too_early = observers.last.as_ref().filter(|_| ending.reason != StopReason::Completed);
     let cut_off = too_early.map(|last| cut_off(&case.world, last, &observers.measurement, &readings));

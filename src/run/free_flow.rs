@@ -28,7 +28,7 @@ impl FreeFlows {
             return Ok(found.clone());
         }
         // Two threads may both simulate the same free flow; they find the same.
-        let flows = Arc::new(drive(&empty)?);
+        let flows = Arc::new(drive(&Arc::new(empty))?);
         self.lock().insert(hash, flows.clone());
         Ok(flows)
     }
@@ -41,10 +41,10 @@ impl FreeFlows {
 /// Free flow has no chance in it but a controller's own, so any seed does: the same one for all.
 const SEED: u64 = 0;
 
-fn drive(world: &World) -> Result<Vec<FreeFlow>, RunError> {
-    let mut users = road_users(world, SEED)?;
+fn drive(world: &Arc<World>) -> Result<Vec<FreeFlow>, RunError> {
+    let users = road_users(world, SEED)?;
     let mut finishes = Finishes { line: world.finish, flows: vec![None; world.vehicles.len()] };
-    simulate(world, &mut users, &mut finishes);
+    simulate(world, users, &mut finishes).map_err(|fault| RunError::of_fault(world, fault, true))?;
     let missing = FreeFlow { finish_time: None, finish_speed: 0.0 };
     Ok(finishes.flows.into_iter().map(|flow| flow.unwrap_or(missing)).collect())
 }

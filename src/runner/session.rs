@@ -122,10 +122,15 @@ impl<'a> Session<'a> {
         Job { place, case, measured: self.measured.clone(), wanted }
     }
 
-    /// What is wrong, in the units of the scenario.
-    pub(super) fn told(&self, suite: usize, scenario: &str, error: &RunError) -> String {
-        let scenario = self.suites[suite].suite.scenario(scenario);
-        scenario.map_or_else(|| error.to_string(), |scenario| error.told(scenario))
+    /// What is wrong with the run of a case, in the units of the scenario; if it had begun, with how to see it again.
+    pub(super) fn told(&self, suite: usize, case: &Case, error: &RunError) -> String {
+        let scenario = self.suites[suite].suite.scenario(&case.scenario);
+        let told = scenario.map_or_else(|| error.to_string(), |scenario| error.told(scenario));
+        if !error.had_begun() {
+            return told;
+        }
+        let help = error.hint().map_or_else(String::new, |hint| format!("\nhelp: {hint}"));
+        format!("{told}{help}\nreplay: {}", self.identity(suite).replay_command(&case.key))
     }
 
     /// Gives the course of a run to whoever wants it.

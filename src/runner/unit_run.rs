@@ -105,7 +105,7 @@ impl<'s, 'a> TrialRun<'s, 'a> {
         let ran = match result {
             Ok(ran) => ran,
             Err(Failure::Error(error)) => {
-                let told = self.session.told(self.suite, &self.trial.scenario, &error);
+                let told = self.session.told(self.suite, &case, &error);
                 return self.breaks(TrialState::Errored(format!("{}: {told}", case.key)));
             }
             Err(Failure::Panicked(panicked)) => return self.panicked(panicked),
@@ -205,7 +205,7 @@ impl<'s, 'a> RecordedRun<'s, 'a> {
             Ok(ran) => Panicked::catch(|| self.judged(&done.case, ran))
                 .unwrap_or_else(|panicked| RecordedState::Errored(panicked.to_string())),
             Err(Failure::Error(error)) => {
-                RecordedState::Errored(self.session.told(self.suite, &self.recorded.scenario, &error))
+                RecordedState::Errored(self.session.told(self.suite, &done.case, &error))
             }
             Err(Failure::Panicked(panicked)) => RecordedState::Errored(panicked.to_string()),
         });

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::sync::Arc;
 
-use super::agent::{Controller, Dynamics, ModelError, Pedestrian};
+use super::agent::{Controller, Dynamics, ModelError, Pedestrian, Perception, Schedule};
 use super::{Chance, Declaration, PedestrianSetup, Reference, Registered, Settings, VehicleSetup, World};
 
 /// Builds a controller for a run.
@@ -17,11 +17,10 @@ pub type BuildDynamics = Arc<dyn Fn(&Settings) -> Result<Box<dyn Dynamics>, Mode
 pub type BuildPedestrian =
     Arc<dyn Fn(&PedestrianContext) -> Result<Box<dyn Pedestrian>, ModelError> + Send + Sync>;
 
-/// Puts the perception that settings describe (resolved against its declaration) between the world and a controller.
-pub type Perceive = Arc<
-    dyn Fn(Box<dyn Controller>, &Settings, &ControllerContext) -> Result<Box<dyn Controller>, ModelError>
-        + Send
-        + Sync,
+/// Builds the perception that settings describe (resolved against its declaration) for a controller that decides at the
+/// moments of a schedule.
+pub type BuildPerception = Arc<
+    dyn Fn(&Settings, &ControllerContext, Schedule) -> Result<Box<dyn Perception>, ModelError> + Send + Sync,
 >;
 
 /// A registered controller.
@@ -110,7 +109,7 @@ pub enum CommandKind {
 pub struct PerceptionModel {
     pub declaration: Declaration,
     pub chance: Chance,
-    pub perceive: Perceive,
+    pub build: BuildPerception,
 }
 
 /// A registered pedestrian model.

@@ -49,8 +49,8 @@ pub use declared::{
 pub use dimension::Dimension;
 pub use distribution::{Distribution, DistributionError, KnownDistribution};
 pub use entry::{
-    BuildController, BuildDynamics, BuildPedestrian, CommandKind, ControllerContext, ControllerModel,
-    DynamicsModel, PedestrianContext, PedestrianModel, Perceive, PerceptionModel,
+    BuildController, BuildDynamics, BuildPedestrian, BuildPerception, CommandKind, ControllerContext,
+    ControllerModel, DynamicsModel, PedestrianContext, PedestrianModel, PerceptionModel,
 };
 pub use evaluate::{Condition, Evaluate, Measure, ParameterSet};
 pub use expression::{BinaryOperator, EvaluationError, Expression};

@@ -3,8 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::contact::Touch;
-use crate::scenario::agent::Motion;
-use crate::scenario::agent::{Snapshot, velocity_inside};
+use crate::scenario::agent::{Mode, Motion, Snapshot, velocity_inside};
 
 /// Follows a run. Nothing it does can change the run.
 pub trait Observer {
@@ -30,9 +29,9 @@ pub struct Step<'a> {
     /// The state at the end of the simulation's own step: `after`, but for the last step of a run that ends inside it.
     pub whole: &'a Snapshot,
     /// What each pedestrian's model was up to during the step.
-    pub pedestrian_modes: &'a [&'static str],
+    pub pedestrian_modes: &'a [Mode],
     /// What each vehicle's controller was up to during the step.
-    pub vehicle_modes: &'a [&'static str],
+    pub vehicle_modes: &'a [Mode],
     /// How each pedestrian that is present moves.
     pub motions: &'a [Motion],
     /// Who touches whom during the step.

@@ -1,12 +1,12 @@
-//! What is wrong with a world before anything moves: bodies inside each other, lanes that a box blocks.
+//! Where everybody begins, and what is wrong with a world before anything moves: bodies inside each other, lanes that a box
+//! blocks.
 
 use nalgebra::Vector2;
 
 use super::contact::{Solid, pairs};
 use super::geometry::Footprint;
-use super::world::{placed, waiting_outside, way};
-use crate::scenario::agent::{Longitudinal, Snapshot};
-use crate::scenario::{Appearance, World};
+use crate::scenario::agent::{Longitudinal, PedestrianState, Snapshot, VehicleState};
+use crate::scenario::{Appearance, PedestrianSetup, VehicleReference, VehicleSetup, VehicleStart, World};
 
 /// Bodies that only touch are beside each other, m.
 const TOUCHING: f64 = 1e-6;
@@ -51,6 +51,44 @@ pub fn blocked_lanes(world: &World) -> Vec<(usize, usize, f64)> {
         }
     }
     blocked
+}
+
+pub(super) fn way(setup: &PedestrianSetup) -> Vector2<f64> {
+    let way = Vector2::new(setup.goal.x - setup.start.x, setup.goal.y - setup.start.y);
+    way.try_normalize(0.0).unwrap_or_else(|| Vector2::new(0.0, setup.side.walking_sign()))
+}
+
+pub(super) fn waiting_outside((setup, way): (&PedestrianSetup, &Vector2<f64>)) -> PedestrianState {
+    PedestrianState {
+        position: Vector2::new(setup.start.x, setup.start.y),
+        velocity: Vector2::zeros(),
+        acceleration: Vector2::zeros(),
+        heading: *way,
+        shape: setup.shape,
+        present: false,
+    }
+}
+
+/// Puts a settled vehicle where its setup wants it at time 0.
+pub(super) fn placed(world: &World, setup: &VehicleSetup, settled: Longitudinal) -> VehicleState {
+    let direction = world.road.lanes[setup.lane].direction;
+    let travelled = match setup.start {
+        VehicleStart::Distance(distance) => -distance,
+        VehicleStart::TimeToArrival { time, reference, x } => {
+            let ahead = match reference {
+                VehicleReference::Centre => 0.0,
+                VehicleReference::Front => setup.length / 2.0,
+            };
+            direction.sign() * x - time * settled.speed - ahead
+        }
+    };
+    VehicleState {
+        motion: Longitudinal { travelled, ..settled },
+        lane_centre: world.road.lane_centre(setup.lane),
+        direction,
+        length: setup.length,
+        width: setup.width,
+    }
 }
 
 /// Everybody where they begin.

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::contact::Solid;
 use super::observer::{Observer, Step};
-use crate::scenario::agent::VehicleState;
+use crate::scenario::agent::{Mode, VehicleState};
 use crate::scenario::{Road, Side, World};
 
 /// One thing that happened. Times in s, speeds in m/s.
@@ -20,7 +20,7 @@ pub struct Event {
 pub enum Happening {
     Appears,
     /// The model's own word for what it is up to.
-    Mode(String),
+    Mode(Mode),
     StartsWalking,
     EntersCarriageway,
     /// Its centre passes the centre line of a vehicle's lane.
@@ -56,8 +56,8 @@ pub enum Happening {
 pub struct Timeline<'a> {
     world: &'a World,
     events: Vec<Event>,
-    pedestrian_modes: Vec<&'static str>,
-    vehicle_modes: Vec<&'static str>,
+    pedestrian_modes: Vec<Mode>,
+    vehicle_modes: Vec<Mode>,
     braking: Vec<bool>,
     walking: Vec<bool>,
     appeared: Vec<bool>,
@@ -72,8 +72,8 @@ impl<'a> Timeline<'a> {
         Self {
             world,
             events: Vec::new(),
-            pedestrian_modes: vec![""; people],
-            vehicle_modes: vec![""; cars],
+            pedestrian_modes: vec![Mode::NONE; people],
+            vehicle_modes: vec![Mode::NONE; cars],
             braking: vec![false; cars],
             walking: vec![false; people],
             appeared: vec![false; people],
@@ -94,10 +94,10 @@ impl<'a> Timeline<'a> {
         let world = self.world;
         let name = &world.vehicles[index].name;
         let (before, after) = (&step.before.vehicles[index].motion, &step.after.vehicles[index].motion);
-        let mode = step.vehicle_modes[index];
-        if mode != self.vehicle_modes[index] {
-            self.vehicle_modes[index] = mode;
-            self.add(step.time, name, Happening::Mode(mode.to_string()));
+        let mode = &step.vehicle_modes[index];
+        if *mode != self.vehicle_modes[index] {
+            self.vehicle_modes[index] = mode.clone();
+            self.add(step.time, name, Happening::Mode(mode.clone()));
         }
         let end = step.time + step.duration;
         if let Some(part) = passing(before.travelled, after.travelled, 0.0) {
@@ -126,10 +126,10 @@ impl<'a> Timeline<'a> {
         let world = self.world;
         let name = &world.pedestrians[index].name;
         let (before, after) = (&step.before.pedestrians[index], &step.after.pedestrians[index]);
-        let mode = step.pedestrian_modes[index];
-        if mode != self.pedestrian_modes[index] {
-            self.pedestrian_modes[index] = mode;
-            self.add(step.time, name, Happening::Mode(mode.to_string()));
+        let mode = &step.pedestrian_modes[index];
+        if *mode != self.pedestrian_modes[index] {
+            self.pedestrian_modes[index] = mode.clone();
+            self.add(step.time, name, Happening::Mode(mode.clone()));
         }
         if !self.walking[index] && after.velocity.norm() >= STANDING {
             self.walking[index] = true;

@@ -4,11 +4,10 @@ use nalgebra::Vector2;
 
 use super::contact::Solid;
 use super::observer::{Observer, Step};
-use crate::scenario::agent::Motion;
-use crate::scenario::agent::Snapshot;
+use crate::scenario::agent::{Mode, Motion, Snapshot};
 
 /// One road user at one time.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Sample {
     /// s
     pub time: f64,
@@ -20,7 +19,7 @@ pub struct Sample {
     pub velocity: Vector2<f64>,
     /// Along the road for vehicles, along the heading for pedestrians, m/s².
     pub acceleration: f64,
-    pub mode: &'static str,
+    pub mode: Mode,
 }
 
 /// What makes a sample more than one of many.
@@ -49,7 +48,7 @@ pub struct Trace {
 const SAME: f64 = 1e-9;
 
 impl Trace {
-    fn record(&mut self, time: f64, state: &Snapshot, modes: impl Fn(usize) -> &'static str) {
+    fn record(&mut self, time: f64, state: &Snapshot, modes: impl Fn(usize) -> Mode) {
         let cars = state.vehicles.len();
         self.samples.extend(state.vehicles.iter().enumerate().map(|(who, car)| Sample {
             time,
@@ -66,7 +65,7 @@ impl Trace {
         }
     }
 
-    fn record_pedestrian(&mut self, time: f64, state: &Snapshot, index: usize, mode: &'static str) {
+    fn record_pedestrian(&mut self, time: f64, state: &Snapshot, index: usize, mode: Mode) {
         let person = &state.pedestrians[index];
         self.samples.push(Sample {
             time,
@@ -88,7 +87,7 @@ impl Trace {
             if step.before.pedestrians[index].present && !self.seen[index] {
                 self.seen[index] = true;
                 self.marks.push((self.samples.len(), Mark::Appears));
-                self.record_pedestrian(time, step.before, index, step.pedestrian_modes[index]);
+                self.record_pedestrian(time, step.before, index, step.pedestrian_modes[index].clone());
             }
         }
     }
@@ -115,13 +114,17 @@ impl Trace {
 
 impl Observer for Trace {
     fn begin(&mut self, start: &Snapshot) {
-        self.record(0.0, start, |_| "");
+        self.record(0.0, start, |_| Mode::NONE);
     }
 
     fn observe(&mut self, step: &Step) {
         let cars = step.vehicle_modes.len();
         let mode = |who: usize| {
-            if who < cars { step.vehicle_modes[who] } else { step.pedestrian_modes[who - cars] }
+            if who < cars {
+                step.vehicle_modes[who].clone()
+            } else {
+                step.pedestrian_modes[who - cars].clone()
+            }
         };
         let known = self.marks.len();
         self.record_new(step);

@@ -7,7 +7,9 @@
 use super::hazard::{Ramp, collision_course, keep_speed};
 use super::{CommandKind, ControllerContext, ControllerModel, period};
 use crate::scenario::{Chance, Declaration, Dimension, Parameter};
-use crate::sim::{Command, Controller, ModelError, Observation, Schedule, SeenPedestrian};
+use crate::sim::{
+    Command, Controller, ControllerError, Mode, ModelError, Observation, Schedule, SeenPedestrian,
+};
 
 const R157: &str = "UN R157 annex 3 (annex 4 appendix 3 of the original version), performance \
                     model of a careful driver";
@@ -222,7 +224,7 @@ impl Controller for CarefulHuman {
         Schedule::every(self.period)
     }
 
-    fn act(&mut self, observation: &Observation) -> Command {
+    fn act(&mut self, observation: &Observation) -> Result<Command, ControllerError> {
         let now = observation.time;
         let duration = now - self.last_time.replace(now).unwrap_or(now);
         self.state = self.next_state(observation);
@@ -230,24 +232,24 @@ impl Controller for CarefulHuman {
             let jerk = if self.ramp_time > 0.0 { self.deceleration / self.ramp_time } else { f64::INFINITY };
             // The first decision after the delay begins the ramp.
             let acceleration = ramp.toward(-self.deceleration, jerk, duration);
-            return Command::Acceleration(acceleration);
+            return Ok(Command::Acceleration(acceleration));
         }
         let speed = observation.ego.speed;
-        Command::Acceleration(keep_speed(
+        Ok(Command::Acceleration(keep_speed(
             speed,
             observation.cruise_speed,
             self.acceleration,
             self.deceleration,
-        ))
+        )))
     }
 
-    fn mode(&self) -> &'static str {
-        match self.state {
+    fn mode(&self) -> Mode {
+        Mode::new(match self.state {
             State::Driving => "cruise",
             State::Evaluating(_) => "evaluating",
             State::Reacting(_) => "reacting",
             State::Braking(_) => "braking",
-        }
+        })
     }
 }
 

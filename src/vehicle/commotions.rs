@@ -8,7 +8,9 @@ use crate::pedestrian::commotions::state::{Body, Control};
 use crate::pedestrian::commotions::{Agent, Conflict, Rules, Sight, State};
 use crate::scenario::{Chance, Declaration};
 use crate::sim::random::{self, Purpose};
-use crate::sim::{Command, Controller, EgoState, ModelError, Observation, Schedule, SeenPedestrian};
+use crate::sim::{
+    Command, Controller, ControllerError, EgoState, Mode, ModelError, Observation, Schedule, SeenPedestrian,
+};
 
 /// The registry entry.
 pub fn commotions() -> ControllerModel {
@@ -170,7 +172,7 @@ impl Controller for Driver {
         Schedule::every(self.period)
     }
 
-    fn act(&mut self, observation: &Observation) -> Command {
+    fn act(&mut self, observation: &Observation) -> Result<Command, ControllerError> {
         let rules = Rules {
             pedestrian_priority: observation.road.pedestrian_priority,
             entry_inhibited: observation.time < self.entry_inhibited_until,
@@ -180,11 +182,11 @@ impl Controller for Driver {
         if let Some(decision) = self.agent.step_among(&self.sights, &rules, &mut self.draws) {
             self.acceleration = decision.acceleration;
         }
-        Command::Acceleration(self.acceleration)
+        Ok(Command::Acceleration(self.acceleration))
     }
 
-    fn mode(&self) -> &'static str {
+    fn mode(&self) -> Mode {
         let met = |meeting: &Meeting| meeting.seen.is_some_and(|seen| !meeting.is_past(&seen));
-        if self.meetings.iter().any(met) { "negotiating" } else { "" }
+        Mode::new(if self.meetings.iter().any(met) { "negotiating" } else { "" })
     }
 }

@@ -3,7 +3,7 @@
 use super::hazard::keep_speed;
 use super::{CommandKind, ControllerContext, ControllerModel, period};
 use crate::scenario::{Chance, Declaration, Dimension, Parameter};
-use crate::sim::{Command, Controller, ModelError, Observation, Schedule};
+use crate::sim::{Command, Controller, ControllerError, Mode, ModelError, Observation, Schedule};
 
 const FREE: &str = "free choice";
 
@@ -60,20 +60,20 @@ impl Controller for ConstantDeceleration {
         Schedule::every(self.period)
     }
 
-    fn act(&mut self, observation: &Observation) -> Command {
+    fn act(&mut self, observation: &Observation) -> Result<Command, ControllerError> {
         let ego = &observation.ego;
         self.braking = self.braking
             || observation.time >= self.time - 1e-9
             || ego.distance_to_crossing - ego.length / 2.0 <= self.distance;
-        Command::Acceleration(if self.braking {
+        Ok(Command::Acceleration(if self.braking {
             -self.deceleration
         } else {
             keep_speed(ego.speed, observation.cruise_speed, self.deceleration, self.deceleration)
-        })
+        }))
     }
 
-    fn mode(&self) -> &'static str {
-        if self.braking { "braking" } else { "cruise" }
+    fn mode(&self) -> Mode {
+        Mode::new(if self.braking { "braking" } else { "cruise" })
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::{CommandKind, ControllerContext, ControllerModel, period};
 use crate::scenario::{Chance, Declaration, Dimension, Parameter};
-use crate::sim::{Command, Controller, ModelError, Observation, Schedule};
+use crate::sim::{Command, Controller, ControllerError, Mode, ModelError, Observation, Schedule};
 
 pub fn constant_speed() -> ControllerModel {
     let declaration = Declaration::new(
@@ -40,12 +40,12 @@ impl Controller for ConstantSpeed {
         Schedule::every(self.period)
     }
 
-    fn act(&mut self, observation: &Observation) -> Command {
-        Command::Acceleration(self.gain * (observation.cruise_speed - observation.ego.speed))
+    fn act(&mut self, observation: &Observation) -> Result<Command, ControllerError> {
+        Ok(Command::Acceleration(self.gain * (observation.cruise_speed - observation.ego.speed)))
     }
 
-    fn mode(&self) -> &'static str {
-        "cruise"
+    fn mode(&self) -> Mode {
+        Mode::new("cruise")
     }
 }
 

@@ -3,7 +3,9 @@
 use super::hazard::{Hazard, Ramp, collision_course};
 use super::{CommandKind, ControllerContext, ControllerModel, period};
 use crate::scenario::{Chance, ChoiceOption, Declaration, Dimension, Parameter};
-use crate::sim::{Command, Controller, ModelError, Observation, Schedule, SeenPedestrian};
+use crate::sim::{
+    Command, Controller, ControllerError, Mode, ModelError, Observation, Schedule, SeenPedestrian,
+};
 
 const IDM: &str = "Treiber & Kesting, Traffic Flow Dynamics (2013), table 11.2, city traffic";
 const ROSEN: &str = "Rosén et al., Accident Analysis & Prevention 42 (2010)";
@@ -251,7 +253,7 @@ impl Controller for IdmAeb {
         Schedule::every(self.period)
     }
 
-    fn act(&mut self, observation: &Observation) -> Command {
+    fn act(&mut self, observation: &Observation) -> Result<Command, ControllerError> {
         let duration =
             observation.time - self.last_time.replace(observation.time).unwrap_or(observation.time);
         let cruise = self.idm.acceleration(observation);
@@ -270,14 +272,14 @@ impl Controller for IdmAeb {
         }
         let Some(ramp) = &mut self.braking else {
             self.mode = "cruise";
-            return Command::Acceleration(cruise);
+            return Ok(Command::Acceleration(cruise));
         };
         self.mode = "emergency_braking";
-        Command::Acceleration(ramp.toward(-self.deceleration, self.jerk, duration).min(cruise))
+        Ok(Command::Acceleration(ramp.toward(-self.deceleration, self.jerk, duration).min(cruise)))
     }
 
-    fn mode(&self) -> &'static str {
-        self.mode
+    fn mode(&self) -> Mode {
+        Mode::new(self.mode)
     }
 }
 

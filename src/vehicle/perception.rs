@@ -8,7 +8,7 @@ use super::{ControllerContext, PerceptionModel};
 use crate::numbers::random::Stream;
 use crate::scenario::{Body, Chance, Declaration, Dimension, Parameter, Settings};
 use crate::sim::random::{Agent, Purpose, stream};
-use crate::sim::{Command, Controller, ModelError, Observation, Schedule, SeenPedestrian, SeenVehicle};
+use crate::sim::{ModelError, Observation, Perception, Schedule, SeenPedestrian, SeenVehicle};
 
 const FREE: &str = "free choice";
 
@@ -20,7 +20,7 @@ pub fn perception() -> PerceptionModel {
     PerceptionModel {
         declaration: declaration(),
         chance: Chance::If(draws),
-        perceive: Arc::new(with_perception),
+        build: Arc::new(with_perception),
     }
 }
 
@@ -106,20 +106,20 @@ fn declaration() -> Declaration {
     ])
 }
 
-/// Puts the perception that `settings` (resolved against [`declaration`]) describe between the world and a
-/// controller.
+/// The perception that `settings` (resolved against [`declaration`]) describe, for a controller that decides at the
+/// moments of `schedule`.
 fn with_perception(
-    controller: Box<dyn Controller>,
     settings: &Settings,
     context: &ControllerContext,
-) -> Result<Box<dyn Controller>, ModelError> {
+    schedule: Schedule,
+) -> Result<Box<dyn Perception>, ModelError> {
     let lane = context.world.road.lanes[context.setup.lane].direction.sign();
     let centre = context.world.road.lane_centre(context.setup.lane);
     let boxes = if settings.flag("occlusion") { context.world.road.boxes.as_slice() } else { &[] };
     let boxes =
         boxes.iter().map(|body| Body { x: lane * body.x, y: lane * (body.y - centre), ..body.clone() });
     let latency = settings.number("latency");
-    let interval = controller.schedule().shortest();
+    let interval = schedule.shortest();
     let frames = (latency / interval).ceil() as usize + 2;
     let (pedestrians, vehicles) = (context.world.pedestrians.len(), context.world.vehicles.len());
     let frame = || Frame {
@@ -128,7 +128,6 @@ fn with_perception(
         vehicles: Vec::with_capacity(vehicles),
     };
     Ok(Box::new(Perceiving {
-        controller,
         sight: Sight {
             range: settings.optional_number("range").unwrap_or(f64::INFINITY),
             half_angle: settings.optional_number("field_of_view").map_or(f64::INFINITY, |angle| angle / 2.0),
@@ -147,12 +146,10 @@ fn with_perception(
         lost_vehicles: vec![f64::NEG_INFINITY; vehicles],
         frames: (0..frames).map(|_| frame()).collect(),
         newest: 0,
-        view: None,
     }))
 }
 
 struct Perceiving {
-    controller: Box<dyn Controller>,
     sight: Sight,
     blur: Blur,
     /// s
@@ -163,8 +160,6 @@ struct Perceiving {
     /// A ring of what was perceived at the last decisions.
     frames: Vec<Frame>,
     newest: usize,
-    /// What the controller is shown; made at the first decision and used again.
-    view: Option<Observation>,
 }
 
 /// What was perceived at one decision, with positions relative to the crossing along the ego's lane.
@@ -248,7 +243,7 @@ impl Blur {
 
 impl Perceiving {
     /// Takes down what is perceived now.
-    fn perceive(&mut self, observation: &Observation) {
+    fn note(&mut self, observation: &Observation) {
         let ego = Vector2::new(-observation.ego.distance_to_crossing, 0.0);
         let sensor = ego + Vector2::new(observation.ego.length / 2.0 - self.sight.setback, 0.0);
         self.newest = (self.newest + 1) % self.frames.len();
@@ -284,67 +279,31 @@ impl Perceiving {
     }
 }
 
-impl Controller for Perceiving {
-    fn schedule(&self) -> Schedule {
-        self.controller.schedule()
-    }
-
-    fn settling_time(&self) -> f64 {
-        self.controller.settling_time()
-    }
-
-    fn act(&mut self, observation: &Observation) -> Command {
-        self.perceive(observation);
-        let mut view = self.view.take().unwrap_or_else(|| Observation {
-            pedestrians: Vec::with_capacity(self.lost_pedestrians.len()),
-            vehicles: Vec::with_capacity(self.lost_vehicles.len()),
-            ..observation.clone()
-        });
-        view.time = observation.time;
-        view.ego = observation.ego;
-        view.cruise_speed = observation.cruise_speed;
-        view.road = observation.road;
+impl Perception for Perceiving {
+    fn perceive(&mut self, seen: &Observation, view: &mut Observation) {
+        self.note(seen);
+        view.time = seen.time;
+        view.ego = seen.ego;
+        view.cruise_speed = seen.cruise_speed;
+        view.road = seen.road;
         view.pedestrians.clear();
         view.vehicles.clear();
-        if let Some(frame) = self.known(observation.time) {
-            let ego = Vector2::new(-observation.ego.distance_to_crossing, 0.0);
+        if let Some(frame) = self.known(seen.time) {
+            let ego = Vector2::new(-seen.ego.distance_to_crossing, 0.0);
             let pedestrians = frame.pedestrians.iter();
             view.pedestrians
                 .extend(pedestrians.map(|seen| SeenPedestrian { position: seen.position - ego, ..*seen }));
             let vehicles = frame.vehicles.iter();
             view.vehicles.extend(vehicles.map(|seen| SeenVehicle { position: seen.position - ego, ..*seen }));
         }
-        let command = self.controller.act(&view);
-        self.view = Some(view);
-        command
-    }
-
-    fn mode(&self) -> &'static str {
-        self.controller.mode()
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use std::sync::{Arc, Mutex};
-
     use super::*;
     use crate::scenario::{Value, World};
     use crate::vehicle::test_track::{CRUISE, walker, world};
-
-    /// Keeps what it was shown.
-    struct Witness(Arc<Mutex<Vec<Observation>>>);
-
-    impl Controller for Witness {
-        fn schedule(&self) -> Schedule {
-            Schedule::every(0.1)
-        }
-
-        fn act(&mut self, observation: &Observation) -> Command {
-            self.0.lock().unwrap().push(observation.clone());
-            Command::Acceleration(0.0)
-        }
-    }
 
     fn populated(boxes: Vec<Body>) -> World {
         let mut world = world(4.0, 2.0);
@@ -372,8 +331,7 @@ mod tests {
             rank: 0,
             seed,
         };
-        let record = Arc::new(Mutex::new(Vec::new()));
-        let mut controller = with_perception(Box::new(Witness(record.clone())), &settings, &context).unwrap();
+        let mut perception = with_perception(&settings, &context, Schedule::every(0.1)).unwrap();
         let mut track = crate::vehicle::test_track::Track::new(
             &crate::vehicle::constant_speed::constant_speed(),
             Settings::default(),
@@ -383,12 +341,14 @@ mod tests {
         track.crossing = 40.0;
         track.script_pedestrian(|time| Some((Vector2::new(40.0, -4.0 + time), Vector2::new(0.0, 1.0))));
         track.step = 0.1;
+        let mut shown = Vec::with_capacity(decisions);
+        let mut view = track.observation.clone();
         for _ in 0..decisions {
-            controller.act(track.observe());
+            perception.perceive(track.observe(), &mut view);
+            shown.push(view.pedestrians.first().map(|one| (one.position, one.velocity)));
             track.advance();
         }
-        let record = record.lock().unwrap();
-        record.iter().map(|seen| seen.pedestrians.first().map(|one| (one.position, one.velocity))).collect()
+        shown
     }
 
     fn truth(decision: usize) -> Vector2<f64> {

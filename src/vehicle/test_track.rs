@@ -9,19 +9,20 @@ use crate::scenario::{
 };
 use crate::sim::fixture::nobody;
 use crate::sim::{
-    Command, Controller, Dynamics, EgoState, Longitudinal, Observation, RoadView, SeenPedestrian, SeenVehicle,
+    Command, Controller, Dynamics, EgoState, Longitudinal, Mode, Observation, RoadView, SeenPedestrian,
+    SeenVehicle,
 };
 
 pub const ADULT: Shape = Shape::Rectangle { length: 0.375, width: 0.375 };
 pub const CRUISE: f64 = 30.0 / 3.6;
 
 /// What a track tells after each step.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct Sample {
     /// m/s
     pub speed: f64,
     pub command: Command,
-    pub mode: &'static str,
+    pub mode: Mode,
 }
 
 /// Controllers are built for this many.
@@ -134,7 +135,7 @@ impl Track {
 
     pub fn decide(&mut self) -> Command {
         self.observe();
-        self.controller.act(&self.observation)
+        self.controller.act(&self.observation).expect("built-in controllers can always decide")
     }
 
     pub fn advance(&mut self) -> Sample {

@@ -4,7 +4,7 @@ use super::hazard::{half_size, keep_speed};
 use super::{CommandKind, ControllerContext, ControllerModel, period};
 use crate::scenario::{Chance, Declaration, Dimension, Parameter, TextError};
 use crate::sim::script::{Action, Quantity, Script, parameters};
-use crate::sim::{Command, Controller, ModelError, Observation, Schedule};
+use crate::sim::{Command, Controller, ControllerError, Mode, ModelError, Observation, Schedule};
 
 pub fn timeline() -> ControllerModel {
     let declaration = Declaration::new(
@@ -88,27 +88,27 @@ impl Controller for ByTimeline {
         Schedule::every(self.period)
     }
 
-    fn act(&mut self, observation: &Observation) -> Command {
+    fn act(&mut self, observation: &Observation) -> Result<Command, ControllerError> {
         if let Some(action) = self.script.due(observation.time, |index| quantity(observation, index)) {
             self.action = action;
         }
         let speed = observation.ego.speed;
         let toward = |wanted| keep_speed(speed, wanted, self.acceleration, self.deceleration);
-        Command::Acceleration(match self.action {
+        Ok(Command::Acceleration(match self.action {
             Action::Speed(wanted) => toward(wanted),
             Action::Accelerate(acceleration) => acceleration,
             Action::Stop => -self.deceleration,
             Action::Resume => toward(observation.cruise_speed),
-        })
+        }))
     }
 
-    fn mode(&self) -> &'static str {
-        match self.action {
+    fn mode(&self) -> Mode {
+        Mode::new(match self.action {
             Action::Speed(_) => "speed",
             Action::Accelerate(_) => "accelerate",
             Action::Stop => "stop",
             Action::Resume => "cruise",
-        }
+        })
     }
 }
 
@@ -133,7 +133,7 @@ mod tests {
         let mut track = track(steps, &numbers);
         track.place_pedestrian(100.0, -3.0);
         let samples = track.drive(40.0);
-        let at = |time: f64| samples[(time / 0.025) as usize];
+        let at = |time: f64| samples[(time / 0.025) as usize].clone();
         assert_eq!(at(1.9).speed, CRUISE);
         assert!((at(8.0).speed - 20.0 / 3.6).abs() < 0.01);
         let stop = samples.iter().position(|sample| sample.mode == "stop").unwrap() as f64 * 0.025;

@@ -3,7 +3,9 @@
 use super::hazard::{collision_course, keep_speed};
 use super::{CommandKind, ControllerContext, ControllerModel, period};
 use crate::scenario::{Chance, Declaration, Dimension, Parameter};
-use crate::sim::{Command, Controller, ModelError, Observation, Schedule, SeenPedestrian};
+use crate::sim::{
+    Command, Controller, ControllerError, Mode, ModelError, Observation, Schedule, SeenPedestrian,
+};
 
 const RULE: &str = "Vienna Convention on Road Traffic (1968), article 21: give way to pedestrians \
                     at crossings";
@@ -236,7 +238,7 @@ impl Controller for Yielding {
         Schedule::every(self.period)
     }
 
-    fn act(&mut self, observation: &Observation) -> Command {
+    fn act(&mut self, observation: &Observation) -> Result<Command, ControllerError> {
         self.follow(observation);
         self.update_patience(observation);
         let ego = &observation.ego;
@@ -262,19 +264,19 @@ impl Controller for Yielding {
         let room = self.room(observation);
         if ego.speed * ego.speed > 2.0 * self.max_deceleration * room {
             self.mode = "emergency_braking";
-            return Command::Acceleration(-self.emergency_deceleration);
+            return Ok(Command::Acceleration(-self.emergency_deceleration));
         }
         if self.stopping {
             self.mode = if ego.speed == 0.0 { "waiting" } else { "yielding" };
-            return Command::Acceleration(-needed.clamp(self.deceleration, self.emergency_deceleration));
+            return Ok(Command::Acceleration(-needed.clamp(self.deceleration, self.emergency_deceleration)));
         }
         self.mode = "cruise";
         let wanted = observation.cruise_speed.min((2.0 * self.deceleration * room).sqrt());
-        Command::Acceleration(keep_speed(ego.speed, wanted, self.acceleration, self.max_deceleration))
+        Ok(Command::Acceleration(keep_speed(ego.speed, wanted, self.acceleration, self.max_deceleration)))
     }
 
-    fn mode(&self) -> &'static str {
-        self.mode
+    fn mode(&self) -> Mode {
+        Mode::new(self.mode)
     }
 }
 
@@ -293,7 +295,7 @@ mod tests {
     }
 
     fn at(samples: &[Sample], time: f64) -> Sample {
-        samples[(time / 0.025) as usize]
+        samples[(time / 0.025) as usize].clone()
     }
 
     #[test]

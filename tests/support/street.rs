@@ -1,6 +1,6 @@
 //! A street of two lanes in the same direction, with any number of vehicles and pedestrians, and what came of a run on it.
 
-use std::sync::LazyLock;
+use std::sync::{Arc, LazyLock};
 
 use scenario_runner::models::standard;
 use scenario_runner::pedestrian::population::Population;
@@ -10,7 +10,8 @@ use scenario_runner::scenario::{
     Position, Road, Settings, Shape, Side, VehicleSetup, VehicleStart, World,
 };
 use scenario_runner::sim::{
-    Command, Controller, Observation, Observer, RoadUsers, Schedule, Solid, Step, simulate,
+    Command, Controller, ControllerError, Driver, Observation, Observer, RoadUsers, Schedule, Solid, Step,
+    simulate,
 };
 
 /// A zebra over two lanes of 4 m, both along +x, kerbs at -2 m and 6 m; runs go on after a contact.
@@ -161,12 +162,13 @@ pub fn run(world: &World, seed: u64) -> Course {
 pub fn run_before_giving_way(world: &World, seed: u64) -> Course {
     let mut users = road_users(world, seed).expect("road users");
     for (place, driven) in users.vehicles.iter_mut().enumerate() {
-        driven.controller = Box::new(GivesWay { stops_at: 6.0 + 7.0 * place as f64 });
+        driven.driver = Driver::Inside(Box::new(GivesWay { stops_at: 6.0 + 7.0 * place as f64 }));
+        driven.perception = None;
     }
     run_with(world, users)
 }
 
-fn run_with(world: &World, mut users: RoadUsers) -> Course {
+fn run_with(world: &World, users: RoadUsers) -> Course {
     let names = world.vehicles.iter().map(|car| car.name.clone());
     let mut course = Course {
         names: names.chain(world.pedestrians.iter().map(|person| person.name.clone())).collect(),
@@ -178,7 +180,7 @@ fn run_with(world: &World, mut users: RoadUsers) -> Course {
         crash: false,
         entered: None,
     };
-    simulate(world, &mut users, &mut course);
+    simulate(&Arc::new(world.clone()), users, &mut course).expect("controllers that can decide");
     course
 }
 
@@ -192,16 +194,16 @@ impl Controller for GivesWay {
         Schedule::every(0.025)
     }
 
-    fn act(&mut self, seen: &Observation) -> Command {
+    fn act(&mut self, seen: &Observation) -> Result<Command, ControllerError> {
         let waits = seen.pedestrians.iter().any(|person| person.position.y < 2.0);
         let left = seen.ego.distance_to_crossing - self.stops_at;
         let needed = if left > 0.0 { seen.ego.speed * seen.ego.speed / (2.0 * left) } else { 5.0 };
-        Command::Acceleration(if waits && needed >= 2.0 {
+        Ok(Command::Acceleration(if waits && needed >= 2.0 {
             -needed.min(5.0)
         } else if !waits && seen.ego.speed < seen.cruise_speed {
             1.5
         } else {
             0.0
-        })
+        }))
     }
 }

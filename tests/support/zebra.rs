@@ -2,6 +2,8 @@
 //!
 //! Lane 4 m wide, kerbs at -2 m and +6 m, the pedestrian from -4 m to +8 m at x = 0, the vehicle 4.9 m by 2.1 m.
 
+use std::sync::Arc;
+
 use scenario_runner::models::standard;
 use scenario_runner::pedestrian::PedestrianContext;
 use scenario_runner::scenario::{
@@ -9,8 +11,8 @@ use scenario_runner::scenario::{
     Value, VehicleReference, VehicleSetup, VehicleStart, World,
 };
 use scenario_runner::sim::{
-    Command, Controller, Driven, Ending, Observation, Observer, RoadUsers, Schedule, Step, StopReason,
-    simulate,
+    Command, Controller, ControllerError, Driven, Ending, Mode, Observation, Observer, RoadUsers, Schedule,
+    Step, StopReason, simulate,
 };
 
 /// 30 km/h
@@ -36,17 +38,17 @@ impl Controller for Car {
         Schedule::every(PERIOD)
     }
 
-    fn act(&mut self, seen: &Observation) -> Command {
-        let Self::Brakes { at } = *self else { return Command::Acceleration(0.0) };
+    fn act(&mut self, seen: &Observation) -> Result<Command, ControllerError> {
+        let Self::Brakes { at } = *self else { return Ok(Command::Acceleration(0.0)) };
         let bumper = seen.ego.distance_to_crossing - seen.ego.length / 2.0;
         let on_lane = seen.pedestrians.iter().any(|person| person.position.y.abs() <= 2.0);
-        Command::Acceleration(if on_lane && (0.0..=at).contains(&bumper) {
+        Ok(Command::Acceleration(if on_lane && (0.0..=at).contains(&bumper) {
             -6.0
         } else if seen.ego.speed < seen.cruise_speed {
             2.0
         } else {
             0.0
-        })
+        }))
     }
 }
 
@@ -88,15 +90,15 @@ impl Zebra {
         let context =
             PedestrianContext { settings: &settings, setup, world: &world, rank: 0, seed: self.seed };
         let ideal = standard().dynamics().get("ideal").expect("registered dynamics").clone();
-        let mut users = RoadUsers {
-            vehicles: vec![Driven {
-                controller: Box::new(self.car),
-                dynamics: (ideal.build)(&Settings::default()).expect("ideal dynamics"),
-            }],
+        let users = RoadUsers {
+            vehicles: vec![Driven::new(
+                Box::new(self.car),
+                (ideal.build)(&Settings::default()).expect("ideal dynamics"),
+            )],
             pedestrians: vec![(declared.build)(&context).expect("a pedestrian")],
         };
         let mut course = Course { points: Vec::new(), ending: None };
-        let ending = simulate(&world, &mut users, &mut course);
+        let ending = simulate(&Arc::new(world), users, &mut course).expect("a car that can decide");
         course.ending = Some(ending);
         course
     }
@@ -137,7 +139,7 @@ impl Zebra {
 }
 
 /// The states at the beginning of a step, and what the pedestrian decided there.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Point {
     pub time: f64,
     pub x: f64,
@@ -148,7 +150,7 @@ pub struct Point {
     pub speed: f64,
     /// Decided change of velocity per second, m/s².
     pub acceleration: f64,
-    pub mode: &'static str,
+    pub mode: Mode,
     /// From the vehicle's front bumper to the crossing line, m.
     pub bumper: f64,
     pub car_speed: f64,
@@ -172,7 +174,7 @@ impl Observer for Course {
             velocity: person.velocity.y,
             speed: velocity.y,
             acceleration: (velocity - person.velocity).norm() / step.duration,
-            mode: step.pedestrian_modes[0],
+            mode: step.pedestrian_modes[0].clone(),
             bumper: car.distance_to(0.0, VehicleReference::Front),
             car_speed: car.motion.speed,
         });
@@ -201,8 +203,8 @@ impl Course {
     }
 
     /// The modes in their order, one for each visit.
-    pub fn visits(&self) -> Vec<&'static str> {
-        let mut modes: Vec<_> = self.points.iter().map(|point| point.mode).collect();
+    pub fn visits(&self) -> Vec<&str> {
+        let mut modes: Vec<_> = self.points.iter().map(|point| point.mode.as_str()).collect();
         modes.dedup();
         modes
     }

@@ -67,7 +67,7 @@ fn the_wait_is_a_mixture() {
 }
 
 /// A standing car whose centre is `x` along the road from the pedestrian.
-fn mode_beside_car(x: f64, time: f64, pairs: &[(&str, Value)]) -> &'static str {
+fn mode_beside_car(x: f64, time: f64, pairs: &[(&str, Value)]) -> Mode {
     let mut walk = walk(pairs);
     walk.add_car(x, 0.0);
     walk.go(time);

@@ -8,7 +8,7 @@ use crate::numbers::random::Stream;
 use crate::pedestrian::{PedestrianContext, PedestrianModel};
 use crate::scenario::{Declaration, Dimension, Road, Settings, Shape, VehicleReference};
 use crate::sim::random::{self, Purpose};
-use crate::sim::{ModelError, Motion, Pedestrian, Scene, Stated, StatedBy, VehicleState};
+use crate::sim::{Mode, ModelError, Motion, Pedestrian, Scene, Stated, StatedBy, VehicleState};
 
 /// The registry entry.
 pub fn commotions() -> PedestrianModel {
@@ -200,8 +200,8 @@ impl Pedestrian for Walker {
         Motion::Accelerate(self.acceleration)
     }
 
-    fn mode(&self) -> &'static str {
-        if self.standing { "waiting" } else { "walking" }
+    fn mode(&self) -> Mode {
+        Mode::new(if self.standing { "waiting" } else { "walking" })
     }
 
     fn free_speed(&self) -> f64 {

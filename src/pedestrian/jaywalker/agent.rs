@@ -9,7 +9,7 @@ use super::perception::{Encounter, Perception};
 use crate::numbers::random::Stream;
 use crate::pedestrian::sum_in_any_order;
 use crate::scenario::{Settings, Side};
-use crate::sim::{Motion, Pedestrian, Scene, VehicleState};
+use crate::sim::{Mode, Motion, Pedestrian, Scene, VehicleState};
 
 /// Nearer to its goal than this it has arrived, m.
 const ARRIVAL: f64 = 0.2;
@@ -266,15 +266,15 @@ impl Pedestrian for Jaywalker {
         Motion::Walk(self.velocity(scene, encounter, way))
     }
 
-    fn mode(&self) -> &'static str {
-        match self.state {
+    fn mode(&self) -> Mode {
+        Mode::new(match self.state {
             State::Initialising => "initialising",
             State::Waiting => "waiting",
             State::Crossing => "crossing",
             State::Frozen(_) => "frozen",
             State::Survival(_) => "survival",
             State::Finished => "finished",
-        }
+        })
     }
 
     fn free_speed(&self) -> f64 {

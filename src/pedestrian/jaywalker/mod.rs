@@ -111,7 +111,7 @@ mod tests {
     fn without_vehicles_it_walks_across_after_a_second() {
         let mut walk = Walk::new(&jaywalker(), Settings::default());
         walk.go(1.0);
-        assert_eq!((walk.position().y, walk.pedestrian.mode()), (-4.0, "waiting"));
+        assert_eq!((walk.position().y, walk.pedestrian.mode()), (-4.0, "waiting".into()));
         walk.go(8.0);
         assert_eq!(walk.pedestrian.mode(), "finished");
         assert!((walk.position().y - 6.0).abs() < 0.2);

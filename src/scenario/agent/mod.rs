@@ -1,5 +1,7 @@
 //! The seams for models: what a pedestrian and a controller see, and what they may do.
 
+mod controller_error;
+mod mode;
 mod model_error;
 mod schedule;
 mod state;
@@ -9,6 +11,8 @@ use serde::{Deserialize, Serialize};
 
 use super::{Position, Road, Shape};
 
+pub use controller_error::ControllerError;
+pub use mode::Mode;
 pub use model_error::{ModelError, Stated, StatedBy};
 pub use schedule::Schedule;
 pub use state::{Longitudinal, PedestrianState, Snapshot, VehicleState, velocity_inside};
@@ -19,8 +23,8 @@ pub trait Pedestrian: Send {
     fn act(&mut self, scene: &Scene) -> Motion;
 
     /// What it is up to, such as `waiting`; shown in traces and timelines.
-    fn mode(&self) -> &'static str {
-        ""
+    fn mode(&self) -> Mode {
+        Mode::NONE
     }
 
     /// The speed at which it would walk without traffic, m/s.
@@ -70,12 +74,22 @@ pub trait Controller: Send {
         0.0
     }
 
-    fn act(&mut self, observation: &Observation) -> Command;
+    /// Decides what to do until the next moment of its schedule.
+    ///
+    /// # Errors
+    /// Whatever keeps it from deciding. The run ends there, and is neither a pass nor a failure.
+    fn act(&mut self, observation: &Observation) -> Result<Command, ControllerError>;
 
     /// What it is up to, such as `emergency_stop`; shown in traces and timelines.
-    fn mode(&self) -> &'static str {
-        ""
+    fn mode(&self) -> Mode {
+        Mode::NONE
     }
+}
+
+/// What stands between the world and a controller.
+pub trait Perception: Send {
+    /// Puts into `view` what is known of `seen`. Called once before each decision; `view` is that of the decision before.
+    fn perceive(&mut self, seen: &Observation, view: &mut Observation);
 }
 
 /// What a controller receives. Ego frame: x ahead along the lane from the ego's centre, y to the left of its lane's
@@ -157,6 +171,16 @@ pub enum Command {
     Pedals { throttle: f64, brake: f64 },
     /// m/s²
     Acceleration(f64),
+}
+
+impl Command {
+    /// Whether a vehicle can follow it.
+    pub fn is_finite(self) -> bool {
+        match self {
+            Self::Pedals { throttle, brake } => throttle.is_finite() && brake.is_finite(),
+            Self::Acceleration(acceleration) => acceleration.is_finite(),
+        }
+    }
 }
 
 /// How a vehicle answers its controller.

@@ -12,7 +12,7 @@ use super::stop_position::{CrosswalkStop, StopConstants};
 use super::tracker::Tracker;
 use crate::numbers::random::Stream;
 use crate::scenario::Settings;
-use crate::sim::{Command, Controller, Observation, Schedule};
+use crate::sim::{Command, Controller, ControllerError, Mode, Observation, Schedule};
 
 /// Slower than this the ego is not under way yet, m/s.
 const UNDER_WAY: f64 = 0.125;
@@ -267,7 +267,7 @@ impl Controller for Stack {
         self.constants.settling
     }
 
-    fn act(&mut self, observation: &Observation) -> Command {
+    fn act(&mut self, observation: &Observation) -> Result<Command, ControllerError> {
         let ego = Ego::of(observation);
         self.tracker.sense(observation);
         if self.is_planning_due(observation.time) {
@@ -279,10 +279,10 @@ impl Controller for Stack {
         self.signs.stopped = state == DriveState::Stopped;
         self.signs.slow = ego.speed < UNDER_WAY;
         self.phase = self.phase.next(&self.signs);
-        Command::Acceleration(command)
+        Ok(Command::Acceleration(command))
     }
 
-    fn mode(&self) -> &'static str {
-        self.phase.name()
+    fn mode(&self) -> Mode {
+        Mode::new(self.phase.name())
     }
 }

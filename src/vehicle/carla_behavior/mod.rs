@@ -9,7 +9,7 @@ mod speed_controller;
 
 use super::{CommandKind, ControllerContext, ControllerModel};
 use crate::scenario::{Chance, Settings};
-use crate::sim::{Command, Controller, ModelError, Observation, Schedule};
+use crate::sim::{Command, Controller, ControllerError, Mode, ModelError, Observation, Schedule};
 use obstacle::ObstacleTest;
 use speed_controller::SpeedController;
 
@@ -119,7 +119,7 @@ impl Controller for CarlaBehavior {
         self.settling_time
     }
 
-    fn act(&mut self, observation: &Observation) -> Command {
+    fn act(&mut self, observation: &Observation) -> Result<Command, ControllerError> {
         let mut wanted = self.wanted_speed(observation);
         let walker = self.obstacle.walker(observation);
         let vehicle = self.obstacle.vehicle(observation);
@@ -127,18 +127,18 @@ impl Controller for CarlaBehavior {
         if walker.is_some_and(too_near) || vehicle.is_some_and(|lead| too_near(lead.distance)) {
             // The speed controller is not asked, so its memory stays as it is.
             self.mode = "emergency_stop";
-            return Command::Pedals { throttle: 0.0, brake: self.emergency_brake };
+            return Ok(Command::Pedals { throttle: 0.0, brake: self.emergency_brake });
         }
         self.mode = "cruise";
         if let Some(lead) = vehicle {
             self.mode = "following";
             wanted = self.following_speed(observation.ego.speed, lead.speed, lead.distance, wanted);
         }
-        self.speed_controller.pedals((wanted - observation.ego.speed) * KMH)
+        Ok(self.speed_controller.pedals((wanted - observation.ego.speed) * KMH))
     }
 
-    fn mode(&self) -> &'static str {
-        self.mode
+    fn mode(&self) -> Mode {
+        Mode::new(self.mode)
     }
 }
 

@@ -167,8 +167,8 @@ fn it_holds_for_ever_and_goes_when_the_way_is_free() {
         Some((nalgebra::Vector2::new(50.0, y), nalgebra::Vector2::zeros()))
     });
     let samples = track.drive(45.0);
-    let at = |time: f64| samples[(time / 0.025) as usize];
-    assert_eq!((at(29.0).speed, at(29.0).mode), (0.0, "emergency_stop"));
+    let at = |time: f64| samples[(time / 0.025) as usize].clone();
+    assert_eq!((at(29.0).speed, at(29.0).mode), (0.0, "emergency_stop".into()));
     assert_eq!(at(30.1).command, Command::Pedals { throttle: 0.75, brake: 0.0 });
     assert!(at(44.0).speed > 8.0);
 }
@@ -192,8 +192,11 @@ fn it_follows_a_slower_vehicle_and_brakes_when_near() {
     // Centre 9 m ahead: rear 4.49 m before the bumper, believed within 5 m.
     assert_eq!(command(9.0, 5.0).1, "emergency_stop");
     // Rear 9.6 m ahead, believed 5.1 m: 3.3 m/s faster, so 1.5 s to collision: slower than the one ahead.
-    assert_eq!(command(14.1, 5.0), (Command::Pedals { throttle: 0.0, brake: 0.3 }, "following"));
+    assert_eq!(command(14.1, 5.0), (Command::Pedals { throttle: 0.0, brake: 0.3 }, "following".into()));
     // As fast as itself: 5.1 s, so keep that speed.
-    assert_eq!(command(14.1, 30.0 / 3.6), (Command::Pedals { throttle: 0.0, brake: 0.0 }, "following"));
+    assert_eq!(
+        command(14.1, 30.0 / 3.6),
+        (Command::Pedals { throttle: 0.0, brake: 0.0 }, "following".into())
+    );
     assert_eq!(command(30.0, 5.0).1, "cruise");
 }

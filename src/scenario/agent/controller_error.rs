@@ -1,0 +1,23 @@
+//! Why a controller cannot decide in a run that has begun.
+
+use thiserror::Error;
+
+/// Why a controller cannot decide. Unlike a [`ModelError`](super::ModelError), which refuses a case before anything moves
+/// and states numbers of the scenario, it happens to one run at one moment and is in the controller's own words.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("{message}")]
+pub struct ControllerError {
+    pub message: String,
+    /// What to do about it, if it knows.
+    pub hint: Option<String>,
+}
+
+impl ControllerError {
+    pub fn new(message: impl Into<String>) -> Self {
+        Self { message: message.into(), hint: None }
+    }
+
+    pub fn with_hint(message: impl Into<String>, hint: impl Into<String>) -> Self {
+        Self { message: message.into(), hint: Some(hint.into()) }
+    }
+}

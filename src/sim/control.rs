@@ -1,0 +1,228 @@
+//! The control loop of one vehicle: when it is due, what it sees, what it was told to do, and how it settles before the run.
+
+use super::road_users::{Driven, Driver};
+use crate::scenario::agent::{
+    Command, ControllerError, EgoState, Longitudinal, Mode, Observation, RoadView, Schedule, SeenPedestrian,
+    SeenVehicle, Snapshot,
+};
+use crate::scenario::{Direction, Road, Side, VehicleSetup, World};
+
+/// Absorbs the rounding of sums and products when times are compared, s.
+pub(super) const TIME_TOLERANCE: f64 = 1e-9;
+
+/// Where a settling vehicle believes to be: too far from the crossing for it to matter, m.
+const FAR_AWAY: f64 = 1e6;
+
+/// The state of one vehicle's control loop.
+pub(super) struct Control {
+    observation: Observation,
+    /// What perception leaves of it, if there is any.
+    view: Option<Observation>,
+    /// What the vehicle does until the next decision.
+    pub command: Command,
+    schedule: Schedule,
+    decisions: u64,
+    /// Moment of the next decision, s.
+    next: f64,
+    /// Whether somebody outside is to decide now.
+    pub waits: bool,
+    settling: Settling,
+}
+
+/// A vehicle in free flow before time 0.
+struct Settling {
+    motion: Longitudinal,
+    steps: u64,
+    /// The step under way.
+    index: u64,
+    /// Whether those who are due at the beginning of that step were asked.
+    begun: bool,
+    /// How much of that step is driven, s.
+    driven: f64,
+}
+
+impl Control {
+    pub fn new(world: &World, setup: &VehicleSetup, driven: &Driven) -> Self {
+        let road = &world.road;
+        let direction = road.lanes[setup.lane].direction;
+        let centre = road.lane_centre(setup.lane);
+        let (near, far) = (road.kerb(Side::Near) - centre, road.kerb(Side::Far) - centre);
+        let (right_kerb, left_kerb) = match direction {
+            Direction::Forward => (near, far),
+            Direction::Backward => (-far, -near),
+        };
+        let observed = || Observation {
+            time: 0.0,
+            ego: EgoState {
+                distance_to_crossing: FAR_AWAY,
+                speed: setup.speed,
+                acceleration: 0.0,
+                length: setup.length,
+                width: setup.width,
+            },
+            cruise_speed: setup.speed,
+            road: RoadView {
+                lane_width: road.lane_width,
+                speed_limit: road.speed_limit,
+                crossing_width: road.crossing.width,
+                pedestrian_priority: road.pedestrian_priority(0.0),
+                right_kerb,
+                left_kerb,
+            },
+            pedestrians: Vec::with_capacity(world.pedestrians.len()),
+            vehicles: Vec::with_capacity(world.vehicles.len()),
+        };
+        Self {
+            observation: observed(),
+            view: driven.perception.is_some().then(observed),
+            command: Command::Acceleration(0.0),
+            schedule: driven.driver.schedule(),
+            decisions: 0,
+            next: 0.0,
+            waits: false,
+            settling: Settling {
+                motion: Longitudinal { travelled: 0.0, speed: setup.speed, acceleration: 0.0 },
+                steps: (driven.driver.settling_time() / world.step).ceil() as u64,
+                index: 0,
+                begun: false,
+                driven: 0.0,
+            },
+        }
+    }
+
+    pub fn is_due(&self, time: f64) -> bool {
+        time >= self.next - TIME_TOLERANCE
+    }
+
+    /// The moment of its next decision if it lies before `end` (s), which is where the next step asks by itself.
+    pub fn due_before(&self, end: f64) -> Option<f64> {
+        (self.next < end - TIME_TOLERANCE).then_some(self.next)
+    }
+
+    /// What whoever decides is shown.
+    pub fn shown(&self) -> &Observation {
+        self.view.as_ref().unwrap_or(&self.observation)
+    }
+
+    /// Asks whoever drives what to do from now on; what it is up to then, unless it is outside and is waited for.
+    fn ask(&mut self, driven: &mut Driven) -> Result<Option<Mode>, ControllerError> {
+        if let (Some(perception), Some(view)) = (&mut driven.perception, &mut self.view) {
+            perception.perceive(&self.observation, view);
+        }
+        match &mut driven.driver {
+            Driver::Inside(controller) => {
+                let command = controller.act(self.view.as_ref().unwrap_or(&self.observation))?;
+                self.take(command)?;
+                Ok(Some(controller.mode()))
+            }
+            Driver::Outside { .. } => {
+                self.waits = true;
+                Ok(None)
+            }
+        }
+    }
+
+    /// Takes a decision, which holds until the next.
+    pub fn take(&mut self, command: Command) -> Result<(), ControllerError> {
+        if !command.is_finite() {
+            return Err(ControllerError::new(format!("no vehicle can follow its command: {command:?}")));
+        }
+        self.waits = false;
+        self.command = command;
+        self.count_from(self.decisions + 1);
+        Ok(())
+    }
+
+    fn count_from(&mut self, decisions: u64) {
+        self.decisions = decisions;
+        self.next = self.schedule.moment(decisions);
+    }
+
+    /// Asks at `time` (s), everybody being where `now` says.
+    pub fn decide(
+        &mut self,
+        driven: &mut Driven,
+        time: f64,
+        me: usize,
+        now: &Snapshot,
+        road: &Road,
+    ) -> Result<Option<Mode>, ControllerError> {
+        self.see(time, me, now, road);
+        self.ask(driven)
+    }
+
+    /// Drives on in free flow until time 0, or until somebody outside has to decide; the motion it has settled to, with
+    /// `travelled` at 0.
+    pub fn settle(
+        &mut self,
+        step: f64,
+        driven: &mut Driven,
+    ) -> Result<Option<Longitudinal>, ControllerError> {
+        let steps = self.settling.steps;
+        while !self.waits && self.settling.index < steps {
+            let index = self.settling.index;
+            let begin = index as f64 * step;
+            if !self.settling.begun {
+                self.settling.begun = true;
+                if self.is_due(begin) {
+                    self.decide_far_away((index as f64 - steps as f64) * step, driven)?;
+                }
+            } else if let Some(moment) = self.due_before((index + 1) as f64 * step) {
+                let Settling { motion, driven: done, .. } = &mut self.settling;
+                driven.dynamics.advance(motion, self.command, moment - begin - *done);
+                *done = moment - begin;
+                self.decide_far_away(moment - steps as f64 * step, driven)?;
+            } else {
+                let Settling { motion, driven: done, .. } = &mut self.settling;
+                driven.dynamics.advance(motion, self.command, step - *done);
+                (self.settling.index, self.settling.begun, self.settling.driven) = (index + 1, false, 0.0);
+            }
+        }
+        if self.waits {
+            return Ok(None);
+        }
+        self.count_from(0);
+        Ok(Some(Longitudinal { travelled: 0.0, ..self.settling.motion }))
+    }
+
+    /// A decision in free flow, `time` (s) being negative: that much before the start.
+    fn decide_far_away(&mut self, time: f64, driven: &mut Driven) -> Result<(), ControllerError> {
+        self.observation.time = time;
+        self.observation.ego.distance_to_crossing = FAR_AWAY;
+        self.observation.ego.speed = self.settling.motion.speed;
+        self.observation.ego.acceleration = self.settling.motion.acceleration;
+        self.ask(driven).map(drop)
+    }
+
+    /// Fills the observation with the states of `now` as the ego sees them.
+    fn see(&mut self, time: f64, me: usize, now: &Snapshot, road: &Road) {
+        let ego = &now.vehicles[me];
+        let sign = ego.direction.sign();
+        let seen = &mut self.observation;
+        seen.time = time;
+        seen.ego.distance_to_crossing = -ego.motion.travelled;
+        seen.ego.speed = ego.motion.speed;
+        seen.ego.acceleration = ego.motion.acceleration;
+        seen.road.pedestrian_priority = road.pedestrian_priority(time);
+        seen.pedestrians.clear();
+        seen.pedestrians.extend(now.pedestrians.iter().enumerate().filter(|(_, state)| state.present).map(
+            |(id, state)| SeenPedestrian {
+                id,
+                position: (state.position - ego.position()) * sign,
+                velocity: state.velocity * sign,
+                acceleration: state.acceleration * sign,
+                shape: state.shape,
+            },
+        ));
+        seen.vehicles.clear();
+        seen.vehicles.extend(now.vehicles.iter().enumerate().filter(|(id, _)| *id != me).map(
+            |(id, state)| SeenVehicle {
+                id,
+                position: (state.position() - ego.position()) * sign,
+                velocity: state.velocity() * sign,
+                length: state.length,
+                width: state.width,
+            },
+        ));
+    }
+}

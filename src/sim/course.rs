@@ -1,0 +1,403 @@
+//! One run from settled cruise to its end, step by step, which stops wherever somebody outside has to decide.
+
+use std::sync::Arc;
+
+use nalgebra::Vector2;
+use thiserror::Error;
+
+use super::contact::{Contacts, Solid};
+use super::control::{Control, TIME_TOLERANCE};
+use super::observer::{Ending, Observer, Step, StopReason};
+use super::road_users::RoadUsers;
+use super::start::{placed, waiting_outside, way};
+use crate::scenario::agent::{
+    Command, ControllerError, Mode, Motion, Observation, PedestrianState, Scene, Snapshot, VehicleState,
+};
+use crate::scenario::{Appearance, World};
+
+/// The time at which a run ends that nothing ends before its horizon, s: a whole number of steps.
+pub fn longest_run(horizon: f64, step: f64) -> f64 {
+    steps_within(horizon, step) as f64 * step
+}
+
+fn steps_within(horizon: f64, step: f64) -> u64 {
+    (horizon / step - TIME_TOLERANCE).ceil().max(1.0) as u64
+}
+
+/// Runs `world` to its end. `users` must hold one mind per setup, and nobody outside.
+///
+/// A pure function of its arguments: no clock, no global state, and nothing is allocated after the first step.
+///
+/// # Errors
+/// The first controller that cannot decide.
+pub fn simulate(world: &Arc<World>, users: RoadUsers, observer: &mut dyn Observer) -> Result<Ending, Fault> {
+    let mut course = Course::start(world.clone(), users);
+    match course.next(observer)? {
+        Progress::Ended(ending) => Ok(ending),
+        Progress::Waits => {
+            let waiting = course.asked().next().map_or(0, |(vehicle, _)| vehicle);
+            Err(course.fault(waiting, ControllerError::new("nobody decides for it")))
+        }
+    }
+}
+
+/// A run that cannot go on, since a controller cannot decide. It is neither a pass nor a failure.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[error("vehicle {vehicle} cannot decide at {time} s: {error}")]
+pub struct Fault {
+    /// Index of its vehicle.
+    pub vehicle: usize,
+    /// s; negative while settling before the start.
+    pub time: f64,
+    pub error: ControllerError,
+}
+
+/// How far a run has come.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Progress {
+    /// Somebody outside has to [decide](Course::decide) for each vehicle that is [asked](Course::asked).
+    Waits,
+    Ended(Ending),
+}
+
+/// Whether a vehicle has passed the finish line, or a pedestrian every vehicle's lane. Boxes are where they are.
+pub fn has_arrived(world: &World, state: &Snapshot, who: Solid) -> bool {
+    match who {
+        Solid::Vehicle(index) => state.vehicles[index].motion.travelled >= world.finish,
+        Solid::Pedestrian(index) => {
+            let (person, sign) = (&state.pedestrians[index], world.pedestrians[index].side.walking_sign());
+            let half_lane = world.road.lane_width / 2.0;
+            let beyond = |car: &VehicleState| sign * (person.position.y - car.lane_centre) >= half_lane;
+            person.present && state.vehicles.iter().all(beyond)
+        }
+        Solid::Box(_) => true,
+    }
+}
+
+/// A run under way. Whoever drives it calls [`Self::next`], and decides for those who are asked, until it has ended. What
+/// comes of it does not depend on who decides, nor on what else goes on between two calls.
+pub struct Course {
+    world: Arc<World>,
+    users: RoadUsers,
+    now: Snapshot,
+    next: Snapshot,
+    /// Where everybody is at a decision inside a step.
+    between: Snapshot,
+    controls: Vec<Control>,
+    /// How many of them wait for somebody outside.
+    waiting: usize,
+    /// Unit vectors from start to goal.
+    ways: Vec<Vector2<f64>>,
+    motions: Vec<Motion>,
+    pedestrian_modes: Vec<Mode>,
+    vehicle_modes: Vec<Mode>,
+    contacts: Contacts,
+    steps: u64,
+    /// The step under way.
+    index: u64,
+    stage: Stage,
+}
+
+/// What is to be done next.
+enum Stage {
+    /// Vehicles drive in free flow until time 0.
+    Settle,
+    /// A step begins: pedestrians appear, and vehicles that are due are asked.
+    Ask,
+    /// Pedestrians act.
+    Act,
+    /// Vehicles have driven so much (s) of the step.
+    Drive(f64),
+    Ended(Ending),
+    Faulted(Fault),
+}
+
+impl Course {
+    /// The run of `world` before its first decision. `users` must hold one mind per setup.
+    pub fn start(world: Arc<World>, users: RoadUsers) -> Self {
+        debug_assert_eq!(world.vehicles.len(), users.vehicles.len());
+        debug_assert_eq!(world.pedestrians.len(), users.pedestrians.len());
+        let ways: Vec<_> = world.pedestrians.iter().map(way).collect();
+        let pedestrians = world.pedestrians.iter().zip(&ways).map(waiting_outside).collect();
+        let empty = || Snapshot { vehicles: Vec::new(), pedestrians: Vec::new() };
+        let both = world.vehicles.iter().zip(&users.vehicles);
+        Self {
+            now: Snapshot { vehicles: Vec::new(), pedestrians },
+            next: empty(),
+            between: empty(),
+            controls: both.map(|(setup, driven)| Control::new(&world, setup, driven)).collect(),
+            waiting: 0,
+            motions: vec![Motion::Walk(Vector2::zeros()); ways.len()],
+            ways,
+            pedestrian_modes: vec![Mode::NONE; world.pedestrians.len()],
+            vehicle_modes: vec![Mode::NONE; world.vehicles.len()],
+            contacts: Contacts::new(&world),
+            steps: steps_within(world.horizon, world.step),
+            index: 0,
+            stage: Stage::Settle,
+            world,
+            users,
+        }
+    }
+
+    /// Goes on until somebody outside has to decide, or to the end. `observer` is to be the same in every call.
+    ///
+    /// # Errors
+    /// The first controller that cannot decide; from then on always the same.
+    pub fn next(&mut self, observer: &mut dyn Observer) -> Result<Progress, Fault> {
+        while self.waiting == 0 {
+            let done = match &self.stage {
+                Stage::Settle => self.settle(observer),
+                Stage::Ask => self.ask(),
+                Stage::Act => {
+                    self.act();
+                    Ok(())
+                }
+                Stage::Drive(driven) => self.drive(*driven, observer),
+                Stage::Ended(ending) => return Ok(Progress::Ended(*ending)),
+                Stage::Faulted(fault) => return Err(fault.clone()),
+            };
+            done.map_err(|fault| self.end_in(fault))?;
+        }
+        Ok(Progress::Waits)
+    }
+
+    /// The vehicles for which somebody outside has to decide, with what is seen from them.
+    pub fn asked(&self) -> impl Iterator<Item = (usize, &Observation)> {
+        let all = self.controls.iter().enumerate();
+        all.filter(|(_, control)| control.waits).map(|(index, control)| (index, control.shown()))
+    }
+
+    /// Decides for a vehicle that is asked.
+    ///
+    /// # Errors
+    /// If no vehicle can follow the command. The run has then ended in this fault.
+    ///
+    /// # Panics
+    /// If the vehicle is not asked.
+    pub fn decide(&mut self, vehicle: usize, command: Command, mode: Mode) -> Result<(), Fault> {
+        assert!(self.controls[vehicle].waits, "vehicle {vehicle} is not asked");
+        if let Err(error) = self.controls[vehicle].take(command) {
+            return Err(self.fault(vehicle, error));
+        }
+        self.waiting -= 1;
+        if !matches!(self.stage, Stage::Settle) {
+            self.vehicle_modes[vehicle] = mode;
+        }
+        Ok(())
+    }
+
+    /// Ends the run since whoever decides for a vehicle cannot.
+    pub fn fault(&mut self, vehicle: usize, error: ControllerError) -> Fault {
+        let time = self.controls[vehicle].shown().time;
+        self.end_in(Fault { vehicle, time, error })
+    }
+
+    fn end_in(&mut self, fault: Fault) -> Fault {
+        self.waiting = 0;
+        self.controls.iter_mut().for_each(|control| control.waits = false);
+        self.stage = Stage::Faulted(fault.clone());
+        fault
+    }
+
+    /// Lets every vehicle drive until time 0; the run begins where all have.
+    fn settle(&mut self, observer: &mut dyn Observer) -> Result<(), Fault> {
+        self.now.vehicles.clear();
+        let vehicles = self.world.vehicles.iter().zip(&mut self.users.vehicles);
+        for (vehicle, ((setup, driven), control)) in vehicles.zip(&mut self.controls).enumerate() {
+            match control.settle(self.world.step, driven) {
+                Ok(Some(settled)) => self.now.vehicles.push(placed(&self.world, setup, settled)),
+                Ok(None) => self.waiting += 1,
+                Err(error) => return Err(Fault { vehicle, time: control.shown().time, error }),
+            }
+        }
+        if self.waiting == 0 {
+            self.next.clone_from(&self.now);
+            self.between.clone_from(&self.now);
+            observer.begin(&self.now);
+            self.stage = Stage::Ask;
+        }
+        Ok(())
+    }
+
+    /// Lets pedestrians appear and asks every vehicle that is due what it does from now on.
+    fn ask(&mut self) -> Result<(), Fault> {
+        let time = self.time();
+        for (state, setup) in self.now.pedestrians.iter_mut().zip(&self.world.pedestrians) {
+            state.present = state.present
+                || match setup.appears {
+                    Appearance::At(start) => time >= start - TIME_TOLERANCE,
+                    Appearance::TimeToArrival { vehicle, reference, time: wanted } => {
+                        let left = self.now.vehicles[vehicle].time_to_arrival(setup.start.x, reference);
+                        left <= wanted + TIME_TOLERANCE
+                    }
+                };
+        }
+        self.stage = Stage::Act;
+        self.ask_vehicles(time, false)
+    }
+
+    /// Asks every vehicle whose moment is `time` (s), everybody being where they are now or between two steps.
+    fn ask_vehicles(&mut self, time: f64, between: bool) -> Result<(), Fault> {
+        let state = if between { &self.between } else { &self.now };
+        for (vehicle, control) in self.controls.iter_mut().enumerate() {
+            if control.is_due(time) {
+                let driven = &mut self.users.vehicles[vehicle];
+                match control.decide(driven, time, vehicle, state, &self.world.road) {
+                    Ok(Some(mode)) => self.vehicle_modes[vehicle] = mode,
+                    Ok(None) => self.waiting += 1,
+                    Err(error) => return Err(Fault { vehicle, time, error }),
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Asks every pedestrian what it does from now on.
+    fn act(&mut self) {
+        let time = self.time();
+        for (index, pedestrian) in self.users.pedestrians.iter_mut().enumerate() {
+            if self.now.pedestrians[index].present {
+                self.motions[index] = pedestrian.act(&Scene {
+                    time,
+                    step: self.world.step,
+                    road: &self.world.road,
+                    me: index,
+                    goal: self.world.pedestrians[index].goal,
+                    vehicles: &self.now.vehicles,
+                    pedestrians: &self.now.pedestrians,
+                });
+                self.pedestrian_modes[index] = pedestrian.mode();
+            }
+        }
+        // Field by field, as the derived `clone_from` of the whole would allocate anew.
+        self.next.vehicles.clone_from(&self.now.vehicles);
+        self.stage = Stage::Drive(0.0);
+    }
+
+    /// Moves the vehicles, of which `driven` s of the step are done, to the next moment at which one of them decides, or to
+    /// the end of the step.
+    fn drive(&mut self, driven: f64, observer: &mut dyn Observer) -> Result<(), Fault> {
+        let (time, step) = (self.time(), self.world.step);
+        let end = (self.index + 1) as f64 * step;
+        let next = self.controls.iter().filter_map(|control| control.due_before(end)).reduce(f64::min);
+        if let Some(moment) = next {
+            self.drive_on(moment - time - driven);
+            let driven = moment - time;
+            self.walk(driven);
+            self.between.vehicles.clone_from(&self.next.vehicles);
+            self.between.pedestrians.clone_from(&self.next.pedestrians);
+            self.stage = Stage::Drive(driven);
+            return self.ask_vehicles(moment, true);
+        }
+        self.drive_on(step - driven);
+        if driven > 0.0 {
+            for (before, after) in self.now.vehicles.iter().zip(&mut self.next.vehicles) {
+                after.motion.acceleration = (after.motion.speed - before.motion.speed) / step;
+            }
+        }
+        self.walk(step);
+        self.contacts.find(&self.now, &self.next, step);
+        let ending = self.observe(time, observer);
+        self.stage = ending.map_or(Stage::Ask, Stage::Ended);
+        Ok(())
+    }
+
+    /// Tells of the step that was moved by, and goes over to the next one; how the run ended, if it did.
+    fn observe(&mut self, time: f64, observer: &mut dyn Observer) -> Option<Ending> {
+        let collision = self.contacts.collision().filter(|_| self.world.end_on_collision);
+        if let Some(moment) = collision {
+            self.contacts.end_at(moment);
+        }
+        let step = Step {
+            time,
+            duration: self.world.step,
+            before: &self.now,
+            after: &self.next,
+            whole: &self.next,
+            pedestrian_modes: &self.pedestrian_modes,
+            vehicle_modes: &self.vehicle_modes,
+            motions: &self.motions,
+            contacts: self.contacts.found(),
+        };
+        if let Some(moment) = collision {
+            // Once in a run, its last step; so it may allocate.
+            let after = step.at(moment);
+            observer.observe(&Step { duration: moment, after: &after, ..step });
+            let ending = Ending { reason: StopReason::Collision, time: time + moment };
+            observer.end(&ending, &after);
+            return Some(ending);
+        }
+        observer.observe(&step);
+        std::mem::swap(&mut self.now, &mut self.next);
+        self.index += 1;
+        let reason = if self.is_complete() {
+            StopReason::Completed
+        } else if self.index == self.steps {
+            StopReason::Horizon
+        } else {
+            return None;
+        };
+        let ending = Ending { reason, time: self.time() };
+        observer.end(&ending, &self.now);
+        Some(ending)
+    }
+
+    /// At which the step under way begins, s.
+    fn time(&self) -> f64 {
+        self.index as f64 * self.world.step
+    }
+
+    fn drive_on(&mut self, duration: f64) {
+        let controlled = self.controls.iter().zip(&mut self.users.vehicles);
+        for (state, (control, driven)) in self.next.vehicles.iter_mut().zip(controlled) {
+            driven.dynamics.advance(&mut state.motion, control.command, duration);
+        }
+    }
+
+    /// Puts the pedestrians of `next` where they are `duration` s after those of `now`.
+    fn walk(&mut self, duration: f64) {
+        self.next.pedestrians.clone_from(&self.now.pedestrians);
+        for (index, state) in self.next.pedestrians.iter_mut().enumerate() {
+            if state.present {
+                walk(state, self.motions[index], self.ways[index], duration, self.world.step);
+            }
+        }
+    }
+
+    /// Whether every vehicle has passed the finish line and every pedestrian every vehicle's lane.
+    fn is_complete(&self) -> bool {
+        let vehicles = (0..self.now.vehicles.len()).map(Solid::Vehicle);
+        let mut everybody = vehicles.chain((0..self.now.pedestrians.len()).map(Solid::Pedestrian));
+        everybody.all(|who| has_arrived(&self.world, &self.now, who))
+    }
+}
+
+/// Moves a pedestrian by the first `duration` s of a step.
+fn walk(state: &mut PedestrianState, motion: Motion, way: Vector2<f64>, duration: f64, step: f64) {
+    match motion {
+        Motion::Accelerate(acceleration) => {
+            let speed = state.velocity.dot(&way).max(0.0);
+            let distance = (duration * speed + acceleration * (duration * duration) / 2.0).max(0.0);
+            state.position += way * distance;
+            state.velocity = way * (speed + acceleration * duration).max(0.0);
+            state.acceleration = way * acceleration;
+        }
+        Motion::Walk(velocity) => {
+            state.position += velocity * duration;
+            state.acceleration = (velocity - state.velocity) / step;
+            state.velocity = velocity;
+        }
+        Motion::Pushed { velocity, displacement } => {
+            state.position += velocity * duration + displacement * (duration / step);
+            state.acceleration = (velocity - state.velocity) / step;
+            state.velocity = velocity;
+        }
+    }
+    if let Some(heading) = state.velocity.try_normalize(1e-6) {
+        state.heading = heading;
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,234 @@
+//! Runs with simple road users, whoever decides for them.
+
+use super::*;
+use crate::scenario::agent::{Controller, Dynamics, Longitudinal, Pedestrian, Schedule};
+use crate::scenario::{Direction, VehicleReference, VehicleStart};
+use crate::sim::fixture;
+use crate::sim::road_users::{Driven, Driver};
+
+struct Stroller(f64);
+
+impl Pedestrian for Stroller {
+    fn act(&mut self, scene: &Scene) -> Motion {
+        let way = scene.ego().heading;
+        Motion::Walk(way * self.0)
+    }
+
+    fn free_speed(&self) -> f64 {
+        self.0
+    }
+}
+
+struct Coasting;
+
+impl Controller for Coasting {
+    fn schedule(&self) -> Schedule {
+        Schedule::every(0.025)
+    }
+
+    fn act(&mut self, _: &Observation) -> Result<Command, ControllerError> {
+        Ok(Command::Acceleration(0.0))
+    }
+}
+
+struct Exact;
+
+impl Dynamics for Exact {
+    fn advance(&mut self, motion: &mut Longitudinal, _: Command, step: f64) {
+        motion.travelled += motion.speed * step;
+    }
+}
+
+#[derive(Default)]
+struct Last {
+    steps: usize,
+    after: Option<Snapshot>,
+    appeared_at: Option<f64>,
+}
+
+impl Observer for Last {
+    fn observe(&mut self, step: &Step) {
+        self.steps += 1;
+        self.after = Some(step.after.clone());
+        if self.appeared_at.is_none() && step.before.pedestrians.first().is_some_and(|p| p.present) {
+            self.appeared_at = Some(step.time);
+        }
+    }
+}
+
+fn world(speed: f64, start: VehicleStart, appears: Appearance) -> World {
+    let mut world = fixture::world();
+    (world.vehicles[0].speed, world.vehicles[0].start) = (speed, start);
+    world.pedestrians[0].appears = appears;
+    world
+}
+
+fn users(controller: Box<dyn Controller>, walking: f64) -> RoadUsers {
+    RoadUsers {
+        vehicles: vec![Driven::new(controller, Box::new(Exact))],
+        pedestrians: vec![Box::new(Stroller(walking))],
+    }
+}
+
+fn run(world: &World, walking: f64) -> (Ending, Last) {
+    let mut last = Last::default();
+    let ending = simulate(&Arc::new(world.clone()), users(Box::new(Coasting), walking), &mut last).unwrap();
+    (ending, last)
+}
+
+#[test]
+fn ends_when_everybody_has_passed() {
+    let world = world(10.0, VehicleStart::Distance(100.0), Appearance::At(0.0));
+    let (ending, last) = run(&world, 1.0);
+    assert_eq!(ending.reason, StopReason::Completed);
+    // The vehicle needs 12 s to the finish line, the pedestrian 6 s to leave the lane.
+    assert!((ending.time - 12.0).abs() < 0.03, "{ending:?}");
+    assert_eq!(last.steps as f64 * world.step, ending.time);
+}
+
+#[test]
+fn collision_time_is_exact_inside_a_step() {
+    // The front is at the pedestrian's disc after (50 - 2 - 0.25) / 10 s; he stands in the lane from 4 s on.
+    let mut world = world(10.0, VehicleStart::Distance(50.0), Appearance::At(0.0));
+    world.pedestrians[0].start.y = 0.0;
+    let (ending, _) = run(&world, 0.0);
+    assert_eq!(ending.reason, StopReason::Collision);
+    assert!((ending.time - 4.775).abs() < 1e-9, "{ending:?}");
+}
+
+#[test]
+fn a_standing_pedestrian_beside_the_road_lasts_until_the_horizon() {
+    let world = world(10.0, VehicleStart::Distance(50.0), Appearance::At(0.0));
+    let (ending, last) = run(&world, 0.0);
+    assert_eq!((ending.reason, ending.time), (StopReason::Horizon, 60.0));
+    assert_eq!(last.steps, 2400);
+}
+
+#[test]
+fn appears_at_the_time_to_arrival_of_the_part_that_is_meant() {
+    let start = VehicleStart::TimeToArrival { time: 8.0, reference: VehicleReference::Centre, x: 0.0 };
+    for (reference, expected) in [(VehicleReference::Centre, 2.0), (VehicleReference::Front, 1.8)] {
+        let appears = Appearance::TimeToArrival { vehicle: 0, reference, time: 6.0 };
+        let (_, last) = run(&world(10.0, start, appears), 1.0);
+        let appeared = last.appeared_at.unwrap();
+        assert!((appeared - expected).abs() < 1e-9, "{appeared} instead of {expected}");
+    }
+}
+
+#[test]
+fn a_backward_lane_mirrors_what_the_ego_sees() {
+    let mut world = world(10.0, VehicleStart::Distance(50.0), Appearance::At(0.0));
+    world.road.lanes[0].direction = Direction::Backward;
+    let mut users = users(Box::new(Coasting), 1.0);
+    users.vehicles[0].driver = outside(0.025, 0.0);
+    let mut course = Course::start(Arc::new(world), users);
+    assert_eq!(course.next(&mut Last::default()), Ok(Progress::Waits));
+    let (_, seen) = course.asked().next().unwrap();
+    assert_eq!(seen.pedestrians[0].position, Vector2::new(50.0, 4.0));
+    assert_eq!(seen.ego.distance_to_crossing, 50.0);
+    assert_eq!(course.now.vehicles[0].position(), Vector2::new(50.0, 0.0));
+}
+
+fn outside(period: f64, settling_time: f64) -> Driver {
+    Driver::Outside { schedule: Schedule::every(period), settling_time }
+}
+
+/// Cannot decide from a moment on.
+struct Failing(f64);
+
+impl Controller for Failing {
+    fn schedule(&self) -> Schedule {
+        Schedule::every(0.07)
+    }
+
+    fn settling_time(&self) -> f64 {
+        1.0
+    }
+
+    fn act(&mut self, seen: &Observation) -> Result<Command, ControllerError> {
+        match seen.time < self.0 - 1e-9 {
+            true => Ok(Command::Acceleration(0.0)),
+            false => Err(ControllerError::new("lane is None")),
+        }
+    }
+}
+
+#[test]
+fn a_controller_that_cannot_decide_ends_the_run_there() {
+    let world = Arc::new(world(10.0, VehicleStart::Distance(50.0), Appearance::At(0.0)));
+    // Its moments are multiples of 70 ms, counted from the start, and before it from 1 s before.
+    for (from, at) in [(-9.0, -1.0), (-0.5, -0.44), (0.0, 0.0), (0.5, 0.56), (3.0, 3.01)] {
+        let mut course = Course::start(world.clone(), users(Box::new(Failing(from)), 0.0));
+        let fault = course.next(&mut Last::default()).unwrap_err();
+        assert_eq!((fault.vehicle, fault.error.message.as_str()), (0, "lane is None"));
+        assert!((fault.time - at).abs() < 1e-9, "{} instead of {at}", fault.time);
+        // It never ends in any other way.
+        assert_eq!(course.next(&mut Last::default()), Err(fault));
+    }
+    assert!(simulate(&world, users(Box::new(Failing(99.0)), 0.0), &mut Last::default()).is_ok());
+}
+
+#[test]
+fn a_command_that_no_vehicle_can_follow_is_a_fault() {
+    let world = Arc::new(world(10.0, VehicleStart::Distance(50.0), Appearance::At(0.0)));
+    let pedals = |throttle, brake| Command::Pedals { throttle, brake };
+    for command in [
+        Command::Acceleration(f64::NAN),
+        Command::Acceleration(f64::NEG_INFINITY),
+        pedals(f64::NAN, 0.0),
+        pedals(0.0, f64::INFINITY),
+    ] {
+        let mut users = users(Box::new(Coasting), 0.0);
+        users.vehicles[0].driver = outside(0.1, 0.0);
+        let mut course = Course::start(world.clone(), users);
+        let mut last = Last::default();
+        assert_eq!(course.next(&mut last), Ok(Progress::Waits));
+        course.decide(0, Command::Acceleration(0.0), Mode::NONE).unwrap();
+        assert_eq!(course.next(&mut last), Ok(Progress::Waits));
+        let fault = course.decide(0, command, Mode::NONE).unwrap_err();
+        assert!((fault.time - 0.1).abs() < 1e-9, "{fault}");
+        assert_eq!((course.asked().count(), course.next(&mut last)), (0, Err(fault)));
+    }
+}
+
+#[test]
+fn without_anybody_outside_nobody_decides() {
+    let world = Arc::new(world(10.0, VehicleStart::Distance(50.0), Appearance::At(0.0)));
+    let mut users = users(Box::new(Coasting), 0.0);
+    users.vehicles[0].driver = outside(0.1, 1.0);
+    let fault = simulate(&world, users, &mut Last::default()).unwrap_err();
+    assert_eq!((fault.time, fault.error.message.as_str()), (-1.0, "nobody decides for it"));
+}
+
+#[test]
+fn a_course_waits_until_all_who_are_asked_have_decided() {
+    let mut world = world(10.0, VehicleStart::Distance(50.0), Appearance::At(0.0));
+    let mut other = world.vehicles[0].clone();
+    (other.name, other.start) = ("other".into(), VehicleStart::Distance(80.0));
+    world.vehicles.push(other);
+    let mut users = users(Box::new(Coasting), 0.0);
+    users.vehicles.push(Driven::new(Box::new(Coasting), Box::new(Exact)));
+    (users.vehicles[0].driver, users.vehicles[1].driver) = (outside(0.04, 0.0), outside(0.1, 0.05));
+    let mut course = Course::start(Arc::new(world), users);
+    let mut last = Last::default();
+    let mut asked = Vec::new();
+    while asked.len() < 8 {
+        assert_eq!(course.next(&mut last), Ok(Progress::Waits));
+        let now: Vec<_> = course.asked().map(|(who, seen)| (who, seen.time)).collect();
+        asked.extend(now.iter().map(|(who, time)| (*who, (time * 1e3).round())));
+        for (index, (who, _)) in now.iter().enumerate() {
+            // As often as one likes: nothing goes on without all of them.
+            assert_eq!(course.next(&mut last), Ok(Progress::Waits));
+            assert_eq!(course.asked().count(), now.len() - index);
+            course.decide(*who, Command::Acceleration(0.0), Mode::from("told".to_string())).unwrap();
+        }
+    }
+    let expected = [(1, -50.0), (0, 0.0), (1, 0.0), (0, 40.0), (0, 80.0), (1, 100.0), (0, 120.0), (0, 160.0)];
+    assert_eq!(asked, expected);
+}
+
+#[test]
+fn a_course_may_go_from_thread_to_thread() {
+    fn is_send<T: Send>() {}
+    is_send::<Course>();
+}
