@@ -8,7 +8,7 @@ use divan::{AllocProfiler, Bencher};
 use scenario_runner::numbers::random::Stream;
 use scenario_runner::pedestrian::commotions::meeting::{Driver, Meeting, PEDESTRIAN, VEHICLE};
 use scenario_runner::pedestrian::commotions::{
-    Agent, Conflict, Control, Parameters, Rules, Sight, State, Variant,
+    Agent, ConflictState, Control, Parameters, Rules, Sight, State, Variant,
 };
 
 #[global_allocator]
@@ -100,7 +100,7 @@ fn among_cars_20_s(bencher: Bencher, cars: usize) {
             sights.extend((0..cars).map(|other| {
                 let time = 22.0 + 2.0 * other as f64 - dt * f64::from(step);
                 let state = State { distance: time * speed, speed, acceleration: 0.0 };
-                Sight { other, path: 0, own, state, conflict: Conflict::Open }
+                Sight { other, path: 0, own, state, conflict: ConflictState::Open }
             }));
             let decision = agent.step_among(&sights, &rules, &mut draws).unwrap();
             own.acceleration = decision.acceleration;

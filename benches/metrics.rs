@@ -6,8 +6,8 @@ use nalgebra::Vector2;
 use scenario_runner::metrics::{FreeFlow, Measurement};
 use scenario_runner::models::standard;
 use scenario_runner::scenario::{
-    Appearance, Direction, MetricReference, ModelSetup, PedestrianSetup, Position, Reference, Road, Settings,
-    Shape, Side, VehicleSetup, VehicleStart, World,
+    Appearance, Direction, MetricReference, ModelSetup, Path, PedestrianSetup, Position, Reference, Road,
+    Settings, Shape, Side, VehicleSetup, VehicleStart, World,
 };
 use scenario_runner::sim::{Longitudinal, Mode, Observer, PedestrianState, Snapshot, Step, VehicleState};
 
@@ -70,8 +70,7 @@ fn state(k: usize) -> Snapshot {
     Snapshot {
         vehicles: vec![VehicleState {
             motion: Longitudinal { travelled, speed: 10.0 - braking, acceleration: 0.0 },
-            lane_centre: 0.0,
-            direction: Direction::Forward,
+            path: Path::straight(0.0, Direction::Forward),
             length: 4.5,
             width: 2.0,
         }],

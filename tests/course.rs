@@ -24,7 +24,7 @@ static CASES: LazyLock<Vec<Case>> = LazyLock::new(|| {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
         let suite =
             lang::load(&path, &standard(), &Disk).unwrap_or_else(|_| panic!("{path:?} is a suite")).suite;
-        plan(&suite).unwrap().trials.into_iter().map(|trial| trial.cases[0].clone()).collect::<Vec<_>>()
+        plan(&suite).unwrap().trials().map(|trial| trial.cases.get(0)).collect::<Vec<_>>()
     };
     suites.iter().flat_map(first).collect()
 });

@@ -3,7 +3,6 @@
 //! The conflict point is where the vehicle's path (the centre line of its lane) and the pedestrian's actual path
 //! cross. A pedestrian who retreats passes the line several times, each time at a conflict point of its own.
 
-use super::encounter::along;
 use super::passage::Reached;
 use super::{
     Absence, Encounter, Encounters, End, Meter, Metric, MetricContext, MetricKind, MetricRange, Open,
@@ -94,7 +93,7 @@ impl Meter for Pet {
 
 /// Where the pedestrian stands when time is up, along the vehicle's lane, m.
 fn here((vehicle, pedestrian): (usize, usize), end: &End) -> f64 {
-    along(&end.state.vehicles[vehicle], &end.state.pedestrians[pedestrian])
+    end.state.vehicles[vehicle].path.along(end.state.pedestrians[pedestrian].position)
 }
 
 /// A time between two of which one has yet to come, at least `low`, unless a smaller one was seen or they have met.
@@ -281,10 +280,9 @@ struct Order {
 
 impl Order {
     fn new(context: &MetricContext) -> Self {
-        let lane = context.world.vehicles[context.vehicle].lane;
-        let sign = context.world.road.lanes[lane].direction.sign();
+        let path = context.world.road.path(context.world.vehicles[context.vehicle].lane);
         let start = context.world.pedestrians[context.pedestrian].start.x;
-        Self { pair: pair(context), expected_place: sign * start }
+        Self { pair: pair(context), expected_place: path.at_line(start) }
     }
 
     /// Whether somebody is there of whom it is not known yet.

@@ -144,18 +144,14 @@ struct PedestrianDelay {
 impl PedestrianDelay {
     fn new(context: &MetricContext) -> Self {
         let setup = &context.world.pedestrians[context.pedestrian];
-        let lane = context.world.vehicles[context.vehicle].lane;
         let road = &context.world.road;
-        let sign = setup.side.walking_sign();
-        let edge = road.lane_centre(lane) + sign * road.lane_width / 2.0;
-        let (across, sideways) = (setup.goal.y - setup.start.y, setup.goal.x - setup.start.x);
-        // The share of the way from start to goal at which it meets the edge.
-        let part = (edge - setup.start.y) / across;
-        let length = part * libm::hypot(across, sideways);
+        let path = road.path(context.world.vehicles[context.vehicle].lane);
+        let way = (setup.start.into(), setup.goal.into());
+        let length = path.way_to_far_edge(way, setup.side, road.lane_width);
         let free_speed = context.free_speed.filter(|speed| *speed > 0.0);
         Self {
             pair: (context.vehicle, context.pedestrian),
-            free_time: free_speed.filter(|_| part.is_finite() && part >= 0.0).map(|speed| length / speed),
+            free_time: length.zip(free_speed).map(|(length, speed)| length / speed),
         }
     }
 }

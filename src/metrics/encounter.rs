@@ -4,7 +4,7 @@ use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
 use super::passage::Passage;
-use crate::scenario::{Shape, World};
+use crate::scenario::{Shape, Side, World};
 use crate::sim::geometry::first_contact;
 use crate::sim::{PedestrianState, Solid, Step, VehicleState};
 
@@ -39,8 +39,8 @@ pub const MEETING_TIME: f64 = 5.0;
 /// vehicle's footprint sweeps: its width along that line.
 #[derive(Debug, Clone)]
 pub struct Encounter {
-    /// Of the pedestrian, along y.
-    walking_sign: f64,
+    /// That the pedestrian comes from.
+    side: Side,
     half_lane: f64,
     /// When the pedestrian appeared, s.
     pub appeared: Option<f64>,
@@ -116,7 +116,7 @@ impl Encounters {
     pub fn new(world: &World) -> Self {
         let steps = (world.horizon / world.step).ceil().clamp(0.0, 1e6) as usize + 1;
         let encounter = |pedestrian: usize| Encounter {
-            walking_sign: world.pedestrians[pedestrian].side.walking_sign(),
+            side: world.pedestrians[pedestrian].side,
             half_lane: world.road.lane_width / 2.0,
             appeared: None,
             contact: None,
@@ -240,7 +240,8 @@ impl Encounter {
         (old_car, car): (&VehicleState, &VehicleState),
         (old, new): (&PedestrianState, &PedestrianState),
     ) {
-        let across = |person: &PedestrianState| self.walking_sign * (person.position.y - car.lane_centre);
+        let across = |person: &PedestrianState| car.path.beyond(person.position, self.side);
+        let along = |person: &PedestrianState| car.path.along(person.position);
         let (before, after) = (across(old), across(new));
         let (start, half) = (-self.half_lane, self.half_lane);
         let appears_inside = self.last_entry.is_none() && before > start && before < half;
@@ -252,7 +253,7 @@ impl Encounter {
                 let travelled = lerp(old_car.motion.travelled, car.motion.travelled, part);
                 Entry {
                     time,
-                    distance: lerp(along(car, old), along(car, new), part) - travelled,
+                    distance: lerp(along(old), along(new), part) - travelled,
                     speed: lerp(old_car.motion.speed, car.motion.speed, part),
                 }
             });
@@ -262,7 +263,7 @@ impl Encounter {
         if let Some(part) = up.or(down) {
             self.passings.push(Passing {
                 time: step.time + part * step.duration,
-                place: lerp(along(car, old), along(car, new), part),
+                place: lerp(along(old), along(new), part),
                 towards_goal: up.is_some(),
             });
         }
@@ -276,11 +277,12 @@ impl Encounter {
     /// no farther away for it.
     fn look_for_meeting(&mut self, step: &Step, (vehicle, fastest): (usize, f64), pedestrian: usize) {
         let (car, person) = (&step.after.vehicles[vehicle], &step.after.pedestrians[pedestrian]);
-        if self.near || (person.position.y - car.lane_centre).abs() >= self.half_lane {
+        if self.near || car.path.beside(person.position).abs() >= self.half_lane {
             return;
         }
-        let apart =
-            (along(car, person) - car.motion.travelled).abs() - car.length / 2.0 - half_extent(person).x;
+        let apart = (car.path.along(person.position) - car.motion.travelled).abs()
+            - car.length / 2.0
+            - half_extent(person).x;
         self.near = apart <= fastest * MEETING_TIME;
     }
 
@@ -293,7 +295,8 @@ impl Encounter {
     ) {
         let reach = half_extent(new);
         let border = car.width / 2.0 + reach.y;
-        let (from_y, to_y) = (old.position.y - car.lane_centre, new.position.y - car.lane_centre);
+        let (from_y, to_y) = (car.path.beside(old.position), car.path.beside(new.position));
+        let along = |person: &PedestrianState| car.path.along(person.position);
         let Some((enter, leave)) = part_within(from_y, to_y, border) else {
             self.leave_strip(step.time);
             return;
@@ -306,7 +309,7 @@ impl Encounter {
         }
         if let Some(visit) = self.visits.last_mut() {
             for part in [enter, leave] {
-                let centre = lerp(along(car, old), along(car, new), part);
+                let centre = lerp(along(old), along(new), part);
                 visit.low = visit.low.min(centre - reach.x);
                 visit.high = visit.high.max(centre + reach.x);
             }
@@ -324,11 +327,6 @@ impl Encounter {
             }
         }
     }
-}
-
-/// A pedestrian's place along a vehicle's lane, m behind the middle of the crossing.
-pub fn along(car: &VehicleState, person: &PedestrianState) -> f64 {
-    car.direction.sign() * person.position.x
 }
 
 /// Half the extent of a footprint along x and y, m.

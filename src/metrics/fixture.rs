@@ -145,8 +145,7 @@ fn snapshot(world: &World, car: &Profile, walk: &Walk, time: f64) -> Snapshot {
     Snapshot {
         vehicles: vec![VehicleState {
             motion: Longitudinal { travelled, speed, acceleration: 0.0 },
-            lane_centre: world.road.lane_centre(setup.lane),
-            direction: world.road.lanes[setup.lane].direction,
+            path: world.road.path(setup.lane),
             length: setup.length,
             width: setup.width,
         }],

@@ -26,10 +26,10 @@ use crate::scenario::{Meters, Settings, World};
 use crate::sim::{Snapshot, Solid, Step};
 
 pub use crate::scenario::{Absence, Metric, MetricKind, MetricRange, Scope, Worst};
+pub(crate) use encounter::half_extent;
 pub use encounter::{
     Contact, Encounter, Encounters, Entry, LaneCrossing, MEETING_TIME, Passing, Presence, Visit,
 };
-pub(crate) use encounter::{along, half_extent};
 pub use measurement::{Measurement, Reading, SubjectValue};
 pub use passage::{Passage, Reached};
 

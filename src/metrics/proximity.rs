@@ -1,6 +1,6 @@
 //! How urgent it gets: time to collision and the deceleration that would avoid a crash.
 
-use super::encounter::{along, half_extent};
+use super::encounter::half_extent;
 use super::{
     Absence, Encounters, Meter, Metric, MetricContext, MetricKind, MetricRange, Scope, Worst, meters,
 };
@@ -146,18 +146,18 @@ impl Meter for Drac {
 
 /// From the front to the pedestrian's footprint along the lane, m.
 fn gap_ahead(car: &VehicleState, person: &PedestrianState) -> f64 {
-    along(car, person) - half_extent(person).x - car.motion.travelled - car.length / 2.0
+    car.path.along(person.position) - half_extent(person).x - car.motion.travelled - car.length / 2.0
 }
 
 /// The constant deceleration that keeps the front `gap` behind the pedestrian until it has left the strip that the
 /// vehicle sweeps, m/s².
 fn avoiding_rate(car: &VehicleState, person: &PedestrianState, gap: f64) -> f64 {
-    let closing = car.motion.speed - car.direction.sign() * person.velocity.x;
+    let closing = car.motion.speed - car.path.speed_along(person.velocity);
     if closing <= 0.0 {
         return 0.0;
     }
     let border = car.width / 2.0 + half_extent(person).y;
-    let (offset, sideways) = (person.position.y - car.lane_centre, person.velocity.y);
+    let (offset, sideways) = (car.path.beside(person.position), person.velocity.y);
     let clear =
         if sideways == 0.0 { f64::INFINITY } else { (sideways.signum() * border - offset) / sideways };
     if clear * closing >= 2.0 * gap {
@@ -172,14 +172,13 @@ mod tests {
     use nalgebra::Vector2;
 
     use super::*;
-    use crate::scenario::{Direction, Shape};
+    use crate::scenario::{Direction, Path, Shape};
     use crate::sim::Longitudinal;
 
     fn rate(speed: f64, gap: f64, offset: f64, sideways: f64) -> f64 {
         let car = VehicleState {
             motion: Longitudinal { travelled: 0.0, speed, acceleration: 0.0 },
-            lane_centre: 0.0,
-            direction: Direction::Forward,
+            path: Path::straight(0.0, Direction::Forward),
             length: 4.0,
             width: 1.5,
         };

@@ -512,7 +512,7 @@ fn who_meets_a_vehicle_is_in_its_lane_within_five_seconds_of_it() {
     let world = world(0.025, 30.0);
     let met = |car: Profile, walk: &[(f64, f64, f64)]| presence(&world, &car, &Walk(walk.to_vec())).met;
     let car = |place, speed, stretches: &[(f64, f64)]| Profile::new(place, speed, stretches);
-    let (lane, half) = (world.road.lane_centre(0), world.road.lane_width / 2.0);
+    let (lane, half) = (world.road.path(0).point(0.0).y, world.road.lane_width / 2.0);
     let across = |from: f64| [(0.0, 0.0, lane - 5.0), (from, 0.0, lane - 5.0), (from + 8.0, 0.0, lane + 5.0)];
     // In the lane from 2.4 s to 5.6 s on; at 10 m/s from 120 m away the car is then 6 s away, from 95 m 3.6 s.
     let enters = 8.0 * (5.0 - half) / 10.0;

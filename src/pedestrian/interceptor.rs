@@ -156,9 +156,9 @@ fn check_place(road: &Road, side: Side, start: Position) -> Result<(), ModelErro
 
 impl Interceptor {
     /// How far it still has to go to where it wants to be hit by `vehicle`, m.
-    fn distance_to_aim(&self, vehicle: &VehicleState, y: f64) -> f64 {
+    fn distance_to_aim(&self, vehicle: &VehicleState, place: Vector2<f64>) -> f64 {
         let aim = self.aim_offset + self.aim_drawn * vehicle.width / 2.0;
-        aim - self.side.walking_sign() * (y - vehicle.lane_centre)
+        aim - vehicle.path.beyond(place, self.side)
     }
 
     /// Time to cover a distance (m) from `speed` (m/s) as fast as it can, s.
@@ -180,7 +180,7 @@ impl Interceptor {
         let position = scene.ego().position;
         let arrivals = scene.vehicles.iter().enumerate().filter_map(|(index, vehicle)| {
             let arrival = arrival(vehicle, position.x)?;
-            let distance = self.distance_to_aim(vehicle, position.y);
+            let distance = self.distance_to_aim(vehicle, position);
             let mut needed = self.run_time(distance, speed) + self.lead;
             if self.walks_in {
                 needed = needed.max(distance / WALKING_SPEED + RESERVE);
@@ -246,7 +246,7 @@ impl Pedestrian for Interceptor {
             State::Lurk | State::Finished => 0.0,
             State::Commit(index) => {
                 let vehicle = &scene.vehicles[index];
-                let distance = self.distance_to_aim(vehicle, position.y);
+                let distance = self.distance_to_aim(vehicle, position);
                 match arrival(vehicle, position.x) {
                     Some(time) if time.is_finite() => {
                         (distance / (time - self.lead).max(step)).clamp(0.0, self.max_speed)

@@ -208,7 +208,7 @@ fn build(context: &PedestrianContext) -> Result<Box<dyn Pedestrian>, ModelError>
 impl Repulsion {
     /// On a pedestrian at `position` on its way along the unit vector `way`, m/s².
     fn force(&self, vehicle: &VehicleState, position: Vector2<f64>, way: Vector2<f64>) -> Vector2<f64> {
-        let heading = Vector2::new(vehicle.direction.sign(), 0.0);
+        let heading = vehicle.path.heading();
         let half_length = vehicle.length / 2.0;
         let along = (position - vehicle.position()).dot(&heading).clamp(-half_length, half_length);
         let from_now = position - (vehicle.position() + heading * along);
@@ -266,14 +266,13 @@ impl Pedestrian for SocialForce {
 mod tests {
     use super::*;
     use crate::pedestrian::test_walk::Walk;
-    use crate::scenario::{Direction, Settings, Value};
+    use crate::scenario::{Direction, Path, Settings, Value};
     use crate::sim::Longitudinal;
 
     fn standing_car() -> VehicleState {
         VehicleState {
             motion: Longitudinal { travelled: 0.0, speed: 0.0, acceleration: 0.0 },
-            lane_centre: 0.0,
-            direction: Direction::Forward,
+            path: Path::straight(0.0, Direction::Forward),
             length: 4.9,
             width: 2.1,
         }

@@ -3,7 +3,9 @@
 use nalgebra::Vector2;
 
 use super::{PedestrianContext, PedestrianModel};
-use crate::scenario::{Appearance, Direction, PedestrianSetup, Position, Road, Settings, Shape, Side, World};
+use crate::scenario::{
+    Appearance, Direction, Path, PedestrianSetup, Position, Road, Settings, Shape, Side, World,
+};
 use crate::sim::fixture::nobody;
 use crate::sim::{Longitudinal, ModelError, Motion, Pedestrian, PedestrianState, Scene, VehicleState};
 
@@ -51,8 +53,7 @@ impl Walk {
     pub fn add_car(&mut self, x: f64, speed: f64) {
         self.vehicles.push(VehicleState {
             motion: Longitudinal { travelled: x, speed, acceleration: 0.0 },
-            lane_centre: 0.0,
-            direction: Direction::Forward,
+            path: Path::straight(0.0, Direction::Forward),
             length: 4.514,
             width: 2.007,
         });

@@ -6,8 +6,8 @@ use super::overlap::refuse_overlaps;
 use crate::scenario::limits::{self, Limit};
 use crate::scenario::{
     Appearance, Body, CrossingKind, DeclaredVehicleStart, Dimension, ModelSetup, Origin, ParameterKind,
-    PedestrianSetup, Registered, Scenario, Shape, Side, Value, VehicleSetup, VehicleStart, World,
-    out_of_range, show,
+    PedestrianSetup, Registered, Scenario, Shape, Value, VehicleSetup, VehicleStart, World, out_of_range,
+    show,
 };
 
 /// Whether the world, which `scenario` was resolved to, can be run: every number finite and within its limits, nobody
@@ -153,13 +153,9 @@ impl Checker<'_> {
                 within("width", of("width"), width, limits::SIZE)?;
             }
         }
-        let (lane, opposite) = match setup.side {
-            Side::Near => (0, Side::Far),
-            Side::Far => (road.lanes.len() - 1, Side::Near),
-        };
         let sign = setup.side.walking_sign();
-        let start = sign * (road.lane_centre(lane) - setup.start.y);
-        let goal = sign * (setup.goal.y - road.kerb(opposite));
+        let start = sign * (road.outer_lane_centre(setup.side) - setup.start.y);
+        let goal = sign * (setup.goal.y - road.kerb(setup.side.opposite()));
         within("start", of("start"), tidy(start), self.start_limit(name))?;
         within("along", of("place along the road"), setup.start.x, limits::ALONG)?;
         within("goal", of("goal"), tidy(goal), limits::GOAL)?;

@@ -6,8 +6,8 @@ use super::check::check;
 use super::{PlanError, Variables};
 use crate::scenario::{
     Appearance, Declaration, DeclaredAppearance, DeclaredShape, DeclaredVehicleStart, Expression, Individual,
-    Model, ModelSetup, Origin, Pedestrian, PedestrianSetup, Position, Scenario, SettingError, Settings,
-    Shape, Side, Vehicle, VehicleReference, VehicleSetup, VehicleStart, World,
+    Model, ModelSetup, Origin, Path, Pedestrian, PedestrianSetup, Position, Scenario, SettingError, Settings,
+    Shape, Vehicle, VehicleReference, VehicleSetup, VehicleStart, World,
 };
 
 const DEFAULT_SHAPE: Shape = Shape::Disc { radius: 0.25 };
@@ -82,8 +82,8 @@ fn vehicle_setup(
             VehicleStart::TimeToArrival { time: number(time)?, reference: VehicleReference::Centre, x: 0.0 }
         }
         DeclaredVehicleStart::Automatic => {
-            let direction = scenario.road.lanes[declared.lane].direction.sign();
-            automatic_start(index, direction, speed, length, pedestrians).ok_or_else(|| {
+            let path = scenario.road.path(declared.lane);
+            automatic_start(index, path, speed, length, pedestrians).ok_or_else(|| {
                 let message = format!("nothing says where vehicle `{}` starts", declared.name);
                 let hint =
                     "give it `start 80 m before crossing`, or let a pedestrian appear at its time to arrival";
@@ -118,7 +118,7 @@ fn vehicle_setup(
 /// Far enough out that the pedestrian who waits for the earliest arrival appears at time 0.
 fn automatic_start(
     index: usize,
-    direction: f64,
+    path: Path,
     speed: f64,
     length: f64,
     pedestrians: &[PedestrianSetup],
@@ -134,7 +134,7 @@ fn automatic_start(
             VehicleReference::Centre => 0.0,
             VehicleReference::Front => length / 2.0,
         };
-        direction * x - time * speed - ahead
+        path.at_line(*x) - time * speed - ahead
     };
     waiting
         .min_by(|left, right| travelled(left).total_cmp(&travelled(right)))
@@ -150,15 +150,11 @@ fn pedestrian_setup(
     let number = |expression: &Expression| number(expression, variables, &declared.origin);
     let model = chosen(&declared.model, "pedestrian model", variables)?;
     let road = &scenario.road;
-    let (own_lane, opposite) = match declared.side {
-        Side::Near => (0, Side::Far),
-        Side::Far => (road.lanes.len() - 1, Side::Near),
-    };
-    let sign = declared.side.walking_sign();
+    let (side, sign) = (declared.side, declared.side.walking_sign());
     let x = number(&declared.along)?;
     let start =
-        Position { x, y: road.lane_centre(own_lane) - sign * number(&declared.start_from_lane_centre)? };
-    let goal = Position { x, y: road.kerb(opposite) + sign * number(&declared.goal_beyond_kerb)? };
+        Position { x, y: road.outer_lane_centre(side) - sign * number(&declared.start_from_lane_centre)? };
+    let goal = Position { x, y: road.kerb(side.opposite()) + sign * number(&declared.goal_beyond_kerb)? };
     let shape = match &declared.shape {
         None => DEFAULT_SHAPE,
         Some(DeclaredShape::Disc { radius }) => Shape::Disc { radius: number(radius)? },

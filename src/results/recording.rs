@@ -1,5 +1,6 @@
 //! The course of one run in few numbers, for drawing: where everybody is ten times a second.
 
+use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
 use super::places;
@@ -28,6 +29,12 @@ pub struct Place {
     pub speed: f64,
     /// rad, counter-clockwise from the x axis.
     pub heading: f64,
+}
+
+impl Place {
+    fn at(&self) -> Vector2<f64> {
+        Vector2::new(self.x, self.y)
+    }
 }
 
 /// One pedestrian and one vehicle in the distance-distance plane.
@@ -63,12 +70,8 @@ impl Recording {
                 if speed > STANDING {
                     headings[sample.who] = libm::atan2(sample.velocity.y, sample.velocity.x);
                 } else if sample.who < cars {
-                    let lane = case.world.vehicles[sample.who].lane;
-                    headings[sample.who] = if case.world.road.lanes[lane].direction.sign() < 0.0 {
-                        std::f64::consts::PI
-                    } else {
-                        0.0
-                    };
+                    let heading = case.world.road.path(case.world.vehicles[sample.who].lane).heading();
+                    headings[sample.who] = libm::atan2(heading.y, heading.x);
                 }
                 places[sample.who] = Some(Place {
                     x: sample.position.x,
@@ -115,14 +118,16 @@ impl Recording {
         let cars = world.vehicles.len();
         let mut pairs = Vec::new();
         for (vehicle, car) in world.vehicles.iter().enumerate() {
-            let lane = world.road.lane_centre(car.lane);
-            let along = world.road.lanes[car.lane].direction.sign();
+            let path = world.road.path(car.lane);
             for (pedestrian, person) in world.pedestrians.iter().enumerate() {
-                let Some(conflict) = conflict_place(person, lane) else { continue };
+                let Some(conflict) = path.met_between(person.start.into(), person.goal.into()) else {
+                    continue;
+                };
                 let across = (person.goal.y - person.start.y).signum();
                 let places = self.users[vehicle].iter().zip(&self.users[cars + pedestrian]);
                 let point = |(car, person): (&Option<Place>, &Option<Place>)| {
-                    Some((along * (car.as_ref()?.x - conflict), across * (person.as_ref()?.y - lane)))
+                    let (car, person) = (car.as_ref()?.at() - conflict, person.as_ref()?.at() - conflict);
+                    Some((path.along(car), across * person.y))
                 };
                 pairs.push(PairCourse {
                     vehicle: car.name.clone(),
@@ -133,13 +138,6 @@ impl Recording {
         }
         pairs
     }
-}
-
-/// Where along the road the straight way of a pedestrian meets a lane's centre line, if it does.
-fn conflict_place(person: &PedestrianSetup, lane: f64) -> Option<f64> {
-    let (start, goal) = (person.start, person.goal);
-    let part = (lane - start.y) / (goal.y - start.y);
-    (0.0..=1.0).contains(&part).then_some(start.x + part * (goal.x - start.x))
 }
 
 fn initial_heading(person: &PedestrianSetup) -> f64 {

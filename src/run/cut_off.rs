@@ -4,10 +4,10 @@
 use std::sync::Arc;
 
 use super::name::shared;
-use crate::metrics::{Measurement, Reading, along, half_extent};
+use crate::metrics::{Measurement, Reading, half_extent};
 use crate::results::{CutOff, OnCourse, Unfinished};
 use crate::scenario::World;
-use crate::sim::{Snapshot, Solid, collision_course, has_arrived};
+use crate::sim::{Snapshot, Solid, collision_course, has_arrived, has_crossed};
 
 /// Of a run that the horizon or a contact ended in the state `last`.
 pub fn cut_off(world: &World, last: &Snapshot, measurement: &Measurement, readings: &[Reading]) -> CutOff {
@@ -59,11 +59,9 @@ fn unfinished(world: &World, last: &Snapshot, measurement: &Measurement) -> Vec<
     let pairs = drivers.flat_map(|car| (0..world.pedestrians.len()).map(move |person| (car, person)));
     let not_over = pairs.filter(|(car, index)| {
         let (vehicle, person) = (&last.vehicles[*car], &last.pedestrians[*index]);
-        let sign = world.pedestrians[*index].side.walking_sign();
-        let crossed =
-            person.present && sign * (person.position.y - vehicle.lane_centre) >= world.road.lane_width / 2.0;
+        let crossed = person.present && has_crossed(world, last, *index, vehicle);
         let rear = vehicle.motion.travelled - world.vehicles[*car].length / 2.0;
-        let passed = rear >= along(vehicle, person) + half_extent(person).x;
+        let passed = rear >= vehicle.path.along(person.position) + half_extent(person).x;
         let stands = person.present && person.velocity.norm() == 0.0 && vehicle.motion.speed == 0.0;
         !(crossed || passed || stands || measurement.touched(*car, Solid::Pedestrian(*index)))
     });

@@ -3,6 +3,7 @@
 use std::fmt;
 use std::sync::Arc;
 
+use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
 use super::{
@@ -169,6 +170,12 @@ pub enum Shape {
 pub struct Position {
     pub x: f64,
     pub y: f64,
+}
+
+impl From<Position> for Vector2<f64> {
+    fn from(Position { x, y }: Position) -> Self {
+        Self::new(x, y)
+    }
 }
 
 /// When a pedestrian enters the world.

@@ -9,6 +9,7 @@
 pub mod agent;
 mod block;
 mod case;
+mod conflict;
 mod criterion;
 mod declaration;
 mod declared;
@@ -22,6 +23,7 @@ pub mod limits;
 mod metric;
 mod notation;
 mod optimisation;
+mod path;
 mod reference;
 mod road;
 mod statement;
@@ -34,6 +36,7 @@ pub use case::{
     Appearance, Assignment, Case, Individual, ModelSetup, PedestrianSetup, Position, Shape, VehicleReference,
     VehicleSetup, VehicleStart, World,
 };
+pub use conflict::{Approach, Conflict, half_extent};
 pub use criterion::{
     Aggregate, Claim, Comparison, Criterion, MetricReference, Origin, People, Reach, Relation,
     VariationCondition, WhenUndefined, constant,
@@ -61,6 +64,7 @@ pub use optimisation::{
     Budget, CaseSet, Goal, InitialDesign, Method, Objective, Part, Range, RangeValues, SampleSize, Search,
     ShownIn, Target, Tune,
 };
+pub use path::Path;
 pub use reference::{Reference, Registered};
 pub use road::{Body, Crossing, CrossingKind, Direction, Lane, Road, Side};
 pub use statement::{

@@ -6,6 +6,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::Path;
+
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Road {
     /// Empty for an inline road without a name.
@@ -38,7 +40,8 @@ pub enum Direction {
 }
 
 impl Direction {
-    pub fn sign(self) -> f64 {
+    /// Of the direction along x.
+    pub(super) fn sign(self) -> f64 {
         match self {
             Self::Forward => 1.0,
             Self::Backward => -1.0,
@@ -92,6 +95,14 @@ pub enum Side {
 }
 
 impl Side {
+    /// The other side.
+    pub fn opposite(self) -> Self {
+        match self {
+            Self::Near => Self::Far,
+            Self::Far => Self::Near,
+        }
+    }
+
     /// Sign of the walking direction along y.
     pub fn walking_sign(self) -> f64 {
         match self {
@@ -124,9 +135,22 @@ impl Road {
         }
     }
 
+    /// The path of whoever drives in a lane.
+    pub fn path(&self, lane: usize) -> Path {
+        Path::straight(self.lane_centre(lane), self.lanes[lane].direction)
+    }
+
     /// y of a lane's centre line in m.
-    pub fn lane_centre(&self, lane: usize) -> f64 {
+    fn lane_centre(&self, lane: usize) -> f64 {
         lane as f64 * self.lane_width
+    }
+
+    /// y of the centre line of the lane that is nearest to a side, m.
+    pub fn outer_lane_centre(&self, side: Side) -> f64 {
+        self.lane_centre(match side {
+            Side::Near => 0,
+            Side::Far => self.lanes.len() - 1,
+        })
     }
 
     /// y of the kerb on a side in m.
@@ -162,7 +186,7 @@ mod tests {
     fn kerbs_enclose_the_lanes() {
         let road = two_lanes(CrossingKind::Zebra);
         assert_eq!((road.kerb(Side::Near), road.kerb(Side::Far)), (-2.0, 6.0));
-        assert_eq!(road.lane_centre(1), 4.0);
+        assert_eq!((road.lane_centre(1), road.path(1)), (4.0, Path::straight(4.0, Direction::Backward)));
     }
 
     #[test]

@@ -5,7 +5,7 @@ use crate::scenario::agent::{
     Command, ControllerError, EgoState, Longitudinal, Mode, Observation, RoadView, Schedule, SeenPedestrian,
     SeenVehicle, Snapshot,
 };
-use crate::scenario::{Direction, Road, Side, VehicleSetup, World};
+use crate::scenario::{Road, VehicleSetup, World};
 
 /// Absorbs the rounding of sums and products when times are compared, s.
 pub(super) const TIME_TOLERANCE: f64 = 1e-9;
@@ -44,13 +44,7 @@ struct Settling {
 impl Control {
     pub fn new(world: &World, setup: &VehicleSetup, driven: &Driven) -> Self {
         let road = &world.road;
-        let direction = road.lanes[setup.lane].direction;
-        let centre = road.lane_centre(setup.lane);
-        let (near, far) = (road.kerb(Side::Near) - centre, road.kerb(Side::Far) - centre);
-        let (right_kerb, left_kerb) = match direction {
-            Direction::Forward => (near, far),
-            Direction::Backward => (-far, -near),
-        };
+        let (right_kerb, left_kerb) = road.path(setup.lane).kerbs(road);
         let observed = || Observation {
             time: 0.0,
             ego: EgoState {
@@ -197,7 +191,6 @@ impl Control {
     /// Fills the observation with the states of `now` as the ego sees them.
     fn see(&mut self, time: f64, me: usize, now: &Snapshot, road: &Road) {
         let ego = &now.vehicles[me];
-        let sign = ego.direction.sign();
         let seen = &mut self.observation;
         seen.time = time;
         seen.ego.distance_to_crossing = -ego.motion.travelled;
@@ -208,9 +201,9 @@ impl Control {
         seen.pedestrians.extend(now.pedestrians.iter().enumerate().filter(|(_, state)| state.present).map(
             |(id, state)| SeenPedestrian {
                 id,
-                position: (state.position - ego.position()) * sign,
-                velocity: state.velocity * sign,
-                acceleration: state.acceleration * sign,
+                position: ego.path.turned(state.position - ego.position()),
+                velocity: ego.path.turned(state.velocity),
+                acceleration: ego.path.turned(state.acceleration),
                 shape: state.shape,
             },
         ));
@@ -218,8 +211,8 @@ impl Control {
         seen.vehicles.extend(now.vehicles.iter().enumerate().filter(|(id, _)| *id != me).map(
             |(id, state)| SeenVehicle {
                 id,
-                position: (state.position() - ego.position()) * sign,
-                velocity: state.velocity() * sign,
+                position: ego.path.turned(state.position() - ego.position()),
+                velocity: ego.path.turned(state.velocity()),
                 length: state.length,
                 width: state.width,
             },

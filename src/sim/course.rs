@@ -65,13 +65,17 @@ pub fn has_arrived(world: &World, state: &Snapshot, who: Solid) -> bool {
     match who {
         Solid::Vehicle(index) => state.vehicles[index].motion.travelled >= world.finish,
         Solid::Pedestrian(index) => {
-            let (person, sign) = (&state.pedestrians[index], world.pedestrians[index].side.walking_sign());
-            let half_lane = world.road.lane_width / 2.0;
-            let beyond = |car: &VehicleState| sign * (person.position.y - car.lane_centre) >= half_lane;
-            person.present && state.vehicles.iter().all(beyond)
+            let person = &state.pedestrians[index];
+            person.present && state.vehicles.iter().all(|car| has_crossed(world, state, index, car))
         }
         Solid::Box(_) => true,
     }
+}
+
+/// Whether a pedestrian has left the lane of a vehicle behind.
+pub fn has_crossed(world: &World, state: &Snapshot, pedestrian: usize, car: &VehicleState) -> bool {
+    let (place, side) = (state.pedestrians[pedestrian].position, world.pedestrians[pedestrian].side);
+    car.path.beyond(place, side) >= world.road.lane_width / 2.0
 }
 
 /// A run under way. Whoever drives it calls [`Self::next`], and decides for those who are asked, until it has ended. What

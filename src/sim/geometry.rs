@@ -205,14 +205,13 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::scenario::Direction;
+    use crate::scenario::{Direction, Path};
     use crate::sim::Longitudinal;
 
     fn car() -> VehicleState {
         VehicleState {
             motion: Longitudinal { travelled: 0.0, speed: 0.0, acceleration: 0.0 },
-            lane_centre: 0.0,
-            direction: Direction::Forward,
+            path: Path::straight(0.0, Direction::Forward),
             length: 4.0,
             width: 2.0,
         }

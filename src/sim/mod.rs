@@ -21,7 +21,7 @@ pub use crate::scenario::agent::{
     SeenVehicle, Snapshot, Stated, StatedBy, VehicleState, velocity_inside,
 };
 pub use contact::{Contacts, Solid, Touch};
-pub use course::{Course, Fault, Progress, has_arrived, longest_run, simulate};
+pub use course::{Course, Fault, Progress, has_arrived, has_crossed, longest_run, simulate};
 pub use fingerprint::Fingerprint;
 pub use observer::{Ending, Observer, Step, StopReason};
 pub use road_users::{Driven, Driver, RoadUsers};

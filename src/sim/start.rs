@@ -41,8 +41,9 @@ pub fn blocked_lanes(world: &World) -> Vec<(usize, usize, f64)> {
     let mut blocked = Vec::new();
     for (vehicle, car) in state.vehicles.iter().enumerate() {
         for (index, body) in world.road.boxes.iter().enumerate() {
-            let apart = (body.y - car.lane_centre).abs() - (body.width + car.width) / 2.0;
-            let centre = car.direction.sign() * body.x;
+            let place = Vector2::new(body.x, body.y);
+            let apart = car.path.beside(place).abs() - (body.width + car.width) / 2.0;
+            let centre = car.path.along(place);
             let (from, to) = (centre - body.length / 2.0, centre + body.length / 2.0);
             let ahead = to > car.motion.travelled && from < world.finish + car.length / 2.0;
             if apart < -TOUCHING && ahead {
@@ -71,7 +72,7 @@ pub(super) fn waiting_outside((setup, way): (&PedestrianSetup, &Vector2<f64>)) -
 
 /// Puts a settled vehicle where its setup wants it at time 0.
 pub(super) fn placed(world: &World, setup: &VehicleSetup, settled: Longitudinal) -> VehicleState {
-    let direction = world.road.lanes[setup.lane].direction;
+    let path = world.road.path(setup.lane);
     let travelled = match setup.start {
         VehicleStart::Distance(distance) => -distance,
         VehicleStart::TimeToArrival { time, reference, x } => {
@@ -79,13 +80,12 @@ pub(super) fn placed(world: &World, setup: &VehicleSetup, settled: Longitudinal)
                 VehicleReference::Centre => 0.0,
                 VehicleReference::Front => setup.length / 2.0,
             };
-            direction.sign() * x - time * settled.speed - ahead
+            path.at_line(x) - time * settled.speed - ahead
         }
     };
     VehicleState {
         motion: Longitudinal { travelled, ..settled },
-        lane_centre: world.road.lane_centre(setup.lane),
-        direction,
+        path,
         length: setup.length,
         width: setup.width,
     }

@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use super::contact::Solid;
 use super::observer::{Observer, Step};
-use crate::scenario::agent::{Mode, VehicleState};
-use crate::scenario::{Road, Side, World};
+use crate::scenario::World;
+use crate::scenario::agent::Mode;
 
 /// One thing that happened. Times in s, speeds in m/s.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -138,9 +138,19 @@ impl<'a> Timeline<'a> {
             self.walking[index] = false;
             self.add(step.time + step.duration, name, Happening::Stops);
         }
-        for (y, what) in lines(&world.road, world.pedestrians[index].side, &step.before.vehicles) {
-            if let Some(part) = passing_either_way(before.position.y, after.position.y, y) {
+        let side = world.pedestrians[index].side;
+        for (side, what) in
+            [(side, Happening::EntersCarriageway), (side.opposite(), Happening::LeavesCarriageway)]
+        {
+            let kerb = world.road.kerb(side);
+            if let Some(part) = passing_either_way(before.position.y, after.position.y, kerb) {
                 self.add(step.time + part * step.duration, name, what);
+            }
+        }
+        for car in &step.before.vehicles {
+            if let Some(part) = car.path.passed_between(before.position, after.position) {
+                let time = step.time + part * step.duration;
+                self.add(time, name, Happening::PassesConflictPoint);
             }
         }
     }
@@ -179,19 +189,6 @@ impl Observer for Timeline<'_> {
         }
         self.follow_contacts(step);
     }
-}
-
-/// The lines across a pedestrian's way that are worth telling of.
-fn lines(road: &Road, side: Side, vehicles: &[VehicleState]) -> impl Iterator<Item = (f64, Happening)> {
-    let opposite = match side {
-        Side::Near => Side::Far,
-        Side::Far => Side::Near,
-    };
-    let kerbs = [
-        (road.kerb(side), Happening::EntersCarriageway),
-        (road.kerb(opposite), Happening::LeavesCarriageway),
-    ];
-    kerbs.into_iter().chain(vehicles.iter().map(|car| (car.lane_centre, Happening::PassesConflictPoint)))
 }
 
 /// The share of the step after which a rising quantity reaches `line`.

@@ -5,8 +5,8 @@ use crate::numbers::random::Stream;
 use crate::pedestrian::commotions::model::{Bodies, Person, extent};
 use crate::pedestrian::commotions::parameters::parameters;
 use crate::pedestrian::commotions::state::{Body, Control};
-use crate::pedestrian::commotions::{Agent, Conflict, Rules, Sight, State};
-use crate::scenario::{Chance, Declaration};
+use crate::pedestrian::commotions::{Agent, ConflictState, Rules, Sight, State};
+use crate::scenario::{Approach, Chance, Declaration};
 use crate::sim::random::{self, Purpose};
 use crate::sim::{
     Command, Controller, ControllerError, EgoState, Mode, ModelError, Observation, Schedule, SeenPedestrian,
@@ -82,7 +82,7 @@ struct Seen {
 
 impl Seen {
     fn new(pedestrian: &SeenPedestrian, ego: &EgoState, before: Option<Self>) -> Self {
-        let SeenPedestrian { position, velocity, acceleration, .. } = pedestrian;
+        let SeenPedestrian { position, velocity, .. } = pedestrian;
         let direction = before.map_or_else(
             || {
                 // Who stands beside the lane means to cross it.
@@ -91,33 +91,29 @@ impl Seen {
             },
             |before| before.direction,
         );
-        let across = direction * velocity.y;
+        let approach = Approach::seen(pedestrian, direction);
         Self {
             direction,
             line: position.x - ego.distance_to_crossing,
             ahead: position.x,
-            state: State {
-                distance: -direction * position.y,
-                speed: across.max(0.0),
-                acceleration: direction * acceleration.y,
-            },
+            state: approach.into(),
             now: true,
-            elsewhere: across <= 0.0 && velocity.norm() > WALKING,
+            elsewhere: approach.speed <= 0.0 && velocity.norm() > WALKING,
         }
     }
 }
 
 impl Meeting {
     /// How the conflict with a pedestrian that was seen stands; `None` for one who is out of sight and was not coming.
-    fn conflict(&self, seen: &Seen) -> Option<Conflict> {
+    fn conflict(&self, seen: &Seen) -> Option<ConflictState> {
         if self.is_past(seen) || seen.state.distance <= -self.other.half_extent {
-            Some(Conflict::Over)
+            Some(ConflictState::Over)
         } else if seen.elsewhere && !self.other.occupies(seen.state.distance) {
-            seen.now.then_some(Conflict::Dormant)
+            seen.now.then_some(ConflictState::Dormant)
         } else if seen.now {
-            Some(Conflict::Open)
+            Some(ConflictState::Open)
         } else {
-            Some(Conflict::Remembered)
+            Some(ConflictState::Remembered)
         }
     }
 

@@ -113,11 +113,12 @@ fn with_perception(
     context: &ControllerContext,
     schedule: Schedule,
 ) -> Result<Box<dyn Perception>, ModelError> {
-    let lane = context.world.road.lanes[context.setup.lane].direction.sign();
-    let centre = context.world.road.lane_centre(context.setup.lane);
+    let path = context.world.road.path(context.setup.lane);
     let boxes = if settings.flag("occlusion") { context.world.road.boxes.as_slice() } else { &[] };
-    let boxes =
-        boxes.iter().map(|body| Body { x: lane * body.x, y: lane * (body.y - centre), ..body.clone() });
+    let boxes = boxes.iter().map(|body| {
+        let place = path.from_world(Vector2::new(body.x, body.y));
+        Body { x: place.x, y: place.y, ..body.clone() }
+    });
     let latency = settings.number("latency");
     let interval = schedule.shortest();
     let frames = (latency / interval).ceil() as usize + 2;

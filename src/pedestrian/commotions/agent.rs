@@ -26,7 +26,7 @@ pub struct Encounter {
 
 /// Whether one may still come in another's way (§12).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Conflict {
+pub enum ConflictState {
     /// Either may still come in the other's way.
     Open,
     /// The other does not come in the way as it behaves now (it is parked, or goes elsewhere), but may yet.
@@ -49,7 +49,7 @@ pub struct Sight {
     /// The other's state.
     pub state: State,
     /// How the conflict stands.
-    pub conflict: Conflict,
+    pub conflict: ConflictState,
 }
 
 /// What an agent does at a step.
@@ -140,8 +140,11 @@ impl Agent {
         rules: &Rules,
         draws: &mut impl StandardNormals,
     ) -> Decision {
-        let conflict =
-            if self.others[0].is_left_behind(own.distance) { Conflict::Over } else { Conflict::Open };
+        let conflict = if self.others[0].is_left_behind(own.distance) {
+            ConflictState::Over
+        } else {
+            ConflictState::Open
+        };
         let sight = Sight { other: 0, path: 0, own: *own, state: *other, conflict };
         self.step_among(&[sight], rules, draws).unwrap_or(Decision { acceleration: 0.0, action: None })
     }
@@ -160,7 +163,7 @@ impl Agent {
         draws: &mut impl StandardNormals,
     ) -> Option<Decision> {
         self.thoughts = None;
-        for sight in sights.iter().filter(|sight| sight.conflict == Conflict::Over) {
+        for sight in sights.iter().filter(|sight| sight.conflict == ConflictState::Over) {
             if self.met != Some(sight.other) {
                 self.others[sight.other].lapse();
             }
@@ -179,11 +182,13 @@ impl Agent {
             let weighed = self.is_weighed(sight, sights, candidates);
             let mut read = 0;
             match sight.conflict {
-                _ if weighed && sight.conflict != Conflict::Remembered => {
+                _ if weighed && sight.conflict != ConflictState::Remembered => {
                     read = self.consider(sight, rules, true, draws);
                 }
-                Conflict::Open | Conflict::Dormant => read = self.consider(sight, rules, false, draws),
-                Conflict::Over | Conflict::Remembered => {}
+                ConflictState::Open | ConflictState::Dormant => {
+                    read = self.consider(sight, rules, false, draws)
+                }
+                ConflictState::Over | ConflictState::Remembered => {}
             }
             if weighed && decisive.is_none_or(|(most, _)| self.constrains_more(sight, most)) {
                 decisive = Some((sight, read));
@@ -224,22 +229,22 @@ impl Agent {
     /// Who may decide.
     fn candidates(&self, sights: &[Sight]) -> Option<Candidates> {
         let any = |conflict| sights.iter().any(|sight| sight.conflict == conflict);
-        if any(Conflict::Open) {
+        if any(ConflictState::Open) {
             Some(Candidates::Open)
-        } else if any(Conflict::Remembered) {
+        } else if any(ConflictState::Remembered) {
             None
         } else if let Some(met) = self.met {
             Some(Candidates::Met(met))
         } else {
-            any(Conflict::Dormant).then_some(Candidates::Dormant)
+            any(ConflictState::Dormant).then_some(Candidates::Dormant)
         }
     }
 
     /// Whether `sight` is one of the candidates and inside the conflict space, or the next of them on its path.
     fn is_weighed(&self, sight: &Sight, sights: &[Sight], candidates: Candidates) -> bool {
         let among = |sight: &Sight| match candidates {
-            Candidates::Open => sight.conflict == Conflict::Open,
-            Candidates::Dormant => sight.conflict == Conflict::Dormant,
+            Candidates::Open => sight.conflict == ConflictState::Open,
+            Candidates::Dormant => sight.conflict == ConflictState::Dormant,
             Candidates::Met(met) => sight.other == met,
         };
         let inside = |sight: &Sight| self.others[sight.other].is_inside(sight.state.distance);
@@ -250,7 +255,7 @@ impl Agent {
                 && !inside(other)
         };
         match sight.conflict {
-            Conflict::Remembered => candidates == Candidates::Open,
+            ConflictState::Remembered => candidates == Candidates::Open,
             _ => among(sight) && (inside(sight) || !sights.iter().any(before)),
         }
     }
@@ -287,7 +292,7 @@ fn values_of_actions(others: &[Other], plan: &ActionPlan, met: usize, sights: &[
     let Some(next) = sights.iter().find(|sight| sight.other == met && !inside(sight)) else { return values };
     let still_there = |sight: &&Sight| {
         sight.path == next.path
-            && sight.conflict == Conflict::Open
+            && sight.conflict == ConflictState::Open
             && inside(sight)
             && !others[sight.other].is_entered(sight.own.distance)
     };
@@ -446,7 +451,7 @@ mod tests {
             path,
             own: state(5.0, 0.0, 0.0),
             state: car,
-            conflict: Conflict::Open,
+            conflict: ConflictState::Open,
         };
         (agent, [sight(0, 0, state(60.0, 5.0, 0.0)), sight(1, path, state(70.0, 15.0, 0.0))])
     }

@@ -37,7 +37,7 @@ pub mod timing;
 pub mod value;
 pub mod variant;
 
-pub use agent::{Agent, Conflict, Decision, Encounter, Rules, Sight, Thoughts};
+pub use agent::{Agent, ConflictState, Decision, Encounter, Rules, Sight, Thoughts};
 pub use draws::StandardNormals;
 pub use parameters::Parameters;
 pub use state::{Control, State};

@@ -1,14 +1,14 @@
 //! The COMMOTIONS pedestrian as a registered model: its declaration, and what stands between the world and the agents.
 
-use super::agent::{Agent, Conflict, Rules, Sight};
+use super::agent::{Agent, ConflictState, Rules, Sight};
 use super::parameters::{Parameters, parameters};
 use super::state::{Body, Control, State};
 use super::variant::{Accumulation, Variant, VariantError};
 use crate::numbers::random::Stream;
 use crate::pedestrian::{PedestrianContext, PedestrianModel};
-use crate::scenario::{Declaration, Dimension, Road, Settings, Shape, VehicleReference};
+use crate::scenario::{Declaration, Dimension, Road, Settings, Shape, half_extent};
 use crate::sim::random::{self, Purpose};
-use crate::sim::{Mode, ModelError, Motion, Pedestrian, Scene, Stated, StatedBy, VehicleState};
+use crate::sim::{Mode, ModelError, Motion, Pedestrian, Scene, Stated, StatedBy};
 
 /// The registry entry.
 pub fn commotions() -> PedestrianModel {
@@ -128,7 +128,7 @@ impl Bodies {
     pub fn pedestrian(&self) -> Body {
         Body {
             control: Control::Speed,
-            half_extent: (self.pedestrian.0 + self.vehicle.1) / 2.0,
+            half_extent: half_extent(self.pedestrian, self.vehicle),
             width: self.pedestrian.1,
         }
     }
@@ -137,7 +137,7 @@ impl Bodies {
     pub fn vehicle(&self) -> Body {
         Body {
             control: Control::Acceleration,
-            half_extent: (self.vehicle.0 + self.pedestrian.1) / 2.0,
+            half_extent: half_extent(self.vehicle, self.pedestrian),
             width: self.vehicle.1,
         }
     }
@@ -163,13 +163,13 @@ struct Meeting {
 
 impl Meeting {
     /// How the conflict stands at these distances (m) to the conflict point.
-    fn conflict(&self, own: f64, other: f64) -> Conflict {
+    fn conflict(&self, own: f64, other: f64) -> ConflictState {
         if own < -self.own.half_extent || other <= -self.other.half_extent {
-            Conflict::Over
+            ConflictState::Over
         } else if !self.moved && !self.other.occupies(other) {
-            Conflict::Dormant
+            ConflictState::Dormant
         } else {
-            Conflict::Open
+            ConflictState::Open
         }
     }
 }
@@ -220,28 +220,15 @@ impl Walker {
         let speed = me.velocity.dot(&way);
         self.sights.clear();
         for (other, (meeting, vehicle)) in self.meetings.iter_mut().zip(scene.vehicles).enumerate() {
-            // Walking along the road never crosses the lane.
-            if way.y == 0.0 {
-                continue;
-            }
+            let Some(conflict) = vehicle.path.conflict(me.position, way) else { continue };
             meeting.moved |= vehicle.motion.speed > 0.0;
-            let distance = (vehicle.lane_centre - me.position.y) / way.y;
-            let own = State { distance, speed, acceleration: me.acceleration.dot(&way) };
-            let state = approaching(vehicle, me.position.x + way.x * distance);
-            let conflict = meeting.conflict(distance, state.distance);
+            let own = State::from(conflict.approach_on_foot(me, way));
+            let state = State::from(conflict.approach(vehicle));
+            let conflict = meeting.conflict(own.distance, state.distance);
             self.sights.push(Sight { other, path: meeting.path, own, state, conflict });
         }
         let decision = self.agent.step_among(&self.sights, &rules, &mut self.draws);
         // With nobody to meet, as on an empty road.
         decision.map_or((self.free_speed - speed) / self.action_duration, |decision| decision.acceleration)
-    }
-}
-
-/// A vehicle on its way to the line across the road at `x`.
-fn approaching(vehicle: &VehicleState, x: f64) -> State {
-    State {
-        distance: vehicle.distance_to(x, VehicleReference::Centre),
-        speed: vehicle.motion.speed,
-        acceleration: vehicle.motion.acceleration,
     }
 }

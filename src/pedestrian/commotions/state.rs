@@ -1,5 +1,7 @@
 //! What a road user shows the other: its kind of control, its extent and its state on a straight path (§1).
 
+use crate::scenario::Approach;
+
 /// How the actions of a road user work (§1, §2).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Control {
@@ -18,6 +20,12 @@ pub struct State {
     pub speed: f64,
     /// Acceleration (m/s²).
     pub acceleration: f64,
+}
+
+impl From<Approach> for State {
+    fn from(Approach { distance, speed, acceleration }: Approach) -> Self {
+        Self { distance, speed, acceleration }
+    }
 }
 
 impl State {

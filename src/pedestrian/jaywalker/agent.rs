@@ -225,9 +225,9 @@ impl Jaywalker {
             Oncoming::Yang(yang) => {
                 let ego = scene.ego();
                 let walking = walking_direction(ego.velocity, way);
-                let sign = self.side.walking_sign();
+                let side = self.side;
                 let oncoming =
-                    |vehicle: &&VehicleState| self.perception.encounter(vehicle, ego, sign).is_oncoming();
+                    |vehicle: &&VehicleState| self.perception.encounter(vehicle, ego, side).is_oncoming();
                 let forces = scene.vehicles.iter().filter(oncoming);
                 sum_in_any_order(forces.map(|vehicle| yang.force(vehicle, ego, walking)))
             }
@@ -243,7 +243,7 @@ fn walking_direction(velocity: Vector2<f64>, way: Vector2<f64>) -> Vector2<f64> 
 impl Pedestrian for Jaywalker {
     fn act(&mut self, scene: &Scene) -> Motion {
         let sign = self.side.walking_sign();
-        let encounter = self.perception.focus(scene, sign);
+        let encounter = self.perception.focus(scene, self.side);
         let encounter = encounter.as_ref();
         let no_time_gap = encounter.is_none_or(|encounter| encounter.time_gap.is_none());
         self.undisturbed.watch(no_time_gap, scene.time);

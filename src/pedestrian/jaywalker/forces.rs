@@ -129,9 +129,7 @@ impl Yang {
         ego: &PedestrianState,
         walking: Vector2<f64>,
     ) -> Vector2<f64> {
-        // The lane runs along x, so the vehicle frame is the world's, at most mirrored.
-        let sign = vehicle.direction.sign();
-        let place = (ego.position - vehicle.position()) * sign;
+        let place = vehicle.path.turned(ego.position - vehicle.position());
         let contour = self.contour(vehicle);
         if is_inside(&contour, place) {
             return Vector2::zeros();
@@ -141,7 +139,7 @@ impl Yang {
         if distance == 0.0 {
             return Vector2::zeros();
         }
-        let outward = away / distance * sign;
+        let outward = vehicle.path.turned(away / distance);
         let cosine = -outward.dot(&walking);
         let view = self.anisotropy + (1.0 - self.anisotropy) * (1.0 + cosine) / 2.0;
         let (distance, mass) =
@@ -188,7 +186,7 @@ fn nearest_point(contour: &[Vector2<f64>; 5], point: Vector2<f64>) -> Vector2<f6
 mod tests {
     use super::*;
     use crate::pedestrian::jaywalker::declaration::declaration;
-    use crate::scenario::{Direction, Shape, Value};
+    use crate::scenario::{Direction, Path, Shape, Value};
     use crate::sim::Longitudinal;
 
     fn walking() -> Walking {
@@ -204,8 +202,7 @@ mod tests {
     fn car(direction: Direction) -> VehicleState {
         VehicleState {
             motion: Longitudinal { travelled: -2.45, speed: 8.33, acceleration: 0.0 },
-            lane_centre: 0.0,
-            direction,
+            path: Path::straight(0.0, direction),
             length: 4.9,
             width: 2.1,
         }

@@ -1,6 +1,6 @@
 //! What the jaywalker makes of the vehicles around it: time gaps and the vehicle that matters.
 
-use crate::scenario::{Direction, Settings};
+use crate::scenario::{Settings, Side};
 use crate::sim::{PedestrianState, Scene, VehicleState};
 
 /// Below this a vehicle does not come nearer, m/s.
@@ -55,18 +55,14 @@ impl Perception {
         }
     }
 
-    /// How `vehicle` and a pedestrian that crosses along y in the direction `sign` stand to each other.
-    pub fn encounter(&self, vehicle: &VehicleState, ego: &PedestrianState, sign: f64) -> Encounter {
-        let along = match vehicle.direction {
-            Direction::Forward => ego.position.x,
-            Direction::Backward => -ego.position.x,
-        };
-        let ahead = along - vehicle.motion.travelled;
+    /// How `vehicle` and a pedestrian that crosses from `side` stand to each other.
+    pub fn encounter(&self, vehicle: &VehicleState, ego: &PedestrianState, side: Side) -> Encounter {
+        let ahead = vehicle.path.along(ego.position) - vehicle.motion.travelled;
         let speed = vehicle.motion.speed;
         let half_diagonal = libm::hypot(vehicle.length, vehicle.width) / 2.0;
         let gap = (ahead - self.margin.unwrap_or(half_diagonal) - vehicle.length / 2.0).max(0.0);
         let mut encounter = Encounter {
-            beyond_lane_centre: sign * (ego.position.y - vehicle.lane_centre),
+            beyond_lane_centre: vehicle.path.beyond(ego.position, side),
             ahead,
             speed,
             half_diagonal,
@@ -83,7 +79,7 @@ impl Perception {
     ///
     /// A moving vehicle whose lane it has yet to leave comes before other moving ones, these before standing ones and
     /// these before those that passed; among equals the one that arrives first, then the nearest.
-    pub fn focus(&self, scene: &Scene, sign: f64) -> Option<Encounter> {
+    pub fn focus(&self, scene: &Scene, side: Side) -> Option<Encounter> {
         let half_lane = scene.road.lane_width / 2.0;
         let urgency = |encounter: &Encounter| {
             let left_behind = encounter.beyond_lane_centre > half_lane;
@@ -105,7 +101,7 @@ impl Perception {
                 .then(other.beyond_lane_centre.total_cmp(&one.beyond_lane_centre))
                 .then(one.ahead.total_cmp(&other.ahead))
         };
-        let encounters = scene.vehicles.iter().map(|vehicle| self.encounter(vehicle, scene.ego(), sign));
+        let encounters = scene.vehicles.iter().map(|vehicle| self.encounter(vehicle, scene.ego(), side));
         encounters.min_by(order)
     }
 }

@@ -3,22 +3,21 @@
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
-use crate::scenario::{Direction, Shape, VehicleReference};
+use crate::scenario::{Path, Shape, VehicleReference};
 
 /// A vehicle as anyone may see it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct VehicleState {
     pub motion: Longitudinal,
-    /// y of its lane's centre line in the world frame, m.
-    pub lane_centre: f64,
-    pub direction: Direction,
+    #[serde(flatten)]
+    pub path: Path,
     /// m
     pub length: f64,
     /// m
     pub width: f64,
 }
 
-/// Motion along a lane, in the lane's own direction of travel.
+/// Motion along a path.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Longitudinal {
     /// Of the vehicle's centre relative to the middle of the crossing in m; negative before it.
@@ -32,11 +31,11 @@ pub struct Longitudinal {
 impl VehicleState {
     /// The centre in the world frame.
     pub fn position(&self) -> Vector2<f64> {
-        Vector2::new(self.direction.sign() * self.motion.travelled, self.lane_centre)
+        self.path.point(self.motion.travelled)
     }
 
     pub fn velocity(&self) -> Vector2<f64> {
-        Vector2::new(self.direction.sign() * self.motion.speed, 0.0)
+        self.path.velocity(self.motion.speed)
     }
 
     /// Distance that a part of the vehicle still has to go to the line across the road at world `x`; negative once
@@ -46,7 +45,7 @@ impl VehicleState {
             VehicleReference::Centre => 0.0,
             VehicleReference::Front => self.length / 2.0,
         };
-        self.direction.sign() * x - self.motion.travelled - ahead
+        self.path.at_line(x) - self.motion.travelled - ahead
     }
 
     /// Time to cover [`Self::distance_to`] at the present speed in s; infinite when standing before it, negative
