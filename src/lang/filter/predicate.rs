@@ -60,7 +60,7 @@ const fn predicate(
 
 /// Every predicate there is.
 #[rustfmt::skip]
-pub static PREDICATES: &[Predicate] = &[
+pub const PREDICATES: &[Predicate] = &[
     predicate("scenario", Asked::Scenario, Some(Mark::Contains), "scenario(walker)",
         "Trials of scenarios of that name. A pattern with `/` is compared with SUITE/SCENARIO."),
     predicate("suite", Asked::Suite, Some(Mark::Glob), "suite(zebra*)",
