@@ -9,7 +9,7 @@ use super::rows::{Row, What, each_row};
 use super::verdict_word;
 use crate::escape::csv_cell;
 use crate::judge::{PerRun, per_run};
-use crate::results::{Outcome, Requests, SuiteReport};
+use crate::results::{Outcome, Requests, Results, SuiteReport};
 use crate::scenario::{Individual, Metric, MetricKind, Value};
 use crate::sim::StopReason;
 
@@ -41,7 +41,8 @@ struct Columns<'r> {
 ///
 /// # Errors
 /// Those of `out`.
-pub fn write_csv(reports: &[SuiteReport], requests: &Requests, out: impl Write) -> io::Result<()> {
+pub fn write_csv(results: &Results, out: impl Write) -> io::Result<()> {
+    let Results { requests, suites: reports, recordings: _ } = results;
     let columns = Columns::of(reports, requests);
     let mut writer = WriterBuilder::new().terminator(Terminator::CRLF).from_writer(out);
     columns.write_header(&mut writer)?;
@@ -169,7 +170,7 @@ mod tests {
     fn text() -> String {
         let session = Session::new();
         let mut text = Vec::new();
-        write_csv(&[session.report()], &session.requests, &mut text).unwrap();
+        write_csv(&session.unrecorded(session.report()), &mut text).unwrap();
         String::from_utf8(text).unwrap()
     }
 

@@ -22,7 +22,7 @@ const SUITE: &str = "interrupted: 1 finished, 3 not finished, 6 not run";
 #[test]
 fn junit_has_an_error_for_each_and_one_for_the_suite() {
     let session = Session::new();
-    let xml = junit(&[session.interrupted()], &session.requests);
+    let xml = junit(&session.unrecorded(session.interrupted()));
     assert_eq!(count(&xml, "type=\"interrupted\""), 3, "{xml}");
     assert_eq!(count(&xml, "type=\"time_limit\""), 1, "{xml}");
     assert_eq!(count(&xml, "<skipped message=\"interrupted\"/>"), 6, "{xml}");
@@ -32,7 +32,7 @@ fn junit_has_an_error_for_each_and_one_for_the_suite() {
     let mut report = session.interrupted();
     report.trials.drain(1..3);
     report.blocks.clear();
-    let xml = junit(&[report], &session.requests);
+    let xml = junit(&session.unrecorded(report));
     assert_eq!(count(&xml, "<error "), 1, "{xml}");
 }
 
@@ -60,23 +60,23 @@ fn json_names_who_cut_it_off() {
 #[test]
 fn tap_bails_out() {
     let session = Session::new();
-    let text = tap(&[session.interrupted()]);
+    let text = tap(&session.unrecorded(session.interrupted()));
     assert_eq!(count(&text, "\nnot ok "), 4, "{text}");
     assert_eq!(count(&text, "  severity: not finished\n"), 3, "{text}");
     assert_eq!(count(&text, "# SKIP interrupted\n"), 6, "{text}");
     assert!(text.ends_with(&format!("Bail out! suite zebra {SUITE}\n")), "{text}");
-    assert!(!tap(&[session.report()]).contains("Bail out!"));
+    assert!(!tap(&session.unrecorded(session.report())).contains("Bail out!"));
 }
 
 #[test]
 fn github_tells_once() {
     let session = Session::new();
-    let text = annotations(&[session.interrupted()], &repository());
+    let text = annotations(&session.unrecorded(session.interrupted()), &repository());
     assert_eq!(count(&text, "not finished::"), 1, "{text}");
     assert_eq!(count(&text, " interrupted::"), 1, "{text}");
     assert!(text.contains("title=not finished::") && text.contains(LIMIT), "{text}");
     assert!(text.contains(&format!("title=suite zebra interrupted::{SUITE}\n")), "{text}");
-    let summary = step_summary(&[session.interrupted()], &session.requests);
+    let summary = step_summary(&session.unrecorded(session.interrupted()));
     assert!(
         summary.starts_with(&format!("## zebra: 1 ❌ failed, 3 ⏹ not finished, ⏹ {SUITE}\n")),
         "{summary}"
@@ -92,7 +92,7 @@ fn people_see_it_in_tables_and_pages() {
     assert!(!table.contains("error"), "{table}");
     let mut report = session.interrupted();
     report.trials.remove(0);
-    let page = html::to_html(&[report], &session.requests, &[]);
+    let page = html::to_html(&session.unrecorded(report));
     assert!(
         page.contains("<p class=\"verdict failed\">\n\u{25a0} interrupted: 3 not finished, 6 not run"),
         "{page}"

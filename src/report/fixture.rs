@@ -238,6 +238,11 @@ impl Session {
         Results { requests: self.requests.clone(), suites: vec![report], recordings }
     }
 
+    /// A report without the courses of its runs.
+    pub fn unrecorded(&self, report: SuiteReport) -> Results {
+        Results { requests: self.requests.clone(), suites: vec![report], recordings: Vec::new() }
+    }
+
     /// Every trial a hundred times over.
     pub fn long_report(&self) -> SuiteReport {
         let mut report = self.report();

@@ -71,9 +71,9 @@ pub fn render_gate(verdict: &GateVerdict, replay: Replay, all: bool, colour: boo
 pub const HEADINGS: [&str; 6] = ["", "base", "candidate", "change", "tolerated", "would have caught"];
 
 /// Every gate of every suite, for the terminal; empty without gates.
-pub fn render_gates(reports: &[SuiteReport], colour: bool) -> String {
+pub fn render_gates(suites: &[SuiteReport], colour: bool) -> String {
     let mut text = String::new();
-    for (report, gate) in reports.iter().flat_map(|one| one.gates.iter().map(move |gate| (one, gate))) {
+    for (report, gate) in suites.iter().flat_map(|one| one.gates.iter().map(move |gate| (one, gate))) {
         write!(text, "\n{}", render_gate_report(&report.identity, gate, colour)).expect(STRING);
     }
     text

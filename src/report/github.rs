@@ -18,8 +18,8 @@ use crate::escape::{
     github_data, github_property, html, markdown, markdown_code, markdown_fenced, terminal_line,
 };
 use crate::results::{
-    BlockReport, BlockState, CutBy, GateReport, GateState, NotJudged, RecordedReport, Requests, Standing,
-    SuiteReport, TrialReport, TrialState, Verdict,
+    BlockReport, BlockState, CutBy, GateReport, GateState, NotJudged, RecordedReport, Requests, Results,
+    Standing, SuiteReport, TrialReport, TrialState, Verdict,
 };
 use crate::scenario::Origin;
 
@@ -41,7 +41,8 @@ const MOST_FAILURES: usize = 20;
 const MOST_TRIALS_IN_GROUP: usize = 50;
 
 /// Workflow commands such as `::error file=…,line=…::message`, one a line; files from the root of the repository on.
-pub fn annotations(reports: &[SuiteReport], repository: &Repository) -> String {
+pub fn annotations(results: &Results, repository: &Repository) -> String {
+    let reports = &results.suites;
     let mut annotations: Vec<Annotation> = Vec::new();
     let mut add = |level, origin, title: String, said: String| match annotations
         .iter_mut()
@@ -155,7 +156,8 @@ fn beginning(report: &SuiteReport) -> Origin {
 }
 
 /// The summary of a step in GitHub's Markdown.
-pub fn step_summary(reports: &[SuiteReport], requests: &Requests) -> String {
+pub fn step_summary(results: &Results) -> String {
+    let Results { requests, suites: reports, recordings: _ } = results;
     let mut text = String::new();
     for report in reports {
         suite_summary(&mut text, report, requests);
@@ -373,13 +375,13 @@ mod tests {
     fn one_annotation_per_criterion() {
         let session = Session::new();
         let repository = Repository::around(std::path::Path::new(env!("CARGO_MANIFEST_DIR")));
-        insta::assert_snapshot!(annotations(&[session.report()], &repository));
+        insta::assert_snapshot!(annotations(&session.unrecorded(session.report()), &repository));
     }
 
     #[test]
     fn summary_in_markdown() {
         let session = Session::new();
-        let summary = step_summary(&[session.report()], &session.requests);
+        let summary = step_summary(&session.unrecorded(session.report()));
         insta::assert_snapshot!(summary.replace(env!("CARGO_PKG_VERSION"), "[version]"));
     }
 }

@@ -14,7 +14,7 @@ use super::junit::tests::junit;
 use super::tap::tests::tap;
 use super::{Repository, annotations, explain, render_gates, render_tables, step_summary, to_html};
 use crate::escape::{hostile, terminal, terminal_styled, xml_line};
-use crate::results::{SuiteReport, TrialReport, UnitReport, choose_runs};
+use crate::results::{Results, SuiteReport, TrialReport, UnitReport, choose_runs};
 
 fn is_safe(letter: char) -> bool {
     matches!(letter, '\n' | '\t') || terminal(letter.encode_utf8(&mut [0; 4])).chars().eq([letter])
@@ -71,7 +71,7 @@ proptest! {
     fn junit_is_xml_with_the_names_in_it(name in hostile::text()) {
         let session = Session::with_names(&name);
         let report = session.report();
-        let text = junit(std::slice::from_ref(&report), &session.requests);
+        let text = junit(&session.unrecorded(session.report()));
         let is_xml = |letter: char| is_safe(letter) && (!letter.is_control() || matches!(letter, '\n' | '\t'));
         prop_assert!(text.chars().all(is_xml));
         let mut reader = quick_xml::Reader::from_str(&text);
@@ -103,12 +103,12 @@ proptest! {
     fn tap_has_its_points_and_no_others(name in hostile::text()) {
         let (calm, hostile) = (Session::new(), Session::with_names(&name));
         let marks = |session: &Session| -> Vec<String> {
-            let text = tap(&[session.report()]);
+            let text = tap(&session.unrecorded(session.report()));
             let points = text.lines().filter(|line| !line.starts_with(' '));
             points.map(|line| line.split(" - ").next().unwrap_or_default().split('#').next().unwrap_or_default().to_string()).collect()
         };
         prop_assert_eq!(marks(&calm), marks(&hostile));
-        let text = tap(&[hostile.report()]);
+        let text = tap(&hostile.unrecorded(hostile.report()));
         prop_assert!(text.chars().all(is_safe));
         for part in text.split("  ---\n").skip(1) {
             let yaml = part.split("\n  ...\n").next().expect("a split has a first part");
@@ -119,10 +119,10 @@ proptest! {
 
     #[test]
     fn annotations_are_as_many_lines_as_without(name in hostile::text()) {
-        let lines = |session: &Session| annotations(&[session.report()], &repository()).lines().count();
+        let lines = |session: &Session| annotations(&session.unrecorded(session.report()), &repository()).lines().count();
         let hostile = Session::with_names(&name);
         prop_assert_eq!(lines(&hostile), lines(&Session::new()));
-        let text = annotations(&[hostile.report()], &repository());
+        let text = annotations(&hostile.unrecorded(hostile.report()), &repository());
         prop_assert!(text.chars().all(is_safe));
         for line in text.lines() {
             prop_assert!(line.starts_with("::error file=") || line.starts_with("::warning file="), "{line}");
@@ -132,7 +132,7 @@ proptest! {
     #[test]
     fn the_summary_of_a_step_has_only_our_markup(name in hostile::text()) {
         let session = Session::with_names(&name);
-        let text = step_summary(&[session.report()], &session.requests);
+        let text = step_summary(&session.unrecorded(session.report()));
         prop_assert!(text.chars().all(is_safe));
         let github = Options::ENABLE_GFM | Options::ENABLE_TABLES | Options::ENABLE_STRIKETHROUGH;
         for event in Parser::new_ext(&text, github) {
@@ -157,7 +157,7 @@ proptest! {
         let elements = |session: &Session| {
             let report = session.report();
             let recordings = session.record(choose_runs(&report));
-            let page = to_html(&[report], &session.requests, &recordings);
+            let page = to_html(&Results { recordings, ..session.unrecorded(report) });
             assert!(page.chars().all(is_safe));
             let mut names = BTreeSet::new();
             for token in Tokenizer::new(&page) {

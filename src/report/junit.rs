@@ -16,7 +16,7 @@ use super::gate::{blindness as gate_blindness, render_gate_report};
 use super::wording::{in_words, interruption, nothing_claimed, recorded_remark, stopping, trial_warnings};
 use crate::results::{
     BlockReport, BlockResult, BlockState, Cut, CutBy, GateReport, GateState, NotJudged, RecordedReport,
-    Requests, SuiteReport, TrialReport, TrialState, Verdict,
+    Requests, Results, SuiteReport, TrialReport, TrialState, Verdict,
 };
 use crate::scenario::Origin;
 
@@ -25,12 +25,8 @@ use crate::scenario::Origin;
 ///
 /// # Errors
 /// Those of `out`.
-pub fn write_junit(
-    reports: &[SuiteReport],
-    requests: &Requests,
-    repository: &Repository,
-    out: &mut dyn Write,
-) -> io::Result<()> {
+pub fn write_junit(results: &Results, repository: &Repository, out: &mut dyn Write) -> io::Result<()> {
+    let Results { requests, suites: reports, recordings: _ } = results;
     let suites: Vec<_> = reports.iter().map(|report| (report, grouped(report))).collect();
     let mut counts = Counts::default();
     for item in suites.iter().flat_map(|(_, groups)| groups).flat_map(|group| &group.items) {
@@ -309,17 +305,17 @@ pub(super) mod tests {
     use crate::report::fixture::{Meter, Session};
 
     /// All of it.
-    pub fn junit(reports: &[SuiteReport], requests: &Requests) -> String {
+    pub fn junit(results: &Results) -> String {
         let repository = Repository::around(std::path::Path::new(env!("CARGO_MANIFEST_DIR")));
         let mut text = Vec::new();
-        write_junit(reports, requests, &repository, &mut text).expect("there is room");
+        write_junit(results, &repository, &mut text).expect("there is room");
         String::from_utf8(text).expect("it is text")
     }
 
     #[test]
     fn every_state_of_a_trial() {
         let session = Session::new();
-        let xml = junit(&[session.report()], &session.requests);
+        let xml = junit(&session.unrecorded(session.report()));
         insta::assert_snapshot!(xml.replace(env!("CARGO_PKG_VERSION"), "[version]"));
     }
 
@@ -328,7 +324,7 @@ pub(super) mod tests {
         let session = Session::new();
         let mut meter = Meter::default();
         let repository = Repository::around(std::path::Path::new(env!("CARGO_MANIFEST_DIR")));
-        write_junit(&[session.long_report()], &session.requests, &repository, &mut meter).unwrap();
+        write_junit(&session.unrecorded(session.long_report()), &repository, &mut meter).unwrap();
         assert!(meter.all > 100 * meter.at_once, "{} of {} bytes at once", meter.at_once, meter.all);
     }
 
@@ -337,7 +333,7 @@ pub(super) mod tests {
     fn what_is_announced_is_there() {
         let session = Session::new();
         for report in [session.report(), session.interrupted()] {
-            let xml = junit(&[report], &session.requests);
+            let xml = junit(&session.unrecorded(report));
             let read = quick_junit::Report::deserialize_from_str(&xml).expect("it is JUnit");
             let cases = || read.test_suites.iter().flat_map(|suite| &suite.test_cases);
             let of = |wanted: fn(&quick_junit::TestCaseStatus) -> bool| {

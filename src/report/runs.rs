@@ -8,14 +8,15 @@ use super::json::{outcome_value, plain, variation_value};
 use super::rows::{Row, What, each_row};
 use super::verdict_word;
 use crate::judge::PerRun;
-use crate::results::{Requests, SuiteReport};
+use crate::results::{Requests, Results};
 
 /// Writes a line for each run. The same suites and seeds give the same bytes, on any number of threads.
 ///
 /// # Errors
 /// Those of `out`.
-pub fn write_runs(reports: &[SuiteReport], requests: &Requests, out: &mut dyn Write) -> io::Result<()> {
-    for report in reports {
+pub fn write_runs(results: &Results, out: &mut dyn Write) -> io::Result<()> {
+    let Results { requests, suites, recordings: _ } = results;
+    for report in suites {
         each_row(report, |row, criteria| {
             serde_json::to_writer(&mut *out, &line(row, criteria, requests))?;
             out.write_all(b"\n")
@@ -51,7 +52,7 @@ mod tests {
     fn lines() -> Vec<Value> {
         let session = Session::new();
         let mut text = Vec::new();
-        write_runs(&[session.report()], &session.requests, &mut text).unwrap();
+        write_runs(&session.unrecorded(session.report()), &mut text).unwrap();
         String::from_utf8(text).unwrap().lines().map(|line| serde_json::from_str(line).unwrap()).collect()
     }
 

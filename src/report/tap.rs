@@ -10,7 +10,7 @@ use super::gate::render_gate_report;
 use super::wording::{in_words, interruption, stopping, trial_warnings, verdict_word, warnings};
 use crate::escape::{tap_description, tap_text, terminal_line, yaml_quoted};
 use crate::results::{
-    BlockReport, BlockState, Finding, GateReport, GateState, NotJudged, SuiteReport, TrialState,
+    BlockReport, BlockState, Finding, GateReport, GateState, NotJudged, Results, SuiteReport, TrialState,
     TrialVerdict, Verdict,
 };
 
@@ -18,10 +18,11 @@ use crate::results::{
 ///
 /// # Errors
 /// Those of `out`.
-pub fn write_tap(reports: &[SuiteReport], out: &mut dyn io::Write) -> io::Result<()> {
+pub fn write_tap(results: &Results, out: &mut dyn io::Write) -> io::Result<()> {
     let points = |report: &SuiteReport| {
         report.recorded.len() + report.trials.len() + report.blocks.len() + report.gates.len()
     };
+    let reports = &results.suites;
     let points: usize = reports.iter().map(points).sum();
     writeln!(out, "TAP version 14\n1..{points}")?;
     let mut points = Points { out, number: 0 };
@@ -210,29 +211,30 @@ pub(super) mod tests {
     use crate::report::fixture::{Meter, Session};
 
     /// All of it.
-    pub fn tap(reports: &[SuiteReport]) -> String {
+    pub fn tap(results: &Results) -> String {
         let mut text = Vec::new();
-        write_tap(reports, &mut text).expect("there is room");
+        write_tap(results, &mut text).expect("there is room");
         String::from_utf8(text).expect("it is text")
     }
 
     #[test]
     fn every_state_of_a_trial() {
         let session = Session::new();
-        insta::assert_snapshot!(tap(&[session.report()]));
+        insta::assert_snapshot!(tap(&session.unrecorded(session.report())));
     }
 
     #[test]
     fn it_is_written_point_by_point() {
+        let session = Session::new();
         let mut meter = Meter::default();
-        write_tap(&[Session::new().long_report()], &mut meter).unwrap();
+        write_tap(&session.unrecorded(session.long_report()), &mut meter).unwrap();
         assert!(meter.all > 100 * meter.at_once, "{} of {} bytes at once", meter.at_once, meter.all);
     }
 
     #[test]
     fn the_blocks_are_yaml() {
         let session = Session::new();
-        let text = tap(&[session.report()]);
+        let text = tap(&session.unrecorded(session.report()));
         let mut blocks = 0;
         for part in text.split("  ---\n").skip(1) {
             let yaml = part.split("  ...\n").next().expect("a split has a first part");

@@ -81,7 +81,6 @@ pub fn results(
 /// Writes whatever was asked for, and returns what could not be written. GitHub is told if that was asked for, or
 /// `on_github`.
 pub fn write(arguments: &OutputArguments, results: &Results, on_github: bool) -> Vec<String> {
-    let Results { requests, suites, recordings } = results;
     let mut complaints = Vec::new();
     let mut write = |path: &Option<PathBuf>, content: &dyn Fn(&mut dyn Write) -> io::Result<()>| {
         let Some(path) = path else { return };
@@ -93,12 +92,12 @@ pub fn write(arguments: &OutputArguments, results: &Results, on_github: bool) ->
         }
     };
     let repository = Repository::here();
-    write(&arguments.junit, &|out| write_junit(suites, requests, &repository, out));
+    write(&arguments.junit, &|out| write_junit(results, &repository, out));
     write(&arguments.json, &|out| write_json(results, out));
-    write(&arguments.tap, &|out| write_tap(suites, out));
-    write(&arguments.html, &|out| out.write_all(to_html(suites, requests, recordings).as_bytes()));
-    write(&arguments.runs, &|out| write_runs(suites, requests, out));
-    write(&arguments.csv, &|out| write_csv(suites, requests, out));
+    write(&arguments.tap, &|out| write_tap(results, out));
+    write(&arguments.html, &|out| out.write_all(to_html(results).as_bytes()));
+    write(&arguments.runs, &|out| write_runs(results, out));
+    write(&arguments.csv, &|out| write_csv(results, out));
     if arguments.github || on_github {
         complaints.extend(tell_github(results, &repository));
     }
@@ -107,9 +106,9 @@ pub fn write(arguments: &OutputArguments, results: &Results, on_github: bool) ->
 
 /// Annotations go to stdout; the summary goes to the file that GitHub names.
 fn tell_github(results: &Results, repository: &Repository) -> Option<String> {
-    write!(stdout(), "{}", annotations(&results.suites, repository));
+    write!(stdout(), "{}", annotations(results, repository));
     let path = env::var_os("GITHUB_STEP_SUMMARY").filter(|path| !path.is_empty())?;
-    let summary = step_summary(&results.suites, &results.requests);
+    let summary = step_summary(results);
     let error = append_text(Path::new(&path), &summary).err()?;
     Some(format!("cannot write {}: {error}", Path::new(&path).display()))
 }

@@ -19,8 +19,7 @@ use minijinja::{Environment, UndefinedBehavior, context};
 
 use super::chart;
 use crate::escape::html_characters;
-use crate::results::Recording;
-use crate::results::{Chosen, Requests, SuiteReport};
+use crate::results::Results;
 
 /// The page and its parts.
 const TEMPLATES: [(&str, &str); 8] = [
@@ -35,7 +34,8 @@ const TEMPLATES: [(&str, &str); 8] = [
 ];
 
 /// The page. `recordings` are runs of [`choose_runs`], recorded again.
-pub fn to_html(reports: &[SuiteReport], requests: &Requests, recordings: &[(Chosen, Recording)]) -> String {
+pub fn to_html(results: &Results) -> String {
+    let Results { requests, suites: reports, recordings } = results;
     let started = reports.first().map_or(SystemTime::UNIX_EPOCH, |report| report.started);
     let page = view::Page::new(reports, requests, recordings, started);
     let mut environment = Environment::new();
@@ -69,9 +69,9 @@ mod tests {
 
     use super::*;
     use crate::report::fixture::{self, Session};
-    use crate::results::choose_runs;
     use crate::results::{BlockReport, BlockState, TrialReport};
     use crate::results::{BlockResult, Conclusion};
+    use crate::results::{Results, choose_runs};
     use crate::scenario::Block;
     use crate::scenario::{CaseSet, Condition, Evaluate, Origin, ParameterSet, Standing, Statement};
 
@@ -79,7 +79,7 @@ mod tests {
         let session = Session::new();
         let report = session.report();
         let recordings = session.record(choose_runs(&report));
-        to_html(&[report], &session.requests, &recordings)
+        to_html(&Results { recordings, ..session.unrecorded(report) })
     }
 
     /// The page without what has snapshots of its own or is the same for all pages.
@@ -131,7 +131,7 @@ mod tests {
             let (key, state) = (format!("zebra/{index}"), BlockState::Finished(Box::new(result)));
             report.blocks.push(BlockReport { block: block.into(), key, state, wall_time: Duration::ZERO });
         }
-        to_html(&[report], &session.requests, &[])
+        to_html(&session.unrecorded(report))
     }
 
     fn an_evaluate() -> Evaluate {
@@ -234,7 +234,7 @@ mod tests {
         for (index, found) in search.found.iter_mut().enumerate() {
             found.individuals[0].number = index as u32 + 1;
         }
-        let page = to_html(&[report], &session.requests, &[]);
+        let page = to_html(&session.unrecorded(report));
         assert!(page.len() < 2_000_000, "{} bytes", page.len());
         assert!(page.contains("880 more individuals are not drawn"));
         assert_eq!(part(&page, "<table class=\"sortable found\">", "</table>").matches("<tr").count(), 1001);
@@ -254,7 +254,7 @@ mod tests {
         // The first fails, the second passes.
         let many: Vec<_> = (0..4000).map(|number| of(usize::from(number < 3900))).collect();
         report.trials.extend(many);
-        let page = to_html(&[report], &session.requests, &[]);
+        let page = to_html(&session.unrecorded(report));
         assert!(page.len() < 4_000_000, "{} bytes", page.len());
         assert!(page.contains("3503 more trials are not shown here, 0 of which did not pass"), "no note");
         assert!(page.contains("41 more trials did not pass and are not written out"), "no note");
