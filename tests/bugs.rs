@@ -11,7 +11,7 @@ use scenario_runner::plan::plan;
 use scenario_runner::project::PlannedSuite;
 use scenario_runner::results::{Event, Reporter, Requests, TrialState};
 use scenario_runner::run::{FreeFlows, Threads, note_places, run_case};
-use scenario_runner::runner::{Orders, Session, units};
+use scenario_runner::runner::{Orders, Runner, units};
 use scenario_runner::sim::{Observer, Step};
 
 /// Set for a process that is to panic, to what in.
@@ -41,7 +41,7 @@ impl Reporter for Startled {
     }
 }
 
-fn run_all(reporter: &mut dyn Reporter, session: &Session) -> Vec<(String, TrialState)> {
+fn run_all(reporter: &mut dyn Reporter, session: &Runner) -> Vec<(String, TrialState)> {
     let units = units(session.suites());
     let chosen = vec![true; units.len()];
     let orders = Orders { chosen: &chosen, first: &[], max_failures: None };
@@ -69,7 +69,7 @@ fn panicking(place: &str) -> Exit {
         }
         "reporter" => {
             let threads = Threads::new(2);
-            drop(run_all(&mut Startled, &Session::new(&suites, &threads, &standard())))
+            drop(run_all(&mut Startled, &Runner::new(&suites, &threads, &standard())))
         }
         other => panic!("there is no place called {other}"),
     }
@@ -132,7 +132,7 @@ fn a_panic_in_a_trial_is_an_error_of_it_and_the_others_finish() {
         assert!(!case.key.starts_with(broken.as_str()), "watched too closely");
     };
     let threads = Threads::new(2);
-    let session = Session::new(&suites, &threads, &standard()).watched_by(&watch);
+    let session = Runner::new(&suites, &threads, &standard()).watched_by(&watch);
     for (key, state) in run_all(&mut Deaf, &session) {
         match state {
             TrialState::Errored(message) if key == *broken => {

@@ -12,7 +12,7 @@ use scenario_runner::plan::plan;
 use scenario_runner::project::PlannedSuite;
 use scenario_runner::results::{Event, Reporter, TrialState, Verdict};
 use scenario_runner::run::{Executor, Shuffled, Stop, Threads};
-use scenario_runner::runner::{Orders, Session, judge_gates, measured_trials, units};
+use scenario_runner::runner::{Orders, Runner, judge_gates, measured_trials, units};
 use scenario_runner::shrink::{Place, shrink};
 use serde_json::Value;
 
@@ -104,7 +104,7 @@ fn timeless(value: &mut Value) {
 /// Everything that the suite comes to, and what its first failing run shrinks to.
 fn run_by(executor: &dyn Executor, folder: &Path) -> (String, String) {
     let suites = prepared(folder);
-    let session = Session::new(&suites, executor, &standard()).journals(folder.join("journal"));
+    let session = Runner::new(&suites, executor, &standard()).journals(folder.join("journal"));
     let units = units(&suites);
     let chosen = vec![true; units.len()];
     let orders = Orders { chosen: &chosen, first: &[], max_failures: None };

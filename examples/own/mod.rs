@@ -6,20 +6,15 @@ use scenario_runner::files::Disk;
 use scenario_runner::project::Project;
 use scenario_runner::registry::Registry;
 use scenario_runner::report::{render_block, render_tables};
-use scenario_runner::results::{BlockState, Event, Reporter};
-use scenario_runner::run::Threads;
-use scenario_runner::runner::{Orders, Session, units};
+use scenario_runner::results::{BlockState, Unheard};
+use scenario_runner::runner::{Selection, Session};
 
 /// Runs everything in a file that may name what is in `registry`.
 pub fn tables(file: &str, registry: &Registry) -> Result<String, Box<dyn Error>> {
     let project = Project::open(file, registry, &Disk)?;
-    let threads = Threads::all();
-    let session = Session::new(project.suites(), &threads, registry);
-    let units = units(project.suites());
-    let chosen = vec![true; units.len()];
-    let orders = Orders { chosen: &chosen, first: &[], max_failures: None };
-    let report = session.run(&units, &orders, &mut Silent).remove(0);
-    let mut text = render_tables(&report, session.requests(), false);
+    let results = Session::new(&project).run(&Selection::all(), &mut Unheard)?;
+    let report = &results.suites[0];
+    let mut text = render_tables(report, &results.requests, false);
     for block in &report.blocks {
         match &block.state {
             BlockState::Finished(result) => text += &render_block(result),
@@ -27,10 +22,4 @@ pub fn tables(file: &str, registry: &Registry) -> Result<String, Box<dyn Error>>
         }
     }
     Ok(text)
-}
-
-struct Silent;
-
-impl Reporter for Silent {
-    fn tell(&mut self, _: &Event) {}
 }

@@ -14,8 +14,7 @@ use crate::files;
 use crate::registry::Registry;
 use crate::report::{Live, Terminal, render_block, tuned_parameters};
 use crate::results::{BlockReport, BlockResult, BlockState, set_options};
-use crate::run::Threads;
-use crate::runner::{self, Orders, Session, Unit, Work};
+use crate::runner::{self, Selection, Session, Unit, Work};
 use crate::scenario::{Block, Suite};
 
 #[derive(Debug, Args)]
@@ -74,17 +73,14 @@ fn run(arguments: &ExperimentArguments, kind: &'static str, registry: &Registry)
         return unknown(arguments, &units, kind);
     };
     let asked = (0..units.len()).map(|unit| unit == wanted).collect();
-    let chosen = runner::with_needs(&units, asked);
     let stop = stop_on_interrupt();
     if let Err(exit) = store::prepare(&arguments.journal) {
         return exit;
     }
-    let threads = Threads::all();
-    let session =
-        Session::new(suites, &threads, registry).journals(arguments.journal.clone()).stopped_by(&stop);
-    let orders = Orders { chosen: &chosen, first: &[], max_failures: None };
+    let session = Session::new(&project).journals(&arguments.journal).stopped_by(&stop).courses(false);
     let mut watcher = Terminal::quiet(shows_progress(arguments.no_progress).then(Live::new));
-    let reports = session.run(&units, &orders, &mut watcher);
+    let results = session.run_units(&units, &Selection::marked(asked), &mut watcher).expect("a block is selected");
+    let reports = &results.suites;
     let done = reports.iter().flat_map(|report| &report.blocks);
     let shown: Vec<_> = done.clone().filter_map(BlockReport::result).map(render_block).collect();
     write!(stdout(), "{}", shown.join("\n"));

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::Exit;
-use super::run::{Colour, output, verdict};
+use super::run::{Colour, exit, output};
 use crate::console::{stderr, stdout};
 use crate::registry::Registry;
 use crate::report::{read_results, render_gates, render_tables};
@@ -56,7 +56,7 @@ pub fn report(arguments: &ReportArguments, registry: &Registry) -> Exit {
     if results.suites.iter().any(|suite| suite.interrupted) {
         Exit::Interrupted
     } else if complaints.is_empty() {
-        verdict(&results.suites)
+        exit(results.overall())
     } else {
         Exit::Output
     }

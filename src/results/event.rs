@@ -93,6 +93,13 @@ pub trait Reporter {
     fn flush(&mut self) {}
 }
 
+/// Hears nothing: for whoever wants the results alone.
+pub struct Unheard;
+
+impl Reporter for Unheard {
+    fn tell(&mut self, _: &Event) {}
+}
+
 /// What became of one unit.
 #[derive(Debug)]
 pub enum UnitReport {

@@ -11,6 +11,7 @@ mod event;
 mod finding;
 mod gate;
 mod outcome;
+mod overall;
 mod places;
 mod recorded;
 mod recording;
@@ -40,13 +41,14 @@ pub use cases::{CaseRun, MetricSummary, SavedCase, SavedSet};
 pub use chosen::{Chosen, choose_runs};
 pub use cut::{Cut, CutBy};
 pub use evaluate::{ConditionResult, Difference, EvaluateResult, ParameterValue};
-pub use event::{Evaluations, Event, Outline, Reporter, Stopping, UnitReport};
+pub use event::{Evaluations, Event, Outline, Reporter, Stopping, Unheard, UnitReport};
 pub use finding::{Finding, Measure, Regarding, Vacuity, WorstRun};
 pub use gate::{
     BlindPlace, Change, ChangedRun, Check, CheckOutcome, GateReport, GateState, GateVerdict, NotJudged,
     Power, Refusal, Subject, TrialChange,
 };
 pub use outcome::{ByMetric, Critical, CutOff, OnCourse, Outcome, Unfinished};
+pub use overall::Overall;
 pub use recorded::{Recorded, RecordedReport, RecordedState, Rerun};
 pub use recording::{PairCourse, Place, Recording};
 pub use requests::Requests;

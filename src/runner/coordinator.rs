@@ -11,7 +11,7 @@ use std::time::{Duration, Instant, SystemTime};
 use super::earlier::Usable;
 use super::reporting::{Message, Off, Reporting};
 use super::schedule::Schedule;
-use super::session::Session;
+use super::shared::Runner;
 use super::unit::{Unit, Work};
 use super::unit_run::UnitRun;
 use crate::experiment::{EarlierResults, Progress};
@@ -35,7 +35,7 @@ const TICK: Duration = Duration::from_millis(100);
 /// So many messages may wait to be told before whoever has another one has to wait.
 const MOST_MESSAGES: usize = 4096;
 
-impl<'a> Session<'a> {
+impl<'a> Runner<'a> {
     /// Runs the chosen units and returns the report of every suite, which names all of its units: those that were not run
     /// are skipped with the reason.
     pub fn run(&self, units: &[Unit<'a>], orders: &Orders, reporter: &mut dyn Reporter) -> Vec<SuiteReport> {
@@ -128,7 +128,7 @@ enum Task {
 
 /// What is under way, and what is next.
 struct Coordinator<'c, 'a> {
-    session: &'c Session<'a>,
+    runner: &'c Runner<'a>,
     units: &'c [Unit<'a>],
     /// Whether some chosen block needs the unit.
     needed: Vec<bool>,
@@ -150,7 +150,7 @@ struct State {
 }
 
 impl<'c, 'a> Coordinator<'c, 'a> {
-    fn new(session: &'c Session<'a>, units: &'c [Unit<'a>], orders: &Orders) -> Self {
+    fn new(runner: &'c Runner<'a>, units: &'c [Unit<'a>], orders: &Orders) -> Self {
         let mut needed = vec![false; units.len()];
         for (unit, _) in units.iter().zip(orders.chosen).filter(|(_, chosen)| **chosen) {
             unit.needs.iter().for_each(|need| needed[*need] = true);
@@ -160,7 +160,7 @@ impl<'c, 'a> Coordinator<'c, 'a> {
         let kept = units.iter().map(|_| None).collect();
         let state = State { schedule, running: false, failures: 0, kept, panicked: None };
         let (max_failures, state) = (orders.max_failures, Mutex::new(state));
-        Self { session, units, needed, max_failures, state, changed: Condvar::new() }
+        Self { runner, units, needed, max_failures, state, changed: Condvar::new() }
     }
 
     fn lock(&self) -> MutexGuard<'_, State> {
@@ -176,7 +176,7 @@ impl<'c, 'a> Coordinator<'c, 'a> {
     /// One driver, and should it panic, nobody waits for what it will not do any more.
     fn drive_or_stop(&self, sender: &SyncSender<Message>) {
         if let Err(panic) = catch_unwind(AssertUnwindSafe(|| self.drive(sender))) {
-            self.session.stop().request();
+            self.runner.stop().request();
             self.wake(|state| state.panicked = Some(panic));
         }
     }
@@ -191,7 +191,7 @@ impl<'c, 'a> Coordinator<'c, 'a> {
             match task {
                 Task::Runs => {
                     let mut units = RunUnits { coordinator: self, sender };
-                    run_sequences(self.session.executor(), &mut units, self.session.stop());
+                    run_sequences(self.runner.executor(), &mut units, self.runner.stop());
                     self.wake(|state| state.running = false);
                 }
                 Task::Block(unit) => {
@@ -199,7 +199,7 @@ impl<'c, 'a> Coordinator<'c, 'a> {
                     let Work::Block(block) = &self.units[unit].work else { continue };
                     let relay = Relay { unit, sender: sender.clone() };
                     let (suite, results) = (self.units[unit].suite, self.results(unit));
-                    let report = self.session.block(suite, block, &results, &relay);
+                    let report = self.runner.block(suite, block, &results, &relay);
                     self.end(unit, UnitReport::Block(report), sender);
                 }
             }
@@ -210,7 +210,7 @@ impl<'c, 'a> Coordinator<'c, 'a> {
     fn next(&self) -> Option<Task> {
         let mut state = self.lock();
         loop {
-            if self.session.stop().is_requested() {
+            if self.runner.stop().is_requested() {
                 return None;
             }
             match state.schedule.next() {
@@ -323,7 +323,7 @@ impl<'s, 'c, 'a> Sequences for RunUnits<'s, 'c, 'a> {
         let sender = self.sender;
         send(sender, Message::Begun(unit));
         let told = Box::new(move || send(sender, Message::RunDone(unit)));
-        let run = self.coordinator.session.begin(&self.coordinator.units[unit], told);
+        let run = self.coordinator.runner.begin(&self.coordinator.units[unit], told);
         Some(Under { unit, run: run.expect("it is no block") })
     }
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use super::session::Session;
+use super::shared::Runner;
 use crate::judge::baseline::{Baseline, Incompatible, measured_metrics, record};
 use crate::judge::gate::judge_gate;
 use crate::results::{
@@ -15,22 +15,22 @@ use crate::scenario::{Gate, Suite};
 
 /// Judges every gate of every suite and puts what it came to into the suite's report. With `lenient`, trials that a
 /// baseline lacks are left out instead of being a reason not to compare.
-pub fn judge_gates<'a>(session: &Session<'a>, reports: &mut [SuiteReport], lenient: bool) {
+pub fn judge_gates<'a>(runner: &Runner<'a>, reports: &mut [SuiteReport], lenient: bool) {
     for (suite, report) in reports.iter_mut().enumerate() {
-        let gates = &session.suites()[suite].suite.gates;
+        let gates = &runner.suites()[suite].suite.gates;
         if gates.is_empty() {
             continue;
         }
-        let identity = session.identity(suite);
+        let identity = runner.identity(suite);
         let refusals: Vec<_> = gates.iter().map(|gate| other_runs(gate, &identity.set)).collect();
         // Runs that a trial did not need itself are made up for only where something is compared.
         let measured = refusals.contains(&None).then(|| {
             let trials: Vec<_> = report.trials.iter().collect();
-            measured_trials(session, suite, &trials)
+            measured_trials(runner, suite, &trials)
         });
-        report.interrupted |= matches!(measured, Some(Err(_))) && session.stop().is_requested();
+        report.interrupted |= matches!(measured, Some(Err(_))) && runner.stop().is_requested();
         let judged = |(gate, refusal): (&'a Gate, Option<Refusal>)| match (refusal, &measured) {
-            (None, Some(measured)) => judge_one_gate(session, suite, gate, measured.as_ref(), lenient),
+            (None, Some(measured)) => judge_one_gate(runner, suite, gate, measured.as_ref(), lenient),
             (refusal, _) => {
                 let state = GateState::Refused(refusal.expect("whatever is not refused was measured"));
                 GateReport { gate: Arc::new(gate.clone()), key: gate_key(&identity.suite, gate), state }
@@ -61,16 +61,16 @@ fn other_runs(gate: &Gate, set: &[String]) -> Option<Refusal> {
 
 /// Judges one gate of the suite with index `suite` on what [`measured_trials`] gave.
 pub fn judge_one_gate<'a>(
-    session: &Session<'a>,
+    runner: &Runner<'a>,
     suite: usize,
     gate: &'a Gate,
     measured: Result<&Baseline, &NotJudged>,
     lenient: bool,
 ) -> GateReport {
-    let identity = session.identity(suite);
+    let identity = runner.identity(suite);
     let state = match measured {
         Ok(candidate) => {
-            let suite = &session.suites()[suite].suite;
+            let suite = &runner.suites()[suite].suite;
             state(gate, candidate, &identity, suite, lenient)
         }
         Err(why) => GateState::NotJudged(why.clone()),
@@ -85,7 +85,7 @@ pub fn gate_key(suite: &str, gate: &Gate) -> String {
 
 /// All trials of a suite as a baseline, or why they do not make one.
 pub fn measured_trials(
-    session: &Session,
+    runner: &Runner,
     suite: usize,
     trials: &[&TrialReport],
 ) -> Result<Baseline, NotJudged> {
@@ -104,15 +104,15 @@ pub fn measured_trials(
         };
         return Err(NotJudged::Incomplete(format!("{} {what}", trial.trial.key)));
     }
-    let prepared = &session.suites()[suite];
-    let requests = session.requests();
+    let prepared = &runner.suites()[suite];
+    let requests = runner.requests();
     let mut outcomes = Vec::with_capacity(trials.len());
     // Reports have all trials of the plan, in its order.
     for (trial, planned) in trials.iter().zip(prepared.plan.trials()) {
         // When a trial was decided must not decide what is compared.
         let mut all = trial.outcomes.clone();
         let more =
-            Panicked::catch(|| session.batch().outcomes(planned.cases.from(trial.outcomes.len()), || ()));
+            Panicked::catch(|| runner.batch().outcomes(planned.cases.from(trial.outcomes.len()), || ()));
         let more = more.map_err(|panicked| NotJudged::Broken(panicked.to_string()))?;
         all.extend(more.map_err(|error| match error {
             BatchError::Stopped => {
@@ -125,7 +125,7 @@ pub fn measured_trials(
     let trials: Vec<_> = outcomes.iter().map(|(trial, outcomes)| (trial, &outcomes[..])).collect();
     let mut all = record(&prepared.plan, &trials, requests);
     // Other suites of the session may have asked for more.
-    all.keep_metrics(&measured_metrics(&prepared.suite, session.registry()));
+    all.keep_metrics(&measured_metrics(&prepared.suite, runner.registry()));
     Ok(all)
 }
 
@@ -181,22 +181,22 @@ mod tests {
         let plan = plan(&suite).unwrap();
         let suites = [PlannedSuite { file: "walker.scn".into(), suite, plan, recorded: Vec::new() }];
         let threads = Threads::new(2);
-        let session = Session::new(&suites, &threads, &standard());
+        let runner = Runner::new(&suites, &threads, &standard());
         let mut trials = Vec::new();
         for unit in units(&suites) {
-            match session.run_unit(&unit, &EarlierResults::default(), &Silent) {
+            match runner.run_unit(&unit, &EarlierResults::default(), &Silent) {
                 UnitReport::Trial(trial) => trials.push(trial),
                 _ => panic!("a scenario has trials only"),
             }
         }
         let measured = |trials: &[TrialReport]| {
-            measured_trials(&session, 0, &trials.iter().collect::<Vec<_>>()).unwrap()
+            measured_trials(&runner, 0, &trials.iter().collect::<Vec<_>>()).unwrap()
         };
         let whole = measured(&trials);
         trials[0].outcomes.truncate(3);
         assert_eq!(measured(&trials), whole);
         trials[0].state = TrialState::Errored("no".into());
-        let error = measured_trials(&session, 0, &trials.iter().collect::<Vec<_>>()).unwrap_err();
+        let error = measured_trials(&runner, 0, &trials.iter().collect::<Vec<_>>()).unwrap_err();
         assert!(error.to_string().contains("could not be run"), "{error}");
     }
 }

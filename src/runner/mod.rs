@@ -4,16 +4,21 @@
 //! everything that happens and tells it on in order, so that reports need no locks.
 
 mod coordinator;
+mod courses;
 mod earlier;
 mod gates;
 mod reporting;
 mod schedule;
+mod selection;
 mod session;
+mod shared;
 mod unit;
 mod unit_run;
 
 pub use coordinator::Orders;
 pub use earlier::Usable;
 pub use gates::{gate_key, judge_gates, judge_one_gate, measured_trials};
-pub use session::{Session, Watch};
+pub use selection::Selection;
+pub use session::{Session, SessionError};
+pub use shared::{Runner, Watch};
 pub use unit::{Unit, Work, units, with_needs};

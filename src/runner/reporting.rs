@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::time::{Duration, SystemTime};
 
-use super::session::Session;
+use super::shared::Runner;
 use super::unit::{Unit, Work};
 use crate::results::{
     BlockReport, CutBy, Evaluations, Event, Program, RecordedReport, Reporter, Skip, Standing, Stopping,
@@ -29,7 +29,7 @@ pub enum Off {
 
 /// Hears what is told, keeps what came of each unit and tells it on.
 pub struct Reporting<'t, 'a> {
-    session: &'t Session<'a>,
+    runner: &'t Runner<'a>,
     units: &'t [Unit<'a>],
     reporter: &'t mut dyn Reporter,
     slots: Vec<Option<UnitReport>>,
@@ -38,9 +38,9 @@ pub struct Reporting<'t, 'a> {
 }
 
 impl<'t, 'a> Reporting<'t, 'a> {
-    pub fn new(session: &'t Session<'a>, units: &'t [Unit<'a>], reporter: &'t mut dyn Reporter) -> Self {
+    pub fn new(runner: &'t Runner<'a>, units: &'t [Unit<'a>], reporter: &'t mut dyn Reporter) -> Self {
         let slots = units.iter().map(|_| None).collect();
-        Self { session, units, reporter, slots, best: HashMap::new(), interrupted: false }
+        Self { runner, units, reporter, slots, best: HashMap::new(), interrupted: false }
     }
 
     pub fn tell(&mut self, event: &Event) {
@@ -90,13 +90,13 @@ impl<'t, 'a> Reporting<'t, 'a> {
     }
 
     fn finished(&mut self, unit: usize, report: UnitReport) {
-        let suite = self.session.identity(self.units[unit].suite);
+        let suite = self.runner.identity(self.units[unit].suite);
         self.reporter.tell(&Event::Finished { unit, suite: &suite, report: &report });
         self.slots[unit] = Some(report);
     }
 
     fn skipped(&mut self, unit: usize, reason: Skip) {
-        self.finished(unit, self.session.skipped(&self.units[unit], reason));
+        self.finished(unit, self.runner.skipped(&self.units[unit], reason));
     }
 
     fn reason(&self, off: &Off) -> Skip {
@@ -127,11 +127,11 @@ impl<'t, 'a> Reporting<'t, 'a> {
     /// The reports of all suites, at the end.
     pub fn conclude(mut self, started: SystemTime, elapsed: Duration) -> Vec<SuiteReport> {
         let mut slots = std::mem::take(&mut self.slots);
-        let (session, units) = (self.session, self.units);
-        let reports: Vec<_> = (0..session.suites().len())
-            .map(|suite| suite_report(session, units, &mut slots, suite, started, elapsed))
+        let (runner, units) = (self.runner, self.units);
+        let reports: Vec<_> = (0..runner.suites().len())
+            .map(|suite| suite_report(runner, units, &mut slots, suite, started, elapsed))
             .collect();
-        self.tell(&Event::Ended { reports: &reports, requests: session.requests(), elapsed });
+        self.tell(&Event::Ended { reports: &reports, requests: runner.requests(), elapsed });
         self.flush();
         reports
     }
@@ -139,14 +139,14 @@ impl<'t, 'a> Reporting<'t, 'a> {
 
 /// All units of a suite; those without a report were not chosen.
 fn suite_report<'a>(
-    session: &Session<'a>,
+    runner: &Runner<'a>,
     units: &[Unit<'a>],
     slots: &mut [Option<UnitReport>],
     suite: usize,
     started: SystemTime,
     wall_time: Duration,
 ) -> SuiteReport {
-    let identity = session.identity(suite);
+    let identity = runner.identity(suite);
     let mut report = SuiteReport {
         identity,
         program: Program::this(),
@@ -159,7 +159,7 @@ fn suite_report<'a>(
         interrupted: false,
     };
     for (unit, slot) in units.iter().zip(slots).filter(|(unit, _)| unit.suite == suite) {
-        match slot.take().unwrap_or_else(|| session.skipped(unit, Skip::NotSelected)) {
+        match slot.take().unwrap_or_else(|| runner.skipped(unit, Skip::NotSelected)) {
             UnitReport::Recorded(recorded) => report.recorded.push(recorded),
             UnitReport::Trial(trial) => report.trials.push(trial),
             UnitReport::Block(block) => report.blocks.push(block),

@@ -1,297 +1,211 @@
-//! What the units of a session share: their suites, what is measured, and whatever makes their runs.
+//! One run of a project: its units run, its gates judged, and of the runs that reports draw the courses kept.
 
-use std::mem;
 use std::path::PathBuf;
-use std::sync::{Arc, PoisonError};
-use std::time::{Duration, Instant};
+use std::sync::{Mutex, PoisonError};
 
-use super::unit::{Unit, Work};
-use super::unit_run::{RecordedRun, TrialRun, UnitRun};
-use crate::experiment::{Context, EarlierResults, ExperimentError, Progress, run_block};
-use crate::project::PlannedSuite;
-use crate::registry::Registry;
-use crate::results::{
-    BlockReport, BlockState, Cut, RecordedReport, RecordedState, Requests, Skip, SuiteIdentity, TrialReport,
-    TrialState, UnitReport,
-};
-use crate::run::{
-    Batch, Executor, Job, Measured, Panicked, Place, Ran, RunError, Sequences, Stop, Wanted, departures,
-    run_sequences,
-};
-use crate::scenario::{Block, Case};
-use crate::sim::Trace;
+use thiserror::Error;
 
-/// Given the course of every run of a trial.
-pub type Watch<'a> = dyn Fn(&Case, &Trace) + Sync + 'a;
+use super::coordinator::Orders;
+use super::courses::courses;
+use super::gates::judge_gates;
+use super::selection::Selection;
+use super::shared::{Runner, Watch};
+use super::unit::{Unit, units};
+use crate::project::Project;
+use crate::results::{Reporter, Results};
+use crate::run::{Executor, Stop, Threads};
 
-/// Everything that units share.
+/// What is to be run and how. Results depend on the project alone.
 pub struct Session<'a> {
-    suites: &'a [PlannedSuite],
-    executor: &'a dyn Executor,
-    /// What blocks share, one per suite.
-    contexts: Vec<Context<'a>>,
-    /// Every metric that anything in any of the suites asks for: all runs are measured alike.
-    measured: Arc<Measured>,
-    registry: Registry,
+    project: &'a Project,
+    executor: Option<Box<dyn Executor + 'a>>,
+    journals: Option<PathBuf>,
     stop: Stop,
     watch: Option<&'a Watch<'a>>,
+    lenient: bool,
+    courses: bool,
+    notices: Mutex<Vec<String>>,
+}
+
+/// Why there are no results, or not all of them.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum SessionError {
+    /// What was not run has not passed.
+    #[error("nothing is selected of {units} trials and blocks")]
+    NothingSelected {
+        /// How many there are.
+        units: usize,
+    },
+    /// A run that is drawn could not be repeated, or went differently.
+    #[error("{reason}")]
+    NotRepeated {
+        /// Which run, and what became of it.
+        reason: String,
+        /// All there is besides the courses of runs.
+        results: Box<Results>,
+    },
+}
+
+impl SessionError {
+    /// What results there are all the same.
+    pub fn results(self) -> Results {
+        match self {
+            Self::NothingSelected { .. } => Results::default(),
+            Self::NotRepeated { results, .. } => *results,
+        }
+    }
 }
 
 impl<'a> Session<'a> {
-    /// One whose runs `executor` makes. The suites name what is in `registry`.
-    pub fn new(suites: &'a [PlannedSuite], executor: &'a dyn Executor, registry: &Registry) -> Self {
-        let mut contexts: Vec<_> =
-            suites.iter().map(|suite| Context::new(&suite.suite, executor, registry)).collect();
-        let mut requests = Requests::defaults(registry);
-        for context in &contexts {
-            context.requests().iter().for_each(|request| requests.add(request));
+    /// One that uses all cores.
+    pub fn new(project: &'a Project) -> Self {
+        Self {
+            project,
+            executor: None,
+            journals: None,
+            stop: Stop::default(),
+            watch: None,
+            lenient: false,
+            courses: true,
+            notices: Mutex::default(),
         }
-        let measured = Measured::new(requests);
-        contexts.iter_mut().for_each(|context| context.measured = measured.clone());
-        let (registry, stop) = (registry.clone(), Stop::default());
-        Self { suites, executor, contexts, measured, registry, stop, watch: None }
     }
 
-    /// With a folder where searches and tunes keep what they have evaluated.
-    pub fn journals(mut self, folder: PathBuf) -> Self {
-        self.contexts.iter_mut().for_each(|context| context.journals = Some(folder.clone()));
-        self
+    /// With runs made by `executor`, such as fewer [`Threads`].
+    pub fn executor(self, executor: impl Executor + 'a) -> Self {
+        Self { executor: Some(Box::new(executor)), ..self }
+    }
+
+    /// With a folder where searches and tunes keep what they have evaluated, so that one that is cut off goes on.
+    pub fn journals(self, folder: impl Into<PathBuf>) -> Self {
+        Self { journals: Some(folder.into()), ..self }
     }
 
     /// With somebody who may wish that no more runs begin.
-    pub fn stopped_by(mut self, stop: &Stop) -> Self {
-        self.contexts.iter_mut().for_each(|context| context.stop = stop.clone());
-        self.stop = stop.clone();
-        self
+    pub fn stopped_by(self, stop: &Stop) -> Self {
+        Self { stop: stop.clone(), ..self }
     }
 
     /// With somebody who is given the course of every run of a trial.
-    pub fn watched_by(mut self, watch: &'a Watch<'a>) -> Self {
-        self.watch = Some(watch);
-        self
+    pub fn watched_by(self, watch: &'a Watch<'a>) -> Self {
+        Self { watch: Some(watch), ..self }
     }
 
-    /// What the suites may name.
-    pub fn registry(&self) -> &Registry {
-        &self.registry
+    /// Whether gates leave out trials that their baseline lacks, instead of refusing to compare.
+    pub fn lenient_gates(self, lenient: bool) -> Self {
+        Self { lenient, ..self }
     }
 
-    /// What is measured in every run, in the order of the outcomes' metrics.
-    pub fn requests(&self) -> &Requests {
-        &self.measured.requests
+    /// Whether the results hold the courses of the runs that reports draw. They do unless this says no.
+    pub fn courses(self, courses: bool) -> Self {
+        Self { courses, ..self }
     }
 
-    pub fn executor(&self) -> &'a dyn Executor {
-        self.executor
+    /// Runs what is selected, and tells `reporter` what happens.
+    ///
+    /// # Errors
+    /// If nothing is selected, or a run that is drawn went differently when it was repeated.
+    pub fn run(&self, selection: &Selection, reporter: &mut dyn Reporter) -> Result<Results, SessionError> {
+        self.run_units(&units(self.project.suites()), selection, reporter)
     }
 
-    /// For runs besides those of the units.
-    pub fn batch(&self) -> Batch<'_> {
-        Batch { executor: self.executor, measured: &self.measured, stop: &self.stop }
+    /// As [`Self::run`], where the [units](super::units) of the project are known already.
+    ///
+    /// # Errors
+    /// As [`Self::run`].
+    pub fn run_units(
+        &self,
+        units: &[Unit<'a>],
+        selection: &Selection,
+        reporter: &mut dyn Reporter,
+    ) -> Result<Results, SessionError> {
+        let chosen = selection.chosen(units);
+        if !chosen.contains(&true) {
+            return Err(SessionError::NothingSelected { units: units.len() });
+        }
+        let threads;
+        let executor = match &self.executor {
+            Some(executor) => &**executor,
+            None => {
+                threads = Threads::all();
+                &threads
+            }
+        };
+        let mut runner =
+            Runner::new(self.project.suites(), executor, self.project.registry()).stopped_by(&self.stop);
+        if let Some(folder) = &self.journals {
+            runner = runner.journals(folder.clone());
+        }
+        if let Some(watch) = self.watch {
+            runner = runner.watched_by(watch);
+        }
+        let orders = Orders { chosen: &chosen, first: &[], max_failures: selection.max_failures };
+        let mut suites = runner.run(units, &orders, reporter);
+        judge_gates(&runner, &mut suites, self.lenient);
+        self.lock().extend(runner.notices());
+        let mut results = Results { requests: runner.requests().clone(), suites, recordings: Vec::new() };
+        if self.courses {
+            match courses(&runner, &results.suites) {
+                Ok(recordings) => results.recordings = recordings,
+                Err(reason) => {
+                    return Err(SessionError::NotRepeated { reason, results: Box::new(results) });
+                }
+            }
+        }
+        Ok(results)
     }
 
     /// What there is to tell besides the results, such as that the end of a journal was cut off.
     pub fn notices(&self) -> Vec<String> {
-        let notices = self.contexts.iter().map(|one| &one.notices);
-        let taken =
-            notices.map(|notices| mem::take(&mut *notices.lock().unwrap_or_else(PoisonError::into_inner)));
-        taken.flatten().collect()
+        std::mem::take(&mut self.lock())
     }
 
-    pub fn stop(&self) -> &Stop {
-        &self.stop
-    }
-
-    pub fn suites(&self) -> &'a [PlannedSuite] {
-        self.suites
-    }
-
-    pub fn identity(&self, suite: usize) -> SuiteIdentity {
-        let prepared = &self.suites[suite];
-        SuiteIdentity {
-            suite: prepared.plan.suite.clone(),
-            file: prepared.file.clone(),
-            seed: prepared.plan.seed,
-            set: prepared.suite.set.clone(),
-        }
-    }
-
-    /// A run of a unit.
-    pub(super) fn job(&self, place: Place, case: Case) -> Job {
-        let wanted = if self.watch.is_some() { Wanted::Trace } else { Wanted::Outcome };
-        Job { place, case, measured: self.measured.clone(), wanted }
-    }
-
-    /// What is wrong with the run of a case, in the units of the scenario; if it had begun, with how to see it again.
-    pub(super) fn told(&self, suite: usize, case: &Case, error: &RunError) -> String {
-        let scenario = self.suites[suite].suite.scenario(&case.scenario);
-        let told = scenario.map_or_else(|| error.to_string(), |scenario| error.told(scenario));
-        if !error.had_begun() {
-            return told;
-        }
-        let help = error.hint().map_or_else(String::new, |hint| format!("\nhelp: {hint}"));
-        format!("{told}{help}\nreplay: {}", self.identity(suite).replay_command(&case.key))
-    }
-
-    /// Gives the course of a run to whoever wants it.
-    pub(super) fn watched(&self, case: &Case, ran: &Ran) {
-        if let Some(watch) = self.watch {
-            watch(case, &ran.trace);
-        }
-    }
-
-    /// A unit that is made of runs, at its beginning; `None` for a block. `told` is called after every run of a trial.
-    pub(super) fn begin<'s>(
-        &'s self,
-        unit: &'s Unit<'a>,
-        told: Box<dyn FnMut() + Send + 's>,
-    ) -> Option<UnitRun<'s, 'a>> {
-        match &unit.work {
-            Work::Recorded(recorded) => {
-                Some(UnitRun::Recorded(Box::new(RecordedRun::new(self, unit.suite, &unit.key, recorded))))
-            }
-            Work::Trial(trial) => {
-                Some(UnitRun::Trial(Box::new(TrialRun::new(self, unit.suite, trial, told))))
-            }
-            Work::Block(_) => None,
-        }
-    }
-
-    /// Runs one unit by itself. A block finds what it needs in `results`.
-    pub fn run_unit(&self, unit: &Unit<'a>, results: &EarlierResults, progress: &dyn Progress) -> UnitReport {
-        if let Work::Block(block) = &unit.work {
-            return UnitReport::Block(self.block(unit.suite, block, results, progress));
-        }
-        let mut alone = Alone { first: self.begin(unit, Box::new(|| ())), report: None };
-        run_sequences(self.executor, &mut alone, &self.stop);
-        alone
-            .report
-            .unwrap_or_else(|| self.skipped(unit, Skip::Stopped(crate::results::Stopping::Interrupted)))
-    }
-
-    /// Runs one block, which finds what it needs in `results`.
-    pub(super) fn block(
-        &self,
-        suite: usize,
-        block: &Arc<Block>,
-        results: &EarlierResults,
-        progress: &dyn Progress,
-    ) -> BlockReport {
-        let begun = Instant::now();
-        let context = &self.contexts[suite];
-        let state = match Panicked::catch(|| run_block(block, context, results, progress)) {
-            Ok(Ok(result)) => BlockState::Finished(Box::new(result)),
-            Ok(Err(ExperimentError::Stopped)) => {
-                BlockState::NotFinished(Cut::Block(match &context.journals {
-                    Some(folder) => {
-                        format!("interrupted; the same command goes on from {}", folder.display())
-                    }
-                    None => "interrupted".to_string(),
-                }))
-            }
-            Ok(Err(error)) => BlockState::Errored(match error.hint() {
-                Some(hint) => format!("{error} ({hint})"),
-                None => error.to_string(),
-            }),
-            Err(panicked) => BlockState::Errored(panicked.to_string()),
-        };
-        let key = block.key(&self.suites[suite].suite.name);
-        BlockReport { block: block.clone(), key, state, wall_time: begun.elapsed() }
-    }
-
-    /// The report of a unit that is not run.
-    pub fn skipped(&self, unit: &Unit<'a>, reason: Skip) -> UnitReport {
-        match &unit.work {
-            Work::Recorded(recorded) => UnitReport::Recorded(RecordedReport {
-                recorded: Arc::new((*recorded).clone()),
-                key: unit.key.to_string(),
-                state: RecordedState::Skipped(reason),
-                wall_time: Duration::ZERO,
-            }),
-            Work::Trial(trial) => UnitReport::Trial(TrialReport {
-                trial: trial.trial.clone(),
-                outcomes: Vec::new(),
-                state: TrialState::Skipped(reason),
-                departures: departures(trial),
-                wall_time: Duration::ZERO,
-            }),
-            Work::Block(block) => UnitReport::Block(BlockReport {
-                block: block.clone(),
-                key: unit.key.to_string(),
-                state: BlockState::Skipped(reason),
-                wall_time: Duration::ZERO,
-            }),
-        }
-    }
-}
-
-/// A unit that is run by itself.
-struct Alone<'s, 'a> {
-    first: Option<UnitRun<'s, 'a>>,
-    report: Option<UnitReport>,
-}
-
-impl<'s, 'a> Sequences for Alone<'s, 'a> {
-    type One = UnitRun<'s, 'a>;
-
-    fn open(&mut self) -> Option<UnitRun<'s, 'a>> {
-        self.first.take()
-    }
-
-    fn close(&mut self, one: UnitRun<'s, 'a>, taken: usize) {
-        self.report = Some(one.report(taken));
+    fn lock(&self) -> std::sync::MutexGuard<'_, Vec<String>> {
+        self.notices.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
-    use std::sync::Arc;
-
     use super::*;
-    use crate::experiment::Silent;
-    use crate::files::Disk;
-    use crate::lang;
+    use crate::files::Memory;
     use crate::models::standard;
-    use crate::plan::plan;
-    use crate::run::Threads;
-    use crate::runner::units;
+    use crate::results::{Overall, Unheard};
 
-    /// There may be a million runs: each holds what it has of its own, and of that what somebody may still ask for.
+    const SCENARIO: &str = "\
+scenario walk {
+  road { lanes forward; lane_width 3.5 m; speed_limit 50 km/h; crossing zebra { width: 4 m } }
+  vehicle av { start 60 m before crossing; speed 40 km/h; controller constant_speed }
+  pedestrian walker { model scripted; start 2 m from kerb; appears at START }
+  expect { no collision }
+}
+";
+
+    fn run(start: &str, selection: &Selection) -> Result<Results, SessionError> {
+        let files = Memory::default().with("a.scn", SCENARIO.replace("START", start).as_str());
+        let project = Project::open("a.scn", &standard(), &files).unwrap_or_else(|error| panic!("{error}"));
+        Session::new(&project).executor(Threads::new(1)).run(selection, &mut Unheard)
+    }
+
     #[test]
-    fn of_a_run_no_more_is_kept_than_its_trial_needs() {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/zebra/carla_walker.scn");
-        let suite = lang::load(&path, &standard(), &Disk)
-            .unwrap_or_else(|_| panic!("{} is a scenario", path.display()))
-            .suite;
-        let plan = plan(&suite).unwrap();
-        let suites = [PlannedSuite { file: "walker.scn".into(), suite, plan, recorded: Vec::new() }];
-        let threads = Threads::new(1);
-        let session = Session::new(&suites, &threads, &standard());
-        let trial = suites[0].plan.trial(0);
-        let unit = &units(&suites)[0];
-        let UnitReport::Trial(report) = session.run_unit(unit, &EarlierResults::default(), &Silent) else {
-            panic!("the first unit is a trial");
-        };
-        let asked: Vec<_> = trial.criteria.iter().map(|one| one.claim.metric()).collect();
-        let (mut kept, mut dropped) = (0, 0);
-        for outcome in &report.outcomes {
-            for (index, reference) in session.requests().iter().enumerate() {
-                match outcome.critical.get(index) {
-                    Some(_) => {
-                        assert!(
-                            asked.contains(&reference),
-                            "nobody asks for the moment of {}",
-                            reference.name()
-                        );
-                        kept += 1;
-                    }
-                    None => dropped += usize::from(outcome.metrics[index].is_some()),
-                }
-            }
-            let walker = &outcome.presences[0].0;
-            assert!(Arc::ptr_eq(walker, &report.outcomes[0].presences[0].0), "each run has names of its own");
-        }
-        assert!(kept > 0 && dropped > 0, "{kept} kept, {dropped} dropped");
+    fn a_session_needs_a_project_and_nothing_else() {
+        let late = run("15 s", &Selection::all()).unwrap();
+        assert_eq!(late.overall(), Overall::Passed);
+        assert_eq!(late.recordings.len(), 1);
+        // He steps out when the vehicle is there.
+        let hit =
+            (0..60).map(|tenth| run(&format!("{} s", f64::from(tenth) / 10.0), &Selection::all()).unwrap());
+        assert!(hit.into_iter().any(|results| results.overall() == Overall::Failed));
+    }
+
+    #[test]
+    fn what_was_not_run_has_not_passed() {
+        let nothing = run("15 s", &Selection::containing("wlak"));
+        assert!(matches!(nothing, Err(SessionError::NothingSelected { units: 1 })));
+        assert_eq!(Results::default().overall(), Overall::NothingJudged);
+        assert_eq!(run("15 s", &Selection::named("a/walk")).unwrap().overall(), Overall::Passed);
+        assert!(run("15 s", &Selection::named("a/wal")).is_err());
+        assert!(run("15 s", &Selection::marked(vec![])).is_err());
     }
 }

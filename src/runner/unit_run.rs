@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::session::Session;
+use super::shared::Runner;
 use crate::corpus::{self, case_hash};
 use crate::judge::{self, PerRun, judge, per_run};
 use crate::plan::PlannedTrial;
@@ -40,11 +40,11 @@ impl Sequence for UnitRun<'_, '_> {
     }
 
     fn job(&mut self, place: Place) -> Job {
-        let (session, case) = match self {
-            Self::Trial(one) => (one.session, one.trial.cases.get(place.run)),
-            Self::Recorded(one) => (one.session, one.case.take().expect("it is run once")),
+        let (runner, case) = match self {
+            Self::Trial(one) => (one.runner, one.trial.cases.get(place.run)),
+            Self::Recorded(one) => (one.runner, one.case.take().expect("it is run once")),
         };
-        session.job(place, case)
+        runner.job(place, case)
     }
 
     fn take(&mut self, done: Done) -> ControlFlow<()> {
@@ -64,7 +64,7 @@ impl Sequence for UnitRun<'_, '_> {
 
 /// A trial under way.
 pub struct TrialRun<'s, 'a> {
-    session: &'s Session<'a>,
+    runner: &'s Runner<'a>,
     suite: usize,
     trial: &'s PlannedTrial,
     begun: Instant,
@@ -81,18 +81,18 @@ pub struct TrialRun<'s, 'a> {
 
 impl<'s, 'a> TrialRun<'s, 'a> {
     pub fn new(
-        session: &'s Session<'a>,
+        runner: &'s Runner<'a>,
         suite: usize,
         trial: &'s PlannedTrial,
         told: Box<dyn FnMut() + Send + 's>,
     ) -> Self {
         Self {
-            session,
+            runner,
             suite,
             trial,
             begun: Instant::now(),
-            time_limit: session.suites()[suite].plan.time_limit.map(Duration::from_secs_f64),
-            watch: judge::Watch::new(trial, session.requests()),
+            time_limit: runner.suites()[suite].plan.time_limit.map(Duration::from_secs_f64),
+            watch: judge::Watch::new(trial, runner.requests()),
             outcomes: Vec::with_capacity(trial.certain_runs()),
             enough: false,
             broken: None,
@@ -105,7 +105,7 @@ impl<'s, 'a> TrialRun<'s, 'a> {
         let ran = match result {
             Ok(ran) => ran,
             Err(Failure::Error(error)) => {
-                let told = self.session.told(self.suite, &case, &error);
+                let told = self.runner.told(self.suite, &case, &error);
                 return self.breaks(TrialState::Errored(format!("{}: {told}", case.key)));
             }
             Err(Failure::Panicked(panicked)) => return self.panicked(panicked),
@@ -120,8 +120,8 @@ impl<'s, 'a> TrialRun<'s, 'a> {
 
     /// Whether the runs are enough with this one, of which no more is kept than the criteria need.
     fn see(&mut self, case: &Case, mut ran: Ran) -> bool {
-        ran.outcome.forget_unasked(&self.trial.criteria, self.session.requests());
-        self.session.watched(case, &ran);
+        ran.outcome.forget_unasked(&self.trial.criteria, self.runner.requests());
+        self.runner.watched(case, &ran);
         (self.told)();
         self.outcomes.push(ran.outcome);
         self.enough = self.watch.enough(&self.outcomes).is_some();
@@ -170,7 +170,7 @@ impl<'s, 'a> TrialRun<'s, 'a> {
 
 /// A recorded run that is made again, under the key of its unit.
 pub struct RecordedRun<'s, 'a> {
-    session: &'s Session<'a>,
+    runner: &'s Runner<'a>,
     suite: usize,
     key: String,
     recorded: &'a Recorded,
@@ -181,8 +181,8 @@ pub struct RecordedRun<'s, 'a> {
 }
 
 impl<'s, 'a> RecordedRun<'s, 'a> {
-    pub fn new(session: &'s Session<'a>, suite: usize, key: &str, recorded: &'a Recorded) -> Self {
-        let declared = &session.suites()[suite].suite;
+    pub fn new(runner: &'s Runner<'a>, suite: usize, key: &str, recorded: &'a Recorded) -> Self {
+        let declared = &runner.suites()[suite].suite;
         let begun = Instant::now();
         let revived = Panicked::catch(|| {
             let case = corpus::revive(recorded, declared)?;
@@ -197,7 +197,7 @@ impl<'s, 'a> RecordedRun<'s, 'a> {
             }
             Err(panicked) => ended(RecordedState::Errored(panicked.to_string())),
         };
-        Self { session, suite, key: key.to_string(), recorded, criteria, begun, case, ended }
+        Self { runner, suite, key: key.to_string(), recorded, criteria, begun, case, ended }
     }
 
     fn take(&mut self, done: Done) -> ControlFlow<()> {
@@ -205,7 +205,7 @@ impl<'s, 'a> RecordedRun<'s, 'a> {
             Ok(ran) => Panicked::catch(|| self.judged(&done.case, ran))
                 .unwrap_or_else(|panicked| RecordedState::Errored(panicked.to_string())),
             Err(Failure::Error(error)) => {
-                RecordedState::Errored(self.session.told(self.suite, &done.case, &error))
+                RecordedState::Errored(self.runner.told(self.suite, &done.case, &error))
             }
             Err(Failure::Panicked(panicked)) => RecordedState::Errored(panicked.to_string()),
         });
@@ -213,13 +213,13 @@ impl<'s, 'a> RecordedRun<'s, 'a> {
     }
 
     fn judged(&self, case: &Case, ran: Ran) -> RecordedState {
-        self.session.watched(case, &ran);
+        self.runner.watched(case, &ran);
         let outcome = ran.outcome;
         let (decisive, others): (Vec<_>, Vec<_>) =
             self.criteria.iter().filter_map(per_run).partition(|one| one.decisive);
         let judged = |criteria: Vec<PerRun>| {
             let criteria: Vec<_> = criteria.into_iter().map(|one| one.criterion).collect();
-            judge(&criteria, std::slice::from_ref(&outcome), self.session.requests())
+            judge(&criteria, std::slice::from_ref(&outcome), self.runner.requests())
         };
         let (decided, others) = (judged(decisive), judged(others));
         RecordedState::Ran(Box::new(Rerun {

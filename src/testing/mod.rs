@@ -180,7 +180,7 @@ fn files(patterns: &[&str]) -> Result<Vec<String>, TestingError> {
 
 /// All units, each run when somebody first asks for it.
 struct Tested {
-    session: runner::Session<'static>,
+    session: runner::Runner<'static>,
     units: Vec<Unit<'static>>,
     done: Vec<OnceLock<Done>>,
 }
@@ -196,7 +196,7 @@ impl Tested {
         let units = runner::units(suites);
         let done = units.iter().map(|_| OnceLock::new()).collect();
         let threads = Box::leak(Box::new(Threads::all()));
-        Self { session: runner::Session::new(suites, threads, registry), units, done }
+        Self { session: runner::Runner::new(suites, threads, registry), units, done }
     }
 
     fn judge(&self, index: usize) -> Result<(), Failed> {

@@ -25,9 +25,9 @@ use crate::files;
 use crate::lang::filter::Show;
 use crate::registry::Registry;
 use crate::report::{Live, StatusLevel, Terminal, render_gates};
-use crate::results::{GateReport, GateState, NotJudged, Standing, SuiteReport, Verdict};
+use crate::results::{Overall, SuiteReport};
 use crate::run::Threads;
-use crate::runner::{self, Orders, Session, Unit, judge_gates};
+use crate::runner::{self, Selection, Session, Unit};
 
 pub use self::remember::LastRun;
 
@@ -272,8 +272,12 @@ pub fn run(arguments: RunArguments, registry: &Registry) -> Exit {
     }
     let watcher = arguments.trace.as_deref().map(watch::Traces::new);
     let watch = watcher.as_ref().map(|traces| |case: &_, trace: &_| traces.save(case, trace));
-    let mut session =
-        Session::new(suites, &threads, registry).journals(arguments.journal.clone()).stopped_by(&stop);
+    let mut session = Session::new(&project)
+        .executor(threads)
+        .journals(&arguments.journal)
+        .stopped_by(&stop)
+        .lenient_gates(arguments.baseline_lenient)
+        .courses(arguments.output.draw_runs());
     if let Some(watch) = &watch {
         session = session.watched_by(watch);
     }
@@ -281,16 +285,17 @@ pub fn run(arguments: RunArguments, registry: &Registry) -> Exit {
     let live = super::shows_progress(arguments.no_progress).then(Live::new);
     let mut terminal = Terminal::new(arguments.status_level, colour, live);
     let max_failures = if arguments.fail_fast { Some(1) } else { arguments.max_fail.0 };
-    let orders = Orders { chosen: &chosen, first: &[], max_failures };
-    let mut reports = session.run(&units, &orders, &mut terminal);
-    judge_gates(&session, &mut reports, arguments.baseline_lenient);
-    stdout().styled(&render_gates(&reports, colour));
-    let mut complaints = watcher.as_ref().map(watch::Traces::finish).unwrap_or_default();
-    let (results, unrecorded) = output::results(&arguments.output, &session, reports);
+    let selection = Selection::marked(chosen).until_failures(max_failures);
+    let mut complaints = Vec::new();
+    let results = session.run_units(&units, &selection, &mut terminal).unwrap_or_else(|error| {
+        complaints.push(error.to_string());
+        error.results()
+    });
     let reports = &results.suites;
-    complaints.extend(unrecorded);
+    stdout().styled(&render_gates(reports, colour));
+    complaints.extend(watcher.as_ref().map(watch::Traces::finish).unwrap_or_default());
     complaints.extend(output::write(&arguments.output, &results, in_github_actions()));
-    complaints.extend(remember::failures(&arguments.remember, suites, reports, session.requests()));
+    complaints.extend(remember::failures(&arguments.remember, suites, reports, &results.requests));
     last.learn(suites, reports);
     if let Err(error) = last.write() {
         writeln!(stderr(), "warning: cannot remember what failed: {error}");
@@ -306,10 +311,11 @@ pub fn run(arguments: RunArguments, registry: &Registry) -> Exit {
     } else if !complaints.is_empty() {
         Exit::Output
     } else {
-        let exit = verdict(reports);
-        if exit == Exit::Inconclusive && !anything_judged(reports) {
+        let overall = results.overall();
+        if overall == Overall::NothingJudged {
             writeln!(stderr(), "warning: nothing was judged: no criterion applies to what was run");
         }
+        let exit = exit(overall);
         if arguments.deny.contains(&Deny::Untested) { deny_untested(exit, reports) } else { exit }
     }
 }
@@ -334,33 +340,14 @@ fn in_github_actions() -> bool {
     env::var_os("GITHUB_ACTIONS").is_some_and(|value| value == "true")
 }
 
-/// Whether there is a verdict on anything, so that something can have passed.
-fn anything_judged(reports: &[SuiteReport]) -> bool {
-    let gates = reports.iter().flat_map(|report| &report.gates).map(GateReport::standing);
-    let units = reports.iter().flat_map(SuiteReport::standings);
-    units.chain(gates).any(|one| matches!(one, Standing::Judged(_)))
-}
-
-/// The worst that became of anything. What failed by itself goes before what got worse than it was.
-pub fn verdict(reports: &[SuiteReport]) -> Exit {
-    let gates = || reports.iter().flat_map(|report| &report.gates).map(GateReport::standing);
-    let units = || reports.iter().flat_map(SuiteReport::standings);
-    let broken = |gate: &GateReport| matches!(gate.state, GateState::NotJudged(NotJudged::Broken(_)));
-    if units().any(Standing::is_failure) || reports.iter().flat_map(|report| &report.gates).any(broken) {
-        Exit::Failed
-    } else if gates().any(|gate| gate == Standing::Judged(Verdict::Failed)) {
-        Exit::Regressed
-    } else if gates().any(|gate| gate == Standing::Errored) {
-        Exit::Baseline
-    } else if reports.iter().flat_map(|report| &report.gates).any(GateReport::is_open) {
-        // What was not looked at has not passed.
-        Exit::Inconclusive
-    } else if gates().chain(units()).any(|one| one == Standing::Judged(Verdict::Inconclusive))
-        || !anything_judged(reports)
-    {
-        Exit::Inconclusive
-    } else {
-        Exit::Success
+/// The exit code for what a session came to.
+pub fn exit(overall: Overall) -> Exit {
+    match overall {
+        Overall::Failed => Exit::Failed,
+        Overall::Regressed => Exit::Regressed,
+        Overall::NotComparable => Exit::Baseline,
+        Overall::Inconclusive | Overall::NothingJudged => Exit::Inconclusive,
+        Overall::Passed => Exit::Success,
     }
 }
 

@@ -1,6 +1,5 @@
 //! The reports of a session that go elsewhere than to the terminal.
 
-use std::collections::{HashMap, HashSet};
 use std::env;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -12,10 +11,7 @@ use crate::files::{WholeFile, append_text};
 use crate::report::{
     Repository, annotations, step_summary, to_html, write_csv, write_json, write_junit, write_runs, write_tap,
 };
-use crate::results::{Chosen, Outcome, Recording, Results, SuiteReport, choose_runs};
-use crate::run::{Batch, BatchError, Stop, Wanted};
-use crate::runner::Session;
-use crate::scenario::Case;
+use crate::results::Results;
 
 #[derive(Debug, Args)]
 pub struct OutputArguments {
@@ -63,19 +59,11 @@ impl OutputArguments {
     }
 }
 
-/// What became of a session, with the courses of the runs that are drawn if any report that was asked for has them: those
-/// are run again. Also what could not be recorded.
-pub fn results(
-    arguments: &OutputArguments,
-    session: &Session,
-    suites: Vec<SuiteReport>,
-) -> (Results, Option<String>) {
-    let mut results = Results { requests: session.requests().clone(), suites, recordings: Vec::new() };
-    if arguments.html.is_none() && arguments.json.is_none() {
-        return (results, None);
+impl OutputArguments {
+    /// Whether a report that was asked for draws runs.
+    pub fn draw_runs(&self) -> bool {
+        self.html.is_some() || self.json.is_some()
     }
-    let recorded = recordings(session, &results.suites).map(|recordings| results.recordings = recordings);
-    (results, recorded.err())
 }
 
 /// Writes whatever was asked for, and returns what could not be written. GitHub is told if that was asked for, or
@@ -111,42 +99,6 @@ fn tell_github(results: &Results, repository: &Repository) -> Option<String> {
     let summary = step_summary(results);
     let error = append_text(Path::new(&path), &summary).err()?;
     Some(format!("cannot write {}: {error}", Path::new(&path).display()))
-}
-
-/// The courses of the runs to draw: they are run again.
-fn recordings(session: &Session, reports: &[SuiteReport]) -> Result<Vec<(Chosen, Recording)>, String> {
-    let chosen: Vec<Chosen> = reports.iter().flat_map(choose_runs).collect();
-    let wanted: HashSet<&str> = chosen.iter().map(|chosen| chosen.key.as_str()).collect();
-    let outcomes: HashMap<&str, (Case, &Outcome)> = reports
-        .iter()
-        .zip(session.suites())
-        .flat_map(|(report, suite)| suite.plan.trials().zip(&report.trials))
-        .flat_map(|(planned, trial)| {
-            let outcomes = trial.outcomes.iter().enumerate();
-            let chosen = outcomes.filter(|(_, outcome)| wanted.contains(outcome.key.as_str()));
-            chosen
-                .map(|(index, outcome)| (outcome.key.as_str(), (planned.cases.get(index), outcome)))
-                .collect::<Vec<_>>()
-        })
-        .collect();
-    let mut recordings = Vec::with_capacity(chosen.len());
-    let mut differs = None;
-    let case = |index: usize| outcomes[chosen[index].key.as_str()].0.clone();
-    // Also of a session that was interrupted: what there is of it is drawn.
-    let batch = Batch { stop: &Stop::default(), ..session.batch() };
-    let made = batch.each(chosen.len(), Wanted::TraceAndEvents, case, |case, ran| {
-        let chosen = &chosen[recordings.len()];
-        if ran.outcome.fingerprint != outcomes[chosen.key.as_str()].1.fingerprint {
-            differs.get_or_insert_with(|| case.key.clone());
-        }
-        recordings.push((chosen.clone(), Recording::new(&case, &ran.trace, ran.events)));
-    });
-    match (differs, made) {
-        (Some(key), _) => Err(format!("{key} went differently when it was repeated: please report this")),
-        (None, Err(BatchError::Run { error, .. })) => Err(error.to_string()),
-        (None, Err(error)) => Err(error.to_string()),
-        (None, Ok(())) => Ok(recordings),
-    }
 }
 
 /// Writes a file as a whole, making the folders it is to be in.

@@ -1,0 +1,52 @@
+//! What a session came to as a whole.
+
+use super::Results;
+use super::gate::{GateReport, GateState, NotJudged};
+use super::standing::Standing;
+use super::suite::SuiteReport;
+use super::verdict::Verdict;
+
+/// The worst that became of anything. What failed by itself goes before what got worse than it was.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Overall {
+    /// A trial or block failed, could not be run or was cut off.
+    Failed,
+    /// A gate failed: something got worse than its baseline.
+    Regressed,
+    /// A gate's baseline cannot be compared with.
+    NotComparable,
+    /// Something could not be decided, or a gate was not looked at.
+    Inconclusive,
+    /// No criterion applied to anything that was run.
+    NothingJudged,
+    Passed,
+}
+
+impl Results {
+    /// What it all comes to. What was not judged has not passed.
+    pub fn overall(&self) -> Overall {
+        overall(&self.suites)
+    }
+}
+
+fn overall(suites: &[SuiteReport]) -> Overall {
+    let gates = || suites.iter().flat_map(|suite| &suite.gates);
+    let standings = || gates().map(GateReport::standing);
+    let units = || suites.iter().flat_map(SuiteReport::standings);
+    let broken = |gate: &GateReport| matches!(gate.state, GateState::NotJudged(NotJudged::Broken(_)));
+    if units().any(Standing::is_failure) || gates().any(broken) {
+        Overall::Failed
+    } else if standings().any(|gate| gate == Standing::Judged(Verdict::Failed)) {
+        Overall::Regressed
+    } else if standings().any(|gate| gate == Standing::Errored) {
+        Overall::NotComparable
+    } else if !standings().chain(units()).any(|one| matches!(one, Standing::Judged(_))) {
+        Overall::NothingJudged
+    } else if gates().any(GateReport::is_open)
+        || standings().chain(units()).any(|one| one == Standing::Judged(Verdict::Inconclusive))
+    {
+        Overall::Inconclusive
+    } else {
+        Overall::Passed
+    }
+}
