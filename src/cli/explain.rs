@@ -26,7 +26,7 @@ pub fn explain(arguments: &ExplainArguments) -> Exit {
     match Code::find(name) {
         Some(code) => {
             writeln!(stdout(), "{}: {}\n", code.name(), code.title());
-            for line in wrapped(code.explanation(), 100) {
+            for line in wrapped(&code.explanation(), 100) {
                 writeln!(stdout(), "{line}");
             }
             Exit::Success

@@ -1,11 +1,13 @@
 //! Every code that a diagnostic may carry, with its title and what `explain` says.
 
+use std::borrow::Cow;
 use std::fmt;
 
 use super::diagnostic::Severity;
+use super::units;
 
 macro_rules! codes {
-    ($($name:ident = $code:literal, $title:literal, $explanation:literal;)*) => {
+    ($($name:ident = $code:literal, $title:literal, $explanation:expr;)*) => {
         /// What a diagnostic is about. Codes beginning with `W` are warnings.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
         pub enum Code { $(#[doc = $title] $name),* }
@@ -25,8 +27,8 @@ macro_rules! codes {
             }
 
             /// What it means, why it is an error and how to get rid of it.
-            pub fn explanation(self) -> &'static str {
-                match self { $(Self::$name => $explanation),* }
+            pub fn explanation(self) -> Cow<'static, str> {
+                match self { $(Self::$name => Cow::from($explanation)),* }
             }
         }
     };
@@ -150,8 +152,7 @@ codes! {
          uses.";
     // Values
     UnknownUnit = "E0401", "a unit is not known",
-        "Units are m, km, ft; s, ms, min; m/s, km/h, mph; m/s^2 (also m/s²), g; m/s^3; deg, rad, deg/s, rad/s; %; Hz. \
-         To divide by a name, put spaces around `/`.";
+        format!("Units are {}. To divide by a name, put spaces around `/`.", units::listed());
     WrongDimension = "E0402", "a quantity has the wrong dimension",
         "Each place wants a certain kind of quantity, such as a length. Another unit of the same kind is converted: \
          `30 km/h` and `8.333 m/s` are the same. A unit of another kind is an error.";

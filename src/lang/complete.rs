@@ -7,7 +7,7 @@ use std::collections::HashSet;
 use std::path::Path;
 
 use super::assist::path_to;
-use super::check::{AGGREGATES, DISTRIBUTIONS};
+use super::check::DISTRIBUTIONS;
 use super::declared;
 use super::files::{FileId, Files};
 use super::syntax::ast::{self, View};
@@ -16,7 +16,7 @@ use super::syntax::{self, Next, Node, Token, TokenKind, goes_on_with};
 use super::units;
 use crate::files::{self, Overlay};
 use crate::registry::{Registry, Table};
-use crate::scenario::{Declaration, ParameterKind, Registered, Scope};
+use crate::scenario::{AGGREGATES, AggregateWord, Declaration, ParameterKind, Registered, Scope};
 
 /// A word that could stand somewhere.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -266,7 +266,7 @@ fn named(statement: &[&str], registry: &Registry) -> Option<Named> {
     match (statement.first().copied(), call) {
         (_, Some("time_to_arrival")) => Some(Named::Vehicle),
         (_, Some("chosen")) | (Some("over"), None) => Some(Named::Target),
-        (_, Some(call)) if AGGREGATES.iter().any(|(word, _)| *word == call) => None,
+        (_, Some(call)) if AggregateWord::find(call).is_some() => None,
         (_, Some(call))
             if registry.metrics().get(call).is_some_and(|known| known.scope == Scope::Contact) =>
         {
@@ -346,7 +346,7 @@ fn all<T: Registered>(table: &Table<T>) -> Vec<Proposal> {
 }
 
 fn aggregates() -> Vec<Proposal> {
-    AGGREGATES.iter().map(|(word, doc)| proposal(word, doc)).collect()
+    AGGREGATES.iter().map(|known| proposal(known.word, known.doc)).collect()
 }
 
 /// The kind of block that a statement opens.

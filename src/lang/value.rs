@@ -245,7 +245,7 @@ fn quantity(node: ast::Quantity, report: &mut Vec<Diagnostic>) -> Option<Typed> 
                     format!("there is no unit `{}`", symbol.text()),
                 )
                 .label("not a unit");
-                diagnostic = match alias(symbol.text()) {
+                diagnostic = match units::meant(symbol.text()) {
                     Some(unit) => diagnostic.hint(format!("write `{unit}`")),
                     // Of short ones the nearest is seldom meant, and would change the value.
                     None if symbol.text().len() < 4 => {
@@ -270,24 +270,6 @@ fn quantity(node: ast::Quantity, report: &mut Vec<Diagnostic>) -> Option<Typed> 
     }
     let constant = Typed::constant(Value::Number(number), Kind::Number(dimension), node.span());
     Some(Typed { notation, ..constant })
-}
-
-/// Spellings that people try.
-fn alias(symbol: &str) -> Option<&'static str> {
-    Some(match symbol.to_lowercase().as_str() {
-        "kmh" | "kph" | "kmph" | "km/hr" => "km/h",
-        "ms^2" | "mss" | "m/ss" | "m/s2" | "mps2" => "m/s^2",
-        "mps" => "m/s",
-        "sec" | "secs" | "second" | "seconds" => "s",
-        "minute" | "minutes" => "min",
-        "meter" | "meters" | "metre" | "metres" => "m",
-        "feet" | "foot" => "ft",
-        "percent" => "%",
-        "degree" | "degrees" => "deg",
-        "msec" | "millisecond" | "milliseconds" => "ms",
-        "hertz" => "Hz",
-        _ => return None,
-    })
 }
 
 fn negate(operand: Typed, report: &mut Vec<Diagnostic>) -> Option<Typed> {

@@ -2,8 +2,7 @@
 
 use super::{PlanError, Variables, variables};
 use crate::scenario::{
-    Assignment, DeclaredAppearance, DeclaredShape, DeclaredVehicleStart, Expression, Individual, Model,
-    Origin, Pedestrian, Scenario, Settings, Vehicle,
+    Assignment, Expression, Individual, Model, Origin, Pedestrian, Scenario, Settings, Vehicle,
 };
 
 /// `scenario` without variations, individuals and repetitions: its only run has the case's values, its people's
@@ -35,36 +34,22 @@ pub fn standalone(
 }
 
 fn fix_vehicle(car: &mut Vehicle, variables: &Variables) -> Result<(), PlanError> {
-    fix_model(&mut car.controller, variables)?;
-    car.dynamics.iter_mut().try_for_each(|model| fix_model(model, variables))?;
-    car.sees.iter_mut().try_for_each(|model| fix_model(model, variables))?;
-    let size = car.size.iter_mut().flat_map(|(length, width)| [length, width]);
-    let start = match &mut car.start {
-        DeclaredVehicleStart::Automatic => None,
-        DeclaredVehicleStart::Distance(value) | DeclaredVehicleStart::TimeToArrival(value) => Some(value),
-    };
-    let mut expressions = size.chain(start).chain([&mut car.speed]);
-    expressions.try_for_each(|expression| fix(expression, variables, &car.origin))
+    choose(&mut car.controller, variables)?;
+    car.dynamics.iter_mut().try_for_each(|model| choose(model, variables))?;
+    car.sees.iter_mut().try_for_each(|model| choose(model, variables))?;
+    car.expressions_mut().into_iter().try_for_each(|(value, origin)| fix(value, variables, origin))
 }
 
 fn fix_pedestrian(person: &mut Pedestrian, variables: &Variables) -> Result<(), PlanError> {
-    fix_model(&mut person.model, variables)?;
-    let shape = match &mut person.shape {
-        None => Vec::new(),
-        Some(DeclaredShape::Disc { radius }) => vec![radius],
-        Some(DeclaredShape::Rectangle { length, width }) => vec![length, width],
-    };
-    let (DeclaredAppearance::At(time) | DeclaredAppearance::TimeToArrival { time, .. }) = &mut person.appears;
-    let places = [&mut person.start_from_lane_centre, &mut person.along, &mut person.goal_beyond_kerb, time];
-    let mut expressions = shape.into_iter().chain(places);
-    expressions.try_for_each(|expression| fix(expression, variables, &person.origin))
+    choose(&mut person.model, variables)?;
+    person.expressions_mut().into_iter().try_for_each(|(value, origin)| fix(value, variables, origin))
 }
 
-fn fix_model<T>(model: &mut Model<T>, variables: &Variables) -> Result<(), PlanError> {
+fn choose<T>(model: &mut Model<T>, variables: &Variables) -> Result<(), PlanError> {
     let chosen = model.chosen(variables).map_err(|error| PlanError::new(&model.origin, error.to_string()))?;
     (model.first, model.varied_by) = (chosen, None);
     (model.varied, model.others) = (Vec::new(), Vec::new());
-    model.settings.iter_mut().try_for_each(|(_, value)| fix(value, variables, &model.origin))
+    Ok(())
 }
 
 fn fix(expression: &mut Expression, variables: &Variables, origin: &Origin) -> Result<(), PlanError> {

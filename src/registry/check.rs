@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use thiserror::Error;
 
-use crate::scenario::{Declaration, Metric, MetricKind, MetricRange, ParameterKind};
+use crate::scenario::{AggregateWord, Declaration, Metric, MetricKind, MetricRange, ParameterKind};
 
 /// Why a registry does not take something in.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
@@ -30,9 +30,6 @@ pub enum RegistryError {
 /// Words of the language that no name can be.
 pub const RESERVED: [&str; 13] =
     ["in", "of", "from", "when", "with", "undefined", "and", "not", "true", "false", "step", "times", "by"];
-
-/// Where a criterion expects a metric, these begin something else.
-const BEFORE_METRICS: [&str; 9] = ["no", "mean", "median", "min", "max", "std", "quantile", "rate", "count"];
 
 fn is_identifier(name: &str) -> bool {
     name.starts_with(|first: char| first.is_ascii_alphabetic())
@@ -102,7 +99,8 @@ pub fn declaration(declaration: &Declaration) -> Result<(), RegistryError> {
 pub fn metric(metric: &Metric) -> Result<(), RegistryError> {
     let name = &*metric.declaration.name;
     let bad = |message: String| RegistryError::BadDeclaration { owner: name.to_string(), message };
-    if BEFORE_METRICS.contains(&name) {
+    // Where a criterion expects a metric, these begin something else.
+    if name == "no" || AggregateWord::find(name).is_some() {
         return Err(RegistryError::BadName { name: name.to_string() });
     }
     let is_flag = matches!(metric.range, MetricRange::YesOrNo | MetricRange::DropAbove { .. });

@@ -5,7 +5,9 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Dimension, EvaluationError, Expression, Metric, Notation, Reference, Settings, Value, show};
+use super::{
+    Aggregate, Dimension, EvaluationError, Expression, Metric, Notation, Reference, Settings, Value, show,
+};
 
 /// Where in a file something was said; enough to show it again without reading the file.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -183,22 +185,6 @@ impl Relation {
     }
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Aggregate {
-    Mean(MetricReference),
-    Median(MetricReference),
-    Min(MetricReference),
-    Max(MetricReference),
-    Std(MetricReference),
-    /// The quantile at a level in 0..1.
-    Quantile(f64, MetricReference),
-    /// Share of runs in which the comparison holds.
-    Rate(Comparison),
-    /// Number of runs in which the comparison holds.
-    Count(Comparison),
-}
-
 impl Claim {
     /// The metric that the claim is about.
     pub fn metric(&self) -> &MetricReference {
@@ -215,33 +201,6 @@ impl Claim {
         }
     }
 
-    /// Every bound in the claim, for evaluation.
-    /// Everything that it compares to.
-    pub fn bounds(&self) -> Vec<&Expression> {
-        match self {
-            Self::Runs { comparison, .. } => vec![&comparison.bound],
-            Self::Aggregate { aggregate, bound, .. } => match aggregate {
-                Aggregate::Rate(comparison) | Aggregate::Count(comparison) => vec![&comparison.bound, bound],
-                _ => vec![bound],
-            },
-        }
-    }
-
-    /// As [`Self::bounds`].
-    pub fn bounds_mut(&mut self) -> Vec<&mut Expression> {
-        match self {
-            Self::Runs { comparison, .. } => vec![&mut comparison.bound],
-            Self::Aggregate { aggregate, bound, .. } => match aggregate {
-                Aggregate::Rate(comparison) | Aggregate::Count(comparison) => {
-                    vec![&mut comparison.bound, bound]
-                }
-                _ => vec![bound],
-            },
-        }
-    }
-}
-
-impl Claim {
     /// The metric that it is about.
     pub fn metric_mut(&mut self) -> &mut MetricReference {
         match self {
@@ -281,43 +240,6 @@ impl MetricReference {
             self.name().to_string()
         } else {
             format!("{}({})", self.name(), inside.join(", "))
-        }
-    }
-}
-
-impl Aggregate {
-    /// As [`Self::metric`].
-    pub fn metric_mut(&mut self) -> &mut MetricReference {
-        match self {
-            Self::Mean(metric)
-            | Self::Median(metric)
-            | Self::Min(metric)
-            | Self::Max(metric)
-            | Self::Std(metric)
-            | Self::Quantile(_, metric) => metric,
-            Self::Rate(comparison) | Self::Count(comparison) => &mut comparison.metric,
-        }
-    }
-
-    /// The SI unit of its value; `%` for a rate, which is a share in 0..1, and nothing for plain numbers.
-    pub fn unit(&self) -> String {
-        match self {
-            Self::Rate(_) => "%".to_string(),
-            Self::Count(_) => String::new(),
-            of_values => of_values.metric().unit(),
-        }
-    }
-
-    /// The metric that is aggregated.
-    pub fn metric(&self) -> &MetricReference {
-        match self {
-            Self::Mean(metric)
-            | Self::Median(metric)
-            | Self::Min(metric)
-            | Self::Max(metric)
-            | Self::Std(metric)
-            | Self::Quantile(_, metric) => metric,
-            Self::Rate(comparison) | Self::Count(comparison) => &comparison.metric,
         }
     }
 }

@@ -7,6 +7,7 @@
 //! such entries plug into.
 
 pub mod agent;
+mod aggregate;
 mod block;
 mod case;
 mod conflict;
@@ -18,6 +19,7 @@ mod distribution;
 mod entry;
 mod evaluate;
 mod expression;
+mod expressions;
 mod gate;
 pub mod limits;
 mod metric;
@@ -31,6 +33,7 @@ mod symbol;
 mod trial;
 mod value;
 
+pub use aggregate::{AGGREGATES, Aggregate, AggregateOf, AggregateWord};
 pub use block::Block;
 pub use case::{
     Appearance, Assignment, Case, Individual, ModelSetup, PedestrianSetup, Position, Shape, VehicleReference,
@@ -38,8 +41,8 @@ pub use case::{
 };
 pub use conflict::{Approach, Conflict, half_extent};
 pub use criterion::{
-    Aggregate, Claim, Comparison, Criterion, MetricReference, Origin, People, Reach, Relation,
-    VariationCondition, WhenUndefined, constant,
+    Claim, Comparison, Criterion, MetricReference, Origin, People, Reach, Relation, VariationCondition,
+    WhenUndefined, constant,
 };
 pub use declaration::{
     ANOTHER_MODEL, Chance, ChoiceOption, Declaration, Departure, Parameter, ParameterKind, Preset,

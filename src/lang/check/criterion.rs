@@ -11,21 +11,9 @@ use crate::lang::syntax::ast::{self, View};
 use crate::lang::value::{self, Kind, Scope};
 use crate::registry::Table;
 use crate::scenario::{
-    Aggregate, Claim, Comparison, Criterion, Dimension, Expression, Metric, MetricKind, People, Reach,
-    Relation, Value, VariationCondition, WhenUndefined,
+    Aggregate, AggregateOf, AggregateWord, Claim, Comparison, Criterion, Dimension, Expression, Metric,
+    MetricKind, People, Reach, Relation, Value, VariationCondition, WhenUndefined,
 };
-
-/// The words for what sums up runs, with what each is.
-pub const AGGREGATES: [(&str, &str); 8] = [
-    ("mean", "The mean over runs."),
-    ("median", "The median over runs."),
-    ("min", "The smallest of all runs."),
-    ("max", "The largest of all runs."),
-    ("std", "The standard deviation over runs."),
-    ("quantile", "`quantile(95 %, pet)`: what that share of runs stays below."),
-    ("rate", "The share of runs in which something holds."),
-    ("count", "The number of runs in which something holds."),
-];
 
 /// Who is in the scenario that a criterion is about.
 pub struct Cast<'a> {
@@ -276,22 +264,19 @@ pub fn aggregate(
     scope: &Scope,
     report: &mut Vec<Diagnostic>,
 ) -> Option<(Aggregate, Dimension, (f64, f64))> {
-    let (metric_node, level) = match node {
-        ast::Aggregate::Rate(rate) => {
-            let when_undefined = undefined(rate.undefined());
-            let comparison = comparison(rate.condition(), when_undefined, cast, scope, report)?;
-            return Some(if rate.is_rate() {
-                (Aggregate::Rate(comparison), Dimension::NUMBER, (0.0, 1.0))
-            } else {
-                (Aggregate::Count(comparison), Dimension::NUMBER, (0.0, 1e9))
-            });
-        }
+    let known = AggregateWord::find(node.word())?;
+    if let (ast::Aggregate::Rate(rate), AggregateOf::Runs(of, largest)) = (node, known.of) {
+        let when_undefined = undefined(rate.undefined());
+        let comparison = comparison(rate.condition(), when_undefined, cast, scope, report)?;
+        return Some((of(comparison), Dimension::NUMBER, (0.0, largest)));
+    }
+    let level = match node {
         ast::Aggregate::Quantile(quantile) => {
-            let level = share(quantile.level(), "the level of a quantile", false, scope, report);
-            (quantile.metric(), Some(level))
+            Some(share(quantile.level(), "the level of a quantile", false, scope, report))
         }
-        ast::Aggregate::Statistic(statistic) => (statistic.metric(), None),
+        _ => None,
     };
+    let metric_node = node.metric()?;
     let (reference, found) = metric_reference(metric_node, cast, scope, report)?;
     let MetricKind::Quantity(dimension) = found.kind else {
         report.push(
@@ -309,13 +294,10 @@ pub fn aggregate(
         );
         return None;
     };
-    let aggregate = match (level, node.word()) {
-        (Some(level), _) => Aggregate::Quantile(level?, reference),
-        (_, "mean") => Aggregate::Mean(reference),
-        (_, "median") => Aggregate::Median(reference),
-        (_, "min") => Aggregate::Min(reference),
-        (_, "max") => Aggregate::Max(reference),
-        _ => Aggregate::Std(reference),
+    let aggregate = match (known.of, level) {
+        (AggregateOf::Values(of), _) => of(reference),
+        (AggregateOf::Level(of), Some(level)) => of(level?, reference),
+        _ => return None,
     };
     Some((aggregate, dimension, (f64::NEG_INFINITY, f64::INFINITY)))
 }

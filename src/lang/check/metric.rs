@@ -2,14 +2,14 @@
 
 use std::sync::Arc;
 
-use super::criterion::{AGGREGATES, Cast};
+use super::criterion::Cast;
 use super::pedestrian::unknown_vehicle;
 use super::road::constants;
 use crate::lang::codes::Code;
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::syntax::ast;
 use crate::lang::value::{Kind, Scope};
-use crate::scenario::{Metric, MetricKind, MetricReference, Scope as Measured};
+use crate::scenario::{AggregateWord, Metric, MetricKind, MetricReference, Scope as Measured};
 
 pub fn kind_name(metric: &Metric) -> String {
     match &metric.kind {
@@ -46,7 +46,7 @@ pub fn metric_reference(
     let Some(found) = cast.metrics.get(name.text()) else {
         let message = format!("there is no metric `{}`", name.text());
         let diagnostic = Diagnostic::new(Code::UnknownMetric, name.span(), message).label("unknown metric");
-        report.push(match AGGREGATES.iter().any(|(word, _)| *word == name.text()) {
+        report.push(match AggregateWord::find(name.text()).is_some() {
             true => {
                 diagnostic.hint("this is about single runs: compare a metric itself, such as `pet < 1.5 s`")
             }

@@ -30,7 +30,7 @@ use crate::scenario::Origin;
 
 pub use block::reject_repeats;
 use book::Book;
-pub use criterion::{AGGREGATES, Cast, set_aside};
+pub use criterion::{Cast, set_aside};
 pub use evaluate::evaluate;
 pub use experiment::{search, tune};
 pub use gate::gate;

@@ -17,8 +17,8 @@ use crate::lang::syntax::ast;
 use crate::lang::value::{self, Binding, Kind, Scope, Typed};
 use crate::scenario::limits::Limit;
 use crate::scenario::{
-    Criterion, DeclaredAppearance, DeclaredVehicleStart, Expression, Individuals, Pedestrian, Population,
-    Road, Scenario, Variation, Vehicle, limits,
+    Criterion, DeclaredAppearance, Expression, Individuals, Pedestrian, Population, Road, Scenario,
+    Variation, Vehicle, limits,
 };
 
 /// What a scenario is that does not say otherwise.
@@ -490,37 +490,9 @@ fn used_variables<'a>(
     criteria: &'a [Criterion],
 ) -> HashSet<&'a str> {
     let mut expressions: Vec<&Expression> = criteria.iter().flat_map(|one| one.claim.bounds()).collect();
-    for vehicle in vehicles {
-        expressions.push(&vehicle.speed);
-        if let DeclaredVehicleStart::Distance(value) | DeclaredVehicleStart::TimeToArrival(value) =
-            &vehicle.start
-        {
-            expressions.push(value);
-        }
-        expressions.extend(vehicle.size.iter().flat_map(|(length, width)| [length, width]));
-        let dynamics = vehicle.dynamics.iter().flat_map(|model| &model.settings);
-        let sees = vehicle.sees.iter().flat_map(|model| &model.settings);
-        let settings = vehicle.controller.settings.iter().chain(dynamics).chain(sees);
-        expressions.extend(settings.map(|(_, value)| value));
-    }
-    for pedestrian in pedestrians {
-        expressions.extend([
-            &pedestrian.start_from_lane_centre,
-            &pedestrian.along,
-            &pedestrian.goal_beyond_kerb,
-        ]);
-        let (DeclaredAppearance::At(time) | DeclaredAppearance::TimeToArrival { time, .. }) =
-            &pedestrian.appears;
-        expressions.push(time);
-        expressions.extend(pedestrian.model.settings.iter().map(|(_, value)| value));
-        match &pedestrian.shape {
-            Some(crate::scenario::DeclaredShape::Disc { radius }) => expressions.push(radius),
-            Some(crate::scenario::DeclaredShape::Rectangle { length, width }) => {
-                expressions.extend([length, width])
-            }
-            None => {}
-        }
-    }
+    let users = vehicles.iter().flat_map(Vehicle::expressions);
+    let users = users.chain(pedestrians.iter().flat_map(Pedestrian::expressions));
+    expressions.extend(users.map(|(expression, _)| expression));
     let cars = vehicles.iter().flat_map(|vehicle| {
         let dynamics = vehicle.dynamics.as_ref().and_then(|model| model.varied_by.as_deref());
         [vehicle.controller.varied_by.as_deref(), dynamics]

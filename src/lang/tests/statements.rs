@@ -148,3 +148,80 @@ fn what_gives_names_has_one() {
         assert!(statement.usages().any(has_name), "{}", statement.words);
     }
 }
+
+/// A scenario with a road user of each kind; in the block of a kind `said` stands in place of what says the same there.
+fn with(kind: Kind, said: &str) -> String {
+    let words = kind.block().beginning(said).expect("it is one of its statements").words;
+    let other = match words {
+        "radius" => "size",
+        "runs" => "repeat",
+        _ => words,
+    };
+    let block = |own: Kind, lines: &[&str]| {
+        let kept =
+            lines.iter().filter(|line| own != kind || !line.starts_with(words) && !line.starts_with(other));
+        let mut lines: Vec<&str> = kept.copied().collect();
+        if own == kind {
+            lines.push(said);
+        }
+        lines.join("; ")
+    };
+    let road = block(
+        Kind::Road,
+        &["lanes forward, forward", "lane_width 3.5 m", "speed_limit 50 km/h", "crossing unmarked"],
+    );
+    let road = format!("road {{ {road} }}");
+    let car =
+        block(Kind::Vehicle, &["controller carla_behavior", "speed 30 km/h", "start 60 m before crossing"]);
+    let car = format!("vehicle av {{ {car} }}");
+    let person = block(Kind::Pedestrian, &["model commotions", "start 1 m from kerb"]);
+    let person = format!("pedestrian walker {{ {person} }}");
+    let scenario = block(Kind::Scenario, &[&road, &car, &person, "repeat 2"]);
+    let street = "road NAME { lanes 1; lane_width 3 m; speed_limit 30 km/h; crossing zebra }\n";
+    format!("{street}scenario a {{ {scenario} }}\n")
+}
+
+/// What the only scenario of a text says, wherever it stands.
+fn meaning(text: &str) -> (crate::scenario::Scenario, serde_json::Value) {
+    fn forget(value: &mut serde_json::Value) {
+        if let Some(fields) = value.as_object_mut() {
+            fields.retain(|name, _| name != "origin");
+            fields.values_mut().for_each(forget);
+        }
+        value.as_array_mut().into_iter().flatten().for_each(forget);
+    }
+    let loaded = load(Path::new("a.scn"), &standard(), &Memory::default().with("a.scn", text));
+    let suite = loaded.unwrap_or_else(|failure| panic!("{text}{}", failure.render(Style::default()))).suite;
+    let scenario = suite.scenarios.into_iter().next().unwrap();
+    let mut value = serde_json::to_value(&scenario).unwrap();
+    forget(&mut value);
+    // The name of the road is not kept.
+    value["road"]["name"] = serde_json::Value::Null;
+    (scenario, value)
+}
+
+/// The example with its first number one larger, so that it says something else than what is so anyway.
+fn unusual(usage: &str) -> String {
+    let Some(start) = usage.find(|c: char| c.is_ascii_digit()) else { return usage.to_string() };
+    let end = usage[start..].find(|c: char| !c.is_ascii_digit()).map_or(usage.len(), |end| start + end);
+    let number: u32 = usage[start..end].parse().unwrap();
+    format!("{}{}{}", &usage[..start], number + 1, &usage[end..])
+}
+
+#[test]
+fn it_is_written_so_that_it_is_read_back() {
+    /// What is put in before a scenario is written, or stands in it as a text of its own.
+    const PUT_IN: [&str; 4] = ["let", "vary", "vary together", "expect"];
+    let plain = meaning(&with(Kind::Scenario, "repeat 2")).1;
+    for kind in [Kind::Road, Kind::Scenario, Kind::Vehicle, Kind::Pedestrian] {
+        let statements = kind.block().statements.iter();
+        for statement in statements.filter(|one| !PUT_IN.contains(&one.words)) {
+            for usage in statement.usages().filter(|usage| !usage.contains('…')) {
+                let (scenario, said) = meaning(&with(kind, &unusual(usage)));
+                assert_ne!(said, plain, "`{usage}` changes nothing");
+                let written = write_scenario(&scenario, &[], &[]);
+                assert_eq!(meaning(&written).1, said, "{written}");
+            }
+        }
+    }
+}

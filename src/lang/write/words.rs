@@ -98,14 +98,12 @@ pub(super) fn constant(expression: &Expression, dimension: Dimension) -> String 
 
 /// A number in SI units with the unit in which it is shortest and is read back to the last bit.
 pub fn quantity(si: f64, dimension: Dimension) -> String {
-    /// Units that people would not expect to find.
-    const UNUSUAL: [&str; 8] = ["ft", "mph", "min", "km", "m/s²", "m/s³", "°", "g"];
     if dimension == Dimension::NUMBER {
         return si.to_string();
     }
     // Rust writes the shortest digits that give the number back.
     let plain = format!("{si} {}", dimension.si_unit());
-    let units = UNITS.iter().filter(|unit| unit.dimension == dimension && !UNUSUAL.contains(&unit.symbol));
+    let units = UNITS.iter().filter(|unit| unit.dimension == dimension && unit.is_usual);
     let in_unit = units.filter_map(|unit| {
         let number = unit.of_si(si);
         // Rounded to few digits it is often exactly what somebody wrote.

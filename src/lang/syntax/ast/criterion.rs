@@ -22,7 +22,7 @@ views! {
     /// `mean(time_lost) <= 3 s`
     AggregateClaim = aggregate_claim { aggregate: Aggregate, relation: Relation, bound: Expression }
     /// `rate(…)` or `count(…)`
-    Rate = rate { is_rate: {kw_rate}, condition: Condition, undefined: (Undefined) }
+    Rate = rate { condition: Condition, undefined: (Undefined) }
     /// `quantile(95 %, pet)`
     Quantile = quantile { level: Expression, metric: Metric }
     /// `mean(pet)`
@@ -59,6 +59,15 @@ choices! {
 }
 
 impl<'t> Aggregate<'t> {
+    /// What it sums up, unless that is a condition.
+    pub fn metric(self) -> Option<Metric<'t>> {
+        match self {
+            Self::Rate(_) => None,
+            Self::Quantile(of) => Some(of.metric()),
+            Self::Statistic(of) => Some(of.metric()),
+        }
+    }
+
     /// What it is called.
     pub fn word(self) -> &'t str {
         self.text().split('(').next().unwrap_or_default().trim()

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use super::super::grammar::Grammar;
 use super::{Holds, Made, criterion, experiment, road_user, scenario, suite, value};
+use crate::scenario::AGGREGATES;
 
 fn made() -> Vec<&'static Made> {
     [criterion::MADE, experiment::MADE, road_user::MADE, scenario::MADE, suite::MADE, value::MADE]
@@ -45,6 +46,14 @@ fn views_have_the_parts_that_the_grammar_gives_them() {
         }
     }
     assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+fn the_grammar_knows_every_aggregate() {
+    let grammar = Grammar::read();
+    let known: BTreeSet<String> = AGGREGATES.iter().map(|known| format!("kw_{}", known.word)).collect();
+    let words = ["statistic_name", "quantile", "rate"].into_iter().flat_map(|rule| grammar.possible(rule));
+    assert_eq!(words.filter(|word| word.starts_with("kw_")).collect::<BTreeSet<_>>(), known);
 }
 
 #[test]

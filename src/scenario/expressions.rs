@@ -1,0 +1,134 @@
+//! Every expression of a scenario, in one place: what is evaluated for each case, and what can depend on a variation.
+
+use super::{
+    Aggregate, Claim, DeclaredAppearance, DeclaredShape, DeclaredVehicleStart, Expression, Model, Origin,
+    Pedestrian, Vehicle,
+};
+
+/// Declares how the expressions of something are gathered, for looking at them and for changing them. Everything is taken apart,
+/// so that a field that is new has to be decided about.
+macro_rules! expressions {
+    ($($mut:tt)?) => {
+        use super::*;
+
+        pub fn vehicle(car: &$($mut)? Vehicle) -> Vec<(&$($mut)? Expression, &Origin)> {
+            let Vehicle { name: _, controller, dynamics, size, speed, start, lane: _, sees, origin } = car;
+            let mut found = model(controller);
+            if let Some(dynamics) = dynamics {
+                found.extend(model(dynamics));
+            }
+            if let Some(sees) = sees {
+                found.extend(model(sees));
+            }
+            let origin: &Origin = origin;
+            if let Some((length, width)) = size {
+                found.extend([(length, origin), (width, origin)]);
+            }
+            match start {
+                DeclaredVehicleStart::Automatic => {}
+                DeclaredVehicleStart::Distance(value) | DeclaredVehicleStart::TimeToArrival(value) => {
+                    found.push((value, origin));
+                }
+            }
+            found.push((speed, origin));
+            found
+        }
+
+        pub fn pedestrian(person: &$($mut)? Pedestrian) -> Vec<(&$($mut)? Expression, &Origin)> {
+            let Pedestrian {
+                name: _,
+                model: walks,
+                shape,
+                side: _,
+                start_from_lane_centre,
+                along,
+                goal_beyond_kerb,
+                appears,
+                individuals: _,
+                origin,
+            } = person;
+            let mut found = model(walks);
+            let origin: &Origin = origin;
+            match shape {
+                None => {}
+                Some(DeclaredShape::Disc { radius }) => found.push((radius, origin)),
+                Some(DeclaredShape::Rectangle { length, width }) => {
+                    found.extend([(length, origin), (width, origin)]);
+                }
+            }
+            let (DeclaredAppearance::At(time)
+            | DeclaredAppearance::TimeToArrival { vehicle: _, reference: _, time }) = appears;
+            let places = [start_from_lane_centre, along, goal_beyond_kerb, time];
+            found.extend(places.into_iter().map(|place| (place, origin)));
+            found
+        }
+
+        fn model<T>(named: &$($mut)? Model<T>) -> Vec<(&$($mut)? Expression, &Origin)> {
+            let Model { first: _, varied_by: _, varied: _, others: _, settings, origin } = named;
+            let origin: &Origin = origin;
+            let mut found = Vec::new();
+            for (_, value) in settings {
+                found.push((value, origin));
+            }
+            found
+        }
+
+        pub fn claim(claim: &$($mut)? Claim) -> Vec<&$($mut)? Expression> {
+            match claim {
+                Claim::Runs { comparison, share: _, confidence: _ } => vec![&$($mut)? comparison.bound],
+                Claim::Aggregate { aggregate, relation: _, bound, when_undefined: _, confidence: _ } => {
+                    match aggregate {
+                        Aggregate::Rate(comparison) | Aggregate::Count(comparison) => {
+                            vec![&$($mut)? comparison.bound, bound]
+                        }
+                        _ => vec![bound],
+                    }
+                }
+            }
+        }
+    };
+}
+
+mod shared {
+    expressions!();
+}
+
+mod exclusive {
+    expressions!(mut);
+}
+
+impl Vehicle {
+    /// Every expression of it, with the place that gives it.
+    pub fn expressions(&self) -> Vec<(&Expression, &Origin)> {
+        shared::vehicle(self)
+    }
+
+    /// As [`Self::expressions`].
+    pub fn expressions_mut(&mut self) -> Vec<(&mut Expression, &Origin)> {
+        exclusive::vehicle(self)
+    }
+}
+
+impl Pedestrian {
+    /// Every expression of it, with the place that gives it.
+    pub fn expressions(&self) -> Vec<(&Expression, &Origin)> {
+        shared::pedestrian(self)
+    }
+
+    /// As [`Self::expressions`].
+    pub fn expressions_mut(&mut self) -> Vec<(&mut Expression, &Origin)> {
+        exclusive::pedestrian(self)
+    }
+}
+
+impl Claim {
+    /// Everything that it compares to.
+    pub fn bounds(&self) -> Vec<&Expression> {
+        shared::claim(self)
+    }
+
+    /// As [`Self::bounds`].
+    pub fn bounds_mut(&mut self) -> Vec<&mut Expression> {
+        exclusive::claim(self)
+    }
+}
