@@ -6,9 +6,9 @@ use std::hint::black_box;
 
 use divan::{AllocProfiler, Bencher};
 use scenario_runner::numbers::random::Stream;
-use scenario_runner::pedestrian::commotions::meeting::{Driver, Meeting, PEDESTRIAN, VEHICLE};
+use scenario_runner::pedestrian::commotions::meeting::{Meeting, MetDriver, PEDESTRIAN, VEHICLE};
 use scenario_runner::pedestrian::commotions::{
-    Agent, ConflictState, Control, Parameters, Rules, Sight, State, Variant,
+    CommotionsAgent, ConflictState, Control, Parameters, Rules, Sight, State, Variant,
 };
 
 #[global_allocator]
@@ -26,7 +26,7 @@ const LOOMING: &str = "oVAoVAloBEvoAIoEAoSNvoPF";
 const EVERYTHING: &str = "oVAaoVAloBEooBEvoAIoEAoSNvoPF";
 
 /// A pedestrian at the zebra, a vehicle at 30 km/h that needs `time_to_arrival` seconds.
-fn zebra(time_to_arrival: f64, duration: f64, driver: Driver) -> Meeting {
+fn zebra(time_to_arrival: f64, duration: f64, driver: MetDriver) -> Meeting {
     Meeting {
         pedestrian: (4.0, 0.0),
         vehicle: (time_to_arrival * 30.0 / 3.6, 30.0 / 3.6),
@@ -56,13 +56,13 @@ fn encounter(bencher: Bencher, variant: &str, meeting: &Meeting) {
 /// One pedestrian against a vehicle at constant speed: 800 steps.
 #[divan::bench(args = [STANDARD, LOOMING, EVERYTHING])]
 fn zebra_20_s(bencher: Bencher, variant: &str) {
-    encounter(bencher, variant, &zebra(10.0, 20.0, Driver::Timetable(Vec::new())));
+    encounter(bencher, variant, &zebra(10.0, 20.0, MetDriver::Timetable(Vec::new())));
 }
 
 /// The same with the pedestrian kept from entering, so that every one of the 800 steps is a decision.
 #[divan::bench(args = [STANDARD, LOOMING, EVERYTHING])]
 fn undecided_20_s(bencher: Bencher, variant: &str) {
-    let mut meeting = zebra(22.0, 20.0, Driver::Timetable(Vec::new()));
+    let mut meeting = zebra(22.0, 20.0, MetDriver::Timetable(Vec::new()));
     meeting.entry_inhibited_until = 20.0;
     encounter(bencher, variant, &meeting);
 }
@@ -70,13 +70,13 @@ fn undecided_20_s(bencher: Bencher, variant: &str) {
 /// A pedestrian and a driver, both COMMOTIONS: 800 steps.
 #[divan::bench(args = [STANDARD, LOOMING])]
 fn two_agents_20_s(bencher: Bencher, variant: &str) {
-    encounter(bencher, variant, &zebra(10.0, 20.0, Driver::Commotions));
+    encounter(bencher, variant, &zebra(10.0, 20.0, MetDriver::Commotions));
 }
 
 /// Cost grows linearly in steps: the same undecided pedestrian for so many seconds.
 #[divan::bench(args = [5, 10, 20, 40])]
 fn undecided_for_seconds(bencher: Bencher, seconds: u32) {
-    let mut meeting = zebra(42.0, f64::from(seconds), Driver::Timetable(Vec::new()));
+    let mut meeting = zebra(42.0, f64::from(seconds), MetDriver::Timetable(Vec::new()));
     meeting.entry_inhibited_until = 40.0;
     encounter(bencher, STANDARD, &meeting);
 }
@@ -92,7 +92,7 @@ fn among_cars_20_s(bencher: Bencher, cars: usize) {
         seed += 1;
         let mut draws = Stream::seeded(black_box(seed));
         let bodies = (0..cars).map(|_| (PEDESTRIAN, VEHICLE));
-        let mut agent = Agent::among(&variant, &Parameters::default(), Control::Speed, dt, bodies);
+        let mut agent = CommotionsAgent::among(&variant, &Parameters::default(), Control::Speed, dt, bodies);
         let mut own = State { distance: 4.0, ..State::default() };
         let mut sights = Vec::with_capacity(cars);
         for step in 0..800 {

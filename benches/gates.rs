@@ -10,8 +10,8 @@ use scenario_runner::judge::gate::{blanket_rule, judge_gate};
 use scenario_runner::lang;
 use scenario_runner::models::standard;
 use scenario_runner::plan::plan;
-use scenario_runner::results::{Check, CheckOutcome, GateVerdict, Requests, Subject, Verdict};
-use scenario_runner::run::{Batch, Measured, Stop, Threads};
+use scenario_runner::results::{Check, CheckOutcome, ComparedSubject, GateVerdict, Requests, Verdict};
+use scenario_runner::run::{MeasuredMetrics, RunBatch, Stop, Threads};
 use scenario_runner::scenario::{Expression, Gate, Suite, Value};
 
 const RERUNS: u64 = 200;
@@ -95,8 +95,8 @@ fn with(suite: &Suite, parameter: &str, value: f64) -> Suite {
 fn runs(suite: &Suite) -> Baseline {
     let plan = plan(suite).expect("the suite can be planned");
     let requests = Requests::defaults(&standard());
-    let (threads, measured) = (Threads::all(), Measured::new(requests.clone()));
-    let batch = Batch { executor: &threads, measured: &measured, stop: &Stop::default() };
+    let (threads, measured) = (Threads::all(), MeasuredMetrics::new(requests.clone()));
+    let batch = RunBatch { executor: &threads, measured: &measured, stop: &Stop::default() };
     let trials: Vec<_> = plan
         .trials()
         .map(|trial| {
@@ -126,9 +126,11 @@ fn in_words(verdict: &GateVerdict) -> String {
     let regressed = verdict.checks.iter().filter(|check| check.outcome == CheckOutcome::Regressed);
     let name = |check: &Check| {
         let by = match (check.subject, check.base) {
-            (Subject::Mean, base) if base != 0.0 => format!("{:.1} %", 100.0 * check.worse_by() / base.abs()),
-            (Subject::Mean, _) => format!("{:.3}", check.worse_by()),
-            (Subject::Rate | Subject::Existence | Subject::New, _) => {
+            (ComparedSubject::Mean, base) if base != 0.0 => {
+                format!("{:.1} %", 100.0 * check.worse_by() / base.abs())
+            }
+            (ComparedSubject::Mean, _) => format!("{:.3}", check.worse_by()),
+            (ComparedSubject::Rate | ComparedSubject::Existence | ComparedSubject::New, _) => {
                 format!("{:.1} points", 100.0 * check.worse_by())
             }
         };

@@ -18,7 +18,7 @@ use std::sync::Mutex;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use rayon::prelude::*;
-use scenario_runner::optimise::{Definition, Evaluation, InitialDesign, Method, Optimiser, Value, run};
+use scenario_runner::optimise::{Coordinate, Definition, Evaluation, InitialDesign, Method, Optimiser, run};
 use serde::Deserialize;
 
 use cpu::thread_cpu_s;
@@ -85,7 +85,7 @@ fn arguments() -> Arguments {
     parsed
 }
 
-fn coordinates(point: &[Value]) -> Vec<f64> {
+fn coordinates(point: &[Coordinate]) -> Vec<f64> {
     point.iter().map(|value| value.number().expect("the problems are real")).collect()
 }
 
@@ -142,7 +142,7 @@ const CONTENDERS: [Contender; 4] = [
 ];
 
 fn judged(problem: &Problem, optimiser: &Optimiser, cpu_s: f64) -> Outcome {
-    let truth = |point: &[Value]| {
+    let truth = |point: &[Coordinate]| {
         let (objective, margins) = (problem.truth)(&coordinates(point));
         (objective - problem.optimum, margins.iter().all(|margin| *margin >= 0.0))
     };
@@ -184,7 +184,7 @@ fn theirs(problem: &Problem, reference: &ReferenceRun) -> Outcome {
     let unconstrained = Definition { constraints: 0, ..definition(problem, reference.seed, Method::Random) };
     let mut optimiser = Optimiser::new(unconstrained).expect("the definition is sound");
     for (point, &value) in reference.points.iter().zip(&reference.values) {
-        let point: Vec<Value> = point.iter().map(|&x| Value::Real(x)).collect();
+        let point: Vec<Coordinate> = point.iter().map(|&x| Coordinate::Real(x)).collect();
         optimiser.observe(&point, Evaluation::of(value)).expect("the points are in the space");
     }
     judged(problem, &optimiser, reference.cpu_s)

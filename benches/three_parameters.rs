@@ -13,7 +13,7 @@ use scenario_runner::lang;
 use scenario_runner::models::standard;
 use scenario_runner::results::{BlockResult, Candidate};
 use scenario_runner::run::Threads;
-use scenario_runner::scenario::{Block, Method, Tune};
+use scenario_runner::scenario::{Block, SearchMethod, Tune};
 use std::path::Path;
 
 /// A feasible candidate that loses no more than this beyond the best known one has found the optimum, as a share of that one's.
@@ -77,7 +77,7 @@ fn main() {
     results.blocks.insert(search.name().to_owned(), found);
 
     // Another name is another seed of the optimiser; the cases keep theirs.
-    let run = |method: Method, evaluations: u32, seed: u32| -> Vec<Candidate> {
+    let run = |method: SearchMethod, evaluations: u32, seed: u32| -> Vec<Candidate> {
         let mut tune: Tune = suite.tunes[0].clone();
         tune.name = format!("{}{seed}", tune.name);
         tune.compare_with_default = false;
@@ -90,9 +90,9 @@ fn main() {
     };
     let budget = suite.tunes[0].budget.evaluations;
     let methods = [
-        ("bayesian", Method::Bayesian, budget),
-        ("gp_minimize_like", Method::GpMinimizeLike, budget),
-        ("random", Method::Random, arguments.random),
+        ("bayesian", SearchMethod::Bayesian, budget),
+        ("gp_minimize_like", SearchMethod::GpMinimizeLike, budget),
+        ("random", SearchMethod::Random, arguments.random),
     ];
     let all: Vec<(&str, u32, Vec<Vec<Candidate>>)> = methods
         .into_iter()

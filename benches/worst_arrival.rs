@@ -20,7 +20,7 @@ use scenario_runner::optimise::{
 use scenario_runner::plan::{concrete_case, select_people};
 use scenario_runner::results::Requests;
 use scenario_runner::run::{FreeFlows, Unwatched, run_case};
-use scenario_runner::scenario::{Assignment, Individual, MetricReference, Population, Scenario, Value};
+use scenario_runner::scenario::{Assignment, Individual, MetricReference, PopulationShare, Scenario, Value};
 use serde::Deserialize;
 use std::io::{BufRead, Write};
 use std::path::Path;
@@ -48,7 +48,7 @@ impl Encounters {
         let mut scenario = loaded.suite.scenarios[0].clone();
         for pedestrian in &mut scenario.pedestrians {
             if let Some(individuals) = &mut pedestrian.individuals {
-                individuals.selection = Population::Count(PEOPLE);
+                individuals.selection = PopulationShare::Count(PEOPLE);
             }
         }
         let people = select_people(loaded.suite.seed, &scenario).expect("the population has enough people");
@@ -143,14 +143,14 @@ fn search(encounters: &Encounters, method: Method, individual: usize, repetition
 fn picks(search: &Search) -> Option<(f64, f64, f64)> {
     let mut optimiser = Optimiser::new(definition(Method::Random, 0)).expect("the definition is sound");
     for (&point, value) in search.points.iter().zip(&search.values) {
-        let point = [scenario_runner::optimise::Value::Real(point)];
+        let point = [scenario_runner::optimise::Coordinate::Real(point)];
         optimiser
             .observe(&point, Evaluation::of(value.unwrap_or(f64::NAN)))
             .expect("the point is in the space");
     }
     let observed = optimiser.best_observed()?;
     let predicted = optimiser.best_predicted().expect("the history can be fitted")?;
-    let place = |point: &[scenario_runner::optimise::Value]| point[0].number();
+    let place = |point: &[scenario_runner::optimise::Coordinate]| point[0].number();
     Some((place(&observed.point)?, observed.evaluation.objectives[0].value?, place(&predicted.point)?))
 }
 

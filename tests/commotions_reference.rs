@@ -8,21 +8,21 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use scenario_runner::pedestrian::commotions::access::{Course, access_orders};
-use scenario_runner::pedestrian::commotions::affordance::{Move, Party, Valuation};
+use scenario_runner::pedestrian::commotions::access::{AccessCourse, access_orders};
+use scenario_runner::pedestrian::commotions::affordance::{AgentMove, Party, Valuation};
 use scenario_runner::pedestrian::commotions::draws::RecordedDraws;
 use scenario_runner::pedestrian::commotions::prediction::PredictedState;
-use scenario_runner::pedestrian::commotions::state::Body;
-use scenario_runner::pedestrian::commotions::timing::Passage;
+use scenario_runner::pedestrian::commotions::state::AgentBody;
+use scenario_runner::pedestrian::commotions::timing::ConflictPassage;
 use scenario_runner::pedestrian::commotions::value::ActionPhase;
 use scenario_runner::pedestrian::commotions::{
-    Agent, Control, Encounter, Parameters, Rules, State, Thoughts, Variant,
+    AgentEncounter, CommotionsAgent, Control, Parameters, Rules, State, Thoughts, Variant,
 };
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
-const PEDESTRIAN: Body = Body { control: Control::Speed, half_extent: 1.3, width: 0.8 };
-const VEHICLE: Body = Body { control: Control::Acceleration, half_extent: 2.5, width: 1.8 };
+const PEDESTRIAN: AgentBody = AgentBody { control: Control::Speed, half_extent: 1.3, width: 0.8 };
+const VEHICLE: AgentBody = AgentBody { control: Control::Acceleration, half_extent: 2.5, width: 1.8 };
 /// Distances and speeds of a simulation agree within this (m, m/s).
 const STATE_TOLERANCE: f64 = 1e-9;
 const PROBE_TOLERANCE: f64 = 1e-6;
@@ -229,7 +229,7 @@ fn entry_and_exit_times(path: &Path) {
     for (i, unit) in units.iter().enumerate() {
         let state = State { distance: unit.d, speed: unit.v, acceleration: unit.a };
         for (with_acceleration, expected) in [(false, unit.speed), (true, unit.acceleration)] {
-            let found = Passage::of(&state, unit.coll_dist, with_acceleration);
+            let found = ConflictPassage::of(&state, unit.coll_dist, with_acceleration);
             assert!(
                 agrees_relatively(found.entry, expected[0].0) && agrees_relatively(found.exit, expected[1].0),
                 "entry_exit {i}: {found:?} is not {:?}",
@@ -259,7 +259,7 @@ fn access_orders_and_their_values(path: &Path) {
         let valuation = Valuation::new(&variant, &parameters);
         let to = State::from(unit.ego_predicted);
         let other_to = State::from(unit.other_predicted);
-        let passage = Passage::of(&other_to, other.body.half_extent, unit.consider_other_acc);
+        let passage = ConflictPassage::of(&other_to, other.body.half_extent, unit.consider_other_acc);
         let orders = access_orders(
             &own.body,
             &own.manner,
@@ -272,14 +272,14 @@ fn access_orders_and_their_values(path: &Path) {
         let here = State::from(unit.ego_current);
         let phase = ActionPhase { speed: here.speed, acceleration: unit.action_acc0, jerk: unit.action_jerk };
         let action = valuation.discounting.action(&own.gains, &phase);
-        let mine = Move {
+        let mine = AgentMove {
             here,
             phase,
             action,
             to: PredictedState { state: to, ..Default::default() },
             ..Default::default()
         };
-        let theirs = Move {
+        let theirs = AgentMove {
             here: unit.other_current.into(),
             to: PredictedState { state: other_to, passage },
             first_acceleration: unit.other_first_acc,
@@ -287,7 +287,7 @@ fn access_orders_and_their_values(path: &Path) {
             ..Default::default()
         };
         let rules = Rules { pedestrian_priority: true, entry_inhibited: false };
-        let value_of = |course: &Course, is_first| {
+        let value_of = |course: &AccessCourse, is_first| {
             valuation.of_course(&own, &mine, course, is_first, &other, &theirs, &rules)
         };
         for (name, course, implication, expected, is_first) in [
@@ -334,7 +334,7 @@ fn access_orders_and_their_values(path: &Path) {
 struct Replayed<'a> {
     name: &'static str,
     run: &'a Run,
-    agent: Option<Agent>,
+    agent: Option<CommotionsAgent>,
     draws: RecordedDraws<'a>,
     state: State,
     actions: Vec<(usize, usize)>,
@@ -342,7 +342,7 @@ struct Replayed<'a> {
 }
 
 impl<'a> Replayed<'a> {
-    fn new(name: &'static str, run: &'a Run, draws: &'a [f64], agent: Option<Agent>) -> Self {
+    fn new(name: &'static str, run: &'a Run, draws: &'a [f64], agent: Option<CommotionsAgent>) -> Self {
         Self {
             name,
             run,
@@ -435,10 +435,10 @@ fn replay(i: usize, simulation: &Simulation) -> Comparison {
             [run.action_value_estimates.len(), run.behaviour_probabilities.len(), run.perceived.len()];
         assert_eq!(lengths, [probes; 3], "{place}: every probe step needs its numbers");
     }
-    let encounter = |own, other| Encounter { own, other, dt: *dt };
-    let walker = Agent::new(&variant, &parameters, &encounter(PEDESTRIAN, VEHICLE));
+    let encounter = |own, other| AgentEncounter { own, other, dt: *dt };
+    let walker = CommotionsAgent::new(&variant, &parameters, &encounter(PEDESTRIAN, VEHICLE));
     let driver = (vehicle.kind == Some(Driver::Commotions))
-        .then(|| Agent::new(&variant, &parameters, &encounter(VEHICLE, PEDESTRIAN)));
+        .then(|| CommotionsAgent::new(&variant, &parameters, &encounter(VEHICLE, PEDESTRIAN)));
     let mut both = [
         Replayed::new("pedestrian", ped, &draws.ped, Some(walker)),
         Replayed::new("vehicle", vehicle, &draws.vehicle, driver),

@@ -13,8 +13,8 @@ use scenario_runner::results::Requests;
 use scenario_runner::run::{FreeFlows, road_users};
 use scenario_runner::scenario::{Case, ModelSetup, Settings, Value, World};
 use scenario_runner::sim::{
-    Controller, Course, Driver, Ending, Event, Fingerprint, Observer, Progress, Snapshot, Step, Timeline,
-    Trace,
+    Controller, Course, Driver, Ending, Fingerprint, Observer, Progress, Snapshot, Step, Timeline,
+    TimelineEvent, Trace,
 };
 
 /// The first case of every trial of a few suites, by whose controllers there are.
@@ -51,7 +51,7 @@ impl<'w> Told<'w> {
     }
 
     #[allow(clippy::type_complexity, reason = "everything there is")]
-    fn all(self) -> (Vec<Reading>, u64, Trace, Vec<Event>, Option<(Ending, Snapshot)>) {
+    fn all(self) -> (Vec<Reading>, u64, Trace, Vec<TimelineEvent>, Option<(Ending, Snapshot)>) {
         let readings = self.measurement.readings();
         (readings, self.fingerprint.value(), self.trace, self.timeline.into_events(), self.ended)
     }

@@ -13,7 +13,7 @@ use scenario_runner::project::PlannedSuite;
 use scenario_runner::results::{Event, Reporter, TrialState, Verdict};
 use scenario_runner::run::{Executor, Shuffled, Stop, Threads};
 use scenario_runner::runner::{Orders, Runner, judge_gates, measured_trials, units};
-use scenario_runner::shrink::{Place, shrink};
+use scenario_runner::shrink::{KnobPlace, shrink};
 use serde_json::Value;
 
 /// Trials of fixed and of open length, what builds on them and on each other, and a gate.
@@ -123,7 +123,7 @@ fn run_by(executor: &dyn Executor, folder: &Path) -> (String, String) {
     let (at, finding) =
         findings.iter().enumerate().find(|(_, finding)| finding.verdict == Verdict::Failed).unwrap();
     let outcome = trial.outcomes.iter().find(|one| one.key == finding.worst[0].key).unwrap();
-    let place = Place {
+    let place = KnobPlace {
         scenario: suites[0].suite.scenario(&trial.trial.scenario).unwrap().clone(),
         variation: trial.trial.variation.clone(),
         individuals: outcome.individuals.clone(),

@@ -14,11 +14,11 @@ const ROOMS: [&str; 26] = [
     "escape",
     "files",
     "console",
+    "optimise",
     "scenario",
     "registry",
     "sim",
     "metrics",
-    "optimise",
     "results",
     "pedestrian",
     "vehicle",
@@ -210,6 +210,7 @@ fn a_name_stands_for_one_type() {
             let mut words = declared.split(|one: char| !one.is_alphanumeric() && one != '_');
             if let (Some("struct" | "enum" | "trait" | "type"), Some(name)) = (words.next(), words.next())
                 // An associated type is its trait's.
+                && !name.is_empty()
                 && !(declared.starts_with("type ") && line.starts_with(' '))
             {
                 types.entry(name.to_string()).or_default().push(path.display().to_string());

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::files::{self, ReadError};
-use crate::pedestrian::commotions::meeting::{Driver, Meeting, PEDESTRIAN, VEHICLE};
+use crate::pedestrian::commotions::meeting::{Meeting, MetDriver, PEDESTRIAN, VEHICLE};
 use crate::pedestrian::commotions::{Parameters, State};
 
 /// One criterion: who meets whom, and what has to come of it.
@@ -169,8 +169,8 @@ impl RetentionCriterion {
             pedestrian: (PEDESTRIAN.half_extent + self.pedestrian_time * walks, walks),
             vehicle: (VEHICLE.half_extent + self.vehicle_time * drives, drives),
             driver: match self.driver {
-                Drives::Commotions => Driver::Commotions,
-                Drives::ConstantSpeed => Driver::Timetable(Vec::new()),
+                Drives::Commotions => MetDriver::Commotions,
+                Drives::ConstantSpeed => MetDriver::Timetable(Vec::new()),
             },
             pedestrian_priority: self.pedestrian_priority,
             entry_inhibited_until: 0.0,

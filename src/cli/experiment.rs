@@ -79,7 +79,8 @@ fn run(arguments: &ExperimentArguments, kind: &'static str, registry: &Registry)
     }
     let session = Session::new(&project).journals(&arguments.journal).stopped_by(&stop).courses(false);
     let mut watcher = Terminal::quiet(shows_progress(arguments.no_progress).then(Live::new));
-    let results = session.run_units(&units, &Selection::marked(asked), &mut watcher).expect("a block is selected");
+    let results =
+        session.run_units(&units, &Selection::marked(asked), &mut watcher).expect("a block is selected");
     let reports = &results.suites;
     let done = reports.iter().flat_map(|report| &report.blocks);
     let shown: Vec<_> = done.clone().filter_map(BlockReport::result).map(render_block).collect();

@@ -14,7 +14,7 @@ use crate::plan::{self, Plan};
 use crate::project::plan_notices;
 use crate::registry::Registry;
 use crate::results::{Requests, record_command};
-use crate::run::{Batch, BatchError, Measured, Stop, Threads};
+use crate::run::{BatchError, MeasuredMetrics, RunBatch, Stop, Threads};
 use crate::scenario::{Gate, Suite};
 
 /// Whether a file holds a baseline and not a suite.
@@ -54,8 +54,8 @@ pub fn run_suite(suite: &Suite, requests: &Requests, title: &str, stop: &Stop) -
 fn run_plan(plan: &Plan, requests: &Requests, title: &str, stop: &Stop) -> Result<Baseline, Exit> {
     let runs = plan.scenarios().iter().map(|one| one.len() * one.runs()).sum::<usize>();
     let bar = bar(title, runs as u64);
-    let (threads, measured) = (Threads::all(), Measured::new(requests.clone()));
-    let batch = Batch { executor: &threads, measured: &measured, stop };
+    let (threads, measured) = (Threads::all(), MeasuredMetrics::new(requests.clone()));
+    let batch = RunBatch { executor: &threads, measured: &measured, stop };
     let mut trials = Vec::with_capacity(plan.len());
     let made = plan.trials().try_for_each(|trial| {
         let outcomes = batch.outcomes(trial.cases.iter(), || bar.inc(1))?;

@@ -33,7 +33,7 @@ pub struct CaseArguments {
 }
 
 /// The run that was asked for.
-pub struct Found<'a> {
+pub struct FoundCase<'a> {
     pub suite: &'a PlannedSuite,
     pub case: Case,
     /// What is asked of its trial, with constant bounds.
@@ -66,7 +66,7 @@ impl CaseArguments {
 
     /// The run of that key: one of the plan, or a recorded one by the key of its unit. If there is none, says so on
     /// stderr.
-    pub fn find<'a>(&self, suites: &'a [PlannedSuite]) -> Result<Found<'a>, Exit> {
+    pub fn find<'a>(&self, suites: &'a [PlannedSuite]) -> Result<FoundCase<'a>, Exit> {
         let key = &self.key;
         for unit in units(suites).iter().filter(|unit| unit.key == *key) {
             if let Work::Recorded(recorded) = &unit.work {
@@ -77,7 +77,7 @@ impl CaseArguments {
                     writeln!(stderr(), "error: `{key}` cannot be run any more: {stale}");
                     Exit::NothingSelected
                 })?;
-                return Ok(Found { suite, case: Case { key: key.clone(), ..case }, criteria });
+                return Ok(FoundCase { suite, case: Case { key: key.clone(), ..case }, criteria });
             }
         }
         let cases = || {
@@ -88,7 +88,7 @@ impl CaseArguments {
             })
         };
         if let Some((suite, trial, case)) = cases().find(|(_, _, case)| case.key == *key) {
-            return Ok(Found { suite, case, criteria: trial.criteria.clone() });
+            return Ok(FoundCase { suite, case, criteria: trial.criteria.clone() });
         }
         writeln!(stderr(), "error: no run is called `{key}`");
         let similarity = |known: &str| (strsim::normalized_levenshtein(known, key) * 1e6) as u64;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::Exit;
-use super::one_case::{CaseArguments, Found, could_not_run};
+use super::one_case::{CaseArguments, FoundCase, could_not_run};
 use super::run::LastRun;
 use crate::console::{stderr, stdout};
 use crate::corpus::{case_hash, corpus_path};
@@ -13,7 +13,7 @@ use crate::files::WholeFile;
 use crate::registry::Registry;
 use crate::report::{ReplayIntroduction, case_values, render_replay, replay_reasons, write_trace};
 use crate::results::Requests;
-use crate::run::{Batch, Measured, Ran, Stop, Threads, Wanted};
+use crate::run::{MeasuredMetrics, Ran, RunBatch, Stop, Threads, Wanted};
 
 #[derive(Debug, Args)]
 pub struct ReplayArguments {
@@ -46,13 +46,13 @@ struct Expected {
     source: String,
 }
 
-fn replay_case(arguments: &ReplayArguments, found: &Found, registry: &Registry) -> Exit {
-    let Found { suite, case, .. } = found;
+fn replay_case(arguments: &ReplayArguments, found: &FoundCase, registry: &Registry) -> Exit {
+    let FoundCase { suite, case, .. } = found;
     let mut requests = Requests::defaults(registry);
     suite.plan.trials().for_each(|trial| requests.include(&trial.criteria));
     requests.include(&found.criteria);
-    let (threads, measured, stop) = (Threads::new(1), Measured::new(requests), Stop::default());
-    let batch = Batch { executor: &threads, measured: &measured, stop: &stop };
+    let (threads, measured, stop) = (Threads::new(1), MeasuredMetrics::new(requests), Stop::default());
+    let batch = RunBatch { executor: &threads, measured: &measured, stop: &stop };
     let runs = batch
         .one(case, Wanted::TraceAndEvents)
         .and_then(|ran| Ok((ran, batch.one(case, Wanted::Outcome)?.outcome)));
@@ -108,7 +108,7 @@ fn replay_case(arguments: &ReplayArguments, found: &Found, registry: &Registry) 
 }
 
 /// What is known of the run: what the user says, what was recorded, or what the last session saw.
-fn expected(arguments: &ReplayArguments, Found { suite, case, .. }: &Found) -> Option<Expected> {
+fn expected(arguments: &ReplayArguments, FoundCase { suite, case, .. }: &FoundCase) -> Option<Expected> {
     if let Some(fingerprint) = &arguments.fingerprint {
         let source = "the one that was asked for".to_string();
         // As `--csv` writes it.

@@ -6,7 +6,7 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::interrupt::stop_on_interrupt;
-use super::one_case::{CaseArguments, Found, could_not_run};
+use super::one_case::{CaseArguments, FoundCase, could_not_run};
 use super::{Exit, shows_progress};
 use crate::console::{stderr, stdout};
 use crate::files::{self, Disk, Lines, Overlay};
@@ -14,9 +14,9 @@ use crate::judge::{PerRun, per_run};
 use crate::registry::Registry;
 use crate::report::{SHRUNK_BY, render_shrunk, run_words, shrunk_file};
 use crate::results::{Outcome, Requests, SuiteIdentity};
-use crate::run::{Batch, BatchError, Measured, Stop, Threads, Wanted};
+use crate::run::{BatchError, MeasuredMetrics, RunBatch, Stop, Threads, Wanted};
 use crate::scenario::Case;
-use crate::shrink::{Place, Shrunk, shrink as shrink_case, unmoved};
+use crate::shrink::{KnobPlace, Shrunk, shrink as shrink_case, unmoved};
 use crate::{lang, plan};
 
 /// A failing run as a small scenario file of its own
@@ -73,7 +73,7 @@ pub fn shrink(arguments: &ShrinkArguments, registry: &Registry) -> Exit {
 
 /// The criterion that was asked for, if the run speaks against it; else the first such, those that one run decides before
 /// those about many.
-fn choose(arguments: &ShrinkArguments, found: &Found, registry: &Registry) -> Result<PerRun, Exit> {
+fn choose(arguments: &ShrinkArguments, found: &FoundCase, registry: &Registry) -> Result<PerRun, Exit> {
     let key = &arguments.case.key;
     let mut criteria: Vec<PerRun> = found.criteria.iter().filter_map(per_run).collect();
     if let Some(words) = &arguments.criterion {
@@ -110,11 +110,11 @@ fn choose(arguments: &ShrinkArguments, found: &Found, registry: &Registry) -> Re
 
 fn shrink_found(
     arguments: &ShrinkArguments,
-    found: &Found,
+    found: &FoundCase,
     criterion: &PerRun,
     registry: &Registry,
 ) -> Result<Exit, Exit> {
-    let Found { suite, case, .. } = found;
+    let FoundCase { suite, case, .. } = found;
     let declared = suite.suite.scenarios.iter().find(|scenario| scenario.name == case.scenario);
     let scenario = declared.expect("a case belongs to a scenario of its suite").clone();
     let path = match &arguments.output {
@@ -122,7 +122,7 @@ fn shrink_found(
         None => PathBuf::from(format!("{}_shrunk.scn", scenario.name)),
     };
     may_be_written(&path, arguments.force)?;
-    let place = Place {
+    let place = KnobPlace {
         scenario,
         variation: case.variation.clone(),
         individuals: case.individuals.clone(),
@@ -216,8 +216,9 @@ fn run(case: &Case, requests: &Requests) -> Result<Outcome, Exit> {
 }
 
 fn outcome(case: &Case, requests: &Requests) -> Result<Outcome, BatchError> {
-    let (threads, measured, stop) = (Threads::new(1), Measured::new(requests.clone()), Stop::default());
-    let batch = Batch { executor: &threads, measured: &measured, stop: &stop };
+    let (threads, measured, stop) =
+        (Threads::new(1), MeasuredMetrics::new(requests.clone()), Stop::default());
+    let batch = RunBatch { executor: &threads, measured: &measured, stop: &stop };
     batch.one(case, Wanted::Outcome).map(|ran| ran.outcome)
 }
 

@@ -6,7 +6,7 @@ use thiserror::Error;
 use crate::numbers::random::digest_bits;
 use crate::plan::{self, PlanError};
 use crate::results::{Outcome, Recorded};
-use crate::scenario::{Case, Criterion, Population, Suite, World};
+use crate::scenario::{Case, Criterion, PopulationShare, Suite, World};
 
 /// Why a recorded run cannot be run any more.
 #[derive(Debug, Error)]
@@ -58,7 +58,7 @@ pub fn revive(recorded: &Recorded, suite: &Suite) -> Result<Case, Stale> {
             .find(|one| one.name == *pedestrian)
             .and_then(|one| one.individuals.as_mut())
             .ok_or_else(|| other_people(pedestrian, population))?;
-        individuals.selection = Population::Number(*number);
+        individuals.selection = PopulationShare::Number(*number);
     }
     let people = plan::select_people(recorded.seed, &scenario)?.into_iter().next().unwrap_or_default();
     for (pedestrian, number, population) in &recorded.people {

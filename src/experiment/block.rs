@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::{
-    Context, ExperimentError, Progress, run_evaluate, run_search, run_statement, run_tune, statement,
+    BlockProgress, Context, ExperimentError, run_evaluate, run_search, run_statement, run_tune, statement,
 };
 use crate::results::{BlockResult, EvaluateResult, Outcome, SearchResult, TuneResult};
 use crate::scenario::{Block, Case, CaseSet, OutcomesOf, ParameterSet, SampleSize};
@@ -68,7 +68,7 @@ pub fn run_block(
     block: &Block,
     context: &Context,
     results: &EarlierResults,
-    progress: &dyn Progress,
+    progress: &dyn BlockProgress,
 ) -> Result<BlockResult, ExperimentError> {
     match block {
         Block::Search(search) => run_search(context, search, progress).map(BlockResult::Search),

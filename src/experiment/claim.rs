@@ -1,6 +1,6 @@
 //! Whether a claim holds, whatever the runs that were cut off would have come to.
 
-use crate::judge::Span;
+use crate::judge::ValueSpan;
 use crate::results::TrendPoint;
 use crate::scenario::{BinaryOperator, Measured, OutcomesOf, TrendDirection, significant};
 
@@ -8,13 +8,13 @@ use crate::scenario::{BinaryOperator, Measured, OutcomesOf, TrendDirection, sign
 pub struct Operand {
     pub value: Result<f64, String>,
     /// What it could still have come to, where runs were cut off.
-    pub span: Result<Span, String>,
+    pub span: Result<ValueSpan, String>,
     pub unit: Option<String>,
 }
 
 impl Operand {
     pub fn known(value: Result<f64, String>, unit: Option<String>) -> Self {
-        Self { span: value.clone().map(Span::point), value, unit }
+        Self { span: value.clone().map(ValueSpan::point), value, unit }
     }
 }
 
@@ -47,14 +47,14 @@ pub fn combine(operator: BinaryOperator, left: Operand, right: Operand) -> Opera
         let right = right.span?;
         if left.is_point() && right.is_point() {
             let value = apply(left.low, right.low);
-            return if value.is_finite() { Ok(Span::point(value)) } else { Err(by_nothing()) };
+            return if value.is_finite() { Ok(ValueSpan::point(value)) } else { Err(by_nothing()) };
         }
         if matches!(operator, BinaryOperator::Divide) && right.contains(0.0) {
-            return if right.is_point() { Err(by_nothing()) } else { Ok(Span::ANYTHING) };
+            return if right.is_point() { Err(by_nothing()) } else { Ok(ValueSpan::ANYTHING) };
         }
         let ends =
             [(left.low, right.low), (left.low, right.high), (left.high, right.low), (left.high, right.high)];
-        Ok(Span::around(ends.map(|(left, right)| apply(left, right))))
+        Ok(ValueSpan::around(ends.map(|(left, right)| apply(left, right))))
     });
     Operand { value, span, unit }
 }
@@ -64,7 +64,7 @@ pub fn combine(operator: BinaryOperator, left: Operand, right: Operand) -> Opera
 pub fn follows(
     direction: TrendDirection,
     points: &[TrendPoint],
-    spans: &[Option<Span>],
+    spans: &[Option<ValueSpan>],
     variable: &str,
     measured: &Measured,
 ) -> Result<Option<bool>, String> {
@@ -79,17 +79,17 @@ pub fn follows(
             let at = format!("{variable} {}", point.label);
             format!("`{metric}` exists in too few of the {} runs of {of} at {at}", point.runs)
         };
-        let Span { low, high } = span.ok_or_else(missing)?;
+        let ValueSpan { low, high } = span.ok_or_else(missing)?;
         upwards.push(match direction {
-            TrendDirection::Rises => Span { low, high },
-            TrendDirection::Falls => Span { low: -high, high: -low },
+            TrendDirection::Rises => ValueSpan { low, high },
+            TrendDirection::Falls => ValueSpan { low: -high, high: -low },
         });
     }
     Ok(rises(&upwards))
 }
 
 /// Whether values within these spans never fall and end higher than they began.
-fn rises(spans: &[Span]) -> Option<bool> {
+fn rises(spans: &[ValueSpan]) -> Option<bool> {
     let [first, .., last] = spans else { return Some(false) };
     if spans.windows(2).all(|pair| pair[1].low >= pair[0].high) && last.low > first.high {
         return Some(true);
@@ -104,19 +104,19 @@ fn rises(spans: &[Span]) -> Option<bool> {
 }
 
 /// Such as `between 1 s and 3 s`.
-pub fn in_words(span: Span, unit: &str) -> String {
+pub fn in_words(span: ValueSpan, unit: &str) -> String {
     let show = |value: f64| match unit {
         "%" => format!("{} %", significant(100.0 * value, 4)),
         "" => significant(value, 4),
         _ => format!("{} {unit}", significant(value, 4)),
     };
     match span {
-        Span { low, high } if low == high => show(low),
-        Span { low, high } if low.is_finite() && high.is_finite() => {
+        ValueSpan { low, high } if low == high => show(low),
+        ValueSpan { low, high } if low.is_finite() && high.is_finite() => {
             format!("anything between {} and {}", show(low), show(high))
         }
-        Span { low, .. } if low.is_finite() => format!("anything from {} on", show(low)),
-        Span { high, .. } if high.is_finite() => format!("anything up to {}", show(high)),
+        ValueSpan { low, .. } if low.is_finite() => format!("anything from {} on", show(low)),
+        ValueSpan { high, .. } if high.is_finite() => format!("anything up to {}", show(high)),
         _ => "anything".to_string(),
     }
 }
@@ -133,13 +133,13 @@ pub fn name_of(of: &OutcomesOf) -> String {
 mod tests {
     use super::*;
 
-    fn span(low: f64, high: f64) -> Span {
-        Span { low, high }
+    fn span(low: f64, high: f64) -> ValueSpan {
+        ValueSpan { low, high }
     }
 
     #[test]
     fn a_trend_is_known_where_nothing_that_is_open_could_bend_it() {
-        let points = |values: &[f64]| values.iter().copied().map(Span::point).collect::<Vec<_>>();
+        let points = |values: &[f64]| values.iter().copied().map(ValueSpan::point).collect::<Vec<_>>();
         assert_eq!(rises(&points(&[1.0, 1.0, 2.0])), Some(true));
         assert_eq!(rises(&points(&[1.0, 1.0])), Some(false));
         assert_eq!(rises(&points(&[1.0, 3.0, 2.0])), Some(false));
@@ -167,8 +167,8 @@ mod tests {
         assert_eq!(of(BinaryOperator::Subtract, (1.0, 2.0), (0.5, 4.0)), Ok(span(-3.0, 1.5)));
         assert_eq!(of(BinaryOperator::Multiply, (-1.0, 2.0), (3.0, 4.0)), Ok(span(-4.0, 8.0)));
         assert_eq!(of(BinaryOperator::Divide, (1.0, 2.0), (2.0, 4.0)), Ok(span(0.25, 1.0)));
-        assert_eq!(of(BinaryOperator::Divide, (1.0, 2.0), (0.0, 4.0)), Ok(Span::ANYTHING));
-        assert_eq!(of(BinaryOperator::Multiply, (0.0, 1.0), (0.0, f64::INFINITY)), Ok(Span::ANYTHING));
+        assert_eq!(of(BinaryOperator::Divide, (1.0, 2.0), (0.0, 4.0)), Ok(ValueSpan::ANYTHING));
+        assert_eq!(of(BinaryOperator::Multiply, (0.0, 1.0), (0.0, f64::INFINITY)), Ok(ValueSpan::ANYTHING));
         assert!(of(BinaryOperator::Divide, (1.0, 1.0), (0.0, 0.0)).is_err());
     }
 }

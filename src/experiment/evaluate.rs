@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use super::parameters::ParameterFile;
-use super::{Context, EarlierResults, ExperimentError, Progress, overrides};
-use crate::judge::{Seen, Span, aggregate, aggregate_against, span_of, undecided};
+use super::{BlockProgress, Context, EarlierResults, ExperimentError, overrides};
+use crate::judge::{Seen, ValueSpan, aggregate, aggregate_against, span_of, undecided};
 use crate::numbers::inference::{paired_difference, rate_change};
 use crate::numbers::random::derive_seed;
 use crate::numbers::summary::mean;
@@ -28,7 +28,7 @@ pub fn run_evaluate(
     context: &Context,
     evaluate: &Evaluate,
     results: &EarlierResults,
-    progress: &dyn Progress,
+    progress: &dyn BlockProgress,
 ) -> Result<EvaluateResult, ExperimentError> {
     let cases = context.case_set(&evaluate.on, &evaluate.name, results)?;
     let measures =
@@ -255,7 +255,7 @@ pub(super) fn measured_between(
     measure: &Aggregate,
     outcomes: &[Outcome],
     requests: &Requests,
-) -> Option<Span> {
+) -> Option<ValueSpan> {
     span_of(measure, side(measure.metric()), outcomes, requests)
 }
 

@@ -7,10 +7,10 @@
 use sha2::{Digest, Sha256};
 
 use crate::numbers::random::digest_bits;
-use crate::optimise::Value;
+use crate::optimise::Coordinate;
 use crate::results::{
-    BlockResult, Candidate, CaseRun, ClaimResult, ClaimValues, ConditionResult, Course, CoursePoint,
-    EvaluateResult, Found, SearchResult, StatementResult, TrendPoint, TuneResult,
+    BlockResult, Candidate, CaseRun, ClaimResult, ClaimValues, ConditionResult, CoursePoint, EvaluateResult,
+    Found, MetricCourse, SearchResult, StatementResult, TrendPoint, TuneResult,
 };
 
 impl BlockResult {
@@ -52,13 +52,13 @@ impl Mixture {
         self.number(number.unwrap_or(0.0));
     }
 
-    fn point(&mut self, point: &[Value]) {
+    fn point(&mut self, point: &[Coordinate]) {
         self.count(point.len());
         for value in point {
             match value {
-                Value::Integer(integer) => self.bits(integer.cast_unsigned()),
-                Value::Real(real) => self.number(*real),
-                Value::Category(word) => self.0.update(word),
+                Coordinate::Integer(integer) => self.bits(integer.cast_unsigned()),
+                Coordinate::Real(real) => self.number(*real),
+                Coordinate::Category(word) => self.0.update(word),
             }
         }
     }
@@ -117,7 +117,7 @@ impl Mixture {
         self.runs(runs);
         kept.iter().for_each(|kept| self.bits((*kept).into()));
         self.count(courses.len());
-        for Course { over: _, points } in courses {
+        for MetricCourse { over: _, points } in courses {
             for CoursePoint { at, smallest, mean, largest, runs } in points {
                 [*at, *smallest, *mean, *largest].into_iter().for_each(|number| self.number(number));
                 self.count(*runs);

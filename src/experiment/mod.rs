@@ -31,7 +31,7 @@ use crate::optimise;
 use crate::plan::PlanError;
 use crate::registry::Registry;
 use crate::results::Requests;
-use crate::run::{Executor, Measured, RunError, Stop};
+use crate::run::{Executor, MeasuredMetrics, RunError, Stop};
 use crate::scenario::{Scenario, Suite};
 
 pub use block::{EarlierResults, Need, needs, run_block};
@@ -48,7 +48,7 @@ pub use tune::run_tune;
 pub struct Context<'a> {
     pub suite: &'a Suite,
     /// What is read off every run.
-    pub measured: Arc<Measured>,
+    pub measured: Arc<MeasuredMetrics>,
     /// What makes the runs.
     pub executor: &'a dyn Executor,
     /// Where journals are kept; `None` keeps none.
@@ -82,7 +82,7 @@ impl<'a> Context<'a> {
         rules.filter_map(|rule| rule.metric.as_ref()).for_each(|metric| requests.add(metric));
         Self {
             suite,
-            measured: Measured::new(requests),
+            measured: MeasuredMetrics::new(requests),
             executor,
             journals: None,
             stop: Stop::default(),
@@ -111,7 +111,7 @@ impl<'a> Context<'a> {
 }
 
 /// Told while an experiment runs, from several threads.
-pub trait Progress: Sync {
+pub trait BlockProgress: Sync {
     /// `done` of `all` evaluations are finished; `best` is the best objective value so far, if there is one.
     fn evaluated(&self, done: usize, all: usize, best: Option<f64>);
 }
@@ -119,7 +119,7 @@ pub trait Progress: Sync {
 /// Nobody watches.
 pub struct Silent;
 
-impl Progress for Silent {
+impl BlockProgress for Silent {
     fn evaluated(&self, _done: usize, _all: usize, _best: Option<f64>) {}
 }
 

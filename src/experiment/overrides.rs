@@ -2,10 +2,10 @@
 
 use super::ExperimentError;
 use crate::optimise;
-use crate::scenario::{Assignment, Expression, Part, Range, RangeValues, Scenario, Target, Value};
+use crate::scenario::{Assignment, Expression, Part, RangeValues, Scenario, SearchRange, Target, Value};
 
 /// The optimiser's dimension for a declared range.
-pub fn dimension(range: &Range) -> optimise::SearchDimension {
+pub fn dimension(range: &SearchRange) -> optimise::SearchDimension {
     let values = match &range.values {
         RangeValues::Real { low, high } => optimise::Range::Real { low: *low, high: *high },
         RangeValues::Logarithmic { low, high } => optimise::Range::Log { low: *low, high: *high },
@@ -16,21 +16,21 @@ pub fn dimension(range: &Range) -> optimise::SearchDimension {
 }
 
 /// The space of all declared ranges, in their order.
-pub fn space(ranges: &[Range]) -> Result<optimise::Space, optimise::Error> {
+pub fn space(ranges: &[SearchRange]) -> Result<optimise::Space, optimise::Error> {
     optimise::Space::new(ranges.iter().map(dimension).collect())
 }
 
 /// A value of the optimiser as a value of a scenario.
-pub fn value(value: &optimise::Value) -> Value {
+pub fn value(value: &optimise::Coordinate) -> Value {
     match value {
-        optimise::Value::Integer(number) => Value::Number(*number as f64),
-        optimise::Value::Real(number) => Value::Number(*number),
-        optimise::Value::Category(word) => Value::Word(word.clone()),
+        optimise::Coordinate::Integer(number) => Value::Number(*number as f64),
+        optimise::Coordinate::Real(number) => Value::Number(*number),
+        optimise::Coordinate::Category(word) => Value::Word(word.clone()),
     }
 }
 
 /// The variations that a point fixes, with labels that name the exact values.
-pub fn assignments(ranges: &[Range], point: &[optimise::Value]) -> Vec<Assignment> {
+pub fn assignments(ranges: &[SearchRange], point: &[optimise::Coordinate]) -> Vec<Assignment> {
     let fixed = ranges.iter().zip(point).filter_map(|(range, chosen)| match &range.target {
         Target::Variation(name) => Some(Assignment {
             name: name.clone(),
@@ -43,7 +43,7 @@ pub fn assignments(ranges: &[Range], point: &[optimise::Value]) -> Vec<Assignmen
 }
 
 /// The settings that a point fixes.
-pub fn settings(ranges: &[Range], point: &[optimise::Value]) -> Vec<(Target, Value)> {
+pub fn settings(ranges: &[SearchRange], point: &[optimise::Coordinate]) -> Vec<(Target, Value)> {
     let fixed = ranges.iter().zip(point).filter(|(range, _)| matches!(range.target, Target::Setting { .. }));
     fixed.map(|(range, chosen)| (range.target.clone(), value(chosen))).collect()
 }
@@ -61,7 +61,7 @@ pub fn apply(scenario: &mut Scenario, settings: &[(Target, Value)]) -> Result<()
 }
 
 /// `scenario` without the variations whose values the ranges replace.
-pub fn without_variations(scenario: &Scenario, ranges: &[Range]) -> Scenario {
+pub fn without_variations(scenario: &Scenario, ranges: &[SearchRange]) -> Scenario {
     let searched = |name: &String| {
         ranges.iter().any(|range| matches!(&range.target, Target::Variation(target) if target == name))
     };

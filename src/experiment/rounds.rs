@@ -12,7 +12,7 @@ use super::journal::Record;
 use super::{Context, ExperimentError};
 use crate::optimise::{Definition, Evaluation, Optimiser, Proposal};
 use crate::results::Outcome;
-use crate::run::{Done, Failure, Job, Place, Sequence, Sequences, Wanted, run_sequences};
+use crate::run::{Done, Job, JobFailure, JobPlace, Sequence, Sequences, Wanted, run_sequences};
 use crate::scenario::Case;
 
 /// An optimiser under way, with what it remembers.
@@ -55,7 +55,7 @@ impl Optimisation {
 }
 
 /// What proposals are evaluated by.
-pub trait Evaluate: Sync {
+pub trait EvaluateRound: Sync {
     /// The runs that a proposal of the optimisation with this index takes.
     fn cases(&self, optimisation: usize, proposal: &Proposal) -> Result<Vec<Case>, ExperimentError>;
 
@@ -84,7 +84,7 @@ pub trait Evaluate: Sync {
 pub fn optimise(
     context: &Context,
     all: &mut [Optimisation],
-    evaluate: &dyn Evaluate,
+    evaluate: &dyn EvaluateRound,
 ) -> Result<(), ExperimentError> {
     loop {
         let plan = |(index, one): (usize, &mut Optimisation)| -> Result<Vec<_>, ExperimentError> {
@@ -123,7 +123,7 @@ struct Proposed<'r> {
     cases: Vec<Case>,
     outcomes: Vec<Outcome>,
     evaluated: Option<Result<Evaluation, ExperimentError>>,
-    evaluate: &'r dyn Evaluate,
+    evaluate: &'r dyn EvaluateRound,
     context: &'r Context<'r>,
 }
 
@@ -132,7 +132,7 @@ impl Sequence for Proposed<'_> {
         self.cases.len()
     }
 
-    fn job(&mut self, place: Place) -> Job {
+    fn job(&mut self, place: JobPlace) -> Job {
         let (case, measured) = (self.cases[place.run].clone(), self.context.measured.clone());
         Job { place, case, measured, wanted: Wanted::Outcome }
     }
@@ -140,11 +140,11 @@ impl Sequence for Proposed<'_> {
     fn take(&mut self, done: Done) -> ControlFlow<()> {
         match done.result {
             Ok(ran) => self.outcomes.push(ran.outcome),
-            Err(Failure::Error(error)) => {
+            Err(JobFailure::Error(error)) => {
                 self.evaluated = Some(Err(ExperimentError::Run { key: done.case.key, error }));
                 return ControlFlow::Break(());
             }
-            Err(Failure::Panicked(panicked)) => std::panic::resume_unwind(Box::new(panicked)),
+            Err(JobFailure::Panicked(panicked)) => std::panic::resume_unwind(Box::new(panicked)),
         }
         if self.evaluate.is_enough(&self.outcomes) || self.outcomes.len() == self.cases.len() {
             let abandoned = self.outcomes.len() < self.cases.len();

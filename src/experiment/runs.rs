@@ -6,13 +6,13 @@ use super::{Context, ExperimentError};
 use crate::judge::{Seen, aggregate_against, counted, holds_undefined};
 use crate::numbers::summary::{mean, variance_of_mean};
 use crate::results::{CaseRun, MetricSummary, Outcome, SavedCase};
-use crate::run::{Batch, BatchError};
+use crate::run::{BatchError, RunBatch};
 use crate::scenario::{Aggregate, Case, Comparison, Goal, MetricKind, MetricReference, Relation, ShownIn};
 
 impl Context<'_> {
     /// Runs every case, in a round; the outcomes are in the order of the cases.
     pub(super) fn run_all(&self, cases: &[Case]) -> Result<Vec<Outcome>, ExperimentError> {
-        let batch = Batch { executor: self.executor, measured: &self.measured, stop: &self.stop };
+        let batch = RunBatch { executor: self.executor, measured: &self.measured, stop: &self.stop };
         batch.outcomes(cases.iter().cloned(), || ()).map_err(|error| match error {
             BatchError::Run { key, error } => ExperimentError::Run { key, error },
             BatchError::Stopped => ExperimentError::Stopped,

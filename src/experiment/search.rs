@@ -5,17 +5,15 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use rayon::prelude::*;
 
 use super::journal::Record;
-use super::rounds::{Evaluate, Optimisation, optimise};
-use super::{Context, ExperimentError, Progress, overrides};
+use super::rounds::{EvaluateRound, Optimisation, optimise};
+use super::{BlockProgress, Context, ExperimentError, overrides};
 use crate::numbers::random::derive_seed;
 use crate::numbers::summary::mean;
-use crate::optimise::{
-    self, Definition, Evaluation, InitialDesign, Method, ObjectiveValue, Optimiser, Proposal,
-};
+use crate::optimise::{self, Definition, Evaluation, Method, ObjectiveValue, Optimiser, Proposal};
 use crate::plan;
-use crate::results::{CaseRun, Course, CoursePoint, Found, Outcome, SavedCase, SavedSet, SearchResult};
+use crate::results::{CaseRun, CoursePoint, Found, MetricCourse, Outcome, SavedCase, SavedSet, SearchResult};
 use crate::scenario::{
-    self, Assignment, Budget, Case, Goal, Individual, Objective, Range, Scenario, Search, ShownIn,
+    self, Assignment, Budget, Case, Goal, Individual, Objective, Scenario, Search, SearchRange, ShownIn,
 };
 
 /// Runs with fresh seeds that tell how much of a best value was luck.
@@ -24,7 +22,7 @@ const FRESH_RUNS: u32 = 20;
 /// Points of a slice through the surrogate.
 const SLICE_STEPS: usize = 101;
 
-/// How many individuals get a [`Course`]: those that were kept, the worst first.
+/// How many individuals get a [`MetricCourse`]: those that were kept, the worst first.
 const MOST_COURSES: usize = 12;
 /// Values of a dimension that a course is run at.
 const COURSE_STEPS: usize = 25;
@@ -45,7 +43,7 @@ type Group = Vec<Vec<Individual>>;
 pub fn run_search(
     context: &Context,
     search: &Search,
-    progress: &dyn Progress,
+    progress: &dyn BlockProgress,
 ) -> Result<SearchResult, ExperimentError> {
     let scenario = with_individuals(context.scenario(&search.scenario)?, search);
     let people = plan::select_people(context.suite.seed, &scenario)?;
@@ -76,7 +74,7 @@ pub fn run_search(
         name: search.name.clone(),
         objective: search.objective.text.clone(),
         direction: search.objective.direction,
-        shown_in: search.over.iter().map(Range::shown_in).collect(),
+        shown_in: search.over.iter().map(SearchRange::shown_in).collect(),
         objective_in: ShownIn::new(search.objective.notation, &search.objective.aggregate.unit()),
         metrics: context.requests().iter().map(|reference| reference.label()).collect(),
         kept: SavedSet {
@@ -118,29 +116,19 @@ pub(super) fn definition(
     constraints: usize,
     seed: u64,
 ) -> Definition {
-    let objectives = goals
-        .iter()
-        .map(|goal| match goal {
-            Goal::Minimise => optimise::Goal::Minimise,
-            Goal::Maximise => optimise::Goal::Maximise,
-        })
-        .collect();
     Definition {
-        objectives,
+        objectives: goals,
         constraints,
         budget: budget.evaluations as usize,
         initial: budget.initial as usize,
-        initial_design: match budget.initial_design {
-            scenario::InitialDesign::Random => InitialDesign::Random,
-            scenario::InitialDesign::Stratified => InitialDesign::Stratified,
-        },
+        initial_design: budget.initial_design,
         method: match budget.method {
-            scenario::Method::Bayesian => Method::Bayesian,
-            scenario::Method::GpMinimizeLike => Method::GpMinimizeLike { penalty: PENALTY },
-            scenario::Method::Random => Method::Random,
-            scenario::Method::LatinHypercube => Method::LatinHypercube,
-            scenario::Method::Sobol => Method::Sobol,
-            scenario::Method::Grid => Method::Grid,
+            scenario::SearchMethod::Bayesian => Method::Bayesian,
+            scenario::SearchMethod::GpMinimizeLike => Method::GpMinimizeLike { penalty: PENALTY },
+            scenario::SearchMethod::Random => Method::Random,
+            scenario::SearchMethod::LatinHypercube => Method::LatinHypercube,
+            scenario::SearchMethod::Sobol => Method::Sobol,
+            scenario::SearchMethod::Grid => Method::Grid,
         },
         ..Definition::new(space, seed)
     }
@@ -154,7 +142,7 @@ struct Under<'a> {
     context: &'a Context<'a>,
     search: &'a Search,
     scenario: &'a Scenario,
-    progress: &'a dyn Progress,
+    progress: &'a dyn BlockProgress,
     done: AtomicUsize,
     all: usize,
 }
@@ -165,7 +153,7 @@ struct Groups<'a> {
     groups: &'a [Group],
 }
 
-impl Evaluate for Groups<'_> {
+impl EvaluateRound for Groups<'_> {
     fn cases(&self, group: usize, proposal: &Proposal) -> Result<Vec<Case>, ExperimentError> {
         let (under, group) = (self.under, &self.groups[group]);
         let key = format!("{}/evaluation={}", under.name(group), proposal.id);
@@ -211,7 +199,7 @@ impl Under<'_> {
         &self,
         key: &str,
         group: &[Vec<Individual>],
-        point: &[optimise::Value],
+        point: &[optimise::Coordinate],
         runs: u32,
     ) -> Result<Vec<Case>, ExperimentError> {
         let mut scenario = overrides::without_variations(self.scenario, &self.search.over);
@@ -322,7 +310,7 @@ impl Under<'_> {
     }
 
     /// Runs as cases to be used again, with what came of them.
-    fn saved(&self, point: &[optimise::Value], cases: &[Case], outcomes: Vec<Outcome>) -> Vec<CaseRun> {
+    fn saved(&self, point: &[optimise::Coordinate], cases: &[Case], outcomes: Vec<Outcome>) -> Vec<CaseRun> {
         let values = self.context.values(self.search.objective.aggregate.metric(), &outcomes);
         let settings = overrides::settings(&self.search.over, point);
         let saved = cases.iter().zip(values).map(|(case, value)| SavedCase {
@@ -360,7 +348,7 @@ impl Under<'_> {
             let outcomes: Vec<_> = outcomes.by_ref().take(cases.len()).collect();
             let courses = &mut found[group].courses;
             if courses.last().is_none_or(|course| course.over != over) {
-                courses.push(Course { over, points: Vec::new() });
+                courses.push(MetricCourse { over, points: Vec::new() });
             }
             let points = courses.last_mut().map(|course| &mut course.points);
             points.into_iter().for_each(|points| points.extend(self.course_point(at, &outcomes)));
@@ -383,7 +371,7 @@ impl Under<'_> {
                 continue;
             }
             let place = |step| dimension_values.value(step as f64 / (COURSE_STEPS - 1) as f64);
-            let mut steps: Vec<optimise::Value> = (0..COURSE_STEPS).map(place).collect();
+            let mut steps: Vec<optimise::Coordinate> = (0..COURSE_STEPS).map(place).collect();
             steps.dedup();
             let over = range.target.to_string();
             for step in steps {

@@ -2,12 +2,12 @@
 
 use super::claim::{Operand, combine, follows, in_words, name_of};
 use super::{Context, EarlierResults, ExperimentError, evaluate};
-use crate::judge::{Span, open_runs};
+use crate::judge::{ValueSpan, open_runs};
 use crate::plan::variables;
 use crate::results::{ClaimResult, ClaimValues, Conclusion, Outcome, StatementResult, TrendPoint};
 use crate::scenario::{
-    Assignment, Measured, OutcomesOf, Quantity, Standing, Statement, StatementClaim, StatementClaimKind,
-    Value, significant,
+    Assignment, DeclaredStanding, Measured, OutcomesOf, Quantity, Statement, StatementClaim,
+    StatementClaimKind, Value, significant,
 };
 
 /// Looks at one statement. `results` holds everything that it names.
@@ -23,7 +23,7 @@ pub fn run_statement(
     let claims: Vec<ClaimResult> =
         statement.claims.iter().map(|claim| court.claim(claim)).collect::<Result<_, _>>()?;
     let conclusion = match &statement.standing {
-        Standing::NotComparable(reason) => Conclusion::NotComparable(reason.clone()),
+        DeclaredStanding::NotComparable(reason) => Conclusion::NotComparable(reason.clone()),
         _ if claims.iter().any(|claim| claim.holds == Some(false)) => Conclusion::NotReproduced,
         _ => match claims.iter().find_map(|claim| claim.undefined.clone()) {
             Some(reason) => Conclusion::NotComparable(reason),
@@ -139,14 +139,14 @@ impl Court<'_> {
             let outcomes: Vec<Outcome> = runs.iter().map(|(_, outcome)| (*outcome).clone()).collect();
             let requests = self.context.requests();
             let open = open_runs(measured.aggregate.metric(), &outcomes, requests);
-            let times = Span::around(open.iter().map(|outcome| outcome.ending.time));
+            let times = ValueSpan::around(open.iter().map(|outcome| outcome.ending.time));
             if open.is_empty() {
                 continue;
             }
             let seconds = |time| significant(time, 4);
             let when = match times {
-                Span { low, high } if low == high => format!("at {} s", seconds(low)),
-                Span { low, high } => format!("at {} s to {} s", seconds(low), seconds(high)),
+                ValueSpan { low, high } if low == high => format!("at {} s", seconds(low)),
+                ValueSpan { low, high } => format!("at {} s to {} s", seconds(low), seconds(high)),
             };
             let (cut_off, all, of) = (open.len(), runs.len(), name_of(&measured.of));
             let reason = format!("{cut_off} of {all} runs of {of} were cut off {when}");
@@ -239,7 +239,7 @@ impl Court<'_> {
     }
 
     /// Between what the runs that were cut off could still have made of it.
-    fn span(&self, measured: &Measured, runs: &Runs) -> Result<Span, String> {
+    fn span(&self, measured: &Measured, runs: &Runs) -> Result<ValueSpan, String> {
         let outcomes: Vec<Outcome> = runs.iter().map(|(_, outcome)| (*outcome).clone()).collect();
         let span = evaluate::measured_between(&measured.aggregate, &outcomes, self.context.requests());
         span.ok_or_else(|| too_few(measured, runs))
@@ -251,7 +251,7 @@ impl Court<'_> {
         measured: &Measured,
         variable: &str,
         runs: &Runs,
-    ) -> (Vec<TrendPoint>, Vec<Option<Span>>) {
+    ) -> (Vec<TrendPoint>, Vec<Option<ValueSpan>>) {
         let mut groups: Vec<(f64, String, Runs)> = Vec::new();
         for (variation, outcome) in runs {
             let assigned = variation.iter().find(|assignment| assignment.name == variable);

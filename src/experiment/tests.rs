@@ -12,12 +12,12 @@ use crate::models::standard;
 use crate::registry::Table;
 use crate::run::Threads;
 use crate::scenario::{
-    self, Aggregate, Block, Budget, CaseSet, Comparison as Bound, DeclaredAppearance, DeclaredVehicleStart,
-    Direction, Evaluate, Expression, Goal, Individuals, InitialDesign, Measure, Measured, Method,
-    MetricReference, Model, Objective, Origin, OutcomesOf, ParameterSet, Part, Pedestrian, Population,
-    Quantity, Range, RangeValues, Registered, Relation, Road, SampleSize, Search, Side, Standing, Statement,
-    StatementClaim, StatementClaimKind, Target, TrendDirection, Tune, Value, Variation, VariationCondition,
-    VariedValue, Vehicle, VehicleReference, WhenUndefined,
+    self, Aggregate, Block, Budget, CaseSet, Comparison as Bound, DeclaredAppearance, DeclaredPedestrian,
+    DeclaredStanding, DeclaredVehicleStart, Direction, Evaluate, Expression, Goal, Individuals,
+    InitialDesign, Measure, Measured, MetricReference, Model, Objective, Origin, OutcomesOf, ParameterSet,
+    Part, PopulationShare, Quantity, RangeValues, Registered, Relation, Road, SampleSize, Search,
+    SearchMethod, SearchRange, Side, Statement, StatementClaim, StatementClaimKind, Target, TrendDirection,
+    Tune, Value, Variation, VariationCondition, VariedValue, Vehicle, VehicleReference, WhenUndefined,
 };
 
 fn threads() -> &'static Threads {
@@ -63,7 +63,7 @@ fn scenario() -> Scenario {
             sees: None,
             origin: Origin::default(),
         }],
-        pedestrians: vec![Pedestrian {
+        pedestrians: vec![DeclaredPedestrian {
             name: "walker".into(),
             model: model(standard().pedestrians(), "commotions", &[]),
             shape: None,
@@ -77,7 +77,7 @@ fn scenario() -> Scenario {
                 time: Expression::Variable("tta".into()),
             },
             individuals: Some(Individuals {
-                selection: Population::Count(3),
+                selection: PopulationShare::Count(3),
                 population: "standard".into(),
                 text: None,
                 origin: Origin::default(),
@@ -106,13 +106,13 @@ fn budget(evaluations: u32) -> Budget {
         evaluations,
         initial: 5,
         initial_design: InitialDesign::Random,
-        method: Method::Bayesian,
+        method: SearchMethod::Bayesian,
         batch: 2,
     }
 }
 
-fn range(target: Target, low: f64, high: f64, unit: &str) -> Range {
-    Range {
+fn range(target: Target, low: f64, high: f64, unit: &str) -> SearchRange {
+    SearchRange {
         target,
         values: RangeValues::Real { low, high },
         unit: unit.into(),

@@ -2,13 +2,13 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use super::rounds::{Evaluate, Optimisation, optimise};
+use super::rounds::{EvaluateRound, Optimisation, optimise};
 use super::search::definition;
-use super::{Context, EarlierResults, ExperimentError, Progress, overrides};
+use super::{BlockProgress, Context, EarlierResults, ExperimentError, overrides};
 use crate::numbers::random::derive_seed;
 use crate::optimise::{self, Evaluation, Margin, ObjectiveValue, Optimiser, Proposal};
 use crate::results::{BeforeAndAfter, Candidate, Outcome, SavedCase, TuneResult, Violations};
-use crate::scenario::{Case, Goal, Objective, Range, ShownIn, Target, Tune, Value};
+use crate::scenario::{Case, Goal, Objective, SearchRange, ShownIn, Target, Tune, Value};
 
 /// Points of a slice through the surrogate.
 const SLICE_STEPS: usize = 101;
@@ -25,7 +25,7 @@ pub fn run_tune(
     context: &Context,
     tune: &Tune,
     results: &EarlierResults,
-    progress: &dyn Progress,
+    progress: &dyn BlockProgress,
 ) -> Result<TuneResult, ExperimentError> {
     let cases = context.case_set(&tune.on, &tune.name, results)?;
     let under = Under { context, tune, cases, progress, done: AtomicUsize::new(0) };
@@ -37,11 +37,11 @@ struct Under<'a> {
     context: &'a Context<'a>,
     tune: &'a Tune,
     cases: Vec<SavedCase>,
-    progress: &'a dyn Progress,
+    progress: &'a dyn BlockProgress,
     done: AtomicUsize,
 }
 
-impl Evaluate for Under<'_> {
+impl EvaluateRound for Under<'_> {
     fn cases(&self, _: usize, proposal: &Proposal) -> Result<Vec<Case>, ExperimentError> {
         self.runs_with(&overrides::settings(&self.tune.over, &proposal.point), false)
     }
@@ -192,7 +192,7 @@ impl Under<'_> {
             cases: self.cases.len(),
             fresh: tune.fresh,
             parameters: tune.over.iter().map(|range| range.target.to_string()).collect(),
-            shown_in: tune.over.iter().map(Range::shown_in).collect(),
+            shown_in: tune.over.iter().map(SearchRange::shown_in).collect(),
             objectives_in: tune.objectives.iter().map(objective_in).collect(),
             margins_in: written().map(|(one, unit)| ShownIn::new(unit, &one.metric.unit())).collect(),
             chosen: chosen.map(candidate),

@@ -6,7 +6,7 @@ use super::nearest::nearest;
 use super::seen::Seen;
 use super::vacuity;
 use crate::numbers::summary;
-use crate::results::{Finding, Horizon, Measure, Outcome, Regarding, Requests, TrialVerdict, Verdict};
+use crate::results::{Finding, FindingMeasure, Horizon, Outcome, Regarding, Requests, TrialVerdict, Verdict};
 use crate::scenario::{
     Aggregate, Claim, Comparison, Criterion, Individual, MetricReference, People, Relation, WhenUndefined,
     constant,
@@ -105,7 +105,8 @@ fn found(criterion: &Criterion, evidence: &Evidence) -> Finding {
                 Aggregate::Rate(comparison) => {
                     let held = holding(comparison, bounded_above(*relation), evidence);
                     let rate = held.count as f64 / outcomes.len() as f64;
-                    let finding = against(criterion, Measure::Share, *relation, bound, Some(rate), &held);
+                    let finding =
+                        against(criterion, FindingMeasure::Share, *relation, bound, Some(rate), &held);
                     let finding = with_confidence_in_share(finding, *relation, *confidence, &held, bounds);
                     let finding = exactly(finding, *relation, outcomes.len() as f64, comparison, evidence);
                     with_worst_of_rate(finding, comparison, *relation, &held, evidence)
@@ -113,7 +114,8 @@ fn found(criterion: &Criterion, evidence: &Evidence) -> Finding {
                 Aggregate::Count(comparison) => {
                     let held = holding(comparison, bounded_above(*relation), evidence);
                     let count = held.count as f64;
-                    let finding = against(criterion, Measure::Count, *relation, bound, Some(count), &held);
+                    let finding =
+                        against(criterion, FindingMeasure::Count, *relation, bound, Some(count), &held);
                     let finding = exactly(finding, *relation, 1.0, comparison, evidence);
                     with_worst_of_rate(finding, comparison, *relation, &held, evidence)
                 }
@@ -163,7 +165,7 @@ fn of_values(
     } else {
         aggregate_of(aggregate, held.seen.iter().filter_map(|one| one.value()).collect())
     };
-    let mut finding = against(criterion, Measure::Value, relation, bound, observed, &held);
+    let mut finding = against(criterion, FindingMeasure::Value, relation, bound, observed, &held);
     if let (Some(confidence), Some(_)) = (confidence, observed) {
         let seed = evidence.outcomes.first().map_or(0, |outcome| outcome.seed);
         let limits = criterion.reach.limits;
@@ -330,10 +332,12 @@ fn runs(
     let mut finding = match share {
         Some(share) => {
             let finding =
-                against(criterion, Measure::Share, Relation::GreaterOrEqual, share, Some(rate), &held);
+                against(criterion, FindingMeasure::Share, Relation::GreaterOrEqual, share, Some(rate), &held);
             with_confidence_in_share(finding, Relation::GreaterOrEqual, confidence, &held, bounds)
         }
-        None => against(criterion, Measure::EveryRun, Relation::GreaterOrEqual, 1.0, Some(rate), &held),
+        None => {
+            against(criterion, FindingMeasure::EveryRun, Relation::GreaterOrEqual, 1.0, Some(rate), &held)
+        }
     };
     if share.is_none() {
         // The run nearest to failing says more than the share of runs.
@@ -371,7 +375,7 @@ fn with_worst_of_rate(
 /// A finding that compares `observed` to `bound`.
 fn against(
     criterion: &Criterion,
-    measure: Measure,
+    measure: FindingMeasure,
     relation: Relation,
     bound: f64,
     observed: Option<f64>,

@@ -23,5 +23,5 @@ pub use nearest::RunStanding;
 pub use per_run::{PerRun, per_run};
 pub use possible::{Possible, possible};
 pub use seen::{Seen, holds, holds_undefined};
-pub use span::{Span, open_runs, span_of};
+pub use span::{ValueSpan, open_runs, span_of};
 pub use stopping::Watch;

@@ -11,12 +11,12 @@ use crate::scenario::{MetricKind, MetricRange, Worst};
 
 /// All values that something may have, both ends included; one where nothing is open.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Span {
+pub struct ValueSpan {
     pub low: f64,
     pub high: f64,
 }
 
-impl Span {
+impl ValueSpan {
     /// Nothing is known.
     pub const ANYTHING: Self = Self { low: f64::NEG_INFINITY, high: f64::INFINITY };
 
@@ -66,9 +66,9 @@ impl Span {
 
 /// What a run may come to.
 enum May {
-    Be(Span),
+    Be(ValueSpan),
     /// Or nothing at all.
-    BeOrNot(Span),
+    BeOrNot(ValueSpan),
     /// It has no value.
     NotBe,
 }
@@ -95,20 +95,20 @@ pub fn span_of(
     counting: Relation,
     outcomes: &[Outcome],
     requests: &Requests,
-) -> Option<Span> {
+) -> Option<ValueSpan> {
     let reference = wanted.metric();
     match wanted {
         Aggregate::Rate(comparison) if !outcomes.is_empty() => {
-            let Span { low, high } = holding(comparison, outcomes, requests);
+            let ValueSpan { low, high } = holding(comparison, outcomes, requests);
             let all = outcomes.len() as f64;
-            Some(Span { low: low / all, high: high / all })
+            Some(ValueSpan { low: low / all, high: high / all })
         }
         Aggregate::Rate(_) => None,
         Aggregate::Count(comparison) => Some(holding(comparison, outcomes, requests)),
         _ if open_runs(reference, outcomes, requests).is_empty() => {
-            aggregate_against(wanted, counting, outcomes, requests).map(Span::point)
+            aggregate_against(wanted, counting, outcomes, requests).map(ValueSpan::point)
         }
-        Aggregate::Std(_) => Some(Span { low: 0.0, high: f64::INFINITY }),
+        Aggregate::Std(_) => Some(ValueSpan { low: 0.0, high: f64::INFINITY }),
         of_values => of_quantity(of_values, counting, outcomes, requests),
     }
 }
@@ -118,7 +118,7 @@ fn of_quantity(
     counting: Relation,
     outcomes: &[Outcome],
     requests: &Requests,
-) -> Option<Span> {
+) -> Option<ValueSpan> {
     let reference = wanted.metric();
     let index = requests.index(reference)?;
     let (mut sure, mut maybe) = (Vec::new(), Vec::new());
@@ -126,11 +126,11 @@ fn of_quantity(
         match may_be(reference, outcome, index) {
             May::Be(span) => sure.push(span),
             May::BeOrNot(span) => maybe.push(span),
-            May::NotBe => sure.extend(Seen::Undefined.worst(reference, counting).map(Span::point)),
+            May::NotBe => sure.extend(Seen::Undefined.worst(reference, counting).map(ValueSpan::point)),
         }
     }
     // Those that may be nothing may all be the same: with none or with all of them it is least and greatest.
-    let every = |end: fn(&Span) -> f64| {
+    let every = |end: fn(&ValueSpan) -> f64| {
         let some = aggregate_of(wanted, sure.iter().map(end).collect());
         let all = aggregate_of(wanted, sure.iter().chain(&maybe).map(end).collect());
         [some, all]
@@ -141,18 +141,18 @@ fn of_quantity(
     }
     // Whether there is a value at all depends.
     let known: Option<Vec<f64>> = ends.into_iter().collect();
-    let span = known.map_or(Span::ANYTHING, Span::around);
+    let span = known.map_or(ValueSpan::ANYTHING, ValueSpan::around);
     (span.low.is_finite() || span.low != span.high).then_some(span)
 }
 
 /// In how many runs a comparison holds.
-fn holding(comparison: &Comparison, outcomes: &[Outcome], requests: &Requests) -> Span {
+fn holding(comparison: &Comparison, outcomes: &[Outcome], requests: &Requests) -> ValueSpan {
     let reference = &comparison.metric;
     let index = requests.index(reference).expect("what is measured was requested before the runs");
     let (mut low, mut high) = (0, 0);
     for outcome in outcomes {
         let seen = Seen::of(outcome, index);
-        let open = |Span { low, high }| Seen::Open { so_far: seen.so_far(), range: Open { low, high } };
+        let open = |ValueSpan { low, high }| Seen::Open { so_far: seen.so_far(), range: Open { low, high } };
         let holds = |seen: Seen| (seen.holds(comparison, false), seen.holds(comparison, true));
         let absent = Seen::Undefined.holds(comparison, false);
         let (always, sometimes) = match may_be(reference, outcome, index) {
@@ -167,7 +167,7 @@ fn holding(comparison: &Comparison, outcomes: &[Outcome], requests: &Requests) -
         low += usize::from(always);
         high += usize::from(sometimes);
     }
-    Span { low: low as f64, high: high as f64 }
+    ValueSpan { low: low as f64, high: high as f64 }
 }
 
 /// What was seen so far of a run whose end was not seen gets worse or stays as it is; a mean over the run may go either way.
@@ -176,12 +176,12 @@ fn may_be(reference: &MetricReference, outcome: &Outcome, index: usize) -> May {
     let is_cut_off = cut_off_of(reference, outcome);
     let limits = limits(reference);
     match seen {
-        Seen::Open { range: Open { low, high }, .. } => May::Be(Span { low, high }),
-        Seen::Value(value) if !is_cut_off => May::Be(Span::point(value)),
+        Seen::Open { range: Open { low, high }, .. } => May::Be(ValueSpan { low, high }),
+        Seen::Value(value) if !is_cut_off => May::Be(ValueSpan::point(value)),
         Seen::Value(_) if is_either_way(reference) => May::Be(limits),
         Seen::Value(value) => match reference.known().map(|metric| metric.worst) {
-            Some(Worst::Smallest) => May::Be(Span { low: limits.low.min(value), high: value }),
-            _ => May::Be(Span { low: value, high: limits.high.max(value) }),
+            Some(Worst::Smallest) => May::Be(ValueSpan { low: limits.low.min(value), high: value }),
+            _ => May::Be(ValueSpan { low: value, high: limits.high.max(value) }),
         },
         Seen::Undefined if is_cut_off => May::BeOrNot(limits),
         Seen::Undefined => May::NotBe,
@@ -194,7 +194,7 @@ fn is_either_way(reference: &MetricReference) -> bool {
 }
 
 /// However long a run would have been.
-fn limits(reference: &MetricReference) -> Span {
+fn limits(reference: &MetricReference) -> ValueSpan {
     let metric = reference.known();
     let (low, high) = metric
         .and_then(|metric| metric.limits(&reference.settings, f64::INFINITY))
@@ -203,7 +203,7 @@ fn limits(reference: &MetricReference) -> Span {
             Some((MetricRange::NotNegative, _)) => (0.0, f64::INFINITY),
             _ => (f64::NEG_INFINITY, f64::INFINITY),
         });
-    Span { low, high }
+    ValueSpan { low, high }
 }
 
 #[cfg(test)]
@@ -315,7 +315,7 @@ mod tests {
                 let truth = span_of(&aggregate, counting, &whole, &requests);
                 if let (Some(span), Some(truth)) = (span, truth) {
                     prop_assert!(truth.is_point());
-                    let Span { low, high } = span;
+                    let ValueSpan { low, high } = span;
                     prop_assert!(low - 1e-9 <= truth.low && truth.low <= high + 1e-9, "{aggregate:?}: {truth:?} not in {span:?}");
                 }
                 if runs.iter().all(|run| !run.is_cut_off) {
@@ -336,7 +336,7 @@ mod tests {
         let of = |aggregate: Aggregate| span_of(&aggregate, Relation::GreaterOrEqual, &outcomes, &requests);
         let [mean, median, _, min, max, std, rate, count] =
             aggregates("min_distance", Relation::GreaterOrEqual, 3.0).try_into().unwrap();
-        let span = |low: f64, high: f64| Some(Span { low, high });
+        let span = |low: f64, high: f64| Some(ValueSpan { low, high });
         assert_eq!(of(mean), span(8.0 / 3.0, 4.0));
         assert_eq!(of(median), span(2.0, 4.0));
         assert_eq!(of(min), span(0.0, 2.0));
@@ -348,13 +348,13 @@ mod tests {
 
     #[test]
     fn comparisons_of_what_is_open() {
-        let (one, other) = (Span { low: 1.0, high: 2.0 }, Span::point(2.0));
+        let (one, other) = (ValueSpan { low: 1.0, high: 2.0 }, ValueSpan::point(2.0));
         assert_eq!(one.holds(Relation::LessOrEqual, other), Some(true));
         assert_eq!(one.holds(Relation::Less, other), None);
         assert_eq!(one.holds(Relation::Greater, other), Some(false));
         assert_eq!(one.holds(Relation::GreaterOrEqual, other), None);
         assert_eq!(one.holds(Relation::Equal, other), None);
-        assert_eq!(one.holds(Relation::NotEqual, Span::point(3.0)), Some(true));
+        assert_eq!(one.holds(Relation::NotEqual, ValueSpan::point(3.0)), Some(true));
         assert_eq!(other.holds(Relation::Equal, other), Some(true));
     }
 }

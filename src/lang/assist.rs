@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::declared::declared;
-use super::files::Files;
+use super::files::Texts;
 use super::source::{Sources, Span};
 use super::syntax::ast::{self, View, Word};
 use super::syntax::{Node, Tree};
@@ -97,7 +97,7 @@ pub fn definition(
     texts: &dyn files::Files,
 ) -> Option<(Span, Sources)> {
     let texts = Overlay::new(texts, path, text);
-    let mut files = Files::new(registry, &texts).while_edited();
+    let mut files = Texts::new(registry, &texts).while_edited();
     let file = files.open(path, None, &mut Vec::new())?;
     let tree = files.tree(file);
     let around = path_to(tree, offset);

@@ -5,7 +5,7 @@ use std::collections::{HashMap, HashSet};
 use super::check::{self, Checked, Places, Subjects};
 use super::codes::Code;
 use super::diagnostic::Diagnostic;
-use super::files::{Definition, FileId, Files};
+use super::files::{FileId, NameDefinition, Texts};
 use super::source::Span;
 use super::syntax::NodeIndex;
 use super::syntax::ast::{self, View};
@@ -27,9 +27,9 @@ pub struct Gathered<'t> {
     /// Everything that they refer to.
     names: HashSet<&'t str>,
     /// Scenarios whose runs a statement measures, so that they belong to the suite.
-    pub measured: Vec<Definition>,
+    pub measured: Vec<NameDefinition>,
     /// Scenarios that are only searched, sampled or compared with.
-    pub supporting: Vec<Definition>,
+    pub supporting: Vec<NameDefinition>,
 }
 
 /// What a block refers to by name.
@@ -40,7 +40,7 @@ struct Reference<'t> {
 }
 
 /// The blocks of some files whose scenarios are `definitions`, and everything in used files that those build on.
-pub fn gather<'t>(files: &'t Files, of: &[FileId], definitions: &[Definition]) -> Gathered<'t> {
+pub fn gather<'t>(files: &'t Texts, of: &[FileId], definitions: &[NameDefinition]) -> Gathered<'t> {
     let mut gathered = Gathered::default();
     for file in of {
         let root = files.tree(*file).file();
@@ -99,8 +99,8 @@ impl Gathered<'_> {
     /// Checks every block. The scenarios are those of the suite and the supporting ones; `definitions` are of both.
     pub fn check(
         self,
-        files: &Files,
-        definitions: &[Definition],
+        files: &Texts,
+        definitions: &[NameDefinition],
         scenarios: [&[Scenario]; 2],
         report: &mut Vec<Diagnostic>,
     ) -> Blocks {
@@ -154,13 +154,13 @@ impl Gathered<'_> {
 /// Reports blocks that are called like a scenario or like a block of another file. Within a file and what it uses that
 /// has been done.
 fn reject_shared_names(
-    files: &Files,
+    files: &Texts,
     nodes: &[(FileId, ast::Block)],
-    definitions: &[Definition],
+    definitions: &[NameDefinition],
     report: &mut Vec<Diagnostic>,
 ) {
     let scenario =
-        |definition: &Definition| (files.scenario(*definition).name().text(), (definition.span, true));
+        |definition: &NameDefinition| (files.scenario(*definition).name().text(), (definition.span, true));
     let mut names: HashMap<&str, (Span, bool)> = definitions.iter().map(scenario).collect();
     let known: HashSet<Span> =
         report.iter().filter(|finding| finding.code == Code::DuplicateName).map(Diagnostic::span).collect();

@@ -9,9 +9,9 @@ use std::path::Path;
 use super::assist::path_to;
 use super::check::DISTRIBUTIONS;
 use super::declared;
-use super::files::{FileId, Files};
+use super::files::{FileId, Texts};
 use super::syntax::ast::{self, View};
-use super::syntax::words::{self, Block, Kind};
+use super::syntax::words::{self, BlockEntry, BlockKind};
 use super::syntax::{self, Next, Node, Token, TokenKind, goes_on_with};
 use super::units;
 use crate::files::{self, Overlay};
@@ -20,7 +20,7 @@ use crate::scenario::{AGGREGATES, AggregateWord, Declaration, ParameterKind, Reg
 
 /// A word that could stand somewhere.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Proposal {
+pub struct Completion {
     pub word: String,
     /// One line.
     pub detail: String,
@@ -33,7 +33,7 @@ pub fn complete(
     offset: usize,
     registry: &Registry,
     texts: &dyn files::Files,
-) -> Vec<Proposal> {
+) -> Vec<Completion> {
     let before = &text[..offset.min(text.len())];
     let tokens: Vec<Token> =
         syntax::tokens(before).into_iter().filter(|token| token.kind != TokenKind::Space).collect();
@@ -81,11 +81,11 @@ pub fn complete(
             let choices = declared::choices(word, registry);
             choices.iter().map(|(name, kind)| proposal(name, &kind.summary)).collect()
         }
-        [.., "no"] if !is(block, &[Kind::Road, Kind::Gate]) => all(registry.metrics()),
+        [.., "no"] if !is(block, &[BlockKind::Road, BlockKind::Gate]) => all(registry.metrics()),
         ["road"] => visible(path, &without_line(text, before.len()), registry, texts, |kind| {
             matches!(kind, ast::Defining::RoadDefinition(_))
         }),
-        [.., ":"] if is(block, &[Kind::File]) => {
+        [.., ":"] if is(block, &[BlockKind::File]) => {
             visible(path, &without_line(text, before.len()), registry, texts, |kind| {
                 matches!(kind, ast::Defining::Scenario(_))
             })
@@ -107,12 +107,12 @@ pub fn complete(
 }
 
 /// Whether a statement of a block names scenarios and other blocks.
-fn refers(block: Option<&Block>, statement: &[&str]) -> bool {
-    is(block, &[Kind::Search, Kind::Tune, Kind::Evaluate, Kind::Statement])
+fn refers(block: Option<&BlockEntry>, statement: &[&str]) -> bool {
+    is(block, &[BlockKind::Search, BlockKind::Tune, BlockKind::Evaluate, BlockKind::Statement])
         && !statement.iter().any(|word| matches!(*word, "over" | "rises" | "falls" | "compare" | "repeat"))
 }
 
-fn is(block: Option<&Block>, kinds: &[Kind]) -> bool {
+fn is(block: Option<&BlockEntry>, kinds: &[BlockKind]) -> bool {
     block.is_some_and(|block| kinds.contains(&block.kind))
 }
 
@@ -131,14 +131,14 @@ struct Place<'a> {
 
 impl Place<'_> {
     /// What a statement could go on with after `written`, as far as the grammar says it.
-    fn go_on(&self, block: Option<&Block>, statement: &[&str], written: &str) -> Vec<Proposal> {
+    fn go_on(&self, block: Option<&BlockEntry>, statement: &[&str], written: &str) -> Vec<Completion> {
         let texts = Overlay::new(self.texts, self.path, &self.text);
-        let mut files = Files::new(self.registry, &texts).while_edited();
+        let mut files = Texts::new(self.registry, &texts).while_edited();
         let Some(file) = files.open(self.path, None, &mut Vec::new()) else { return Vec::new() };
         let first = statement.first().copied().unwrap_or_default();
         let statements = block.map_or(&[] as &[_], |block| block.statements).iter();
         let known = statements.filter(|known| known.word() == first || known.words.is_empty());
-        let mut found: Vec<Proposal> = Vec::new();
+        let mut found: Vec<Completion> = Vec::new();
         for next in goes_on_with(known, written) {
             match next {
                 Next::Metric => found.extend(all(self.registry.metrics())),
@@ -170,7 +170,7 @@ impl Place<'_> {
     }
 
     /// The scenario that is being written with those it builds on; elsewhere, every scenario of the file and those it uses.
-    fn scenarios<'f>(&self, files: &'f Files, file: FileId) -> Vec<ast::Scenario<'f>> {
+    fn scenarios<'f>(&self, files: &'f Texts, file: FileId) -> Vec<ast::Scenario<'f>> {
         let names = files.names(file);
         let around = path_to(files.tree(file), self.line.min(self.text.len()));
         let inside = around.into_iter().find_map(ast::Scenario::cast);
@@ -192,7 +192,7 @@ impl Place<'_> {
     }
 
     /// The names that statements of those kinds give here, each with the statement's first line.
-    fn names(&self, files: &Files, file: FileId, kinds: Named) -> Vec<Proposal> {
+    fn names(&self, files: &Texts, file: FileId, kinds: Named) -> Vec<Completion> {
         let mut roads: Vec<_> = files.names(file).roads.iter().collect();
         roads.retain(|_| kinds == Named::Solid);
         roads.sort_by_key(|(name, _)| name.as_str());
@@ -210,7 +210,7 @@ impl Place<'_> {
     }
 
     /// The parameters of a road user's controller, dynamics, perception or model.
-    fn parameters(&self, files: &Files, file: FileId, user: &str, part: &str) -> Vec<Proposal> {
+    fn parameters(&self, files: &Texts, file: FileId, user: &str, part: &str) -> Vec<Completion> {
         let statements = self
             .scenarios(files, file)
             .into_iter()
@@ -279,7 +279,7 @@ fn named(statement: &[&str], registry: &Registry) -> Option<Named> {
 }
 
 /// What a file gives names to, itself or in files that it uses.
-fn constants(files: &Files, file: FileId) -> Vec<Proposal> {
+fn constants(files: &Texts, file: FileId) -> Vec<Completion> {
     let mut names: Vec<_> = files.scope(file).names.iter().collect();
     names.sort_by_key(|(name, _)| name.as_str());
     names
@@ -311,13 +311,13 @@ fn visible(
     registry: &Registry,
     texts: &dyn files::Files,
     wanted: impl Fn(ast::Defining) -> bool,
-) -> Vec<Proposal> {
+) -> Vec<Completion> {
     let texts = Overlay::new(texts, path, text);
-    let mut files = Files::new(registry, &texts).while_edited();
+    let mut files = Texts::new(registry, &texts).while_edited();
     let Some(file) = files.open(path, None, &mut Vec::new()) else { return Vec::new() };
     let names = files.names(file);
     let all = names.roads.iter().chain(&names.scenarios).chain(&names.blocks);
-    let mut found: Vec<Proposal> = all
+    let mut found: Vec<Completion> = all
         .filter(|(_, defined)| ast::Defining::cast(files.node(**defined)).is_some_and(&wanted))
         .map(|(name, defined)| {
             let node = files.tree(defined.file).node(defined.node);
@@ -329,38 +329,38 @@ fn visible(
     found
 }
 
-fn proposal(word: &str, detail: &str) -> Proposal {
-    Proposal { word: word.to_string(), detail: detail.to_string() }
+fn proposal(word: &str, detail: &str) -> Completion {
+    Completion { word: word.to_string(), detail: detail.to_string() }
 }
 
-fn of(declaration: &Declaration) -> Proposal {
+fn of(declaration: &Declaration) -> Completion {
     proposal(&declaration.name, &declaration.summary)
 }
 
-fn units() -> Vec<Proposal> {
+fn units() -> Vec<Completion> {
     units::UNITS.iter().map(|unit| proposal(unit.symbol, unit.doc)).collect()
 }
 
-fn all<T: Registered>(table: &Table<T>) -> Vec<Proposal> {
+fn all<T: Registered>(table: &Table<T>) -> Vec<Completion> {
     table.declarations().map(of).collect()
 }
 
-fn aggregates() -> Vec<Proposal> {
+fn aggregates() -> Vec<Completion> {
     AGGREGATES.iter().map(|known| proposal(known.word, known.doc)).collect()
 }
 
 /// The kind of block that a statement opens.
-fn block_of(owner: &[&str]) -> Option<&'static Block> {
-    let Some(first) = owner.first() else { return Some(Kind::File.block()) };
-    words::all().filter(|known| known.word() == *first).find_map(|known| known.opens).map(Kind::block)
+fn block_of(owner: &[&str]) -> Option<&'static BlockEntry> {
+    let Some(first) = owner.first() else { return Some(BlockKind::File.block()) };
+    words::all().filter(|known| known.word() == *first).find_map(|known| known.opens).map(BlockKind::block)
 }
 
-fn first_words(block: Option<&Block>, registry: &Registry) -> Vec<Proposal> {
-    if is(block, &[Kind::Expect]) {
+fn first_words(block: Option<&BlockEntry>, registry: &Registry) -> Vec<Completion> {
+    if is(block, &[BlockKind::Expect]) {
         return [vec![proposal("no", "What must not happen.")], aggregates(), all(registry.metrics())]
             .concat();
     }
-    let mut words: Vec<Proposal> = Vec::new();
+    let mut words: Vec<Completion> = Vec::new();
     let statements = block.map_or(&[] as &[_], |block| block.statements).iter();
     for known in statements.filter(|known| !known.words.is_empty()) {
         if words.iter().all(|word| word.word != known.word()) {
@@ -371,7 +371,7 @@ fn first_words(block: Option<&Block>, registry: &Registry) -> Vec<Proposal> {
 }
 
 /// Names of parameters, or what the one before the colon takes.
-fn setting(declaration: &Declaration, statement: &[&str]) -> Vec<Proposal> {
+fn setting(declaration: &Declaration, statement: &[&str]) -> Vec<Completion> {
     let current = statement.rsplit(|word| *word == ",").next().unwrap_or_default();
     match current {
         [] => {

@@ -5,7 +5,7 @@ use std::collections::HashSet;
 
 use super::codes::Code;
 use super::diagnostic::Diagnostic;
-use super::files::Files;
+use super::files::Texts;
 use super::source::Span;
 use super::syntax::ast::{self, View};
 use super::syntax::{Node, words as table};
@@ -40,7 +40,7 @@ const LACKING: [Code; 3] = [Code::MissingStatement, Code::NoStart, Code::NobodyT
 
 /// Removes findings about names that statements or files would define if they could be read, and about what blocks lack that
 /// are not closed.
-pub fn remove(files: &Files, report: &mut Vec<Diagnostic>) {
+pub fn remove(files: &Texts, report: &mut Vec<Diagnostic>) {
     let unclosed: Vec<Span> = report
         .iter()
         .filter(|found| found.code == Code::UnclosedBracket)
@@ -75,7 +75,7 @@ pub fn remove(files: &Files, report: &mut Vec<Diagnostic>) {
 }
 
 /// What stands before the braces of the blocks that a brace opens or is in.
-fn heads(files: &Files, brace: Span) -> Vec<Span> {
+fn heads(files: &Texts, brace: Span) -> Vec<Span> {
     let Some(file) = files.ids().find(|file| files.tree(*file).source == brace.source) else {
         return Vec::new();
     };

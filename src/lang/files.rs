@@ -12,7 +12,7 @@ use super::source::{SourceId, Sources, Span};
 use super::suite::{self, FileKind};
 use super::syntax::ast::{self, View};
 use super::syntax::{Node, NodeIndex, Tree};
-use super::value::{self, Binding, Scope};
+use super::value::{self, Binding, NameScope};
 use super::yaml;
 use crate::files::{self, ReadError};
 use crate::registry::Registry;
@@ -29,7 +29,7 @@ pub struct FileId(u32);
 
 /// Something with a name, where it is defined.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Definition {
+pub struct NameDefinition {
     pub file: FileId,
     pub node: NodeIndex,
     /// Of the name.
@@ -39,21 +39,21 @@ pub struct Definition {
 /// The names that a file can see: its own and those of the files it uses.
 #[derive(Debug, Default)]
 pub struct Names {
-    pub roads: HashMap<String, Definition>,
+    pub roads: HashMap<String, NameDefinition>,
     /// Scenarios and templates.
-    pub scenarios: HashMap<String, Definition>,
+    pub scenarios: HashMap<String, NameDefinition>,
     /// Searches, tunes, evaluates and statements.
-    pub blocks: HashMap<String, Definition>,
+    pub blocks: HashMap<String, NameDefinition>,
 }
 
 struct File {
     tree: Tree,
     names: Names,
-    scope: Scope<'static>,
+    scope: NameScope<'static>,
 }
 
 /// Every file that was read, each once.
-pub struct Files<'f> {
+pub struct Texts<'f> {
     /// What they may name.
     pub registry: Registry,
     /// Where they are read.
@@ -76,7 +76,7 @@ pub struct Files<'f> {
     largest: usize,
 }
 
-impl<'f> Files<'f> {
+impl<'f> Texts<'f> {
     /// None yet, that are in `texts` and may name what is in `registry`.
     pub fn new(registry: &Registry, texts: &'f dyn files::Files) -> Self {
         Self {
@@ -108,7 +108,7 @@ impl<'f> Files<'f> {
         &self.files[file.0 as usize].tree
     }
 
-    pub fn node(&self, definition: Definition) -> Node<'_> {
+    pub fn node(&self, definition: NameDefinition) -> Node<'_> {
         self.tree(definition.file).node(definition.node)
     }
 
@@ -116,7 +116,7 @@ impl<'f> Files<'f> {
     ///
     /// # Panics
     /// If it is of something else.
-    pub fn scenario(&self, definition: Definition) -> ast::Scenario<'_> {
+    pub fn scenario(&self, definition: NameDefinition) -> ast::Scenario<'_> {
         ast::Scenario::cast(self.node(definition)).expect("it is the definition of a scenario")
     }
 
@@ -125,7 +125,7 @@ impl<'f> Files<'f> {
     }
 
     /// The values that a file can see.
-    pub fn scope(&self, file: FileId) -> &Scope<'static> {
+    pub fn scope(&self, file: FileId) -> &NameScope<'static> {
         &self.files[file.0 as usize].scope
     }
 
@@ -288,7 +288,7 @@ impl<'f> Files<'f> {
         let uses: Vec<(String, Span)> =
             tree.file().uses().map(|used| (used.path().value(), used.path().span())).collect();
         let mut names = Names::default();
-        let mut scope = Scope::default();
+        let mut scope = NameScope::default();
         for (named, span) in uses {
             if let Some(used) = self.open(&join(path, &named), Some(span), report) {
                 self.import(used, span, &mut names, &mut scope, report);
@@ -322,7 +322,7 @@ impl<'f> Files<'f> {
         used: FileId,
         asked: Span,
         names: &mut Names,
-        scope: &mut Scope,
+        scope: &mut NameScope,
         report: &mut Vec<Diagnostic>,
     ) {
         let from = &self.files[used.0 as usize];
@@ -387,7 +387,7 @@ impl<'f> Files<'f> {
     }
 }
 
-impl Files<'_> {
+impl Texts<'_> {
     /// A hint with the nearest name in the folder of a file that is not there.
     fn neighbour(&self, path: &Path) -> String {
         let names = path.parent().map(|folder| self.texts.names(folder)).unwrap_or_default();
@@ -403,11 +403,11 @@ fn define(
     node: Node,
     name: ast::Name,
     file: FileId,
-    table: &mut HashMap<String, Definition>,
+    table: &mut HashMap<String, NameDefinition>,
     what: &str,
     report: &mut Vec<Diagnostic>,
 ) {
-    let definition = Definition { file, node: node.index(), span: name.span() };
+    let definition = NameDefinition { file, node: node.index(), span: name.span() };
     match table.get(name.text()) {
         Some(first) => report.push(
             Diagnostic::new(
@@ -426,7 +426,7 @@ fn define(
 }
 
 /// Adds the name of a `let` to the scope it stands in.
-pub fn bind(node: ast::Binding, scope: &mut Scope, report: &mut Vec<Diagnostic>) {
+pub fn bind(node: ast::Binding, scope: &mut NameScope, report: &mut Vec<Diagnostic>) {
     let name = node.name();
     let value = value::evaluate(node.value(), scope, report);
     if let Some(first) = scope.names.get(name.text()) {

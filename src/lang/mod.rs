@@ -33,7 +33,7 @@ use std::path::Path;
 pub use assist::{definition, hover};
 pub use check::{DEFAULT_GOAL, Defaults};
 pub use codes::Code;
-pub use complete::{Proposal, complete};
+pub use complete::{Completion, complete};
 pub use diagnostic::{Diagnostic, Label, Severity, nearest};
 pub use excerpt::Excerpt;
 pub use files::LARGEST_FILE;
@@ -42,16 +42,16 @@ pub use render::{Style, count, render, render_all};
 pub use source::{Location, Source, SourceId, Sources, Span};
 pub use suite::DEFAULT_SEED;
 pub use syntax::{DEEPEST_NESTING, Node, NodeIndex, Token, TokenKind, Tree, format};
-pub use units::{UNITS, Unit};
+pub use units::{UNITS, UnitEntry};
 pub use write::{quantity, write_comparison, write_scenario};
 pub use yaml::schema as yaml_schema;
 
 use crate::files::{self as texts, Overlay};
 use crate::registry::Registry;
 use crate::scenario::{Dimension, Expression, Notation, Origin, Suite, Value};
-use files::Files;
+use files::Texts;
 use syntax::ast::{self, View};
-use value::{Binding, Kind, Typed};
+use value::{Binding, Typed, ValueKind};
 
 /// A suite without errors.
 #[derive(Debug, Clone)]
@@ -95,7 +95,7 @@ pub fn named_values(
     registry: &Registry,
     texts: &dyn texts::Files,
 ) -> Result<Vec<NamedValue>, Failure> {
-    let (mut files, mut report) = (Files::new(registry, texts), Vec::new());
+    let (mut files, mut report) = (Texts::new(registry, texts), Vec::new());
     let file = files.open(path, None, &mut report);
     let names = file.into_iter().flat_map(|file| &files.scope(file).names);
     let constant = |(name, binding): (&String, &Binding)| {
@@ -105,7 +105,7 @@ pub fn named_values(
         Some(NamedValue {
             name: name.clone(),
             value: value.clone(),
-            dimension: if let Kind::Number(dimension) = kind { Some(*dimension) } else { None },
+            dimension: if let ValueKind::Number(dimension) = kind { Some(*dimension) } else { None },
             used: binding.used.get(),
             origin: files.sources.origin(binding.span),
         })
@@ -123,7 +123,7 @@ pub fn named_values(
 
 /// Reads and checks a `.suite` file, or a `.scn` file as a suite named after it with seed [`DEFAULT_SEED`].
 pub fn load(path: &Path, registry: &Registry, texts: &dyn texts::Files) -> Result<Loaded, Failure> {
-    load_with(path, Files::new(registry, texts))
+    load_with(path, Texts::new(registry, texts))
 }
 
 /// As [`load`], with values that are set from outside, in this file and all it uses.
@@ -133,20 +133,20 @@ pub fn load_set(
     registry: &Registry,
     texts: &dyn texts::Files,
 ) -> Result<Loaded, Failure> {
-    load_with(path, Files::new(registry, texts).with_set(set))
+    load_with(path, Texts::new(registry, texts).with_set(set))
 }
 
 /// The unit of that dimension that a criterion is written with: `km/h` in `impact_speed <= 20 km/h`.
 pub fn unit_in(criterion: &str, dimension: Dimension) -> Option<Notation> {
     let tree = syntax::criterion(criterion)?;
     let mut units = tree.root().every::<ast::Unit>().filter_map(|unit| units::unit_of(unit.text()));
-    units.find(|unit| unit.dimension == dimension).map(Unit::notation)
+    units.find(|unit| unit.dimension == dimension).map(UnitEntry::notation)
 }
 
 /// The unit in which a claim says what is measured, given the SI unit of that: `km/h` in `mean(impact_speed) of all <= 20 km/h`.
 pub fn unit_in_claim(claim: &str, si: &str) -> Option<Notation> {
     /// Outside of what is measured, where it would be that of a condition or of a metric's setting.
-    fn units(node: Node) -> Vec<Unit> {
+    fn units(node: Node) -> Vec<UnitEntry> {
         match (ast::Measured::cast(node), ast::Unit::cast(node)) {
             (Some(_), _) => Vec::new(),
             (_, Some(unit)) => units::unit_of(unit.text()).into_iter().collect(),
@@ -154,7 +154,7 @@ pub fn unit_in_claim(claim: &str, si: &str) -> Option<Notation> {
         }
     }
     let tree = syntax::claim(claim)?;
-    units(tree.root()).into_iter().find(|unit| unit.dimension.si_unit() == si).map(Unit::notation)
+    units(tree.root()).into_iter().find(|unit| unit.dimension.si_unit() == si).map(UnitEntry::notation)
 }
 
 /// What the suite in a text says of itself, as far as it can be read.
@@ -165,16 +165,16 @@ pub fn suite_doc(text: &str) -> Option<String> {
 
 /// Everything that is to be said about a file, which may be there only to be used by others.
 pub fn examine(path: &Path, registry: &Registry, texts: &dyn texts::Files) -> Examined {
-    examine_with(path, Files::new(registry, texts))
+    examine_with(path, Texts::new(registry, texts))
 }
 
 /// As [`examine`], of a text that is being edited and stands for the file at `path`: no more is read than can be checked
 /// at every stroke of a key.
 pub fn examine_edited(path: &Path, text: &str, registry: &Registry, texts: &dyn texts::Files) -> Examined {
-    examine_with(path, Files::new(registry, &Overlay::new(texts, path, text)).while_edited())
+    examine_with(path, Texts::new(registry, &Overlay::new(texts, path, text)).while_edited())
 }
 
-fn examine_with(path: &Path, files: Files) -> Examined {
+fn examine_with(path: &Path, files: Texts) -> Examined {
     let (suite, mut found, sources) = match load_with(path, files) {
         Ok(loaded) => (Some(loaded.suite), loaded.warnings, loaded.sources),
         Err(failure) => (None, failure.diagnostics, failure.sources),
@@ -185,7 +185,7 @@ fn examine_with(path: &Path, files: Files) -> Examined {
     Examined { suite, found, sources }
 }
 
-fn load_with(path: &Path, mut files: Files) -> Result<Loaded, Failure> {
+fn load_with(path: &Path, mut files: Texts) -> Result<Loaded, Failure> {
     let mut report = Vec::new();
     let Some(kind) = suite::file_kind(path) else {
         let source = files.sources.add(path.display().to_string(), "");
@@ -234,7 +234,7 @@ fn load_with(path: &Path, mut files: Files) -> Result<Loaded, Failure> {
 }
 
 /// Findings about values that are set from outside: those that nothing has the name of, and those that are wrong.
-fn say_what_is_set(files: &mut Files, report: &mut Vec<Diagnostic>) {
+fn say_what_is_set(files: &mut Texts, report: &mut Vec<Diagnostic>) {
     for finding in report.iter_mut() {
         let at = finding.span();
         let own = files.set.iter().filter(|set| {

@@ -6,7 +6,7 @@ use super::codes::Code;
 use super::diagnostic::Diagnostic;
 use super::source::Span;
 use super::syntax::ast;
-use super::value::{self, Kind, Scope, Typed};
+use super::value::{self, NameScope, Typed, ValueKind};
 use crate::scenario::{
     ANOTHER_MODEL, ChoiceOption, Declaration, Dimension, Expression, ParameterKind, Value,
 };
@@ -15,7 +15,7 @@ use crate::scenario::{
 pub fn check(
     node: Option<ast::Settings>,
     declaration: &Declaration,
-    scope: &Scope,
+    scope: &NameScope,
     report: &mut Vec<Diagnostic>,
 ) -> Vec<(String, Typed)> {
     let mut settings = Vec::new();
@@ -40,7 +40,7 @@ pub fn check_texts(
     node: Option<ast::Settings>,
     settings: &[(String, Typed)],
     declaration: &Declaration,
-    scope: &Scope,
+    scope: &NameScope,
     report: &mut Vec<Diagnostic>,
 ) {
     let given = |name: &str| {
@@ -122,7 +122,7 @@ pub fn one(
     name: ast::SettingName,
     given: ast::Expression,
     declaration: &Declaration,
-    scope: &Scope,
+    scope: &NameScope,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Typed> {
     let what = format!("`{}` of `{}`", name.text(), declaration.name);
@@ -152,9 +152,8 @@ pub fn one(
             let options: Vec<_> = options.iter().map(|option: &ChoiceOption| &*option.name).collect();
             chosen(given, &what, &options, scope, report)
         }
-        ParameterKind::Text { .. } => {
-            word(given, scope, report).filter(|value| value::expect_kind(value, Kind::Word, &what, report))
-        }
+        ParameterKind::Text { .. } => word(given, scope, report)
+            .filter(|value| value::expect_kind(value, ValueKind::Word, &what, report)),
         ParameterKind::Number { dimension, range, .. } => {
             value::quantity_in(given, *dimension, *range, &what, scope, report)
         }
@@ -173,7 +172,7 @@ pub fn one(
                 .then_some(value)
         }
         ParameterKind::Flag { .. } => value::evaluate(given, scope, report)
-            .filter(|value| value::expect_kind(value, Kind::Flag, &what, report)),
+            .filter(|value| value::expect_kind(value, ValueKind::Flag, &what, report)),
     }
 }
 
@@ -184,10 +183,10 @@ pub fn not_whole(span: Span, what: &str, found: f64) -> Diagnostic {
 }
 
 /// A name alone is the word itself, unless a `let` or variation has that name.
-fn word(given: ast::Expression, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<Typed> {
+fn word(given: ast::Expression, scope: &NameScope, report: &mut Vec<Diagnostic>) -> Option<Typed> {
     match given.lone_word() {
         Some(word) if scope.find(word).is_none() => {
-            Some(Typed::constant(Value::Word(word.to_string()), Kind::Word, given.span()))
+            Some(Typed::constant(Value::Word(word.to_string()), ValueKind::Word, given.span()))
         }
         _ => value::evaluate(given, scope, report),
     }
@@ -198,7 +197,7 @@ pub fn choice(
     given: ast::Expression,
     what: &str,
     options: &[&str],
-    scope: &Scope,
+    scope: &NameScope,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Expression> {
     chosen(given, what, options, scope, report).map(|value| value.expression)
@@ -208,14 +207,14 @@ fn chosen(
     given: ast::Expression,
     what: &str,
     options: &[&str],
-    scope: &Scope,
+    scope: &NameScope,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Typed> {
     let value = match given.lone_word() {
         Some(word) if options.contains(&word) => return Some(Typed::word(word, given.span())),
         _ => word(given, scope, report)?,
     };
-    if !value::expect_kind(&value, Kind::Word, what, report) {
+    if !value::expect_kind(&value, ValueKind::Word, what, report) {
         return None;
     }
     for (found, varied) in value::possible(&value.expression, scope) {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::yaml::Places;
+use super::yaml::TranslatedPlaces;
 use crate::scenario::Origin;
 
 /// One of the texts in [`Sources`].
@@ -25,7 +25,7 @@ pub struct Source {
     /// Byte offset of the first character of every line.
     line_starts: Vec<usize>,
     /// The text that this one was made from, and from where in it.
-    original: Option<(SourceId, Places)>,
+    original: Option<(SourceId, TranslatedPlaces)>,
 }
 
 /// Every text that a suite was read from.
@@ -82,7 +82,12 @@ impl Sources {
     }
 
     /// Adds a text that was made from another; places in it are shown in that one.
-    pub fn add_translation(&mut self, text: String, original: SourceId, places: Places) -> SourceId {
+    pub fn add_translation(
+        &mut self,
+        text: String,
+        original: SourceId,
+        places: TranslatedPlaces,
+    ) -> SourceId {
         let id = self.add(self.get(original).name.clone(), text);
         self.sources[id.0 as usize].original = Some((original, places));
         id

@@ -7,7 +7,7 @@ use super::blocks::{Gathered, gather};
 use super::check::{self, Places};
 use super::codes::Code;
 use super::diagnostic::{Diagnostic, Severity};
-use super::files::{Definition, FileId, Files, join};
+use super::files::{FileId, NameDefinition, Texts, join};
 use super::source::Span;
 use super::syntax::ast;
 use super::value;
@@ -43,7 +43,7 @@ pub fn file_kind(path: &Path) -> Option<FileKind> {
 
 /// The suite that the file is: what it declares, or all scenarios of a scenario file.
 pub fn suite(
-    files: &mut Files,
+    files: &mut Texts,
     file: FileId,
     path: &Path,
     kind: FileKind,
@@ -58,7 +58,7 @@ pub fn suite(
     }
 }
 
-fn own_scenarios(files: &Files, file: FileId) -> Vec<Definition> {
+fn own_scenarios(files: &Texts, file: FileId) -> Vec<NameDefinition> {
     let mut found: Vec<ast::Scenario> = Vec::new();
     for node in files.tree(file).root().parts::<ast::HoldsScenarios>() {
         match node {
@@ -67,10 +67,10 @@ fn own_scenarios(files: &Files, file: FileId) -> Vec<Definition> {
         }
     }
     let own = found.into_iter().filter(|scenario| !scenario.is_template());
-    own.map(|node| Definition { file, node: node.index(), span: node.name().span() }).collect()
+    own.map(|node| NameDefinition { file, node: node.index(), span: node.name().span() }).collect()
 }
 
-fn bare(files: &Files, file: FileId, path: &Path, report: &mut Vec<Diagnostic>) -> Option<Suite> {
+fn bare(files: &Texts, file: FileId, path: &Path, report: &mut Vec<Diagnostic>) -> Option<Suite> {
     let root = files.tree(file).file();
     for suite in root.suites() {
         report.push(
@@ -110,14 +110,14 @@ fn bare(files: &Files, file: FileId, path: &Path, report: &mut Vec<Diagnostic>) 
     })
 }
 
-fn no_scenario(span: Span, files: &Files) -> Diagnostic {
+fn no_scenario(span: Span, files: &Texts) -> Diagnostic {
     let name = &files.sources.get(span.source).name;
     Diagnostic::new(Code::NoScenario, span, format!("`{name}` declares no scenario"))
         .label("nothing to run")
         .hint("add `scenario NAME { … }`; files with only roads and templates are for `use`")
 }
 
-fn declared(files: &mut Files, file: FileId, path: &Path, report: &mut Vec<Diagnostic>) -> Option<Suite> {
+fn declared(files: &mut Texts, file: FileId, path: &Path, report: &mut Vec<Diagnostic>) -> Option<Suite> {
     let source = files.tree(file).source;
     let suites: Vec<_> = files.tree(file).file().suites().collect();
     if let [first, others @ ..] = suites.as_slice() {
@@ -256,7 +256,7 @@ fn everybody<'a>(scenarios: &'a [Scenario], registry: &'a Registry) -> check::Ca
 
 /// Every file that a suite's patterns match, each once, with the pattern's place.
 fn open_all(
-    files: &mut Files,
+    files: &mut Texts,
     path: &Path,
     patterns: &[(String, Span)],
     report: &mut Vec<Diagnostic>,
@@ -349,8 +349,8 @@ fn pattern_path(path: &Path, pattern: &str) -> String {
     format!("{}/{pattern}", glob::Pattern::escape(&folder))
 }
 
-fn reject_duplicates(files: &Files, definitions: &[Definition], report: &mut Vec<Diagnostic>) {
-    let mut names: HashMap<&str, Definition> = HashMap::new();
+fn reject_duplicates(files: &Texts, definitions: &[NameDefinition], report: &mut Vec<Diagnostic>) {
+    let mut names: HashMap<&str, NameDefinition> = HashMap::new();
     for definition in definitions {
         let name = files.scenario(*definition).name();
         if let Some(first) = names.insert(name.text(), *definition)
@@ -371,7 +371,7 @@ fn reject_duplicates(files: &Files, definitions: &[Definition], report: &mut Vec
 }
 
 /// Scenarios that blocks know, by name: in whatever order the blocks stand, the suite is the same.
-fn supporting(files: &Files, blocks: &Gathered, report: &mut Vec<Diagnostic>) -> Vec<Scenario> {
+fn supporting(files: &Texts, blocks: &Gathered, report: &mut Vec<Diagnostic>) -> Vec<Scenario> {
     let mut scenarios = check_all(files, &blocks.supporting, None, report);
     scenarios.sort_by(|one, other| one.name.cmp(&other.name));
     scenarios
@@ -379,8 +379,8 @@ fn supporting(files: &Files, blocks: &Gathered, report: &mut Vec<Diagnostic>) ->
 
 /// Checks scenarios; what several of them would report of the same place is reported once.
 fn check_all(
-    files: &Files,
-    definitions: &[Definition],
+    files: &Texts,
+    definitions: &[NameDefinition],
     added: Option<check::SuiteCriteria>,
     report: &mut Vec<Diagnostic>,
 ) -> Vec<Scenario> {
@@ -401,8 +401,8 @@ fn check_all(
 
 /// Warns of scenarios of which nothing is claimed, unless a block is about them.
 fn warn_of_nothing_expected(
-    files: &Files,
-    definitions: &[Definition],
+    files: &Texts,
+    definitions: &[NameDefinition],
     scenarios: &[Scenario],
     blocks: &Gathered,
     report: &mut Vec<Diagnostic>,
@@ -464,18 +464,18 @@ const IN_TEMPLATES: [Code; 14] = [
 ];
 
 /// Checks roads and templates that no scenario may have used.
-fn check_definitions(files: &Files, report: &mut Vec<Diagnostic>) {
+fn check_definitions(files: &Texts, report: &mut Vec<Diagnostic>) {
     let places = Places { files };
     let mut known: HashSet<(Code, Span, String)> =
         report.iter().map(|finding| (finding.code, finding.span(), finding.message.clone())).collect();
     let mut findings = Vec::new();
     for file in files.ids() {
         for node in files.tree(file).file().roads() {
-            let definition = Definition { file, node: node.index(), span: node.name().span() };
+            let definition = NameDefinition { file, node: node.index(), span: node.name().span() };
             check::defined_road(definition, &places, &mut findings);
         }
         for node in files.tree(file).file().scenarios().filter(|one| one.is_template()) {
-            let definition = Definition { file, node: node.index(), span: node.name().span() };
+            let definition = NameDefinition { file, node: node.index(), span: node.name().span() };
             let mut own = Vec::new();
             check::scenario(definition, &places, None, &mut own);
             own.retain(|finding| {
@@ -493,7 +493,7 @@ fn check_definitions(files: &Files, report: &mut Vec<Diagnostic>) {
 
 /// Criteria of the suite that apply to none of its scenarios.
 fn reject_idle_criteria(
-    files: &Files,
+    files: &Texts,
     criteria: &[ast::Criterion],
     scenarios: &[Scenario],
     report: &mut Vec<Diagnostic>,

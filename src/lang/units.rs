@@ -5,7 +5,7 @@ use crate::scenario::{Dimension, Notation, Symbol};
 /// A unit: a quantity `n` of it is `n * numerator / denominator` in SI units. Two numbers, because most conversions
 /// are exact as a fraction and then round only once.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Unit {
+pub struct UnitEntry {
     pub symbol: &'static str,
     pub dimension: Dimension,
     numerator: f64,
@@ -19,7 +19,7 @@ pub struct Unit {
     tried: &'static [&'static str],
 }
 
-impl Unit {
+impl UnitEntry {
     pub fn to_si(self, number: f64) -> f64 {
         number * self.numerator / self.denominator
     }
@@ -44,11 +44,11 @@ const fn unit(
     dimension: Dimension,
     (numerator, denominator): (f64, f64),
     doc: &'static str,
-) -> Unit {
-    Unit { symbol, dimension, numerator, denominator, doc, is_usual: true, spells: None, tried: &[] }
+) -> UnitEntry {
+    UnitEntry { symbol, dimension, numerator, denominator, doc, is_usual: true, spells: None, tried: &[] }
 }
 
-impl Unit {
+impl UnitEntry {
     const fn unusual(self) -> Self {
         Self { is_usual: false, ..self }
     }
@@ -64,7 +64,7 @@ impl Unit {
 }
 
 /// Every unit there is.
-pub static UNITS: &[Unit] = &[
+pub static UNITS: &[UnitEntry] = &[
     unit("m", Dimension::LENGTH, (1.0, 1.0), "metre").tried(&["meter", "meters", "metre", "metres"]),
     unit("km", Dimension::LENGTH, (1000.0, 1.0), "kilometre").unusual(),
     unit("cm", Dimension::LENGTH, (1.0, 100.0), "centimetre"),
@@ -91,7 +91,7 @@ pub static UNITS: &[Unit] = &[
 ];
 
 /// The unit of that symbol.
-pub fn unit_of(symbol: &str) -> Option<Unit> {
+pub fn unit_of(symbol: &str) -> Option<UnitEntry> {
     UNITS.iter().copied().find(|unit| unit.symbol == symbol)
 }
 

@@ -17,7 +17,7 @@ const MOST_PARTS: usize = 1000;
 
 /// What kind of thing a value is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub enum ValueKind {
     Number(Dimension),
     Flag,
     Word,
@@ -27,7 +27,7 @@ pub enum Kind {
 #[derive(Debug, Clone)]
 pub struct Typed {
     pub expression: Expression,
-    pub kind: Kind,
+    pub kind: ValueKind,
     /// The unit it is written in, as far as one can be said to be its own.
     pub notation: Option<Notation>,
     /// Number of parts of the expression.
@@ -49,8 +49,8 @@ pub struct Binding {
 
 /// The names that a value may use, inner ones hiding outer ones.
 #[derive(Debug, Default)]
-pub struct Scope<'a> {
-    pub outer: Option<&'a Scope<'a>>,
+pub struct NameScope<'a> {
+    pub outer: Option<&'a NameScope<'a>>,
     pub names: HashMap<String, Binding>,
 }
 
@@ -60,8 +60,8 @@ impl Binding {
     }
 }
 
-impl<'a> Scope<'a> {
-    pub fn inside(outer: &'a Scope<'a>) -> Self {
+impl<'a> NameScope<'a> {
+    pub fn inside(outer: &'a NameScope<'a>) -> Self {
         Self { outer: Some(outer), names: HashMap::new() }
     }
 
@@ -74,13 +74,13 @@ impl<'a> Scope<'a> {
 
     /// Every name that can be used here.
     pub fn all_names(&self) -> Vec<&str> {
-        let mut names = self.outer.map_or_else(Vec::new, Scope::all_names);
+        let mut names = self.outer.map_or_else(Vec::new, NameScope::all_names);
         names.extend(self.names.keys().map(String::as_str));
         names
     }
 }
 
-impl Kind {
+impl ValueKind {
     /// With an article: "a length", "a word".
     pub fn name(self) -> String {
         match self {
@@ -99,15 +99,15 @@ impl Kind {
 }
 
 impl Typed {
-    pub fn constant(value: Value, kind: Kind, span: Span) -> Self {
+    pub fn constant(value: Value, kind: ValueKind, span: Span) -> Self {
         Self { expression: Expression::Constant(value), kind, notation: None, size: 1, span }
     }
 
     pub fn word(word: &str, span: Span) -> Self {
-        Self::constant(Value::Word(word.to_string()), Kind::Word, span)
+        Self::constant(Value::Word(word.to_string()), ValueKind::Word, span)
     }
 
-    pub fn variable(name: &str, kind: Kind, notation: Option<Notation>, span: Span) -> Self {
+    pub fn variable(name: &str, kind: ValueKind, notation: Option<Notation>, span: Span) -> Self {
         Self { expression: Expression::Variable(name.to_string()), kind, notation, size: 1, span }
     }
 
@@ -179,14 +179,14 @@ pub fn calculate<C: Calculation>(node: Node, calculation: &mut C) -> Option<C::O
 }
 
 /// The value of an expression. Mistakes are reported and give `None`.
-pub fn evaluate(node: ast::Expression, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<Typed> {
+pub fn evaluate(node: ast::Expression, scope: &NameScope, report: &mut Vec<Diagnostic>) -> Option<Typed> {
     let mut result = calculate(*node, &mut Values { scope, report })?;
     result.span = node.span();
     Some(result)
 }
 
 struct Values<'a> {
-    scope: &'a Scope<'a>,
+    scope: &'a NameScope<'a>,
     report: &'a mut Vec<Diagnostic>,
 }
 
@@ -207,13 +207,15 @@ impl Calculation for Values<'_> {
 }
 
 /// A quantity, a truth value, a word, a name or a group.
-pub fn operand(node: ast::Operand, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<Typed> {
+pub fn operand(node: ast::Operand, scope: &NameScope, report: &mut Vec<Diagnostic>) -> Option<Typed> {
     match node {
         ast::Operand::Quantity(node) => quantity(node, report),
         ast::Operand::Boolean(node) => {
-            Some(Typed::constant(Value::Flag(node.text() == "true"), Kind::Flag, node.span()))
+            Some(Typed::constant(Value::Flag(node.text() == "true"), ValueKind::Flag, node.span()))
         }
-        ast::Operand::Text(node) => Some(Typed::constant(Value::Word(node.value()), Kind::Word, node.span())),
+        ast::Operand::Text(node) => {
+            Some(Typed::constant(Value::Word(node.value()), ValueKind::Word, node.span()))
+        }
         ast::Operand::Group(node) => evaluate(node.inside(), scope, report),
         ast::Operand::Reference(node) => {
             let name = node.text();
@@ -268,12 +270,12 @@ fn quantity(node: ast::Quantity, report: &mut Vec<Diagnostic>) -> Option<Typed> 
         );
         return None;
     }
-    let constant = Typed::constant(Value::Number(number), Kind::Number(dimension), node.span());
+    let constant = Typed::constant(Value::Number(number), ValueKind::Number(dimension), node.span());
     Some(Typed { notation, ..constant })
 }
 
 fn negate(operand: Typed, report: &mut Vec<Diagnostic>) -> Option<Typed> {
-    if !matches!(operand.kind, Kind::Number(_)) {
+    if !matches!(operand.kind, ValueKind::Number(_)) {
         return not_a_number((operand.kind, operand.span), report);
     }
     let expression = match operand.expression {
@@ -283,7 +285,7 @@ fn negate(operand: Typed, report: &mut Vec<Diagnostic>) -> Option<Typed> {
     Some(Typed { expression, size: operand.size + 1, ..operand })
 }
 
-pub fn not_a_number<T>((kind, span): (Kind, Span), report: &mut Vec<Diagnostic>) -> Option<T> {
+pub fn not_a_number<T>((kind, span): (ValueKind, Span), report: &mut Vec<Diagnostic>) -> Option<T> {
     report.push(
         Diagnostic::new(Code::WrongType, span, format!("cannot calculate with {}", kind.name()))
             .label("not a number")
@@ -294,14 +296,14 @@ pub fn not_a_number<T>((kind, span): (Kind, Span), report: &mut Vec<Diagnostic>)
 
 /// The dimension of `left operator right`.
 pub fn dimension(
-    left: (Kind, Span),
+    left: (ValueKind, Span),
     operator: BinaryOperator,
-    right: (Kind, Span),
+    right: (ValueKind, Span),
     report: &mut Vec<Diagnostic>,
 ) -> Option<Dimension> {
     let span = left.1.to(right.1);
-    let Kind::Number(left_dimension) = left.0 else { return not_a_number(left, report) };
-    let Kind::Number(right_dimension) = right.0 else { return not_a_number(right, report) };
+    let ValueKind::Number(left_dimension) = left.0 else { return not_a_number(left, report) };
+    let ValueKind::Number(right_dimension) = right.0 else { return not_a_number(right, report) };
     let dimension = match operator {
         BinaryOperator::Multiply => left_dimension.times(right_dimension),
         BinaryOperator::Divide => left_dimension.over(right_dimension),
@@ -345,7 +347,7 @@ fn join(left: Typed, operator: BinaryOperator, right: Typed, report: &mut Vec<Di
     let dimension = dimension((left.kind, left.span), operator, (right.kind, right.span), report)?;
     let size = left.size + right.size + 1;
     // Of two units that are multiplied, one is the result's own only where the other stands for none.
-    let own = |typed: &Typed| typed.notation.filter(|_| typed.kind == Kind::Number(dimension));
+    let own = |typed: &Typed| typed.notation.filter(|_| typed.kind == ValueKind::Number(dimension));
     let notation = own(&left).or(own(&right));
     let constant = matches!(
         (&left.expression, &right.expression),
@@ -376,26 +378,26 @@ fn join(left: Typed, operator: BinaryOperator, right: Typed, report: &mut Vec<Di
             }
         }
     }
-    Some(Typed { expression, kind: Kind::Number(dimension), notation, size, span })
+    Some(Typed { expression, kind: ValueKind::Number(dimension), notation, size, span })
 }
 
 /// Whether a value is of a kind; if not, says so.
-pub fn expect_kind(value: &Typed, kind: Kind, what: &str, report: &mut Vec<Diagnostic>) -> bool {
+pub fn expect_kind(value: &Typed, kind: ValueKind, what: &str, report: &mut Vec<Diagnostic>) -> bool {
     if value.kind == kind {
         return true;
     }
     let units = match kind {
-        Kind::Number(dimension) => units::units_for(dimension),
+        ValueKind::Number(dimension) => units::units_for(dimension),
         _ => None,
     };
     let diagnostic = match (kind, value.kind) {
-        (Kind::Number(_), Kind::Number(Dimension::NUMBER)) => Diagnostic::new(
+        (ValueKind::Number(_), ValueKind::Number(Dimension::NUMBER)) => Diagnostic::new(
             Code::MissingUnit,
             value.span,
             format!("{what} is {}, but this number has no unit", kind.name()),
         )
         .label("needs a unit"),
-        (Kind::Number(_), Kind::Number(_)) => Diagnostic::new(
+        (ValueKind::Number(_), ValueKind::Number(_)) => Diagnostic::new(
             Code::WrongDimension,
             value.span,
             format!("{what} is {}, not {}", kind.name(), value.kind.name()),
@@ -409,9 +411,11 @@ pub fn expect_kind(value: &Typed, kind: Kind, what: &str, report: &mut Vec<Diagn
         .label(format!("this is {}", value.kind.name())),
     };
     report.push(match (kind, units) {
-        (Kind::Number(Dimension::NUMBER), _) => diagnostic.hint("write a number without unit, or with `%`"),
-        (Kind::Number(_), Some(units)) => diagnostic.hint(format!("give it in {units}")),
-        (Kind::Number(dimension), None) => {
+        (ValueKind::Number(Dimension::NUMBER), _) => {
+            diagnostic.hint("write a number without unit, or with `%`")
+        }
+        (ValueKind::Number(_), Some(units)) => diagnostic.hint(format!("give it in {units}")),
+        (ValueKind::Number(dimension), None) => {
             diagnostic.hint(format!("calculate it, so that it comes out in {}", dimension.si_unit()))
         }
         (kind, _) => diagnostic.hint(format!("write {}", kind.name())),
@@ -424,11 +428,11 @@ pub fn quantity_of(
     node: ast::Expression,
     dimension: Dimension,
     what: &str,
-    scope: &Scope,
+    scope: &NameScope,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Typed> {
     let value = evaluate(node, scope, report)?;
-    expect_kind(&value, Kind::Number(dimension), what, report).then_some(value)
+    expect_kind(&value, ValueKind::Number(dimension), what, report).then_some(value)
 }
 
 /// As [`quantity_of`], within a range that holds for every value it can take.
@@ -437,7 +441,7 @@ pub fn quantity_in(
     dimension: Dimension,
     range: (f64, f64),
     what: &str,
-    scope: &Scope,
+    scope: &NameScope,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Typed> {
     let value = quantity_of(node, dimension, what, scope, report)?;
@@ -458,7 +462,7 @@ pub fn quantity_within(
     node: ast::Expression,
     limit: Limit,
     what: &str,
-    scope: &Scope,
+    scope: &NameScope,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Typed> {
     quantity_in(node, limit.dimension, limit.range, what, scope, report)
@@ -470,7 +474,7 @@ pub fn written_constant(
     dimension: Dimension,
     range: (f64, f64),
     what: &str,
-    scope: &Scope,
+    scope: &NameScope,
     report: &mut Vec<Diagnostic>,
 ) -> Option<(f64, Option<Notation>)> {
     let value = quantity_in(node, dimension, range, what, scope, report)?;
@@ -485,7 +489,7 @@ pub fn constant_in(
     dimension: Dimension,
     range: (f64, f64),
     what: &str,
-    scope: &Scope,
+    scope: &NameScope,
     report: &mut Vec<Diagnostic>,
 ) -> Option<f64> {
     written_constant(node, dimension, range, what, scope, report).map(|(number, _)| number)
@@ -526,7 +530,7 @@ pub fn out_of_range(
 
 /// The values an expression takes, with the variation's value that leads to it; nothing if it depends on more than
 /// one variation or on a sampled one (those are checked again for every run).
-pub fn possible(expression: &Expression, scope: &Scope) -> Vec<(Value, Option<String>)> {
+pub fn possible(expression: &Expression, scope: &NameScope) -> Vec<(Value, Option<String>)> {
     if let Expression::Constant(value) = expression {
         return vec![(value.clone(), None)];
     }

@@ -6,7 +6,7 @@ use super::Error;
 use super::models::{Models, Scaled};
 use super::optimiser::Optimiser;
 use super::pareto;
-use super::space::{Point, Value};
+use super::space::{Coordinate, Point};
 use super::surrogate::{Posterior, Surrogate};
 use super::{Definition, EvaluatedPoint};
 
@@ -32,7 +32,7 @@ pub struct Prediction {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SlicePoint {
     /// Value of the dimension that varies.
-    pub value: Value,
+    pub value: Coordinate,
     /// Posterior mean of the noise-free objective.
     pub mean: f64,
     /// Lower end of its 95 % band.
@@ -110,7 +110,7 @@ impl Optimiser {
     pub fn surrogate_slice(
         &self,
         dimension: usize,
-        through: &[Value],
+        through: &[Coordinate],
         steps: usize,
     ) -> Result<Vec<SlicePoint>, Error> {
         let Definition { space, .. } = self.definition();

@@ -4,9 +4,9 @@
 //! method and the measurements behind it are in `docs/optimisation.md`.
 //!
 //! ```
-//! use scenario_runner::optimise::{Definition, Dimension, Evaluation, Optimiser, Space};
+//! use scenario_runner::optimise::{Definition, SearchDimension, Evaluation, Optimiser, Space};
 //!
-//! let space = Space::new(vec![Dimension::real("time_to_arrival", 2.0, 8.0)])?;
+//! let space = Space::new(vec![SearchDimension::real("time_to_arrival", 2.0, 8.0)])?;
 //! let mut optimiser = Optimiser::new(Definition { budget: 25, ..Definition::new(space, 7) })?;
 //! while optimiser.stop_reason().is_none() {
 //!     for proposal in optimiser.ask(1) {
@@ -43,7 +43,7 @@ pub use findings::{Prediction, SlicePoint};
 pub use history::{EvaluatedPoint, Evaluation, Margin, ObjectiveValue};
 pub use journal::{Journal, run};
 pub use optimiser::{OptimisationEnd, Optimiser, Proposal, ProposalOrigin};
-pub use space::{LARGEST_DIMENSION_COUNT, Point, Range, SearchDimension, Space, Value};
+pub use space::{Coordinate, LARGEST_DIMENSION_COUNT, Point, Range, SearchDimension, Space};
 
 /// What can go wrong in the optimiser. Bad numbers told by evaluations are not among it: they count as undefined.
 #[derive(Debug, thiserror::Error)]

@@ -13,7 +13,7 @@ use super::models::{Models, Remembered};
 use super::pareto;
 use super::random::{Purpose, stream};
 use super::reference::Hedge;
-use super::space::{Point, Value};
+use super::space::{Coordinate, Point};
 use super::surrogate::Surrogate;
 
 /// Most visited places that the search for the acquisition's maximum looks around.
@@ -160,7 +160,7 @@ impl Optimiser {
     ///
     /// # Errors
     /// [`Error::Value`] for a point outside the space; [`Error::Evaluation`] when it does not fit the definition.
-    pub fn observe(&mut self, point: &[Value], evaluation: Evaluation) -> Result<u64, Error> {
+    pub fn observe(&mut self, point: &[Coordinate], evaluation: Evaluation) -> Result<u64, Error> {
         let unit = self.definition.space.unit(point)?;
         let evaluation = evaluation.checked(&self.definition)?;
         let id = self.next_id;

@@ -33,32 +33,32 @@ pub enum Range {
 /// The value of one dimension at a point.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
-pub enum Value {
+pub enum Coordinate {
     Integer(i64),
     Real(f64),
     Category(String),
 }
 
 /// One value per dimension, in the order of the space.
-pub type Point = Vec<Value>;
+pub type Point = Vec<Coordinate>;
 
-impl Value {
+impl Coordinate {
     /// The value as a number; a category has none.
     pub fn number(&self) -> Option<f64> {
         match self {
-            Value::Real(value) => Some(*value),
-            Value::Integer(value) => Some(*value as f64),
-            Value::Category(_) => None,
+            Coordinate::Real(value) => Some(*value),
+            Coordinate::Integer(value) => Some(*value as f64),
+            Coordinate::Category(_) => None,
         }
     }
 }
 
-impl std::fmt::Display for Value {
+impl std::fmt::Display for Coordinate {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Value::Real(value) => write!(f, "{value}"),
-            Value::Integer(value) => write!(f, "{value}"),
-            Value::Category(value) => write!(f, "{value}"),
+            Coordinate::Real(value) => write!(f, "{value}"),
+            Coordinate::Integer(value) => write!(f, "{value}"),
+            Coordinate::Category(value) => write!(f, "{value}"),
         }
     }
 }
@@ -112,18 +112,18 @@ impl SearchDimension {
     }
 
     /// The value that a unit coordinate stands for.
-    pub fn value(&self, unit: f64) -> Value {
+    pub fn value(&self, unit: f64) -> Coordinate {
         let unit = unit.clamp(0.0, 1.0);
         match &self.range {
-            Range::Real { low, high } => Value::Real((low + unit * (high - low)).clamp(*low, *high)),
+            Range::Real { low, high } => Coordinate::Real((low + unit * (high - low)).clamp(*low, *high)),
             Range::Log { low, high } => {
                 let (from, to) = (libm::log(*low), libm::log(*high));
-                Value::Real(libm::exp(from + unit * (to - from)).clamp(*low, *high))
+                Coordinate::Real(libm::exp(from + unit * (to - from)).clamp(*low, *high))
             }
             Range::Integer { low, high } => {
-                Value::Integer(low.saturating_add(self.cell(unit) as i64).min(*high))
+                Coordinate::Integer(low.saturating_add(self.cell(unit) as i64).min(*high))
             }
-            Range::Categorical { choices } => Value::Category(choices[self.cell(unit)].clone()),
+            Range::Categorical { choices } => Coordinate::Category(choices[self.cell(unit)].clone()),
         }
     }
 
@@ -136,7 +136,7 @@ impl SearchDimension {
     ///
     /// # Errors
     /// [`Error::Value`] when the value is of another kind or out of range.
-    pub fn unit(&self, value: &Value) -> Result<f64, Error> {
+    pub fn unit(&self, value: &Coordinate) -> Result<f64, Error> {
         let outside = |expected: String| Error::Value {
             dimension: self.name.clone(),
             value: value.to_string(),
@@ -155,14 +155,14 @@ impl SearchDimension {
                 _ => Err(outside(format!("a number from {low} to {high}"))),
             },
             Range::Integer { low, high } => match value {
-                Value::Integer(number) if number >= low && number <= high => {
+                Coordinate::Integer(number) if number >= low && number <= high => {
                     let levels = self.levels().unwrap_or(1) as f64;
                     Ok((number.abs_diff(*low) as f64 + 0.5) / levels)
                 }
                 _ => Err(outside(format!("a whole number from {low} to {high}"))),
             },
             Range::Categorical { choices } => match value {
-                Value::Category(name) => match choices.iter().position(|choice| choice == name) {
+                Coordinate::Category(name) => match choices.iter().position(|choice| choice == name) {
                     Some(index) => Ok((index as f64 + 0.5) / choices.len() as f64),
                     None => Err(outside(format!("one of {}", choices.join(", ")))),
                 },
@@ -272,7 +272,7 @@ impl Space {
     ///
     /// # Errors
     /// [`Error::Value`] for a value of another kind or out of range, [`Error::Dimensions`] for a wrong number of values.
-    pub fn unit(&self, point: &[Value]) -> Result<Vec<f64>, Error> {
+    pub fn unit(&self, point: &[Coordinate]) -> Result<Vec<f64>, Error> {
         if point.len() != self.dimensions.len() {
             return Err(Error::Dimensions(format!(
                 "the point has {} values, the space {} dimensions",
@@ -331,10 +331,14 @@ mod tests {
     fn points_outside_are_errors() {
         let space = mixed();
         let good = space.point(&[0.5, 0.5, 0.5, 0.5]);
-        for (i, bad) in
-            [Value::Real(19.0), Value::Real(f64::NAN), Value::Real(0.5), Value::Category("d".into())]
-                .into_iter()
-                .enumerate()
+        for (i, bad) in [
+            Coordinate::Real(19.0),
+            Coordinate::Real(f64::NAN),
+            Coordinate::Real(0.5),
+            Coordinate::Category("d".into()),
+        ]
+        .into_iter()
+        .enumerate()
         {
             let mut point = good.clone();
             point[i] = bad;

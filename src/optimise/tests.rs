@@ -21,7 +21,7 @@ fn mixed() -> Space {
 }
 
 /// A bumpy function with a repeatable error that looks like noise.
-fn bumpy(point: &[Value]) -> Evaluation {
+fn bumpy(point: &[Coordinate]) -> Evaluation {
     let x = point[0].number().unwrap();
     Evaluation::of((x - 11.0).powi(2) / 10.0 + (3.0 * x).sin() + 0.1 * (1e4 * x).sin())
 }
@@ -257,7 +257,10 @@ fn senseless_definitions_and_tells_are_errors() {
     assert!(matches!(optimiser.tell(0, Evaluation::constrained(1.0, &[1.0])), Err(Error::Evaluation(_))));
     optimiser.tell(proposal.id, Evaluation::of(1.0)).unwrap();
     assert!(matches!(optimiser.tell(0, Evaluation::of(1.0)), Err(Error::Unasked(0))));
-    assert!(matches!(optimiser.observe(&[Value::Real(5.0)], Evaluation::of(1.0)), Err(Error::Value { .. })));
+    assert!(matches!(
+        optimiser.observe(&[Coordinate::Real(5.0)], Evaluation::of(1.0)),
+        Err(Error::Value { .. })
+    ));
 }
 
 #[test]
@@ -265,9 +268,9 @@ fn finds_the_best_of_a_mixed_space_and_maximises_when_told_to() {
     let definition =
         Definition { objectives: vec![Goal::Maximise], budget: 50, ..Definition::new(mixed(), 3) };
     let mut optimiser = Optimiser::new(definition).unwrap();
-    let height = |point: &[Value]| {
+    let height = |point: &[Coordinate]| {
         let [time, gain, count] = [0, 1, 2].map(|i| point[i].number().unwrap());
-        let kind = if point[3] == Value::Category("b".into()) { 1.0 } else { 0.0 };
+        let kind = if point[3] == Coordinate::Category("b".into()) { 1.0 } else { 0.0 };
         kind - (time - 0.3).powi(2) - 0.2 * (gain.log10() - 1.0).powi(2) - 0.03 * (count - 4.0).powi(2)
     };
     run(&mut optimiser, 5, None, |proposal| Evaluation::of(height(&proposal.point))).unwrap();
@@ -277,7 +280,7 @@ fn finds_the_best_of_a_mixed_space_and_maximises_when_told_to() {
     let slice = optimiser.surrogate_slice(2, &best.point, 100).unwrap();
     assert_eq!(slice.len(), 6);
     let top = slice.iter().max_by(|a, b| a.mean.total_cmp(&b.mean)).unwrap();
-    assert_eq!(top.value, Value::Integer(4));
+    assert_eq!(top.value, Coordinate::Integer(4));
     assert!(slice.iter().all(|point| point.lower <= point.mean && point.mean <= point.upper));
 }
 

@@ -4,7 +4,7 @@ use nalgebra::Vector2;
 
 use super::{PedestrianContext, PedestrianModel};
 use crate::scenario::{Chance, Declaration, Dimension, Parameter, Side, TextError, VehicleReference};
-use crate::sim::script::{Action, Quantity, Script, parameters};
+use crate::sim::script::{Action, Script, ScriptQuantity, parameters};
 use crate::sim::{Mode, ModelError, Motion, Pedestrian, Scene, geometry};
 
 pub fn timeline() -> PedestrianModel {
@@ -30,7 +30,7 @@ pub fn timeline() -> PedestrianModel {
 /// `distance`: to the nearest vehicle's footprint; `time_to_arrival`: of the front of the next vehicle at the
 /// pedestrian's place along the road; `vehicle_speed`: of the nearest vehicle; `walked`: since it appeared;
 /// `distance_to_kerb`: to the kerb that it starts from, negative on the road. Times count from its appearance.
-const QUANTITIES: &[Quantity] = &[
+const QUANTITIES: &[ScriptQuantity] = &[
     ("distance", Dimension::LENGTH),
     ("time_to_arrival", Dimension::TIME),
     ("vehicle_speed", Dimension::SPEED),

@@ -11,7 +11,8 @@ use crate::numbers::random::{Stream, derive_seed};
 use crate::pedestrian::population;
 use crate::pedestrian::population::Population as People;
 use crate::scenario::{
-    Expression, Individual, Individuals, Pedestrian, Population, Scenario, Settings, Suite, Value,
+    DeclaredPedestrian, Expression, Individual, Individuals, PopulationShare, Scenario, Settings, Suite,
+    Value,
 };
 
 /// The groups of people that the scenario is run with; one empty group when nobody is an individual.
@@ -20,7 +21,7 @@ use crate::scenario::{
 /// with a single individual is in every group. The draw depends on the suite's seed, the pedestrian's name and the
 /// population, so that every scenario of a suite meets the same people.
 pub fn select(seed: u64, scenario: &Scenario) -> Result<Vec<Vec<Individual>>, PlanError> {
-    let mut chosen: Vec<(&Pedestrian, &Individuals, Vec<Individual>)> = Vec::new();
+    let mut chosen: Vec<(&DeclaredPedestrian, &Individuals, Vec<Individual>)> = Vec::new();
     for pedestrian in &scenario.pedestrians {
         if let Some(individuals) = &pedestrian.individuals {
             chosen.push((pedestrian, individuals, choose(seed, pedestrian, individuals)?));
@@ -45,15 +46,15 @@ pub fn select(seed: u64, scenario: &Scenario) -> Result<Vec<Vec<Individual>>, Pl
 /// The people that one pedestrian is.
 fn choose(
     seed: u64,
-    pedestrian: &Pedestrian,
+    pedestrian: &DeclaredPedestrian,
     individuals: &Individuals,
 ) -> Result<Vec<Individual>, PlanError> {
     let origin = &individuals.origin;
     let people = read(pedestrian, individuals)?;
     let numbers: Vec<usize> = match individuals.selection {
-        Population::All => (1..=people.len()).collect(),
-        Population::Number(number) => vec![number as usize],
-        Population::Count(count) => {
+        PopulationShare::All => (1..=people.len()).collect(),
+        PopulationShare::Number(number) => vec![number as usize],
+        PopulationShare::Count(count) => {
             let key = format!("individuals/{}/{}", pedestrian.name, file_name(&individuals.population));
             draw(count as usize, people.len(), derive_seed(seed, &key))
         }
@@ -70,9 +71,9 @@ fn choose(
     let chosen: Option<Vec<Individual>> = numbers.into_iter().map(individual).collect();
     chosen.filter(|chosen| !chosen.is_empty()).ok_or_else(|| {
         let asked = match individuals.selection {
-            Population::Number(number) => format!("no individual {number}"),
-            Population::Count(count) => format!("not {count} individuals"),
-            Population::All => "nobody".to_string(),
+            PopulationShare::Number(number) => format!("no individual {number}"),
+            PopulationShare::Count(count) => format!("not {count} individuals"),
+            PopulationShare::All => "nobody".to_string(),
         };
         let message = format!(
             "the population `{}` has {asked}: there are {}, numbered from 1",
@@ -85,7 +86,7 @@ fn choose(
 }
 
 /// Everybody in the population of a pedestrian.
-fn read(pedestrian: &Pedestrian, individuals: &Individuals) -> Result<People, PlanError> {
+fn read(pedestrian: &DeclaredPedestrian, individuals: &Individuals) -> Result<People, PlanError> {
     let origin = &individuals.origin;
     let name = &pedestrian.model.first;
     let model = name.entry().ok_or_else(|| {
@@ -129,7 +130,7 @@ pub fn populations(suite: &Suite) -> Result<BTreeMap<String, String>, PlanError>
 }
 
 /// The variant that the scenario asks of the pedestrian's model, if it says so outright.
-fn variant(pedestrian: &Pedestrian) -> Option<&str> {
+fn variant(pedestrian: &DeclaredPedestrian) -> Option<&str> {
     pedestrian.model.settings.iter().find_map(|(name, expression)| match expression {
         Expression::Constant(Value::Word(word)) if name == population::VARIANT => Some(word.as_str()),
         _ => None,
@@ -174,11 +175,16 @@ mod tests {
     use crate::models::standard;
     use crate::scenario::{DeclaredAppearance, Direction, Model, Origin, Road, Side};
 
-    fn pedestrian(name: &str, model: &str, variant: Option<&str>, selection: Population) -> Pedestrian {
+    fn pedestrian(
+        name: &str,
+        model: &str,
+        variant: Option<&str>,
+        selection: PopulationShare,
+    ) -> DeclaredPedestrian {
         let number = |x| Expression::Constant(Value::Number(x));
         let settings =
             variant.map(|word| ("variant".to_string(), Expression::Constant(Value::Word(word.to_string()))));
-        Pedestrian {
+        DeclaredPedestrian {
             name: name.to_string(),
             model: Model {
                 first: standard().pedestrians().get(model).unwrap().into(),
@@ -204,7 +210,7 @@ mod tests {
         }
     }
 
-    fn scenario(pedestrians: Vec<Pedestrian>) -> Scenario {
+    fn scenario(pedestrians: Vec<DeclaredPedestrian>) -> Scenario {
         Scenario {
             name: "zebra".to_string(),
             doc: None,
@@ -233,7 +239,7 @@ mod tests {
     #[test]
     fn draws_are_without_replacement_seeded_and_nested() {
         let select = |seed, count| {
-            let walker = pedestrian("walker", "commotions", None, Population::Count(count));
+            let walker = pedestrian("walker", "commotions", None, PopulationShare::Count(count));
             numbers(&select(seed, &scenario(vec![walker])).unwrap())
         };
         let (five, fifty) = (select(1, 5), select(1, 50));
@@ -246,7 +252,7 @@ mod tests {
 
     #[test]
     fn individuals_bring_their_parameters() {
-        let walker = pedestrian("walker", "commotions", None, Population::Number(17));
+        let walker = pedestrian("walker", "commotions", None, PopulationShare::Number(17));
         let groups = select(1, &scenario(vec![walker])).unwrap();
         let person = &groups[0][0];
         assert_eq!((groups.len(), person.number), (1, 17));
@@ -256,8 +262,8 @@ mod tests {
 
     #[test]
     fn several_pedestrians_go_side_by_side() {
-        let one = pedestrian("one", "commotions", None, Population::Count(3));
-        let two = pedestrian("two", "commotions", None, Population::Number(17));
+        let one = pedestrian("one", "commotions", None, PopulationShare::Count(3));
+        let two = pedestrian("two", "commotions", None, PopulationShare::Number(17));
         let groups = select(1, &scenario(vec![one, two])).unwrap();
         assert_eq!(groups.len(), 3);
         assert!(groups.iter().all(|group| group.len() == 2 && group[1].number == 17));
@@ -266,20 +272,20 @@ mod tests {
 
     #[test]
     fn what_cannot_be_says_why() {
-        let say = |pedestrians: Vec<Pedestrian>| {
+        let say = |pedestrians: Vec<DeclaredPedestrian>| {
             let error = select(1, &scenario(pedestrians)).unwrap_err();
             format!("{} ({})", error.message, error.hint.unwrap_or_default())
         };
         let walker = |selection| pedestrian("walker", "commotions", None, selection);
         let said = [
-            say(vec![walker(Population::Number(1_000_000))]),
-            say(vec![walker(Population::Number(0))]),
-            say(vec![walker(Population::Count(1_000_000))]),
-            say(vec![pedestrian("walker", "carla_walker", None, Population::All)]),
-            say(vec![pedestrian("walker", "commotions", Some("oVAoAI"), Population::All)]),
+            say(vec![walker(PopulationShare::Number(1_000_000))]),
+            say(vec![walker(PopulationShare::Number(0))]),
+            say(vec![walker(PopulationShare::Count(1_000_000))]),
+            say(vec![pedestrian("walker", "carla_walker", None, PopulationShare::All)]),
+            say(vec![pedestrian("walker", "commotions", Some("oVAoAI"), PopulationShare::All)]),
             say(vec![
-                walker(Population::Count(2)),
-                pedestrian("other", "commotions", None, Population::Count(3)),
+                walker(PopulationShare::Count(2)),
+                pedestrian("other", "commotions", None, PopulationShare::Count(3)),
             ]),
         ];
         let there_are = People::parse(

@@ -5,9 +5,9 @@ use std::sync::Arc;
 use super::check::check;
 use super::{PlanError, Variables};
 use crate::scenario::{
-    Appearance, Declaration, DeclaredAppearance, DeclaredShape, DeclaredVehicleStart, Expression, Individual,
-    Model, ModelSetup, Origin, Path, Pedestrian, PedestrianSetup, Position, Scenario, SettingError, Settings,
-    Shape, Vehicle, VehicleReference, VehicleSetup, VehicleStart, World,
+    Appearance, Declaration, DeclaredAppearance, DeclaredPedestrian, DeclaredShape, DeclaredVehicleStart,
+    Expression, Individual, Model, ModelSetup, Origin, Path, PedestrianSetup, Position, Scenario,
+    SettingError, Settings, Shape, Vehicle, VehicleReference, VehicleSetup, VehicleStart, World,
 };
 
 const DEFAULT_SHAPE: Shape = Shape::Disc { radius: 0.25 };
@@ -143,7 +143,7 @@ fn automatic_start(
 
 fn pedestrian_setup(
     scenario: &Scenario,
-    declared: &Pedestrian,
+    declared: &DeclaredPedestrian,
     variables: &Variables,
     people: &[Individual],
 ) -> Result<PedestrianSetup, PlanError> {

@@ -2,7 +2,7 @@
 
 use super::{PlanError, Variables, variables};
 use crate::scenario::{
-    Assignment, Expression, Individual, Model, Origin, Pedestrian, Scenario, Settings, Vehicle,
+    Assignment, DeclaredPedestrian, Expression, Individual, Model, Origin, Scenario, Settings, Vehicle,
 };
 
 /// `scenario` without variations, individuals and repetitions: its only run has the case's values, its people's
@@ -40,7 +40,7 @@ fn fix_vehicle(car: &mut Vehicle, variables: &Variables) -> Result<(), PlanError
     car.expressions_mut().into_iter().try_for_each(|(value, origin)| fix(value, variables, origin))
 }
 
-fn fix_pedestrian(person: &mut Pedestrian, variables: &Variables) -> Result<(), PlanError> {
+fn fix_pedestrian(person: &mut DeclaredPedestrian, variables: &Variables) -> Result<(), PlanError> {
     choose(&mut person.model, variables)?;
     person.expressions_mut().into_iter().try_for_each(|(value, origin)| fix(value, variables, origin))
 }
@@ -59,7 +59,7 @@ fn fix(expression: &mut Expression, variables: &Variables, origin: &Origin) -> R
 }
 
 /// What the scenario says wins over the individual, and what the model would have anyway needs not be said.
-fn add_individual(person: &mut Pedestrian, individual: &Individual) {
+fn add_individual(person: &mut DeclaredPedestrian, individual: &Individual) {
     let mut said = Settings::default();
     for (name, value) in &person.model.settings {
         if let Expression::Constant(value) = value {

@@ -6,7 +6,7 @@ use super::columns::columns;
 use super::evaluation::render_evaluate;
 use super::found::{render_search, value};
 use super::statement::render_statement;
-use crate::optimise::Value;
+use crate::optimise::Coordinate;
 use crate::results::{BlockResult, Candidate, MetricSummary, TuneResult};
 use crate::scenario::{ShownIn, Tune, significant};
 
@@ -94,7 +94,7 @@ const STRING: &str = "writing to a string cannot fail";
 
 fn candidate(result: &TuneResult, candidate: &Candidate) -> String {
     let point = result.parameters.iter().zip(&candidate.point).enumerate();
-    let shown = |(index, (name, at)): (usize, (&String, &Value))| {
+    let shown = |(index, (name, at)): (usize, (&String, &Coordinate))| {
         format!("{name} {}", value(result.shown_in.get(index), at))
     };
     let point: Vec<_> = point.map(shown).collect();
@@ -126,7 +126,7 @@ fn summary(summary: &MetricSummary, unit: Option<&ShownIn>) -> String {
     }
 }
 
-pub(super) fn short(value: &Value) -> String {
+pub(super) fn short(value: &Coordinate) -> String {
     value.number().map_or_else(|| value.to_string(), digits)
 }
 

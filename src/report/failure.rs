@@ -8,7 +8,7 @@ use super::wording::{metric_value, run_in_words, run_value, stopping, unseen, wh
 use crate::escape::terminal;
 use crate::lang::Excerpt;
 use crate::results::{
-    BlockReport, BlockState, CutBy, Finding, Measure, SuiteIdentity, TrialState, UnitReport, Verdict,
+    BlockReport, BlockState, CutBy, Finding, FindingMeasure, SuiteIdentity, TrialState, UnitReport, Verdict,
 };
 
 /// Why a unit did not pass.
@@ -95,7 +95,7 @@ pub(super) fn render_finding(suite: &SuiteIdentity, finding: &Finding, colour: b
 fn bounds(finding: &Finding) -> Option<String> {
     let ((low, high), confidence) = (finding.interval?, finding.confidence?);
     let show = |bound: f64| match finding.measure {
-        Measure::Share | Measure::EveryRun => share(bound),
+        FindingMeasure::Share | FindingMeasure::EveryRun => share(bound),
         _ => metric_value(finding, Some(bound)),
     };
     let least = low.is_finite().then(|| format!("at least {}", show(low)));
@@ -129,14 +129,14 @@ fn title(finding: &Finding) -> String {
     let Some(observed) = finding.observed else {
         // Only a spread does not exist where there is a value.
         let why = match finding.holding {
-            1 if finding.measure == Measure::Value => "one run has no spread",
+            1 if finding.measure == FindingMeasure::Value => "one run has no spread",
             _ => "no run has a value",
         };
         return format!("`{criterion}` {verb}: {why}{}", of_those_cut_off(finding));
     };
     match finding.measure {
-        Measure::EveryRun => format!("`{criterion}` {verb} in {missed} of {} runs", finding.runs),
-        Measure::Share => {
+        FindingMeasure::EveryRun => format!("`{criterion}` {verb} in {missed} of {} runs", finding.runs),
+        FindingMeasure::Share => {
             format!(
                 "`{criterion}` {verb}: {} ({} of {} runs)",
                 share(observed),
@@ -144,18 +144,18 @@ fn title(finding: &Finding) -> String {
                 finding.runs
             )
         }
-        Measure::Count => {
+        FindingMeasure::Count => {
             let cut_off = of_those_cut_off(finding);
             format!("`{criterion}` {verb}: {observed} of {} runs{cut_off}", finding.runs)
         }
-        Measure::Value if observed.is_infinite() => {
+        FindingMeasure::Value if observed.is_infinite() => {
             let (known, cut_off) = (finding.holding, of_those_cut_off(finding));
             format!(
                 "`{criterion}` {verb}: nothing bounds it, with a value in {known} of {} runs{cut_off}",
                 finding.runs
             )
         }
-        Measure::Value => {
+        FindingMeasure::Value => {
             let text = metric_value(finding, Some(observed));
             // Only those with a value are in it.
             let (with, all) = (finding.holding, finding.runs);
@@ -184,7 +184,7 @@ mod tests {
     use super::*;
     use crate::scenario::Origin;
 
-    fn finding(measure: Measure, verdict: Verdict, interval: Option<(f64, f64)>) -> Finding {
+    fn finding(measure: FindingMeasure, verdict: Verdict, interval: Option<(f64, f64)>) -> Finding {
         Finding {
             criterion: "mean(time_lost) <= 2 s with 95 % confidence".into(),
             origin: Origin::default(),
@@ -212,7 +212,7 @@ mod tests {
 
     #[test]
     fn the_side_that_decides_stands_at_the_stated_confidence() {
-        let said = |verdict, ends| bounds(&finding(Measure::Value, verdict, Some(ends))).unwrap();
+        let said = |verdict, ends| bounds(&finding(FindingMeasure::Value, verdict, Some(ends))).unwrap();
         assert_eq!(said(Verdict::Failed, (2.1, 2.7)), "at 95 % confidence it is at least 2.1 s");
         assert_eq!(said(Verdict::Failed, (0.5, 1.7)), "at 95 % confidence it is at most 1.7 s");
         // Two ends that are right 95 times in a hundred each are both so 90 times.
@@ -224,14 +224,16 @@ mod tests {
             said(Verdict::Inconclusive, (1.9, f64::INFINITY)),
             "at 95 % confidence it is at least 1.9 s"
         );
-        let approximate =
-            Finding { approximate: true, ..finding(Measure::Value, Verdict::Failed, Some((2.1, 2.7))) };
+        let approximate = Finding {
+            approximate: true,
+            ..finding(FindingMeasure::Value, Verdict::Failed, Some((2.1, 2.7)))
+        };
         assert_eq!(bounds(&approximate).unwrap(), "about 95 % confidence it is at least 2.1 s");
     }
 
     #[test]
     fn a_number_says_of_how_many_runs_it_is() {
-        let value = finding(Measure::Value, Verdict::Failed, None);
+        let value = finding(FindingMeasure::Value, Verdict::Failed, None);
         assert_eq!(
             title(&value),
             "`mean(time_lost) <= 2 s with 95 % confidence` failed: 2.41 s over 356 of 400 runs"
@@ -242,7 +244,8 @@ mod tests {
 
     #[test]
     fn what_was_cut_off_is_said_where_a_number_is_missing() {
-        let one = Finding { runs: 1, undefined: 0, ..finding(Measure::Value, Verdict::Inconclusive, None) };
+        let one =
+            Finding { runs: 1, undefined: 0, ..finding(FindingMeasure::Value, Verdict::Inconclusive, None) };
         let criterion = "`mean(time_lost) <= 2 s with 95 % confidence` could not be decided: ";
         let said = |finding: Finding| title(&finding).replace(criterion, "");
         let spread = Finding { holding: 1, cut_off: 0, observed: None, ..one.clone() };
@@ -254,7 +257,7 @@ mod tests {
             said(infinite),
             "nothing bounds it, with a value in 0 of 1 runs, 1 cut off before it was decided"
         );
-        let counted = Finding { measure: Measure::Count, observed: Some(0.0), ..none };
+        let counted = Finding { measure: FindingMeasure::Count, observed: Some(0.0), ..none };
         assert_eq!(said(counted), "0 of 1 runs, 1 cut off before it was decided");
     }
 }

@@ -3,8 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::chart::{
-    AxisQuantity, Dot, First, FoundDot, IndividualsChart, LegendEntry, Path, Paths, Rate, RateSeries, Rates,
-    Rows, Rule, Strip, Strips, first_legend, is_drawn, with_room,
+    AxisQuantity, ChartPath, Dot, First, FoundDot, IndividualsChart, LegendEntry, Paths, Rate, RateSeries,
+    Rates, Rows, Rule, Strip, Strips, first_legend, is_drawn, with_room,
 };
 use super::digest::written_unit;
 use super::variable::Variable;
@@ -365,7 +365,7 @@ impl Data<'_> {
             for recording in recordings.iter().filter(|one| one.case.scenario == *name) {
                 let Some(outcome) = outcomes.get(recording.case.key.as_str()) else { continue };
                 let first = self.first(outcome);
-                paths.extend(recording.pairs().into_iter().map(|pair| Path {
+                paths.extend(recording.pairs().into_iter().map(|pair| ChartPath {
                     points: pair.points,
                     first,
                     name: recording.case.key.clone(),
@@ -375,7 +375,7 @@ impl Data<'_> {
                 charts.push(Paths { title: name.to_string(), paths, ranges: None });
             }
         }
-        let all: Vec<&Path> = charts.iter().flat_map(|chart| &chart.paths).collect();
+        let all: Vec<&ChartPath> = charts.iter().flat_map(|chart| &chart.paths).collect();
         let ranges = Paths::ranges(all.iter().copied());
         let entries = Paths::legend(all);
         for chart in &mut charts {

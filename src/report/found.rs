@@ -5,7 +5,7 @@ use std::fmt::Write;
 use super::columns::columns;
 use super::experiment::{WITHOUT_VALUE, short};
 use crate::numbers::summary::quantile;
-use crate::optimise::Value;
+use crate::optimise::Coordinate;
 use crate::results::{Found, SearchResult};
 use crate::scenario::{Goal, ShownIn};
 
@@ -52,7 +52,7 @@ fn people(result: &SearchResult, found: &[&Found]) -> String {
 }
 
 /// A value of a range in the unit that the range is written in.
-pub(super) fn value(shown_in: Option<&ShownIn>, value: &Value) -> String {
+pub(super) fn value(shown_in: Option<&ShownIn>, value: &Coordinate) -> String {
     match (shown_in, value.number()) {
         (Some(unit), Some(number)) => unit.show(number),
         _ => short(value),
@@ -154,7 +154,7 @@ mod tests {
             let mut found = result.found[0].clone();
             let value = f64::from((number * 37 + 40) % 101) / 20.0;
             found.individuals = vec![person(number)];
-            found.best = Some(vec![("tta".into(), Value::Real(6.0 + value))]);
+            found.best = Some(vec![("tta".into(), Coordinate::Real(6.0 + value))]);
             (found.observed, found.predicted) = (Some(value), Some((value + 0.5, 0.1)));
             found.fresh = Some(if number == 7 { 0.125 } else { value + 0.625 });
             let first = if number.is_multiple_of(3) { "vehicle" } else { "pedestrian" };

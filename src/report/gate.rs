@@ -10,7 +10,7 @@ use crate::escape::{terminal, terminal_line};
 use crate::judge::baseline::some;
 use crate::lang::Excerpt;
 use crate::results::{
-    BlindPlace, ChangedRun, Check, CheckOutcome, GateReport, GateState, GateVerdict, Power, Subject,
+    BlindPlace, ChangedRun, Check, CheckOutcome, ComparedSubject, GateReport, GateState, GateVerdict, Power,
     SuiteIdentity, SuiteReport, TrialChange, Verdict,
 };
 use crate::scenario::significant;
@@ -247,9 +247,9 @@ pub fn cells(check: &Check) -> [String; 6] {
 /// What is compared: `pet`, `pet exists`, `collision`.
 pub fn label(check: &Check) -> String {
     match check.subject {
-        Subject::Existence => format!("{} exists", check.label),
-        Subject::New => format!("new {}", check.label),
-        Subject::Mean | Subject::Rate => check.label.clone(),
+        ComparedSubject::Existence => format!("{} exists", check.label),
+        ComparedSubject::New => format!("new {}", check.label),
+        ComparedSubject::Mean | ComparedSubject::Rate => check.label.clone(),
     }
 }
 
@@ -266,7 +266,7 @@ pub fn caught(check: &Check) -> String {
 
 /// A regression in a sentence.
 pub fn sentence(check: &Check) -> String {
-    if check.subject == Subject::New {
+    if check.subject == ComparedSubject::New {
         return format!(
             "{} in {}: {} that had none on the same seed; that needs no statistics",
             label(check),
@@ -328,8 +328,8 @@ fn in_its_unit(check: &Check, value: Option<f64>) -> Option<String> {
 /// A mean in the metric's unit, or a share.
 fn show(check: &Check, value: f64) -> String {
     match check.subject {
-        Subject::Mean => in_its_unit(check, Some(value)).unwrap_or_else(|| significant(value, 4)),
-        Subject::Rate | Subject::Existence | Subject::New => share(value),
+        ComparedSubject::Mean => in_its_unit(check, Some(value)).unwrap_or_else(|| significant(value, 4)),
+        ComparedSubject::Rate | ComparedSubject::Existence | ComparedSubject::New => share(value),
     }
 }
 
@@ -345,11 +345,11 @@ fn show_difference(check: &Check, value: f64) -> String {
 /// A size without a sign: `5.2 %` of a mean, `0.3 s` of a mean of 0, `3 points` of a share.
 fn amount(check: &Check, size: f64) -> String {
     match check.subject {
-        Subject::Mean if check.base != 0.0 => {
+        ComparedSubject::Mean if check.base != 0.0 => {
             format!("{} %", significant(100.0 * size / check.base.abs(), 3))
         }
-        Subject::Mean => show(check, size),
-        Subject::Rate | Subject::Existence | Subject::New => {
+        ComparedSubject::Mean => show(check, size),
+        ComparedSubject::Rate | ComparedSubject::Existence | ComparedSubject::New => {
             format!("{} points", significant(100.0 * size, 3))
         }
     }

@@ -7,7 +7,7 @@ use super::shrunk::run_words;
 use crate::judge::per_run;
 use crate::results::{Outcome, Requests};
 use crate::scenario::{Assignment, Case, Criterion, Dimension, Scenario, Value, Written, show};
-use crate::sim::{Event, Happening, StopReason};
+use crate::sim::{Happening, StopReason, TimelineEvent};
 
 /// The values that a case has of its own, in the units that they are written in: what its scenario varies.
 pub fn case_values(case: &Case, scenario: &Scenario) -> Vec<(String, String)> {
@@ -58,7 +58,7 @@ pub fn render_replay(
     case: &Case,
     introduction: &ReplayIntroduction,
     outcome: &Outcome,
-    events: &[Event],
+    events: &[TimelineEvent],
     requests: &Requests,
 ) -> String {
     let mut text = String::new();

@@ -2,7 +2,7 @@
 
 use super::wording::{run_in_words, run_value};
 use crate::judge::{PerRun, judge};
-use crate::lang::{self, UNITS, Unit};
+use crate::lang::{self, UNITS, UnitEntry};
 use crate::plan::{self, PlanError};
 use crate::results::{Outcome, Requests, SuiteIdentity, WorstRun};
 use crate::scenario::{Claim, significant};
@@ -107,7 +107,7 @@ fn number(knob: &Knob, value: f64) -> String {
 }
 
 /// The unit at the end of a label such as `6s` or `6.1235s#2`.
-fn unit_of(label: &str) -> Option<&'static Unit> {
+fn unit_of(label: &str) -> Option<&'static UnitEntry> {
     let words = label.split('#').next().unwrap_or(label);
     let symbol = words.trim_start_matches(|letter: char| letter.is_ascii_digit() || "+-._".contains(letter));
     UNITS.iter().find(|unit| unit.symbol == symbol.trim())

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use super::format::in_written_unit;
 use crate::lang;
 use crate::results::{ClaimResult, ClaimValues, Conclusion, StatementResult};
-use crate::scenario::{Standing, TrendDirection};
+use crate::scenario::{DeclaredStanding, TrendDirection};
 
 const STRING: &str = "writing to a string cannot fail";
 
@@ -25,9 +25,11 @@ pub fn render_statement(result: &StatementResult) -> String {
         writeln!(text, "  {} {}: {}", claim_mark(claim), claim.text, claim_values(claim)).expect(STRING);
     }
     match &result.standing {
-        Standing::Reproduced => {}
-        Standing::Differs(reason) => writeln!(text, "  differs: {reason}").expect(STRING),
-        Standing::NotComparable(reason) => writeln!(text, "  not comparable: {reason}").expect(STRING),
+        DeclaredStanding::Reproduced => {}
+        DeclaredStanding::Differs(reason) => writeln!(text, "  differs: {reason}").expect(STRING),
+        DeclaredStanding::NotComparable(reason) => {
+            writeln!(text, "  not comparable: {reason}").expect(STRING)
+        }
     }
     if let Some(surprise) = result.surprise() {
         writeln!(text, "  fails: {surprise}").expect(STRING);
@@ -131,8 +133,8 @@ mod tests {
 
     #[test]
     fn a_statement_shows_both_sides_and_why_it_fails() {
-        let differs = Standing::Differs("the car is heavier".into());
-        let unexpected = statement(Standing::Reproduced, Conclusion::NotReproduced);
+        let differs = DeclaredStanding::Differs("the car is heavier".into());
+        let unexpected = statement(DeclaredStanding::Reproduced, Conclusion::NotReproduced);
         let revise = statement(differs.clone(), Conclusion::Reproduced);
         let known = statement(differs, Conclusion::NotReproduced);
         insta::assert_snapshot!([&unexpected, &revise, &known].map(render_statement).join("\n"));

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use crate::escape::csv_cell;
 use crate::scenario::World;
-use crate::sim::{Mark, Trace};
+use crate::sim::{Trace, TraceMark};
 
 /// Writes a row per sample with the columns of the first line; numbers round-trip exactly. `event` says in which row
 /// somebody `appears`, `jumps` or `touches NAME`; several are separated by `; `.
@@ -32,9 +32,9 @@ pub fn write_trace(world: &World, trace: &Trace, out: impl Write) -> io::Result<
         let mut events = Vec::new();
         while let Some((_, mark)) = marks.next_if(|(of, _)| *of == index) {
             events.push(match mark {
-                Mark::Appears => "appears".to_string(),
-                Mark::Jumps => "jumps".to_string(),
-                Mark::Touches(solid) => format!("touches {}", solid.name(world)),
+                TraceMark::Appears => "appears".to_string(),
+                TraceMark::Jumps => "jumps".to_string(),
+                TraceMark::Touches(solid) => format!("touches {}", solid.name(world)),
             });
         }
         writer.write_record([

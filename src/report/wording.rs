@@ -6,30 +6,30 @@ use super::chart::Rule;
 use super::format::{count, in_notation, quantity, share};
 use crate::lang;
 use crate::results::{
-    BlockReport, BlockState, Finding, Horizon, Measure, OnCourse, Reason, RecordedReport, RecordedState,
-    Regarding, RunsTaken, Skip, Standing, SuiteReport, TrialReport, TrialState, UnitReport, Vacuity, Verdict,
-    WorstRun,
+    BlockReport, BlockState, Finding, FindingMeasure, Horizon, OnCourse, Reason, RecordedReport,
+    RecordedState, Regarding, RunsTaken, Skip, Standing, SuiteReport, TrialReport, TrialState, UnitReport,
+    Vacuity, Verdict, WorstRun,
 };
 use crate::scenario::{Comparison, MetricKind, Notation, People, Relation, significant};
 
 /// What was found: `holds in 18 of 20 runs`, `85 %`, `1.62 s`; `–` if no run has a value.
 pub fn observed(finding: &Finding) -> String {
     match (finding.measure, finding.observed) {
-        (Measure::EveryRun, _) => format!("holds in {} of {} runs", finding.holding, finding.runs),
+        (FindingMeasure::EveryRun, _) => format!("holds in {} of {} runs", finding.holding, finding.runs),
         (_, None) => "–".to_string(),
-        (Measure::Share, Some(value)) => share(value),
-        (Measure::Count, Some(value)) => format!("{value} of {} runs", finding.runs),
-        (Measure::Value, Some(value)) => in_unit(finding, value),
+        (FindingMeasure::Share, Some(value)) => share(value),
+        (FindingMeasure::Count, Some(value)) => format!("{value} of {} runs", finding.runs),
+        (FindingMeasure::Value, Some(value)) => in_unit(finding, value),
     }
 }
 
 /// What it was compared to.
 pub fn bound(finding: &Finding) -> String {
     match finding.measure {
-        Measure::EveryRun => "every run".to_string(),
-        Measure::Share => share(finding.bound),
-        Measure::Count => significant(finding.bound, 4),
-        Measure::Value => in_unit(finding, finding.bound),
+        FindingMeasure::EveryRun => "every run".to_string(),
+        FindingMeasure::Share => share(finding.bound),
+        FindingMeasure::Count => significant(finding.bound, 4),
+        FindingMeasure::Value => in_unit(finding, finding.bound),
     }
 }
 
@@ -37,9 +37,9 @@ pub fn bound(finding: &Finding) -> String {
 pub fn interval(finding: &Finding) -> Option<String> {
     let (low, high) = finding.interval?;
     let show = |value| match finding.measure {
-        Measure::EveryRun | Measure::Share => share(value),
-        Measure::Count => significant(value, 4),
-        Measure::Value => in_unit(finding, value),
+        FindingMeasure::EveryRun | FindingMeasure::Share => share(value),
+        FindingMeasure::Count => significant(value, 4),
+        FindingMeasure::Value => in_unit(finding, value),
     };
     let mut text = format!("[{}, {}]", show(low), show(high));
     if finding.approximate {
@@ -62,9 +62,9 @@ pub fn whom(finding: &Finding) -> Option<String> {
 pub fn margin(finding: &Finding) -> Option<String> {
     let margin = finding.margin?;
     let size = match finding.measure {
-        Measure::Share => format!("{} points", significant(margin.abs() * 100.0, 3)),
-        Measure::Count => format!("{} runs", significant(margin.abs(), 4)),
-        Measure::EveryRun | Measure::Value => in_unit(finding, margin.abs()),
+        FindingMeasure::Share => format!("{} points", significant(margin.abs() * 100.0, 3)),
+        FindingMeasure::Count => format!("{} runs", significant(margin.abs(), 4)),
+        FindingMeasure::EveryRun | FindingMeasure::Value => in_unit(finding, margin.abs()),
     };
     Some(signed(margin, size))
 }

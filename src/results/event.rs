@@ -16,7 +16,7 @@ use super::trial::TrialReport;
 /// One thing that happened; they come in order and from one thread.
 #[derive(Debug)]
 pub enum Event<'e> {
-    Begun(&'e Outline),
+    Begun(&'e Workload),
     /// A unit begins; `runs` is how many a trial has, 0 for a block.
     UnitBegun {
         unit: usize,
@@ -50,7 +50,7 @@ pub enum Event<'e> {
 
 /// What is going to be done.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Outline {
+pub struct Workload {
     pub suites: usize,
     pub trials: usize,
     /// Of those trials: all that there may be.

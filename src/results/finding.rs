@@ -21,7 +21,7 @@ pub struct Finding {
     pub verdict: Verdict,
     /// The metric that the criterion is about.
     pub metric: Reference<Metric>,
-    pub measure: Measure,
+    pub measure: FindingMeasure,
     /// Where runs are added, those after which the criterion was decided: the trial may have had more for others.
     pub runs: usize,
     /// Runs in which the comparison holds, or, for aggregates of values, in which the metric exists.
@@ -71,7 +71,7 @@ pub struct Finding {
 /// What a finding's `observed` and `bound` are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Measure {
+pub enum FindingMeasure {
     /// The share of runs that hold, where every run has to.
     EveryRun,
     /// The share of runs that hold.

@@ -192,7 +192,7 @@ pub struct Check {
     /// The unit that people are shown its values in, if that is another one than the SI unit, in which they are.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub notation: Option<Notation>,
-    pub subject: Subject,
+    pub subject: ComparedSubject,
     /// The scenario, or the trial where `certain`.
     pub place: String,
     /// There is no chance in it: what differs, differs.
@@ -229,7 +229,7 @@ pub struct Check {
 /// What of the metric is compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Subject {
+pub enum ComparedSubject {
     /// Its mean.
     Mean,
     /// The share of runs with a yes.

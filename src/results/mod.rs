@@ -41,11 +41,11 @@ pub use cases::{CaseRun, MetricSummary, SavedCase, SavedSet};
 pub use chosen::{Chosen, choose_runs};
 pub use cut::{Cut, CutBy};
 pub use evaluate::{ConditionResult, Difference, EvaluateResult, ParameterValue};
-pub use event::{Evaluations, Event, Outline, Reporter, Stopping, Unheard, UnitReport};
-pub use finding::{Finding, Measure, Regarding, Vacuity, WorstRun};
+pub use event::{Evaluations, Event, Reporter, Stopping, Unheard, UnitReport, Workload};
+pub use finding::{Finding, FindingMeasure, Regarding, Vacuity, WorstRun};
 pub use gate::{
-    BlindPlace, Change, ChangedRun, Check, CheckOutcome, GateReport, GateState, GateVerdict, NotJudged,
-    Power, Refusal, Subject, TrialChange,
+    BlindPlace, Change, ChangedRun, Check, CheckOutcome, ComparedSubject, GateReport, GateState, GateVerdict,
+    NotJudged, Power, Refusal, TrialChange,
 };
 pub use outcome::{ByMetric, Critical, CutOff, OnCourse, Outcome, Unfinished};
 pub use overall::Overall;
@@ -53,7 +53,7 @@ pub use recorded::{Recorded, RecordedReport, RecordedState, Rerun};
 pub use recording::{PairCourse, Place, Recording};
 pub use requests::Requests;
 pub use resolve::UnknownMetric;
-pub use search::{Course, CoursePoint, Found, SearchResult};
+pub use search::{CoursePoint, Found, MetricCourse, SearchResult};
 pub use skip::Skip;
 pub use standing::Standing;
 pub use statement::{ClaimResult, ClaimValues, Conclusion, StatementResult, TrendPoint};

@@ -5,13 +5,13 @@ use serde::{Deserialize, Serialize};
 
 use super::places;
 use crate::scenario::{Case, PedestrianSetup, Shape};
-use crate::sim::{Event, Trace};
+use crate::sim::{TimelineEvent, Trace};
 
 /// A run as it is drawn. Metrics are never computed from it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Recording {
     pub case: Case,
-    pub events: Vec<Event>,
+    pub events: Vec<TimelineEvent>,
     /// s; steps of about [`INTERVAL`] and the very end.
     #[serde(with = "places::times")]
     pub times: Vec<f64>,
@@ -53,7 +53,7 @@ const STANDING: f64 = 0.01;
 
 impl Recording {
     /// Thins out `trace`, which must be that of `case`.
-    pub fn new(case: &Case, trace: &Trace, events: Vec<Event>) -> Self {
+    pub fn new(case: &Case, trace: &Trace, events: Vec<TimelineEvent>) -> Self {
         let cars = case.world.vehicles.len();
         let mut headings: Vec<f64> = (0..cars).map(|_| 0.0).collect();
         headings.extend(case.world.pedestrians.iter().map(initial_heading));

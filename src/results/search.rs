@@ -30,7 +30,7 @@ pub struct SearchResult {
 pub struct Found {
     pub individuals: Vec<Individual>,
     /// Where the best observed value is: one value per dimension, by name.
-    pub best: Option<Vec<(String, optimise::Value)>>,
+    pub best: Option<Vec<(String, optimise::Coordinate)>>,
     /// The objective there, as observed.
     pub observed: Option<f64>,
     /// What the surrogate believes of the same point: mean and standard deviation.
@@ -41,7 +41,7 @@ pub struct Found {
     pub fresh_runs: u32,
     pub passed_first: Option<String>,
     /// Objective of every evaluation in order; `None` where it is undefined.
-    pub evaluations: Vec<(Vec<optimise::Value>, Option<f64>)>,
+    pub evaluations: Vec<(Vec<optimise::Coordinate>, Option<f64>)>,
     pub stop: Option<OptimisationEnd>,
     /// The surrogate through the best point, one slice per dimension.
     pub slices: Vec<Vec<SlicePoint>>,
@@ -51,12 +51,12 @@ pub struct Found {
     pub kept: Vec<bool>,
     /// What the metric does along each numeric dimension through the best point: where there is a condition to be kept,
     /// of some individuals that fulfil it.
-    pub courses: Vec<Course>,
+    pub courses: Vec<MetricCourse>,
 }
 
 /// A metric along one dimension of a search, over fresh seeds.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Course {
+pub struct MetricCourse {
     /// The dimension's name.
     pub over: String,
     /// In rising order.

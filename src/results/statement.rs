@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::scenario::{Relation, Standing, TrendDirection};
+use crate::scenario::{DeclaredStanding, Relation, TrendDirection};
 
 /// What a statement came to.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -16,7 +16,7 @@ pub struct StatementResult {
     pub conclusion: Conclusion,
     pub claims: Vec<ClaimResult>,
     /// What the suite declares to be known of it.
-    pub standing: Standing,
+    pub standing: DeclaredStanding,
 }
 
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -65,17 +65,19 @@ impl StatementResult {
     /// Why the run fails: the results say otherwise than the statement's declared standing.
     pub fn surprise(&self) -> Option<String> {
         match (&self.standing, &self.conclusion) {
-            (Standing::Reproduced, Conclusion::Reproduced)
-            | (Standing::Differs(_), Conclusion::NotReproduced)
-            | (Standing::NotComparable(_), _) => None,
-            (Standing::Reproduced, Conclusion::NotReproduced) => Some("is not reproduced".to_string()),
-            (Standing::Reproduced, Conclusion::NotComparable(reason)) => {
+            (DeclaredStanding::Reproduced, Conclusion::Reproduced)
+            | (DeclaredStanding::Differs(_), Conclusion::NotReproduced)
+            | (DeclaredStanding::NotComparable(_), _) => None,
+            (DeclaredStanding::Reproduced, Conclusion::NotReproduced) => {
+                Some("is not reproduced".to_string())
+            }
+            (DeclaredStanding::Reproduced, Conclusion::NotComparable(reason)) => {
                 Some(format!("is not comparable: {reason}"))
             }
-            (Standing::Differs(reason), Conclusion::Reproduced) => Some(format!(
+            (DeclaredStanding::Differs(reason), Conclusion::Reproduced) => Some(format!(
                 "is reproduced, though declared to differ ({reason}): revise the reason or take it out"
             )),
-            (Standing::Differs(_), Conclusion::NotComparable(reason)) => {
+            (DeclaredStanding::Differs(_), Conclusion::NotComparable(reason)) => {
                 Some(format!("is not comparable, though declared to differ: {reason}"))
             }
         }

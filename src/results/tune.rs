@@ -45,7 +45,7 @@ pub struct TuneResult {
 /// Values of the parameters with what they give on the set.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Candidate {
-    pub point: Vec<optimise::Value>,
+    pub point: Vec<optimise::Coordinate>,
     pub objectives: Vec<Option<f64>>,
     /// Worst margin over the set per constraint; negative is violated, `None` cannot be said.
     pub margins: Vec<Option<f64>>,

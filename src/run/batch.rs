@@ -8,7 +8,7 @@ use thiserror::Error;
 
 use super::build::RunError;
 use super::executor::Executor;
-use super::job::{Done, Failure, Job, Measured, Place, Ran, Wanted};
+use super::job::{Done, Job, JobFailure, JobPlace, MeasuredMetrics, Ran, Wanted};
 use super::sequence::{Sequence, Sequences, run_sequences};
 use super::stop::Stop;
 use crate::results::Outcome;
@@ -26,13 +26,13 @@ pub enum BatchError {
 
 /// Whatever makes runs, what is measured in them, and whether they are still wished for.
 #[derive(Clone, Copy)]
-pub struct Batch<'b> {
+pub struct RunBatch<'b> {
     pub executor: &'b dyn Executor,
-    pub measured: &'b Arc<Measured>,
+    pub measured: &'b Arc<MeasuredMetrics>,
     pub stop: &'b Stop,
 }
 
-impl Batch<'_> {
+impl RunBatch<'_> {
     /// Makes `runs` runs, whose cases are `case` of their index, and gives what came of each to `take`, in their order.
     ///
     /// # Errors
@@ -52,8 +52,8 @@ impl Batch<'_> {
         let mut only = Only { one: Some(one), begun: false, taken: 0 };
         run_sequences(executor, &mut only, stop);
         match only.one.and_then(|one| one.failed) {
-            Some((key, Failure::Error(error))) => Err(BatchError::Run { key, error }),
-            Some((_, Failure::Panicked(panicked))) => resume_unwind(Box::new(panicked)),
+            Some((key, JobFailure::Error(error))) => Err(BatchError::Run { key, error }),
+            Some((_, JobFailure::Panicked(panicked))) => resume_unwind(Box::new(panicked)),
             None if only.taken < runs => Err(BatchError::Stopped),
             None => Ok(()),
         }
@@ -102,8 +102,8 @@ struct One<'b, C, T> {
     wanted: Wanted,
     case: C,
     take: T,
-    measured: &'b Arc<Measured>,
-    failed: Option<(String, Failure)>,
+    measured: &'b Arc<MeasuredMetrics>,
+    failed: Option<(String, JobFailure)>,
 }
 
 impl<C: FnMut(usize) -> Case + Send, T: FnMut(Case, Ran) + Send> Sequence for One<'_, C, T> {
@@ -111,7 +111,7 @@ impl<C: FnMut(usize) -> Case + Send, T: FnMut(Case, Ran) + Send> Sequence for On
         self.runs
     }
 
-    fn job(&mut self, place: Place) -> Job {
+    fn job(&mut self, place: JobPlace) -> Job {
         Job { place, case: (self.case)(place.run), measured: self.measured.clone(), wanted: self.wanted }
     }
 

@@ -8,17 +8,17 @@ use super::free_flow::FreeFlows;
 use super::panic::Panicked;
 use crate::results::{Outcome, Requests};
 use crate::scenario::Case;
-use crate::sim::{Ending, Event, Observer, Snapshot, Step, Timeline, Trace};
+use crate::sim::{Ending, Observer, Snapshot, Step, Timeline, TimelineEvent, Trace};
 
 /// What is read off runs, with what runs from the same start share.
 #[derive(Debug, Default)]
-pub struct Measured {
+pub struct MeasuredMetrics {
     pub requests: Requests,
     /// Worked out again wherever they are not known: they only save time.
     pub free_flows: FreeFlows,
 }
 
-impl Measured {
+impl MeasuredMetrics {
     pub fn new(requests: Requests) -> Arc<Self> {
         Arc::new(Self { requests, free_flows: FreeFlows::default() })
     }
@@ -37,7 +37,7 @@ pub enum Wanted {
 
 /// Where in its [`Round`](super::Round) a run belongs, to whoever asked for it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
-pub struct Place {
+pub struct JobPlace {
     pub sequence: usize,
     pub run: usize,
 }
@@ -45,18 +45,18 @@ pub struct Place {
 /// A run to be made: plain data, so that it may be made on any thread, or by another process.
 #[derive(Debug, Clone)]
 pub struct Job {
-    pub place: Place,
+    pub place: JobPlace,
     pub case: Case,
-    pub measured: Arc<Measured>,
+    pub measured: Arc<MeasuredMetrics>,
     pub wanted: Wanted,
 }
 
 /// What came of a job.
 #[derive(Debug)]
 pub struct Done {
-    pub place: Place,
+    pub place: JobPlace,
     pub case: Case,
-    pub result: Result<Ran, Failure>,
+    pub result: Result<Ran, JobFailure>,
 }
 
 /// What came of a run that came to its end.
@@ -65,12 +65,12 @@ pub struct Ran {
     pub outcome: Outcome,
     /// Empty unless it was wanted, as are the events.
     pub trace: Trace,
-    pub events: Vec<Event>,
+    pub events: Vec<TimelineEvent>,
 }
 
 /// Why a run did not come to its end.
 #[derive(Debug)]
-pub enum Failure {
+pub enum JobFailure {
     Error(RunError),
     Panicked(Panicked),
 }
@@ -79,7 +79,7 @@ impl Job {
     /// Makes the run. The outcome is the same whatever else is wanted.
     pub fn run(self) -> Done {
         let Self { place, case, measured, wanted } = self;
-        let Measured { requests, free_flows } = &*measured;
+        let MeasuredMetrics { requests, free_flows } = &*measured;
         let run = || match wanted {
             Wanted::Outcome => {
                 let outcome = run_case(&case, requests, free_flows, &mut Unwatched)?;
@@ -97,8 +97,8 @@ impl Job {
             }
         };
         let result = match Panicked::catch(run) {
-            Ok(ran) => ran.map_err(Failure::Error),
-            Err(panicked) => Err(Failure::Panicked(panicked)),
+            Ok(ran) => ran.map_err(JobFailure::Error),
+            Err(panicked) => Err(JobFailure::Panicked(panicked)),
         };
         Done { place, case, result }
     }

@@ -19,14 +19,14 @@ mod stop;
 mod tests;
 mod threads;
 
-pub use batch::{Batch, BatchError};
+pub use batch::{BatchError, RunBatch};
 pub use build::{RunError, road_users};
 pub use case::{Unwatched, run_case};
 pub use chance::drawing;
 pub use departure::{Departing, departing, departures};
 pub use executor::{Executor, Round};
 pub use free_flow::FreeFlows;
-pub use job::{Done, Failure, Job, Measured, Place, Ran, Wanted};
+pub use job::{Done, Job, JobFailure, JobPlace, MeasuredMetrics, Ran, Wanted};
 pub use panic::{Panicked, note_places};
 pub use rehearsal::{Obstacle, Stage, rehearse, rehearse_trials};
 pub use sequence::{Sequence, Sequences, run_sequences};

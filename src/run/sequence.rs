@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
 use super::executor::{Executor, Round};
-use super::job::{Done, Job, Place};
+use super::job::{Done, Job, JobPlace};
 use super::stop::Stop;
 
 /// Runs that are taken in one after the other. What it concludes depends on those taken in alone, so that it does not matter
@@ -15,7 +15,7 @@ pub trait Sequence: Send {
     fn runs(&self) -> usize;
 
     /// The run with this index.
-    fn job(&mut self, place: Place) -> Job;
+    fn job(&mut self, place: JobPlace) -> Job;
 
     /// Takes in the next one. [`ControlFlow::Break`] if no more are needed.
     fn take(&mut self, done: Done) -> ControlFlow<()>;
@@ -85,7 +85,7 @@ impl<S: Sequences> SideBySide<'_, S> {
                 over.push(*number);
                 continue;
             }
-            let place = Place { sequence: *number, run: open.begun };
+            let place = JobPlace { sequence: *number, run: open.begun };
             open.begun += 1;
             job = Some(Job { place, ..open.one.job(place) });
             break;
@@ -122,7 +122,7 @@ impl<S: Sequences> Round for SideBySide<'_, S> {
     }
 
     fn done(&mut self, done: Done) {
-        let Place { sequence, run } = done.place;
+        let JobPlace { sequence, run } = done.place;
         // Of one that is over nobody asks any more.
         let Some(open) = self.open.get_mut(&sequence) else { return };
         open.done.insert(run, done);

@@ -64,9 +64,9 @@ impl Sequence for Counted<'_> {
         self.runs
     }
 
-    fn job(&mut self, place: Place) -> Job {
+    fn job(&mut self, place: JobPlace) -> Job {
         self.made.fetch_add(1, Ordering::Relaxed);
-        let measured = Measured::new(Requests::default());
+        let measured = MeasuredMetrics::new(Requests::default());
         Job { place, case: case(place.run + 1), measured, wanted: Wanted::Outcome }
     }
 
@@ -145,9 +145,9 @@ fn whoever_is_asked_between_runs_may_end_it() {
 fn what_was_wished_to_stop_comes_back_with_the_runs_it_has() {
     let stop = Stop::default();
     for executor in executors() {
-        let measured = Measured::new(Requests::default());
+        let measured = MeasuredMetrics::new(Requests::default());
         let stop = Stop::default();
-        let batch = Batch { executor: &*executor, measured: &measured, stop: &stop };
+        let batch = RunBatch { executor: &*executor, measured: &measured, stop: &stop };
         let mut taken = Vec::new();
         let result = batch.each(
             1000,
@@ -169,12 +169,12 @@ fn what_was_wished_to_stop_comes_back_with_the_runs_it_has() {
 /// An executor whose runs are what a function says instead of a simulation: on threads of its own, in an order of its own.
 struct Played<'p> {
     by: &'p dyn Executor,
-    run: &'p (dyn Fn(usize) -> Result<(), Failure> + Sync),
+    run: &'p (dyn Fn(usize) -> Result<(), JobFailure> + Sync),
 }
 
 struct PlayedRound<'r> {
     round: &'r mut dyn Round,
-    run: &'r (dyn Fn(usize) -> Result<(), Failure> + Sync),
+    run: &'r (dyn Fn(usize) -> Result<(), JobFailure> + Sync),
 }
 
 impl Executor for Played<'_> {
@@ -217,18 +217,18 @@ fn outcome(case: &Case) -> Outcome {
     }
 }
 
-fn unknown(name: usize) -> Failure {
-    Failure::Error(RunError::Unknown { kind: "controller", name: name.to_string() })
+fn unknown(name: usize) -> JobFailure {
+    JobFailure::Error(RunError::Unknown { kind: "controller", name: name.to_string() })
 }
 
 /// The keys of 100 runs that were taken in, and how that ended.
 fn played(
     executor: &dyn Executor,
-    run: &(dyn Fn(usize) -> Result<(), Failure> + Sync),
+    run: &(dyn Fn(usize) -> Result<(), JobFailure> + Sync),
 ) -> (Vec<String>, thread::Result<Result<(), BatchError>>) {
-    let measured = Measured::new(Requests::default());
+    let measured = MeasuredMetrics::new(Requests::default());
     let stop = Stop::default();
-    let batch = Batch { executor: &Played { by: executor, run }, measured: &measured, stop: &stop };
+    let batch = RunBatch { executor: &Played { by: executor, run }, measured: &measured, stop: &stop };
     let mut taken = Vec::new();
     let each = || batch.each(100, Wanted::Outcome, |run| case(run + 1), |case, _| taken.push(case.key));
     let ended = catch_unwind(AssertUnwindSafe(each));
@@ -249,7 +249,7 @@ fn a_panic_is_that_of_the_first_run_in_order() {
     for executor in executors() {
         let panics = |run: usize| {
             let said = Panicked { case: Some(run.to_string()), message: "no".into(), place: None };
-            if run < 5 { Ok(()) } else { Err(Failure::Panicked(said)) }
+            if run < 5 { Ok(()) } else { Err(JobFailure::Panicked(said)) }
         };
         let (taken, ended) = played(&*executor, &panics);
         let panicked = Panicked::of(ended.expect_err("a run panicked"));

@@ -10,13 +10,13 @@ use std::time::{Duration, Instant, SystemTime};
 
 use super::earlier::Usable;
 use super::reporting::{Message, Off, Reporting};
-use super::schedule::Schedule;
+use super::schedule::UnitSchedule;
 use super::shared::Runner;
 use super::unit::{Unit, Work};
 use super::unit_run::UnitRun;
-use crate::experiment::{EarlierResults, Progress};
-use crate::results::{Event, Outline, Reporter, Stopping, SuiteReport, UnitReport};
-use crate::run::{Done, Job, Place, Sequence, Sequences, Stop, run_sequences};
+use crate::experiment::{BlockProgress, EarlierResults};
+use crate::results::{Event, Reporter, Stopping, SuiteReport, UnitReport, Workload};
+use crate::run::{Done, Job, JobPlace, Sequence, Sequences, Stop, run_sequences};
 
 /// What is to be run, and how.
 #[derive(Debug, Clone, Copy)]
@@ -85,11 +85,11 @@ impl<'a> Runner<'a> {
     }
 }
 
-fn outline(units: &[Unit], chosen: &[bool]) -> Outline {
-    let mut outline = Outline {
+fn outline(units: &[Unit], chosen: &[bool]) -> Workload {
+    let mut outline = Workload {
         suites: 0,
         left_out: chosen.iter().filter(|chosen| !**chosen).count(),
-        ..Outline::default()
+        ..Workload::default()
     };
     let mut last = None;
     for (unit, _) in units.iter().zip(chosen).filter(|(_, chosen)| **chosen) {
@@ -139,7 +139,7 @@ struct Coordinator<'c, 'a> {
 }
 
 struct State {
-    schedule: Schedule,
+    schedule: UnitSchedule,
     /// Whether a driver sees to the units that are made of runs: one is enough, since the executor makes them side by side.
     running: bool,
     failures: usize,
@@ -156,7 +156,7 @@ impl<'c, 'a> Coordinator<'c, 'a> {
             unit.needs.iter().for_each(|need| needed[*need] = true);
         }
         let needs: Vec<&[usize]> = units.iter().map(|unit| unit.needs.as_slice()).collect();
-        let schedule = Schedule::new(&needs, orders.chosen, orders.first);
+        let schedule = UnitSchedule::new(&needs, orders.chosen, orders.first);
         let kept = units.iter().map(|_| None).collect();
         let state = State { schedule, running: false, failures: 0, kept, panicked: None };
         let (max_failures, state) = (orders.max_failures, Mutex::new(state));
@@ -302,7 +302,7 @@ impl Sequence for Under<'_, '_> {
         self.run.runs()
     }
 
-    fn job(&mut self, place: Place) -> Job {
+    fn job(&mut self, place: JobPlace) -> Job {
         self.run.job(place)
     }
 
@@ -338,7 +338,7 @@ struct Relay {
     sender: SyncSender<Message>,
 }
 
-impl Progress for Relay {
+impl BlockProgress for Relay {
     fn evaluated(&self, done: usize, all: usize, value: Option<f64>) {
         send(&self.sender, Message::Evaluated { unit: self.unit, done, all, value });
     }

@@ -5,7 +5,7 @@ use std::collections::HashSet;
 
 use super::shared::Runner;
 use crate::results::{Chosen, Outcome, Recording, SuiteReport, choose_runs};
-use crate::run::{Batch, BatchError, Stop, Wanted};
+use crate::run::{BatchError, RunBatch, Stop, Wanted};
 use crate::scenario::Case;
 
 /// The courses of the runs to draw: they are run again.
@@ -28,7 +28,7 @@ pub fn courses(runner: &Runner, reports: &[SuiteReport]) -> Result<Vec<(Chosen, 
     let mut differs = None;
     let case = |index: usize| outcomes[chosen[index].key.as_str()].0.clone();
     // Also of a session that was interrupted: what there is of it is drawn.
-    let batch = Batch { stop: &Stop::default(), ..runner.batch() };
+    let batch = RunBatch { stop: &Stop::default(), ..runner.batch() };
     let made = batch.each(chosen.len(), Wanted::TraceAndEvents, case, |case, ran| {
         let chosen = &chosen[recordings.len()];
         if ran.outcome.fingerprint != outcomes[chosen.key.as_str()].1.fingerprint {

@@ -189,9 +189,8 @@ mod tests {
                 _ => panic!("a scenario has trials only"),
             }
         }
-        let measured = |trials: &[TrialReport]| {
-            measured_trials(&runner, 0, &trials.iter().collect::<Vec<_>>()).unwrap()
-        };
+        let measured =
+            |trials: &[TrialReport]| measured_trials(&runner, 0, &trials.iter().collect::<Vec<_>>()).unwrap();
         let whole = measured(&trials);
         trials[0].outcomes.truncate(3);
         assert_eq!(measured(&trials), whole);

@@ -20,5 +20,5 @@ pub use earlier::Usable;
 pub use gates::{gate_key, judge_gates, judge_one_gate, measured_trials};
 pub use selection::Selection;
 pub use session::{Session, SessionError};
-pub use shared::{Runner, Watch};
+pub use shared::{RunWatch, Runner};
 pub use unit::{Unit, Work, units, with_needs};

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 /// The units that are still to run.
 #[derive(Debug)]
-pub struct Schedule {
+pub struct UnitSchedule {
     /// Place of each unit in the order in which they are to begin.
     rank: Vec<usize>,
     /// Units that could begin now, by rank.
@@ -17,7 +17,7 @@ pub struct Schedule {
     running: usize,
 }
 
-impl Schedule {
+impl UnitSchedule {
     /// Of the units that are `chosen`, with all that they need. Those in `first` begin before the others.
     ///
     /// `needs` lists for each unit the units that it needs.
@@ -105,13 +105,13 @@ mod tests {
     const NEEDS: [&[usize]; 5] = [&[], &[], &[], &[0, 1], &[3]];
     const NOTHING: [usize; 0] = [];
 
-    fn begun(schedule: &mut Schedule) -> Vec<usize> {
+    fn begun(schedule: &mut UnitSchedule) -> Vec<usize> {
         std::iter::from_fn(|| schedule.begin()).collect()
     }
 
     #[test]
     fn everything_begins_after_what_it_needs() {
-        let mut schedule = Schedule::new(&NEEDS, &[true; 5], &[]);
+        let mut schedule = UnitSchedule::new(&NEEDS, &[true; 5], &[]);
         assert_eq!(begun(&mut schedule), [0, 1, 2]);
         assert!(!schedule.is_over());
         assert_eq!(schedule.end(1, true), []);
@@ -127,7 +127,7 @@ mod tests {
 
     #[test]
     fn what_comes_to_nothing_takes_along_all_that_need_it() {
-        let mut schedule = Schedule::new(&NEEDS, &[true; 5], &[]);
+        let mut schedule = UnitSchedule::new(&NEEDS, &[true; 5], &[]);
         begun(&mut schedule);
         assert_eq!(schedule.end(0, false), [(3, 0), (4, 3)]);
         assert_eq!(schedule.end(1, true), []);
@@ -138,7 +138,7 @@ mod tests {
 
     #[test]
     fn some_begin_first_and_the_rest_can_be_called_off() {
-        let mut schedule = Schedule::new(&NEEDS, &[true, true, true, true, false], &[2]);
+        let mut schedule = UnitSchedule::new(&NEEDS, &[true, true, true, true, false], &[2]);
         assert_eq!(schedule.begin(), Some(2));
         assert_eq!(schedule.begin(), Some(0));
         assert_eq!(schedule.call_off(), [1, 3]);

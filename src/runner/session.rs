@@ -9,7 +9,7 @@ use super::coordinator::Orders;
 use super::courses::courses;
 use super::gates::judge_gates;
 use super::selection::Selection;
-use super::shared::{Runner, Watch};
+use super::shared::{RunWatch, Runner};
 use super::unit::{Unit, units};
 use crate::project::Project;
 use crate::results::{Reporter, Results};
@@ -21,7 +21,7 @@ pub struct Session<'a> {
     executor: Option<Box<dyn Executor + 'a>>,
     journals: Option<PathBuf>,
     stop: Stop,
-    watch: Option<&'a Watch<'a>>,
+    watch: Option<&'a RunWatch<'a>>,
     lenient: bool,
     courses: bool,
     notices: Mutex<Vec<String>>,
@@ -88,7 +88,7 @@ impl<'a> Session<'a> {
     }
 
     /// With somebody who is given the course of every run of a trial.
-    pub fn watched_by(self, watch: &'a Watch<'a>) -> Self {
+    pub fn watched_by(self, watch: &'a RunWatch<'a>) -> Self {
         Self { watch: Some(watch), ..self }
     }
 

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use super::unit::{Unit, Work};
 use super::unit_run::{RecordedRun, TrialRun, UnitRun};
-use crate::experiment::{Context, EarlierResults, ExperimentError, Progress, run_block};
+use crate::experiment::{BlockProgress, Context, EarlierResults, ExperimentError, run_block};
 use crate::project::PlannedSuite;
 use crate::registry::Registry;
 use crate::results::{
@@ -15,14 +15,14 @@ use crate::results::{
     TrialState, UnitReport,
 };
 use crate::run::{
-    Batch, Executor, Job, Measured, Panicked, Place, Ran, RunError, Sequences, Stop, Wanted, departures,
-    run_sequences,
+    Executor, Job, JobPlace, MeasuredMetrics, Panicked, Ran, RunBatch, RunError, Sequences, Stop, Wanted,
+    departures, run_sequences,
 };
 use crate::scenario::{Block, Case};
 use crate::sim::Trace;
 
 /// Given the course of every run of a trial.
-pub type Watch<'a> = dyn Fn(&Case, &Trace) + Sync + 'a;
+pub type RunWatch<'a> = dyn Fn(&Case, &Trace) + Sync + 'a;
 
 /// Everything that units share.
 pub struct Runner<'a> {
@@ -31,10 +31,10 @@ pub struct Runner<'a> {
     /// What blocks share, one per suite.
     contexts: Vec<Context<'a>>,
     /// Every metric that anything in any of the suites asks for: all runs are measured alike.
-    measured: Arc<Measured>,
+    measured: Arc<MeasuredMetrics>,
     registry: Registry,
     stop: Stop,
-    watch: Option<&'a Watch<'a>>,
+    watch: Option<&'a RunWatch<'a>>,
 }
 
 impl<'a> Runner<'a> {
@@ -46,7 +46,7 @@ impl<'a> Runner<'a> {
         for context in &contexts {
             context.requests().iter().for_each(|request| requests.add(request));
         }
-        let measured = Measured::new(requests);
+        let measured = MeasuredMetrics::new(requests);
         contexts.iter_mut().for_each(|context| context.measured = measured.clone());
         let (registry, stop) = (registry.clone(), Stop::default());
         Self { suites, executor, contexts, measured, registry, stop, watch: None }
@@ -66,7 +66,7 @@ impl<'a> Runner<'a> {
     }
 
     /// With somebody who is given the course of every run of a trial.
-    pub fn watched_by(mut self, watch: &'a Watch<'a>) -> Self {
+    pub fn watched_by(mut self, watch: &'a RunWatch<'a>) -> Self {
         self.watch = Some(watch);
         self
     }
@@ -86,8 +86,8 @@ impl<'a> Runner<'a> {
     }
 
     /// For runs besides those of the units.
-    pub fn batch(&self) -> Batch<'_> {
-        Batch { executor: self.executor, measured: &self.measured, stop: &self.stop }
+    pub fn batch(&self) -> RunBatch<'_> {
+        RunBatch { executor: self.executor, measured: &self.measured, stop: &self.stop }
     }
 
     /// What there is to tell besides the results, such as that the end of a journal was cut off.
@@ -117,7 +117,7 @@ impl<'a> Runner<'a> {
     }
 
     /// A run of a unit.
-    pub(super) fn job(&self, place: Place, case: Case) -> Job {
+    pub(super) fn job(&self, place: JobPlace, case: Case) -> Job {
         let wanted = if self.watch.is_some() { Wanted::Trace } else { Wanted::Outcome };
         Job { place, case, measured: self.measured.clone(), wanted }
     }
@@ -158,7 +158,12 @@ impl<'a> Runner<'a> {
     }
 
     /// Runs one unit by itself. A block finds what it needs in `results`.
-    pub fn run_unit(&self, unit: &Unit<'a>, results: &EarlierResults, progress: &dyn Progress) -> UnitReport {
+    pub fn run_unit(
+        &self,
+        unit: &Unit<'a>,
+        results: &EarlierResults,
+        progress: &dyn BlockProgress,
+    ) -> UnitReport {
         if let Work::Block(block) = &unit.work {
             return UnitReport::Block(self.block(unit.suite, block, results, progress));
         }
@@ -175,7 +180,7 @@ impl<'a> Runner<'a> {
         suite: usize,
         block: &Arc<Block>,
         results: &EarlierResults,
-        progress: &dyn Progress,
+        progress: &dyn BlockProgress,
     ) -> BlockReport {
         let begun = Instant::now();
         let context = &self.contexts[suite];

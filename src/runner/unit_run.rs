@@ -12,7 +12,7 @@ use crate::results::{
     Cut, Outcome, Recorded, RecordedReport, RecordedState, Rerun, Skip, TrialReport, TrialState, UnitReport,
     Verdict,
 };
-use crate::run::{Done, Failure, Job, Panicked, Place, Ran, Sequence, departures};
+use crate::run::{Done, Job, JobFailure, JobPlace, Panicked, Ran, Sequence, departures};
 use crate::scenario::{Case, Criterion};
 
 /// A unit under way that is made of runs.
@@ -39,7 +39,7 @@ impl Sequence for UnitRun<'_, '_> {
         }
     }
 
-    fn job(&mut self, place: Place) -> Job {
+    fn job(&mut self, place: JobPlace) -> Job {
         let (runner, case) = match self {
             Self::Trial(one) => (one.runner, one.trial.cases.get(place.run)),
             Self::Recorded(one) => (one.runner, one.case.take().expect("it is run once")),
@@ -104,11 +104,11 @@ impl<'s, 'a> TrialRun<'s, 'a> {
         let Done { case, result, .. } = done;
         let ran = match result {
             Ok(ran) => ran,
-            Err(Failure::Error(error)) => {
+            Err(JobFailure::Error(error)) => {
                 let told = self.runner.told(self.suite, &case, &error);
                 return self.breaks(TrialState::Errored(format!("{}: {told}", case.key)));
             }
-            Err(Failure::Panicked(panicked)) => return self.panicked(panicked),
+            Err(JobFailure::Panicked(panicked)) => return self.panicked(panicked),
         };
         // One broken model must not take the results of all others along, nor whoever watches it.
         match Panicked::catch(|| self.see(&case, ran)) {
@@ -204,10 +204,10 @@ impl<'s, 'a> RecordedRun<'s, 'a> {
         self.ended = Some(match done.result {
             Ok(ran) => Panicked::catch(|| self.judged(&done.case, ran))
                 .unwrap_or_else(|panicked| RecordedState::Errored(panicked.to_string())),
-            Err(Failure::Error(error)) => {
+            Err(JobFailure::Error(error)) => {
                 RecordedState::Errored(self.runner.told(self.suite, &done.case, &error))
             }
-            Err(Failure::Panicked(panicked)) => RecordedState::Errored(panicked.to_string()),
+            Err(JobFailure::Panicked(panicked)) => RecordedState::Errored(panicked.to_string()),
         });
         ControlFlow::Break(())
     }

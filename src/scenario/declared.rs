@@ -64,7 +64,7 @@ pub struct Scenario {
     pub tags: Vec<String>,
     pub road: Road,
     pub vehicles: Vec<Vehicle>,
-    pub pedestrians: Vec<Pedestrian>,
+    pub pedestrians: Vec<DeclaredPedestrian>,
     /// Crossed with each other in order; the last varies fastest.
     pub variations: Vec<Variation>,
     /// Runs per variation and individual, at least 1; not said where `runs` is.
@@ -150,7 +150,7 @@ pub enum DeclaredVehicleStart {
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Pedestrian {
+pub struct DeclaredPedestrian {
     pub name: String,
     pub model: Model<PedestrianModel>,
     /// `None`: a disc of 0.25 m radius.
@@ -187,7 +187,7 @@ pub enum DeclaredAppearance {
 /// Where a pedestrian's parameter sets come from.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Individuals {
-    pub selection: Population,
+    pub selection: PopulationShare,
     /// `standard` or a file's path, resolved against the file that names it.
     pub population: String,
     /// What stands in the file, or why it cannot be read; `None` of what ships.
@@ -198,7 +198,7 @@ pub struct Individuals {
 
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Population {
+pub enum PopulationShare {
     All,
     /// This many, drawn without replacement by the suite's seed.
     Count(u32),

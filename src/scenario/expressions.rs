@@ -1,8 +1,8 @@
 //! Every expression of a scenario, in one place: what is evaluated for each case, and what can depend on a variation.
 
 use super::{
-    Aggregate, Claim, DeclaredAppearance, DeclaredShape, DeclaredVehicleStart, Expression, Model, Origin,
-    Pedestrian, Vehicle,
+    Aggregate, Claim, DeclaredAppearance, DeclaredPedestrian, DeclaredShape, DeclaredVehicleStart,
+    Expression, Model, Origin, Vehicle,
 };
 
 /// Declares how the expressions of something are gathered, for looking at them and for changing them. Everything is taken apart,
@@ -34,8 +34,8 @@ macro_rules! expressions {
             found
         }
 
-        pub fn pedestrian(person: &$($mut)? Pedestrian) -> Vec<(&$($mut)? Expression, &Origin)> {
-            let Pedestrian {
+        pub fn pedestrian(person: &$($mut)? DeclaredPedestrian) -> Vec<(&$($mut)? Expression, &Origin)> {
+            let DeclaredPedestrian {
                 name: _,
                 model: walks,
                 shape,
@@ -109,7 +109,7 @@ impl Vehicle {
     }
 }
 
-impl Pedestrian {
+impl DeclaredPedestrian {
     /// Every expression of it, with the place that gives it.
     pub fn expressions(&self) -> Vec<(&Expression, &Origin)> {
         shared::pedestrian(self)

@@ -49,8 +49,8 @@ pub use declaration::{
     PresetFamily, Published, SettingError, Text, TextCheck, TextError,
 };
 pub use declared::{
-    DeclaredAppearance, DeclaredShape, DeclaredVehicleStart, Individuals, Model, Pedestrian, Population,
-    RunBudget, Samples, SamplingScheme, Scenario, Suite, Variation, VariedValue, Vehicle,
+    DeclaredAppearance, DeclaredPedestrian, DeclaredShape, DeclaredVehicleStart, Individuals, Model,
+    PopulationShare, RunBudget, Samples, SamplingScheme, Scenario, Suite, Variation, VariedValue, Vehicle,
 };
 pub use dimension::Dimension;
 pub use distribution::{Distribution, DistributionError, KnownDistribution};
@@ -64,14 +64,15 @@ pub use gate::{Gate, GateRule, Tolerance};
 pub use metric::{Absence, Meters, Metric, MetricKind, MetricRange, Scope, Worst};
 pub use notation::{Notation, Written, out_of_range, show, show_apart, show_both, show_outside};
 pub use optimisation::{
-    Budget, CaseSet, Goal, InitialDesign, Method, Objective, Part, Range, RangeValues, SampleSize, Search,
-    ShownIn, Target, Tune,
+    Budget, CaseSet, Goal, InitialDesign, Objective, Part, RangeValues, SampleSize, Search, SearchMethod,
+    SearchRange, ShownIn, Target, Tune,
 };
 pub use path::Path;
 pub use reference::{Reference, Registered};
 pub use road::{Body, Crossing, CrossingKind, Direction, Lane, Road, Side};
 pub use statement::{
-    Measured, OutcomesOf, Quantity, Standing, Statement, StatementClaim, StatementClaimKind, TrendDirection,
+    DeclaredStanding, Measured, OutcomesOf, Quantity, Statement, StatementClaim, StatementClaimKind,
+    TrendDirection,
 };
 pub use symbol::Symbol;
 pub use trial::{Rounds, Trial};

@@ -4,6 +4,8 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
+pub use crate::optimise::{Goal, InitialDesign};
+
 use super::{Aggregate, Comparison, Individuals, Notation, Origin, Symbol, significant};
 
 /// Finds the values of variations (or model parameters) at which a metric is worst, per individual or for all.
@@ -18,7 +20,7 @@ pub struct Search {
     /// One search over the whole population instead of one per individual.
     pub together: bool,
     pub objective: Objective,
-    pub over: Vec<Range>,
+    pub over: Vec<SearchRange>,
     pub budget: Budget,
     /// Runs per evaluation with different seeds, at least 1.
     pub runs: u32,
@@ -36,7 +38,7 @@ pub struct Tune {
     pub name: String,
     pub doc: Option<String>,
     pub on: CaseSet,
-    pub over: Vec<Range>,
+    pub over: Vec<SearchRange>,
     /// One or two; with two the result is a Pareto front.
     pub objectives: Vec<Objective>,
     /// Must hold in every run of the set.
@@ -94,16 +96,9 @@ pub struct Objective {
     pub notation: Option<Notation>,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Goal {
-    Minimise,
-    Maximise,
-}
-
 /// One dimension of a search space.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Range {
+pub struct SearchRange {
     pub target: Target,
     pub values: RangeValues,
     /// SI unit shown in reports and labels; empty for plain numbers and words.
@@ -121,7 +116,7 @@ pub struct ShownIn {
     unit: String,
 }
 
-impl Range {
+impl SearchRange {
     pub fn shown_in(&self) -> ShownIn {
         ShownIn::new(self.notation, &self.unit)
     }
@@ -206,23 +201,14 @@ pub struct Budget {
     pub evaluations: u32,
     pub initial: u32,
     pub initial_design: InitialDesign,
-    pub method: Method,
+    pub method: SearchMethod,
     /// Evaluations proposed at a time.
     pub batch: u32,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum InitialDesign {
-    /// Independent uniform points, as the founding paper does (`15 random first`).
-    Random,
-    /// A Latin hypercube in one dimension, scrambled Sobol points in more.
-    Stratified,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Method {
+pub enum SearchMethod {
     Bayesian,
     /// Infeasible evaluations as one large constant, as the founding paper does.
     GpMinimizeLike,

@@ -16,14 +16,14 @@ pub struct Statement {
     pub reported: Option<String>,
     /// It is reproduced if all of them hold; empty only if it is not comparable.
     pub claims: Vec<StatementClaim>,
-    pub standing: Standing,
+    pub standing: DeclaredStanding,
     pub origin: Origin,
 }
 
 /// What is known about a statement; the runner fails where the results say otherwise.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Standing {
+pub enum DeclaredStanding {
     /// Expected to be reproduced.
     Reproduced,
     /// Known not to be reproduced, for this reason; a run that does reproduce it fails, so that the reason is revised.

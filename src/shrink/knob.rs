@@ -9,7 +9,7 @@ use crate::scenario::{
 
 /// A case in the terms of its scenario, while it is being moved.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Place {
+pub struct KnobPlace {
     /// Without the road users that were left out.
     pub scenario: Scenario,
     pub variation: Vec<Assignment>,
@@ -18,7 +18,7 @@ pub struct Place {
     pub seed: u64,
 }
 
-impl Place {
+impl KnobPlace {
     /// The case there.
     ///
     /// # Errors
@@ -46,14 +46,14 @@ pub struct Knob {
 
 #[derive(Debug, Clone, PartialEq)]
 enum Whose {
-    /// Index into [`Place::variation`].
+    /// Index into [`KnobPlace::variation`].
     Variation(usize),
-    /// Index into [`Place::individuals`], and the parameter's name.
+    /// Index into [`KnobPlace::individuals`], and the parameter's name.
     Person(usize, String),
 }
 
 impl Knob {
-    pub fn value(&self, place: &Place) -> f64 {
+    pub fn value(&self, place: &KnobPlace) -> f64 {
         let value = match &self.whose {
             Whose::Variation(index) => place.variation[*index].value.as_number(),
             Whose::Person(index, name) => {
@@ -63,7 +63,7 @@ impl Knob {
         value.expect("a knob is made of a number")
     }
 
-    pub fn set(&self, place: &mut Place, number: f64) {
+    pub fn set(&self, place: &mut KnobPlace, number: f64) {
         match &self.whose {
             Whose::Variation(index) => place.variation[*index].value = Value::Number(number),
             Whose::Person(index, name) => {
@@ -75,7 +75,7 @@ impl Knob {
 
 /// Every number that can be moved: those of variations in their order, then those of people. Words and flags stay, and so
 /// do values that `vary together` gives only in rows, and what the scenario itself fixes.
-pub fn knobs(place: &Place) -> Vec<Knob> {
+pub fn knobs(place: &KnobPlace) -> Vec<Knob> {
     let mut found = Vec::new();
     for (index, assignment) in place.variation.iter().enumerate() {
         let varied = place.scenario.variations.iter().find_map(|variation| {

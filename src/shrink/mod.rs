@@ -14,10 +14,10 @@ use crate::judge::{PerRun, RunStanding};
 use crate::plan::PlanError;
 use crate::registry::Registry;
 use crate::results::{Outcome, Requests};
-use crate::run::{Batch, BatchError, Executor, Measured, RunError, Stop, Wanted};
+use crate::run::{BatchError, Executor, MeasuredMetrics, RunBatch, RunError, Stop, Wanted};
 use crate::scenario::{DeclaredAppearance, significant};
 
-pub use knob::{Knob, Place};
+pub use knob::{Knob, KnobPlace};
 
 /// Why there is nothing to shrink.
 #[derive(Debug, Error)]
@@ -51,7 +51,7 @@ impl Move {
 /// A failing case that is as near to what is declared as it still fails.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shrunk {
-    pub place: Place,
+    pub place: KnobPlace,
     pub outcome: Outcome,
     /// What was measured, in the order of the outcome's metrics.
     pub requests: Requests,
@@ -67,7 +67,7 @@ pub struct Shrunk {
 }
 
 /// Told after every run: how many there were, and what is being moved.
-pub type Progress<'p> = dyn FnMut(usize, &str) + 'p;
+pub type ShrinkProgress<'p> = dyn FnMut(usize, &str) + 'p;
 
 /// More rounds over everything change hardly anything.
 const MOST_ROUNDS: usize = 8;
@@ -84,12 +84,12 @@ const MOST_DIGITS: i32 = 6;
 /// # Errors
 /// If it cannot be run, or does not fail.
 pub fn shrink(
-    place: Place,
+    place: KnobPlace,
     criterion: &PerRun,
     registry: &Registry,
     executor: &dyn Executor,
     stop: &Stop,
-    progress: &mut Progress,
+    progress: &mut ShrinkProgress,
 ) -> Result<Shrunk, ShrinkError> {
     let mut trials = Trials::new(criterion, registry, executor, stop, progress);
     let mut shrunk = trials.begin(place)?;
@@ -116,7 +116,7 @@ pub fn shrink(
 /// # Errors
 /// As for [`shrink`].
 pub fn unmoved(
-    place: Place,
+    place: KnobPlace,
     criterion: &PerRun,
     registry: &Registry,
     executor: &dyn Executor,
@@ -134,10 +134,10 @@ pub fn requests(criterion: &PerRun, registry: &Registry) -> Requests {
 /// Runs cases to see whether they fail.
 struct Trials<'t, 'p> {
     criterion: &'t PerRun,
-    measured: Arc<Measured>,
+    measured: Arc<MeasuredMetrics>,
     executor: &'t dyn Executor,
     stop: &'t Stop,
-    progress: &'t mut Progress<'p>,
+    progress: &'t mut ShrinkProgress<'p>,
     runs: usize,
 }
 
@@ -147,11 +147,11 @@ impl<'t, 'p> Trials<'t, 'p> {
         registry: &Registry,
         executor: &'t dyn Executor,
         stop: &'t Stop,
-        progress: &'t mut Progress<'p>,
+        progress: &'t mut ShrinkProgress<'p>,
     ) -> Self {
         Self {
             criterion,
-            measured: Measured::new(requests(criterion, registry)),
+            measured: MeasuredMetrics::new(requests(criterion, registry)),
             executor,
             stop,
             progress,
@@ -159,7 +159,7 @@ impl<'t, 'p> Trials<'t, 'p> {
         }
     }
 
-    fn begin(&mut self, place: Place) -> Result<Shrunk, ShrinkError> {
+    fn begin(&mut self, place: KnobPlace) -> Result<Shrunk, ShrinkError> {
         let failed = self.run(&place, "")?;
         let criterion = || self.criterion.criterion.text.clone();
         let (outcome, standing) = failed.ok_or_else(|| ShrinkError::Holds { criterion: criterion() })?;
@@ -169,11 +169,11 @@ impl<'t, 'p> Trials<'t, 'p> {
     }
 
     /// What comes of the case, if it fails.
-    fn run(&mut self, place: &Place, what: &str) -> Result<Option<(Outcome, RunStanding)>, ShrinkError> {
+    fn run(&mut self, place: &KnobPlace, what: &str) -> Result<Option<(Outcome, RunStanding)>, ShrinkError> {
         // The first run is made whatever is wished: without it there is nothing to say.
         let never = Stop::default();
         let stop = if self.runs == 0 { &never } else { self.stop };
-        let batch = Batch { executor: self.executor, measured: &self.measured, stop };
+        let batch = RunBatch { executor: self.executor, measured: &self.measured, stop };
         let outcome = match batch.one(&place.case()?, Wanted::Outcome) {
             Ok(ran) => ran.outcome,
             Err(BatchError::Run { error, .. }) => return Err(error.into()),
@@ -186,7 +186,7 @@ impl<'t, 'p> Trials<'t, 'p> {
     }
 
     /// Takes the place if the case there still fails. One that cannot be run does not.
-    fn take(&mut self, place: &Place, what: &str, shrunk: &mut Shrunk) -> bool {
+    fn take(&mut self, place: &KnobPlace, what: &str, shrunk: &mut Shrunk) -> bool {
         if self.stop.is_requested() {
             return false;
         }

@@ -26,5 +26,5 @@ pub use fingerprint::Fingerprint;
 pub use observer::{Ending, Observer, Step, StopReason};
 pub use road_users::{Driven, Driver, RoadUsers};
 pub use start::{blocked_lanes, collision_course, overlaps};
-pub use timeline::{Event, Happening, Timeline};
-pub use trace::{Mark, Sample, Trace};
+pub use timeline::{Happening, Timeline, TimelineEvent};
+pub use trace::{Sample, Trace, TraceMark};

@@ -21,7 +21,7 @@ pub enum Action {
 }
 
 /// A number that a step may compare, with its dimension; the road user knows its value.
-pub type Quantity = (&'static str, Dimension);
+pub type ScriptQuantity = (&'static str, Dimension);
 
 /// Steps in their order, and how far they have come.
 #[derive(Debug, Clone)]
@@ -84,7 +84,7 @@ impl Script {
     pub fn from_settings(
         settings: &Settings,
         owner: &str,
-        quantities: &[Quantity],
+        quantities: &[ScriptQuantity],
     ) -> Result<Self, ModelError> {
         let number = |name: &str| settings.optional_number(name);
         let reader = Reader { number: &number, owner, quantities };
@@ -105,7 +105,7 @@ impl Script {
     pub fn check(
         steps: &str,
         owner: &str,
-        quantities: &[Quantity],
+        quantities: &[ScriptQuantity],
         given: &dyn Fn(&str) -> bool,
     ) -> Vec<TextError> {
         let number = |name: &str| given(name).then_some(0.0);
@@ -143,7 +143,7 @@ struct Reader<'a> {
     /// The value of the number of that name, if it has one.
     number: &'a dyn Fn(&str) -> Option<f64>,
     owner: &'a str,
-    quantities: &'a [Quantity],
+    quantities: &'a [ScriptQuantity],
 }
 
 impl Reader<'_> {
@@ -250,7 +250,7 @@ mod tests {
         Declaration::new("script", "").parameters(parameters(check))
     }
 
-    const QUANTITIES: &[Quantity] = &[("distance", Dimension::LENGTH), ("speed", Dimension::SPEED)];
+    const QUANTITIES: &[ScriptQuantity] = &[("distance", Dimension::LENGTH), ("speed", Dimension::SPEED)];
 
     fn read(steps: &str, numbers: &[(&str, f64)]) -> Result<Script, ModelError> {
         let mut given = Settings::from([("steps", Value::Word(steps.into()))]);

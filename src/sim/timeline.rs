@@ -9,7 +9,7 @@ use crate::scenario::agent::Mode;
 
 /// One thing that happened. Times in s, speeds in m/s.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Event {
+pub struct TimelineEvent {
     pub time: f64,
     pub who: String,
     pub what: Happening,
@@ -55,7 +55,7 @@ pub enum Happening {
 #[derive(Debug)]
 pub struct Timeline<'a> {
     world: &'a World,
-    events: Vec<Event>,
+    events: Vec<TimelineEvent>,
     pedestrian_modes: Vec<Mode>,
     vehicle_modes: Vec<Mode>,
     braking: Vec<bool>,
@@ -81,13 +81,13 @@ impl<'a> Timeline<'a> {
     }
 
     /// The events in order of time.
-    pub fn into_events(mut self) -> Vec<Event> {
+    pub fn into_events(mut self) -> Vec<TimelineEvent> {
         self.events.sort_by(|left, right| left.time.total_cmp(&right.time));
         self.events
     }
 
     fn add(&mut self, time: f64, who: &str, what: Happening) {
-        self.events.push(Event { time, who: who.to_string(), what });
+        self.events.push(TimelineEvent { time, who: who.to_string(), what });
     }
 
     fn follow_vehicle(&mut self, step: &Step, index: usize) {

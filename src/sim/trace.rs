@@ -24,7 +24,7 @@ pub struct Sample {
 
 /// What makes a sample more than one of many.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Mark {
+pub enum TraceMark {
     /// It is the first of its road user, who was nowhere before.
     Appears,
     /// Its road user was displaced in the step before it, besides walking.
@@ -39,7 +39,7 @@ pub enum Mark {
 pub struct Trace {
     pub samples: Vec<Sample>,
     /// By index of the sample, in order.
-    pub marks: Vec<(usize, Mark)>,
+    pub marks: Vec<(usize, TraceMark)>,
     /// Which pedestrians have a sample already.
     seen: Vec<bool>,
 }
@@ -86,7 +86,7 @@ impl Trace {
         for index in 0..self.seen.len() {
             if step.before.pedestrians[index].present && !self.seen[index] {
                 self.seen[index] = true;
-                self.marks.push((self.samples.len(), Mark::Appears));
+                self.marks.push((self.samples.len(), TraceMark::Appears));
                 self.record_pedestrian(time, step.before, index, step.pedestrian_modes[index].clone());
             }
         }
@@ -105,7 +105,7 @@ impl Trace {
                 };
                 let recent = self.samples.iter().rev().take_while(|sample| sample.time == time);
                 if let Some(back) = recent.into_iter().position(|sample| sample.who == who) {
-                    self.marks.push((self.samples.len() - 1 - back, Mark::Touches(other)));
+                    self.marks.push((self.samples.len() - 1 - back, TraceMark::Touches(other)));
                 }
             }
         }
@@ -148,7 +148,7 @@ impl Observer for Trace {
             for (index, sample) in self.samples.iter().enumerate().skip(first) {
                 let motion = sample.who.checked_sub(cars).and_then(|person| step.motions.get(person));
                 if matches!(motion, Some(Motion::Pushed { displacement, .. }) if displacement.norm() > 0.0) {
-                    self.marks.push((index, Mark::Jumps));
+                    self.marks.push((index, TraceMark::Jumps));
                 }
             }
             for moment in moments.into_iter().filter(|moment| step.duration - *moment < SAME) {

@@ -4,8 +4,8 @@ use super::{CommandKind, ControllerContext, ControllerModel};
 use crate::numbers::random::Stream;
 use crate::pedestrian::commotions::model::{Bodies, Person, extent};
 use crate::pedestrian::commotions::parameters::parameters;
-use crate::pedestrian::commotions::state::{Body, Control};
-use crate::pedestrian::commotions::{Agent, ConflictState, Rules, Sight, State};
+use crate::pedestrian::commotions::state::{AgentBody, Control};
+use crate::pedestrian::commotions::{CommotionsAgent, ConflictState, Rules, Sight, State};
 use crate::scenario::{Approach, Chance, Declaration};
 use crate::sim::random::{self, Purpose};
 use crate::sim::{
@@ -37,7 +37,7 @@ fn build(context: &ControllerContext) -> Result<Box<dyn Controller>, ModelError>
     });
     let agent = random::Agent::Vehicle(context.rank);
     Ok(Box::new(Driver {
-        agent: Agent::among(
+        agent: CommotionsAgent::among(
             &person.variant,
             &person.parameters,
             Control::Acceleration,
@@ -58,8 +58,8 @@ const WALKING: f64 = 0.5;
 
 /// What a driver knows of one pedestrian.
 struct Meeting {
-    own: Body,
-    other: Body,
+    own: AgentBody,
+    other: AgentBody,
     seen: Option<Seen>,
 }
 
@@ -125,7 +125,7 @@ impl Meeting {
 
 /// A driver among pedestrians. With nobody in sight the speed is kept.
 struct Driver {
-    agent: Agent,
+    agent: CommotionsAgent,
     meetings: Vec<Meeting>,
     /// Those of this step.
     sights: Vec<Sight>,

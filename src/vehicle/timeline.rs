@@ -3,7 +3,7 @@
 use super::hazard::{half_size, keep_speed};
 use super::{CommandKind, ControllerContext, ControllerModel, period};
 use crate::scenario::{Chance, Declaration, Dimension, Parameter, TextError};
-use crate::sim::script::{Action, Quantity, Script, parameters};
+use crate::sim::script::{Action, Script, ScriptQuantity, parameters};
 use crate::sim::{Command, Controller, ControllerError, Mode, ModelError, Observation, Schedule};
 
 pub fn timeline() -> ControllerModel {
@@ -37,7 +37,7 @@ pub fn timeline() -> ControllerModel {
 
 /// `distance`: from the front bumper along the road to the near edge of the nearest pedestrian ahead.
 /// `distance_to_crossing`: of the front. `time_to_arrival`: of the centre at the middle of the crossing.
-const QUANTITIES: &[Quantity] = &[
+const QUANTITIES: &[ScriptQuantity] = &[
     ("distance", Dimension::LENGTH),
     ("distance_to_crossing", Dimension::LENGTH),
     ("time_to_arrival", Dimension::TIME),

@@ -74,7 +74,7 @@ fn a_run_that_was_cut_off_resumes_to_the_same_result() {
         Context { journals: Some(folder.path().to_owned()), ..Context::new(&suite, threads(), &standard()) };
     // Dies in the middle of the search.
     struct Dies;
-    impl Progress for Dies {
+    impl BlockProgress for Dies {
         fn evaluated(&self, done: usize, _all: usize, _best: Option<f64>) {
             assert!(done < 13, "killed");
         }
@@ -96,7 +96,7 @@ fn a_run_that_is_asked_to_stop_leaves_a_journal_without_the_evaluations_that_it_
     let context =
         Context { journals: Some(folder.path().to_owned()), ..Context::new(&suite, threads(), &standard()) };
     struct Stops<'a>(&'a crate::run::Stop);
-    impl Progress for Stops<'_> {
+    impl BlockProgress for Stops<'_> {
         fn evaluated(&self, done: usize, _all: usize, _value: Option<f64>) {
             if done == 13 {
                 self.0.request();

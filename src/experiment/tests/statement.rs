@@ -9,7 +9,7 @@ fn a_tune_that_chose_nothing_leaves_its_condition_empty() {
     suite.tunes[0].constraints = vec![condition("min_distance", Relation::Greater, 1e6)];
     suite.statements = vec![statement(
         vec![compares(measured(Aggregate::Mean(metric("pet")), of("tuned")), Relation::Greater, 0.0)],
-        Standing::Reproduced,
+        DeclaredStanding::Reproduced,
     )];
     let results = run_all(&suite);
     let tuned = &results.evaluate("final").unwrap().conditions[1];
@@ -32,7 +32,7 @@ fn compares(left: Quantity, relation: Relation, right: f64) -> StatementClaimKin
     StatementClaimKind::Compares { left, relation, right: Quantity::Number(right) }
 }
 
-fn statement(claims: Vec<StatementClaimKind>, standing: Standing) -> Statement {
+fn statement(claims: Vec<StatementClaimKind>, standing: DeclaredStanding) -> Statement {
     let claim = |kind| StatementClaim { kind, text: "a claim".into(), origin: Origin::default() };
     Statement {
         name: "gaps_rise".into(),
@@ -46,7 +46,7 @@ fn statement(claims: Vec<StatementClaimKind>, standing: Standing) -> Statement {
 }
 
 /// What one statement comes to over the results of its suite.
-fn conclude(claims: Vec<StatementClaimKind>, standing: Standing) -> StatementResult {
+fn conclude(claims: Vec<StatementClaimKind>, standing: DeclaredStanding) -> StatementResult {
     let mut suite = evaluated_suite();
     suite.statements = vec![statement(claims, standing)];
     let mut results = run_all(&suite);
@@ -95,7 +95,7 @@ fn claims_hold_or_not_by_the_numbers() {
             compares(ratio, Relation::Equal, 1.0),
             compares(chosen, Relation::GreaterOrEqual, 4.0),
         ],
-        Standing::Reproduced,
+        DeclaredStanding::Reproduced,
     );
     let holds: Vec<_> = result.claims.iter().map(|claim| claim.holds).collect();
     let rising = holds[1] == Some(true);
@@ -116,18 +116,18 @@ fn the_outcome_must_agree_with_the_declared_standing() {
     let undefined = || {
         vec![compares(measured(Aggregate::Mean(metric("impact_speed")), of("default")), Relation::Less, 1.0)]
     };
-    let differs = || Standing::Differs("a reason".into());
-    assert_eq!(conclude(true_claim(), Standing::Reproduced).surprise(), None);
+    let differs = || DeclaredStanding::Differs("a reason".into());
+    assert_eq!(conclude(true_claim(), DeclaredStanding::Reproduced).surprise(), None);
     assert_eq!(conclude(false_claim(), differs()).surprise(), None);
     let revise = conclude(true_claim(), differs()).surprise().unwrap();
     assert!(revise.contains("is reproduced, though declared to differ (a reason)"), "{revise}");
-    let unknown = conclude(undefined(), Standing::Reproduced);
+    let unknown = conclude(undefined(), DeclaredStanding::Reproduced);
     let reason = "`impact_speed` exists in too few of the 3 runs of `final.default`";
     assert_eq!(unknown.conclusion, Conclusion::NotComparable(reason.into()));
     assert!(unknown.surprise().is_some());
     // What is known to be false stays so, whatever else cannot be said.
     let both = conclude([false_claim(), undefined()].concat(), differs());
     assert_eq!((both.conclusion.clone(), both.surprise()), (Conclusion::NotReproduced, None));
-    let incomparable = Standing::NotComparable("no such thing here".into());
+    let incomparable = DeclaredStanding::NotComparable("no such thing here".into());
     assert_eq!(conclude(Vec::new(), incomparable).surprise(), None);
 }

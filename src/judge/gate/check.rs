@@ -6,22 +6,22 @@ use super::questions::{About, ComparisonPlace, Question, RunPair};
 use crate::judge::baseline::RecordedMetric;
 use crate::numbers::inference::{MeanChange, rate_change, rate_rise};
 use crate::numbers::random::derive_seed;
-use crate::results::{ChangedRun, Check, CheckOutcome, Power, Subject};
+use crate::results::{ChangedRun, Check, CheckOutcome, ComparedSubject, Power};
 use crate::scenario::Tolerance;
 
 /// Everything but the outcome, which depends on the other comparisons.
 pub fn measure(question: &Question, family: usize, seed: u64) -> Check {
     let differences = differences(question);
     let subject = match question.about {
-        About::Mean(_) => Subject::Mean,
-        About::Rate(_) => Subject::Rate,
-        About::Existence(_) => Subject::Existence,
-        About::New => Subject::New,
+        About::Mean(_) => ComparedSubject::Mean,
+        About::Rate(_) => ComparedSubject::Rate,
+        About::Existence(_) => ComparedSubject::Existence,
+        About::New => ComparedSubject::New,
     };
     let tolerance = match (question.tolerance, subject) {
-        (Tolerance::Relative(share), Subject::Mean) => share * differences.base.abs(),
+        (Tolerance::Relative(share), ComparedSubject::Mean) => share * differences.base.abs(),
         // A quantity's tolerance says nothing of how many runs may lack it.
-        (_, Subject::Existence) => 0.0,
+        (_, ComparedSubject::Existence) => 0.0,
         (Tolerance::Relative(amount) | Tolerance::Absolute(amount), _) => amount,
         (Tolerance::NoneNew { .. }, _) => 0.0,
     };

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::*;
 use crate::judge::baseline::{Parts, RecordedMetric, RecordedTrial, WorldPart};
 use crate::numbers::random::Stream;
-use crate::results::Subject;
+use crate::results::ComparedSubject;
 use crate::scenario::Settings;
 
 /// One trial: key, scenario, whether it is certain, labels of its runs.
@@ -82,7 +82,7 @@ fn judge(rules: &[GateRule], base: &Baseline, candidate: &Baseline) -> GateVerdi
     judge_rules("gate", rules, &pair(base, candidate, false).unwrap()).unwrap()
 }
 
-fn outcome<'a>(verdict: &'a GateVerdict, label: &str, subject: Subject) -> &'a Check {
+fn outcome<'a>(verdict: &'a GateVerdict, label: &str, subject: ComparedSubject) -> &'a Check {
     verdict.checks.iter().find(|check| check.label == label && check.subject == subject).unwrap()
 }
 
@@ -119,13 +119,13 @@ fn a_shift_counts_in_the_direction_that_is_worse() {
     // Half a second less: worse for the post-encroachment time, better for the time lost.
     let verdict = judge(&five_percent(), &base, &shifted(-0.5));
     assert_eq!(verdict.verdict, Verdict::Failed);
-    assert_eq!(outcome(&verdict, "pet", Subject::Mean).outcome, CheckOutcome::Regressed);
-    assert_eq!(outcome(&verdict, "time_lost", Subject::Mean).outcome, CheckOutcome::Held);
-    assert_eq!(outcome(&verdict, "pet", Subject::Mean).worse_runs.len(), 40);
+    assert_eq!(outcome(&verdict, "pet", ComparedSubject::Mean).outcome, CheckOutcome::Regressed);
+    assert_eq!(outcome(&verdict, "time_lost", ComparedSubject::Mean).outcome, CheckOutcome::Held);
+    assert_eq!(outcome(&verdict, "pet", ComparedSubject::Mean).worse_runs.len(), 40);
     // 0.1 s is less than 5 % of 3 s.
     let verdict = judge(&five_percent(), &base, &shifted(-0.1));
     assert_eq!(verdict.verdict, Verdict::Passed);
-    assert_eq!(outcome(&verdict, "pet", Subject::Mean).outcome, CheckOutcome::Held);
+    assert_eq!(outcome(&verdict, "pet", ComparedSubject::Mean).outcome, CheckOutcome::Held);
 }
 
 #[test]
@@ -135,7 +135,7 @@ fn a_rule_of_its_own_replaces_the_blanket_one() {
     let shifted = |shift: f64| baseline(&metrics, &trials, move |_, _, run| Some(around(run, 1) + shift));
     let rules = [five_percent().remove(0), named("pet", Tolerance::Absolute(0.05))];
     let verdict = judge(&rules, &shifted(0.0), &shifted(-0.1));
-    assert_eq!(outcome(&verdict, "pet", Subject::Mean).outcome, CheckOutcome::Regressed);
+    assert_eq!(outcome(&verdict, "pet", ComparedSubject::Mean).outcome, CheckOutcome::Regressed);
     let about: Vec<_> = verdict.checks.iter().map(|check| (check.rule, check.label.as_str())).collect();
     // Who passed first has no order.
     assert_eq!(about, [(0, "time_lost"), (1, "pet")]);
@@ -207,15 +207,15 @@ fn runs_that_lose_a_value_are_not_dropped() {
     let losing =
         |lost: usize| baseline(&metrics, &trials, move |_, _, run| (run >= lost).then(|| around(run, 1)));
     let verdict = judge(&five_percent(), &losing(0), &losing(15));
-    let existence = |label| outcome(&verdict, label, Subject::Existence).outcome;
+    let existence = |label| outcome(&verdict, label, ComparedSubject::Existence).outcome;
     assert_eq!(existence("pet"), CheckOutcome::NotShown);
     assert_eq!(existence("time_lost"), CheckOutcome::Regressed);
     assert_eq!(existence("min_ttc"), CheckOutcome::Held);
     // The values themselves are compared where there are two.
-    assert_eq!(outcome(&verdict, "pet", Subject::Mean).runs, 25);
+    assert_eq!(outcome(&verdict, "pet", ComparedSubject::Mean).runs, 25);
     let verdict = judge(&five_percent(), &losing(15), &losing(0));
-    assert_eq!(outcome(&verdict, "min_ttc", Subject::Existence).outcome, CheckOutcome::Regressed);
-    assert_eq!(outcome(&verdict, "time_lost", Subject::Existence).outcome, CheckOutcome::Held);
+    assert_eq!(outcome(&verdict, "min_ttc", ComparedSubject::Existence).outcome, CheckOutcome::Regressed);
+    assert_eq!(outcome(&verdict, "time_lost", ComparedSubject::Existence).outcome, CheckOutcome::Held);
 }
 
 #[test]
@@ -316,7 +316,7 @@ fn a_new_collision_needs_no_statistics() {
     // One run of forty-five is nothing that statistics could show.
     let verdict = judge(&rules, &colliding(&trials, &[]), &colliding(&trials, &[(1, 7)]));
     assert_eq!(verdict.verdict, Verdict::Failed);
-    let new: Vec<_> = verdict.checks.iter().filter(|check| check.subject == Subject::New).collect();
+    let new: Vec<_> = verdict.checks.iter().filter(|check| check.subject == ComparedSubject::New).collect();
     let outcomes: Vec<_> = new.iter().map(|check| (check.place.as_str(), check.outcome)).collect();
     assert_eq!(outcomes, [("few", CheckOutcome::Same), ("many", CheckOutcome::Regressed)]);
     assert_eq!(new[1].worse_runs[0].key, "suite/many/tta=6s/rep=8");
@@ -332,7 +332,7 @@ fn new_collisions_are_looked_for_by_default_only_where_there_were_none_on_the_sa
     let base = || colliding(&trials, &[(1, 3)]);
     let places = |rules: &[GateRule], candidate: &Baseline| -> Vec<String> {
         let verdict = judge(rules, &base(), candidate);
-        let new = verdict.checks.iter().filter(|check| check.subject == Subject::New);
+        let new = verdict.checks.iter().filter(|check| check.subject == ComparedSubject::New);
         new.map(|check| check.place.clone()).collect()
     };
     let candidate = || colliding(&trials, &[(1, 4)]);
@@ -366,7 +366,7 @@ fn five_percent_of_what_is_true_or_false_is_not_five_points() {
     let all = baseline(&["time_lost"], &trials, |_, _, run| Some(around(run, 1)));
     let lost = baseline(&["time_lost"], &trials, |_, _, run| (run >= 16).then(|| around(run, 1)));
     let verdict = judge(&five_percent(), &all, &lost);
-    assert_eq!(outcome(&verdict, "time_lost", Subject::Existence).outcome, CheckOutcome::Regressed);
+    assert_eq!(outcome(&verdict, "time_lost", ComparedSubject::Existence).outcome, CheckOutcome::Regressed);
 }
 
 #[test]
@@ -378,7 +378,7 @@ fn a_trial_that_got_worse_is_named_though_another_hides_it() {
         })
     };
     let verdict = judge(&five_percent(), &shifted(0.0), &shifted(1.0));
-    let check = outcome(&verdict, "pet", Subject::Mean);
+    let check = outcome(&verdict, "pet", ComparedSubject::Mean);
     assert!(check.outcome != CheckOutcome::Regressed && check.worse_by().abs() < 1e-9);
     let worst = check.worst_trial.as_ref().unwrap();
     assert_eq!(worst.key, "walk/tta=6s");
@@ -455,15 +455,15 @@ fn a_change_that_is_the_same_in_every_run_is_not_known_to_be_the_whole() {
     let rules = [named("min_ttc", Tolerance::Absolute(0.5)), named("drac", Tolerance::Absolute(5.0))];
     // Less than is tolerated in all forty: nothing says what the next run does, unless limits do.
     let verdict = judge(&rules, &shifted(0.0), &shifted(-0.25));
-    let ttc = outcome(&verdict, "min_ttc", Subject::Mean);
+    let ttc = outcome(&verdict, "min_ttc", ComparedSubject::Mean);
     assert_eq!(
         (ttc.outcome, ttc.interval),
         (CheckOutcome::NotShown, Some((f64::NEG_INFINITY, f64::INFINITY)))
     );
-    let drac = outcome(&verdict, "drac", Subject::Mean);
+    let drac = outcome(&verdict, "drac", ComparedSubject::Mean);
     let (low, high) = drac.interval.unwrap();
     assert!(drac.outcome == CheckOutcome::Held && low < -1.0 && high > 0.5 && high < 5.0, "{drac:?}");
     // More than is tolerated in all forty is no chance.
     let verdict = judge(&rules, &shifted(0.0), &shifted(-0.75));
-    assert_eq!(outcome(&verdict, "min_ttc", Subject::Mean).outcome, CheckOutcome::Regressed);
+    assert_eq!(outcome(&verdict, "min_ttc", ComparedSubject::Mean).outcome, CheckOutcome::Regressed);
 }

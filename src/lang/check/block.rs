@@ -8,20 +8,20 @@ use crate::lang::settings::repeated;
 use crate::lang::source::Span;
 use crate::lang::syntax::ast::{self, View};
 use crate::lang::syntax::{Node, NodeKind, words};
-use crate::lang::value::Scope;
+use crate::lang::value::NameScope;
 
 /// A block with the names that its values may use.
 #[derive(Clone, Copy)]
 pub struct Layer<'a, B> {
     pub block: B,
-    pub scope: &'a Scope<'a>,
+    pub scope: &'a NameScope<'a>,
 }
 
 /// A statement with the names that its values may use.
 #[derive(Clone, Copy)]
 pub struct Said<'a, S> {
     pub node: S,
-    pub scope: &'a Scope<'a>,
+    pub scope: &'a NameScope<'a>,
 }
 
 /// What a block says in the last layer in which it does.
@@ -68,7 +68,7 @@ pub fn missing<'a, S: View<'a>>(
     report: &mut Vec<Diagnostic>,
 ) {
     let known = layers.first().and_then(|layer| words::viewed::<S>(*layer.block));
-    let Some((lacks, example)) = known.map(words::Statement::missing) else { return };
+    let Some((lacks, example)) = known.map(words::StatementEntry::missing) else { return };
     if layers.iter().any(|layer| layer.block.has_bad()) {
         return;
     }

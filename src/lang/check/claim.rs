@@ -3,13 +3,13 @@
 use super::Places;
 use super::criterion::{self, From};
 use super::experiment::{Takes, target};
-use super::subject::{Subject, Subjects};
+use super::subject::{StatementSubject, Subjects};
 use crate::lang::codes::Code;
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::source::Span;
 use crate::lang::syntax::ast::{self, View};
 use crate::lang::syntax::{Node, phrase};
-use crate::lang::value::{self, Calculation, Kind, Scope, Typed};
+use crate::lang::value::{self, Calculation, NameScope, Typed, ValueKind};
 use crate::scenario::{
     BinaryOperator, Dimension, Expression, Measured, OutcomesOf, ParameterKind, Quantity, Relation,
     StatementClaim, StatementClaimKind, TrendDirection, Value, VariationCondition,
@@ -19,7 +19,7 @@ use crate::scenario::{
 pub fn claim(
     node: ast::Claim,
     subjects: &Subjects,
-    scope: &Scope,
+    scope: &NameScope,
     places: &Places,
     report: &mut Vec<Diagnostic>,
 ) -> Option<StatementClaim> {
@@ -34,7 +34,7 @@ pub fn claim(
 
 struct Claims<'a, 's> {
     subjects: &'a Subjects<'s>,
-    scope: &'a Scope<'a>,
+    scope: &'a NameScope<'a>,
     places: &'a Places<'a>,
     report: &'a mut Vec<Diagnostic>,
 }
@@ -53,8 +53,8 @@ struct Term {
 const ANYTHING: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
 
 impl Term {
-    fn kind(&self) -> (Kind, Span) {
-        (Kind::Number(self.dimension), self.span)
+    fn kind(&self) -> (ValueKind, Span) {
+        (ValueKind::Number(self.dimension), self.span)
     }
 }
 
@@ -98,9 +98,9 @@ impl<'s> Claims<'_, 's> {
 
     /// A number that something measured is compared to.
     fn bound(&mut self, number: f64, bound: &Term, measured: &Term) -> Option<()> {
-        let typed = Typed::constant(Value::Number(number), Kind::Number(bound.dimension), bound.span);
+        let typed = Typed::constant(Value::Number(number), ValueKind::Number(bound.dimension), bound.span);
         let what = "what this is compared to";
-        if !value::expect_kind(&typed, Kind::Number(measured.dimension), what, self.report) {
+        if !value::expect_kind(&typed, ValueKind::Number(measured.dimension), what, self.report) {
             return None;
         }
         let (low, high) = measured.range;
@@ -129,7 +129,7 @@ impl<'s> Claims<'_, 's> {
             return None;
         };
         let kind = binding.value.as_ref()?.kind;
-        if !matches!(kind, Kind::Number(_)) {
+        if !matches!(kind, ValueKind::Number(_)) {
             self.report.push(
                 Diagnostic::new(
                     Code::NoOrder,
@@ -160,11 +160,11 @@ impl<'s> Claims<'_, 's> {
     }
 
     /// With what it is measured in.
-    fn measured(&mut self, node: ast::Measured) -> Option<(Term, Subject<'s>)> {
+    fn measured(&mut self, node: ast::Measured) -> Option<(Term, StatementSubject<'s>)> {
         let (of, subject) = self.outcomes(node.outcomes())?;
         let cast = subject.cast();
         let aggregate = criterion::aggregate(node.aggregate(), &cast, self.scope, self.report);
-        let varied = Scope { outer: Some(self.scope), names: subject.varied.clone() };
+        let varied = NameScope { outer: Some(self.scope), names: subject.varied.clone() };
         let conditions = node.when().into_iter().flat_map(ast::When::conditions);
         let when: Vec<_> =
             conditions.map(|condition| self.run_condition(condition, &subject, &varied)).collect();
@@ -178,8 +178,8 @@ impl<'s> Claims<'_, 's> {
     fn run_condition(
         &mut self,
         node: ast::WhenCondition,
-        subject: &Subject,
-        varied: &Scope,
+        subject: &StatementSubject,
+        varied: &NameScope,
     ) -> Option<VariationCondition> {
         let condition = criterion::when_condition(node, From::Scenario, varied, self.report)?;
         let (Some((low, high)), Expression::Constant(Value::Number(bound))) =
@@ -206,7 +206,7 @@ impl<'s> Claims<'_, 's> {
     }
 
     /// `of NAME` or `of EVALUATE.CONDITION`
-    fn outcomes(&mut self, node: ast::Outcomes) -> Option<(OutcomesOf, Subject<'s>)> {
+    fn outcomes(&mut self, node: ast::Outcomes) -> Option<(OutcomesOf, StatementSubject<'s>)> {
         let (subjects, places) = (self.subjects, self.places);
         let mut names = node.names();
         let (name, condition) = (names.next()?, names.next());
@@ -250,7 +250,11 @@ impl<'s> Claims<'_, 's> {
         Some((OutcomesOf::Scenario(text), subject))
     }
 
-    fn condition(&mut self, name: ast::Name, condition: ast::Name) -> Option<(OutcomesOf, Subject<'s>)> {
+    fn condition(
+        &mut self,
+        name: ast::Name,
+        condition: ast::Name,
+    ) -> Option<(OutcomesOf, StatementSubject<'s>)> {
         let (subjects, places) = (self.subjects, self.places);
         if !subjects.evaluates.has(name.text()) {
             let known = subjects.searches.has(name.text())
@@ -323,14 +327,14 @@ impl<'s> Claims<'_, 's> {
             Takes::Kind(kind) => kind,
             Takes::Parameter(declaration, parameter) => {
                 match declaration.parameter(&parameter).map(|found| &found.kind) {
-                    Some(ParameterKind::Number { dimension, .. }) => Kind::Number(*dimension),
-                    Some(ParameterKind::Whole { .. }) => Kind::Number(Dimension::NUMBER),
-                    Some(ParameterKind::Flag { .. }) => Kind::Flag,
-                    _ => Kind::Word,
+                    Some(ParameterKind::Number { dimension, .. }) => ValueKind::Number(*dimension),
+                    Some(ParameterKind::Whole { .. }) => ValueKind::Number(Dimension::NUMBER),
+                    Some(ParameterKind::Flag { .. }) => ValueKind::Flag,
+                    _ => ValueKind::Word,
                 }
             }
         };
-        let Kind::Number(dimension) = kind else {
+        let ValueKind::Number(dimension) = kind else {
             return value::not_a_number((kind, node.span()), self.report);
         };
         let quantity = Quantity::Chosen { tune: name.text().to_string(), target };
@@ -356,7 +360,7 @@ impl<'s> Claims<'_, 's> {
             return None;
         }
         let typed = value::operand(node, self.scope, self.report)?;
-        let Kind::Number(dimension) = typed.kind else {
+        let ValueKind::Number(dimension) = typed.kind else {
             return value::not_a_number((typed.kind, typed.span), self.report);
         };
         let Some(number) = typed.as_constant_number() else {

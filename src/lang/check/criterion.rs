@@ -8,7 +8,7 @@ use crate::lang::diagnostic::Diagnostic;
 use crate::lang::settings::{self, repeated};
 use crate::lang::syntax;
 use crate::lang::syntax::ast::{self, View};
-use crate::lang::value::{self, Kind, Scope};
+use crate::lang::value::{self, NameScope, ValueKind};
 use crate::registry::Table;
 use crate::scenario::{
     Aggregate, AggregateOf, AggregateWord, Claim, Comparison, Criterion, Dimension, Expression, Metric,
@@ -39,7 +39,7 @@ pub fn criterion(
     node: ast::Criterion,
     from: From,
     cast: &Cast,
-    scope: &Scope,
+    scope: &NameScope,
     places: &Places,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Criterion> {
@@ -125,7 +125,7 @@ struct Modifiers<'t> {
     undefined: WhenUndefined,
 }
 
-fn modifiers<'t>(node: ast::Criterion<'t>, scope: &Scope, report: &mut Vec<Diagnostic>) -> Modifiers<'t> {
+fn modifiers<'t>(node: ast::Criterion<'t>, scope: &NameScope, report: &mut Vec<Diagnostic>) -> Modifiers<'t> {
     reject_twice::<ast::Share>(node, report);
     reject_twice::<ast::Undefined>(node, report);
     reject_twice::<ast::Confidence>(node, report);
@@ -161,7 +161,7 @@ pub fn share(
     node: ast::Expression,
     what: &str,
     confidence: bool,
-    scope: &Scope,
+    scope: &NameScope,
     report: &mut Vec<Diagnostic>,
 ) -> Option<f64> {
     let value = value::quantity_of(node, Dimension::NUMBER, what, scope, report)?;
@@ -191,7 +191,7 @@ fn runs_claim(
     node: ast::Condition,
     modifiers: &Modifiers,
     cast: &Cast,
-    scope: &Scope,
+    scope: &NameScope,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Claim> {
     let comparison = comparison(node, modifiers.undefined, cast, scope, report);
@@ -224,7 +224,7 @@ fn aggregate_claim(
     node: ast::AggregateClaim,
     modifiers: &Modifiers,
     cast: &Cast,
-    scope: &Scope,
+    scope: &NameScope,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Claim> {
     if let Some((share, _)) = &modifiers.share {
@@ -261,7 +261,7 @@ fn aggregate_claim(
 pub fn aggregate(
     node: ast::Aggregate,
     cast: &Cast,
-    scope: &Scope,
+    scope: &NameScope,
     report: &mut Vec<Diagnostic>,
 ) -> Option<(Aggregate, Dimension, (f64, f64))> {
     let known = AggregateWord::find(node.word())?;
@@ -320,7 +320,7 @@ pub fn comparison(
     node: ast::Condition,
     when_undefined: WhenUndefined,
     cast: &Cast,
-    scope: &Scope,
+    scope: &NameScope,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Comparison> {
     let metric_node = node.metric();
@@ -378,7 +378,7 @@ pub fn comparison(
         }
         MetricKind::Flag => {
             let value = value::evaluate(bound, scope, report)?;
-            if !value::expect_kind(&value, Kind::Flag, &what, report) {
+            if !value::expect_kind(&value, ValueKind::Flag, &what, report) {
                 return None;
             }
             let Expression::Constant(Value::Flag(flag)) = value.expression else {
@@ -410,7 +410,7 @@ pub fn comparison(
 pub fn when_condition(
     node: ast::WhenCondition,
     from: From,
-    scope: &Scope,
+    scope: &NameScope,
     report: &mut Vec<Diagnostic>,
 ) -> Option<VariationCondition> {
     let name = node.name();
@@ -443,7 +443,7 @@ pub fn when_condition(
     let bound_node = node.bound();
     let what = format!("`{}`", name.text());
     let bound = match (kind, bound_node.lone_word()) {
-        (Kind::Word, Some(word)) if scope.find(word).is_none() => {
+        (ValueKind::Word, Some(word)) if scope.find(word).is_none() => {
             Expression::Constant(Value::Word(word.to_string()))
         }
         _ => {
@@ -454,7 +454,7 @@ pub fn when_condition(
             value.expression
         }
     };
-    if !matches!(kind, Kind::Number(_)) && !matches!(relation, Relation::Equal | Relation::NotEqual) {
+    if !matches!(kind, ValueKind::Number(_)) && !matches!(relation, Relation::Equal | Relation::NotEqual) {
         report.push(
             Diagnostic::new(
                 Code::NoOrder,

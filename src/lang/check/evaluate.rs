@@ -6,14 +6,14 @@ use std::path::Path;
 use super::Places;
 use super::block::{Layer, missing, reject_repeats};
 use super::experiment::{SummedUp, Takes, bound_in, reject_unmeant, summed_up, target};
-use super::subject::{Subject, Subjects, case_set};
+use super::subject::{StatementSubject, Subjects, case_set};
 use crate::lang::codes::Code;
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::settings::{self, repeated};
 use crate::lang::source::Span;
 use crate::lang::syntax::ast;
 use crate::lang::syntax::phrase;
-use crate::lang::value::{self, Scope};
+use crate::lang::value::{self, NameScope};
 use crate::scenario::{
     Condition, Dimension, Evaluate, Expression, Measure, Notation, ParameterSet, Target, Value,
 };
@@ -25,7 +25,7 @@ const DEFAULT: &str = "default";
 pub fn evaluate(
     node: ast::Evaluate,
     subjects: &Subjects,
-    scope: &Scope,
+    scope: &NameScope,
     places: &Places,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Evaluate> {
@@ -123,8 +123,8 @@ pub fn fresh_seeds(said: Option<ast::FreshSeeds>, report: &mut Vec<Diagnostic>) 
 
 fn condition(
     node: ast::Evaluated,
-    (subjects, subject): (&Subjects, &Subject),
-    scope: &Scope,
+    (subjects, subject): (&Subjects, &StatementSubject),
+    scope: &NameScope,
     given_in: &mut Vec<(Target, Notation)>,
     places: &Places,
     report: &mut Vec<Diagnostic>,
@@ -166,7 +166,7 @@ fn condition(
 fn by_name(
     name: ast::Name,
     subjects: &Subjects,
-    subject: &Subject,
+    subject: &StatementSubject,
     places: &Places,
     report: &mut Vec<Diagnostic>,
 ) -> Option<ParameterSet> {
@@ -218,10 +218,15 @@ fn by_name(
 
 /// Whether the cases of `subject` can be run in the scenario `other`: they must say everything that it leaves open, and
 /// the people in them must be people there.
-fn fits(name: ast::Name, other: &Subject, subject: &Subject, report: &mut Vec<Diagnostic>) -> bool {
+fn fits(
+    name: ast::Name,
+    other: &StatementSubject,
+    subject: &StatementSubject,
+    report: &mut Vec<Diagnostic>,
+) -> bool {
     let unsaid = other.varied.keys().filter(|varied| !subject.varied.contains_key(*varied)).min();
     let lost = subject.scenario.pedestrians.iter().filter(|one| one.individuals.is_some()).find(|one| {
-        let same = |there: &&crate::scenario::Pedestrian| {
+        let same = |there: &&crate::scenario::DeclaredPedestrian| {
             there.name == one.name && there.model.first == one.model.first
         };
         !other.scenario.pedestrians.iter().any(|there| same(&there))
@@ -248,8 +253,8 @@ fn fits(name: ast::Name, other: &Subject, subject: &Subject, report: &mut Vec<Di
 /// `{ av.controller.braking_distance: 10 m }`; `given_in` takes the units.
 fn given(
     node: ast::ParameterSet,
-    subject: &Subject,
-    scope: &Scope,
+    subject: &StatementSubject,
+    scope: &NameScope,
     given_in: &mut Vec<(Target, Notation)>,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Vec<(Target, Value)>> {
@@ -302,7 +307,7 @@ fn reported(
     conditions: &[Condition],
     measures: &[SummedUp],
     written_in: &mut [Option<Notation>],
-    scope: &Scope,
+    scope: &NameScope,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Vec<(String, Vec<f64>)>> {
     let mut said: HashMap<&str, Span> = HashMap::new();

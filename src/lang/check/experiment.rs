@@ -9,18 +9,18 @@ use super::block::{Layer, Said, missing, reject_repeats};
 use super::criterion::{self, Cast};
 use super::metric;
 use super::pedestrian::individuals;
-use super::subject::{Subject, Subjects, case_set, declarations};
+use super::subject::{StatementSubject, Subjects, case_set, declarations};
 use crate::lang::codes::Code;
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::settings::{self, repeated};
 use crate::lang::source::Span;
 use crate::lang::syntax::ast::{self, View};
 use crate::lang::syntax::{self, phrase};
-use crate::lang::value::{self, Kind, Scope};
+use crate::lang::value::{self, NameScope, ValueKind};
 use crate::scenario::{
     ANOTHER_MODEL, Aggregate, Budget, Comparison, Declaration, Dimension, Expression, Goal, InitialDesign,
-    Method, MetricKind, Notation, Objective, ParameterKind, Part, PedestrianModel, Range, RangeValues,
-    Relation, Scenario, Search, Target, Tune, Value, Variation,
+    MetricKind, Notation, Objective, ParameterKind, Part, PedestrianModel, RangeValues, Relation, Scenario,
+    Search, SearchMethod, SearchRange, Target, Tune, Value, Variation,
 };
 
 const MOST_EVALUATIONS: u32 = 1_000_000;
@@ -29,7 +29,7 @@ const MOST_EVALUATIONS: u32 = 1_000_000;
 pub fn search(
     node: ast::Search,
     subjects: &Subjects,
-    scope: &Scope,
+    scope: &NameScope,
     places: &Places,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Search> {
@@ -90,7 +90,7 @@ pub fn search(
 pub fn tune(
     node: ast::Tune,
     subjects: &Subjects,
-    scope: &Scope,
+    scope: &NameScope,
     places: &Places,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Tune> {
@@ -191,7 +191,7 @@ fn only_parameters(block: ast::TuneBlock, report: &mut Vec<Diagnostic>) -> bool 
 }
 
 /// The models of the pedestrian that could be an individual, of the first if none could.
-fn able_models(subject: &Subject) -> Vec<Arc<PedestrianModel>> {
+fn able_models(subject: &StatementSubject) -> Vec<Arc<PedestrianModel>> {
     let models = subject.scenario.pedestrians.iter().map(|person| {
         person.model.all().iter().filter_map(|model| model.entry().cloned()).collect::<Vec<_>>()
     });
@@ -203,7 +203,7 @@ fn able_models(subject: &Subject) -> Vec<Arc<PedestrianModel>> {
 fn constant_comparison(
     node: ast::Constraint,
     cast: &Cast,
-    scope: &Scope,
+    scope: &NameScope,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Comparison> {
     let condition = node.condition();
@@ -216,7 +216,7 @@ fn constant_comparison(
 }
 
 /// The unit that the bound of a comparison is written in.
-pub fn bound_in(node: ast::Condition, scope: &Scope) -> Option<Notation> {
+pub fn bound_in(node: ast::Condition, scope: &NameScope) -> Option<Notation> {
     let bound = node.bound()?;
     // What is wrong with it was reported when it was read as a comparison.
     value::evaluate(bound, scope, &mut Vec::new())?.notation
@@ -239,7 +239,7 @@ fn unit_beside<'c>(
 fn objective(
     node: ast::Measure,
     cast: &Cast,
-    scope: &Scope,
+    scope: &NameScope,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Objective> {
     let (direction, word) = match node.is_minimised() {
@@ -264,7 +264,7 @@ pub fn summed_up(
     node: ast::Measure,
     word: &str,
     cast: &Cast,
-    scope: &Scope,
+    scope: &NameScope,
     report: &mut Vec<Diagnostic>,
 ) -> Option<SummedUp> {
     let Some(metric) = node.metric() else {
@@ -345,13 +345,13 @@ fn budget<'t>(
         None => ((evaluations / 4).max(1), InitialDesign::Stratified),
     };
     let method = match node.method() {
-        None => Method::Bayesian,
-        Some(method) if method.is_gp_minimize_like() => Method::GpMinimizeLike,
-        Some(method) if method.is_random() => Method::Random,
-        Some(method) if method.is_latin_hypercube() => Method::LatinHypercube,
-        Some(method) if method.is_sobol() => Method::Sobol,
-        Some(method) if method.is_grid() => Method::Grid,
-        Some(_) => Method::Bayesian,
+        None => SearchMethod::Bayesian,
+        Some(method) if method.is_gp_minimize_like() => SearchMethod::GpMinimizeLike,
+        Some(method) if method.is_random() => SearchMethod::Random,
+        Some(method) if method.is_latin_hypercube() => SearchMethod::LatinHypercube,
+        Some(method) if method.is_sobol() => SearchMethod::Sobol,
+        Some(method) if method.is_grid() => SearchMethod::Grid,
+        Some(_) => SearchMethod::Bayesian,
     };
     let batch = match node.batch() {
         Some(batch) => super::count(batch.count(), 1, 1000, "the evaluations at once", report)?,
@@ -364,11 +364,11 @@ fn ranges<'t>(
     layers: &[Layer<'t, impl View<'t>>],
     over: impl Iterator<Item = ast::Over<'t>>,
     (name, what): (Span, &str),
-    subject: &Subject,
-    scope: &Scope,
+    subject: &StatementSubject,
+    scope: &NameScope,
     places: &Places,
     report: &mut Vec<Diagnostic>,
-) -> Option<Vec<Range>> {
+) -> Option<Vec<SearchRange>> {
     let nodes: Vec<ast::OverRange> = over.flat_map(ast::Over::ranges).collect();
     if nodes.is_empty() {
         missing::<ast::Over>(layers, name, what, report);
@@ -386,7 +386,7 @@ fn ranges<'t>(
 }
 
 /// Reports what is searched without a name that it is varied together with, which would have no value.
-fn reject_parted(said: &HashMap<String, Span>, subject: &Subject, report: &mut Vec<Diagnostic>) {
+fn reject_parted(said: &HashMap<String, Span>, subject: &StatementSubject, report: &mut Vec<Diagnostic>) {
     for variation in &subject.scenario.variations {
         let (Variation::Grid { names, .. } | Variation::Sampled { names, .. }) = variation;
         let searched = names.iter().find_map(|name| Some((name, *said.get(name)?)));
@@ -407,17 +407,17 @@ fn reject_parted(said: &HashMap<String, Span>, subject: &Subject, report: &mut V
 
 /// What a target takes: anything of a kind, or what a parameter declares.
 pub enum Takes {
-    Kind(Kind),
+    Kind(ValueKind),
     Parameter(Declaration, String),
 }
 
 fn range(
     node: ast::OverRange,
-    subject: &Subject,
-    scope: &Scope,
+    subject: &StatementSubject,
+    scope: &NameScope,
     places: &Places,
     report: &mut Vec<Diagnostic>,
-) -> Option<Range> {
+) -> Option<SearchRange> {
     let target_node = node.target();
     let (target, takes) = target(target_node, subject, report)?;
     let what = format!("`{target}`");
@@ -426,35 +426,36 @@ fn range(
         Takes::Kind(kind) => {
             let kind = *kind;
             let varied = subject.varied.get(target_node.name().text());
-            let values = varied.filter(|_| kind == Kind::Word).and_then(|binding| binding.varied.as_ref());
+            let values =
+                varied.filter(|_| kind == ValueKind::Word).and_then(|binding| binding.varied.as_ref());
             let words = values.map(|values| values.iter().filter_map(|one| one.value.as_word()).collect());
             (kind, false, (f64::NEG_INFINITY, f64::INFINITY), words)
         }
         Takes::Parameter(declaration, name) => match declaration.parameter(name).map(|found| &found.kind) {
             Some(ParameterKind::Number { dimension, range, .. }) => {
-                (Kind::Number(*dimension), false, *range, None)
+                (ValueKind::Number(*dimension), false, *range, None)
             }
             Some(ParameterKind::Whole { range: (low, high), .. }) => {
-                (Kind::Number(Dimension::NUMBER), true, (*low as f64, *high as f64), None)
+                (ValueKind::Number(Dimension::NUMBER), true, (*low as f64, *high as f64), None)
             }
             Some(ParameterKind::Choice { options, .. }) => {
                 let names = options.iter().map(|option| &*option.name).collect();
-                (Kind::Word, false, (0.0, 0.0), Some(names))
+                (ValueKind::Word, false, (0.0, 0.0), Some(names))
             }
-            Some(ParameterKind::Text { .. }) => (Kind::Word, false, (0.0, 0.0), None),
-            Some(ParameterKind::Flag { .. }) => (Kind::Flag, false, (0.0, 0.0), None),
+            Some(ParameterKind::Text { .. }) => (ValueKind::Word, false, (0.0, 0.0), None),
+            Some(ParameterKind::Flag { .. }) => (ValueKind::Flag, false, (0.0, 0.0), None),
             None => {
                 let names: Option<Vec<_>> = declaration
                     .presets
                     .as_ref()
                     .map(|family| family.presets.iter().map(|preset| &*preset.name).collect());
-                (Kind::Word, false, (0.0, 0.0), names)
+                (ValueKind::Word, false, (0.0, 0.0), names)
             }
         },
     };
     let mut notation = None;
     let (values, unit) = match (kind, node.list()) {
-        (Kind::Number(dimension), None) => {
+        (ValueKind::Number(dimension), None) => {
             let mut bounds = node.bounds();
             let mut bound = || {
                 let (bound, written) =
@@ -466,14 +467,14 @@ fn range(
             let (low, high) = (low?, high?);
             (interval(node, low, high, whole, report)?, dimension.si_unit())
         }
-        (Kind::Word, Some(list)) => {
+        (ValueKind::Word, Some(list)) => {
             (RangeValues::Words(words(list, &what, options, scope, report)?), String::new())
         }
         (kind, _) => {
             let (message, hint) = match kind {
-                Kind::Number(_) => ("numbers are searched between two bounds", "write `LOW .. HIGH`"),
-                Kind::Word => ("words are searched from a list", "write `[one, another]`"),
-                Kind::Flag => ("`true` and `false` cannot be searched", "run both as a variation"),
+                ValueKind::Number(_) => ("numbers are searched between two bounds", "write `LOW .. HIGH`"),
+                ValueKind::Word => ("words are searched from a list", "write `[one, another]`"),
+                ValueKind::Flag => ("`true` and `false` cannot be searched", "run both as a variation"),
             };
             report.push(
                 Diagnostic::new(Code::BadRange, node.span(), format!("{what}: {message}"))
@@ -483,7 +484,7 @@ fn range(
             return None;
         }
     };
-    Some(Range { target, values, unit, notation, origin: places.origin(node.span()) })
+    Some(SearchRange { target, values, unit, notation, origin: places.origin(node.span()) })
 }
 
 fn interval(
@@ -520,7 +521,7 @@ fn words(
     list: ast::List,
     what: &str,
     options: Option<Vec<&str>>,
-    scope: &Scope,
+    scope: &NameScope,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Vec<String>> {
     let mut words = Vec::new();
@@ -574,7 +575,11 @@ pub fn reject_unmeant(
     Some(())
 }
 
-pub fn target(node: ast::Target, subject: &Subject, report: &mut Vec<Diagnostic>) -> Option<(Target, Takes)> {
+pub fn target(
+    node: ast::Target,
+    subject: &StatementSubject,
+    report: &mut Vec<Diagnostic>,
+) -> Option<(Target, Takes)> {
     let name = node.name();
     let scenario = subject.scenario;
     let Some(parameter) = node.parameter() else {

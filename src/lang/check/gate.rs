@@ -8,7 +8,7 @@ use crate::lang::codes::Code;
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::syntax;
 use crate::lang::syntax::ast;
-use crate::lang::value::{self, Kind, Scope};
+use crate::lang::value::{self, NameScope, ValueKind};
 use crate::scenario::{Dimension, Gate, GateRule, MetricKind, Notation, Tolerance, Worst};
 
 /// What a rule promises that does not say how sure it wants to be.
@@ -21,7 +21,7 @@ const MOST_CONFIDENCE: f64 = 0.9999;
 pub fn gate(
     node: ast::Gate,
     cast: &Cast,
-    scope: &Scope,
+    scope: &NameScope,
     places: &Places,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Gate> {
@@ -71,7 +71,7 @@ fn unguarded(rules: &[Option<GateRule>]) -> Option<&str> {
 fn rule(
     node: ast::GateRule,
     cast: &Cast,
-    scope: &Scope,
+    scope: &NameScope,
     places: &Places,
     report: &mut Vec<Diagnostic>,
 ) -> Option<GateRule> {
@@ -119,7 +119,7 @@ fn rule(
 }
 
 /// The confidence of a rule: all comparisons of a gate share what it leaves to chance.
-fn confidence(said: ast::Expression, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<f64> {
+fn confidence(said: ast::Expression, scope: &NameScope, report: &mut Vec<Diagnostic>) -> Option<f64> {
     let confidence = criterion::share(said, "the confidence", true, scope, report)?;
     if confidence > MOST_CONFIDENCE {
         report.push(
@@ -143,7 +143,7 @@ fn confidence(said: ast::Expression, scope: &Scope, report: &mut Vec<Diagnostic>
 fn none_new(
     node: ast::NoneNew,
     cast: &Cast,
-    scope: &Scope,
+    scope: &NameScope,
     places: &Places,
     report: &mut Vec<Diagnostic>,
 ) -> Option<GateRule> {
@@ -173,13 +173,13 @@ fn none_new(
 fn tolerance(
     node: ast::Expression,
     metric: Option<&MetricKind>,
-    scope: &Scope,
+    scope: &NameScope,
     report: &mut Vec<Diagnostic>,
 ) -> Option<(Tolerance, Option<Notation>)> {
     let found = value::evaluate(node, scope, report)?;
     let what = "how much worse a metric may be";
     let dimension = match (metric, found.kind) {
-        (Some(MetricKind::Quantity(dimension)), Kind::Number(found)) if found == *dimension => found,
+        (Some(MetricKind::Quantity(dimension)), ValueKind::Number(found)) if found == *dimension => found,
         _ => Dimension::NUMBER,
     };
     let quantities = node.parts::<ast::Quantity>();

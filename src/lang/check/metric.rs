@@ -8,12 +8,12 @@ use super::road::constants;
 use crate::lang::codes::Code;
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::syntax::ast;
-use crate::lang::value::{Kind, Scope};
+use crate::lang::value::{NameScope, ValueKind};
 use crate::scenario::{AggregateWord, Metric, MetricKind, MetricReference, Scope as Measured};
 
 pub fn kind_name(metric: &Metric) -> String {
     match &metric.kind {
-        MetricKind::Quantity(dimension) => Kind::Number(*dimension).name(),
+        MetricKind::Quantity(dimension) => ValueKind::Number(*dimension).name(),
         MetricKind::Flag => "true or false".to_string(),
         MetricKind::Category(words) => {
             format!("one of {}", words.iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", "))
@@ -39,7 +39,7 @@ pub fn example(metric: &Metric) -> String {
 pub fn metric_reference(
     node: ast::Metric,
     cast: &Cast,
-    scope: &Scope,
+    scope: &NameScope,
     report: &mut Vec<Diagnostic>,
 ) -> Option<(MetricReference, Arc<Metric>)> {
     let name = node.name();

@@ -23,7 +23,7 @@ use std::path::Path;
 
 use super::codes::Code;
 use super::diagnostic::Diagnostic;
-use super::files::Files;
+use super::files::Texts;
 use super::source::Span;
 use super::syntax::ast;
 use crate::scenario::Origin;
@@ -44,7 +44,7 @@ pub use variation::DISTRIBUTIONS;
 /// Where things were said.
 #[derive(Clone, Copy)]
 pub struct Places<'a> {
-    pub files: &'a Files<'a>,
+    pub files: &'a Texts<'a>,
 }
 
 impl Places<'_> {

@@ -14,7 +14,7 @@ use crate::registry::Table;
 use crate::scenario::{Expression, Model, Reference, Registered, Value};
 
 /// A kind of registered thing.
-pub struct Kind<'r, T> {
+pub struct ModelKind<'r, T> {
     /// Of one whose name is not known.
     pub code: Code,
     /// Such as `controller`.
@@ -39,7 +39,7 @@ pub struct Named<T> {
 /// The things that a statement names, with settings that all of them have.
 pub fn named<T: Registered>(
     said: Said<ast::Named>,
-    kind: &Kind<T>,
+    kind: &ModelKind<T>,
     places: &Places,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Named<T>> {
@@ -95,7 +95,7 @@ pub fn named<T: Registered>(
 /// The things themselves, and the variation that chooses between them. Their own names come first.
 fn registered<T: Registered>(
     said: Said<ast::Named>,
-    kind: &Kind<T>,
+    kind: &ModelKind<T>,
     report: &mut Vec<Diagnostic>,
 ) -> Option<(Vec<Arc<T>>, Option<String>)> {
     let name = said.node.name();
@@ -112,7 +112,7 @@ fn registered<T: Registered>(
         return None;
     };
     let value = binding.value.as_ref()?;
-    if value.kind != value::Kind::Word {
+    if value.kind != value::ValueKind::Word {
         report.push(
             Diagnostic::new(
                 Code::WrongType,

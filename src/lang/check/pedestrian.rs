@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::block::{Layer, Said, last, missing, reject_repeats};
-use super::model::{Kind, named};
+use super::model::{ModelKind, named};
 use super::vehicle::size;
 use super::{Book, Places};
 use crate::lang::codes::Code;
@@ -13,8 +13,8 @@ use crate::lang::source::Span;
 use crate::lang::syntax::{Node, ast};
 use crate::lang::value::{self, Typed};
 use crate::scenario::{
-    BinaryOperator, DeclaredAppearance, DeclaredShape, Dimension, Expression, Individuals, Pedestrian,
-    PedestrianModel, Population, Road, Side, Value, VehicleReference, limits, show,
+    BinaryOperator, DeclaredAppearance, DeclaredPedestrian, DeclaredShape, Dimension, Expression,
+    Individuals, PedestrianModel, PopulationShare, Road, Side, Value, VehicleReference, limits, show,
 };
 
 /// How far beyond the opposite kerb a pedestrian walks unless something else is said, m.
@@ -29,7 +29,7 @@ pub fn pedestrian(
     places: &Places,
     written: &mut Book,
     report: &mut Vec<Diagnostic>,
-) -> Option<Pedestrian> {
+) -> Option<DeclaredPedestrian> {
     if let Some(layer) = layers.last() {
         let block = layer.block;
         reject_repeats(*block, report);
@@ -90,7 +90,7 @@ pub fn pedestrian(
     if let (Some(road), Some(start), Some(goal)) = (road, &start, &goal) {
         check_way(start, goal, last(layers, ast::PedestrianBlock::start), road, report)?;
     }
-    Some(Pedestrian {
+    Some(DeclaredPedestrian {
         name: name.text().to_string(),
         model: model?.model,
         shape: match shape {
@@ -145,8 +145,8 @@ fn exclude(first: Option<Node>, second: Option<Node>, report: &mut Vec<Diagnosti
     }
 }
 
-fn models<'a>(places: &'a Places) -> Kind<'a, PedestrianModel> {
-    Kind {
+fn models<'a>(places: &'a Places) -> ModelKind<'a, PedestrianModel> {
+    ModelKind {
         code: Code::UnknownModel,
         what: "model",
         there_is_no: "there is no pedestrian model",
@@ -186,9 +186,9 @@ pub fn individuals(
         super::count(node.number()?, 1, 1_000_000, "the number of an individual", report)
     };
     let selection = match node.is_one() {
-        true => Population::Number(number(report)?),
-        false if node.are_all() => Population::All,
-        false => Population::Count(number(report)?),
+        true => PopulationShare::Number(number(report)?),
+        false if node.are_all() => PopulationShare::All,
+        false => PopulationShare::Count(number(report)?),
     };
     let path = node.population().path();
     let population = match path {

@@ -6,7 +6,7 @@ use crate::lang::diagnostic::Diagnostic;
 use crate::lang::settings;
 use crate::lang::source::Span;
 use crate::lang::syntax::ast;
-use crate::lang::value::{self, Kind, Scope, Typed};
+use crate::lang::value::{self, NameScope, Typed, ValueKind};
 use crate::scenario::{
     Body, Crossing, CrossingKind, Declaration, Dimension, Direction, Expression, Lane, Parameter, Road,
     Settings, Value, limits,
@@ -105,7 +105,7 @@ pub fn road(
     name: &str,
     span: Span,
     block: ast::RoadBlock,
-    scope: &Scope,
+    scope: &NameScope,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Road> {
     reject_repeats(*block, report);
@@ -151,7 +151,7 @@ pub fn road(
     })
 }
 
-fn lanes(node: ast::Lanes, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<Vec<Lane>> {
+fn lanes(node: ast::Lanes, scope: &NameScope, report: &mut Vec<Diagnostic>) -> Option<Vec<Lane>> {
     let Some(count) = node.number() else {
         return Some(
             node.directions()
@@ -170,7 +170,7 @@ fn lanes(node: ast::Lanes, scope: &Scope, report: &mut Vec<Diagnostic>) -> Optio
     Some(vec![Lane { direction: Direction::Forward }; number as usize])
 }
 
-fn crossing(node: ast::Crossing, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<Crossing> {
+fn crossing(node: ast::Crossing, scope: &NameScope, report: &mut Vec<Diagnostic>) -> Option<Crossing> {
     let (declaration, kind) = if node.is_zebra() {
         (zebra(), CrossingKind::Zebra)
     } else if node.is_unmarked() {
@@ -190,7 +190,7 @@ fn crossing(node: ast::Crossing, scope: &Scope, report: &mut Vec<Diagnostic>) ->
                 let found = resolved.number(name);
                 if found > cycle {
                     let what = format!("`{name}` of the signal");
-                    let kind = Kind::Number(Dimension::TIME);
+                    let kind = ValueKind::Number(Dimension::TIME);
                     let typed = Typed::constant(Value::Number(found), kind, node.span());
                     let range = (0.0, cycle);
                     report.push(value::out_of_range(&typed, &what, found, range, Dimension::TIME, None));
@@ -208,7 +208,7 @@ fn crossing(node: ast::Crossing, scope: &Scope, report: &mut Vec<Diagnostic>) ->
     Some(Crossing { kind, width: resolved.number("width") })
 }
 
-fn body(node: ast::Obstacle, scope: &Scope, report: &mut Vec<Diagnostic>) -> Option<Body> {
+fn body(node: ast::Obstacle, scope: &NameScope, report: &mut Vec<Diagnostic>) -> Option<Body> {
     let block = node.settings();
     let given = constants(Some(block), &obstacle(), scope, report)?;
     let mut number = |name: &str| {
@@ -236,7 +236,7 @@ fn body(node: ast::Obstacle, scope: &Scope, report: &mut Vec<Diagnostic>) -> Opt
 pub fn constants(
     node: Option<ast::Settings>,
     declaration: &Declaration,
-    scope: &Scope,
+    scope: &NameScope,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Settings> {
     let mut constants = Settings::default();

@@ -10,15 +10,15 @@ use super::vehicle::{check_starts, vehicle};
 use super::{Book, Places, runs, variation};
 use crate::lang::codes::Code;
 use crate::lang::diagnostic::{Diagnostic, nearest};
-use crate::lang::files::{Definition, Names};
+use crate::lang::files::{NameDefinition, Names};
 use crate::lang::source::Span;
 use crate::lang::syntax::View;
 use crate::lang::syntax::ast;
-use crate::lang::value::{self, Binding, Kind, Scope, Typed};
+use crate::lang::value::{self, Binding, NameScope, Typed, ValueKind};
 use crate::scenario::limits::Limit;
 use crate::scenario::{
-    Criterion, DeclaredAppearance, Expression, Individuals, Pedestrian, Population, Road, Scenario,
-    Variation, Vehicle, limits,
+    Criterion, DeclaredAppearance, DeclaredPedestrian, Expression, Individuals, PopulationShare, Road,
+    Scenario, Variation, Vehicle, limits,
 };
 
 /// What a scenario is that does not say otherwise.
@@ -38,12 +38,12 @@ impl Defaults {
 #[derive(Clone, Copy)]
 pub struct SuiteCriteria<'a> {
     pub nodes: &'a [ast::Criterion<'a>],
-    pub scope: &'a Scope<'a>,
+    pub scope: &'a NameScope<'a>,
 }
 
 /// The checked scenario at `definition`, with the suite's criteria added to its own.
 pub fn scenario(
-    definition: Definition,
+    definition: NameDefinition,
     places: &Places,
     added: Option<SuiteCriteria>,
     report: &mut Vec<Diagnostic>,
@@ -58,7 +58,7 @@ pub fn scenario(
         runs::reject_both(own.block, report);
     }
     let (variations, varied) = variation::variations(&blocks, report);
-    let scopes: Vec<Scope> = blocks.iter().map(|layer| layer_scope(*layer, &varied, report)).collect();
+    let scopes: Vec<NameScope> = blocks.iter().map(|layer| layer_scope(*layer, &varied, report)).collect();
     let layers: Vec<Layer<_>> =
         blocks.iter().zip(&scopes).map(|(layer, scope)| Layer { block: layer.block, scope }).collect();
 
@@ -85,7 +85,7 @@ pub fn scenario(
         individuals: None,
         metrics: places.files.registry.metrics(),
     };
-    let mut pedestrians: Vec<Pedestrian> = Vec::new();
+    let mut pedestrians: Vec<DeclaredPedestrian> = Vec::new();
     for (name, layers) in &pedestrian_groups {
         let cars = &cast.vehicles;
         pedestrians.extend(pedestrian(*name, layers, road.as_ref(), cars, places, &mut written, report));
@@ -104,8 +104,9 @@ pub fn scenario(
     let vehicles: Vec<Vehicle> = vehicles.into_iter().map(|(_, vehicle)| vehicle).collect();
 
     let taken = || pedestrians.iter().filter_map(|pedestrian| pedestrian.individuals.as_ref());
-    let several =
-        |people: &Individuals| !matches!(people.selection, Population::Number(_) | Population::Count(1));
+    let several = |people: &Individuals| {
+        !matches!(people.selection, PopulationShare::Number(_) | PopulationShare::Count(1))
+    };
     // Of a scenario that could not be read nobody knows.
     cast.individuals = if broken { Some(true) } else { taken().next().map(|_| taken().any(several)) };
     let mut criteria: Vec<(Span, Criterion)> = Vec::new();
@@ -116,7 +117,7 @@ pub fn scenario(
         }
     }
     if let Some(added) = added {
-        let scope = Scope { outer: Some(added.scope), names: varied.clone() };
+        let scope = NameScope { outer: Some(added.scope), names: varied.clone() };
         for node in added.nodes {
             let found = criterion(*node, From::Suite, &cast, &scope, places, report);
             criteria.extend(found.map(|criterion| (node.span(), criterion)));
@@ -178,7 +179,7 @@ pub fn scenario(
 }
 
 /// The variations of a scenario that was checked before, by name.
-pub fn surroundings(definition: Definition, places: &Places) -> Option<HashMap<String, Binding>> {
+pub fn surroundings(definition: NameDefinition, places: &Places) -> Option<HashMap<String, Binding>> {
     let mut known = Vec::new();
     let chain = chain(definition, places, &mut known)?;
     let scopes = parameter_scopes(&chain, places, &mut known)?;
@@ -187,16 +188,20 @@ pub fn surroundings(definition: Definition, places: &Places) -> Option<HashMap<S
 
 /// What every definition of a chain says, with the names that it knows.
 fn layers<'a>(
-    chain: &[Definition],
-    scopes: &'a [Scope<'a>],
+    chain: &[NameDefinition],
+    scopes: &'a [NameScope<'a>],
     places: &Places<'a>,
 ) -> Vec<Layer<'a, ast::ScenarioBlock<'a>>> {
-    let block = |definition: &Definition| places.files.scenario(*definition).block();
+    let block = |definition: &NameDefinition| places.files.scenario(*definition).block();
     chain.iter().zip(scopes).map(|(definition, scope)| Layer { block: block(definition), scope }).collect()
 }
 
 /// What a scenario builds on, the base first and itself last.
-fn chain(definition: Definition, places: &Places, report: &mut Vec<Diagnostic>) -> Option<Vec<Definition>> {
+fn chain(
+    definition: NameDefinition,
+    places: &Places,
+    report: &mut Vec<Diagnostic>,
+) -> Option<Vec<NameDefinition>> {
     let mut chain = vec![definition];
     let mut at = definition;
     while let Some(base) = places.files.scenario(at).base() {
@@ -235,15 +240,15 @@ fn chain(definition: Definition, places: &Places, report: &mut Vec<Diagnostic>) 
 
 /// The names of each layer before variations: those of its file and its parameters.
 fn parameter_scopes<'a>(
-    chain: &[Definition],
+    chain: &[NameDefinition],
     places: &Places<'a>,
     report: &mut Vec<Diagnostic>,
-) -> Option<Vec<Scope<'a>>> {
+) -> Option<Vec<NameScope<'a>>> {
     // Arguments are said by the layer after, so the last layer comes first.
-    let mut scopes: Vec<Scope<'a>> = Vec::new();
+    let mut scopes: Vec<NameScope<'a>> = Vec::new();
     for (index, definition) in chain.iter().enumerate().rev() {
         let node = places.files.scenario(*definition);
-        let mut scope = Scope::inside(places.files.scope(definition.file));
+        let mut scope = NameScope::inside(places.files.scope(definition.file));
         let base = chain.get(index + 1).and_then(|caller| places.files.scenario(*caller).base());
         let arguments: Vec<ast::Argument> =
             base.and_then(ast::Base::arguments).into_iter().flat_map(ast::Arguments::each).collect();
@@ -320,15 +325,15 @@ fn parameter_scopes<'a>(
 /// near enough to be meant.
 fn argument_value(
     expression: ast::Expression,
-    scope: &Scope,
-    default: Option<Kind>,
+    scope: &NameScope,
+    default: Option<ValueKind>,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Typed> {
     let Some(word) = expression.lone_word().filter(|word| scope.find(word).is_none()) else {
         return value::evaluate(expression, scope, report);
     };
     match default {
-        Some(Kind::Word) => Some(Typed::word(word, expression.span())),
+        Some(ValueKind::Word) => Some(Typed::word(word, expression.span())),
         None if nearest(word, scope.all_names()).is_none() => Some(Typed::word(word, expression.span())),
         _ => value::evaluate(expression, scope, report),
     }
@@ -339,8 +344,8 @@ fn layer_scope<'a>(
     layer: Layer<'a, ast::ScenarioBlock>,
     varied: &HashMap<String, Binding>,
     report: &mut Vec<Diagnostic>,
-) -> Scope<'a> {
-    let mut scope = Scope { outer: Some(layer.scope), names: varied.clone() };
+) -> NameScope<'a> {
+    let mut scope = NameScope { outer: Some(layer.scope), names: varied.clone() };
     for binding in layer.block.bindings() {
         crate::lang::files::bind(binding, &mut scope, report);
     }
@@ -348,7 +353,7 @@ fn layer_scope<'a>(
 }
 
 fn scenario_road(
-    chain: &[Definition],
+    chain: &[NameDefinition],
     layers: &[Layer<ast::ScenarioBlock>],
     name: ast::Name,
     places: &Places,
@@ -385,7 +390,11 @@ fn scenario_road(
 }
 
 /// A road with a name. Its mistakes are reported where it is defined, whoever uses it.
-pub fn defined_road(definition: Definition, places: &Places, report: &mut Vec<Diagnostic>) -> Option<Road> {
+pub fn defined_road(
+    definition: NameDefinition,
+    places: &Places,
+    report: &mut Vec<Diagnostic>,
+) -> Option<Road> {
     let node = ast::RoadDefinition::cast(places.files.node(definition))?;
     let name = node.name();
     road(name.text(), name.span(), node.block(), places.files.scope(definition.file), report)
@@ -486,12 +495,12 @@ fn unused(
 /// What road users do with, and what criteria compare to.
 fn used_variables<'a>(
     vehicles: &'a [Vehicle],
-    pedestrians: &'a [Pedestrian],
+    pedestrians: &'a [DeclaredPedestrian],
     criteria: &'a [Criterion],
 ) -> HashSet<&'a str> {
     let mut expressions: Vec<&Expression> = criteria.iter().flat_map(|one| one.claim.bounds()).collect();
     let users = vehicles.iter().flat_map(Vehicle::expressions);
-    let users = users.chain(pedestrians.iter().flat_map(Pedestrian::expressions));
+    let users = users.chain(pedestrians.iter().flat_map(DeclaredPedestrian::expressions));
     expressions.extend(users.map(|(expression, _)| expression));
     let cars = vehicles.iter().flat_map(|vehicle| {
         let dynamics = vehicle.dynamics.as_ref().and_then(|model| model.varied_by.as_deref());

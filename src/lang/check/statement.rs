@@ -7,14 +7,14 @@ use super::subject::Subjects;
 use crate::lang::codes::Code;
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::syntax::ast;
-use crate::lang::value::Scope;
-use crate::scenario::{Standing, Statement};
+use crate::lang::value::NameScope;
+use crate::scenario::{DeclaredStanding, Statement};
 
 /// The statement at `node`.
 pub fn statement(
     node: ast::Statement,
     subjects: &Subjects,
-    scope: &Scope,
+    scope: &NameScope,
     places: &Places,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Statement> {
@@ -45,7 +45,7 @@ pub fn statement(
     })
 }
 
-fn standing(block: ast::StatementBlock, report: &mut Vec<Diagnostic>) -> Option<Standing> {
+fn standing(block: ast::StatementBlock, report: &mut Vec<Diagnostic>) -> Option<DeclaredStanding> {
     let (differs, not_comparable) = (block.differs(), block.not_comparable());
     if let (Some(differs), Some(other)) = (differs, not_comparable) {
         report.push(
@@ -65,7 +65,7 @@ fn standing(block: ast::StatementBlock, report: &mut Vec<Diagnostic>) -> Option<
         not_comparable.map(|said| (said.span(), said.reason())),
     ];
     let Some((span, reason)) = reasons.into_iter().flatten().next() else {
-        return Some(Standing::Reproduced);
+        return Some(DeclaredStanding::Reproduced);
     };
     let reason = reason.value();
     if reason.trim().is_empty() {
@@ -76,5 +76,9 @@ fn standing(block: ast::StatementBlock, report: &mut Vec<Diagnostic>) -> Option<
         );
         return None;
     }
-    Some(if differs.is_some() { Standing::Differs(reason) } else { Standing::NotComparable(reason) })
+    Some(if differs.is_some() {
+        DeclaredStanding::Differs(reason)
+    } else {
+        DeclaredStanding::NotComparable(reason)
+    })
 }

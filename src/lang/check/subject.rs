@@ -9,19 +9,19 @@ use super::scenario::surroundings;
 use crate::files::read_kind;
 use crate::lang::codes::Code;
 use crate::lang::diagnostic::Diagnostic;
-use crate::lang::files::Definition;
+use crate::lang::files::NameDefinition;
 use crate::lang::source::Span;
 use crate::lang::syntax::ast;
 use crate::lang::value::Binding;
 use crate::registry::Registry;
 use crate::scenario::{
-    CaseSet, Declaration, Evaluate, Part, Range, RangeValues, Reference, Registered, SampleSize, Scenario,
-    Search, Target, Tune, Value, VariedValue,
+    CaseSet, Declaration, Evaluate, Part, RangeValues, Reference, Registered, SampleSize, Scenario, Search,
+    SearchRange, Target, Tune, Value, VariedValue,
 };
 
 /// What the blocks of a suite can be about: its scenarios, and the blocks that are checked so far.
 pub struct Subjects<'a> {
-    pub definitions: &'a [Definition],
+    pub definitions: &'a [NameDefinition],
     /// Those of the suite and the supporting ones.
     pub scenarios: [&'a [Scenario]; 2],
     pub searches: Checked<Search>,
@@ -67,7 +67,7 @@ impl<T> Checked<T> {
 }
 
 /// A scenario with what its file says about names, as the runs in question vary it.
-pub struct Subject<'a> {
+pub struct StatementSubject<'a> {
     pub scenario: &'a Scenario,
     pub varied: HashMap<String, Binding>,
     /// The variations that a search found values for, with the numbers between which it looked.
@@ -85,7 +85,7 @@ impl<'a> Subjects<'a> {
         also: &[&str],
         places: &Places,
         report: &mut Vec<Diagnostic>,
-    ) -> Option<Subject<'a>> {
+    ) -> Option<StatementSubject<'a>> {
         if !self.scenario_names(places).any(|known| known == text) {
             let what = if also.is_empty() { "scenario" } else { "scenario or search" };
             let known: Vec<&str> = self.scenario_names(places).chain(also.iter().copied()).collect();
@@ -104,7 +104,7 @@ impl<'a> Subjects<'a> {
     }
 
     /// The scenario of that name, if there is one without mistakes.
-    fn known(&self, name: &str, places: &Places) -> Option<Subject<'a>> {
+    fn known(&self, name: &str, places: &Places) -> Option<StatementSubject<'a>> {
         let scenario = self.scenarios.into_iter().flatten().find(|scenario| scenario.name == name)?;
         let definition = self
             .definitions
@@ -112,18 +112,18 @@ impl<'a> Subjects<'a> {
             .find(|definition| places.files.scenario(**definition).name().text() == name)?;
         let registry = places.files.registry.clone();
         let varied = surroundings(*definition, places)?;
-        Some(Subject { scenario, varied, searched: HashMap::new(), registry })
+        Some(StatementSubject { scenario, varied, searched: HashMap::new(), registry })
     }
 
     /// The scenario of a search, varied as it was searched.
-    pub fn found_by(&self, search: &Search, places: &Places) -> Option<Subject<'a>> {
+    pub fn found_by(&self, search: &Search, places: &Places) -> Option<StatementSubject<'a>> {
         let mut subject = self.known(&search.scenario, places)?;
         search.over.iter().for_each(|range| subject.searched_over(range));
         Some(subject)
     }
 
     /// What the cases of a set are of.
-    pub fn of(&self, set: &CaseSet, places: &Places) -> Option<Subject<'a>> {
+    pub fn of(&self, set: &CaseSet, places: &Places) -> Option<StatementSubject<'a>> {
         match set {
             CaseSet::Search(name) | CaseSet::Bests(name) => self.found_by(self.searches.find(name)?, places),
             CaseSet::Scenario(name) | CaseSet::Sample { scenario: name, .. } => self.known(name, places),
@@ -137,7 +137,7 @@ impl<'a> Subjects<'a> {
     }
 }
 
-impl Subject<'_> {
+impl StatementSubject<'_> {
     pub fn cast(&self) -> Cast<'_> {
         Cast {
             vehicles: self.scenario.vehicles.iter().map(|vehicle| vehicle.name.as_str()).collect(),
@@ -148,7 +148,7 @@ impl Subject<'_> {
         }
     }
 
-    fn searched_over(&mut self, range: &Range) {
+    fn searched_over(&mut self, range: &SearchRange) {
         let Target::Variation(name) = &range.target else { return };
         let Some(binding) = self.varied.get_mut(name) else { return };
         binding.varied = None;
@@ -189,7 +189,7 @@ pub fn case_set<'a>(
     subjects: &Subjects<'a>,
     places: &Places,
     report: &mut Vec<Diagnostic>,
-) -> Option<(CaseSet, Subject<'a>)> {
+) -> Option<(CaseSet, StatementSubject<'a>)> {
     let set = said_set(node, subjects, places, report)?;
     let subject = match &set {
         CaseSet::Saved(path) => {

@@ -9,7 +9,7 @@ use crate::lang::settings::repeated;
 use crate::lang::source::Span;
 use crate::lang::syntax::ast;
 use crate::lang::units;
-use crate::lang::value::{self, Binding, Kind, Scope, Typed};
+use crate::lang::value::{self, Binding, NameScope, Typed, ValueKind};
 use crate::scenario::{
     Dimension, Distribution, DistributionError, Notation, Samples, SamplingScheme, Value, Variation,
     VariedValue, significant,
@@ -25,7 +25,7 @@ const MOST_VALUES: usize = 1_000_000;
 struct Varied<'t> {
     name: &'t str,
     span: Span,
-    kind: Kind,
+    kind: ValueKind,
     notation: Option<Notation>,
     over: Over,
 }
@@ -39,7 +39,7 @@ impl Varied<'_> {
 /// The kind of a variation's values, and their unit.
 #[derive(Clone, Copy)]
 struct Written {
-    kind: Kind,
+    kind: ValueKind,
     notation: Option<Notation>,
 }
 
@@ -212,7 +212,7 @@ type Outcome<'t> = (Vec<Varied<'t>>, Option<Variation>);
 
 fn single<'t>(
     node: ast::Varied<'t>,
-    scope: &Scope,
+    scope: &NameScope,
     known: &HashMap<String, Binding>,
     report: &mut Vec<Diagnostic>,
 ) -> Outcome<'t> {
@@ -233,7 +233,7 @@ fn single<'t>(
 /// Draws may depend on the names above them in the same block as well.
 fn together<'t>(
     node: ast::VaryTogether<'t>,
-    scope: &Scope,
+    scope: &NameScope,
     mut known: HashMap<String, Binding>,
     report: &mut Vec<Diagnostic>,
 ) -> Outcome<'t> {
@@ -314,7 +314,7 @@ fn rows(varied: &[Varied], report: &mut Vec<Diagnostic>) -> Option<Vec<Vec<Varie
 
 fn samples(
     node: ast::Sampling,
-    distributions: Vec<(Distribution, Kind)>,
+    distributions: Vec<(Distribution, ValueKind)>,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Samples> {
     let count = super::count(node.count(), 1, MOST_VALUES as u32, "the number of draws", report)?;
@@ -325,8 +325,8 @@ fn samples(
     } else {
         SamplingScheme::Random
     };
-    let unit = |kind: &Kind| match kind {
-        Kind::Number(dimension) => dimension.si_unit(),
+    let unit = |kind: &ValueKind| match kind {
+        ValueKind::Number(dimension) => dimension.si_unit(),
         _ => String::new(),
     };
     let units = distributions.iter().map(|(_, kind)| unit(kind)).collect();
@@ -336,7 +336,7 @@ fn samples(
 
 fn varied<'t>(
     node: ast::Varied<'t>,
-    scope: &Scope,
+    scope: &NameScope,
     known: &HashMap<String, Binding>,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Varied<'t>> {
@@ -358,7 +358,7 @@ fn varied<'t>(
 fn values<'t>(
     span: Span,
     expressions: impl Iterator<Item = ast::Expression<'t>>,
-    scope: &Scope,
+    scope: &NameScope,
     report: &mut Vec<Diagnostic>,
 ) -> Option<(Written, Vec<VariedValue>)> {
     let mut kind: Option<(Written, Span)> = None;
@@ -413,7 +413,7 @@ fn empty(span: Span, message: &str, example: &str) -> Diagnostic {
 /// A value that does not vary, with the words it was written in. A name that is not defined is a word.
 fn constant(
     expression: ast::Expression,
-    scope: &Scope,
+    scope: &NameScope,
     report: &mut Vec<Diagnostic>,
 ) -> Option<(Typed, String)> {
     if let Some(word) = expression.lone_word()
@@ -477,7 +477,7 @@ fn range_values(node: ast::Range, report: &mut Vec<Diagnostic>) -> Option<(Writt
         );
         return None;
     }
-    let kind = Kind::Number(converted.map_or(Dimension::NUMBER, |unit| unit.dimension));
+    let kind = ValueKind::Number(converted.map_or(Dimension::NUMBER, |unit| unit.dimension));
     let values = (0..=count as usize)
         .map(|index| {
             let written = significant(first + index as f64 * step, 12);
@@ -488,13 +488,13 @@ fn range_values(node: ast::Range, report: &mut Vec<Diagnostic>) -> Option<(Writt
             }
         })
         .collect();
-    Some((Written { kind, notation: converted.map(units::Unit::notation) }, values))
+    Some((Written { kind, notation: converted.map(units::UnitEntry::notation) }, values))
 }
 
 /// `known` are the variations that its numbers may depend on.
 fn distribution(
     node: ast::Distribution,
-    scope: &Scope,
+    scope: &NameScope,
     known: &HashMap<String, Binding>,
     report: &mut Vec<Diagnostic>,
 ) -> Option<(Written, Distribution)> {
@@ -533,14 +533,14 @@ fn distribution(
         let message = format!("`{}` takes {wanted}, but got {count} values", name.text());
         return bad(message, &format!("write `{}({wanted})`", name.text()));
     }
-    let scope = &Scope { outer: Some(scope), names: known.clone() };
+    let scope = &NameScope { outer: Some(scope), names: known.clone() };
     let mut numbers = Vec::new();
     let mut kind = None;
     for expression in node.values() {
         let typed = value::evaluate(expression, scope, report)?;
         let expected = *kind.get_or_insert(match typed.kind {
-            Kind::Number(_) => Written::of(&typed),
-            _ => Written { kind: Kind::Number(Dimension::NUMBER), notation: None },
+            ValueKind::Number(_) => Written::of(&typed),
+            _ => Written { kind: ValueKind::Number(Dimension::NUMBER), notation: None },
         });
         if !value::expect_kind(&typed, expected.kind, "this part of the distribution", report) {
             return None;

@@ -8,7 +8,7 @@ use crate::lang::diagnostic::Diagnostic;
 use crate::lang::settings::{self, not_whole};
 use crate::lang::source::Span;
 use crate::lang::syntax::ast;
-use crate::lang::value::{self, Kind, Typed};
+use crate::lang::value::{self, Typed, ValueKind};
 use crate::scenario::{
     CommandKind, ControllerModel, DeclaredVehicleStart, Dimension, DynamicsModel, Model, Reference, Road,
     Vehicle, limits,
@@ -107,8 +107,8 @@ pub fn vehicle(
     })
 }
 
-fn controllers<'a>(places: &'a Places) -> model::Kind<'a, ControllerModel> {
-    model::Kind {
+fn controllers<'a>(places: &'a Places) -> model::ModelKind<'a, ControllerModel> {
+    model::ModelKind {
         code: Code::UnknownController,
         what: "controller",
         there_is_no: "there is no controller",
@@ -116,8 +116,8 @@ fn controllers<'a>(places: &'a Places) -> model::Kind<'a, ControllerModel> {
     }
 }
 
-fn all_dynamics<'a>(places: &'a Places) -> model::Kind<'a, DynamicsModel> {
-    model::Kind {
+fn all_dynamics<'a>(places: &'a Places) -> model::ModelKind<'a, DynamicsModel> {
+    model::ModelKind {
         code: Code::UnknownDynamics,
         what: "dynamics",
         there_is_no: "there are no vehicle dynamics",
@@ -213,18 +213,18 @@ fn start(
     let value = value::evaluate(node, said.scope, report)?;
     let what = "the start of a vehicle";
     match value.kind {
-        Kind::Number(Dimension::LENGTH) => {
+        ValueKind::Number(Dimension::LENGTH) => {
             let value = value::quantity_within(node, limits::VEHICLE_START, what, said.scope, report)?;
             Some((DeclaredVehicleStart::Distance(value.expression.clone()), Some(value)))
         }
-        Kind::Number(Dimension::TIME) => {
+        ValueKind::Number(Dimension::TIME) => {
             let value = value::quantity_within(node, limits::VEHICLE_ARRIVAL, what, said.scope, report)?;
             Some((DeclaredVehicleStart::TimeToArrival(value.expression.clone()), Some(value)))
         }
         _ => {
             let code = match value.kind {
-                Kind::Number(Dimension::NUMBER) => Code::MissingUnit,
-                Kind::Number(_) => Code::WrongDimension,
+                ValueKind::Number(Dimension::NUMBER) => Code::MissingUnit,
+                ValueKind::Number(_) => Code::WrongDimension,
                 _ => Code::WrongType,
             };
             report.push(

@@ -5,7 +5,7 @@ use pest::error::{Error, ErrorVariant, InputLocation};
 
 use super::lexer::{self, Token, TokenKind};
 use super::tree::{Grammar, Node, Rule, Tree};
-use super::words::{self as statements, Statement};
+use super::words::{self as statements, StatementEntry};
 use crate::lang::codes::Code;
 use crate::lang::diagnostic::{Diagnostic, MOST_FINDINGS, nearest};
 use crate::lang::source::{SourceId, Span};
@@ -29,7 +29,7 @@ pub fn explain(tree: &Tree) -> Vec<Diagnostic> {
 }
 
 fn statement(block: Node, bad: Node) -> Diagnostic {
-    let context = block.block().unwrap_or(statements::Kind::File.block());
+    let context = block.block().unwrap_or(statements::BlockKind::File.block());
     let word = first_word(bad);
     let word_text = &bad.tree().text()[word.start..word.end];
     if let Some(statement) = context.beginning(bad.text()).or(context.free()) {
@@ -57,7 +57,7 @@ fn statement(block: Node, bad: Node) -> Diagnostic {
     }
     Diagnostic::new(Code::UnknownStatement, word, format!("{place} has no statement `{word_text}`"))
         .label("unknown here")
-        .suggest(word_text, context.statements.iter().map(Statement::word))
+        .suggest(word_text, context.statements.iter().map(StatementEntry::word))
 }
 
 fn setting(block: Rule, bad: Node) -> Diagnostic {
@@ -71,7 +71,7 @@ fn setting(block: Rule, bad: Node) -> Diagnostic {
 }
 
 /// Parses the statement once more on its own, to see how far it gets.
-fn again(bad: Node, statement: &Statement) -> Diagnostic {
+fn again(bad: Node, statement: &StatementEntry) -> Diagnostic {
     let span = bad.span();
     let text = bad.tree().text();
     let hint = format!("it reads `{}`", statement.usage);
@@ -105,7 +105,7 @@ pub enum Next {
 
 /// What those statements could go on with that begin with `text`, each once and in the order of the grammar; nothing after what is
 /// wrong already.
-pub fn goes_on_with<'s>(statements: impl Iterator<Item = &'s Statement>, text: &str) -> Vec<Next> {
+pub fn goes_on_with<'s>(statements: impl Iterator<Item = &'s StatementEntry>, text: &str) -> Vec<Next> {
     let mut rules: Vec<Rule> = statements.flat_map(|statement| after(statement.rule, text)).collect();
     rules.sort_unstable();
     rules.dedup();
@@ -156,7 +156,7 @@ fn after(rule: Rule, text: &str) -> Vec<Rule> {
 }
 
 /// What people mean who write what was found; `text` begins with the statement, at `start`.
-fn advice(text: &str, start: usize, statement: &Statement, diagnostic: &Diagnostic) -> Option<String> {
+fn advice(text: &str, start: usize, statement: &StatementEntry, diagnostic: &Diagnostic) -> Option<String> {
     let found = diagnostic.span();
     let may_end = diagnostic.message.contains(END);
     let (before, rest) = text.split_at(found.start - start);

@@ -3,31 +3,33 @@
 use std::collections::BTreeSet;
 
 use super::*;
-use crate::lang::syntax::words::{Block, Kind, Statement};
+use crate::lang::syntax::words::{BlockEntry, BlockKind, StatementEntry};
 use crate::lang::syntax::{Node, words};
 
 /// A file in which the block of a kind says `inside`.
-fn around(kind: Kind, inside: &str) -> String {
+fn around(kind: BlockKind, inside: &str) -> String {
     match kind {
-        Kind::File => inside.to_string(),
-        Kind::Road => format!("road street {{\n  {inside}\n}}\n"),
-        Kind::Scenario => format!("scenario a {{\n  {inside}\n}}\n"),
-        Kind::Vehicle => around(Kind::Scenario, &format!("vehicle av {{\n    {inside}\n  }}")),
-        Kind::Pedestrian => around(Kind::Scenario, &format!("pedestrian walker {{\n    {inside}\n  }}")),
-        Kind::Expect => around(Kind::Scenario, &format!("expect {{\n    {inside}\n  }}")),
-        Kind::Together => around(Kind::Scenario, &format!("vary together {{\n    {inside}\n  }}")),
-        Kind::Suite => format!("suite s {{\n  {inside}\n}}\n"),
-        Kind::Gate => around(Kind::Suite, &format!("gate g {{\n    {inside}\n  }}")),
-        Kind::Search => format!("search s {{\n  {inside}\n}}\n"),
-        Kind::Tune => format!("tune t {{\n  {inside}\n}}\n"),
-        Kind::Evaluate => format!("evaluate e {{\n  {inside}\n}}\n"),
-        Kind::Statement => format!("statement t {{\n  {inside}\n}}\n"),
+        BlockKind::File => inside.to_string(),
+        BlockKind::Road => format!("road street {{\n  {inside}\n}}\n"),
+        BlockKind::Scenario => format!("scenario a {{\n  {inside}\n}}\n"),
+        BlockKind::Vehicle => around(BlockKind::Scenario, &format!("vehicle av {{\n    {inside}\n  }}")),
+        BlockKind::Pedestrian => {
+            around(BlockKind::Scenario, &format!("pedestrian walker {{\n    {inside}\n  }}"))
+        }
+        BlockKind::Expect => around(BlockKind::Scenario, &format!("expect {{\n    {inside}\n  }}")),
+        BlockKind::Together => around(BlockKind::Scenario, &format!("vary together {{\n    {inside}\n  }}")),
+        BlockKind::Suite => format!("suite s {{\n  {inside}\n}}\n"),
+        BlockKind::Gate => around(BlockKind::Suite, &format!("gate g {{\n    {inside}\n  }}")),
+        BlockKind::Search => format!("search s {{\n  {inside}\n}}\n"),
+        BlockKind::Tune => format!("tune t {{\n  {inside}\n}}\n"),
+        BlockKind::Evaluate => format!("evaluate e {{\n  {inside}\n}}\n"),
+        BlockKind::Statement => format!("statement t {{\n  {inside}\n}}\n"),
     }
 }
 
 /// Every example of every statement in a file of its own.
-fn examples() -> impl Iterator<Item = (&'static Block, &'static Statement, String)> {
-    Kind::ALL.into_iter().map(Kind::block).flat_map(|block| {
+fn examples() -> impl Iterator<Item = (&'static BlockEntry, &'static StatementEntry, String)> {
+    BlockKind::ALL.into_iter().map(BlockKind::block).flat_map(|block| {
         block.statements.iter().flat_map(move |statement| {
             let usages = statement.usages().map(|usage| usage.replace('…', ""));
             usages.map(move |usage| (block, statement, around(block.kind, &usage)))
@@ -41,7 +43,7 @@ fn parsed(text: &str) -> Tree {
     tree
 }
 
-fn says(tree: &Tree, block: &Block, statement: &Statement) -> bool {
+fn says(tree: &Tree, block: &BlockEntry, statement: &StatementEntry) -> bool {
     let blocks = tree.nodes().filter(|node| node.block().is_some_and(|known| known.kind == block.kind));
     blocks.flat_map(Node::children).any(|said| statement.is(said))
 }
@@ -74,7 +76,7 @@ fn it_goes_to_yaml_and_back() {
 #[test]
 fn its_key_is_in_the_schema() {
     let schema = yaml_schema(&standard());
-    for block in Kind::ALL.into_iter().map(Kind::block) {
+    for block in BlockKind::ALL.into_iter().map(BlockKind::block) {
         for statement in block.keys() {
             let property = &schema["$defs"][block.word()]["properties"][statement.key];
             assert_eq!(property["description"], statement.doc, "{}.{}", block.word(), statement.key);
@@ -105,15 +107,15 @@ fn it_stands_in_the_page_of_reference() {
         parts.map(|rest| parsed(rest.split("```").next().unwrap())).collect::<Vec<_>>()
     };
     let trees: Vec<Tree> = fenced("scn").into_iter().chain(fenced("suite")).collect();
-    let missing: BTreeSet<String> = Kind::ALL
+    let missing: BTreeSet<String> = BlockKind::ALL
         .into_iter()
-        .map(Kind::block)
+        .map(BlockKind::block)
         .flat_map(|block| block.statements.iter().map(move |statement| (block, statement)))
         .filter(|(block, statement)| {
             let shown = trees.iter().any(|tree| says(tree, block, statement));
             // What is said beside an example, or of what an example of another block shows.
             let said = page.contains(&format!("`{}", statement.words)) && !statement.words.is_empty();
-            let elsewhere = Kind::ALL.into_iter().map(Kind::block).any(|other| {
+            let elsewhere = BlockKind::ALL.into_iter().map(BlockKind::block).any(|other| {
                 let mut same = other.statements.iter().filter(|one| one.doc == statement.doc);
                 same.any(|one| trees.iter().any(|tree| says(tree, other, one)))
             });
@@ -128,8 +130,8 @@ fn it_stands_in_the_page_of_reference() {
 fn it_takes_values_from_outside_where_the_table_says_so() {
     for (block, statement, text) in examples().filter(|(_, statement, _)| statement.set.is_some()) {
         let prefix = match block.kind {
-            Kind::Vehicle => "av.",
-            Kind::Pedestrian => "walker.",
+            BlockKind::Vehicle => "av.",
+            BlockKind::Pedestrian => "walker.",
             _ => "",
         };
         let value = if statement.word() == "size" { "3 m x 2 m" } else { "7" };
@@ -150,14 +152,14 @@ fn what_gives_names_has_one() {
 }
 
 /// A scenario with a road user of each kind; in the block of a kind `said` stands in place of what says the same there.
-fn with(kind: Kind, said: &str) -> String {
+fn with(kind: BlockKind, said: &str) -> String {
     let words = kind.block().beginning(said).expect("it is one of its statements").words;
     let other = match words {
         "radius" => "size",
         "runs" => "repeat",
         _ => words,
     };
-    let block = |own: Kind, lines: &[&str]| {
+    let block = |own: BlockKind, lines: &[&str]| {
         let kept =
             lines.iter().filter(|line| own != kind || !line.starts_with(words) && !line.starts_with(other));
         let mut lines: Vec<&str> = kept.copied().collect();
@@ -167,16 +169,18 @@ fn with(kind: Kind, said: &str) -> String {
         lines.join("; ")
     };
     let road = block(
-        Kind::Road,
+        BlockKind::Road,
         &["lanes forward, forward", "lane_width 3.5 m", "speed_limit 50 km/h", "crossing unmarked"],
     );
     let road = format!("road {{ {road} }}");
-    let car =
-        block(Kind::Vehicle, &["controller carla_behavior", "speed 30 km/h", "start 60 m before crossing"]);
+    let car = block(
+        BlockKind::Vehicle,
+        &["controller carla_behavior", "speed 30 km/h", "start 60 m before crossing"],
+    );
     let car = format!("vehicle av {{ {car} }}");
-    let person = block(Kind::Pedestrian, &["model commotions", "start 1 m from kerb"]);
+    let person = block(BlockKind::Pedestrian, &["model commotions", "start 1 m from kerb"]);
     let person = format!("pedestrian walker {{ {person} }}");
-    let scenario = block(Kind::Scenario, &[&road, &car, &person, "repeat 2"]);
+    let scenario = block(BlockKind::Scenario, &[&road, &car, &person, "repeat 2"]);
     let street = "road NAME { lanes 1; lane_width 3 m; speed_limit 30 km/h; crossing zebra }\n";
     format!("{street}scenario a {{ {scenario} }}\n")
 }
@@ -212,8 +216,8 @@ fn unusual(usage: &str) -> String {
 fn it_is_written_so_that_it_is_read_back() {
     /// What is put in before a scenario is written, or stands in it as a text of its own.
     const PUT_IN: [&str; 4] = ["let", "vary", "vary together", "expect"];
-    let plain = meaning(&with(Kind::Scenario, "repeat 2")).1;
-    for kind in [Kind::Road, Kind::Scenario, Kind::Vehicle, Kind::Pedestrian] {
+    let plain = meaning(&with(BlockKind::Scenario, "repeat 2")).1;
+    for kind in [BlockKind::Road, BlockKind::Scenario, BlockKind::Vehicle, BlockKind::Pedestrian] {
         let statements = kind.block().statements.iter();
         for statement in statements.filter(|one| !PUT_IN.contains(&one.words)) {
             for usage in statement.usages().filter(|usage| !usage.contains('…')) {

@@ -9,8 +9,8 @@ use std::fmt::Write;
 
 use super::check::{DEFAULT_GOAL, Defaults};
 use crate::scenario::{
-    CrossingKind, DeclaredAppearance, DeclaredShape, DeclaredVehicleStart, Dimension, Direction, Individuals,
-    Pedestrian, Population, Road, Scenario, Side, Vehicle, VehicleReference,
+    CrossingKind, DeclaredAppearance, DeclaredPedestrian, DeclaredShape, DeclaredVehicleStart, Dimension,
+    Direction, Individuals, PopulationShare, Road, Scenario, Side, Vehicle, VehicleReference,
 };
 use words::{constant, is_name, model, number_of, quoted, settings};
 
@@ -138,16 +138,16 @@ fn vehicle_block(car: &Vehicle, out: &mut Lines) {
     out.close();
 }
 
-fn pedestrian_block(person: &Pedestrian, out: &mut Lines) {
+fn pedestrian_block(person: &DeclaredPedestrian, out: &mut Lines) {
     let length = |expression| constant(expression, Dimension::LENGTH);
     out.open(&format!("pedestrian {}", person.name));
     out.line(&format!("model {}", model(&person.model)));
     if let Some(Individuals { selection, population, .. }) = &person.individuals {
         let population = if is_name(population) { population.clone() } else { quoted(population) };
         out.line(&match selection {
-            Population::All => format!("individuals all of {population}"),
-            Population::Count(count) => format!("individuals {count} of {population}"),
-            Population::Number(number) => format!("individual {number} of {population}"),
+            PopulationShare::All => format!("individuals all of {population}"),
+            PopulationShare::Count(count) => format!("individuals {count} of {population}"),
+            PopulationShare::Number(number) => format!("individual {number} of {population}"),
         });
     }
     match &person.shape {

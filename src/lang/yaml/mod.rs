@@ -16,7 +16,7 @@ pub use to_yaml::to_yaml;
 
 /// From a place in the translation to the place in the YAML that it was made from.
 #[derive(Debug, Clone, Default)]
-pub struct Places {
+pub struct TranslatedPlaces {
     /// In the order of the translation.
     pieces: Vec<Piece>,
 }
@@ -33,7 +33,7 @@ struct Piece {
     verbatim: bool,
 }
 
-impl Places {
+impl TranslatedPlaces {
     /// The places of the translation once bytes of it were replaced: ranges in order, each with how many bytes are there
     /// instead, which came from where the old ones did.
     pub fn edited(&self, edits: &[(Range<usize>, usize)]) -> Self {
@@ -99,7 +99,8 @@ mod tests {
     #[test]
     fn places_follow_what_is_replaced() {
         let piece = |start, end, from, to, verbatim| Piece { start, end, from, to, verbatim };
-        let places = Places { pieces: vec![piece(0, 4, 100, 101, false), piece(4, 10, 200, 206, true)] };
+        let places =
+            TranslatedPlaces { pieces: vec![piece(0, 4, 100, 101, false), piece(4, 10, 200, 206, true)] };
         // Bytes 5..7 become five others, and three come in at 8.
         let edited = places.edited(&[(5..7, 5), (8..8, 3)]);
         let at = |at| edited.original(at, at + 1);

@@ -3,7 +3,7 @@
 use serde_json::{Map, Value, json};
 
 use crate::lang::declared::{choices, named};
-use crate::lang::syntax::words::{Block, Kind, Shape, Statement};
+use crate::lang::syntax::words::{BlockEntry, BlockKind, StatementEntry, YamlShape};
 use crate::registry::Registry;
 use crate::scenario::{Declaration, Parameter, ParameterKind};
 
@@ -20,23 +20,23 @@ pub fn schema(registry: &Registry) -> Value {
 }
 
 /// Those with keys.
-fn blocks() -> impl Iterator<Item = &'static Block> {
-    Kind::ALL.into_iter().map(Kind::block).filter(|block| block.keys().next().is_some())
+fn blocks() -> impl Iterator<Item = &'static BlockEntry> {
+    BlockKind::ALL.into_iter().map(BlockKind::block).filter(|block| block.keys().next().is_some())
 }
 
 /// To the block that a statement opens.
-fn reference(statement: &Statement) -> Value {
+fn reference(statement: &StatementEntry) -> Value {
     let block = statement.opens.map(|kind| kind.block().word()).unwrap_or_default();
     json!({ "$ref": format!("#/$defs/{block}") })
 }
 
-fn block(block: &Block, registry: &Registry) -> Value {
+fn block(block: &BlockEntry, registry: &Registry) -> Value {
     let properties: Map<String, Value> =
         block.keys().map(|statement| (statement.key.to_string(), described(statement, registry))).collect();
     json!({ "type": "object", "additionalProperties": false, "properties": properties })
 }
 
-fn described(statement: &Statement, registry: &Registry) -> Value {
+fn described(statement: &StatementEntry, registry: &Registry) -> Value {
     let mut value = value(statement, registry);
     value["description"] = statement.doc.into();
     value
@@ -59,21 +59,21 @@ fn mapping_of(value: &Value) -> Value {
     json!({ "type": "object", "additionalProperties": value })
 }
 
-fn value(statement: &Statement, registry: &Registry) -> Value {
+fn value(statement: &StatementEntry, registry: &Registry) -> Value {
     match statement.shape {
-        Shape::Words | Shape::Lines | Shape::Commas => one_or_several(&words()),
-        Shape::Text => one_or_several(&json!({ "type": "string" })),
-        Shape::Named => mapping_of(&json!({ "anyOf": [reference(statement), { "type": "null" }] })),
-        Shape::NameOrBlock => json!({ "anyOf": [{ "type": "string" }, reference(statement)] }),
-        Shape::Statements => list_of(&json!({ "type": "string" })),
-        Shape::Model => model(statement.word(), registry),
-        Shape::NamedSettings => mapping_of(&own_settings(statement, registry)),
-        Shape::Settings => own_settings(statement, registry),
-        Shape::Values => mapping_of(&one_or_several(&words())),
-        Shape::Together => one_or_several(&mapping_of(&one_or_several(&words()))),
-        Shape::Bindings => mapping_of(&words()),
-        Shape::Flag | Shape::NotFlag => json!({ "type": "boolean" }),
-        Shape::Cases => json!({
+        YamlShape::Words | YamlShape::Lines | YamlShape::Commas => one_or_several(&words()),
+        YamlShape::Text => one_or_several(&json!({ "type": "string" })),
+        YamlShape::Named => mapping_of(&json!({ "anyOf": [reference(statement), { "type": "null" }] })),
+        YamlShape::NameOrBlock => json!({ "anyOf": [{ "type": "string" }, reference(statement)] }),
+        YamlShape::Statements => list_of(&json!({ "type": "string" })),
+        YamlShape::Model => model(statement.word(), registry),
+        YamlShape::NamedSettings => mapping_of(&own_settings(statement, registry)),
+        YamlShape::Settings => own_settings(statement, registry),
+        YamlShape::Values => mapping_of(&one_or_several(&words())),
+        YamlShape::Together => one_or_several(&mapping_of(&one_or_several(&words()))),
+        YamlShape::Bindings => mapping_of(&words()),
+        YamlShape::Flag | YamlShape::NotFlag => json!({ "type": "boolean" }),
+        YamlShape::Cases => json!({
             "anyOf": [
                 { "type": "string" },
                 {
@@ -84,7 +84,7 @@ fn value(statement: &Statement, registry: &Registry) -> Value {
                 },
             ],
         }),
-        Shape::Conditions => one_or_several(&json!({
+        YamlShape::Conditions => one_or_several(&json!({
             "anyOf": [
                 { "type": "string" },
                 {
@@ -101,9 +101,9 @@ fn value(statement: &Statement, registry: &Registry) -> Value {
                 },
             ],
         })),
-        Shape::Rows => mapping_of(&one_or_several(&words())),
-        Shape::Parameters => mapping_of(&json!({ "type": ["string", "number", "boolean", "null"] })),
-        Shape::Base => json!({ "type": "string" }),
+        YamlShape::Rows => mapping_of(&one_or_several(&words())),
+        YamlShape::Parameters => mapping_of(&json!({ "type": ["string", "number", "boolean", "null"] })),
+        YamlShape::Base => json!({ "type": "string" }),
     }
 }
 
@@ -139,7 +139,7 @@ fn model(keyword: &str, registry: &Registry) -> Value {
 }
 
 /// Of a statement that names nothing registered.
-fn own_settings(statement: &Statement, registry: &Registry) -> Value {
+fn own_settings(statement: &StatementEntry, registry: &Registry) -> Value {
     named(statement.word(), "", registry).map_or(Value::Null, |declaration| settings(&declaration))
 }
 

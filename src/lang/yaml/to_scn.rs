@@ -1,18 +1,18 @@
 //! YAML to the text of a scenario file.
 
 use super::document::{Content, Yaml, read};
-use super::{Piece, Places};
+use super::{Piece, TranslatedPlaces};
 use crate::lang::codes::Code;
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::source::SourceId;
-use crate::lang::syntax::words::{Kind, Shape, Statement};
+use crate::lang::syntax::words::{BlockKind, StatementEntry, YamlShape};
 use crate::lang::syntax::{self, TokenKind};
 
 /// The text of a scenario file that says what a YAML file says.
 #[derive(Debug, Clone)]
 pub struct Translation {
     pub text: String,
-    pub places: Places,
+    pub places: TranslatedPlaces,
 }
 
 /// Translates the YAML `text` of `source`; findings are about the YAML.
@@ -22,11 +22,11 @@ pub fn to_scn(source: SourceId, text: &str) -> Result<Translation, Vec<Diagnosti
         source,
         yaml: text,
         text: String::new(),
-        places: Places::default(),
+        places: TranslatedPlaces::default(),
         report: Vec::new(),
         depth: 0,
     };
-    writer.block(&document, Kind::File, "a file");
+    writer.block(&document, BlockKind::File, "a file");
     if writer.report.is_empty() {
         Ok(Translation { text: writer.text, places: writer.places })
     } else {
@@ -38,7 +38,7 @@ struct Writer<'a> {
     source: SourceId,
     yaml: &'a str,
     text: String,
-    places: Places,
+    places: TranslatedPlaces,
     report: Vec<Diagnostic>,
     depth: usize,
 }
@@ -128,7 +128,7 @@ impl Writer<'_> {
         }
     }
 
-    fn block(&mut self, value: &Yaml, kind: Kind, what: &str) {
+    fn block(&mut self, value: &Yaml, kind: BlockKind, what: &str) {
         for (name, value) in self.fields(value, what) {
             let word = name.scalar().unwrap_or_default();
             match kind.block().keys().find(|statement| statement.key == word) {
@@ -175,51 +175,53 @@ impl Writer<'_> {
         }
     }
 
-    fn statement(&mut self, name: &Yaml, value: &Yaml, statement: &Statement) {
+    fn statement(&mut self, name: &Yaml, value: &Yaml, statement: &StatementEntry) {
         let (keyword, key) = (statement.words, statement.key);
         match statement.shape {
-            Shape::Words | Shape::Lines => {
+            YamlShape::Words | YamlShape::Lines => {
                 for item in Self::each(value) {
                     self.said(name, keyword, |writer| writer.words(item));
                 }
             }
-            Shape::Text => {
+            YamlShape::Text => {
                 for item in Self::each(value) {
                     self.said(name, keyword, |writer| writer.quoted(item));
                 }
             }
-            Shape::Commas => self.said(name, keyword, |writer| writer.separated(value)),
-            Shape::Named => {
+            YamlShape::Commas => self.said(name, keyword, |writer| writer.separated(value)),
+            YamlShape::Named => {
                 let Some(kind) = statement.opens else { return };
                 for (user, block) in self.fields(value, &format!("`{key}`")) {
                     self.said(name, keyword, |writer| {
                         writer.name(user);
-                        if kind == Kind::Scenario {
+                        if kind == BlockKind::Scenario {
                             writer.head(block);
                         }
                         writer.braces(|writer| writer.block(block, kind, &format!("a `{keyword}`")));
                     });
                 }
             }
-            Shape::NameOrBlock => self.said(name, keyword, |writer| match (&value.value, statement.opens) {
-                (Content::Mapping(_), Some(kind)) => {
-                    writer.braces(|writer| writer.block(value, kind, &format!("a `{keyword}`")))
-                }
-                _ => writer.words(value),
-            }),
-            Shape::Statements if keyword.is_empty() => {
+            YamlShape::NameOrBlock => {
+                self.said(name, keyword, |writer| match (&value.value, statement.opens) {
+                    (Content::Mapping(_), Some(kind)) => {
+                        writer.braces(|writer| writer.block(value, kind, &format!("a `{keyword}`")))
+                    }
+                    _ => writer.words(value),
+                })
+            }
+            YamlShape::Statements if keyword.is_empty() => {
                 for item in Self::each(value) {
                     self.said(name, "", |writer| writer.words(item));
                 }
             }
-            Shape::Statements => self.said(name, keyword, |writer| {
+            YamlShape::Statements => self.said(name, keyword, |writer| {
                 writer.braces(|writer| {
                     for item in Self::each(value) {
                         writer.said(name, "", |writer| writer.words(item));
                     }
                 });
             }),
-            Shape::Model => self.said(name, keyword, |writer| match &value.value {
+            YamlShape::Model => self.said(name, keyword, |writer| match &value.value {
                 Content::Mapping(fields) => match fields.as_slice() {
                     [(model, settings)] => {
                         writer.name(model);
@@ -229,7 +231,7 @@ impl Writer<'_> {
                 },
                 _ => writer.words(value),
             }),
-            Shape::NamedSettings => {
+            YamlShape::NamedSettings => {
                 for (user, settings) in self.fields(value, &format!("`{key}`")) {
                     self.said(name, keyword, |writer| {
                         writer.name(user);
@@ -237,18 +239,18 @@ impl Writer<'_> {
                     });
                 }
             }
-            Shape::Settings => self.said(name, keyword, |writer| writer.settings(value)),
-            Shape::Values => {
+            YamlShape::Settings => self.said(name, keyword, |writer| writer.settings(value)),
+            YamlShape::Values => {
                 for (varied, values) in self.fields(value, &format!("`{key}`")) {
                     self.said(name, keyword, |writer| writer.varied(varied, values));
                 }
             }
-            Shape::Together => {
+            YamlShape::Together => {
                 for group in Self::each(value) {
                     self.said(name, keyword, |writer| writer.together(group));
                 }
             }
-            Shape::Bindings => {
+            YamlShape::Bindings => {
                 for (bound, expression) in self.fields(value, "`let`") {
                     self.said(name, keyword, |writer| {
                         writer.name(bound);
@@ -257,8 +259,8 @@ impl Writer<'_> {
                     });
                 }
             }
-            Shape::Flag | Shape::NotFlag => {
-                let wanted = statement.shape == Shape::Flag;
+            YamlShape::Flag | YamlShape::NotFlag => {
+                let wanted = statement.shape == YamlShape::Flag;
                 match value.scalar() {
                     Some("true") if wanted => self.said(name, keyword, |_| {}),
                     Some("false") if !wanted => self.said(name, keyword, |_| {}),
@@ -266,7 +268,7 @@ impl Writer<'_> {
                     _ => self.wrong(value, format!("`{key}` is true or false"), "write `true` or `false`"),
                 }
             }
-            Shape::Cases => self.said(name, keyword, |writer| match &value.value {
+            YamlShape::Cases => self.said(name, keyword, |writer| match &value.value {
                 Content::Mapping(fields) => match fields.as_slice() {
                     [(file, path)] if file.scalar() == Some("file") => writer.quoted(path),
                     _ => writer.wrong(
@@ -277,7 +279,7 @@ impl Writer<'_> {
                 },
                 _ => writer.words(value),
             }),
-            Shape::Conditions => self.said(name, keyword, |writer| {
+            YamlShape::Conditions => self.said(name, keyword, |writer| {
                 for (index, item) in Self::each(value).iter().enumerate() {
                     if index > 0 {
                         writer.text.push_str(", ");
@@ -285,7 +287,7 @@ impl Writer<'_> {
                     writer.condition(item);
                 }
             }),
-            Shape::Rows => {
+            YamlShape::Rows => {
                 for (condition, values) in self.fields(value, &format!("`{key}`")) {
                     self.said(name, keyword, |writer| {
                         writer.name(condition);
@@ -294,7 +296,7 @@ impl Writer<'_> {
                     });
                 }
             }
-            Shape::Base | Shape::Parameters => {}
+            YamlShape::Base | YamlShape::Parameters => {}
         }
     }
 

@@ -1,7 +1,7 @@
 //! A scenario file to YAML. Comments and the order of unlike statements are not kept.
 
 use crate::lang::syntax::ast::{self, View};
-use crate::lang::syntax::words::{Shape, Statement};
+use crate::lang::syntax::words::{StatementEntry, YamlShape};
 use crate::lang::syntax::{Node, Tree, phrase};
 
 /// The YAML form of a file without syntax errors.
@@ -25,7 +25,7 @@ fn block(node: Node, depth: usize, out: &mut String) {
     };
     for statement in known.keys() {
         let belongs = |said: &Node| match statement.shape {
-            Shape::Together => statement.is(*said) || grouped(said),
+            YamlShape::Together => statement.is(*said) || grouped(said),
             _ => statement.is(*said) && !grouped(said),
         };
         let said: Vec<Node> = node.children().filter(belongs).collect();
@@ -94,24 +94,24 @@ fn values(node: Node) -> String {
     }
 }
 
-fn write(statement: &Statement, statements: &[Node], depth: usize, out: &mut String) {
+fn write(statement: &StatementEntry, statements: &[Node], depth: usize, out: &mut String) {
     let Some(first) = statements.first().copied() else { return };
     let (keyword, key) = (statement.words, statement.key);
     match statement.shape {
-        Shape::Words => match statements {
+        YamlShape::Words => match statements {
             [only] => line(depth, &format!("{key}: {}", scalar(&rest(*only, keyword))), out),
             several => {
                 let items = several.iter().map(|node| rest(*node, keyword));
                 line(depth, &format!("{key}: {}", flow_list(items)), out);
             }
         },
-        Shape::Lines => {
+        YamlShape::Lines => {
             line(depth, &format!("{key}:"), out);
             for node in statements {
                 line(depth + 1, &format!("- {}", scalar(&rest(*node, keyword))), out);
             }
         }
-        Shape::Text => {
+        YamlShape::Text => {
             let texts: Vec<String> =
                 statements.iter().flat_map(|node| node.parts::<ast::Text>()).map(ast::Text::value).collect();
             match texts.as_slice() {
@@ -119,11 +119,11 @@ fn write(statement: &Statement, statements: &[Node], depth: usize, out: &mut Str
                 _ => line(depth, &format!("{key}: {}", flow_list(texts.into_iter())), out),
             }
         }
-        Shape::Commas => {
+        YamlShape::Commas => {
             let parts = statements.iter().flat_map(|node| node.parts::<ast::Listed>());
             line(depth, &format!("{key}: {}", flow_list(parts.map(|part| phrase(*part)))), out);
         }
-        Shape::Named => {
+        YamlShape::Named => {
             line(depth, &format!("{key}:"), out);
             for node in statements {
                 line(depth + 1, &format!("{}:", name(*node)), out);
@@ -135,7 +135,7 @@ fn write(statement: &Statement, statements: &[Node], depth: usize, out: &mut Str
                 say_if_empty(before, out);
             }
         }
-        Shape::NameOrBlock => match statement.opened(first) {
+        YamlShape::NameOrBlock => match statement.opened(first) {
             Some(inner) => {
                 line(depth, &format!("{key}:"), out);
                 let before = out.len();
@@ -144,7 +144,7 @@ fn write(statement: &Statement, statements: &[Node], depth: usize, out: &mut Str
             }
             None => line(depth, &format!("{key}: {}", name(first)), out),
         },
-        Shape::Statements => {
+        YamlShape::Statements => {
             line(depth, &format!("{key}:"), out);
             let criteria: Vec<Node> = statements
                 .iter()
@@ -157,7 +157,7 @@ fn write(statement: &Statement, statements: &[Node], depth: usize, out: &mut Str
                 line(depth + 1, &format!("- {}", scalar(&phrase(criterion))), out);
             }
         }
-        Shape::Model => {
+        YamlShape::Model => {
             let block = settings_of(first);
             let words = rest(first, keyword);
             let model = words.split(['{', ' ']).next().unwrap_or_default();
@@ -166,14 +166,14 @@ fn write(statement: &Statement, statements: &[Node], depth: usize, out: &mut Str
                 None => line(depth, &format!("{key}: {model}"), out),
             }
         }
-        Shape::NamedSettings => {
+        YamlShape::NamedSettings => {
             line(depth, &format!("{key}:"), out);
             for node in statements {
                 line(depth + 1, &format!("{}: {}", name(*node), settings(settings_of(*node))), out);
             }
         }
-        Shape::Settings => line(depth, &format!("{key}: {}", settings(settings_of(first))), out),
-        Shape::Values => {
+        YamlShape::Settings => line(depth, &format!("{key}: {}", settings(settings_of(first))), out),
+        YamlShape::Values => {
             line(depth, &format!("{key}:"), out);
             for node in statements {
                 for range in node.parts::<ast::OverRange>() {
@@ -184,7 +184,7 @@ fn write(statement: &Statement, statements: &[Node], depth: usize, out: &mut Str
                 }
             }
         }
-        Shape::Together => {
+        YamlShape::Together => {
             line(depth, &format!("{key}:"), out);
             for node in statements {
                 let sampling = node.parts::<ast::Sampling>().next();
@@ -197,34 +197,34 @@ fn write(statement: &Statement, statements: &[Node], depth: usize, out: &mut Str
                 }
             }
         }
-        Shape::Bindings => {
+        YamlShape::Bindings => {
             line(depth, &format!("{key}:"), out);
             for binding in statements.iter().copied().filter_map(ast::Binding::cast) {
                 let value = scalar(&phrase(*binding.value()));
                 line(depth + 1, &format!("{}: {value}", binding.name().text()), out);
             }
         }
-        Shape::Flag => line(depth, &format!("{key}: true"), out),
-        Shape::NotFlag => line(depth, &format!("{key}: false"), out),
-        Shape::Cases => match first.parts::<ast::Text>().next() {
+        YamlShape::Flag => line(depth, &format!("{key}: true"), out),
+        YamlShape::NotFlag => line(depth, &format!("{key}: false"), out),
+        YamlShape::Cases => match first.parts::<ast::Text>().next() {
             Some(path) => {
                 let path = serde_json::Value::from(path.value());
                 line(depth, &format!("{key}: {{ file: {path} }}"), out);
             }
             None => line(depth, &format!("{key}: {}", scalar(&rest(first, keyword))), out),
         },
-        Shape::Conditions => {
+        YamlShape::Conditions => {
             let conditions = statements.iter().flat_map(|node| node.parts::<ast::Evaluated>()).map(condition);
             line(depth, &format!("{key}: [{}]", conditions.collect::<Vec<_>>().join(", ")), out);
         }
-        Shape::Rows => {
+        YamlShape::Rows => {
             line(depth, &format!("{key}:"), out);
             for row in statements.iter().copied().filter_map(ast::ReportedRow::cast) {
                 let values = flow_list(row.values().map(|value| phrase(*value)));
                 line(depth + 1, &format!("{}: {values}", row.name().text()), out);
             }
         }
-        Shape::Base | Shape::Parameters => {}
+        YamlShape::Base | YamlShape::Parameters => {}
     }
 }
 

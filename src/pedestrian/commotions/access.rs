@@ -1,14 +1,14 @@
 //! What it takes one road user to pass first, and to pass second (§6).
 
-use super::state::{Body, Control};
-use super::timing::{Passage, acceleration_to_be_at};
+use super::state::{AgentBody, Control};
+use super::timing::{ConflictPassage, acceleration_to_be_at};
 
 /// How long an acceleration-controlled road user takes to regain its free speed (s, §6).
 const REGAIN_BY_ACCELERATION: f64 = 10.0;
 
 /// What achieving an access order takes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Course {
+pub struct AccessCourse {
     /// Acceleration now (m/s²).
     pub acceleration: f64,
     /// How long to keep it (s); may be infinite.
@@ -21,9 +21,9 @@ pub struct Course {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AccessOrders {
     /// To pass before the other.
-    pub first: Option<Course>,
+    pub first: Option<AccessCourse>,
     /// To pass after the other.
-    pub second: Option<Course>,
+    pub second: Option<AccessCourse>,
 }
 
 /// What one kind of road user wants and keeps: the constants of §6.
@@ -82,8 +82,8 @@ impl FreeMove {
     }
 
     #[inline]
-    fn course(&self) -> Course {
-        Course { acceleration: self.acceleration, duration: self.duration, wait: 0.0 }
+    fn course(&self) -> AccessCourse {
+        AccessCourse { acceleration: self.acceleration, duration: self.duration, wait: 0.0 }
     }
 }
 
@@ -94,13 +94,13 @@ impl FreeMove {
 /// decides, as it does in the published results.
 #[inline]
 pub fn access_orders(
-    body: &Body,
+    body: &AgentBody,
     manner: &Manner,
     distance: f64,
     speed: f64,
-    other: &Body,
+    other: &AgentBody,
     other_distance: f64,
-    other_passage: &Passage,
+    other_passage: &ConflictPassage,
 ) -> AccessOrders {
     if body.occupies(distance) && other.occupies(other_distance) {
         return AccessOrders { first: None, second: None };
@@ -117,14 +117,14 @@ pub fn access_orders(
 
 #[inline]
 fn pass_first(
-    body: &Body,
+    body: &AgentBody,
     manner: &Manner,
     distance: f64,
     free: &FreeMove,
-    other: &Body,
+    other: &AgentBody,
     other_distance: f64,
-    other_passage: &Passage,
-) -> Option<Course> {
+    other_passage: &ConflictPassage,
+) -> Option<AccessCourse> {
     let until = other_passage.entry - manner.safety_time;
     if other_distance < other.half_extent || until <= 0.0 {
         return None;
@@ -133,7 +133,7 @@ fn pass_first(
     if free.distance_over(until) > clear {
         return Some(free.course());
     }
-    acceleration_to_be_at(free.speed, clear, until).map(|(acceleration, duration)| Course {
+    acceleration_to_be_at(free.speed, clear, until).map(|(acceleration, duration)| AccessCourse {
         acceleration,
         duration,
         wait: 0.0,
@@ -142,14 +142,14 @@ fn pass_first(
 
 #[inline]
 fn pass_second(
-    body: &Body,
+    body: &AgentBody,
     manner: &Manner,
     distance: f64,
     free: &FreeMove,
-    other: &Body,
+    other: &AgentBody,
     other_distance: f64,
-    other_passage: &Passage,
-) -> Option<Course> {
+    other_passage: &ConflictPassage,
+) -> Option<AccessCourse> {
     if other_distance <= -other.half_extent {
         return Some(free.course());
     }
@@ -161,7 +161,7 @@ fn pass_second(
     if free.distance_over(until) < short_of {
         return Some(free.course());
     }
-    acceleration_to_be_at(free.speed, short_of, until).map(|(acceleration, duration)| Course {
+    acceleration_to_be_at(free.speed, short_of, until).map(|(acceleration, duration)| AccessCourse {
         acceleration,
         duration,
         wait: if other_passage.exit == f64::INFINITY {
@@ -177,12 +177,12 @@ mod tests {
     use super::*;
     use crate::pedestrian::commotions::State;
 
-    const PEDESTRIAN: Body = Body { control: Control::Speed, half_extent: 1.3, width: 0.8 };
-    const VEHICLE: Body = Body { control: Control::Acceleration, half_extent: 2.5, width: 1.8 };
+    const PEDESTRIAN: AgentBody = AgentBody { control: Control::Speed, half_extent: 1.3, width: 0.8 };
+    const VEHICLE: AgentBody = AgentBody { control: Control::Acceleration, half_extent: 2.5, width: 1.8 };
     const WALK: Manner = Manner { free_speed: 1.3, regain_time: 0.5, safety_distance: 1.0, safety_time: 1.0 };
 
     fn against(distance: f64, speed: f64, other: State) -> AccessOrders {
-        let passage = Passage::of(&other, VEHICLE.half_extent, false);
+        let passage = ConflictPassage::of(&other, VEHICLE.half_extent, false);
         access_orders(&PEDESTRIAN, &WALK, distance, speed, &VEHICLE, other.distance, &passage)
     }
 

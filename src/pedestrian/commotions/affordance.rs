@@ -1,10 +1,10 @@
 //! Affordance-based values: what the access orders are worth to a road user, seen from its present state (§7).
 
-use super::access::{Course, Manner, access_orders};
+use super::access::{AccessCourse, Manner, access_orders};
 use super::looming::{LoomingCost, OtherTrack, OwnTrack};
 use super::parameters::Parameters;
 use super::prediction::{Behaviour, PredictedState};
-use super::state::{Body, Control, State};
+use super::state::{AgentBody, Control, State};
 use super::value::{ActionPhase, AfterAction, Discounting, Gains};
 use super::variant::Variant;
 
@@ -21,7 +21,7 @@ pub struct Rules {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Party {
     /// Its body.
-    pub body: Body,
+    pub body: AgentBody,
     /// What it keeps to.
     pub manner: Manner,
     /// What moving is worth to it.
@@ -30,7 +30,7 @@ pub struct Party {
 
 impl Party {
     /// A road user of this body with these parameters.
-    pub fn new(body: Body, parameters: &Parameters) -> Self {
+    pub fn new(body: AgentBody, parameters: &Parameters) -> Self {
         let wanted = Self::wanted_speed(body.control, parameters);
         let gains = Gains::for_free_speed(wanted, parameters.acceleration_discomfort);
         let manner = Manner {
@@ -76,7 +76,7 @@ impl Party {
 
 /// A road user about to act: where it is, how the action goes, and where it leads.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Move {
+pub struct AgentMove {
     /// State now.
     pub here: State,
     /// The action.
@@ -93,7 +93,7 @@ pub struct Move {
 
 /// Which access orders count.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Orders {
+pub enum AgentOrders {
     /// The better of the two.
     Better,
     /// Only passing first.
@@ -102,7 +102,7 @@ pub enum Orders {
     Second,
 }
 
-impl Orders {
+impl AgentOrders {
     /// The orders that a behaviour stands for (§8.3).
     pub fn of(behaviour: Behaviour) -> Self {
         match behaviour {
@@ -151,10 +151,10 @@ impl Valuation {
     pub fn of_move(
         &self,
         party: &Party,
-        own: &Move,
+        own: &AgentMove,
         other: &Party,
-        theirs: &Move,
-        counting: Orders,
+        theirs: &AgentMove,
+        counting: AgentOrders,
         rules: &Rules,
     ) -> f64 {
         let to = &own.to.state;
@@ -171,10 +171,10 @@ impl Valuation {
             &theirs.to.passage,
         );
         let mut best = f64::NEG_INFINITY;
-        if let (Some(course), Orders::Better | Orders::First) = (&orders.first, counting) {
+        if let (Some(course), AgentOrders::Better | AgentOrders::First) = (&orders.first, counting) {
             best = self.of_course(party, own, course, true, other, theirs, rules);
         }
-        if let (Some(course), Orders::Better | Orders::Second) = (&orders.second, counting) {
+        if let (Some(course), AgentOrders::Better | AgentOrders::Second) = (&orders.second, counting) {
             let second = self.of_course(party, own, course, false, other, theirs, rules);
             if second > best {
                 best = second;
@@ -189,11 +189,11 @@ impl Valuation {
     pub fn of_course(
         &self,
         party: &Party,
-        own: &Move,
-        course: &Course,
+        own: &AgentMove,
+        course: &AccessCourse,
         passes_first: bool,
         other: &Party,
-        theirs: &Move,
+        theirs: &AgentMove,
         rules: &Rules,
     ) -> f64 {
         let regain_time = party.manner.regain_time;
@@ -230,9 +230,9 @@ impl Valuation {
 
     /// The move of a party from `here` to where it is predicted to be.
     #[inline]
-    pub fn move_to(&self, party: &Party, here: &State, to: PredictedState) -> Move {
+    pub fn move_to(&self, party: &Party, here: &State, to: PredictedState) -> AgentMove {
         let phase = party.action_phase(here, &to.state, self.action_duration);
-        Move {
+        AgentMove {
             here: *here,
             action: self.discounting.action(&party.gains, &phase),
             phase,

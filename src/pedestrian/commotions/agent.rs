@@ -10,16 +10,16 @@ use super::draws::{DrawnOnce, StandardNormals};
 use super::other::{Other, Reasoning};
 use super::parameters::Parameters;
 use super::perception::Percept;
-use super::state::{Body, Control, State};
+use super::state::{AgentBody, Control, State};
 use super::variant::Variant;
 
 /// Who meets whom, and how time goes on.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Encounter {
+pub struct AgentEncounter {
     /// The agent's own body.
-    pub own: Body,
+    pub own: AgentBody,
     /// The other's body.
-    pub other: Body,
+    pub other: AgentBody,
     /// Time step (s).
     pub dt: f64,
 }
@@ -54,7 +54,7 @@ pub struct Sight {
 
 /// What an agent does at a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Decision {
+pub struct AgentDecision {
     /// Acceleration from now to the next step (m/s²).
     pub acceleration: f64,
     /// The action taken, if any.
@@ -75,7 +75,7 @@ pub struct Thoughts {
 /// A road user that perceives, believes, values and acts: one mind, one action buffer, one decision and one stream of
 /// noise, however many others it meets.
 #[derive(Clone, Debug)]
-pub struct Agent {
+pub struct CommotionsAgent {
     reasoning: Reasoning,
     plan: ActionPlan,
     decider: Decider,
@@ -91,10 +91,10 @@ pub struct Agent {
 /// Deviates that one decision takes at most: of five values each for three behaviours and for the actions.
 const MOST_DRAWN: usize = 20;
 
-impl Agent {
+impl CommotionsAgent {
     /// An individual of a variant at the start of an encounter with one other.
-    pub fn new(variant: &Variant, parameters: &Parameters, encounter: &Encounter) -> Self {
-        let Encounter { own, other, dt } = *encounter;
+    pub fn new(variant: &Variant, parameters: &Parameters, encounter: &AgentEncounter) -> Self {
+        let AgentEncounter { own, other, dt } = *encounter;
         Self::among(variant, parameters, own.control, dt, [(own, other)])
     }
 
@@ -105,7 +105,7 @@ impl Agent {
         parameters: &Parameters,
         control: Control,
         dt: f64,
-        bodies: impl IntoIterator<Item = (Body, Body)>,
+        bodies: impl IntoIterator<Item = (AgentBody, AgentBody)>,
     ) -> Self {
         let reasoning = Reasoning::new(variant, parameters);
         let valuation = &reasoning.valuation;
@@ -139,14 +139,14 @@ impl Agent {
         other: &State,
         rules: &Rules,
         draws: &mut impl StandardNormals,
-    ) -> Decision {
+    ) -> AgentDecision {
         let conflict = if self.others[0].is_left_behind(own.distance) {
             ConflictState::Over
         } else {
             ConflictState::Open
         };
         let sight = Sight { other: 0, path: 0, own: *own, state: *other, conflict };
-        self.step_among(&[sight], rules, draws).unwrap_or(Decision { acceleration: 0.0, action: None })
+        self.step_among(&[sight], rules, draws).unwrap_or(AgentDecision { acceleration: 0.0, action: None })
     }
 
     /// One step among several others: what to do, given what all publish. `None` where there is nobody to decide about:
@@ -161,7 +161,7 @@ impl Agent {
         sights: &[Sight],
         rules: &Rules,
         draws: &mut impl StandardNormals,
-    ) -> Option<Decision> {
+    ) -> Option<AgentDecision> {
         self.thoughts = None;
         for sight in sights.iter().filter(|sight| sight.conflict == ConflictState::Over) {
             if self.met != Some(sight.other) {
@@ -174,7 +174,7 @@ impl Agent {
         {
             self.plan.clear();
             self.decider.clear();
-            return self.decided.then_some(Decision { acceleration: 0.0, action: None });
+            return self.decided.then_some(AgentDecision { acceleration: 0.0, action: None });
         }
         self.plan.begin_step(sights.first()?.own.speed);
         let mut decisive: Option<(&Sight, usize)> = None;
@@ -208,7 +208,7 @@ impl Agent {
         (self.met, self.decided) = (Some(met), true);
         let Other { percept, probabilities, .. } = self.others[met];
         self.thoughts = Some(Thoughts { percept, probabilities, estimates: *self.decider.estimates() });
-        Some(Decision { acceleration: self.plan.end_step(), action })
+        Some(AgentDecision { acceleration: self.plan.end_step(), action })
     }
 
     /// Perceives one other and thinks about it; how many of the moment's deviates that took.
@@ -331,10 +331,10 @@ mod tests {
 
     const DT: f64 = 0.025;
 
-    fn agent(variant: &str, own: Body, other: Body) -> Agent {
+    fn agent(variant: &str, own: AgentBody, other: AgentBody) -> CommotionsAgent {
         let parameters =
             Parameters { value_noise: 0.1, observation_deviation: 1e-4, ..Parameters::default() };
-        Agent::new(&variant.parse().unwrap(), &parameters, &Encounter { own, other, dt: DT })
+        CommotionsAgent::new(&variant.parse().unwrap(), &parameters, &AgentEncounter { own, other, dt: DT })
     }
 
     fn state(distance: f64, speed: f64, acceleration: f64) -> State {
@@ -442,10 +442,10 @@ mod tests {
     }
 
     /// A pedestrian at 5 m among two cars: one at 60 m, and a faster one at 70 m on the path `path`.
-    fn walker_among_two(path: usize) -> (Agent, [Sight; 2]) {
+    fn walker_among_two(path: usize) -> (CommotionsAgent, [Sight; 2]) {
         let variant = "oVAoBEvoAIoEA".parse().unwrap();
         let bodies = [(PEDESTRIAN, VEHICLE); 2];
-        let agent = Agent::among(&variant, &Parameters::default(), Control::Speed, DT, bodies);
+        let agent = CommotionsAgent::among(&variant, &Parameters::default(), Control::Speed, DT, bodies);
         let sight = |other, path, car| Sight {
             other,
             path,
@@ -488,7 +488,7 @@ mod tests {
         let mut walker = agent("oVAoBEvoAIoEAoSNvoPF", PEDESTRIAN, VEHICLE);
         let own = state(-1.301, 1.0, 0.5);
         let decision = walker.step(&own, &state(9.0, 9.0, 0.0), &Rules::default(), &mut draws);
-        assert_eq!(decision, Decision { acceleration: 0.0, action: None });
+        assert_eq!(decision, AgentDecision { acceleration: 0.0, action: None });
         assert!(draws.is_used_up() && walker.thoughts().is_none());
     }
 

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::meeting::{Driver, Meeting, PEDESTRIAN, VEHICLE};
+use super::meeting::{Meeting, MetDriver, PEDESTRIAN, VEHICLE};
 use super::parameters::Parameters;
 use super::variant::{Variant, VariantError};
 use crate::numbers::random::derive_seed;
@@ -223,7 +223,7 @@ impl HikerScenario {
         let meeting = Meeting {
             pedestrian: (self.ped_d0, 0.0),
             vehicle: (self.veh_d0, self.vehicle_speed),
-            driver: Driver::Timetable(self.profile.clone()),
+            driver: MetDriver::Timetable(self.profile.clone()),
             pedestrian_priority: false,
             entry_inhibited_until: FIRST_CAR_PASSES,
             dt: 0.025,

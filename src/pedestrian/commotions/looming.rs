@@ -1,6 +1,6 @@
 //! The cost of looming: how fast the other grows in the eye on an anticipated collision course (§7.1).
 
-use super::state::Body;
+use super::state::AgentBody;
 use super::value::{ActionPhase, Discounting, Phases, SAMPLE_TIME};
 
 /// What looming costs one individual.
@@ -18,7 +18,7 @@ pub struct OwnTrack<'a> {
     /// Distance now (m).
     pub distance: f64,
     /// Its extent.
-    pub body: &'a Body,
+    pub body: &'a AgentBody,
     /// Its action.
     pub action: &'a ActionPhase,
     /// Acceleration of the achieve phase (m/s²).
@@ -39,7 +39,7 @@ pub struct OtherTrack<'a> {
     /// Speed now (m/s).
     pub speed: f64,
     /// Its extent.
-    pub body: &'a Body,
+    pub body: &'a AgentBody,
     /// Acceleration of the first sample (m/s²).
     pub first_acceleration: f64,
     /// Acceleration of every later sample (m/s²).
@@ -473,22 +473,22 @@ impl Edges {
 mod tests {
     use proptest::prelude::*;
 
-    use super::super::access::{Course, Manner};
+    use super::super::access::{AccessCourse, Manner};
     use super::super::sampled;
     use super::super::state::Control;
     use super::super::value::Gains;
     use super::*;
 
-    const PEDESTRIAN: Body = Body { control: Control::Speed, half_extent: 1.3, width: 0.8 };
-    const VEHICLE: Body = Body { control: Control::Acceleration, half_extent: 2.5, width: 1.8 };
+    const PEDESTRIAN: AgentBody = AgentBody { control: Control::Speed, half_extent: 1.3, width: 0.8 };
+    const VEHICLE: AgentBody = AgentBody { control: Control::Acceleration, half_extent: 2.5, width: 1.8 };
 
     prop_compose! {
         fn a_course()(
             acceleration in -5.0..5.0,
             duration in prop_oneof![Just(0.0), 0.0..20.0, Just(f64::INFINITY)],
             wait in prop_oneof![2 => Just(0.0), 2 => 0.0..100.0, 1 => Just(f64::INFINITY)],
-        ) -> Course {
-            Course { acceleration, duration, wait }
+        ) -> AccessCourse {
+            AccessCourse { acceleration, duration, wait }
         }
     }
 

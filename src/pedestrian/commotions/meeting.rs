@@ -1,21 +1,21 @@
 //! A pedestrian and a vehicle meeting on crossing paths, without a world around them (§1, §2): what calibration and
 //! the comparison with experiments run by the thousand.
 
-use super::agent::{Agent, Encounter, Rules};
+use super::agent::{AgentEncounter, CommotionsAgent, Rules};
 use super::parameters::Parameters;
-use super::state::{Body, Control, State};
+use super::state::{AgentBody, Control, State};
 use super::variant::Variant;
 use crate::sim::random::{self, Purpose};
 
 /// The pedestrian of the reference sizes: 0.8 m × 0.8 m, against a vehicle 4.2 m long and 1.8 m wide.
-pub const PEDESTRIAN: Body = Body { control: Control::Speed, half_extent: 1.3, width: 0.8 };
+pub const PEDESTRIAN: AgentBody = AgentBody { control: Control::Speed, half_extent: 1.3, width: 0.8 };
 
 /// The vehicle of the reference sizes.
-pub const VEHICLE: Body = Body { control: Control::Acceleration, half_extent: 2.5, width: 1.8 };
+pub const VEHICLE: AgentBody = AgentBody { control: Control::Acceleration, half_extent: 2.5, width: 1.8 };
 
 /// Who drives.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Driver {
+pub enum MetDriver {
     /// A COMMOTIONS agent with the pedestrian's parameters.
     Commotions,
     /// Nobody: the acceleration (m/s²) follows a timetable of (from time in s, acceleration), 0 before the first.
@@ -30,7 +30,7 @@ pub struct Meeting {
     /// The vehicle's.
     pub vehicle: (f64, f64),
     /// Who drives it.
-    pub driver: Driver,
+    pub driver: MetDriver,
     /// Whether the pedestrian has priority.
     pub pedestrian_priority: bool,
     /// Time before which the pedestrian may not enter (s).
@@ -70,10 +70,15 @@ impl Meeting {
         mut observe: impl FnMut(&Moment) -> bool,
     ) {
         let dt = self.dt;
-        let mut walker = Agent::new(variant, individual, &Encounter { own: PEDESTRIAN, other: VEHICLE, dt });
+        let mut walker = CommotionsAgent::new(
+            variant,
+            individual,
+            &AgentEncounter { own: PEDESTRIAN, other: VEHICLE, dt },
+        );
         let mut walkers_draws = random::stream(seed, random::Agent::Pedestrian(0), Purpose::Perception);
-        let mut driver = (self.driver == Driver::Commotions)
-            .then(|| Agent::new(variant, individual, &Encounter { own: VEHICLE, other: PEDESTRIAN, dt }));
+        let mut driver = (self.driver == MetDriver::Commotions).then(|| {
+            CommotionsAgent::new(variant, individual, &AgentEncounter { own: VEHICLE, other: PEDESTRIAN, dt })
+        });
         let mut drivers_draws = random::stream(seed, random::Agent::Vehicle(0), Purpose::Perception);
         let start = |(distance, speed)| State { distance, speed, acceleration: 0.0 };
         let (mut pedestrian, mut vehicle) = (start(self.pedestrian), start(self.vehicle));
@@ -101,9 +106,9 @@ impl Meeting {
 
     fn timetabled(&self, time: f64) -> f64 {
         match &self.driver {
-            Driver::Commotions => 0.0,
+            MetDriver::Commotions => 0.0,
             // A step that falls on an entry but for rounding has reached it.
-            Driver::Timetable(entries) => entries
+            MetDriver::Timetable(entries) => entries
                 .iter()
                 .rev()
                 .find(|&&(from, _)| from <= time + 1e-9)

@@ -4,7 +4,7 @@
 //! computational psychological theory", PNAS Nexus 2(6), 2023. The numbered sections named in this
 //! folder ("§6") are those of the project's mathematical restatement of the model.
 //!
-//! One [`Agent`] watches one other road user, or several, and is stepped by the published states of all. It serves as
+//! One [`CommotionsAgent`] watches one other road user, or several, and is stepped by the published states of all. It serves as
 //! a pedestrian (speed controlled) and as the driver of a vehicle (acceleration controlled), so two of
 //! them can meet. Data goes one way through the files:
 //!
@@ -37,7 +37,7 @@ pub mod timing;
 pub mod value;
 pub mod variant;
 
-pub use agent::{Agent, ConflictState, Decision, Encounter, Rules, Sight, Thoughts};
+pub use agent::{AgentDecision, AgentEncounter, CommotionsAgent, ConflictState, Rules, Sight, Thoughts};
 pub use draws::StandardNormals;
 pub use parameters::Parameters;
 pub use state::{Control, State};

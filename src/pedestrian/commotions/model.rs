@@ -1,8 +1,8 @@
 //! The COMMOTIONS pedestrian as a registered model: its declaration, and what stands between the world and the agents.
 
-use super::agent::{Agent, ConflictState, Rules, Sight};
+use super::agent::{CommotionsAgent, ConflictState, Rules, Sight};
 use super::parameters::{Parameters, parameters};
-use super::state::{Body, Control, State};
+use super::state::{AgentBody, Control, State};
 use super::variant::{Accumulation, Variant, VariantError};
 use crate::numbers::random::Stream;
 use crate::pedestrian::{PedestrianContext, PedestrianModel};
@@ -32,11 +32,18 @@ fn build(context: &PedestrianContext) -> Result<Box<dyn Pedestrian>, ModelError>
         let bodies = Bodies { pedestrian, vehicle: (vehicle.length, vehicle.width) };
         (bodies.pedestrian(), bodies.vehicle())
     });
-    let meeting = |(own, other): (Body, Body), path: usize| Meeting { own, other, path, moved: false };
+    let meeting =
+        |(own, other): (AgentBody, AgentBody), path: usize| Meeting { own, other, path, moved: false };
     let paths = context.world.vehicles.iter().map(|vehicle| vehicle.lane);
     let agent = random::Agent::Pedestrian(context.rank);
     Ok(Box::new(Walker {
-        agent: Agent::among(&person.variant, &person.parameters, Control::Speed, person.dt, bodies.clone()),
+        agent: CommotionsAgent::among(
+            &person.variant,
+            &person.parameters,
+            Control::Speed,
+            person.dt,
+            bodies.clone(),
+        ),
         sights: Vec::with_capacity(bodies.len()),
         meetings: bodies.zip(paths).map(|(bodies, path)| meeting(bodies, path)).collect(),
         draws: random::stream(context.seed, agent, Purpose::Perception),
@@ -125,8 +132,8 @@ pub struct Bodies {
 
 impl Bodies {
     /// The pedestrian's body in the conflict space (§1).
-    pub fn pedestrian(&self) -> Body {
-        Body {
+    pub fn pedestrian(&self) -> AgentBody {
+        AgentBody {
             control: Control::Speed,
             half_extent: half_extent(self.pedestrian, self.vehicle),
             width: self.pedestrian.1,
@@ -134,8 +141,8 @@ impl Bodies {
     }
 
     /// The vehicle's body in the conflict space (§1).
-    pub fn vehicle(&self) -> Body {
-        Body {
+    pub fn vehicle(&self) -> AgentBody {
+        AgentBody {
             control: Control::Acceleration,
             half_extent: half_extent(self.vehicle, self.pedestrian),
             width: self.vehicle.1,
@@ -153,8 +160,8 @@ pub fn extent(shape: Shape) -> (f64, f64) {
 
 /// What a pedestrian knows of one vehicle besides its state.
 struct Meeting {
-    own: Body,
-    other: Body,
+    own: AgentBody,
+    other: AgentBody,
     /// Its lane.
     path: usize,
     /// Whether it was ever seen to move. One that was not is parked.
@@ -176,7 +183,7 @@ impl Meeting {
 
 /// A pedestrian among vehicles.
 struct Walker {
-    agent: Agent,
+    agent: CommotionsAgent,
     meetings: Vec<Meeting>,
     /// Those of this step.
     sights: Vec<Sight>,

@@ -2,17 +2,17 @@
 
 use super::access::access_orders;
 use super::action::{ACTIONS, ActionPlan, NO_ACTION};
-use super::affordance::{Move, Orders, Party, Rules, Valuation};
+use super::affordance::{AgentMove, AgentOrders, Party, Rules, Valuation};
 use super::belief::{Beliefs, PerBehaviour};
 use super::draws::StandardNormals;
 use super::parameters::Parameters;
-use super::perception::{Percept, Perception};
+use super::perception::{AgentPerception, Percept};
 use super::prediction::{
     BEHAVIOUR_LIST, BEHAVIOURS, BehaviourAccelerations, PredictedState, behaviours, predict_other,
 };
 use super::squash::tanh_in_place;
-use super::state::{Body, Control, State};
-use super::timing::Passage;
+use super::state::{AgentBody, Control, State};
+use super::timing::ConflictPassage;
 use super::variant::Variant;
 
 /// How a road user reasons about others: what is the same whoever they are.
@@ -46,10 +46,10 @@ pub struct Other {
     /// Oneself in this conflict, whose extent depends on the other's width.
     own: Party,
     party: Party,
-    perception: Perception,
+    perception: AgentPerception,
     beliefs: Beliefs,
     /// Both as they were before the other was seen.
-    unseen: (Perception, Beliefs),
+    unseen: (AgentPerception, Beliefs),
     /// Whether it was out of mind since it was last considered.
     lapsed: bool,
     /// The other as perceived last.
@@ -62,9 +62,15 @@ pub struct Other {
 
 impl Other {
     /// Nothing is known yet of somebody with the body `other`, met with the body `own`. `dt` is the time step (s).
-    pub fn new(variant: &Variant, parameters: &Parameters, own: Body, other: Body, dt: f64) -> Self {
+    pub fn new(
+        variant: &Variant,
+        parameters: &Parameters,
+        own: AgentBody,
+        other: AgentBody,
+        dt: f64,
+    ) -> Self {
         let assumed_speed = Party::wanted_speed(other.control, parameters);
-        let perception = Perception::new(variant, parameters, dt, assumed_speed);
+        let perception = AgentPerception::new(variant, parameters, dt, assumed_speed);
         let beliefs = Beliefs::new(variant, parameters, dt);
         Self {
             own: Party::new(own, parameters),
@@ -147,7 +153,7 @@ impl Other {
         behaviours(reasoning.estimates_behaviour, || {
             let with_acceleration =
                 reasoning.valuation.other_acceleration && self.own.body.control == Control::Acceleration;
-            let passage = Passage::of(own, self.own.body.half_extent, with_acceleration);
+            let passage = ConflictPassage::of(own, self.own.body.half_extent, with_acceleration);
             let Party { body, manner, .. } = &self.party;
             let Percept { distance, speed } = self.percept;
             access_orders(body, manner, distance, speed, &self.own.body, own.distance, &passage)
@@ -170,7 +176,7 @@ impl Other {
         let mut values = [[0.0; ACTIONS]; BEHAVIOURS];
         let mut others_values = [[0.0; ACTIONS]; BEHAVIOURS];
         let destinations = plan.destinations(own.distance, own.speed);
-        let mut moves = [Move::default(); ACTIONS];
+        let mut moves = [AgentMove::default(); ACTIONS];
         for (j, own_move) in moves.iter_mut().enumerate() {
             let to = PredictedState::new(destinations.state(j), &self.own.body, valuation.other_acceleration);
             *own_move = valuation.move_to(&self.own, own, to);
@@ -189,10 +195,10 @@ impl Other {
                 }
                 if weighed {
                     values[b][j] =
-                        valuation.of_move(&self.own, mine, &self.party, &theirs, Orders::Better, rules);
+                        valuation.of_move(&self.own, mine, &self.party, &theirs, AgentOrders::Better, rules);
                 }
                 if reasoning.anticipates_influence || j == NO_ACTION {
-                    let counting = Orders::of(behaviour);
+                    let counting = AgentOrders::of(behaviour);
                     others_values[b][j] =
                         valuation.of_move(&self.party, &theirs, &self.own, mine, counting, rules);
                 }

@@ -80,7 +80,7 @@ fn at_least_zero_or_nan(x: f64) -> f64 {
 
 /// The senses of one agent during one encounter.
 #[derive(Clone, Debug)]
-pub struct Perception {
+pub struct AgentPerception {
     sensing: Sensing,
     filter: Option<Filter>,
     /// Standard deviation of the distance noise (m) for constant noise.
@@ -92,7 +92,7 @@ pub struct Perception {
     dt: f64,
 }
 
-impl Perception {
+impl AgentPerception {
     /// The senses before an encounter with someone whose assumed free speed is `assumed_speed` (m/s).
     ///
     /// The true distance of the other at the first step becomes the other half of the filter's prior.
@@ -166,10 +166,10 @@ mod tests {
     use super::*;
     use crate::pedestrian::commotions::draws::RecordedDraws;
 
-    fn senses(variant: &str, change: impl Fn(&mut Parameters)) -> Perception {
+    fn senses(variant: &str, change: impl Fn(&mut Parameters)) -> AgentPerception {
         let mut parameters = Parameters::default();
         change(&mut parameters);
-        Perception::new(&variant.parse().unwrap(), &parameters, 0.025, 50.0 / 3.6)
+        AgentPerception::new(&variant.parse().unwrap(), &parameters, 0.025, 50.0 / 3.6)
     }
 
     #[test]

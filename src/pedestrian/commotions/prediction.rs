@@ -1,8 +1,8 @@
 //! What the other may do — keep its speed, pass first, pass second — and where that takes it (§8.1, §8.2).
 
 use super::access::AccessOrders;
-use super::state::{Body, State};
-use super::timing::Passage;
+use super::state::{AgentBody, State};
+use super::timing::ConflictPassage;
 
 /// How many behaviours there are.
 pub const BEHAVIOURS: usize = 3;
@@ -46,14 +46,14 @@ pub struct PredictedState {
     /// The state.
     pub state: State,
     /// Its passage through the conflict space.
-    pub passage: Passage,
+    pub passage: ConflictPassage,
 }
 
 impl PredictedState {
     /// The predicted state of a road user, whose acceleration counts for its passage or does not.
     #[inline]
-    pub fn new(state: State, body: &Body, with_acceleration: bool) -> Self {
-        Self { state, passage: Passage::of(&state, body.half_extent, with_acceleration) }
+    pub fn new(state: State, body: &AgentBody, with_acceleration: bool) -> Self {
+        Self { state, passage: ConflictPassage::of(&state, body.half_extent, with_acceleration) }
     }
 }
 
@@ -75,10 +75,10 @@ pub fn predict_other(here: &State, acceleration: f64, duration: f64) -> State {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::pedestrian::commotions::access::Course;
+    use crate::pedestrian::commotions::access::AccessCourse;
 
     fn orders(first: Option<f64>, second: Option<f64>) -> AccessOrders {
-        let course = |acceleration| Course { acceleration, duration: 1.0, wait: 0.0 };
+        let course = |acceleration| AccessCourse { acceleration, duration: 1.0, wait: 0.0 };
         AccessOrders { first: first.map(course), second: second.map(course) }
     }
 

@@ -1,8 +1,8 @@
 //! The published sampling of a future, one sample at a time: the oracle of the closed form and of looming.
 
-use super::access::Course;
+use super::access::AccessCourse;
 use super::looming::{LoomingCost, OtherTrack};
-use super::state::Body;
+use super::state::AgentBody;
 use super::value::{ActionPhase, Gains, SAMPLE_TIME};
 
 /// The samples of a future, and its value without looming and priority.
@@ -19,7 +19,7 @@ pub fn future(
     action_duration: f64,
     gains: &Gains,
     action: &ActionPhase,
-    course: &Course,
+    course: &AccessCourse,
     regain_time: f64,
 ) -> Samples {
     let achieve = if course.duration == 0.0 { 0.0 } else { course.duration.max(SAMPLE_TIME) };
@@ -68,7 +68,13 @@ fn discount(sample: usize, half_life: f64) -> f64 {
 }
 
 /// The looming part of that future (§7.1).
-pub fn looming(samples: &Samples, cost: &LoomingCost, distance: f64, body: &Body, other: &OtherTrack) -> f64 {
+pub fn looming(
+    samples: &Samples,
+    cost: &LoomingCost,
+    distance: f64,
+    body: &AgentBody,
+    other: &OtherTrack,
+) -> f64 {
     let (mut d, mut e, mut w_sum) = (distance, other.distance, other.speed);
     let mut sum = 0.0;
     for (n, (&u, &a)) in samples.speeds.iter().zip(&samples.accelerations).enumerate() {

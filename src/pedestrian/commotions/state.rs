@@ -54,7 +54,7 @@ pub(super) fn at_least_zero(x: f64) -> f64 {
 
 /// What does not change about a road user during an encounter.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Body {
+pub struct AgentBody {
     /// How its actions work.
     pub control: Control,
     /// Half the length (m) of the conflict space along its own path: (own length + other's width)/2.
@@ -63,7 +63,7 @@ pub struct Body {
     pub width: f64,
 }
 
-impl Body {
+impl AgentBody {
     /// Whether the centre at `distance` is inside the conflict space.
     #[inline]
     pub fn occupies(&self, distance: f64) -> bool {

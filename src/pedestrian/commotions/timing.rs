@@ -24,14 +24,14 @@ pub fn time_to_cover(x: f64, v: f64, a: f64) -> f64 {
 
 /// When a road user enters and leaves the conflict space (s from now).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Passage {
+pub struct ConflictPassage {
     /// Time until the front reaches the conflict space; −∞ if it has.
     pub entry: f64,
     /// Time until the rear has left it; −∞ if it has, +∞ if it never will.
     pub exit: f64,
 }
 
-impl Passage {
+impl ConflictPassage {
     /// The passage of a road user that keeps its speed ("speed form") or, with `with_acceleration`, its
     /// acceleration ("acceleration form").
     #[inline]

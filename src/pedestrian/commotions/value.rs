@@ -1,6 +1,6 @@
 //! The value of a course of action: what moving is worth, discounted over an anticipated future in phases (§7), in closed form (§11).
 
-use super::access::Course;
+use super::access::AccessCourse;
 use super::sums::{PowerSumTable, STRIDE, power_sums_to_fourth};
 
 /// Time between the samples of an anticipated future (s).
@@ -146,7 +146,7 @@ impl Discounting {
 
     /// The samples of the phases of `course` (§7).
     #[inline]
-    pub fn phases(&self, course: &Course, regain_time: f64) -> Phases {
+    pub fn phases(&self, course: &AccessCourse, regain_time: f64) -> Phases {
         let achieve = if course.duration == 0.0 {
             0.0
         } else if course.duration > SAMPLE_TIME {
@@ -220,7 +220,7 @@ impl Discounting {
         &self,
         gains: &Gains,
         speed: f64,
-        course: &Course,
+        course: &AccessCourse,
         regain_time: f64,
         phases: &Phases,
     ) -> f64 {
@@ -303,7 +303,13 @@ mod tests {
     use super::super::sampled;
     use super::*;
 
-    fn closed(half_life: f64, gains: &Gains, action: &ActionPhase, course: &Course, regain_time: f64) -> f64 {
+    fn closed(
+        half_life: f64,
+        gains: &Gains,
+        action: &ActionPhase,
+        course: &AccessCourse,
+        regain_time: f64,
+    ) -> f64 {
         let discounting = Discounting::new(half_life, 0.5);
         let phases = discounting.phases(course, regain_time);
         let after = discounting.action(gains, action);
@@ -311,7 +317,13 @@ mod tests {
         if phases.integrated > 0 { rest + after.value } else { rest }
     }
 
-    fn assert_agrees(half_life: f64, free_speed: f64, action: ActionPhase, course: Course, regain_time: f64) {
+    fn assert_agrees(
+        half_life: f64,
+        free_speed: f64,
+        action: ActionPhase,
+        course: AccessCourse,
+        regain_time: f64,
+    ) {
         let gains = Gains::for_free_speed(free_speed, 0.5);
         let expected = sampled::future(half_life, 0.5, &gains, &action, &course, regain_time).value;
         let found = closed(half_life, &gains, &action, &course, regain_time);
@@ -326,8 +338,8 @@ mod tests {
             acceleration in -5.0..5.0,
             duration in prop_oneof![Just(0.0), 0.0..0.05, 0.0..60.0, Just(f64::INFINITY), Just(0.025), Just(0.5)],
             wait in prop_oneof![2 => Just(0.0), 2 => 0.0..100.0, 1 => Just(f64::INFINITY)],
-        ) -> Course {
-            Course { acceleration, duration, wait }
+        ) -> AccessCourse {
+            AccessCourse { acceleration, duration, wait }
         }
     }
 
@@ -350,7 +362,7 @@ mod tests {
     fn a_future_at_free_speed_is_worth_the_free_value() {
         let gains = Gains::for_free_speed(1.3, 0.5);
         let standing_still = ActionPhase { speed: 1.3, acceleration: 0.0, jerk: 0.0 };
-        let course = Course { acceleration: 0.0, duration: 0.0, wait: 0.0 };
+        let course = AccessCourse { acceleration: 0.0, duration: 0.0, wait: 0.0 };
         let value = closed(40.0, &gains, &standing_still, &course, 0.5);
         let free = 40.0 / std::f64::consts::LN_2;
         // The samples are a left Riemann sum, a little above the integral.

@@ -3,9 +3,9 @@
 use nalgebra::Vector2;
 
 use super::declaration::{Triggers, Walking};
-use super::forces::{Retreat, Stop, Yang, clipped, destination};
+use super::forces::{Retreat, StopForce, Yang, clipped, destination};
 use super::gap::{GapModel, Opportunity};
-use super::perception::{Encounter, Perception};
+use super::perception::{JaywalkerEncounter, JaywalkerPerception};
 use crate::numbers::random::Stream;
 use crate::pedestrian::sum_in_any_order;
 use crate::scenario::{Settings, Side};
@@ -52,7 +52,7 @@ enum State {
     Initialising,
     Waiting,
     Crossing,
-    Frozen(Stop),
+    Frozen(StopForce),
     Survival(Retreat),
     Finished,
 }
@@ -82,7 +82,7 @@ pub struct Jaywalker {
     retreat_distance: f64,
     walking: Walking,
     triggers: Triggers,
-    perception: Perception,
+    perception: JaywalkerPerception,
     side: Side,
     decisions: Stream,
     /// When it appeared, s.
@@ -122,7 +122,7 @@ impl Jaywalker {
             stop_time: settings.optional_number("stop_time").unwrap_or(drawn.stop_time),
             retreat_distance: settings.number("retreat_distance"),
             triggers: Triggers::new(settings),
-            perception: Perception::new(settings),
+            perception: JaywalkerPerception::new(settings),
             walking,
             side,
             decisions,
@@ -134,8 +134,13 @@ impl Jaywalker {
     }
 
     /// The state after this moment's transition, if any; arrival comes before it.
-    fn transition(&mut self, scene: &Scene, encounter: Option<&Encounter>, way: Vector2<f64>) -> State {
-        let passed = encounter.is_some_and(Encounter::has_passed);
+    fn transition(
+        &mut self,
+        scene: &Scene,
+        encounter: Option<&JaywalkerEncounter>,
+        way: Vector2<f64>,
+    ) -> State {
+        let passed = encounter.is_some_and(JaywalkerEncounter::has_passed);
         let stopped = self.blocked.duration(scene.time) >= STANDSTILL - TIME_TOLERANCE;
         let time_gap = encounter.and_then(|encounter| encounter.time_gap);
         match self.state {
@@ -171,7 +176,7 @@ impl Jaywalker {
     }
 
     /// Whether it turns back or stops now; turning back comes first.
-    fn tactic(&self, scene: &Scene, encounter: &Encounter, way: Vector2<f64>) -> Option<State> {
+    fn tactic(&self, scene: &Scene, encounter: &JaywalkerEncounter, way: Vector2<f64>) -> Option<State> {
         let ego = scene.ego();
         let sign = self.side.walking_sign();
         let time_gap = encounter.time_gap?;
@@ -196,14 +201,19 @@ impl Jaywalker {
         }
         let in_lane = off_centre <= half_lane;
         if self.stops && encounter.is_oncoming() && time_gap < self.triggers.freeze_time_gap && in_lane {
-            let stop = Stop { since: scene.time, velocity: ego.velocity, duration: self.stop_time };
+            let stop = StopForce { since: scene.time, velocity: ego.velocity, duration: self.stop_time };
             return Some(State::Frozen(stop));
         }
         None
     }
 
     /// The velocity over the coming step in the present state, m/s.
-    fn velocity(&mut self, scene: &Scene, encounter: Option<&Encounter>, way: Vector2<f64>) -> Vector2<f64> {
+    fn velocity(
+        &mut self,
+        scene: &Scene,
+        encounter: Option<&JaywalkerEncounter>,
+        way: Vector2<f64>,
+    ) -> Vector2<f64> {
         let (position, velocity, step) = (scene.ego().position, scene.ego().velocity, scene.step);
         let force = match &mut self.state {
             State::Initialising | State::Waiting | State::Finished => return Vector2::zeros(),
@@ -218,9 +228,9 @@ impl Jaywalker {
     }
 
     /// The force of oncoming vehicles, m/s².
-    fn push(&self, scene: &Scene, encounter: Option<&Encounter>, way: Vector2<f64>) -> Vector2<f64> {
+    fn push(&self, scene: &Scene, encounter: Option<&JaywalkerEncounter>, way: Vector2<f64>) -> Vector2<f64> {
         match self.oncoming {
-            Oncoming::SpeedUp(push) if encounter.is_some_and(Encounter::is_oncoming) => way * push,
+            Oncoming::SpeedUp(push) if encounter.is_some_and(JaywalkerEncounter::is_oncoming) => way * push,
             Oncoming::Off | Oncoming::SpeedUp(_) => Vector2::zeros(),
             Oncoming::Yang(yang) => {
                 let ego = scene.ego();
@@ -247,7 +257,7 @@ impl Pedestrian for Jaywalker {
         let encounter = encounter.as_ref();
         let no_time_gap = encounter.is_none_or(|encounter| encounter.time_gap.is_none());
         self.undisturbed.watch(no_time_gap, scene.time);
-        self.blocked.watch(encounter.is_some_and(Encounter::stands), scene.time);
+        self.blocked.watch(encounter.is_some_and(JaywalkerEncounter::stands), scene.time);
 
         let appeared = *self.appeared.get_or_insert(scene.time);
         if self.state == State::Initialising {

@@ -30,7 +30,7 @@ pub fn destination(walking: &Walking, way: Vector2<f64>, velocity: Vector2<f64>,
 
 /// A stop under way: a linear ramp of speed to rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stop {
+pub struct StopForce {
     /// When it began, s.
     pub since: f64,
     /// Velocity at its beginning, m/s.
@@ -39,7 +39,7 @@ pub struct Stop {
     pub duration: f64,
 }
 
-impl Stop {
+impl StopForce {
     /// Absorbs the rounding of summed times, s.
     const TOLERANCE: f64 = 1e-9;
 
@@ -283,7 +283,7 @@ mod tests {
 
     #[test]
     fn a_stop_is_a_linear_ramp() {
-        let stop = Stop { since: 1.0, velocity: Vector2::new(0.0, 2.0), duration: 0.8 };
+        let stop = StopForce { since: 1.0, velocity: Vector2::new(0.0, 2.0), duration: 0.8 };
         let mut velocity = stop.velocity;
         let mut distance = 0.0;
         let step = 0.001;

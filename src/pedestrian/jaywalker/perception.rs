@@ -10,7 +10,7 @@ const STANDING_SPEED: f64 = 1e-3;
 
 /// How it judges distances.
 #[derive(Debug, Clone, Copy)]
-pub struct Perception {
+pub struct JaywalkerPerception {
     multiplier: f64,
     /// `None`: half the vehicle's diagonal, m.
     margin: Option<f64>,
@@ -18,7 +18,7 @@ pub struct Perception {
 
 /// One vehicle in relation to the pedestrian. Lengths in m, times in s, speeds in m/s.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Encounter {
+pub struct JaywalkerEncounter {
     /// How far the pedestrian is beyond the centre of the vehicle's lane, along its crossing direction.
     pub beyond_lane_centre: f64,
     /// From the vehicle's centre to the pedestrian along the road; negative once the centre has passed.
@@ -32,7 +32,7 @@ pub struct Encounter {
     pub time_gap: Option<f64>,
 }
 
-impl Encounter {
+impl JaywalkerEncounter {
     pub fn has_passed(&self) -> bool {
         self.ahead <= 0.0
     }
@@ -47,7 +47,7 @@ impl Encounter {
     }
 }
 
-impl Perception {
+impl JaywalkerPerception {
     pub fn new(settings: &Settings) -> Self {
         Self {
             multiplier: settings.number("time_gap_multiplier"),
@@ -56,12 +56,12 @@ impl Perception {
     }
 
     /// How `vehicle` and a pedestrian that crosses from `side` stand to each other.
-    pub fn encounter(&self, vehicle: &VehicleState, ego: &PedestrianState, side: Side) -> Encounter {
+    pub fn encounter(&self, vehicle: &VehicleState, ego: &PedestrianState, side: Side) -> JaywalkerEncounter {
         let ahead = vehicle.path.along(ego.position) - vehicle.motion.travelled;
         let speed = vehicle.motion.speed;
         let half_diagonal = libm::hypot(vehicle.length, vehicle.width) / 2.0;
         let gap = (ahead - self.margin.unwrap_or(half_diagonal) - vehicle.length / 2.0).max(0.0);
-        let mut encounter = Encounter {
+        let mut encounter = JaywalkerEncounter {
             beyond_lane_centre: vehicle.path.beyond(ego.position, side),
             ahead,
             speed,
@@ -79,9 +79,9 @@ impl Perception {
     ///
     /// A moving vehicle whose lane it has yet to leave comes before other moving ones, these before standing ones and
     /// these before those that passed; among equals the one that arrives first, then the nearest.
-    pub fn focus(&self, scene: &Scene, side: Side) -> Option<Encounter> {
+    pub fn focus(&self, scene: &Scene, side: Side) -> Option<JaywalkerEncounter> {
         let half_lane = scene.road.lane_width / 2.0;
-        let urgency = |encounter: &Encounter| {
+        let urgency = |encounter: &JaywalkerEncounter| {
             let left_behind = encounter.beyond_lane_centre > half_lane;
             if encounter.has_passed() {
                 (3, -encounter.ahead)
@@ -92,7 +92,7 @@ impl Perception {
             }
         };
         // Whoever is equally urgent is told apart by lane and place, not by the order in which they come.
-        let order = |one: &Encounter, other: &Encounter| {
+        let order = |one: &JaywalkerEncounter, other: &JaywalkerEncounter| {
             let (urgent, less) = (urgency(one), urgency(other));
             urgent
                 .0

@@ -33,7 +33,7 @@ pub use individuals::{COURSES_FROM, CourseLine, FoundDot, IndividualsChart, Rang
 pub use look::{First, LOOKS, LegendEntry, Look};
 pub use mark::PointMark;
 pub use panel::{AxisQuantity, Rule, shortened};
-pub use paths::{Path, Paths};
+pub use paths::{ChartPath, Paths};
 pub use rates::{Rate, RateSeries, Rates};
 pub use rows::Rows;
 pub use scale::{nice_range, with_room};

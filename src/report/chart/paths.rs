@@ -9,14 +9,14 @@ use super::{first_legend, scale::nice_range};
 #[derive(Debug, Clone, PartialEq)]
 pub struct Paths {
     pub title: String,
-    pub paths: Vec<Path>,
+    pub paths: Vec<ChartPath>,
     /// Intervals of the axes (vehicle, pedestrian), so that charts side by side compare.
     pub ranges: Option<((f64, f64), (f64, f64))>,
 }
 
 /// One run's course: `(vehicle, pedestrian)` in m.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Path {
+pub struct ChartPath {
     pub points: Vec<(f64, f64)>,
     pub first: First,
     pub name: String,
@@ -28,7 +28,7 @@ const PEDESTRIAN_NEIGHBOURHOOD: (f64, f64) = (-10.0, 10.0);
 
 impl Paths {
     /// Intervals that show the neighbourhood of the conflict point for all of `paths`.
-    pub fn ranges<'a>(paths: impl IntoIterator<Item = &'a Path> + Clone) -> ((f64, f64), (f64, f64)) {
+    pub fn ranges<'a>(paths: impl IntoIterator<Item = &'a ChartPath> + Clone) -> ((f64, f64), (f64, f64)) {
         let points = || paths.clone().into_iter().flat_map(|path| path.points.iter().copied());
         let within = |(low, high): (f64, f64)| move |value: f64| value.clamp(low, high);
         let vehicles = points().map(|(car, _)| car).map(within(VEHICLE_NEIGHBOURHOOD));
@@ -36,7 +36,7 @@ impl Paths {
         (nice_range(vehicles), nice_range(pedestrians))
     }
 
-    pub fn legend<'a>(paths: impl IntoIterator<Item = &'a Path>) -> Vec<LegendEntry> {
+    pub fn legend<'a>(paths: impl IntoIterator<Item = &'a ChartPath>) -> Vec<LegendEntry> {
         first_legend(paths.into_iter().map(|path| path.first), true)
     }
 
@@ -61,7 +61,7 @@ mod tests {
 
     #[test]
     fn draws_courses_and_the_conflict_point() {
-        let path = |first, name: &str, points: &[(f64, f64)]| Path {
+        let path = |first, name: &str, points: &[(f64, f64)]| ChartPath {
             points: points.to_vec(),
             first,
             name: name.into(),

@@ -73,7 +73,7 @@ mod tests {
     use crate::results::{BlockResult, Conclusion};
     use crate::results::{Results, choose_runs};
     use crate::scenario::Block;
-    use crate::scenario::{CaseSet, Condition, Evaluate, Origin, ParameterSet, Standing, Statement};
+    use crate::scenario::{CaseSet, Condition, DeclaredStanding, Evaluate, Origin, ParameterSet, Statement};
 
     fn page() -> String {
         let session = Session::new();
@@ -111,15 +111,15 @@ mod tests {
         let session = Session::new();
         let mut report = session.report();
         let (evaluate, statement) = (an_evaluate(), a_statement());
-        let differs = Standing::Differs("the car is <heavier>".into());
+        let differs = DeclaredStanding::Differs("the car is <heavier>".into());
         let unknown = Conclusion::NotComparable("nobody was run".into());
         let results = [
             BlockResult::Evaluate(fixture::evaluation()),
-            BlockResult::Statement(fixture::statement(Standing::Reproduced, Conclusion::Reproduced)),
+            BlockResult::Statement(fixture::statement(DeclaredStanding::Reproduced, Conclusion::Reproduced)),
             BlockResult::Statement(fixture::statement(differs.clone(), Conclusion::NotReproduced)),
             BlockResult::Statement(fixture::statement(differs, Conclusion::Reproduced)),
             BlockResult::Statement(fixture::statement(
-                Standing::NotComparable("no renderer".into()),
+                DeclaredStanding::NotComparable("no renderer".into()),
                 unknown,
             )),
         ];
@@ -161,7 +161,7 @@ mod tests {
             source: None,
             reported: None,
             claims: Vec::new(),
-            standing: Standing::Reproduced,
+            standing: DeclaredStanding::Reproduced,
             origin: Origin::default(),
         }
     }
@@ -227,7 +227,7 @@ mod tests {
         template.evaluations = (0..60)
             .map(|step| {
                 let tta = 6.0 + 0.2 * f64::from(step);
-                (vec![crate::optimise::Value::Real(tta)], Some((tta * 7.0).sin() + tta / 4.0))
+                (vec![crate::optimise::Coordinate::Real(tta)], Some((tta * 7.0).sin() + tta / 4.0))
             })
             .collect();
         search.found = vec![template; 1000];

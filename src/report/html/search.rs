@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::figure::HtmlFigure;
 use super::space::{MeasuredQuantity, SpaceDimension, point_text, sign};
 use crate::numbers::summary::mean;
-use crate::optimise::{OptimisationEnd, Value};
+use crate::optimise::{Coordinate, OptimisationEnd};
 use crate::report::chart::{
     self, Along, Convergence, Convergences, CourseLine, Dot, First, IndividualsChart, LegendEntry, Look,
     PointMark, Rule, Slice, Strip, Strips, Tried, first_legend, with_room,
@@ -125,7 +125,7 @@ impl Hunt<'_> {
             ));
         }
         if let Some((worst, point)) = found.first().and_then(|worst| Some((worst, worst.best.as_ref()?))) {
-            let point: Vec<Value> = point.iter().map(|(_, value)| value.clone()).collect();
+            let point: Vec<Coordinate> = point.iter().map(|(_, value)| value.clone()).collect();
             sentences.push(format!(
                 "The worst is {} at {}{}.",
                 self.objective.text(worst.observed),
@@ -339,8 +339,8 @@ impl Hunt<'_> {
     /// Every evaluation: along a dimension, or by its number.
     fn tried(&self, found: &Found, along: Option<usize>) -> Vec<Tried> {
         let best = found.best.as_ref();
-        let is_best = |point: &[Value], value: &Option<f64>| {
-            let same = |best: &Vec<(String, Value)>| best.iter().map(|(_, value)| value).eq(point);
+        let is_best = |point: &[Coordinate], value: &Option<f64>| {
+            let same = |best: &Vec<(String, Coordinate)>| best.iter().map(|(_, value)| value).eq(point);
             *value == found.observed && best.is_some_and(same)
         };
         let initial = self.search.budget.initial as usize;

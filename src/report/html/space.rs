@@ -3,7 +3,9 @@
 use crate::optimise::{self, SlicePoint};
 use crate::report::chart::{Along, AxisQuantity, Belief};
 use crate::report::format::in_written_unit;
-use crate::scenario::{Goal, MetricReference, Notation, Objective, Range, RangeValues, Target, significant};
+use crate::scenario::{
+    Goal, MetricReference, Notation, Objective, RangeValues, SearchRange, Target, significant,
+};
 
 /// An objective or a metric with its unit. Shares are shown in per cent.
 #[derive(Debug, Clone, PartialEq)]
@@ -98,7 +100,7 @@ pub struct SpaceDimension {
 }
 
 impl SpaceDimension {
-    fn new(range: &Range) -> Self {
+    fn new(range: &SearchRange) -> Self {
         let written = range.notation;
         let shown = |si: f64| written.map_or(si, |written| written.of_si(si));
         let along = match &range.values {
@@ -113,7 +115,7 @@ impl SpaceDimension {
         Self { full_name: name.clone(), name, unit: range.unit.clone(), written, along }
     }
 
-    pub fn all(over: &[Range]) -> Vec<Self> {
+    pub fn all(over: &[SearchRange]) -> Vec<Self> {
         let names = short_names(&over.iter().map(|range| range.target.clone()).collect::<Vec<_>>());
         over.iter().zip(names).map(|(range, name)| Self { name, ..Self::new(range) }).collect()
     }
@@ -127,15 +129,15 @@ impl SpaceDimension {
     }
 
     /// In the unit that it is shown in.
-    fn shown(&self, value: &optimise::Value) -> Option<f64> {
+    fn shown(&self, value: &optimise::Coordinate) -> Option<f64> {
         let si = value.number()?;
         Some(self.written.map_or(si, |written| written.of_si(si)))
     }
 
     /// Where a value lies along it; a word at its index.
-    pub fn place(&self, value: &optimise::Value) -> Option<f64> {
+    pub fn place(&self, value: &optimise::Coordinate) -> Option<f64> {
         match (&self.along, value) {
-            (Along::Words(words), optimise::Value::Category(word)) => {
+            (Along::Words(words), optimise::Coordinate::Category(word)) => {
                 words.iter().position(|known| known == word).map(|index| index as f64)
             }
             _ => self.shown(value),
@@ -143,16 +145,16 @@ impl SpaceDimension {
     }
 
     /// Without its unit, for a column whose heading has it.
-    pub fn number(&self, value: &optimise::Value) -> String {
+    pub fn number(&self, value: &optimise::Coordinate) -> String {
         self.shown(value).map_or_else(|| value.to_string(), |number| significant(number, 4))
     }
 
     /// Such as `tta 6.5 s`.
-    pub fn text(&self, value: &optimise::Value) -> String {
+    pub fn text(&self, value: &optimise::Coordinate) -> String {
         format!("{} {}", self.name, self.quantity_of(value))
     }
 
-    fn quantity_of(&self, value: &optimise::Value) -> String {
+    fn quantity_of(&self, value: &optimise::Coordinate) -> String {
         self.shown(value).map_or_else(|| value.to_string(), |number| self.with_symbol(number))
     }
 
@@ -202,7 +204,7 @@ pub fn short_names(targets: &[Target]) -> Vec<String> {
 }
 
 /// Every dimension of a point in words.
-pub fn point_text(dimensions: &[SpaceDimension], point: &[optimise::Value]) -> String {
+pub fn point_text(dimensions: &[SpaceDimension], point: &[optimise::Coordinate]) -> String {
     let words: Vec<_> = dimensions.iter().zip(point).map(|(one, value)| one.text(value)).collect();
     words.join(", ")
 }
@@ -225,7 +227,7 @@ mod tests {
 
     #[test]
     fn a_range_is_charted_and_told_in_the_unit_that_it_is_written_in() {
-        let range = Range {
+        let range = SearchRange {
             target: Target::Variation("speed".into()),
             values: RangeValues::Real { low: 30.0 / 3.6, high: 60.0 / 3.6 },
             unit: "m/s".into(),
@@ -233,7 +235,7 @@ mod tests {
             origin: Origin::default(),
         };
         let dimension = SpaceDimension::new(&range);
-        let value = optimise::Value::Real(50.0 / 3.6);
+        let value = optimise::Coordinate::Real(50.0 / 3.6);
         assert_eq!(dimension.range(), "speed from 30 km/h to 60 km/h");
         assert_eq!((dimension.text(&value), dimension.number(&value)), ("speed 50 km/h".into(), "50".into()));
         assert_eq!(dimension.quantity().label(), "speed (km/h)");

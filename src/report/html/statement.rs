@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::report::statement::{claim_mark, claim_values, conclusion_words};
 use crate::results::{BlockReport, BlockResult, BlockState, Conclusion, StatementResult, SuiteReport};
-use crate::scenario::{Block, Standing};
+use crate::scenario::{Block, DeclaredStanding};
 
 #[derive(Debug, Default, Serialize)]
 pub struct Statements {
@@ -98,9 +98,9 @@ impl Row {
             Conclusion::NotComparable(_) => ("inconclusive", "–"),
         };
         let reason = match &result.standing {
-            Standing::Differs(reason) => format!("declared to differ: {reason}"),
-            Standing::NotComparable(reason) => reason.clone(),
-            Standing::Reproduced => String::new(),
+            DeclaredStanding::Differs(reason) => format!("declared to differ: {reason}"),
+            DeclaredStanding::NotComparable(reason) => reason.clone(),
+            DeclaredStanding::Reproduced => String::new(),
         };
         let claim = |claim: &crate::results::ClaimResult| Claim {
             mark: claim_mark(claim),

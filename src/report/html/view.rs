@@ -19,8 +19,8 @@ use crate::report::wording::{
     verdict_mark, verdict_word,
 };
 use crate::results::{
-    BlockReport, BlockState, Chosen, Finding, GateReport, GateState, Measure, Program, Recording, Requests,
-    Skip, SuiteReport, TrialReport, TrialState, Verdict,
+    BlockReport, BlockState, Chosen, Finding, FindingMeasure, GateReport, GateState, Program, Recording,
+    Requests, Skip, SuiteReport, TrialReport, TrialState, Verdict,
 };
 use crate::scenario::MetricReference;
 
@@ -444,7 +444,7 @@ fn cell(finding: &Finding, key: &str) -> Cell {
 fn details(finding: &Finding) -> String {
     // Most bounds stand in the heading already.
     let bound = bound(finding);
-    let told = finding.measure == Measure::EveryRun || finding.criterion.contains(&bound);
+    let told = finding.measure == FindingMeasure::EveryRun || finding.criterion.contains(&bound);
     let bound = (!told).then(|| format!("bound {bound}"));
     let margin = margin(finding).map(|margin| format!("margin {margin}"));
     let untested = finding.vacuous.map(|_| "untested".to_string());

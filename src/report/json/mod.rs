@@ -348,7 +348,7 @@ mod tests {
     use crate::report::fixture::{Session, evaluation, statement};
     use crate::report::schema::violations;
     use crate::results::{BlockResult, Conclusion};
-    use crate::scenario::Standing;
+    use crate::scenario::DeclaredStanding;
 
     fn text(results: &Results) -> String {
         let mut text = Vec::new();
@@ -398,11 +398,11 @@ mod tests {
     fn results_of_every_kind_of_block_are_what_the_schema_says() {
         let mut results = results();
         let blocks = results.pointer_mut("/suites/0/blocks").and_then(Value::as_array_mut).unwrap();
-        let differs = Standing::Differs("the car is heavier".into());
+        let differs = DeclaredStanding::Differs("the car is heavier".into());
         let unknown = Conclusion::NotComparable("nobody was run".into());
         for result in [
             BlockResult::Evaluate(evaluation()),
-            BlockResult::Statement(statement(Standing::Reproduced, unknown)),
+            BlockResult::Statement(statement(DeclaredStanding::Reproduced, unknown)),
             BlockResult::Statement(statement(differs, Conclusion::NotReproduced)),
         ] {
             let kind = if matches!(result, BlockResult::Evaluate(_)) { "evaluate" } else { "statement" };

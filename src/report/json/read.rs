@@ -390,7 +390,7 @@ mod tests {
     use crate::report::fixture::{Session, evaluation, statement};
     use crate::report::write_json;
     use crate::results::Conclusion;
-    use crate::scenario::Standing;
+    use crate::scenario::DeclaredStanding;
 
     fn written(results: &Results) -> String {
         let mut bytes = Vec::new();
@@ -416,7 +416,7 @@ mod tests {
         report.trials[0].outcomes[1].seed = u64::MAX;
         let results = [
             BlockResult::Evaluate(evaluation()),
-            BlockResult::Statement(statement(Standing::Reproduced, Conclusion::NotReproduced)),
+            BlockResult::Statement(statement(DeclaredStanding::Reproduced, Conclusion::NotReproduced)),
         ];
         for result in results {
             let mut block = report.blocks[0].clone();

@@ -103,12 +103,19 @@ pub(super) fn left(elapsed: Duration, done: usize, all: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::results::{Evaluations, Outline};
+    use crate::results::{Evaluations, Workload};
 
     #[test]
     fn shows_how_far_everything_is() {
-        let outline =
-            Outline { suites: 1, trials: 3, runs: 40, certain_runs: 40, blocks: 1, recorded: 0, left_out: 0 };
+        let outline = Workload {
+            suites: 1,
+            trials: 3,
+            runs: 40,
+            certain_runs: 40,
+            blocks: 1,
+            recorded: 0,
+            left_out: 0,
+        };
         let tally = Tally { outline, units_done: 1, runs_done: 10, failures: 1 };
         let mut search = Running::new("zebra/search=low_pet", 0);
         search.evaluations = Some(Evaluations { done: 12, all: 48, best: Some(1.25) });

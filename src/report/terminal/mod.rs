@@ -13,7 +13,7 @@ use super::failure::explain;
 use super::wording::{remark, trial_warnings};
 use crate::console::{Output, stdout};
 use crate::results::{
-    CutBy, Evaluations, Event, Outline, Reporter, Standing, Stopping, SuiteIdentity, UnitReport, Verdict,
+    CutBy, Evaluations, Event, Reporter, Standing, Stopping, SuiteIdentity, UnitReport, Verdict, Workload,
 };
 
 pub use live::Live;
@@ -43,7 +43,7 @@ pub struct Terminal {
 /// What there is to do and what is done.
 #[derive(Debug, Default)]
 struct Tally {
-    outline: Outline,
+    outline: Workload,
     units_done: usize,
     runs_done: usize,
     failures: usize,
@@ -120,7 +120,7 @@ impl Terminal {
         }
     }
 
-    fn begin(&mut self, outline: &Outline) {
+    fn begin(&mut self, outline: &Workload) {
         self.begun = Instant::now();
         self.tally.outline = outline.clone();
         if self.level > StatusLevel::None {

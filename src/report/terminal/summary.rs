@@ -11,8 +11,8 @@ use crate::report::groups::{Group, groups};
 use crate::report::statement::render_statements;
 use crate::report::table::render_tables;
 use crate::results::{
-    BlockReport, BlockResult, CutBy, Outline, Requests, Skip, Standing, StatementResult, SuiteIdentity,
-    SuiteReport, TrialState, TrialVerdict, Verdict,
+    BlockReport, BlockResult, CutBy, Requests, Skip, Standing, StatementResult, SuiteIdentity, SuiteReport,
+    TrialState, TrialVerdict, Verdict, Workload,
 };
 
 /// A failure that is farther up than this is shown again.
@@ -144,7 +144,7 @@ fn statement(result: &BlockResult) -> Option<&StatementResult> {
 }
 
 /// What is going to be done, in words.
-pub(super) fn starting(outline: &Outline) -> String {
+pub(super) fn starting(outline: &Workload) -> String {
     let mut parts = Vec::new();
     if outline.trials > 0 {
         let runs = match outline.certain_runs {

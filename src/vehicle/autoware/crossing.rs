@@ -7,7 +7,7 @@ use nalgebra::Vector2;
 
 use super::debounce::{Debounce, Delays};
 use super::site::{Ego, Site};
-use super::tracker::Target;
+use super::tracker::TrackedTarget;
 use crate::scenario::Settings;
 
 /// Below this speed a pedestrian has no heading and counts as wanting to cross, m/s.
@@ -62,7 +62,7 @@ impl Crosser {
     /// Where the pedestrian's predicted paths first meet the ego's, if any does. To be called at every tick.
     pub fn collision_point(
         &mut self,
-        target: &Target,
+        target: &TrackedTarget,
         time: f64,
         ego: &Ego,
         site: &Site,
@@ -86,7 +86,7 @@ impl Crosser {
 
     /// Who walks towards the lane, or in it, crosses that way; who stands or turns his back keeps the way he came.
     /// At first it is towards the lane.
-    fn face(&mut self, target: &Target, ego: &Ego) -> f64 {
+    fn face(&mut self, target: &TrackedTarget, ego: &Ego) -> f64 {
         let (y, across) = (target.position.y, target.velocity.y);
         let known = *self.direction.get_or_insert(if y > 0.0 { -1.0 } else { 1.0 });
         let walks_in = y.abs() <= ego.half_width || y * across < 0.0;
@@ -111,7 +111,7 @@ struct Way {
 }
 
 impl Way {
-    fn new(target: &Target, direction: f64, site: &Site) -> Self {
+    fn new(target: &TrackedTarget, direction: f64, site: &Site) -> Self {
         let kerbs = (direction * site.right_kerb, direction * site.left_kerb);
         Self {
             along: target.position.x,
@@ -176,12 +176,12 @@ mod tests {
         CrossingConstants::new(&autoware().declaration.resolve(&Settings::default()).unwrap())
     }
 
-    fn target(x: f64, y: f64, vx: f64, vy: f64) -> Target {
-        Target { position: Vector2::new(x, y), velocity: Vector2::new(vx, vy), half_size: 0.25 }
+    fn target(x: f64, y: f64, vx: f64, vy: f64) -> TrackedTarget {
+        TrackedTarget { position: Vector2::new(x, y), velocity: Vector2::new(vx, vy), half_size: 0.25 }
     }
 
     /// The collision point after the target has looked the same for a second.
-    fn settled(target: Target) -> Option<CollisionPoint> {
+    fn settled(target: TrackedTarget) -> Option<CollisionPoint> {
         let mut crosser = Crosser::default();
         let mut point = None;
         for k in 0..=10 {
@@ -208,7 +208,7 @@ mod tests {
     #[test]
     fn walkers_count_at_once_and_those_beyond_reach_or_past_do_not() {
         let mut crosser = Crosser::default();
-        let mut first = |target: Target| {
+        let mut first = |target: TrackedTarget| {
             let mut fresh = std::mem::take(&mut crosser);
             fresh.collision_point(&target, 0.0, &ego(-40.0, 8.0), &SITE, &constants())
         };

@@ -4,7 +4,7 @@ use nalgebra::Vector2;
 
 use super::crossing::CollisionPoint;
 use super::site::{Ego, Site};
-use super::tracker::Target;
+use super::tracker::TrackedTarget;
 use crate::scenario::Settings;
 
 /// Below this speed the ego stands, m/s.
@@ -40,7 +40,7 @@ pub enum Stance {
 
 /// The state kept for one pedestrian.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Decision {
+pub struct YieldingDecision {
     pub stance: Stance,
     /// Since when both have stood, s.
     both_stand_since: Option<f64>,
@@ -48,14 +48,14 @@ pub struct Decision {
 
 /// What a decision is made from.
 #[derive(Debug, Clone, Copy)]
-pub struct Conflict<'a> {
+pub struct YieldingConflict<'a> {
     /// s
     pub time: f64,
     pub ego: &'a Ego,
     pub site: &'a Site,
     /// Whether the ego has stood at the stop line for long enough.
     pub ego_yields: bool,
-    pub target: &'a Target,
+    pub target: &'a TrackedTarget,
     pub point: CollisionPoint,
     /// Half the stretch of the lane where paths count, m.
     pub attention: f64,
@@ -84,7 +84,7 @@ impl DecisionConstants {
     }
 
     /// Time until the pedestrian is at the collision point, s. Autoware calls it time to vehicle.
-    pub fn time_to_walk(&self, target: &Target, point: &CollisionPoint) -> f64 {
+    pub fn time_to_walk(&self, target: &TrackedTarget, point: &CollisionPoint) -> f64 {
         point.walk.max(0.0) / target.velocity.norm().max(self.min_object_velocity)
     }
 
@@ -101,10 +101,10 @@ impl DecisionConstants {
     }
 }
 
-impl Decision {
+impl YieldingDecision {
     /// One cycle with a collision point.
-    pub fn update(&mut self, conflict: &Conflict, constants: &DecisionConstants) {
-        let Conflict { time, ego, site, target, point, attention, .. } = *conflict;
+    pub fn update(&mut self, conflict: &YieldingConflict, constants: &DecisionConstants) {
+        let YieldingConflict { time, ego, site, target, point, attention, .. } = *conflict;
         let stands = target.velocity.norm() < constants.stop_object_velocity;
         if stands && conflict.ego_yields {
             let since = *self.both_stand_since.get_or_insert(time);
@@ -144,12 +144,12 @@ impl Decision {
 
 /// Whether the ego has stood at the stop line for as long as counts as yielding.
 #[derive(Debug, Clone, Copy)]
-pub struct Standing {
+pub struct YieldingStanding {
     timeout: f64,
     since: Option<f64>,
 }
 
-impl Standing {
+impl YieldingStanding {
     pub fn new(settings: &Settings) -> Self {
         Self { timeout: settings.number("timeout_ego_stop_for_yield"), since: None }
     }
@@ -183,8 +183,9 @@ mod tests {
         DecisionConstants::new(&autoware().declaration.resolve(&Settings::default()).unwrap())
     }
 
-    fn standing_at(y: f64) -> (Target, CollisionPoint) {
-        let target = Target { position: Vector2::new(0.0, y), velocity: Vector2::zeros(), half_size: 0.25 };
+    fn standing_at(y: f64) -> (TrackedTarget, CollisionPoint) {
+        let target =
+            TrackedTarget { position: Vector2::new(0.0, y), velocity: Vector2::zeros(), half_size: 0.25 };
         (target, CollisionPoint { place: 0.0, walk: y.abs() })
     }
 
@@ -193,10 +194,10 @@ mod tests {
         ego(4.89 - time * CRUISE, CRUISE)
     }
 
-    fn decide(decision: &mut Decision, time: f64, ego: &Ego, ego_yields: bool, y: f64) -> Stance {
+    fn decide(decision: &mut YieldingDecision, time: f64, ego: &Ego, ego_yields: bool, y: f64) -> Stance {
         let (target, point) = standing_at(y);
         let conflict =
-            Conflict { time, ego, site: &SITE, ego_yields, target: &target, point, attention: 4.0 };
+            YieldingConflict { time, ego, site: &SITE, ego_yields, target: &target, point, attention: 4.0 };
         decision.update(&conflict, &constants());
         decision.stance
     }
@@ -213,21 +214,24 @@ mod tests {
 
     #[test]
     fn yields_to_who_waits_from_16_4_s_on_and_after_a_later_phase_from_15_9_s() {
-        let mut fresh = Decision::default();
+        let mut fresh = YieldingDecision::default();
         assert_eq!(decide(&mut fresh, 0.0, &clearing_in(16.3), false, -4.0), Stance::Yield);
-        let mut fresh = Decision::default();
+        let mut fresh = YieldingDecision::default();
         assert_eq!(decide(&mut fresh, 0.0, &clearing_in(16.45), false, -4.0), Stance::PassLater);
         assert_eq!(decide(&mut fresh, 0.1, &clearing_in(15.95), false, -4.0), Stance::PassLater);
         assert_eq!(decide(&mut fresh, 0.2, &clearing_in(15.8), false, -4.0), Stance::Yield);
         for time in [0.1, 1.0, 5.0, 10.0, 15.0] {
-            assert_eq!(decide(&mut Decision::default(), 0.0, &clearing_in(time), false, -4.0), Stance::Yield);
+            assert_eq!(
+                decide(&mut YieldingDecision::default(), 0.0, &clearing_in(time), false, -4.0),
+                Stance::Yield
+            );
         }
     }
 
     #[test]
     fn passes_first_with_4_5_s_to_spare_and_keeps_to_it_down_to_4_s() {
         // He needs 10 / 1.39 = 7.19 s.
-        let mut decision = Decision::default();
+        let mut decision = YieldingDecision::default();
         assert_eq!(decide(&mut decision, 0.0, &clearing_in(2.8), false, -10.0), Stance::Yield);
         assert_eq!(decide(&mut decision, 0.1, &clearing_in(2.6), false, -10.0), Stance::PassFirst);
         assert_eq!(decide(&mut decision, 0.2, &clearing_in(3.1), false, -10.0), Stance::PassFirst);
@@ -238,13 +242,13 @@ mod tests {
     fn ignores_who_stands_longer_than_its_patience() {
         // 2 m from the crosswalk: 0.75 s.
         let here = ego(-5.5, 0.0);
-        let mut decision = Decision::default();
+        let mut decision = YieldingDecision::default();
         assert_eq!(decide(&mut decision, 0.0, &here, true, -4.0), Stance::Yield);
         assert_eq!(decide(&mut decision, 0.7, &here, true, -4.0), Stance::Yield);
         assert_eq!(decide(&mut decision, 0.75, &here, true, -4.0), Stance::Ignore);
         assert_eq!(decide(&mut decision, 0.85, &here, false, -4.0), Stance::Ignore);
         // At 1.4 m he is within 0.5 m of the ego's path.
-        let mut near = Decision::default();
+        let mut near = YieldingDecision::default();
         decide(&mut near, 0.0, &here, true, -1.4);
         assert_eq!(decide(&mut near, 60.0, &here, true, -1.4), Stance::Yield);
     }
@@ -252,7 +256,7 @@ mod tests {
     #[test]
     fn yielding_means_standing_for_a_second_at_the_line() {
         let settings = autoware().declaration.resolve(&Settings::default()).unwrap();
-        let mut standing = Standing::new(&settings);
+        let mut standing = YieldingStanding::new(&settings);
         assert!(!standing.is_yielding(0.0, 0.0, 0.2));
         assert!(!standing.is_yielding(0.9, 0.0, 0.2));
         assert!(standing.is_yielding(1.0, 0.0, 0.2));

@@ -1,7 +1,7 @@
 //! Autonomous emergency braking and the emergency stop that it ends in (§2.4, §5.3).
 
 use super::site::Ego;
-use super::tracker::Target;
+use super::tracker::TrackedTarget;
 use crate::scenario::Settings;
 
 /// How much wider than the ego the band is on each side, m (expand_width, negative as configured).
@@ -32,7 +32,7 @@ impl EmergencyBrake {
     }
 
     /// Whether the emergency stop is on, given everybody that a point cloud shows. To be called at every tick.
-    pub fn update(&mut self, time: f64, ego: &Ego, targets: impl Iterator<Item = Target>) -> bool {
+    pub fn update(&mut self, time: f64, ego: &Ego, targets: impl Iterator<Item = TrackedTarget>) -> bool {
         if !self.enabled {
             return false;
         }
@@ -42,7 +42,7 @@ impl EmergencyBrake {
         self.last_trigger.is_some_and(|last| time - last <= self.hold + 1e-6)
     }
 
-    fn triggers(&self, ego: &Ego, target: &Target) -> bool {
+    fn triggers(&self, ego: &Ego, target: &TrackedTarget) -> bool {
         let distance = target.position.x - target.half_size - ego.front;
         let in_band = target.position.y.abs() < ego.half_width + EXPAND_WIDTH + target.half_size;
         let ahead = target.position.x + target.half_size > ego.front;
@@ -71,8 +71,8 @@ mod tests {
         EmergencyBrake::new(&autoware().declaration.resolve(&on).unwrap())
     }
 
-    fn standing(y: f64) -> Target {
-        Target { position: Vector2::new(0.0, y), velocity: Vector2::zeros(), half_size: 0.25 }
+    fn standing(y: f64) -> TrackedTarget {
+        TrackedTarget { position: Vector2::new(0.0, y), velocity: Vector2::zeros(), half_size: 0.25 }
     }
 
     #[test]

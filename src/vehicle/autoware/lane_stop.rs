@@ -2,7 +2,7 @@
 
 use super::debounce::{Debounce, Delays};
 use super::site::Ego;
-use super::tracker::Target;
+use super::tracker::TrackedTarget;
 use crate::scenario::Settings;
 
 /// Longest prediction of a pedestrian who cuts in, s.
@@ -29,7 +29,7 @@ pub struct LaneConstants {
 
 /// What is remembered of one pedestrian.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Obstacle {
+pub struct StopObstacle {
     in_the_way: Debounce,
     /// s of his side that faces the ego when he was last in the way, m.
     last: f64,
@@ -46,7 +46,7 @@ impl LaneConstants {
     }
 
     /// Whether a pedestrian is in the way now.
-    pub fn blocks(&self, target: &Target, ego: &Ego) -> bool {
+    pub fn blocks(&self, target: &TrackedTarget, ego: &Ego) -> bool {
         let near_side = target.position.x - target.half_size;
         if target.position.x + target.half_size <= ego.front {
             return false;
@@ -64,11 +64,11 @@ impl LaneConstants {
     }
 }
 
-impl Obstacle {
+impl StopObstacle {
     /// Where the bumper shall stop for this pedestrian (s in m). `crosswalk_stop`: the stop for the crosswalk, if any.
     pub fn stop(
         &mut self,
-        target: &Target,
+        target: &TrackedTarget,
         time: f64,
         ego: &Ego,
         crosswalk_stop: Option<f64>,
@@ -101,8 +101,8 @@ mod tests {
         LaneConstants::new(&autoware().declaration.resolve(&Settings::default()).unwrap())
     }
 
-    fn target(x: f64, y: f64, vy: f64) -> Target {
-        Target { position: Vector2::new(x, y), velocity: Vector2::new(0.0, vy), half_size: 0.25 }
+    fn target(x: f64, y: f64, vy: f64) -> TrackedTarget {
+        TrackedTarget { position: Vector2::new(x, y), velocity: Vector2::new(0.0, vy), half_size: 0.25 }
     }
 
     #[test]
@@ -138,7 +138,7 @@ mod tests {
     fn stops_5_m_before_or_3_m_with_a_crosswalk_stop_in_between() {
         let here = ego(-20.0, CRUISE);
         let stop_of = |crosswalk: Option<f64>| {
-            let mut obstacle = Obstacle::default();
+            let mut obstacle = StopObstacle::default();
             (0..5)
                 .map(|k| {
                     let time = f64::from(k) * 0.1;
@@ -154,7 +154,7 @@ mod tests {
     #[test]
     fn the_stop_stays_a_second_after_the_way_is_free() {
         let here = ego(-20.0, CRUISE);
-        let mut obstacle = Obstacle::default();
+        let mut obstacle = StopObstacle::default();
         let mut stopped = Vec::new();
         for k in 0..20 {
             let y = if k < 5 { 0.0 } else { 3.0 };

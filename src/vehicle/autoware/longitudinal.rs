@@ -1,6 +1,6 @@
 //! The longitudinal controller: feed-forward and PID while driving, a gentle stop, holding still (§3.1).
 
-use super::profile::Reference;
+use super::profile::ProfileReference;
 use crate::scenario::Settings;
 
 /// Share of the old speed error that is kept per step.
@@ -63,13 +63,13 @@ pub struct Situation {
     pub speed: f64,
     /// m/s²
     pub acceleration: f64,
-    pub reference: Reference,
+    pub reference: ProfileReference,
     /// From the bumper to the end of the plan; infinite without a stop, m.
     pub stop_distance: f64,
 }
 
 #[derive(Debug, Clone, Copy)]
-pub struct Longitudinal {
+pub struct LongitudinalController {
     constants: Constants,
     state: DriveState,
     /// Smoothed, m/s.
@@ -83,7 +83,7 @@ pub struct Longitudinal {
     command: f64,
 }
 
-impl Longitudinal {
+impl LongitudinalController {
     pub fn new(settings: &Settings) -> Self {
         let constants = Constants {
             proportional: settings.number("proportional_gain"),
@@ -214,11 +214,11 @@ mod tests {
     use super::*;
     use crate::vehicle::autoware::autoware;
 
-    fn controller() -> Longitudinal {
-        Longitudinal::new(&autoware().declaration.resolve(&Settings::default()).unwrap())
+    fn controller() -> LongitudinalController {
+        LongitudinalController::new(&autoware().declaration.resolve(&Settings::default()).unwrap())
     }
 
-    fn situation(speed: f64, reference: Reference, stop_distance: f64) -> Situation {
+    fn situation(speed: f64, reference: ProfileReference, stop_distance: f64) -> Situation {
         Situation { time: 0.0, elapsed: 0.03, speed, acceleration: 0.0, reference, stop_distance }
     }
 
@@ -227,7 +227,7 @@ mod tests {
         let mut controller = controller();
         controller.command = -1.0;
         // Error 8 - 8.4 = -0.4, smoothed -0.04; sum -0.04 * 0.03; factor 1.05.
-        let reference = Reference { speed: 8.0, acceleration: -1.0 };
+        let reference = ProfileReference { speed: 8.0, acceleration: -1.0 };
         let command = controller.step(&situation(8.4, reference, f64::INFINITY));
         let expected = -1.05 - 0.04 - 0.1 * 0.04 * 0.03;
         assert!((command - expected).abs() < 1e-12, "{command}");
@@ -236,19 +236,19 @@ mod tests {
     #[test]
     fn commands_and_their_jerk_are_limited() {
         let mut controller = controller();
-        let hard = Reference { speed: 8.0, acceleration: -9.0 };
+        let hard = ProfileReference { speed: 8.0, acceleration: -9.0 };
         let commands: Vec<_> =
             (0..60).map(|_| controller.step(&situation(8.0, hard, f64::INFINITY))).collect();
         assert!((commands[0] + 0.15).abs() < 1e-12);
         assert_eq!(commands[59], -5.0);
-        let fast = Reference { speed: 8.0, acceleration: 9.0 };
+        let fast = ProfileReference { speed: 8.0, acceleration: 9.0 };
         assert!((controller.step(&situation(8.0, fast, f64::INFINITY)) + 4.94).abs() < 1e-12);
     }
 
     #[test]
     fn feedback_is_limited() {
         let mut controller = controller();
-        let reference = Reference { speed: 8.0, acceleration: 0.0 };
+        let reference = ProfileReference { speed: 8.0, acceleration: 0.0 };
         for _ in 0..400 {
             controller.step(&situation(2.0, reference, f64::INFINITY));
         }
@@ -258,7 +258,7 @@ mod tests {
     #[test]
     fn stops_in_three_states() {
         let mut controller = controller();
-        let slow = Reference { speed: 0.5, acceleration: -0.5 };
+        let slow = ProfileReference { speed: 0.5, acceleration: -0.5 };
         controller.step(&situation(0.6, slow, 0.5));
         assert_eq!(controller.state(), DriveState::Driving);
         controller.step(&situation(0.6, slow, 0.48));
@@ -267,7 +267,7 @@ mod tests {
         assert_eq!(controller.strong, -0.5);
         controller.step(&situation(0.6, slow, 1.4));
         assert_eq!(controller.state(), DriveState::Stopping);
-        let standing = |time| Situation { time, ..situation(0.0, Reference::default(), 0.2) };
+        let standing = |time| Situation { time, ..situation(0.0, ProfileReference::default(), 0.2) };
         controller.step(&standing(1.0));
         controller.step(&standing(1.05));
         assert_eq!(controller.state(), DriveState::Stopping);
@@ -277,7 +277,7 @@ mod tests {
             controller.step(&standing(1.1 + 0.03 * f64::from(k)));
         }
         assert_eq!(controller.command(), -3.4);
-        controller.step(&situation(0.0, Reference::default(), 0.6));
+        controller.step(&situation(0.0, ProfileReference::default(), 0.6));
         assert_eq!(controller.state(), DriveState::Driving);
     }
 
@@ -287,7 +287,8 @@ mod tests {
         controller.state = DriveState::Stopping;
         controller.strong = -0.6;
         let at = |speed: f64, acceleration: f64, distance: f64| {
-            controller.stop(&Situation { acceleration, ..situation(speed, Reference::default(), distance) })
+            controller
+                .stop(&Situation { acceleration, ..situation(speed, ProfileReference::default(), distance) })
         };
         assert_eq!(at(0.6, -0.6, 0.3), -0.6);
         assert_eq!(at(0.5, -0.6, 0.3), -0.3);

@@ -20,19 +20,19 @@ pub struct ProfileConstants {
     period: f64,
     acceleration: f64,
     braking: BrakingLimits,
-    engage: Reference,
+    engage: ProfileReference,
 }
 
 /// A planned speed (m/s) and acceleration (m/s²).
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Reference {
+pub struct ProfileReference {
     pub speed: f64,
     pub acceleration: f64,
 }
 
 /// A stop that the profile is to end at.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stop {
+pub struct StopPoint {
     /// From the bumper, m; negative once past it.
     pub distance: f64,
     /// Greatest factor on the normal limits.
@@ -45,7 +45,7 @@ pub struct Stop {
 pub struct Profile {
     constants: ProfileConstants,
     /// One reference per planning period, from the time of the plan on; never empty.
-    states: Vec<Reference>,
+    states: Vec<ProfileReference>,
     /// From the bumper at the time of the plan to the end of the profile, m.
     stop: Option<f64>,
 }
@@ -60,7 +60,7 @@ impl ProfileConstants {
                 negative_jerk: settings.number("normal_negative_jerk"),
                 positive_jerk: settings.number("normal_positive_jerk"),
             },
-            engage: Reference {
+            engage: ProfileReference {
                 speed: settings.number("engage_speed"),
                 acceleration: settings.number("engage_acceleration"),
             },
@@ -77,18 +77,18 @@ impl Profile {
     /// Starts from steady cruise. `ahead`: how far beyond one period the plan is read, s.
     pub fn new(constants: ProfileConstants, speed: f64, ahead: f64) -> Self {
         let ticks = (1.0 + ahead / constants.period).ceil() as usize + 1;
-        let cruise = Reference { speed, acceleration: 0.0 };
+        let cruise = ProfileReference { speed, acceleration: 0.0 };
         Self { constants, states: vec![cruise; ticks + 1], stop: None }
     }
 
     /// Follows a motion that others command.
     pub fn follow(&mut self, speed: f64, acceleration: f64) {
-        self.states.fill(Reference { speed, acceleration });
+        self.states.fill(ProfileReference { speed, acceleration });
         self.stop = None;
     }
 
     /// One tick: takes up the last plan and plans on, to `cruise` m/s or to a stop. `speed` is what the ego drives.
-    pub fn plan(&mut self, speed: f64, cruise: f64, stop: Option<Stop>) {
+    pub fn plan(&mut self, speed: f64, cruise: f64, stop: Option<StopPoint>) {
         let mut state = self.states[1];
         let free = stop.is_none_or(|stop| stop.distance > NO_ENGAGE_WITHIN);
         if free && speed < ENGAGE_EXIT_RATIO * self.constants.engage.speed {
@@ -107,11 +107,11 @@ impl Profile {
     }
 
     /// What is planned `time` s after the plan was made.
-    pub fn at(&self, time: f64) -> Reference {
+    pub fn at(&self, time: f64) -> ProfileReference {
         let place = (time / self.constants.period).clamp(0.0, (self.states.len() - 1) as f64);
         let index = (place as usize).min(self.states.len() - 2);
         let (from, to, share) = (self.states[index], self.states[index + 1], place - index as f64);
-        Reference {
+        ProfileReference {
             speed: from.speed + (to.speed - from.speed) * share,
             acceleration: from.acceleration + (to.acceleration - from.acceleration) * share,
         }
@@ -128,9 +128,9 @@ impl Profile {
     }
 }
 
-impl Stop {
+impl StopPoint {
     /// Moved out to where the cap lets the ego stop, if it gives way.
-    fn reachable(self, state: Reference, braking: BrakingLimits) -> Self {
+    fn reachable(self, state: ProfileReference, braking: BrakingLimits) -> Self {
         if !self.gives_way {
             return self;
         }
@@ -141,10 +141,10 @@ impl Stop {
 
 impl ProfileConstants {
     /// The planned state one period later.
-    fn advance(&self, state: Reference, cruise: f64, stop: Option<Stop>) -> Reference {
+    fn advance(&self, state: ProfileReference, cruise: f64, stop: Option<StopPoint>) -> ProfileReference {
         let Some(stop) = stop else { return self.approach(state, cruise) };
         if state.speed <= 0.0 && stop.distance < NO_ENGAGE_WITHIN {
-            return Reference::default();
+            return ProfileReference::default();
         }
         let needed =
             |factor: f64| stopping_distance(state.speed, state.acceleration, self.braking.scaled(factor));
@@ -155,8 +155,8 @@ impl ProfileConstants {
     }
 
     /// Towards a speed to cruise at, so that the acceleration ends at zero when it is reached.
-    fn approach(&self, state: Reference, cruise: f64) -> Reference {
-        let Reference { speed, acceleration } = state;
+    fn approach(&self, state: ProfileReference, cruise: f64) -> ProfileReference {
+        let ProfileReference { speed, acceleration } = state;
         let dt = self.period;
         let BrakingLimits { deceleration, negative_jerk, positive_jerk } = self.braking;
         // The acceleration after this period from which a release ends just at the speed to cruise at.
@@ -167,21 +167,21 @@ impl ProfileConstants {
         let next = wanted
             .clamp(-deceleration, self.acceleration)
             .clamp(acceleration - negative_jerk * dt, acceleration + positive_jerk * dt);
-        Reference { speed: (speed + (acceleration + next) / 2.0 * dt).max(0.0), acceleration: next }
+        ProfileReference { speed: (speed + (acceleration + next) / 2.0 * dt).max(0.0), acceleration: next }
     }
 
     /// Towards a stop with the normal limits times `factor`.
-    fn brake(&self, state: Reference, factor: f64) -> Reference {
-        let Reference { speed, acceleration } = state;
+    fn brake(&self, state: ProfileReference, factor: f64) -> ProfileReference {
+        let ProfileReference { speed, acceleration } = state;
         let dt = self.period;
         let limits = self.braking.scaled(factor);
         if acceleration < 0.0 && speed <= acceleration * acceleration / (2.0 * limits.positive_jerk) {
             // Release so that speed and acceleration vanish together.
             if 2.0 * speed <= -acceleration * dt {
-                return Reference::default();
+                return ProfileReference::default();
             }
             let jerk = acceleration * acceleration / (2.0 * speed);
-            return Reference {
+            return ProfileReference {
                 speed: speed + dt * (acceleration + dt * jerk / 2.0),
                 acceleration: acceleration + jerk * dt,
             };
@@ -189,7 +189,11 @@ impl ProfileConstants {
         let next = (-limits.deceleration)
             .clamp(acceleration - limits.negative_jerk * dt, acceleration + limits.positive_jerk * dt);
         let after = speed + (acceleration + next) / 2.0 * dt;
-        if after <= 0.0 { Reference::default() } else { Reference { speed: after, acceleration: next } }
+        if after <= 0.0 {
+            ProfileReference::default()
+        } else {
+            ProfileReference { speed: after, acceleration: next }
+        }
     }
 }
 
@@ -229,8 +233,8 @@ mod tests {
     fn driven(
         profile: &mut Profile,
         ticks: usize,
-        stop: impl Fn(f64) -> Option<Stop>,
-    ) -> Vec<(f64, Reference)> {
+        stop: impl Fn(f64) -> Option<StopPoint>,
+    ) -> Vec<(f64, ProfileReference)> {
         let mut travelled = 0.0;
         let mut now = profile.at(0.1);
         (0..ticks)
@@ -244,8 +248,8 @@ mod tests {
             .collect()
     }
 
-    fn stop_at(place: f64, cap: f64) -> impl Fn(f64) -> Option<Stop> {
-        move |travelled| Some(Stop { distance: place - travelled, cap, gives_way: false })
+    fn stop_at(place: f64, cap: f64) -> impl Fn(f64) -> Option<StopPoint> {
+        move |travelled| Some(StopPoint { distance: place - travelled, cap, gives_way: false })
     }
 
     #[test]
@@ -256,7 +260,7 @@ mod tests {
     #[test]
     fn accelerates_within_limits_and_arrives_smoothly() {
         let states = driven(&mut profile(0.0), 200, |_| None);
-        let mut before = Reference { speed: 0.25, acceleration: 0.5 };
+        let mut before = ProfileReference { speed: 0.25, acceleration: 0.5 };
         for (_, state) in &states {
             // The last release of less than a period overshoots by at most jerk * period² / 8.
             assert!(state.acceleration <= 1.0 + 1e-12 && state.speed <= CRUISE + 0.00125, "{state:?}");
@@ -294,7 +298,7 @@ mod tests {
     #[test]
     fn a_stop_that_gives_way_lies_where_the_cap_ends() {
         let mut profile = profile(CRUISE);
-        profile.plan(CRUISE, CRUISE, Some(Stop { distance: 10.0, cap: 2.5, gives_way: true }));
+        profile.plan(CRUISE, CRUISE, Some(StopPoint { distance: 10.0, cap: 2.5, gives_way: true }));
         let expected = CRUISE / 2.0 * (CRUISE / 2.5 + 1.0);
         assert!((profile.stop().unwrap() - expected).abs() < 1e-9);
     }

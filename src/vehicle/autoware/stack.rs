@@ -1,12 +1,12 @@
 //! The whole loop: what runs at which rate, and how its parts hand over to each other (§5.5, §5.6).
 
 use super::crossing::{Crosser, CrossingConstants};
-use super::decision::{Conflict, Decision, DecisionConstants, Stance, Standing};
+use super::decision::{DecisionConstants, Stance, YieldingConflict, YieldingDecision, YieldingStanding};
 use super::emergency_brake::EmergencyBrake;
-use super::lane_stop::{LaneConstants, Obstacle};
-use super::longitudinal::{DriveState, Longitudinal, Situation};
+use super::lane_stop::{LaneConstants, StopObstacle};
+use super::longitudinal::{DriveState, LongitudinalController, Situation};
 use super::phase::{Phase, Signs};
-use super::profile::{Profile, ProfileConstants, Stop};
+use super::profile::{Profile, ProfileConstants, StopPoint};
 use super::site::{Ego, Site};
 use super::stop_position::{CrosswalkStop, StopConstants};
 use super::tracker::Tracker;
@@ -28,11 +28,11 @@ pub struct Stack {
     tracker: Tracker,
     /// By the pedestrian's number.
     minds: Vec<Mind>,
-    standing: Standing,
+    standing: YieldingStanding,
     crosswalk: CrosswalkStop,
     emergency_brake: EmergencyBrake,
     profile: Profile,
-    longitudinal: Longitudinal,
+    longitudinal: LongitudinalController,
     phase: Phase,
     signs: Signs,
     clock: Clock,
@@ -64,8 +64,8 @@ struct Constants {
 #[derive(Default)]
 struct Mind {
     crosser: Crosser,
-    decision: Decision,
-    obstacle: Obstacle,
+    decision: YieldingDecision,
+    obstacle: StopObstacle,
 }
 
 #[derive(Default)]
@@ -118,7 +118,7 @@ impl Stack {
         Self {
             tracker: Tracker::new(settings, pedestrians, misses),
             minds: (0..pedestrians).map(|_| Mind::default()).collect(),
-            standing: Standing::new(settings),
+            standing: YieldingStanding::new(settings),
             crosswalk: CrosswalkStop::default(),
             emergency_brake: EmergencyBrake::new(settings),
             // A controller may be called late by up to one period of its own or of its vehicle's.
@@ -127,7 +127,7 @@ impl Stack {
                 speed,
                 delay_compensation + constants.control_period.max(constants.vehicle_period),
             ),
-            longitudinal: Longitudinal::new(settings),
+            longitudinal: LongitudinalController::new(settings),
             phase: Phase::default(),
             signs: Signs::default(),
             clock: Clock::default(),
@@ -188,7 +188,8 @@ impl Stack {
             else {
                 continue;
             };
-            let conflict = Conflict { time, ego, site, ego_yields, target: &target, point, attention };
+            let conflict =
+                YieldingConflict { time, ego, site, ego_yields, target: &target, point, attention };
             mind.decision.update(&conflict, &constants.decision);
             if mind.decision.stance == Stance::Yield {
                 nearest = Some(nearest.map_or(point.place, |place| place.min(point.place)));
@@ -216,14 +217,14 @@ impl Stack {
             .reduce(f64::min)
     }
 
-    fn nearest(&self, ego: &Ego, crosswalk: Option<f64>, lane: Option<f64>) -> Option<Stop> {
+    fn nearest(&self, ego: &Ego, crosswalk: Option<f64>, lane: Option<f64>) -> Option<StopPoint> {
         let constants = &self.constants;
-        let for_crosswalk = crosswalk.map(|place| Stop {
+        let for_crosswalk = crosswalk.map(|place| StopPoint {
             distance: place - ego.front,
             cap: constants.crosswalk_cap,
             gives_way: false,
         });
-        let in_lane = lane.map(|place| Stop {
+        let in_lane = lane.map(|place| StopPoint {
             distance: place - ego.front,
             cap: constants.lane_cap,
             gives_way: constants.suppress_sudden_stop,

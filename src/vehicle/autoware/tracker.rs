@@ -13,7 +13,7 @@ const TOLERANCE: f64 = 1e-6;
 
 /// A pedestrian as the tracker publishes it. Axes: s along the lane from the middle of the crossing, y to the left.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Target {
+pub struct TrackedTarget {
     /// Centre, m.
     pub position: Vector2<f64>,
     /// m/s
@@ -51,12 +51,12 @@ struct Track {
 #[derive(Clone, Copy)]
 struct Frame {
     time: f64,
-    detection: Option<Target>,
+    detection: Option<TrackedTarget>,
 }
 
 #[derive(Clone, Copy)]
 struct Estimate {
-    target: Target,
+    target: TrackedTarget,
     hits: u32,
     last_hit: f64,
 }
@@ -105,7 +105,7 @@ impl Tracker {
                 let position = Vector2::new(ego + seen.position.x, seen.position.y);
                 let frame = self.tracks[seen.id].frames.back_mut();
                 if let Some(frame) = frame {
-                    frame.detection = Some(Target { position, velocity: seen.velocity, half_size });
+                    frame.detection = Some(TrackedTarget { position, velocity: seen.velocity, half_size });
                 }
             }
         }
@@ -119,13 +119,13 @@ impl Tracker {
     }
 
     /// The confirmed target with number `index`, if there is one.
-    pub fn target(&self, index: usize) -> Option<Target> {
+    pub fn target(&self, index: usize) -> Option<TrackedTarget> {
         let estimate = self.tracks[index].estimate?;
         (estimate.hits >= self.constants.confirmation_hits).then_some(estimate.target)
     }
 
     /// What is there, confirmed or not: as a point cloud shows it.
-    pub fn unconfirmed(&self, index: usize) -> Option<Target> {
+    pub fn unconfirmed(&self, index: usize) -> Option<TrackedTarget> {
         self.tracks[index].estimate.map(|estimate| estimate.target)
     }
 }
@@ -215,7 +215,7 @@ mod tests {
         tracker: &mut Tracker,
         ticks: usize,
         seen: impl Fn(f64) -> Option<(Vector2<f64>, Vector2<f64>)>,
-    ) -> Vec<Option<Target>> {
+    ) -> Vec<Option<TrackedTarget>> {
         let mut published = Vec::new();
         for k in 0..=4 * ticks {
             let time = k as f64 * 0.025;

@@ -4,48 +4,48 @@ use super::super::tree::Rule;
 use super::world::{
     DOC, EVALUATE, EXPECT, INDIVIDUAL, INDIVIDUALS, REPEAT, SCENARIO, SEARCH, STATEMENT, TAGS, TUNE,
 };
-use super::{Block, Kind, Shape, Statement, statement};
+use super::{BlockEntry, BlockKind, StatementEntry, YamlShape, statement};
 
-const SOURCE: Statement =
+const SOURCE: StatementEntry =
     statement("source", Rule::source, "source \"Wang et al., Table 1\"", "Where reported numbers come from.")
-        .key("source", Shape::Text);
+        .key("source", YamlShape::Text);
 
-const FRESH_SEEDS: Statement = statement(
+const FRESH_SEEDS: StatementEntry = statement(
     "repeat",
     Rule::fresh_seeds,
     "repeat 20 with fresh seeds",
     "Runs every case this often, none with the seed it was found with.",
 )
-.key("repeat", Shape::Words);
+.key("repeat", YamlShape::Words);
 
-const ON: Statement = statement("on", Rule::on_cases, "on low_pet`, `on all of low_pet`, `on 50 of zebra_walk`, `on as many of zebra_walk as low_pet` or `on \"cases.json\"", "The cases: what a search kept, the best case of everybody, a scenario, some of its cases, or a saved set.").key("on", Shape::Cases);
+const ON: StatementEntry = statement("on", Rule::on_cases, "on low_pet`, `on all of low_pet`, `on 50 of zebra_walk`, `on as many of zebra_walk as low_pet` or `on \"cases.json\"", "The cases: what a search kept, the best case of everybody, a scenario, some of its cases, or a saved set.").key("on", YamlShape::Cases);
 
-const BUDGET: Statement = statement(
+const BUDGET: StatementEntry = statement(
     "budget",
     Rule::budget,
     "budget 60 evaluations, 15 random first",
     "How many evaluations, how many of them to begin with, and by which method.",
 )
-.key("budget", Shape::Words);
+.key("budget", YamlShape::Words);
 
-const OVER: Statement = statement(
+const OVER: StatementEntry = statement(
     "over",
     Rule::over,
     "over tta in 6 s .. 18 s",
     "What is searched: a variation, or a parameter such as `av.controller.braking_distance`.",
 )
-.key("over", Shape::Values);
+.key("over", YamlShape::Values);
 
-const MAXIMISE: Statement =
+const MAXIMISE: StatementEntry =
     statement("maximise", Rule::objective, "maximise rate(gap_accepted)", "What is to be large.")
-        .key("maximise", Shape::Words);
+        .key("maximise", YamlShape::Words);
 
-const MINIMISE: Statement =
+const MINIMISE: StatementEntry =
     statement("minimise", Rule::objective, "minimise mean(time_lost)", "What is to be small.")
-        .key("minimise", Shape::Words);
+        .key("minimise", YamlShape::Words);
 
-pub static SUITE: Block = Block {
-    kind: Kind::Suite,
+pub static SUITE: BlockEntry = BlockEntry {
+    kind: BlockKind::Suite,
     rule: Rule::suite_block,
     name: "a `suite`",
     heads: &[DOC],
@@ -57,12 +57,12 @@ pub static SUITE: Block = Block {
             "scenarios \"../scenarios/zebra/*.scn\"",
             "Files whose scenarios belong to the suite.",
         )
-        .key("files", Shape::Text)
+        .key("files", YamlShape::Text)
         .repeats(),
         statement("seed", Rule::seed, "seed 20261121", "What all randomness is derived from.")
-            .key("seed", Shape::Words),
+            .key("seed", YamlShape::Words),
         statement("time_limit", Rule::time_limit, "time_limit 10 s per case", "Wall-clock limit.")
-            .key("time_limit", Shape::Words),
+            .key("time_limit", YamlShape::Words),
         EXPECT.repeats(),
         SCENARIO.repeats(),
         SEARCH.repeats(),
@@ -75,20 +75,20 @@ pub static SUITE: Block = Block {
             "gate braking { baseline \"zebra.json\"; no metric worse by more than 5 % with 95 % confidence }",
             "What may not get worse than a baseline.",
         )
-        .key("gates", Shape::Named)
-        .opens(Kind::Gate)
+        .key("gates", YamlShape::Named)
+        .opens(BlockKind::Gate)
         .repeats(),
     ],
 };
 
-pub static GATE: Block = Block {
-    kind: Kind::Gate,
+pub static GATE: BlockEntry = BlockEntry {
+    kind: BlockKind::Gate,
     rule: Rule::gate_block,
     name: "a `gate`",
     heads: &[DOC],
     statements: &[
         statement("baseline", Rule::baseline, "baseline \"zebra.json\"", "The file to compare with.")
-            .key("baseline", Shape::Text)
+            .key("baseline", YamlShape::Text)
             .needed("baseline", "baseline \"zebra.json\""),
         statement(
             "",
@@ -96,19 +96,19 @@ pub static GATE: Block = Block {
             "no metric worse by more than 5 % with 95 % confidence` or `pet not worse by more than 0.2 s",
             "What may not get worse.",
         )
-        .key("rules", Shape::Statements)
+        .key("rules", YamlShape::Statements)
         .repeats(),
     ],
 };
 
-pub static SEARCH_BLOCK: Block = Block {
-    kind: Kind::Search,
+pub static SEARCH_BLOCK: BlockEntry = BlockEntry {
+    kind: BlockKind::Search,
     rule: Rule::search_block,
     name: "a `search`",
     heads: &[DOC],
     statements: &[
         statement("in", Rule::search_in, "in zebra_walk", "The scenario that is searched.")
-            .key("in", Shape::Words)
+            .key("in", YamlShape::Words)
             .needed("scenario", "in SCENARIO"),
         INDIVIDUALS,
         INDIVIDUAL,
@@ -118,7 +118,7 @@ pub static SEARCH_BLOCK: Block = Block {
             "together",
             "One search over all individuals instead of one for each.",
         )
-        .key("together", Shape::Flag),
+        .key("together", YamlShape::Flag),
         MINIMISE.needed("objective", "minimise pet"),
         MAXIMISE,
         OVER.needed("range", "over tta in 6 s .. 18 s").repeats(),
@@ -130,12 +130,12 @@ pub static SEARCH_BLOCK: Block = Block {
             "keep pet < 1.5 s",
             "Which of the worst cases belong to the set that the search makes.",
         )
-        .key("keep", Shape::Words),
+        .key("keep", YamlShape::Words),
     ],
 };
 
-pub static TUNE_BLOCK: Block = Block {
-    kind: Kind::Tune,
+pub static TUNE_BLOCK: BlockEntry = BlockEntry {
+    kind: BlockKind::Tune,
     rule: Rule::tune_block,
     name: "a `tune`",
     heads: &[DOC],
@@ -150,7 +150,7 @@ pub static TUNE_BLOCK: Block = Block {
             "subject to pet >= 1.5 s, no collision",
             "What must hold in every run.",
         )
-        .key("subject_to", Shape::Commas)
+        .key("subject_to", YamlShape::Commas)
         .repeats(),
         BUDGET.needed("budget", "budget 60 evaluations, 15 random first"),
         FRESH_SEEDS,
@@ -160,36 +160,36 @@ pub static TUNE_BLOCK: Block = Block {
             "stop early",
             "Gives a candidate up at its first violation.",
         )
-        .key("stop_early", Shape::Flag),
+        .key("stop_early", YamlShape::Flag),
         statement(
             "otherwise",
             Rule::otherwise,
             "otherwise fewest violations",
             "Where no candidate keeps every constraint, takes the one that breaks them in the fewest runs.",
         )
-        .key("otherwise", Shape::Words),
+        .key("otherwise", YamlShape::Words),
         statement(
             "compare with default",
             Rule::compare,
             "compare with default",
             "Adds a table of before and after.",
         )
-        .key("compare_with_default", Shape::Flag),
+        .key("compare_with_default", YamlShape::Flag),
     ],
 };
 
-pub static EVALUATE_BLOCK: Block = Block { kind: Kind::Evaluate, rule: Rule::evaluate_block, name: "an `evaluate`", heads: &[DOC], statements: &[
+pub static EVALUATE_BLOCK: BlockEntry = BlockEntry { kind: BlockKind::Evaluate, rule: Rule::evaluate_block, name: "an `evaluate`", heads: &[DOC], statements: &[
 ON.needed("cases", "on SCENARIO"),
 statement("with", Rule::conditions, "with default, braking, \"tuned.json\" as saved, { av.controller.braking_distance: 10 m } as ten", "The conditions: what is declared, what a tune chose, another scenario, a saved set or parameters in place; \
-                 the first is what the others are compared with.").key("with", Shape::Conditions).needed("conditions", "with default, TUNE"),
+                 the first is what the others are compared with.").key("with", YamlShape::Conditions).needed("conditions", "with default, TUNE"),
 FRESH_SEEDS,
-statement("measure", Rule::measures, "measure mean(pet), rate(collision)", "The columns of the table.").key("measure", Shape::Commas),
+statement("measure", Rule::measures, "measure mean(pet), rate(collision)", "The columns of the table.").key("measure", YamlShape::Commas),
 SOURCE,
-statement("reported", Rule::reported_row, "reported default: 2.5 s, 3 %", "What a source has for a condition, a value for each measure.").key("reported", Shape::Rows).repeats(),
+statement("reported", Rule::reported_row, "reported default: 2.5 s, 3 %", "What a source has for a condition, a value for each measure.").key("reported", YamlShape::Rows).repeats(),
 ]};
 
-pub static STATEMENT_BLOCK: Block = Block {
-    kind: Kind::Statement,
+pub static STATEMENT_BLOCK: BlockEntry = BlockEntry {
+    kind: BlockKind::Statement,
     rule: Rule::statement_block,
     name: "a `statement`",
     heads: &[DOC],
@@ -201,7 +201,7 @@ pub static STATEMENT_BLOCK: Block = Block {
             "reported \"about 10 % at 6 s\"",
             "The numbers of the source, in words.",
         )
-        .key("reported", Shape::Text),
+        .key("reported", YamlShape::Text),
         statement(
             "claim",
             Rule::claim,
@@ -209,7 +209,7 @@ pub static STATEMENT_BLOCK: Block = Block {
                  `claim mean(pet) of final.tuned > mean(pet) of final.default",
             "What must hold in the results for the statement to be reproduced.",
         )
-        .key("claims", Shape::Lines)
+        .key("claims", YamlShape::Lines)
         .repeats(),
         statement(
             "differs",
@@ -217,13 +217,13 @@ pub static STATEMENT_BLOCK: Block = Block {
             "differs \"the reason\"",
             "It is known not to be reproduced, for this reason.",
         )
-        .key("differs", Shape::Text),
+        .key("differs", YamlShape::Text),
         statement(
             "not comparable",
             Rule::not_comparable,
             "not comparable \"the reason\"",
             "It cannot be compared, for this reason.",
         )
-        .key("not_comparable", Shape::Text),
+        .key("not_comparable", YamlShape::Text),
     ],
 };

@@ -11,7 +11,7 @@ use super::tree::{Node, Rule};
 
 /// A statement of a block.
 #[derive(Debug)]
-pub struct Statement {
+pub struct StatementEntry {
     /// The words that it begins with, whatever follows; none for statements that begin with any name.
     pub words: &'static str,
     pub(super) rule: Rule,
@@ -22,11 +22,11 @@ pub struct Statement {
     /// The key that stands for it in YAML; none for statements of blocks that have no keys there.
     pub key: &'static str,
     /// How the value of that key becomes statements.
-    pub shape: Shape,
+    pub shape: YamlShape,
     /// Whether a block may say it several times.
     pub repeats: bool,
     /// The block that it opens.
-    pub opens: Option<Kind>,
+    pub opens: Option<BlockKind>,
     /// Whether it gives something a name that other statements may use.
     pub names: bool,
     /// What is said where a block needs it and does not have it: what is lacking, and an example.
@@ -46,7 +46,7 @@ pub struct Set {
 
 /// How the value of a key in YAML becomes statements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Shape {
+pub enum YamlShape {
     /// The words after those that it begins with; a list makes one statement an item.
     Words,
     /// As [`Self::Words`], but long ones: a list stands on lines of its own.
@@ -91,7 +91,7 @@ pub enum Shape {
 
 /// A kind of block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub enum BlockKind {
     File,
     Road,
     Scenario,
@@ -109,17 +109,17 @@ pub enum Kind {
 
 /// A kind of block with its statements.
 #[derive(Debug)]
-pub struct Block {
-    pub kind: Kind,
+pub struct BlockEntry {
+    pub kind: BlockKind,
     rule: Rule,
     /// With an article: "a `vehicle`".
     pub name: &'static str,
     /// What stands before its statements without a word of its own.
-    heads: &'static [Statement],
-    pub statements: &'static [Statement],
+    heads: &'static [StatementEntry],
+    pub statements: &'static [StatementEntry],
 }
 
-impl Kind {
+impl BlockKind {
     /// The file first.
     pub const ALL: [Self; 13] = [
         Self::File,
@@ -137,7 +137,7 @@ impl Kind {
         Self::Statement,
     ];
 
-    pub fn block(self) -> &'static Block {
+    pub fn block(self) -> &'static BlockEntry {
         match self {
             Self::File => &world::FILE,
             Self::Road => &world::ROAD,
@@ -160,19 +160,19 @@ impl Kind {
     }
 }
 
-impl Block {
+impl BlockEntry {
     /// The kind's name alone, such as `vehicle`.
     pub fn word(&self) -> String {
         format!("{:?}", self.rule).trim_end_matches("_block").to_string()
     }
 
     /// What has a key in YAML, in the order in which it is written there.
-    pub fn keys(&self) -> impl Iterator<Item = &'static Statement> {
+    pub fn keys(&self) -> impl Iterator<Item = &'static StatementEntry> {
         self.heads.iter().chain(self.statements).filter(|statement| !statement.key.is_empty())
     }
 
     /// The statement that begins as `text` does.
-    pub fn beginning(&self, text: &str) -> Option<&'static Statement> {
+    pub fn beginning(&self, text: &str) -> Option<&'static StatementEntry> {
         let written = |index| text.split(|c: char| !is_letter(c)).filter(|word| !word.is_empty()).nth(index);
         let first = text.split(|c: char| !is_letter(c)).next().unwrap_or_default();
         let known = self.statements.iter().filter(|statement| statement.word() == first && !first.is_empty());
@@ -184,7 +184,7 @@ impl Block {
     }
 
     /// The statement that begins with any name.
-    pub fn free(&self) -> Option<&'static Statement> {
+    pub fn free(&self) -> Option<&'static StatementEntry> {
         self.statements.iter().find(|statement| statement.words.is_empty())
     }
 }
@@ -193,7 +193,7 @@ fn is_letter(c: char) -> bool {
     c.is_ascii_alphanumeric() || c == '_'
 }
 
-impl Statement {
+impl StatementEntry {
     /// The first of its words.
     pub fn word(&self) -> &'static str {
         self.words.split(' ').next().unwrap_or_default()
@@ -234,35 +234,35 @@ impl Statement {
 
 impl<'t> Node<'t> {
     /// The kind of block that it is.
-    pub fn block(self) -> Option<&'static Block> {
-        Kind::of(self.rule()).map(Kind::block)
+    pub fn block(self) -> Option<&'static BlockEntry> {
+        BlockKind::of(self.rule()).map(BlockKind::block)
     }
 
     /// The statement that a node of this block is.
-    pub fn statement_of(self, block: &Block) -> Option<&'static Statement> {
+    pub fn statement_of(self, block: &BlockEntry) -> Option<&'static StatementEntry> {
         block.heads.iter().chain(block.statements).find(|statement| statement.is(self))
     }
 }
 
 /// The statement of the block that is seen as `V`.
-pub fn viewed<'t, V: View<'t>>(block: Node<'t>) -> Option<&'static Statement> {
+pub fn viewed<'t, V: View<'t>>(block: Node<'t>) -> Option<&'static StatementEntry> {
     let statements = block.block()?.statements.iter();
     statements.filter(|statement| V::is(statement.rule)).min_by_key(|statement| statement.missing.is_none())
 }
 
 /// Every statement of every block.
-pub fn all() -> impl Iterator<Item = &'static Statement> {
-    Kind::ALL.into_iter().flat_map(|kind| kind.block().statements)
+pub fn all() -> impl Iterator<Item = &'static StatementEntry> {
+    BlockKind::ALL.into_iter().flat_map(|kind| kind.block().statements)
 }
 
 /// The blocks that have a statement beginning with the word.
 pub fn homes(word: &str) -> Vec<&'static str> {
-    let has = |block: &&Block| block.statements.iter().any(|statement| statement.word() == word);
-    Kind::ALL.into_iter().map(Kind::block).filter(has).map(|block| block.name).collect()
+    let has = |block: &&BlockEntry| block.statements.iter().any(|statement| statement.word() == word);
+    BlockKind::ALL.into_iter().map(BlockKind::block).filter(has).map(|block| block.name).collect()
 }
 
 /// A setting in braces.
-pub static SETTING: Statement = statement(
+pub static SETTING: StatementEntry = statement(
     "",
     Rule::whole_setting,
     "{ profile: normal, braking_distance: 5 m }",
@@ -270,7 +270,7 @@ pub static SETTING: Statement = statement(
 );
 
 /// A parameter of a road user in braces.
-pub static GIVEN: Statement = statement(
+pub static GIVEN: StatementEntry = statement(
     "",
     Rule::whole_given,
     "{ av.controller.braking_distance: 10 m }",
@@ -278,14 +278,19 @@ pub static GIVEN: Statement = statement(
 );
 
 /// A statement that stands once in a block and has no key in YAML.
-const fn statement(words: &'static str, rule: Rule, usage: &'static str, doc: &'static str) -> Statement {
-    Statement {
+const fn statement(
+    words: &'static str,
+    rule: Rule,
+    usage: &'static str,
+    doc: &'static str,
+) -> StatementEntry {
+    StatementEntry {
         words,
         rule,
         usage,
         doc,
         key: "",
-        shape: Shape::Words,
+        shape: YamlShape::Words,
         repeats: false,
         opens: None,
         names: false,
@@ -294,8 +299,8 @@ const fn statement(words: &'static str, rule: Rule, usage: &'static str, doc: &'
     }
 }
 
-impl Statement {
-    const fn key(self, key: &'static str, shape: Shape) -> Self {
+impl StatementEntry {
+    const fn key(self, key: &'static str, shape: YamlShape) -> Self {
         Self { key, shape, ..self }
     }
 
@@ -303,7 +308,7 @@ impl Statement {
         Self { repeats: true, ..self }
     }
 
-    const fn opens(self, block: Kind) -> Self {
+    const fn opens(self, block: BlockKind) -> Self {
         Self { opens: Some(block), ..self }
     }
 

@@ -6,12 +6,12 @@ use pest::Parser;
 
 use super::super::grammar::Grammar;
 use super::super::tree;
-use super::{GIVEN, Kind, SETTING};
+use super::{BlockKind, GIVEN, SETTING};
 
 #[test]
 fn every_block_has_the_statements_that_the_grammar_gives_it() {
     let grammar = Grammar::read();
-    for block in Kind::ALL.into_iter().map(Kind::block) {
+    for block in BlockKind::ALL.into_iter().map(BlockKind::block) {
         let known =
             block.heads.iter().chain(block.statements).map(|statement| format!("{:?}", statement.rule));
         // The head of a scenario stands before its braces.
@@ -25,7 +25,8 @@ fn every_block_has_the_statements_that_the_grammar_gives_it() {
 
 #[test]
 fn every_example_is_the_statement() {
-    let all = Kind::ALL.into_iter().flat_map(|kind| kind.block().heads.iter().chain(kind.block().statements));
+    let all =
+        BlockKind::ALL.into_iter().flat_map(|kind| kind.block().heads.iter().chain(kind.block().statements));
     for statement in all {
         assert!(!statement.doc.is_empty() && statement.usages().count() > 0, "{}", statement.words);
         for usage in statement.usages() {
@@ -43,7 +44,7 @@ fn every_example_is_the_statement() {
 
 #[test]
 fn keys_are_unique() {
-    for block in Kind::ALL.into_iter().map(Kind::block) {
+    for block in BlockKind::ALL.into_iter().map(BlockKind::block) {
         let keys: Vec<&str> = block.keys().map(|statement| statement.key).collect();
         assert_eq!(keys.iter().collect::<BTreeSet<_>>().len(), keys.len(), "{}", block.name);
     }

@@ -1,96 +1,96 @@
 //! The statements of files, roads, scenarios and road users.
 
 use super::super::tree::Rule;
-use super::{Block, Kind, Shape, Statement, statement};
+use super::{BlockEntry, BlockKind, StatementEntry, YamlShape, statement};
 
 /// What a block is about, in quotes at its beginning.
-pub(super) const DOC: Statement =
-    statement("", Rule::doc, "\"What it is about.\"", "What it is about.").key("doc", Shape::Text);
-const EXTENDS: Statement = statement(
+pub(super) const DOC: StatementEntry =
+    statement("", Rule::doc, "\"What it is about.\"", "What it is about.").key("doc", YamlShape::Text);
+const EXTENDS: StatementEntry = statement(
     "",
     Rule::base,
     ": BASE(delay: 2 s)",
     "The scenario or template that it builds on, with arguments: `base(delay: 2 s)`.",
 )
-.key("extends", Shape::Base);
-const PARAMETERS: Statement =
+.key("extends", YamlShape::Base);
+const PARAMETERS: StatementEntry =
     statement("", Rule::parameters, "(delay = 2 s)", "The parameters of a template with their defaults.")
-        .key("parameters", Shape::Parameters);
-pub(super) const LET: Statement =
+        .key("parameters", YamlShape::Parameters);
+pub(super) const LET: StatementEntry =
     statement("let", Rule::binding, "let pace = 1.4 m/s", "Gives a value a name.")
-        .key("let", Shape::Bindings)
+        .key("let", YamlShape::Bindings)
         .names();
-pub(super) const SCENARIO: Statement = statement(
+pub(super) const SCENARIO: StatementEntry = statement(
     "scenario",
     Rule::scenario,
     "scenario NAME { … }` or `scenario NAME : BASE { … }",
     "A situation to simulate, possibly built on another.",
 )
-.key("scenarios", Shape::Named)
-.opens(Kind::Scenario)
+.key("scenarios", YamlShape::Named)
+.opens(BlockKind::Scenario)
 .names();
-pub(super) const SEARCH: Statement = statement(
+pub(super) const SEARCH: StatementEntry = statement(
     "search",
     Rule::search,
     "search NAME { … }",
     "Looks for the values at which a metric is worst.",
 )
-.key("searches", Shape::Named)
-.opens(Kind::Search)
+.key("searches", YamlShape::Named)
+.opens(BlockKind::Search)
 .names();
-pub(super) const TUNE: Statement =
+pub(super) const TUNE: StatementEntry =
     statement("tune", Rule::tune, "tune NAME { … }", "Looks for the best controller parameters.")
-        .key("tunes", Shape::Named)
-        .opens(Kind::Tune)
+        .key("tunes", YamlShape::Named)
+        .opens(BlockKind::Tune)
         .names();
-pub(super) const EVALUATE: Statement = statement(
+pub(super) const EVALUATE: StatementEntry = statement(
     "evaluate",
     Rule::evaluate,
     "evaluate NAME { … }",
     "Compares parameter sets on the same cases.",
 )
-.key("evaluates", Shape::Named)
-.opens(Kind::Evaluate)
+.key("evaluates", YamlShape::Named)
+.opens(BlockKind::Evaluate)
 .names();
-pub(super) const STATEMENT: Statement = statement(
+pub(super) const STATEMENT: StatementEntry = statement(
     "statement",
     Rule::statement,
     "statement NAME { … }",
     "What a source says, held against the results.",
 )
-.key("statements", Shape::Named)
-.opens(Kind::Statement)
+.key("statements", YamlShape::Named)
+.opens(BlockKind::Statement)
 .names();
-pub(super) const TAGS: Statement =
+pub(super) const TAGS: StatementEntry =
     statement("tags", Rule::tags, "tags paper, zebra", "Words to select scenarios by.")
-        .key("tags", Shape::Commas);
-pub(super) const REPEAT: Statement =
+        .key("tags", YamlShape::Commas);
+pub(super) const REPEAT: StatementEntry =
     statement("repeat", Rule::repeat, "repeat 4", "How often everything is run, with different seeds.")
-        .key("repeat", Shape::Words);
-pub(super) const EXPECT: Statement =
+        .key("repeat", YamlShape::Words);
+pub(super) const EXPECT: StatementEntry =
     statement("expect", Rule::expect, "expect { no collision }", "Criteria that runs must meet.")
-        .key("expect", Shape::Statements)
-        .opens(Kind::Expect);
-pub(super) const SIZE: Statement =
+        .key("expect", YamlShape::Statements)
+        .opens(BlockKind::Expect);
+pub(super) const SIZE: StatementEntry =
     statement("size", Rule::size, "size 4.5 m x 1.8 m", "Length and width of the footprint.")
-        .key("size", Shape::Words);
-pub(super) const INDIVIDUALS: Statement = statement(
+        .key("size", YamlShape::Words);
+pub(super) const INDIVIDUALS: StatementEntry = statement(
     "individuals",
     Rule::individuals,
     "individuals 5 of standard",
     "Takes parameters from people of a population.",
 )
-.key("individuals", Shape::Words);
-pub(super) const INDIVIDUAL: Statement = statement(
+.key("individuals", YamlShape::Words);
+pub(super) const INDIVIDUAL: StatementEntry = statement(
     "individual",
     Rule::individual,
     "individual 17 of standard",
     "Takes the parameters of one person of a population.",
 )
-.key("individual", Shape::Words);
+.key("individual", YamlShape::Words);
 
-pub static FILE: Block = Block {
-    kind: Kind::File,
+pub static FILE: BlockEntry = BlockEntry {
+    kind: BlockKind::File,
     rule: Rule::file,
     name: "a file",
     heads: &[],
@@ -101,12 +101,12 @@ pub static FILE: Block = Block {
             "use \"../roads/town01.scn\"",
             "Makes the names of another file known.",
         )
-        .key("use", Shape::Text)
+        .key("use", YamlShape::Text)
         .repeats(),
         LET.repeats(),
         statement("road", Rule::road_definition, "road NAME { … }", "A road that scenarios can name.")
-            .key("roads", Shape::Named)
-            .opens(Kind::Road)
+            .key("roads", YamlShape::Named)
+            .opens(BlockKind::Road)
             .names()
             .repeats(),
         statement(
@@ -115,8 +115,8 @@ pub static FILE: Block = Block {
             "define NAME(delay = 2 s) { … }` or `define NAME : BASE { … }",
             "A scenario with parameters to build others on.",
         )
-        .key("templates", Shape::Named)
-        .opens(Kind::Scenario)
+        .key("templates", YamlShape::Named)
+        .opens(BlockKind::Scenario)
         .names()
         .repeats(),
         SCENARIO.repeats(),
@@ -125,14 +125,14 @@ pub static FILE: Block = Block {
         EVALUATE.repeats(),
         STATEMENT.repeats(),
         statement("suite", Rule::suite, "suite NAME { … }", "Scenarios that are run together.")
-            .key("suite", Shape::Named)
-            .opens(Kind::Suite)
+            .key("suite", YamlShape::Named)
+            .opens(BlockKind::Suite)
             .repeats(),
     ],
 };
 
-pub static ROAD: Block = Block {
-    kind: Kind::Road,
+pub static ROAD: BlockEntry = BlockEntry {
+    kind: BlockKind::Road,
     rule: Rule::road_block,
     name: "a `road`",
     heads: &[],
@@ -143,22 +143,22 @@ pub static ROAD: Block = Block {
             "lanes forward, backward",
             "The lanes from the near side to the far side, or their number.",
         )
-        .key("lanes", Shape::Commas),
+        .key("lanes", YamlShape::Commas),
         statement("lane_width", Rule::lane_width, "lane_width 3.5 m", "Width of every lane.")
-            .key("lane_width", Shape::Words)
+            .key("lane_width", YamlShape::Words)
             .needed("lane width", "lane_width 3.5 m"),
         statement("speed_limit", Rule::speed_limit, "speed_limit 30 km/h", "The speed limit.")
-            .key("speed_limit", Shape::Words)
+            .key("speed_limit", YamlShape::Words)
             .needed("speed limit", "speed_limit 30 km/h"),
         statement("no kerbs", Rule::no_kerbs, "no kerbs", "Carriageway and pavement are on one level.")
-            .key("kerbs", Shape::NotFlag),
+            .key("kerbs", YamlShape::NotFlag),
         statement(
             "crossing",
             Rule::crossing,
             "crossing zebra { width: 4 m }",
             "`zebra`, `unmarked` or `signalised`; its middle is the origin of all places.",
         )
-        .key("crossing", Shape::Model)
+        .key("crossing", YamlShape::Model)
         .needed("crossing", "crossing zebra { width: 4 m }"),
         statement(
             "box",
@@ -166,7 +166,7 @@ pub static ROAD: Block = Block {
             "box van { along: -12 m, across: -2.5 m, length: 5 m, width: 2 m }",
             "Something that blocks the view and the way.",
         )
-        .key("boxes", Shape::NamedSettings)
+        .key("boxes", YamlShape::NamedSettings)
         .repeats(),
         statement(
             "parked",
@@ -174,31 +174,31 @@ pub static ROAD: Block = Block {
             "parked car { along: -12 m, across: -2.5 m, length: 4.5 m, width: 1.8 m }",
             "A parked vehicle, which blocks the view and the way.",
         )
-        .key("parked", Shape::NamedSettings)
+        .key("parked", YamlShape::NamedSettings)
         .repeats(),
     ],
 };
 
-pub static SCENARIO_BLOCK: Block = Block { kind: Kind::Scenario, rule: Rule::scenario_block, name: "a `scenario`", heads: &[DOC, EXTENDS, PARAMETERS], statements: &[
+pub static SCENARIO_BLOCK: BlockEntry = BlockEntry { kind: BlockKind::Scenario, rule: Rule::scenario_block, name: "a `scenario`", heads: &[DOC, EXTENDS, PARAMETERS], statements: &[
 TAGS.repeats(),
-statement("road", Rule::road_choice, "road NAME` or `road { … }", "Where it happens.").key("road", Shape::NameOrBlock).opens(Kind::Road).needed("road", "road NAME` or `road { … }"),
+statement("road", Rule::road_choice, "road NAME` or `road { … }", "Where it happens.").key("road", YamlShape::NameOrBlock).opens(BlockKind::Road).needed("road", "road NAME` or `road { … }"),
 LET.repeats(),
-statement("vehicle", Rule::vehicle, "vehicle NAME { … }", "A vehicle with its controller.").key("vehicles", Shape::Named).opens(Kind::Vehicle).names().repeats(),
-statement("pedestrian", Rule::pedestrian, "pedestrian NAME { … }", "A pedestrian with its model.").key("pedestrians", Shape::Named).opens(Kind::Pedestrian).names().repeats(),
-statement("vary", Rule::vary, "vary tta in [6 s, 10 s]`, `vary tta in 6 s .. 18 s step 4 s` or `vary tta in uniform(6 s, 18 s) 100 times", "A name that takes several values; every combination of all `vary` lines is run.").key("vary", Shape::Values).names().repeats(),
-statement("vary together", Rule::vary_together, "vary together { a in [1 s, 2 s]; b in [3 m, 4 m] }", "Names whose values go together.").key("vary_together", Shape::Together).opens(Kind::Together).names().repeats(),
+statement("vehicle", Rule::vehicle, "vehicle NAME { … }", "A vehicle with its controller.").key("vehicles", YamlShape::Named).opens(BlockKind::Vehicle).names().repeats(),
+statement("pedestrian", Rule::pedestrian, "pedestrian NAME { … }", "A pedestrian with its model.").key("pedestrians", YamlShape::Named).opens(BlockKind::Pedestrian).names().repeats(),
+statement("vary", Rule::vary, "vary tta in [6 s, 10 s]`, `vary tta in 6 s .. 18 s step 4 s` or `vary tta in uniform(6 s, 18 s) 100 times", "A name that takes several values; every combination of all `vary` lines is run.").key("vary", YamlShape::Values).names().repeats(),
+statement("vary together", Rule::vary_together, "vary together { a in [1 s, 2 s]; b in [3 m, 4 m] }", "Names whose values go together.").key("vary_together", YamlShape::Together).opens(BlockKind::Together).names().repeats(),
 REPEAT.set_instead_of(Rule::runs, "repeat "),
-statement("runs", Rule::runs, "runs 50 .. 2000", "Runs are added until every criterion with confidence is decided; at least and at most so many.").key("runs", Shape::Words),
-statement("seed", Rule::seed, "seed 417", "The seed of the first run of each trial itself, whatever the suite's seed; others follow from it.").key("seed", Shape::Words).set("seed ", ""),
-statement("step", Rule::step, "step 25 ms", "The simulation step.").key("step", Shape::Words).set("step ", ""),
-statement("horizon", Rule::horizon, "horizon 60 s", "Simulated time after which a run ends.").key("horizon", Shape::Words).set("horizon ", ""),
-statement("finish", Rule::finish, "finish 100 m", "Distance of the finish line behind the crossing.").key("finish", Shape::Words).set("finish ", ""),
-statement("end on collision", Rule::end_on_collision, "end on collision", "Ends a run at a collision.").key("end_on_collision", Shape::Flag),
+statement("runs", Rule::runs, "runs 50 .. 2000", "Runs are added until every criterion with confidence is decided; at least and at most so many.").key("runs", YamlShape::Words),
+statement("seed", Rule::seed, "seed 417", "The seed of the first run of each trial itself, whatever the suite's seed; others follow from it.").key("seed", YamlShape::Words).set("seed ", ""),
+statement("step", Rule::step, "step 25 ms", "The simulation step.").key("step", YamlShape::Words).set("step ", ""),
+statement("horizon", Rule::horizon, "horizon 60 s", "Simulated time after which a run ends.").key("horizon", YamlShape::Words).set("horizon ", ""),
+statement("finish", Rule::finish, "finish 100 m", "Distance of the finish line behind the crossing.").key("finish", YamlShape::Words).set("finish ", ""),
+statement("end on collision", Rule::end_on_collision, "end on collision", "Ends a run at a collision.").key("end_on_collision", YamlShape::Flag),
 EXPECT.repeats(),
 ]};
 
-pub static VEHICLE: Block = Block {
-    kind: Kind::Vehicle,
+pub static VEHICLE: BlockEntry = BlockEntry {
+    kind: BlockKind::Vehicle,
     rule: Rule::vehicle_block,
     name: "a `vehicle`",
     heads: &[],
@@ -209,7 +209,7 @@ pub static VEHICLE: Block = Block {
             "controller carla_behavior { profile: normal }",
             "What drives it, with settings.",
         )
-        .key("controller", Shape::Model)
+        .key("controller", YamlShape::Model)
         .needed("controller", "controller carla_behavior")
         .set_where_said(),
         statement(
@@ -218,7 +218,7 @@ pub static VEHICLE: Block = Block {
             "dynamics prius",
             "How it answers to the controller's commands.",
         )
-        .key("dynamics", Shape::Model)
+        .key("dynamics", YamlShape::Model)
         .set_where_said(),
         statement(
             "sees",
@@ -226,14 +226,14 @@ pub static VEHICLE: Block = Block {
             "sees { range: 60 m }",
             "What its controller perceives; without it, everything.",
         )
-        .key("sees", Shape::Settings),
+        .key("sees", YamlShape::Settings),
         SIZE.set("size ", ""),
         statement("speed", Rule::speed, "speed 30 km/h", "The steady cruise that it starts in.")
-            .key("speed", Shape::Words)
+            .key("speed", YamlShape::Words)
             .needed("speed", "speed 30 km/h")
             .set("speed ", ""),
         statement("lane", Rule::lane, "lane 0", "Its lane, counted from the near side.")
-            .key("lane", Shape::Words)
+            .key("lane", YamlShape::Words)
             .set("lane ", ""),
         statement(
             "start",
@@ -241,13 +241,13 @@ pub static VEHICLE: Block = Block {
             "start 80 m before crossing` or `start 6 s before crossing",
             "Where it starts; without it, as far out as pedestrians need it.",
         )
-        .key("start", Shape::Words)
+        .key("start", YamlShape::Words)
         .set("start ", " before crossing"),
     ],
 };
 
-pub static PEDESTRIAN: Block = Block {
-    kind: Kind::Pedestrian,
+pub static PEDESTRIAN: BlockEntry = BlockEntry {
+    kind: BlockKind::Pedestrian,
     rule: Rule::pedestrian_block,
     name: "a `pedestrian`",
     heads: &[],
@@ -258,24 +258,24 @@ pub static PEDESTRIAN: Block = Block {
             "model scripted { speed: 1.4 m/s }",
             "How it behaves, with settings.",
         )
-        .key("model", Shape::Model)
+        .key("model", YamlShape::Model)
         .needed("model", "model carla_walker")
         .set_where_said(),
         INDIVIDUALS,
         INDIVIDUAL,
         SIZE.set_instead_of(Rule::radius, "size "),
         statement("radius", Rule::radius, "radius 0.25 m", "Radius of a round footprint.")
-            .key("radius", Shape::Words)
+            .key("radius", YamlShape::Words)
             .set_instead_of(Rule::size, "radius "),
         statement("from", Rule::side, "from far side", "The side of the road that it comes from.")
-            .key("from", Shape::Words),
+            .key("from", YamlShape::Words),
         statement(
             "start",
             Rule::pedestrian_start,
             "start 2 m from kerb` or `start 4 m from lane centre",
             "Where it stands at first.",
         )
-        .key("start", Shape::Words)
+        .key("start", YamlShape::Words)
         .needed("start", "start 2 m from kerb")
         .set_where_said(),
         statement(
@@ -284,7 +284,7 @@ pub static PEDESTRIAN: Block = Block {
             "along 1 m",
             "Its place along the road; 0 is the middle of the crossing.",
         )
-        .key("along", Shape::Words)
+        .key("along", YamlShape::Words)
         .set("along ", ""),
         statement(
             "goal",
@@ -292,7 +292,7 @@ pub static PEDESTRIAN: Block = Block {
             "goal 2 m beyond kerb",
             "Where it wants to go, beyond the opposite kerb.",
         )
-        .key("goal", Shape::Words)
+        .key("goal", YamlShape::Words)
         .set("goal ", " beyond kerb"),
         statement(
             "appears",
@@ -300,13 +300,13 @@ pub static PEDESTRIAN: Block = Block {
             "appears at 2 s` or `appears when time_to_arrival(av) = 6 s",
             "When it enters the world.",
         )
-        .key("appears", Shape::Words)
+        .key("appears", YamlShape::Words)
         .set_where_said(),
     ],
 };
 
-pub static EXPECT_BLOCK: Block = Block {
-    kind: Kind::Expect,
+pub static EXPECT_BLOCK: BlockEntry = BlockEntry {
+    kind: BlockKind::Expect,
     rule: Rule::expect_block,
     name: "`expect`",
     heads: &[],
@@ -319,8 +319,8 @@ pub static EXPECT_BLOCK: Block = Block {
     .repeats()],
 };
 
-pub static TOGETHER: Block = Block {
-    kind: Kind::Together,
+pub static TOGETHER: BlockEntry = BlockEntry {
+    kind: BlockKind::Together,
     rule: Rule::together_block,
     name: "`vary together`",
     heads: &[],
