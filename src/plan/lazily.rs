@@ -38,7 +38,6 @@ pub struct ScenarioPlan(Arc<Common>);
 struct Common {
     suite: String,
     seed: u64,
-    scenario: Scenario,
     /// The groups of people that every trial is run with.
     people: Vec<Vec<Individual>>,
     combinations: Combinations<'static>,
@@ -104,8 +103,8 @@ impl ScenarioPlan {
                 PlanError::new(&scenario.origin, message).with_hint("vary fewer values or repeat less often")
             );
         }
-        let (suite, seed, scenario) = (suite.name.clone(), suite.seed, scenario.clone());
-        Ok(Self(Arc::new(Common { suite, seed, scenario, people, combinations, rounds, runs })))
+        let (suite, seed) = (suite.name.clone(), suite.seed);
+        Ok(Self(Arc::new(Common { suite, seed, people, combinations, rounds, runs })))
     }
 
     /// How many trials there are.
@@ -119,7 +118,7 @@ impl ScenarioPlan {
 
     /// The scenario.
     pub fn scenario(&self) -> &Scenario {
-        &self.0.scenario
+        self.0.combinations.scenario()
     }
 
     /// How many runs a trial has, all that there may be.
@@ -129,7 +128,7 @@ impl ScenarioPlan {
 
     /// The name of a trial.
     fn key(&self, variation: &[Assignment]) -> String {
-        let mut key = format!("{}/{}", self.0.suite, self.0.scenario.name);
+        let mut key = format!("{}/{}", self.0.suite, self.scenario().name);
         for assignment in variation {
             key.push_str(&format!("/{}={}", assignment.name, assignment.label));
         }
@@ -138,24 +137,28 @@ impl ScenarioPlan {
 
     /// The trial with this index, without working out its worlds.
     fn outline(&self, index: usize) -> Result<Outline, PlanError> {
-        let Common { scenario, combinations, rounds, runs, .. } = &*self.0;
-        let variation = combinations.get(index)?;
-        let key = self.key(&variation);
+        let variation = self.0.combinations.get(index)?;
+        self.outline_of(self.key(&variation), variation)
+    }
+
+    fn outline_of(&self, key: String, variation: Vec<Assignment>) -> Result<Outline, PlanError> {
+        let (scenario, Common { rounds, runs, .. }) = (self.scenario(), &*self.0);
         let criteria = criteria(scenario, &variables(&variation)).map_err(|error| error.in_case(&key))?;
         Ok(Outline { key, variation, runs: *runs, rounds: *rounds, criteria })
     }
 
     /// All of them, of which no two have one name.
     fn outlines(&self) -> impl Iterator<Item = Result<Outline, PlanError>> {
-        let scenario = &self.0.scenario;
+        let scenario = self.scenario();
         let mut keys: HashSet<[u8; 16]> = HashSet::new();
         (0..self.len()).map(move |index| {
-            let key = self.key(&self.0.combinations.get(index)?);
+            let variation = self.0.combinations.get(index)?;
+            let key = self.key(&variation);
             if !keys.insert(digest([key.as_str()].into_iter())) {
                 let message = format!("scenario `{}` has two trials named `{key}`", scenario.name);
                 return Err(PlanError::new(&scenario.origin, message).with_hint("list every value once"));
             }
-            self.outline(index)
+            self.outline_of(key, variation)
         })
     }
 
@@ -168,7 +171,7 @@ impl ScenarioPlan {
             Part::Everybody => (all, 1),
             Part::First => (1, 1),
         };
-        let scenario = &self.0.scenario;
+        let scenario = self.scenario();
         let trial = Arc::new(Trial {
             scenario: scenario.name.clone(),
             doc: scenario.doc.clone(),
@@ -287,7 +290,7 @@ impl Planned {
         } else {
             (index / self.repetitions, index % self.repetitions)
         };
-        let Common { seed, scenario, people, .. } = &*self.of.0;
+        let (scenario, Common { seed, people, .. }) = (self.of.scenario(), &*self.of.0);
         let repetition = repetition as u32 + 1;
         let key = format!("{}{}/rep={repetition}", self.trial.key, people_label(&people[who]));
         Case {
@@ -309,7 +312,7 @@ impl Planned {
     }
 
     fn resolve(&self, who: usize) -> Result<Arc<World>, PlanError> {
-        let Common { scenario, people, .. } = &*self.of.0;
+        let (scenario, people) = (self.of.scenario(), &self.of.0.people);
         let world = setup::world(scenario, &variables(&self.trial.variation), &people[who]);
         let in_case =
             |error: PlanError| error.in_case(&format!("{}{}", self.trial.key, people_label(&people[who])));

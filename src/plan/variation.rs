@@ -51,6 +51,11 @@ impl<'a> Combinations<'a> {
         Ok(Self { scenario, given, draws })
     }
 
+    /// Whose they are.
+    pub fn scenario(&self) -> &Scenario {
+        &self.scenario
+    }
+
     /// At most [`usize::MAX`]; one empty combination without any variation.
     pub fn count(&self) -> usize {
         self.scenario.variations.iter().fold(1, |all, variation| all.saturating_mul(values(variation)))
