@@ -242,6 +242,17 @@ fn nothing_is_registered_globally() {
     complain(broken);
 }
 
+/// Otherwise the rules above would hold of nothing.
+#[test]
+fn the_rooms_are_those_of_the_sources() {
+    let found: BTreeSet<String> = sources().into_iter().map(|source| source.room).collect();
+    let known = ROOMS.iter().chain(&["lib", "main"]).map(ToString::to_string);
+    assert_eq!(found, known.collect());
+    let of_no_room =
+        STRANGERS.iter().flat_map(|(one, other)| [one, other]).filter(|room| !ROOMS.contains(room));
+    assert_eq!(of_no_room.collect::<Vec<_>>(), Vec::<&&str>::new());
+}
+
 #[test]
 fn paths_are_read_as_the_compiler_does() {
     let found = known_rooms(
