@@ -9,7 +9,7 @@ use scenario_runner::lang;
 use scenario_runner::models::standard;
 use scenario_runner::plan::plan;
 use scenario_runner::project::PlannedSuite;
-use scenario_runner::results::{Event, Reporter, Requests, TrialState};
+use scenario_runner::results::{Event, Reporter, Requests, TrialState, Unheard};
 use scenario_runner::run::{FreeFlows, Threads, note_places, run_case};
 use scenario_runner::runner::{Orders, Runner, units};
 use scenario_runner::sim::{Observer, Step};
@@ -24,12 +24,6 @@ fn prepared() -> [PlannedSuite; 1] {
         .suite;
     let plan = plan(&suite).unwrap();
     [PlannedSuite { file: "zebra_unsafe.suite".into(), suite, plan, recorded: Vec::new() }]
-}
-
-struct Deaf;
-
-impl Reporter for Deaf {
-    fn tell(&mut self, _: &Event) {}
 }
 
 /// Panics when the first unit has finished.
@@ -133,7 +127,7 @@ fn a_panic_in_a_trial_is_an_error_of_it_and_the_others_finish() {
     };
     let threads = Threads::new(2);
     let session = Runner::new(&suites, &threads, &standard()).watched_by(&watch);
-    for (key, state) in run_all(&mut Deaf, &session) {
+    for (key, state) in run_all(&mut Unheard, &session) {
         match state {
             TrialState::Errored(message) if key == *broken => {
                 assert!(message.starts_with(&format!("{key}: scenario-runner ")), "{message}");

@@ -10,7 +10,7 @@ use scenario_runner::lang;
 use scenario_runner::models::standard;
 use scenario_runner::plan::plan;
 use scenario_runner::project::PlannedSuite;
-use scenario_runner::results::{Event, Reporter, TrialState, Verdict};
+use scenario_runner::results::{TrialState, Unheard, Verdict};
 use scenario_runner::run::{Executor, Shuffled, Stop, Threads};
 use scenario_runner::runner::{Orders, Runner, judge_gates, measured_trials, units};
 use scenario_runner::shrink::{KnobPlace, shrink};
@@ -74,12 +74,6 @@ statement slower {
 }
 "#;
 
-struct Silent;
-
-impl Reporter for Silent {
-    fn tell(&mut self, _: &Event) {}
-}
-
 fn prepared(folder: &Path) -> [PlannedSuite; 1] {
     let path = folder.join("everything.suite");
     let suite = lang::load(&path, &standard(), &Disk)
@@ -108,7 +102,7 @@ fn run_by(executor: &dyn Executor, folder: &Path) -> (String, String) {
     let units = units(&suites);
     let chosen = vec![true; units.len()];
     let orders = Orders { chosen: &chosen, first: &[], max_failures: None };
-    let mut reports = session.run(&units, &orders, &mut Silent);
+    let mut reports = session.run(&units, &orders, &mut Unheard);
     let baseline = folder.join("everything.json");
     if !baseline.exists() {
         let trials: Vec<_> = reports[0].trials.iter().collect();

@@ -164,10 +164,8 @@ mod tests {
     use super::*;
     use crate::experiment::{EarlierResults, Silent};
     use crate::files::Disk;
-    use crate::lang;
     use crate::models::standard;
-    use crate::plan::plan;
-    use crate::project::PlannedSuite;
+    use crate::project::Project;
     use crate::results::UnitReport;
     use crate::run::Threads;
     use crate::runner::units;
@@ -175,15 +173,12 @@ mod tests {
     #[test]
     fn trials_that_were_decided_early_are_run_to_their_end() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/zebra/carla_walker.scn");
-        let suite = lang::load(&path, &standard(), &Disk)
-            .unwrap_or_else(|_| panic!("{} is a scenario", path.display()))
-            .suite;
-        let plan = plan(&suite).unwrap();
-        let suites = [PlannedSuite { file: "walker.scn".into(), suite, plan, recorded: Vec::new() }];
+        let project = Project::open(&path, &standard(), &Disk).unwrap_or_else(|error| panic!("{error}"));
+        let suites = project.suites();
         let threads = Threads::new(2);
-        let runner = Runner::new(&suites, &threads, &standard());
+        let runner = Runner::new(suites, &threads, &standard());
         let mut trials = Vec::new();
-        for unit in units(&suites) {
+        for unit in units(suites) {
             match runner.run_unit(&unit, &EarlierResults::default(), &Silent) {
                 UnitReport::Trial(trial) => trials.push(trial),
                 _ => panic!("a scenario has trials only"),

@@ -256,9 +256,8 @@ mod tests {
     use super::*;
     use crate::experiment::Silent;
     use crate::files::Disk;
-    use crate::lang;
     use crate::models::standard;
-    use crate::plan::plan;
+    use crate::project::Project;
     use crate::run::Threads;
     use crate::runner::units;
 
@@ -266,15 +265,12 @@ mod tests {
     #[test]
     fn of_a_run_no_more_is_kept_than_its_trial_needs() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/zebra/carla_walker.scn");
-        let suite = lang::load(&path, &standard(), &Disk)
-            .unwrap_or_else(|_| panic!("{} is a scenario", path.display()))
-            .suite;
-        let plan = plan(&suite).unwrap();
-        let suites = [PlannedSuite { file: "walker.scn".into(), suite, plan, recorded: Vec::new() }];
+        let project = Project::open(&path, &standard(), &Disk).unwrap_or_else(|error| panic!("{error}"));
+        let suites = project.suites();
         let threads = Threads::new(1);
-        let runner = Runner::new(&suites, &threads, &standard());
+        let runner = Runner::new(suites, &threads, &standard());
         let trial = suites[0].plan.trial(0);
-        let unit = &units(&suites)[0];
+        let unit = &units(suites)[0];
         let UnitReport::Trial(report) = runner.run_unit(unit, &EarlierResults::default(), &Silent) else {
             panic!("the first unit is a trial");
         };
