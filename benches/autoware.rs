@@ -1,12 +1,10 @@
 //! What one control step of the reduced Autoware costs, planning ticks included.
 
+use models::standard;
+use models::vehicle::ControllerContext;
 use nalgebra::Vector2;
-use scenario_runner::models::standard;
-use scenario_runner::scenario::{
-    Direction, ModelSetup, Road, Settings, Shape, VehicleSetup, VehicleStart, World,
-};
-use scenario_runner::sim::{Controller, EgoState, Observation, RoadView, SeenPedestrian};
-use scenario_runner::vehicle::ControllerContext;
+use scenario::{Direction, ModelSetup, Road, Settings, Shape, VehicleSetup, VehicleStart, World};
+use sim::{Controller, EgoState, Observation, RoadView, SeenPedestrian};
 
 const CRUISE: f64 = 30.0 / 3.6;
 const PERIOD: f64 = 0.03;

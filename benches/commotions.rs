@@ -5,11 +5,11 @@
 use std::hint::black_box;
 
 use divan::{AllocProfiler, Bencher};
-use scenario_runner::numbers::random::Stream;
-use scenario_runner::pedestrian::commotions::meeting::{Meeting, MetDriver, PEDESTRIAN, VEHICLE};
-use scenario_runner::pedestrian::commotions::{
+use models::pedestrian::commotions::meeting::{Meeting, MetDriver, PEDESTRIAN, VEHICLE};
+use models::pedestrian::commotions::{
     CommotionsAgent, ConflictState, Control, Parameters, Rules, Sight, State, Variant,
 };
+use numbers::random::Stream;
 
 #[global_allocator]
 static ALLOCATOR: AllocProfiler = AllocProfiler::system();

@@ -2,14 +2,14 @@
 //! 10,000 synthetic experiments a row, too long for the test suite. `cargo bench --bench coverage` prints the tables, and
 //! `cargo bench --bench coverage -- 50` their rows for 50 runs.
 
-use rayon::prelude::*;
-use scenario_runner::numbers::distributions::student_above;
-use scenario_runner::numbers::inference::{
+use numbers::distributions::student_above;
+use numbers::inference::{
     ConfidenceSequence, IndependentUnit, Interval, MeanChange, clopper_pearson, holm, mean_interval,
     mean_of_bounded, quantile_interval, rate_change, rate_rise, wilson,
 };
-use scenario_runner::numbers::random::Stream;
-use scenario_runner::numbers::summary::{mean, std};
+use numbers::random::Stream;
+use numbers::summary::{mean, std};
+use rayon::prelude::*;
 
 const EXPERIMENTS: u64 = 10_000;
 const CONFIDENCE: f64 = 0.95;

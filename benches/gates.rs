@@ -4,15 +4,15 @@
 
 use std::path::Path;
 
-use scenario_runner::files::Disk;
-use scenario_runner::judge::baseline::{Baseline, record};
-use scenario_runner::judge::gate::{blanket_rule, judge_gate};
-use scenario_runner::lang;
-use scenario_runner::models::standard;
-use scenario_runner::plan::plan;
-use scenario_runner::results::{Check, CheckOutcome, ComparedSubject, GateVerdict, Requests, Verdict};
-use scenario_runner::run::{MeasuredMetrics, RunBatch, Stop, Threads};
-use scenario_runner::scenario::{Expression, Gate, Suite, Value};
+use files::Disk;
+use models::standard;
+use results::judge::baseline::Baseline;
+use results::judge::gate::{blanket_rule, judge_gate};
+use results::{Check, CheckOutcome, ComparedSubject, GateVerdict, Requests, Verdict};
+use runner::baseline::record;
+use runner::plan::plan;
+use runner::run::{MeasuredMetrics, RunBatch, Stop, Threads};
+use scenario::{Expression, Gate, Suite, Value};
 
 const RERUNS: u64 = 200;
 

@@ -2,14 +2,14 @@
 
 use divan::Bencher;
 use divan::counter::ItemsCount;
+use models::standard;
 use nalgebra::Vector2;
-use scenario_runner::metrics::{FreeFlow, Measurement};
-use scenario_runner::models::standard;
-use scenario_runner::scenario::{
+use scenario::{
     Appearance, Direction, MetricReference, ModelSetup, Path, PedestrianSetup, Position, Reference, Road,
     Settings, Shape, Side, VehicleSetup, VehicleStart, World,
 };
-use scenario_runner::sim::{Longitudinal, Mode, Observer, PedestrianState, Snapshot, Step, VehicleState};
+use sim::measure::{FreeFlow, Measurement};
+use sim::{Longitudinal, Mode, Observer, PedestrianState, Snapshot, Step, VehicleState};
 
 fn main() {
     divan::main();

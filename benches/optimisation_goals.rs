@@ -15,10 +15,10 @@ mod problems;
 
 use std::sync::Mutex;
 
+use optimise::{Coordinate, Definition, Evaluation, InitialDesign, Method, Optimiser, run};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use rayon::prelude::*;
-use scenario_runner::optimise::{Coordinate, Definition, Evaluation, InitialDesign, Method, Optimiser, run};
 use serde::Deserialize;
 
 use cpu::thread_cpu_s;

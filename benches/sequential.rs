@@ -1,8 +1,8 @@
 //! How often sequential tests are wrong, and how many runs they take: a study over 10,000 synthetic experiments a row, too
 //! long for the test suite. `cargo bench --bench sequential` prints the table; docs/statistics.md has what it found.
 
-use scenario_runner::numbers::inference::{ConfidenceSequence, ShareDecision, Sprt, clopper_pearson};
-use scenario_runner::numbers::random::Stream;
+use numbers::inference::{ConfidenceSequence, ShareDecision, Sprt, clopper_pearson};
+use numbers::random::Stream;
 
 const EXPERIMENTS: u64 = 10_000;
 const CONFIDENCE: f64 = 0.95;

@@ -19,14 +19,14 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use friedrich::gaussian_process::{GaussianProcess, GaussianProcessBuilder};
 use friedrich::kernel::{Kernel, Matern2, SquaredExp};
 use friedrich::prior::{ConstantPrior, Prior};
-use rayon::prelude::*;
-use scenario_runner::numbers::design::sobol_point;
-use scenario_runner::numbers::distributions::normal_tail::log_improvement;
-use scenario_runner::numbers::random::Stream;
-use scenario_runner::numbers::summary::{mean, std};
-use scenario_runner::optimise::surrogate::{
+use numbers::design::sobol_point;
+use numbers::distributions::normal_tail::log_improvement;
+use numbers::random::Stream;
+use numbers::summary::{mean, std};
+use optimise::surrogate::{
     Dataset, FriedrichSurrogate, Noise, Outliers, Posterior, Standardisation, Surrogate,
 };
+use rayon::prelude::*;
 
 use cpu::thread_cpu_s;
 use medians::{median_interval, quantile};

@@ -6,14 +6,13 @@
 //! candidate meets the same runs, so its objective and constraints are exact. `--random` candidates of each seed are drawn
 //! uniformly; the Bayesian methods get the 100 that the suite gives them.
 
+use files::Disk;
+use models::standard;
 use rayon::prelude::*;
-use scenario_runner::experiment::{Context, EarlierResults, Silent, run_block};
-use scenario_runner::files::Disk;
-use scenario_runner::lang;
-use scenario_runner::models::standard;
-use scenario_runner::results::{BlockResult, Candidate};
-use scenario_runner::run::Threads;
-use scenario_runner::scenario::{Block, SearchMethod, Tune};
+use results::{BlockResult, Candidate};
+use runner::experiment::{Context, EarlierResults, Silent, run_block};
+use runner::run::Threads;
+use scenario::{Block, SearchMethod, Tune};
 use std::path::Path;
 
 /// A feasible candidate that loses no more than this beyond the best known one has found the optimum, as a share of that one's.

@@ -9,18 +9,15 @@
 //! individuals who appears at a time to arrival in [6, 18] s. Both methods get 60 runs, 15 of them before the first model.
 //! With `serve` the program answers each line `[individual, time_to_arrival, seed]` with the value, `null` if undefined.
 
+use files::Disk;
+use models::standard;
+use numbers::random::derive_seed;
+use optimise::{Definition, Evaluation, InitialDesign, Method, Optimiser, Proposal, SearchDimension, Space};
 use rayon::prelude::*;
-use scenario_runner::files::Disk;
-use scenario_runner::lang;
-use scenario_runner::models::standard;
-use scenario_runner::numbers::random::derive_seed;
-use scenario_runner::optimise::{
-    Definition, Evaluation, InitialDesign, Method, Optimiser, Proposal, SearchDimension, Space,
-};
-use scenario_runner::plan::{concrete_case, select_people};
-use scenario_runner::results::Requests;
-use scenario_runner::run::{FreeFlows, Unwatched, run_case};
-use scenario_runner::scenario::{Assignment, Individual, MetricReference, PopulationShare, Scenario, Value};
+use results::Requests;
+use runner::plan::{concrete_case, select_people};
+use runner::run::{FreeFlows, Unwatched, run_case};
+use scenario::{Assignment, Individual, MetricReference, PopulationShare, Scenario, Value};
 use serde::Deserialize;
 use std::io::{BufRead, Write};
 use std::path::Path;
@@ -143,14 +140,14 @@ fn search(encounters: &Encounters, method: Method, individual: usize, repetition
 fn picks(search: &Search) -> Option<(f64, f64, f64)> {
     let mut optimiser = Optimiser::new(definition(Method::Random, 0)).expect("the definition is sound");
     for (&point, value) in search.points.iter().zip(&search.values) {
-        let point = [scenario_runner::optimise::Coordinate::Real(point)];
+        let point = [optimise::Coordinate::Real(point)];
         optimiser
             .observe(&point, Evaluation::of(value.unwrap_or(f64::NAN)))
             .expect("the point is in the space");
     }
     let observed = optimiser.best_observed()?;
     let predicted = optimiser.best_predicted().expect("the history can be fitted")?;
-    let place = |point: &[scenario_runner::optimise::Coordinate]| point[0].number();
+    let place = |point: &[optimise::Coordinate]| point[0].number();
     Some((place(&observed.point)?, observed.evaluation.objectives[0].value?, place(&predicted.point)?))
 }
 

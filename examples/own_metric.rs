@@ -4,13 +4,13 @@ mod own;
 
 use std::error::Error;
 
-use scenario_runner::metrics::{Encounters, Meter, meters};
 use scenario_runner::models::standard;
 use scenario_runner::registry::Registry;
 use scenario_runner::scenario::{
     Absence, Declaration, Dimension, Metric, MetricKind, MetricRange, Scope, Worst,
 };
 use scenario_runner::sim::Step;
+use scenario_runner::sim::measure::{Encounters, Meter, meters};
 
 /// For how long a vehicle was slower than it may be.
 struct Slow {

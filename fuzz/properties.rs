@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use scenario_runner::files::{Disk, Overlay};
-use scenario_runner::lang::filter::{Filters, SCENARIO, Show, Subject};
-use scenario_runner::lang::{self, Sources, Style};
-use scenario_runner::models::standard;
-use scenario_runner::scenario::{Assignment, Value};
+use files::{Disk, Overlay};
+use lang::filter::{Filters, SCENARIO, Show, Subject};
+use lang::{self, Sources, Style};
+use models::standard;
+use scenario::{Assignment, Value};
 
 /// A file name in a folder that does not exist, so that the texts' own file names lead nowhere.
 fn nowhere(name: &str) -> std::path::PathBuf {

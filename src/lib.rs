@@ -34,39 +34,21 @@
 //! never passed; what was not run has not passed either. A run is a pure function of its case: whichever
 //! [`Executor`](run::Executor) makes it, on however many threads, every bit is the same.
 
-// What `clippy.toml` bans is banned from the program; tests may use it.
+// What `clippy.toml` bans is banned from what is shipped; tests may use it.
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 // Their failing is a panic: a closed pipe would end the program with the code of a bug.
 #![deny(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro)]
 
-pub mod calibrate;
 pub mod cli;
-pub mod console;
-pub mod corpus;
-pub mod escape;
-pub mod experiment;
-pub mod files;
-pub mod judge;
-pub mod lang;
-pub mod metrics;
-pub mod models;
-pub mod numbers;
-pub mod optimise;
-pub mod pedestrian;
-pub mod plan;
-pub mod project;
-pub mod registry;
-pub mod report;
-pub mod results;
-pub mod run;
-pub mod runner;
-pub mod scenario;
-pub mod shrink;
-pub mod sim;
 pub mod testing;
-pub mod vehicle;
 
 pub use files::{Disk, Files, Memory};
-pub use project::{Project, ProjectOptions};
+pub use models;
+pub use report;
+pub use results;
 pub use results::Results;
-pub use runner::{Selection, Session};
+pub use runner::project::{Project, ProjectOptions};
+pub use runner::session::{Selection, Session};
+pub use scenario;
+pub use scenario::registry;
+pub use sim;

@@ -4,18 +4,18 @@ mod support;
 
 use std::sync::Arc;
 
+use models::standard;
+use models::vehicle::ControllerContext;
+use numbers::random::Stream;
 use proptest::prelude::*;
-use scenario_runner::models::standard;
-use scenario_runner::numbers::random::Stream;
-use scenario_runner::scenario::{
+use scenario::{
     Appearance, CrossingKind, Direction, ModelSetup, PedestrianModel, PedestrianSetup, Position, Reference,
     Road, Settings, Shape, Side, Value, VehicleReference, VehicleSetup, VehicleStart, World,
 };
-use scenario_runner::sim::{
+use sim::{
     Driven, Ending, Mode, Motion, Observer, Pedestrian, RoadUsers, Scene, Snapshot, Step, StopReason,
     simulate,
 };
-use scenario_runner::vehicle::ControllerContext;
 use support::counting::{Counting, allocations};
 
 const CRUISE: f64 = 30.0 / 3.6;

@@ -2,7 +2,7 @@
 
 mod support;
 
-use scenario_runner::scenario::Settings;
+use scenario::Settings;
 use support::zebra::{Car, Checks, PERIOD, SPEED, STEPS, Zebra, number, settings, word};
 
 /// Times hold within this, s.

@@ -3,16 +3,15 @@
 use std::path::Path;
 use std::process::Command;
 
+use files::Disk;
+use models::standard;
+use results::{Event, Reporter, Requests, TrialState, Unheard};
+use runner::plan::plan;
+use runner::project::PlannedSuite;
+use runner::run::{FreeFlows, Threads, note_places, run_case};
+use runner::session::{Orders, Runner, units};
 use scenario_runner::cli::{Exit, guarded};
-use scenario_runner::files::Disk;
-use scenario_runner::lang;
-use scenario_runner::models::standard;
-use scenario_runner::plan::plan;
-use scenario_runner::project::PlannedSuite;
-use scenario_runner::results::{Event, Reporter, Requests, TrialState, Unheard};
-use scenario_runner::run::{FreeFlows, Threads, note_places, run_case};
-use scenario_runner::runner::{Orders, Runner, units};
-use scenario_runner::sim::{Observer, Step};
+use sim::{Observer, Step};
 
 /// Set for a process that is to panic, to what in.
 const WHERE: &str = "SCENARIO_RUNNER_TEST_PANIC";
@@ -122,7 +121,7 @@ fn a_panic_while_others_run_ends_the_program_instead_of_hanging() {
 fn a_panic_in_a_trial_is_an_error_of_it_and_the_others_finish() {
     let suites = prepared();
     let broken = &suites[0].plan.trial(0).key.clone();
-    let watch = |case: &scenario_runner::scenario::Case, _: &_| {
+    let watch = |case: &scenario::Case, _: &_| {
         assert!(!case.key.starts_with(broken.as_str()), "watched too closely");
     };
     let threads = Threads::new(2);

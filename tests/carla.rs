@@ -1,9 +1,9 @@
 //! CARLA's agent meets CARLA's walker at Town01's zebra: what follows from both codes taken together.
 
-use scenario_runner::models::standard;
-use scenario_runner::results::{Outcome, Requests};
-use scenario_runner::run::{FreeFlows, Unwatched, run_case};
-use scenario_runner::scenario::{
+use models::standard;
+use results::{Outcome, Requests};
+use runner::run::{FreeFlows, Unwatched, run_case};
+use scenario::{
     Appearance, Case, Direction, MetricReference, ModelSetup, PedestrianSetup, Position, Road, Settings,
     Shape, Side, Value, VehicleReference, VehicleSetup, VehicleStart, World,
 };

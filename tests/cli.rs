@@ -3,9 +3,9 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
-use scenario_runner::experiment::ParameterFile;
-use scenario_runner::files::Disk;
-use scenario_runner::models::standard;
+use files::Disk;
+use models::standard;
+use runner::experiment::ParameterFile;
 use serde_json::Value;
 use support::program::{self, code, forget_times, stderr};
 
@@ -327,16 +327,14 @@ fn a_search_and_a_tune_from_the_command_line() {
     std::fs::write(at("again.scn"), carla.replacen("profile: normal,", set, 1)).unwrap();
     let checked = scenario_runner(&["check", &at("again.scn")]);
     assert_eq!(code(&checked), 0, "{}", stderr(&checked));
-    let used = scenario_runner::lang::load(Path::new(&at("again.scn")), &standard(), &Disk).unwrap().suite;
+    let used = lang::load(Path::new(&at("again.scn")), &standard(), &Disk).unwrap().suite;
     let mut settings = used.scenarios[0].vehicles[0].controller.settings.iter();
     let (_, used) = settings.find(|(name, _)| name == "braking_distance").unwrap();
     let used = used.evaluate_number(&Default::default()).unwrap();
     let condition = at("tuned.json");
     scenario_runner(&["tune", "braking_distance", suite, "--save", &condition, "--journal", &journal]);
     let saved = ParameterFile::read(Path::new(&condition)).unwrap();
-    let [(target, scenario_runner::scenario::Value::Number(chosen))] = &saved.parameters[..] else {
-        panic!("{saved:?}")
-    };
+    let [(target, scenario::Value::Number(chosen))] = &saved.parameters[..] else { panic!("{saved:?}") };
     assert_eq!((target.to_string().as_str(), used), ("av.controller.braking_distance", *chosen));
     let unknown = scenario_runner(&["search", "low_pett", suite]);
     assert_eq!(code(&unknown), 2);

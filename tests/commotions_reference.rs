@@ -8,14 +8,14 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use scenario_runner::pedestrian::commotions::access::{AccessCourse, access_orders};
-use scenario_runner::pedestrian::commotions::affordance::{AgentMove, Party, Valuation};
-use scenario_runner::pedestrian::commotions::draws::RecordedDraws;
-use scenario_runner::pedestrian::commotions::prediction::PredictedState;
-use scenario_runner::pedestrian::commotions::state::AgentBody;
-use scenario_runner::pedestrian::commotions::timing::ConflictPassage;
-use scenario_runner::pedestrian::commotions::value::ActionPhase;
-use scenario_runner::pedestrian::commotions::{
+use models::pedestrian::commotions::access::{AccessCourse, access_orders};
+use models::pedestrian::commotions::affordance::{AgentMove, Party, Valuation};
+use models::pedestrian::commotions::draws::RecordedDraws;
+use models::pedestrian::commotions::prediction::PredictedState;
+use models::pedestrian::commotions::state::AgentBody;
+use models::pedestrian::commotions::timing::ConflictPassage;
+use models::pedestrian::commotions::value::ActionPhase;
+use models::pedestrian::commotions::{
     AgentEncounter, CommotionsAgent, Control, Parameters, Rules, State, Thoughts, Variant,
 };
 use serde::Deserialize;

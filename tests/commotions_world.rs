@@ -1,18 +1,18 @@
 //! COMMOTIONS in the world: the zebra of the founding paper, two agents meeting, and the same bits in any order.
 
-use scenario_runner::calibrate::{
+use models::calibrate::{
     Calibration, Candidates, Design, Request, calibrate, published_criteria, published_grid,
 };
-use scenario_runner::models::standard;
-use scenario_runner::numbers::random::derive_seed;
-use scenario_runner::pedestrian::commotions::Variant;
-use scenario_runner::pedestrian::population::Population;
-use scenario_runner::run::road_users;
-use scenario_runner::scenario::{
+use models::pedestrian::commotions::Variant;
+use models::standard;
+use numbers::random::derive_seed;
+use runner::run::road_users;
+use scenario::population::Population;
+use scenario::{
     Appearance, Direction, ModelSetup, PedestrianSetup, Position, Road, Settings, Shape, Side, Value,
     VehicleReference, VehicleSetup, VehicleStart, World,
 };
-use scenario_runner::sim::{Ending, Observer, Step, StopReason, simulate};
+use sim::{Ending, Observer, Step, StopReason, simulate};
 use std::sync::Arc;
 
 use proptest::prelude::*;

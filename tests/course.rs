@@ -3,16 +3,15 @@
 use std::path::Path;
 use std::sync::{Arc, LazyLock};
 
+use files::Disk;
+use models::standard;
 use proptest::prelude::*;
-use scenario_runner::files::Disk;
-use scenario_runner::lang;
-use scenario_runner::metrics::{Measurement, Reading};
-use scenario_runner::models::standard;
-use scenario_runner::plan::plan;
-use scenario_runner::results::Requests;
-use scenario_runner::run::{FreeFlows, road_users};
-use scenario_runner::scenario::{Case, ModelSetup, Settings, Value, World};
-use scenario_runner::sim::{
+use results::Requests;
+use runner::plan::plan;
+use runner::run::{FreeFlows, road_users};
+use scenario::{Case, ModelSetup, Settings, Value, World};
+use sim::measure::{Measurement, Reading};
+use sim::{
     Controller, Course, Driver, Ending, Fingerprint, Observer, Progress, Snapshot, Step, Timeline,
     TimelineEvent, Trace,
 };
@@ -94,7 +93,7 @@ impl<'w> Outside<'w> {
     fn new(world: &'w Arc<World>, seed: u64, requests: &Requests, which: u32) -> Option<Self> {
         let mut users = road_users(world, seed).ok()?;
         let speeds: Vec<f64> = users.pedestrians.iter().map(|one| one.free_speed()).collect();
-        let take = |(index, driven): (usize, &mut scenario_runner::sim::Driven)| {
+        let take = |(index, driven): (usize, &mut sim::Driven)| {
             (which >> index & 1 == 1).then(|| {
                 let (schedule, settling_time) = (driven.driver.schedule(), driven.driver.settling_time());
                 let outside = Driver::Outside { schedule, settling_time };

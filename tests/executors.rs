@@ -4,16 +4,15 @@
 use std::fs;
 use std::path::Path;
 
-use scenario_runner::files::Disk;
-use scenario_runner::judge::per_run;
-use scenario_runner::lang;
-use scenario_runner::models::standard;
-use scenario_runner::plan::plan;
-use scenario_runner::project::PlannedSuite;
-use scenario_runner::results::{TrialState, Unheard, Verdict};
-use scenario_runner::run::{Executor, Shuffled, Stop, Threads};
-use scenario_runner::runner::{Orders, Runner, judge_gates, measured_trials, units};
-use scenario_runner::shrink::{KnobPlace, shrink};
+use files::Disk;
+use models::standard;
+use results::judge::per_run;
+use results::{TrialState, Unheard, Verdict};
+use runner::plan::plan;
+use runner::project::PlannedSuite;
+use runner::run::{Executor, Shuffled, Stop, Threads};
+use runner::session::{Orders, Runner, judge_gates, measured_trials, units};
+use runner::shrink::{KnobPlace, shrink};
 use serde_json::Value;
 
 /// Trials of fixed and of open length, what builds on them and on each other, and a gate.

@@ -8,11 +8,11 @@ use std::path::Path;
 use std::process::{Command as Process, ExitCode};
 
 use libtest_mimic::{Arguments, Failed, Trial};
+use models::standard;
+use scenario::registry::Registry;
+use scenario::{Chance, CommandKind, ControllerModel, Declaration, Dimension, Parameter};
 use scenario_runner::cli;
-use scenario_runner::models::standard;
-use scenario_runner::registry::Registry;
-use scenario_runner::scenario::{Chance, CommandKind, ControllerModel, Declaration, Dimension, Parameter};
-use scenario_runner::sim::{Command, Controller, ControllerError, Observation, Schedule};
+use sim::{Command, Controller, ControllerError, Observation, Schedule};
 
 const PROGRAM: &str = "TESTS_FAULTS_PROGRAM";
 

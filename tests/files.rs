@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-use scenario_runner::numbers::random::Stream;
+use numbers::random::Stream;
 use tempfile::TempDir;
 
 use support::program::{code, scenario_runner, stderr, stdout};

@@ -8,8 +8,8 @@ mod properties;
 use std::panic;
 use std::path::PathBuf;
 
+use numbers::random::Stream;
 use rayon::prelude::*;
-use scenario_runner::numbers::random::Stream;
 
 /// Cases per property unless `FUZZ_CASES` says otherwise.
 const CASES: u64 = 1500;

@@ -269,7 +269,7 @@ fn a_new_collision_fails_the_gate_though_no_rule_names_it() {
 
 #[test]
 fn a_changed_population_is_refused_under_another_seed_too() {
-    let standard = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/populations/standard.json");
+    let standard = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/scenario/population/standard.json");
     let mut people: serde_json::Value = serde_json::from_str(&fs::read_to_string(standard).unwrap()).unwrap();
     let with_people = gentle("4 m/s^2").replace(
         "model scripted { speed: 1.4 m/s, stop_after: 4 m, stop_for: 20 s }",

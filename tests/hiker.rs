@@ -7,7 +7,7 @@ mod support;
 use std::path::Path;
 use std::process::ExitCode;
 
-use scenario_runner::pedestrian::commotions::hiker::HikerReference;
+use models::pedestrian::commotions::hiker::HikerReference;
 
 fn main() -> ExitCode {
     let tests: [support::Test; 1] = [("crossing_shares_and_start_times", crossing_shares_and_start_times)];

@@ -2,8 +2,8 @@
 
 mod support;
 
-use scenario_runner::numbers::random::Stream;
-use scenario_runner::scenario::Settings;
+use numbers::random::Stream;
+use scenario::Settings;
 use support::zebra::{Car, Checks, Course, STEPS, Zebra, number, settings, word};
 
 /// Times hold within this, s.

@@ -11,15 +11,15 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use scenario_runner::files::{Disk, Overlay};
-use scenario_runner::lang::filter::{Filters, Show};
-use scenario_runner::lang::{self, Code, Diagnostic, Severity, Sources, Style};
-use scenario_runner::models::standard;
-use scenario_runner::plan;
-use scenario_runner::project;
-use scenario_runner::results::Requests;
-use scenario_runner::run::{FreeFlows, Unwatched, run_case};
-use scenario_runner::scenario::{Claim, Suite};
+use files::{Disk, Overlay};
+use lang::filter::{Filters, Show};
+use lang::{self, Code, Diagnostic, Severity, Sources, Style};
+use models::standard;
+use results::Requests;
+use runner::plan;
+use runner::project;
+use runner::run::{FreeFlows, Unwatched, run_case};
+use scenario::{Claim, Suite};
 
 fn folder(name: &str) -> PathBuf {
     Path::new("tests/language").join(name)
@@ -445,7 +445,7 @@ fn the_same_file_over_two_ways_is_one() {
 #[test]
 fn variations_choose_what_drives_and_walks() {
     let suite = lang::load(&folder("ok/choices.scn"), &standard(), &Disk).unwrap().suite;
-    let plan = scenario_runner::plan::plan(&suite).unwrap();
+    let plan = runner::plan::plan(&suite).unwrap();
     let chosen = |key: &str| {
         let trial = plan.trials().find(|trial| trial.key == key).unwrap_or_else(|| panic!("no {key}"));
         let world = trial.cases.first().world;

@@ -2,9 +2,9 @@
 
 use std::fmt::Write;
 
-use scenario_runner::metrics::{Absence, Metric, MetricKind, Scope, Worst};
-use scenario_runner::models::standard;
-use scenario_runner::scenario::{Parameter, ParameterKind};
+use models::standard;
+use scenario::{Absence, Metric, MetricKind, Scope, Worst};
+use scenario::{Parameter, ParameterKind};
 
 const INTRODUCTION: &str = "\
 # Metrics
@@ -25,7 +25,7 @@ That a criterion cannot fail (W0936) is told by the parameters of its metric, th
 be, not by how hard a vehicle brakes, since dynamics need not limit what a controller commands: of a threshold of 100 m/s^2, which
 no real car reaches, nothing is said.
 
-This page is generated from the registry in `src/metrics/`.
+This page is generated from the registry in `src/models/metrics/`.
 ";
 
 #[test]

@@ -6,8 +6,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use scenario_runner::models::standard;
-use scenario_runner::report::{ModelPage, model_pages};
+use models::standard;
+use report::{ModelPage, model_pages};
 
 const BEGIN: &str = "<!-- Generated from the registry: change the declaration, then `UPDATE_DOCS=1 cargo test --test model_pages`. -->";
 const SECTIONS: [&str; 2] = ["## What it is", "## What it is not"];

@@ -5,25 +5,25 @@
 //! they stay alike, every metric is within a stated multiple of the step; where one tips (a threshold is met one period
 //! earlier or later, and from there on the runs part), it may not be, and such knife edges are counted apart and are few.
 
-use scenario_runner::scenario::MetricKind;
+use scenario::MetricKind;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
 
+use models::standard;
+use models::vehicle::{ControllerModel, DynamicsModel};
+use numbers::random::Stream;
 use proptest::prelude::*;
-use scenario_runner::metrics::Measurement;
-use scenario_runner::models::standard;
-use scenario_runner::numbers::random::Stream;
-use scenario_runner::results::Requests;
-use scenario_runner::run::{FreeFlows, Unwatched, road_users, run_case};
-use scenario_runner::scenario::{
+use results::Requests;
+use runner::run::{FreeFlows, Unwatched, road_users, run_case};
+use scenario::{
     Appearance, Case, Dimension, Direction, ModelSetup, PedestrianSetup, Position, Road, Settings, Shape,
     Side, Value, VehicleReference, VehicleSetup, VehicleStart, World,
 };
-use scenario_runner::sim::{
+use sim::measure::Measurement;
+use sim::{
     Command, Controller, ControllerError, Driver, Ending, Mode, Observation, Observer, Schedule, Snapshot,
     Step, StopReason, simulate,
 };
-use scenario_runner::vehicle::{ControllerModel, DynamicsModel};
 
 /// What was commanded when, s.
 type Commands = Arc<Mutex<Vec<(f64, Command)>>>;

@@ -8,7 +8,7 @@ use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::time::Duration;
 
-use scenario_runner::numbers::random::Stream;
+use numbers::random::Stream;
 use tempfile::TempDir;
 
 /// Kills that each command has to survive.

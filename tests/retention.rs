@@ -5,10 +5,10 @@ mod support;
 use std::path::Path;
 use std::process::ExitCode;
 
-use scenario_runner::calibrate::{
+use models::calibrate::{
     Calibration, PUBLISHED_SHARE, Request, calibrate, published_candidates, published_criteria,
 };
-use scenario_runner::pedestrian::commotions::Variant;
+use models::pedestrian::commotions::Variant;
 
 fn main() -> ExitCode {
     let tests: [support::Test; 1] =

@@ -5,14 +5,12 @@
 
 mod support;
 
+use models::standard;
 use proptest::prelude::*;
 use rayon::prelude::*;
-use scenario_runner::models::standard;
-use scenario_runner::run::road_users;
-use scenario_runner::scenario::{
-    Appearance, CrossingKind, ModelSetup, Settings, Value, VehicleSetup, VehicleStart, World,
-};
-use scenario_runner::sim::{Observer, Step, simulate};
+use runner::run::road_users;
+use scenario::{Appearance, CrossingKind, ModelSetup, Settings, Value, VehicleSetup, VehicleStart, World};
+use sim::{Observer, Step, simulate};
 use std::sync::Arc;
 use support::counting::{Counting, allocations};
 use support::street::{self, Course, car, controller, model, person, run, street};

@@ -9,12 +9,11 @@ use std::collections::HashMap;
 use std::path::Path;
 use std::process::ExitCode;
 
+use files::Disk;
 use libtest_mimic::{Failed, Trial};
-use scenario_runner::corpus::case_hash;
-use scenario_runner::files::Disk;
-use scenario_runner::lang;
-use scenario_runner::models::standard;
-use scenario_runner::plan::plan;
+use models::standard;
+use runner::corpus::case_hash;
+use runner::plan::plan;
 use scenario_runner::testing::{Suites, TestingError, conclude};
 
 /// Expected to pass, trial by trial.

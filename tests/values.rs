@@ -1,14 +1,14 @@
 //! Values are checked when they are known: whichever way a number comes into a world, one out of range is refused, one in
 //! range is taken, and no world that is planned has a number that nobody can calculate with.
 
+use files::Disk;
+use lang::{self, Override};
+use models::standard;
 use proptest::prelude::*;
-use scenario_runner::experiment::{Context, Silent, run_search};
-use scenario_runner::files::Disk;
-use scenario_runner::lang::{self, Override};
-use scenario_runner::models::standard;
-use scenario_runner::plan::{self, PlanError};
-use scenario_runner::run::Threads;
-use scenario_runner::scenario::Suite;
+use runner::experiment::{Context, Silent, run_search};
+use runner::plan::{self, PlanError};
+use runner::run::Threads;
+use scenario::Suite;
 
 /// A statement whose number is given as `X`, its unit and the range that it must keep, in that unit.
 struct Statement {

@@ -1,8 +1,8 @@
 //! Medians of many runs, with the central 90 % of their bootstrap distribution.
 
+use numbers::summary;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use scenario_runner::numbers::summary;
 
 /// Of values in any order; not a number of none.
 pub fn quantile(values: &[f64], level: f64) -> f64 {

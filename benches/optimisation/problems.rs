@@ -1,6 +1,6 @@
 //! The test functions of the optimisation goals. `benches/gp_minimize.py` states the same ones for the reference.
 
-use scenario_runner::optimise::{SearchDimension, Space};
+use optimise::{SearchDimension, Space};
 use std::f64::consts::PI;
 
 /// A noisy test problem with known truth.

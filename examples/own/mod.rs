@@ -2,12 +2,12 @@
 
 use std::error::Error;
 
-use scenario_runner::files::Disk;
-use scenario_runner::project::Project;
+use scenario_runner::Disk;
+use scenario_runner::Project;
 use scenario_runner::registry::Registry;
 use scenario_runner::report::{render_block, render_tables};
 use scenario_runner::results::{BlockState, Unheard};
-use scenario_runner::runner::{Selection, Session};
+use scenario_runner::{Selection, Session};
 
 /// Runs everything in a file that may name what is in `registry`.
 pub fn tables(file: &str, registry: &Registry) -> Result<String, Box<dyn Error>> {

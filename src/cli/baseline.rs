@@ -8,10 +8,10 @@ use super::Exit;
 use super::interrupt::stop_on_interrupt;
 use super::set::SetArguments;
 use super::{measured, project};
-use crate::console::{stderr, stdout};
-use crate::judge::baseline::measured_metrics;
-use crate::registry::Registry;
-use crate::report::{Form, count, render_baseline, render_difference};
+use report::console::{stderr, stdout};
+use report::{Form, count, render_baseline, render_difference};
+use runner::baseline::measured_metrics;
+use scenario::registry::Registry;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\

@@ -1,8 +1,8 @@
 //! A panic outside of all runs: said to be a bug of ours, with an exit code of its own.
 
 use super::Exit;
-use crate::console::stderr;
-use crate::run::Panicked;
+use report::console::stderr;
+use runner::run::Panicked;
 
 /// What `work` comes to. A panic that nobody caught is reported on standard error as a bug, with the run in which it
 /// happened, if it was one.

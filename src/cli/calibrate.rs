@@ -6,16 +6,15 @@ use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::{Exit, number};
-use crate::calibrate::{
+use files::Disk;
+use models::calibrate::{
     Calibration, CalibrationJournal, Candidates, Design, ParameterRange, Report, Request, calibrate,
     published_criteria, published_grid, read_criteria,
 };
-use crate::console::{stderr, stdout};
-use crate::files;
-use crate::files::Disk;
-use crate::pedestrian::commotions::model::commotions;
-use crate::pedestrian::commotions::{Variant, VariantError};
-use crate::pedestrian::population::{Population, PopulationError};
+use models::pedestrian::commotions::model::commotions;
+use models::pedestrian::commotions::{Variant, VariantError};
+use report::console::{stderr, stdout};
+use scenario::population::{Population, PopulationError};
 
 #[derive(Debug, Args)]
 pub struct CalibrateArguments {
@@ -101,13 +100,13 @@ enum CalibrateError {
     #[error(transparent)]
     Population(#[from] PopulationError),
     #[error(transparent)]
-    Criteria(#[from] crate::calibrate::CriteriaError),
+    Criteria(#[from] models::calibrate::CriteriaError),
     #[error(transparent)]
-    Candidates(#[from] crate::calibrate::CandidateError),
+    Candidates(#[from] models::calibrate::CandidateError),
     #[error(transparent)]
-    Journal(#[from] crate::calibrate::JournalError),
+    Journal(#[from] models::calibrate::JournalError),
     #[error(transparent)]
-    Calibrate(#[from] crate::calibrate::CalibrateError),
+    Calibrate(#[from] models::calibrate::CalibrateError),
     #[error("cannot start {threads} threads: {error}")]
     Threads { threads: usize, error: rayon::ThreadPoolBuildError },
     #[error("cannot write {}: {error}", file.display())]

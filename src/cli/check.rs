@@ -6,12 +6,12 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 
 use super::Exit;
-use crate::console::{stderr, stdout};
-use crate::files::Disk;
-use crate::lang::{self, Diagnostic, Severity, Sources};
-use crate::project::examine;
-use crate::registry::Registry;
-use crate::report::{Repository, findings};
+use files::Disk;
+use lang::{self, Diagnostic, Severity, Sources};
+use report::console::{stderr, stdout};
+use report::{Repository, findings};
+use runner::project::examine;
+use scenario::registry::Registry;
 
 #[derive(Debug, Args)]
 pub struct CheckArguments {

@@ -7,14 +7,15 @@ use clap::{Args, ValueEnum};
 use super::interrupt::stop_on_interrupt;
 use super::set::SetArguments;
 use super::{Exit, measured, parameters};
-use crate::console::{stderr, stdout};
-use crate::judge::baseline::{Baseline, Incompatible, measured_metrics, pair};
-use crate::judge::gate::{blanket_rule, collision_rule, judge_rules};
-use crate::registry::Registry;
-use crate::report::{gate_markdown, render_gate};
-use crate::results::{CheckOutcome, GateVerdict, Verdict, record_command, set_options};
-use crate::run::Stop;
-use crate::scenario::{Gate, Suite};
+use report::console::{stderr, stdout};
+use report::{gate_markdown, render_gate};
+use results::judge::baseline::{Baseline, Incompatible, pair};
+use results::judge::gate::{blanket_rule, collision_rule, judge_rules};
+use results::{CheckOutcome, GateVerdict, Verdict, record_command, set_options};
+use runner::baseline::measured_metrics;
+use runner::run::Stop;
+use scenario::registry::Registry;
+use scenario::{Gate, Suite};
 
 #[derive(Debug, Args)]
 #[command(after_help = "\

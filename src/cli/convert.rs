@@ -5,9 +5,8 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 
 use super::Exit;
-use crate::console::{stderr, stdout};
-use crate::files;
-use crate::lang::{self, Sources, Style};
+use lang::{self, Sources, Style};
+use report::console::{stderr, stdout};
 
 #[derive(Debug, Args)]
 pub struct ConvertArguments {

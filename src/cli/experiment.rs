@@ -8,14 +8,13 @@ use clap::Args;
 use super::interrupt::stop_on_interrupt;
 use super::set::SetArguments;
 use super::{Exit, load, shows_progress, store};
-use crate::console::{stderr, stdout};
-use crate::experiment::{CaseFile, ParameterFile};
-use crate::files;
-use crate::registry::Registry;
-use crate::report::{Live, Terminal, render_block, tuned_parameters};
-use crate::results::{BlockReport, BlockResult, BlockState, set_options};
-use crate::runner::{self, Selection, Session, Unit, Work};
-use crate::scenario::{Block, Suite};
+use report::console::{stderr, stdout};
+use report::{Live, Terminal, render_block, tuned_parameters};
+use results::{BlockReport, BlockResult, BlockState, set_options};
+use runner::experiment::{CaseFile, ParameterFile};
+use runner::session::{self, Selection, Session, Unit, Work};
+use scenario::registry::Registry;
+use scenario::{Block, Suite};
 
 #[derive(Debug, Args)]
 pub struct ExperimentArguments {
@@ -68,7 +67,7 @@ fn run(arguments: &ExperimentArguments, kind: &'static str, registry: &Registry)
         Err(exit) => return exit,
     };
     let suites = project.suites();
-    let units = runner::units(suites);
+    let units = session::units(suites);
     let Some(wanted) = units.iter().position(|unit| is_called(unit, kind, &arguments.name)) else {
         return unknown(arguments, &units, kind);
     };

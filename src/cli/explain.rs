@@ -3,8 +3,8 @@
 use clap::Args;
 
 use super::{Exit, help};
-use crate::console::{stderr, stdout};
-use crate::lang::{self, Code, filter};
+use lang::{self, Code, filter};
+use report::console::{stderr, stdout};
 
 #[derive(Debug, Args)]
 pub struct ExplainArguments {

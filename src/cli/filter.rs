@@ -5,13 +5,13 @@ use std::sync::Arc;
 use clap::Args;
 
 use super::Exit;
-use crate::console::stderr;
-use crate::experiment::{Need, needs};
-use crate::lang::filter::{Each, Filters, SCENARIO, Show, Subject};
-use crate::lang::{self, Style};
-use crate::plan::{Plan, PlannedTrial};
-use crate::results::Recorded;
-use crate::scenario::{Block, Case, CaseSet, Scenario, Suite};
+use lang::filter::{Each, Filters, SCENARIO, Show, Subject};
+use lang::{self, Style};
+use report::console::stderr;
+use results::Recorded;
+use runner::experiment::{Need, needs};
+use runner::plan::{Plan, PlannedTrial};
+use scenario::{Block, Case, CaseSet, Scenario, Suite};
 
 /// For commands that may be about some of what is loaded.
 #[derive(Debug, Clone, Default, Args)]

@@ -3,8 +3,8 @@
 use clap::{Args, CommandFactory};
 
 use super::{Cli, Exit};
-use crate::console::{stderr, stdout};
-use crate::lang::filter;
+use lang::filter;
+use report::console::{stderr, stdout};
 
 #[derive(Debug, Args)]
 pub struct HelpArguments {
@@ -35,7 +35,7 @@ pub fn help(arguments: &HelpArguments) -> Exit {
         None => {
             let commands = program.get_subcommands().map(clap::Command::get_name).chain([FILTER]);
             writeln!(stderr(), "error: there is no command `{topic}`");
-            match crate::lang::nearest(topic, commands) {
+            match lang::nearest(topic, commands) {
                 Some(near) => writeln!(stderr(), "help: did you mean `scenario-runner help {near}`?"),
                 None => writeln!(stderr(), "help: `scenario-runner help` lists the commands"),
             }

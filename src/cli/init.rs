@@ -5,8 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::Exit;
-use crate::console::{stderr, stdout};
-use crate::files;
+use report::console::{stderr, stdout};
 
 #[derive(Debug, Args)]
 #[command(after_help = "\

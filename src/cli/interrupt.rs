@@ -1,8 +1,8 @@
 //! Ctrl-C: once, and no more runs begin; twice, and the program ends at once.
 
 use super::Exit;
-use crate::console::stderr;
-use crate::run::Stop;
+use report::console::stderr;
+use runner::run::Stop;
 
 /// The wish of whoever presses Ctrl-C (or ends the program by a signal, as CI servers do when a job is cancelled).
 pub fn stop_on_interrupt() -> Stop {

@@ -9,14 +9,14 @@ use serde_json::{Map, Value, json};
 use super::Exit;
 use super::filter::{self, FilterArguments};
 use super::load;
-use crate::console::{stderr, stdout};
-use crate::files::Disk;
-use crate::lang::filter::{SCENARIO, Show, Subject};
-use crate::lang::{self, Style};
-use crate::plan::{self, Plan, PlannedTrial};
-use crate::project::plan_notices;
-use crate::registry::Registry;
-use crate::scenario::{Block, Gate, Origin, Suite};
+use files::Disk;
+use lang::filter::{SCENARIO, Show, Subject};
+use lang::{self, Style};
+use report::console::{stderr, stdout};
+use runner::plan::{self, Plan, PlannedTrial};
+use runner::project::plan_notices;
+use scenario::registry::Registry;
+use scenario::{Block, Gate, Origin, Suite};
 
 #[derive(Debug, Args)]
 #[command(after_help = "\

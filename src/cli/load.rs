@@ -4,11 +4,11 @@ use std::path::Path;
 
 use super::Exit;
 use super::set::SetArguments;
-use crate::console::stderr;
-use crate::files::Disk;
-use crate::lang::Style;
-use crate::project::{Notice, Project, ProjectOptions};
-use crate::registry::Registry;
+use files::Disk;
+use lang::Style;
+use report::console::stderr;
+use runner::project::{Notice, Project, ProjectOptions};
+use scenario::registry::Registry;
 
 /// Whether a word of the command line is meant as a file.
 pub fn names_a_file(word: &str) -> bool {

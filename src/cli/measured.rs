@@ -7,15 +7,15 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use super::one_case::could_not_run;
 use super::set::SetArguments;
 use super::{Exit, load};
-use crate::console::stderr;
-use crate::files;
-use crate::judge::baseline::{Baseline, record};
-use crate::plan::{self, Plan};
-use crate::project::plan_notices;
-use crate::registry::Registry;
-use crate::results::{Requests, record_command};
-use crate::run::{BatchError, MeasuredMetrics, RunBatch, Stop, Threads};
-use crate::scenario::{Gate, Suite};
+use report::console::stderr;
+use results::judge::baseline::Baseline;
+use results::{Requests, record_command};
+use runner::baseline::record;
+use runner::plan::{self, Plan};
+use runner::project::plan_notices;
+use runner::run::{BatchError, MeasuredMetrics, RunBatch, Stop, Threads};
+use scenario::registry::Registry;
+use scenario::{Gate, Suite};
 
 /// Whether a file holds a baseline and not a suite.
 pub fn is_baseline(file: &str) -> bool {

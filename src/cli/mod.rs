@@ -28,6 +28,7 @@ mod report;
 mod run;
 pub(crate) mod set;
 mod shrink;
+mod shrunk;
 mod store;
 mod validate;
 
@@ -39,9 +40,9 @@ use clap::{Parser, Subcommand};
 pub use bug::guarded;
 pub use exit::Exit;
 
-use crate::console::{stderr, stdout};
-use crate::registry::Registry;
-use crate::run::note_places;
+use ::report::console::{stderr, stdout};
+use runner::run::note_places;
+use scenario::registry::Registry;
 
 /// Tests automated-vehicle controllers against pedestrians who behave like people.
 ///

@@ -3,9 +3,9 @@
 use clap::Args;
 
 use super::Exit;
-use crate::console::{stderr, stdout};
-use crate::registry::Registry;
-use crate::report::{render_model, render_models};
+use report::console::{stderr, stdout};
+use report::{render_model, render_models};
+use scenario::registry::Registry;
 
 #[derive(Debug, Args)]
 pub struct ModelsArguments {

@@ -7,13 +7,13 @@ use clap::Args;
 use super::Exit;
 use super::load;
 use super::set::SetArguments;
-use crate::console::stderr;
-use crate::corpus;
-use crate::project::{PlannedSuite, Project};
-use crate::registry::Registry;
-use crate::run::BatchError;
-use crate::runner::{Work, units};
-use crate::scenario::{Case, Criterion};
+use report::console::stderr;
+use runner::corpus;
+use runner::project::{PlannedSuite, Project};
+use runner::run::BatchError;
+use runner::session::{Work, units};
+use scenario::registry::Registry;
+use scenario::{Case, Criterion};
 
 #[derive(Debug, Args)]
 pub struct CaseArguments {

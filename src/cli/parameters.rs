@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use super::{Exit, load};
-use crate::console::stderr;
-use crate::experiment::{ParameterFile, apply_settings};
-use crate::files::Disk;
-use crate::lang::{self, Excerpt, NamedValue, Style, nearest};
-use crate::registry::Registry;
-use crate::scenario::{Declaration, ParameterKind, Part, Scenario, Settings, Suite, Target, Value};
+use files::Disk;
+use lang::{self, Excerpt, NamedValue, Style, nearest};
+use report::console::stderr;
+use runner::experiment::{ParameterFile, apply_settings};
+use scenario::registry::Registry;
+use scenario::{Declaration, ParameterKind, Part, Scenario, Settings, Suite, Target, Value};
 
 /// Puts what the parameter file at `path` says over the vehicles of `suite`, which was read from `file`. Definitions
 /// reach every vehicle that has a parameter of that name, or the one that a whole name such as

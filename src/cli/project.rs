@@ -4,8 +4,8 @@
 use std::path::{Path, PathBuf};
 
 use super::Exit;
-use crate::console::stderr;
-use crate::judge::baseline::{Baseline, BaselineError};
+use report::console::stderr;
+use results::judge::baseline::{Baseline, BaselineError};
 
 /// Whether the baseline at `path`, which the suite in `file` names, lies in its project; if not, says so on stderr.
 ///

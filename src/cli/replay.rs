@@ -7,13 +7,13 @@ use clap::Args;
 use super::Exit;
 use super::one_case::{CaseArguments, FoundCase, could_not_run};
 use super::run::LastRun;
-use crate::console::{stderr, stdout};
-use crate::corpus::{case_hash, corpus_path};
-use crate::files::WholeFile;
-use crate::registry::Registry;
-use crate::report::{ReplayIntroduction, case_values, render_replay, replay_reasons, write_trace};
-use crate::results::Requests;
-use crate::run::{MeasuredMetrics, Ran, RunBatch, Stop, Threads, Wanted};
+use files::WholeFile;
+use report::console::{stderr, stdout};
+use report::{ReplayIntroduction, case_values, render_replay, replay_reasons, write_trace};
+use results::Requests;
+use runner::corpus::{case_hash, corpus_path};
+use runner::run::{MeasuredMetrics, Ran, RunBatch, Stop, Threads, Wanted};
+use scenario::registry::Registry;
 
 #[derive(Debug, Args)]
 pub struct ReplayArguments {

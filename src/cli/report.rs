@@ -6,9 +6,9 @@ use clap::Args;
 
 use super::Exit;
 use super::run::{Colour, exit, output};
-use crate::console::{stderr, stdout};
-use crate::registry::Registry;
-use crate::report::{read_results, render_gates, render_tables};
+use report::console::{stderr, stdout};
+use report::{read_results, render_gates, render_tables};
+use scenario::registry::Registry;
 
 /// Makes reports of results that a run wrote with `--json`. Nothing is run.
 ///

@@ -2,7 +2,7 @@
 
 use clap::Args;
 
-use crate::lang::Override;
+use lang::Override;
 
 #[derive(Debug, Clone, Default, Args)]
 pub struct SetArguments {

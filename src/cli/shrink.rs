@@ -7,17 +7,18 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::interrupt::stop_on_interrupt;
 use super::one_case::{CaseArguments, FoundCase, could_not_run};
+use super::shrunk::{SHRUNK_BY, render_shrunk, shrunk_file};
 use super::{Exit, shows_progress};
-use crate::console::{stderr, stdout};
-use crate::files::{self, Disk, Lines, Overlay};
-use crate::judge::{PerRun, per_run};
-use crate::registry::Registry;
-use crate::report::{SHRUNK_BY, render_shrunk, run_words, shrunk_file};
-use crate::results::{Outcome, Requests, SuiteIdentity};
-use crate::run::{BatchError, MeasuredMetrics, RunBatch, Stop, Threads, Wanted};
-use crate::scenario::Case;
-use crate::shrink::{KnobPlace, Shrunk, shrink as shrink_case, unmoved};
-use crate::{lang, plan};
+use files::{self, Disk, Lines, Overlay};
+use report::console::{stderr, stdout};
+use report::run_words;
+use results::judge::{PerRun, per_run};
+use results::{Outcome, Requests, SuiteIdentity};
+use runner::plan;
+use runner::run::{BatchError, MeasuredMetrics, RunBatch, Stop, Threads, Wanted};
+use runner::shrink::{KnobPlace, Shrunk, shrink as shrink_case, unmoved};
+use scenario::Case;
+use scenario::registry::Registry;
 
 /// A failing run as a small scenario file of its own
 ///

@@ -6,8 +6,8 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::Exit;
-use crate::console::stderr;
-use crate::files::{self, ReadError};
+use files::{self, ReadError};
+use report::console::stderr;
 
 /// In the folder in which the program runs.
 pub const FOLDER: &str = ".scenario-runner";

@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 use clap::{Args, Subcommand};
 
 use super::{Exit, number};
-use crate::calibrate::{
+use models::calibrate::{
     Calibration, PUBLISHED_SHARE, Request, calibrate, published_candidates, published_criteria,
 };
-use crate::console::{stderr, stdout};
-use crate::pedestrian::commotions::Variant;
-use crate::pedestrian::commotions::hiker::{HikerComparison, HikerReference};
+use models::pedestrian::commotions::Variant;
+use models::pedestrian::commotions::hiker::{HikerComparison, HikerReference};
+use report::console::{stderr, stdout};
 
 #[derive(Debug, Args)]
 pub struct ValidateArguments {

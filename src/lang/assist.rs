@@ -3,14 +3,14 @@
 use std::path::Path;
 
 use super::declared::declared;
-use super::files::Texts;
 use super::source::{Sources, Span};
 use super::syntax::ast::{self, View, Word};
 use super::syntax::{Node, Tree};
+use super::texts::Texts;
 use super::units;
-use crate::files::{self, Overlay};
-use crate::registry::Registry;
-use crate::scenario::{Declaration, Parameter, ParameterKind};
+use files::{self, Overlay};
+use scenario::registry::Registry;
+use scenario::{Declaration, Parameter, ParameterKind};
 
 /// What the word at byte `offset` means, in Markdown, with the bytes it is about.
 pub fn hover(tree: &Tree, offset: usize, registry: &Registry) -> Option<(Span, String)> {
@@ -138,7 +138,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::models::standard;
+    use models::standard;
 
     const TEXT: &str = "let pace = 1.4 m/s\nscenario a {\n  vehicle av {\n    controller carla_behavior { braking_distance: 5 m }\n    \
                         speed pace\n  }\n  expect { no collision }\n}\n";
@@ -169,8 +169,7 @@ mod tests {
     #[test]
     fn definitions_are_found() {
         let (span, sources) =
-            definition(Path::new("nowhere/a.scn"), TEXT, at("pace"), &standard(), &crate::files::Disk)
-                .unwrap();
+            definition(Path::new("nowhere/a.scn"), TEXT, at("pace"), &standard(), &files::Disk).unwrap();
         assert_eq!(sources.text(span), "pace");
         assert_eq!(sources.location(span).line, 1);
     }

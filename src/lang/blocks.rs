@@ -5,11 +5,11 @@ use std::collections::{HashMap, HashSet};
 use super::check::{self, Checked, Places, Subjects};
 use super::codes::Code;
 use super::diagnostic::Diagnostic;
-use super::files::{FileId, NameDefinition, Texts};
 use super::source::Span;
 use super::syntax::NodeIndex;
 use super::syntax::ast::{self, View};
-use crate::scenario::{Evaluate, Scenario, Search, Statement, Tune};
+use super::texts::{FileId, NameDefinition, Texts};
+use scenario::{Evaluate, Scenario, Search, Statement, Tune};
 
 /// Every block of a suite without mistakes.
 #[derive(Default)]

@@ -9,14 +9,14 @@ use std::path::Path;
 use super::assist::path_to;
 use super::check::DISTRIBUTIONS;
 use super::declared;
-use super::files::{FileId, Texts};
 use super::syntax::ast::{self, View};
 use super::syntax::words::{self, BlockEntry, BlockKind};
 use super::syntax::{self, Next, Node, Token, TokenKind, goes_on_with};
+use super::texts::{FileId, Texts};
 use super::units;
-use crate::files::{self, Overlay};
-use crate::registry::{Registry, Table};
-use crate::scenario::{AGGREGATES, AggregateWord, Declaration, ParameterKind, Registered, Scope};
+use files::{self, Overlay};
+use scenario::registry::{Registry, Table};
+use scenario::{AGGREGATES, AggregateWord, Declaration, ParameterKind, Registered, Scope};
 
 /// A word that could stand somewhere.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -404,8 +404,8 @@ fn setting(declaration: &Declaration, statement: &[&str]) -> Vec<Completion> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::files::Disk;
-    use crate::models::standard;
+    use files::Disk;
+    use models::standard;
 
     #[test]
     fn completion_knows_where_it_is() {

@@ -5,10 +5,10 @@ use std::collections::HashSet;
 
 use super::codes::Code;
 use super::diagnostic::Diagnostic;
-use super::files::Texts;
 use super::source::Span;
 use super::syntax::ast::{self, View};
 use super::syntax::{Node, words as table};
+use super::texts::Texts;
 
 /// Codes about names that are not there.
 const UNKNOWN: [Code; 9] = [

@@ -3,8 +3,8 @@
 use super::check::{crossings, obstacle};
 use super::syntax::Node;
 use super::syntax::ast::{self, View};
-use crate::registry::Registry;
-use crate::scenario::Declaration;
+use scenario::Declaration;
+use scenario::registry::Registry;
 
 /// What the settings of a statement or metric are of, unless a variation chooses between several.
 pub fn declared(of: Node, registry: &Registry) -> Option<Declaration> {

@@ -2,8 +2,8 @@
 
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 
-use crate::escape::{terminal, terminal_line, terminal_same_bytes};
-use crate::scenario::Origin;
+use files::escape::{terminal, terminal_line, terminal_same_bytes};
+use scenario::Origin;
 
 /// A titled message that points at one place.
 #[derive(Debug, Clone, Copy)]

@@ -1,7 +1,7 @@
 //! In which units a suite compares its metrics: what reports show them in.
 
 use super::unit_in;
-use crate::scenario::{Aggregate, MetricKind, MetricReference, Notation, Suite};
+use scenario::{Aggregate, MetricKind, MetricReference, Notation, Suite};
 
 /// Every metric that is compared in another unit than the SI unit, once, with the first such unit: that of a criterion, then of a
 /// gate's rule, then of a block.

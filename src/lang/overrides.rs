@@ -11,7 +11,7 @@ use std::str::FromStr;
 use super::declared::declared;
 use super::syntax::ast::{self, View};
 use super::syntax::{Given, Node, Tree, given};
-use crate::registry::Registry;
+use scenario::registry::Registry;
 
 /// A value for everything that has this name.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -316,14 +316,14 @@ fn after(node: Node) -> Range<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lang::source::Sources;
+    use crate::source::Sources;
 
     fn set(text: &str, overrides: &[&str]) -> (String, Vec<String>) {
         let all: Vec<Override> = overrides.iter().map(|one| one.parse().unwrap()).collect();
         let (tree, found) = Tree::parse(Sources::default().add("test", ""), text.into());
         assert!(found.is_empty(), "{found:?}");
         let mut overrides = Overrides::new(&all);
-        let changed = apply(text, &overrides.edits(&tree, &crate::models::standard()));
+        let changed = apply(text, &overrides.edits(&tree, &models::standard()));
         let (_, found) = Tree::parse(Sources::default().add("test", ""), changed.as_str().into());
         assert!(found.is_empty(), "{changed}: {found:?}");
         (changed, overrides.unknown().0.iter().map(ToString::to_string).collect())

@@ -4,7 +4,7 @@ use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 
 use super::diagnostic::{Diagnostic, Label, Severity};
 use super::source::{SourceId, Sources};
-use crate::escape::{terminal, terminal_line, terminal_same_bytes};
+use files::escape::{terminal, terminal_line, terminal_same_bytes};
 
 /// Marks in lines longer than this are shown in a window around them.
 const LONGEST_LINE: usize = 300;

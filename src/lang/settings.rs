@@ -7,9 +7,7 @@ use super::diagnostic::Diagnostic;
 use super::source::Span;
 use super::syntax::ast;
 use super::value::{self, NameScope, Typed, ValueKind};
-use crate::scenario::{
-    ANOTHER_MODEL, ChoiceOption, Declaration, Dimension, Expression, ParameterKind, Value,
-};
+use scenario::{ANOTHER_MODEL, ChoiceOption, Declaration, Dimension, Expression, ParameterKind, Value};
 
 /// The settings in braces (or of none) in the order they are written, each checked against `declaration`.
 pub fn check(

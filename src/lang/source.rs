@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::yaml::TranslatedPlaces;
-use crate::scenario::Origin;
+use scenario::Origin;
 
 /// One of the texts in [`Sources`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]

@@ -7,12 +7,12 @@ use super::blocks::{Gathered, gather};
 use super::check::{self, Places};
 use super::codes::Code;
 use super::diagnostic::{Diagnostic, Severity};
-use super::files::{FileId, NameDefinition, Texts, join};
 use super::source::Span;
 use super::syntax::ast;
+use super::texts::{FileId, NameDefinition, Texts, join};
 use super::value;
-use crate::registry::Registry;
-use crate::scenario::{Dimension, Scenario, Suite};
+use scenario::registry::Registry;
+use scenario::{Dimension, Scenario, Suite};
 
 /// The seed of a suite that names none, and of a scenario file that is run by itself.
 pub const DEFAULT_SEED: u64 = 1;
@@ -81,7 +81,7 @@ fn bare(files: &Texts, file: FileId, path: &Path, report: &mut Vec<Diagnostic>) 
     }
     let mut definitions = own_scenarios(files, file);
     let blocks = gather(files, &[file], &definitions);
-    if definitions.is_empty() && blocks.is_empty() && !super::files::has_errors(report) {
+    if definitions.is_empty() && blocks.is_empty() && !super::texts::has_errors(report) {
         report.push(no_scenario(Span::beginning(root.span().source), files));
     }
     definitions.extend(&blocks.measured);
@@ -210,7 +210,7 @@ fn declared(files: &mut Texts, file: FileId, path: &Path, report: &mut Vec<Diagn
             check::gate(node, &cast, files.scope(file), &Places { files }, report)
         })
         .collect();
-    if !super::files::has_errors(report) {
+    if !super::texts::has_errors(report) {
         let before = report.len();
         reject_idle_criteria(files, &criteria, &scenarios, report);
         if !files.overrides.is_empty() {

@@ -8,8 +8,8 @@ use std::sync::Arc;
 use proptest::prelude::*;
 
 use super::*;
-use crate::files::Memory;
-use crate::models::standard;
+use files::Memory;
+use models::standard;
 
 /// Pieces that scenario files are made of, so that random texts get past the first token.
 const PIECES: &[&str] = &[

@@ -1,6 +1,6 @@
 //! The units of the language.
 
-use crate::scenario::{Dimension, Notation, Symbol};
+use scenario::{Dimension, Notation, Symbol};
 
 /// A unit: a quantity `n` of it is `n * numerator / denominator` in SI units. Two numbers, because most conversions
 /// are exact as a fraction and then round only once.
@@ -142,7 +142,8 @@ mod tests {
 
     #[test]
     fn the_page_of_reference_names_every_unit() {
-        let page = std::fs::read_to_string("docs/language.md").unwrap();
+        let page =
+            std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/language.md")).unwrap();
         for unit in UNITS {
             assert!(page.contains(&format!("`{}`", unit.symbol)), "{}", unit.symbol);
         }

@@ -9,8 +9,8 @@ use super::source::Span;
 use super::syntax::Node;
 use super::syntax::ast::{self, Term, View};
 use super::units;
-use crate::scenario::limits::Limit;
-use crate::scenario::{self, BinaryOperator, Dimension, Expression, Notation, Value, VariedValue};
+use scenario::limits::Limit;
+use scenario::{self, BinaryOperator, Dimension, Expression, Notation, Value, VariedValue};
 
 /// A calculation over variations with more parts than this is refused.
 const MOST_PARTS: usize = 1000;

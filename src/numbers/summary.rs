@@ -54,7 +54,7 @@ pub fn quantile(sorted: &[f64], level: f64) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::numbers::random::Stream;
+    use crate::random::Stream;
 
     #[test]
     fn aggregates_of_few_values() {

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::surrogate::Posterior;
-use crate::numbers::distributions::normal_tail::{log_cumulative, log_improvement};
+use numbers::distributions::normal_tail::{log_cumulative, log_improvement};
 
 /// Standard deviations below this count as this: no logarithm of zero.
 pub(super) const SMALLEST_DEVIATION: f64 = 1e-9;

@@ -5,7 +5,7 @@ use rand::rngs::ChaCha8Rng;
 
 use super::random::{Purpose, stream};
 use super::space::Space;
-use crate::numbers::design;
+use numbers::design;
 
 fn snapped(space: &Space, mut points: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
     points.iter_mut().for_each(|point| space.snap(point));

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::{Definition, Error, Evaluation, Optimiser, Point, Proposal};
-use crate::files::{LARGEST_RECORD, Lines, Log, LogError, LogFormat, ReadError};
+use files::{LARGEST_RECORD, Lines, Log, LogError, LogFormat, ReadError};
 
 const FORMAT: LogFormat = LogFormat { name: "scenario-runner journal of evaluations", version: 2 };
 

@@ -7,7 +7,7 @@
 use super::acquisition::SMALLEST_DEVIATION;
 use super::models::{Models, Scaled};
 use super::surrogate::Surrogate;
-use crate::numbers::distributions::normal_tail::log_improvement;
+use numbers::distributions::normal_tail::log_improvement;
 
 /// A posterior mean as a function of a standard normal number, the surprise of one more evaluation.
 #[derive(Debug, Clone, Copy)]
@@ -107,7 +107,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::numbers::distributions::normal::density;
+    use numbers::distributions::normal::density;
 
     fn lines(numbers: &[(f64, f64)]) -> Vec<Line> {
         numbers.iter().map(|&(slope, intercept)| Line { slope, intercept }).collect()

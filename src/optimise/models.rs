@@ -9,7 +9,7 @@ use super::history::{Datum, EvaluatedPoint, merged};
 use super::surrogate::{
     Dataset, FriedrichSurrogate, HyperParameters, Noise, Outliers, Posterior, Standardisation, Surrogate,
 };
-use crate::numbers::distributions::{normal, normal_tail::log_cumulative};
+use numbers::distributions::{normal, normal_tail::log_cumulative};
 
 /// The surrogate in use; the one place that names it.
 pub(super) type Engine = FriedrichSurrogate;

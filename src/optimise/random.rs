@@ -2,7 +2,7 @@
 
 use rand::rngs::ChaCha8Rng;
 
-use crate::numbers::random::generator;
+use numbers::random::generator;
 
 /// What a stream of random numbers is used for. Each purpose of each proposal has a stream of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -3,12 +3,12 @@
 use std::fmt::Write;
 
 use super::format::{count, quantity, share};
-use crate::escape::markdown;
-use crate::judge::baseline::{Baseline, RecordedMetric, RecordedTrial, pair};
-use crate::judge::gate::vehicle_changes;
-use crate::numbers::summary::mean;
-use crate::results::Change;
-use crate::scenario::MetricKind;
+use files::escape::markdown;
+use numbers::summary::mean;
+use results::Change;
+use results::judge::baseline::{Baseline, RecordedMetric, RecordedTrial, pair};
+use results::judge::gate::vehicle_changes;
+use scenario::MetricKind;
 
 const STRING: &str = "writing to a string cannot fail";
 

@@ -7,11 +7,11 @@ use ::csv::{Terminator, Writer, WriterBuilder};
 
 use super::rows::{Row, What, each_row};
 use super::verdict_word;
-use crate::escape::csv_cell;
-use crate::judge::{PerRun, per_run};
-use crate::results::{Outcome, Requests, Results, SuiteReport};
-use crate::scenario::{Individual, Metric, MetricKind, Value};
-use crate::sim::StopReason;
+use files::escape::csv_cell;
+use results::judge::{PerRun, per_run};
+use results::{Outcome, Requests, Results, SuiteReport};
+use scenario::{Individual, Metric, MetricKind, Value};
+use sim::StopReason;
 
 /// Columns of every file, before those that depend on the suites.
 const FIRST: [&str; 10] = [
@@ -66,7 +66,7 @@ impl<'r> Columns<'r> {
             let judged = trial.trial.criteria.iter().filter(|criterion| per_run(criterion).is_some());
             judged.for_each(|criterion| add(&mut criteria, &criterion.text));
         }
-        let metric = |(index, reference): (usize, &'r crate::scenario::MetricReference)| {
+        let metric = |(index, reference): (usize, &'r scenario::MetricReference)| {
             let metric = reference.known()?;
             let unit = metric.unit();
             let label = reference.label();
@@ -165,7 +165,7 @@ fn ending(reason: StopReason) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::fixture::Session;
+    use crate::fixture::Session;
 
     fn text() -> String {
         let session = Session::new();

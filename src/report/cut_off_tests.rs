@@ -1,13 +1,13 @@
 //! What was cut off, in every report.
 
-use crate::report::fixture::Session;
-use crate::report::junit::tests::junit;
-use crate::report::schema::violations;
-use crate::report::tap::tests::tap;
-use crate::report::{Repository, annotations, html, render_tables, step_summary, write_json};
+use crate::fixture::Session;
+use crate::junit::tests::junit;
+use crate::schema::violations;
+use crate::tap::tests::tap;
+use crate::{Repository, annotations, html, render_tables, step_summary, write_json};
 
 fn repository() -> Repository {
-    Repository::around(std::path::Path::new(env!("CARGO_MANIFEST_DIR")))
+    Repository::around(std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")))
 }
 
 /// How often `part` is in `text`.

@@ -1,9 +1,8 @@
 //! One metric over a trial's runs in a few numbers.
 
 use super::format::{in_notation, quantity, share};
-use crate::lang;
-use crate::results::Outcome;
-use crate::scenario::{Criterion, Metric, MetricKind, MetricReference, Notation, Text, Worst};
+use results::Outcome;
+use scenario::{Criterion, Metric, MetricKind, MetricReference, Notation, Text, Worst};
 
 /// What a metric came to over several runs.
 pub struct Digest<'a> {
@@ -79,7 +78,7 @@ impl<'a> Digest<'a> {
 
     /// Three significant digits: cells are for comparing, not for calculating.
     fn number(&self, value: f64) -> String {
-        crate::scenario::significant(self.unit.map_or(value, |unit| unit.of_si(value)), 3)
+        scenario::significant(self.unit.map_or(value, |unit| unit.of_si(value)), 3)
     }
 
     fn range(&self) -> Option<(f64, f64)> {

@@ -4,9 +4,9 @@ use std::fmt::Write;
 
 use super::columns::columns;
 use super::format::in_written_unit;
-use crate::judge::cut_off_runs;
-use crate::results::{ConditionResult, Difference, EvaluateResult, ParameterValue};
-use crate::scenario::{Aggregate, Notation, Target};
+use results::judge::cut_off_runs;
+use results::{ConditionResult, Difference, EvaluateResult, ParameterValue};
+use scenario::{Aggregate, Notation, Target};
 
 const STRING: &str = "writing to a string cannot fail";
 
@@ -147,8 +147,8 @@ fn change(difference: Option<&Difference>, unit: &Unit) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::numbers::inference::Interval;
-    use crate::report::fixture::evaluation;
+    use crate::fixture::evaluation;
+    use numbers::inference::Interval;
 
     #[test]
     fn conditions_stand_above_what_is_reported_of_them() {
@@ -164,11 +164,7 @@ mod tests {
         assert_eq!(change(Some(&difference(-0.66, -0.8, -0.5)), &si("%")), "-66 % [-80, -50]");
         assert_eq!(change(None, &si("s")), "–");
         let kmh = (
-            Some(Notation {
-                symbol: crate::scenario::Symbol::new("km/h"),
-                numerator: 5.0,
-                denominator: 18.0,
-            }),
+            Some(Notation { symbol: scenario::Symbol::new("km/h"), numerator: 5.0, denominator: 18.0 }),
             "m/s".to_string(),
         );
         assert_eq!(change(Some(&difference(2.5, 2.0, 3.0)), &kmh), "+9 km/h [7.2, 10.8]");

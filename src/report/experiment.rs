@@ -6,9 +6,9 @@ use super::columns::columns;
 use super::evaluation::render_evaluate;
 use super::found::{render_search, value};
 use super::statement::render_statement;
-use crate::optimise::Coordinate;
-use crate::results::{BlockResult, Candidate, MetricSummary, TuneResult};
-use crate::scenario::{ShownIn, Tune, significant};
+use optimise::Coordinate;
+use results::{BlockResult, Candidate, MetricSummary, TuneResult};
+use scenario::{ShownIn, Tune, significant};
 
 /// A block's result in a few lines or a table.
 pub fn render_block(result: &BlockResult) -> String {

@@ -5,9 +5,9 @@ use anstyle::AnsiColor;
 use super::format::share;
 use super::table::paint;
 use super::wording::{metric_value, run_in_words, run_value, stopping, unseen, whom};
-use crate::escape::terminal;
-use crate::lang::Excerpt;
-use crate::results::{
+use files::escape::terminal;
+use lang::Excerpt;
+use results::{
     BlockReport, BlockState, CutBy, Finding, FindingMeasure, SuiteIdentity, TrialState, UnitReport, Verdict,
 };
 
@@ -182,14 +182,14 @@ pub fn with_worst(finding: &Finding) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::Origin;
+    use scenario::Origin;
 
     fn finding(measure: FindingMeasure, verdict: Verdict, interval: Option<(f64, f64)>) -> Finding {
         Finding {
             criterion: "mean(time_lost) <= 2 s with 95 % confidence".into(),
             origin: Origin::default(),
             verdict,
-            metric: crate::models::known::metric("time_lost"),
+            metric: models::known::metric("time_lost"),
             measure,
             runs: 400,
             holding: 356,

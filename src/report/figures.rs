@@ -9,8 +9,8 @@ use super::chart::{
 use super::digest::written_unit;
 use super::variable::Variable;
 use super::wording::comparison_rule;
-use crate::results::{Outcome, Recording, Requests, SuiteReport, TrialReport};
-use crate::scenario::{Aggregate, Claim, Expression, MetricKind, MetricReference, Notation, Value, Worst};
+use results::{Outcome, Recording, Requests, SuiteReport, TrialReport};
+use scenario::{Aggregate, Claim, Expression, MetricKind, MetricReference, Notation, Value, Worst};
 
 /// Charts that belong together, one per panel.
 #[derive(Debug, Clone, PartialEq)]

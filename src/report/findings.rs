@@ -3,8 +3,8 @@
 use serde_json::{Value, json};
 
 use super::Repository;
-use crate::escape::{github_data, github_property};
-use crate::lang::{Code, Diagnostic, Location, Severity, Sources, Span};
+use files::escape::{github_data, github_property};
+use lang::{Code, Diagnostic, Location, Severity, Sources, Span};
 
 /// Diagnostics with the texts they are about.
 pub type Findings = [(Vec<Diagnostic>, Sources)];

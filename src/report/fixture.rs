@@ -7,22 +7,22 @@ mod trials;
 use std::sync::Arc;
 use std::time::{Duration, SystemTime};
 
-use crate::results::{
+use blocks::{blocks, found, tuned};
+pub use blocks::{evaluation, search_result, statement};
+use results::{
     BlockReport, BlockResult, BlockState, Critical, Cut, Outcome, Program, Reason, Recorded, RecordedReport,
     RecordedState, Requests, Rerun, Results, RunsTaken as Stopped, Skip, Stopping, SuiteIdentity,
     SuiteReport, TrialReport, TrialState, TrialVerdict, Vacuity, Verdict, choose_runs,
 };
-use blocks::{blocks, found, tuned};
-pub use blocks::{evaluation, search_result, statement};
 pub use trials::person;
 use trials::{course, trial, word};
 
-use crate::judge::{judge, per_run};
-use crate::metrics::Presence;
-use crate::plan::PlannedTrial;
-use crate::results::{Chosen, Recording};
-use crate::scenario::{Block, Case, Gate, MetricReference, Search, Tune};
-use crate::sim::{Ending, StopReason};
+use results::judge::{judge, per_run};
+use results::{Chosen, Recording};
+use runner::plan::PlannedTrial;
+use scenario::{Block, Case, Gate, MetricReference, Search, Tune};
+use sim::measure::Presence;
+use sim::{Ending, StopReason};
 
 /// The trials, and what reports borrow from.
 pub struct Session {

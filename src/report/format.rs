@@ -1,6 +1,6 @@
 //! Numbers for people: few digits, with units.
 
-use crate::scenario::{Dimension, Metric, MetricKind, Notation, significant};
+use scenario::{Dimension, Metric, MetricKind, Notation, significant};
 
 /// A metric's value with its unit, such as `1.23 s`, `yes` or `pedestrian`; `–` where it does not exist.
 pub fn quantity(metric: &Metric, value: Option<f64>) -> String {

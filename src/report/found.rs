@@ -4,10 +4,10 @@ use std::fmt::Write;
 
 use super::columns::columns;
 use super::experiment::{WITHOUT_VALUE, short};
-use crate::numbers::summary::quantile;
-use crate::optimise::Coordinate;
-use crate::results::{Found, SearchResult};
-use crate::scenario::{Goal, ShownIn};
+use numbers::summary::quantile;
+use optimise::Coordinate;
+use results::{Found, SearchResult};
+use scenario::{Goal, ShownIn};
 
 /// Up to this many people each have a line.
 const MOST_LINES: usize = 20;

@@ -6,14 +6,14 @@ use anstyle::{AnsiColor, Style};
 
 use super::format::{count, in_notation, quantity, share};
 use super::table::paint;
-use crate::escape::{terminal, terminal_line};
-use crate::judge::baseline::some;
-use crate::lang::Excerpt;
-use crate::results::{
+use files::escape::{terminal, terminal_line};
+use lang::Excerpt;
+use results::judge::baseline::some;
+use results::{
     BlindPlace, ChangedRun, Check, CheckOutcome, ComparedSubject, GateReport, GateState, GateVerdict, Power,
     SuiteIdentity, SuiteReport, TrialChange, Verdict,
 };
-use crate::scenario::significant;
+use scenario::significant;
 
 /// More runs than this are counted, not named.
 pub const MOST_RUNS_NAMED: usize = 5;
@@ -404,7 +404,7 @@ fn drawn(cells: &[String; 6], widths: &[usize; 6], mark: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::fixture::gate::{compared, gate};
+    use crate::fixture::gate::{compared, gate};
 
     #[test]
     fn a_trial_that_got_worse_is_named_though_the_others_hide_it() {

@@ -5,8 +5,8 @@ use std::fmt::Write;
 use super::gate::{
     HEADINGS, MOST_RUNS_NAMED, Replay, cells, changed, check_mark, context, outcome_word, sentence,
 };
-use crate::escape::{markdown, markdown_code};
-use crate::results::{Check, CheckOutcome, GateVerdict, Verdict};
+use files::escape::{markdown, markdown_code};
+use results::{Check, CheckOutcome, GateVerdict, Verdict};
 
 const STRING: &str = "writing to a string cannot fail";
 

@@ -14,14 +14,14 @@ use super::wording::{
     closest_calls, interruption, judged_words, nearest_run, nothing_claimed, observed, stopping,
     trial_warnings, untested, verdict_mark, verdict_word,
 };
-use crate::escape::{
+use files::escape::{
     github_data, github_property, html, markdown, markdown_code, markdown_fenced, terminal_line,
 };
-use crate::results::{
+use results::{
     BlockReport, BlockState, CutBy, GateReport, GateState, NotJudged, RecordedReport, Requests, Results,
     Standing, SuiteReport, TrialReport, TrialState, Verdict,
 };
-use crate::scenario::Origin;
+use scenario::Origin;
 
 /// GitHub shows ten annotations of a kind per step, so a criterion has one for all the trials it failed in.
 struct Annotation {
@@ -369,12 +369,13 @@ fn blocks_summary(text: &mut String, report: &SuiteReport) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::fixture::Session;
+    use crate::fixture::Session;
 
     #[test]
     fn one_annotation_per_criterion() {
         let session = Session::new();
-        let repository = Repository::around(std::path::Path::new(env!("CARGO_MANIFEST_DIR")));
+        let repository =
+            Repository::around(std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")));
         insta::assert_snapshot!(annotations(&session.unrecorded(session.report()), &repository));
     }
 

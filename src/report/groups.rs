@@ -2,8 +2,8 @@
 
 use std::collections::{BTreeSet, HashMap, VecDeque};
 
-use crate::results::{Finding, SuiteReport, TrialReport, Verdict};
-use crate::scenario::{Assignment, Value};
+use results::{Finding, SuiteReport, TrialReport, Verdict};
+use scenario::{Assignment, Value};
 
 /// Trials in which a criterion did not hold.
 #[derive(Debug, Clone)]
@@ -257,7 +257,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::report::fixture::Session;
+    use crate::fixture::Session;
 
     fn assignment(name: &str, value: Value) -> Assignment {
         Assignment { name: name.into(), label: format!("{value}"), value }

@@ -10,11 +10,12 @@ use pulldown_cmark::{Event as Markdown, Options, Parser, Tag};
 use quick_xml::events::Event as Xml;
 
 use super::fixture::Session;
+use super::hostile_texts as texts;
 use super::junit::tests::junit;
 use super::tap::tests::tap;
 use super::{Repository, annotations, explain, render_gates, render_tables, step_summary, to_html};
-use crate::escape::{hostile, terminal, terminal_styled, xml_line};
-use crate::results::{Results, SuiteReport, TrialReport, UnitReport, choose_runs};
+use files::escape::{terminal, terminal_styled, xml_line};
+use results::{Results, SuiteReport, TrialReport, UnitReport, choose_runs};
 
 fn is_safe(letter: char) -> bool {
     matches!(letter, '\n' | '\t') || terminal(letter.encode_utf8(&mut [0; 4])).chars().eq([letter])
@@ -32,7 +33,7 @@ fn without_colours(text: &str) -> String {
 }
 
 fn repository() -> Repository {
-    Repository::around(Path::new(env!("CARGO_MANIFEST_DIR")))
+    Repository::around(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")))
 }
 
 /// Whatever a terminal shows of a session.
@@ -57,7 +58,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 
     #[test]
-    fn terminals_show_names_and_obey_only_our_colours(name in hostile::text()) {
+    fn terminals_show_names_and_obey_only_our_colours(name in texts::text()) {
         let session = Session::with_names(&name);
         let report = session.report();
         let plain = shown(&report, &session, false);
@@ -68,7 +69,7 @@ proptest! {
     }
 
     #[test]
-    fn junit_is_xml_with_the_names_in_it(name in hostile::text()) {
+    fn junit_is_xml_with_the_names_in_it(name in texts::text()) {
         let session = Session::with_names(&name);
         let report = session.report();
         let text = junit(&session.unrecorded(session.report()));
@@ -100,7 +101,7 @@ proptest! {
     }
 
     #[test]
-    fn tap_has_its_points_and_no_others(name in hostile::text()) {
+    fn tap_has_its_points_and_no_others(name in texts::text()) {
         let (calm, hostile) = (Session::new(), Session::with_names(&name));
         let marks = |session: &Session| -> Vec<String> {
             let text = tap(&session.unrecorded(session.report()));
@@ -118,7 +119,7 @@ proptest! {
     }
 
     #[test]
-    fn annotations_are_as_many_lines_as_without(name in hostile::text()) {
+    fn annotations_are_as_many_lines_as_without(name in texts::text()) {
         let lines = |session: &Session| annotations(&session.unrecorded(session.report()), &repository()).lines().count();
         let hostile = Session::with_names(&name);
         prop_assert_eq!(lines(&hostile), lines(&Session::new()));
@@ -130,7 +131,7 @@ proptest! {
     }
 
     #[test]
-    fn the_summary_of_a_step_has_only_our_markup(name in hostile::text()) {
+    fn the_summary_of_a_step_has_only_our_markup(name in texts::text()) {
         let session = Session::with_names(&name);
         let text = step_summary(&session.unrecorded(session.report()));
         prop_assert!(text.chars().all(is_safe));
@@ -153,7 +154,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(8))]
 
     #[test]
-    fn a_page_has_the_elements_that_it_has_without(name in hostile::text()) {
+    fn a_page_has_the_elements_that_it_has_without(name in texts::text()) {
         let elements = |session: &Session| {
             let report = session.report();
             let recordings = session.record(choose_runs(&report));

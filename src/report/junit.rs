@@ -14,11 +14,11 @@ use super::experiment::render_block;
 use super::failure::{render_block_failure, render_failure};
 use super::gate::{blindness as gate_blindness, render_gate_report};
 use super::wording::{in_words, interruption, nothing_claimed, recorded_remark, stopping, trial_warnings};
-use crate::results::{
+use results::{
     BlockReport, BlockResult, BlockState, Cut, CutBy, GateReport, GateState, NotJudged, RecordedReport,
     Requests, Results, SuiteReport, TrialReport, TrialState, Verdict,
 };
-use crate::scenario::Origin;
+use scenario::Origin;
 
 /// Writes the report as an XML document, a testcase at a time. A failed criterion is a failure; a trial that could not run
 /// is an error. Every testcase says where it stands, in `file` and `line`, from the root of the repository on.
@@ -302,11 +302,12 @@ fn first_line(text: &str) -> &str {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::report::fixture::{Meter, Session};
+    use crate::fixture::{Meter, Session};
 
     /// All of it.
     pub fn junit(results: &Results) -> String {
-        let repository = Repository::around(std::path::Path::new(env!("CARGO_MANIFEST_DIR")));
+        let repository =
+            Repository::around(std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")));
         let mut text = Vec::new();
         write_junit(results, &repository, &mut text).expect("there is room");
         String::from_utf8(text).expect("it is text")
@@ -323,7 +324,8 @@ pub(super) mod tests {
     fn it_is_written_testcase_by_testcase() {
         let session = Session::new();
         let mut meter = Meter::default();
-        let repository = Repository::around(std::path::Path::new(env!("CARGO_MANIFEST_DIR")));
+        let repository =
+            Repository::around(std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")));
         write_junit(&session.unrecorded(session.long_report()), &repository, &mut meter).unwrap();
         assert!(meter.all > 100 * meter.at_once, "{} of {} bytes at once", meter.at_once, meter.all);
     }

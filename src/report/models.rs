@@ -4,8 +4,8 @@ use std::fmt::Write;
 use std::sync::Arc;
 
 use super::format::with_unit;
-use crate::registry::Registry;
-use crate::scenario::{Declaration, Dimension, Metric, MetricKind, Parameter, ParameterKind};
+use scenario::registry::Registry;
+use scenario::{Declaration, Dimension, Metric, MetricKind, Parameter, ParameterKind};
 
 /// One line each.
 pub fn render_models(registry: &Registry) -> String {

@@ -3,8 +3,8 @@
 use std::fmt::Write;
 
 use super::format::with_unit;
-use crate::registry::Registry;
-use crate::scenario::{Declaration, Dimension, Parameter, ParameterKind, PresetFamily, Value};
+use scenario::registry::Registry;
+use scenario::{Declaration, Dimension, Parameter, ParameterKind, PresetFamily, Value};
 
 /// A page about one registered model.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -148,7 +148,7 @@ fn row(cells: &[String]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::models::standard;
+    use models::standard;
 
     #[test]
     fn a_page_has_all_that_is_declared() {

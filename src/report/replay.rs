@@ -3,11 +3,11 @@
 use std::fmt::Write;
 
 use super::format::{quantity, with_unit};
-use super::shrunk::run_words;
-use crate::judge::per_run;
-use crate::results::{Outcome, Requests};
-use crate::scenario::{Assignment, Case, Criterion, Dimension, Scenario, Value, Written, show};
-use crate::sim::{Happening, StopReason, TimelineEvent};
+use super::wording::run_words;
+use results::judge::per_run;
+use results::{Outcome, Requests};
+use scenario::{Assignment, Case, Criterion, Dimension, Scenario, Value, Written, show};
+use sim::{Happening, StopReason, TimelineEvent};
 
 /// The values that a case has of its own, in the units that they are written in: what its scenario varies.
 pub fn case_values(case: &Case, scenario: &Scenario) -> Vec<(String, String)> {

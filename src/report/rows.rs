@@ -1,8 +1,8 @@
 //! Everything that was run, a run at a time in the order of the plan: what `--runs` and `--csv` write.
 
-use crate::judge::{PerRun, per_run};
-use crate::results::{Outcome, RecordedState, Skip, SuiteReport, TrialReport, TrialState, Verdict};
-use crate::scenario::Assignment;
+use results::judge::{PerRun, per_run};
+use results::{Outcome, RecordedState, Skip, SuiteReport, TrialReport, TrialState, Verdict};
+use scenario::Assignment;
 
 /// A run, or a trial that was to be run and has none.
 pub struct Row<'r> {

@@ -7,8 +7,8 @@ use serde_json::{Value, json};
 use super::json::{outcome_value, plain, variation_value};
 use super::rows::{Row, What, each_row};
 use super::verdict_word;
-use crate::judge::PerRun;
-use crate::results::{Requests, Results};
+use results::judge::PerRun;
+use results::{Requests, Results};
 
 /// Writes a line for each run. The same suites and seeds give the same bytes, on any number of threads.
 ///
@@ -47,7 +47,7 @@ fn line(row: &Row, criteria: &[PerRun], requests: &Requests) -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::fixture::Session;
+    use crate::fixture::Session;
 
     fn lines() -> Vec<Value> {
         let session = Session::new();

@@ -3,9 +3,8 @@
 use std::fmt::Write;
 
 use super::format::in_written_unit;
-use crate::lang;
-use crate::results::{ClaimResult, ClaimValues, Conclusion, StatementResult};
-use crate::scenario::{DeclaredStanding, TrendDirection};
+use results::{ClaimResult, ClaimValues, Conclusion, StatementResult};
+use scenario::{DeclaredStanding, TrendDirection};
 
 const STRING: &str = "writing to a string cannot fail";
 
@@ -106,8 +105,8 @@ pub fn claim_values(claim: &ClaimResult) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::fixture::statement;
-    use crate::scenario::Relation;
+    use crate::fixture::statement;
+    use scenario::Relation;
 
     #[test]
     fn claims_are_shown_in_the_unit_that_they_are_written_in() {

@@ -5,9 +5,9 @@ use anstyle::{AnsiColor, Style};
 use super::digest::{Digest, written_unit};
 use super::figures::short_name;
 use super::wording::{closest_calls, judged_words};
-use crate::escape::{terminal, terminal_line};
-use crate::results::{Requests, SuiteReport, TrialReport, TrialState, Verdict};
-use crate::scenario::{Metric, Notation};
+use files::escape::{terminal, terminal_line};
+use results::{Requests, SuiteReport, TrialReport, TrialState, Verdict};
+use scenario::{Metric, Notation};
 
 /// A scenario with more trials shows only those that did not pass.
 const MOST_ROWS: usize = 24;
@@ -198,7 +198,7 @@ pub(super) fn paint(text: &str, style: Style, colour: bool) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::fixture::Session;
+    use crate::fixture::Session;
 
     #[test]
     fn one_table_per_scenario() {

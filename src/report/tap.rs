@@ -8,8 +8,8 @@ use super::experiment::render_block;
 use super::failure::{render_block_failure, render_failure};
 use super::gate::render_gate_report;
 use super::wording::{in_words, interruption, stopping, trial_warnings, verdict_word, warnings};
-use crate::escape::{tap_description, tap_text, terminal_line, yaml_quoted};
-use crate::results::{
+use files::escape::{tap_description, tap_text, terminal_line, yaml_quoted};
+use results::{
     BlockReport, BlockState, Finding, GateReport, GateState, NotJudged, Results, SuiteReport, TrialState,
     TrialVerdict, Verdict,
 };
@@ -208,7 +208,7 @@ fn block(text: &mut String, name: &str, content: &str) {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::report::fixture::{Meter, Session};
+    use crate::fixture::{Meter, Session};
 
     /// All of it.
     pub fn tap(results: &Results) -> String {

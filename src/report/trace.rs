@@ -2,9 +2,9 @@
 
 use std::io::{self, Write};
 
-use crate::escape::csv_cell;
-use crate::scenario::World;
-use crate::sim::{Trace, TraceMark};
+use files::escape::csv_cell;
+use scenario::World;
+use sim::{Trace, TraceMark};
 
 /// Writes a row per sample with the columns of the first line; numbers round-trip exactly. `event` says in which row
 /// somebody `appears`, `jumps` or `touches NAME`; several are separated by `; `.

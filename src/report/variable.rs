@@ -1,8 +1,8 @@
 //! A variation as an axis: its numbers in the unit that the user wrote them in.
 
 use super::chart::AxisQuantity;
-use crate::results::SuiteReport;
-use crate::scenario::Assignment;
+use results::SuiteReport;
+use scenario::Assignment;
 
 /// A variation that takes numbers, over all the trials that have it.
 #[derive(Debug, Clone, PartialEq)]
@@ -79,7 +79,7 @@ fn common_unit(taken: &[&Assignment]) -> Option<(String, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::Value;
+    use scenario::Value;
 
     fn unit(labels: &[(&str, f64)]) -> Option<(String, f64)> {
         let taken: Vec<Assignment> = labels

@@ -4,13 +4,13 @@ use std::collections::HashSet;
 
 use super::chart::Rule;
 use super::format::{count, in_notation, quantity, share};
-use crate::lang;
-use crate::results::{
-    BlockReport, BlockState, Finding, FindingMeasure, Horizon, OnCourse, Reason, RecordedReport,
-    RecordedState, Regarding, RunsTaken, Skip, Standing, SuiteReport, TrialReport, TrialState, UnitReport,
-    Vacuity, Verdict, WorstRun,
+use results::judge::{PerRun, judge};
+use results::{
+    BlockReport, BlockState, Finding, FindingMeasure, Horizon, OnCourse, Outcome, Reason, RecordedReport,
+    RecordedState, Regarding, Requests, RunsTaken, Skip, Standing, SuiteReport, TrialReport, TrialState,
+    UnitReport, Vacuity, Verdict, WorstRun,
 };
-use crate::scenario::{Comparison, MetricKind, Notation, People, Relation, significant};
+use scenario::{Comparison, MetricKind, Notation, People, Relation, significant};
 
 /// What was found: `holds in 18 of 20 runs`, `85 %`, `1.62 s`; `–` if no run has a value.
 pub fn observed(finding: &Finding) -> String {
@@ -139,6 +139,21 @@ pub fn nearest_run(finding: &Finding) -> Option<String> {
     let worst = finding.worst.first().map(|run| ("worst", run));
     let (what, run) = worst.or(finding.closest.as_ref().map(|run| ("closest", run)))?;
     Some(format!("{what}: {}, in {}", run_in_words(finding, run), run.key))
+}
+
+/// How a run stands to a criterion: `pet 0.83 s (-0.67 s) at 7.33 s, av and walker`.
+pub fn run_words(criterion: &PerRun, outcome: &Outcome, requests: &Requests) -> String {
+    let judged = judge(std::slice::from_ref(&criterion.criterion), std::slice::from_ref(outcome), requests);
+    let finding = &judged.findings[0];
+    match finding.worst.first().or(finding.closest.as_ref()) {
+        Some(run) => run_in_words(finding, run),
+        None => {
+            let index = requests.index(criterion.criterion.claim.metric());
+            let value = index.and_then(|index| outcome.metrics[index]);
+            let run = WorstRun { key: String::new(), value, margin: None, cut_off: false, critical: None };
+            run_value(finding, &run)
+        }
+    }
 }
 
 /// What a run's metric was, how far from speaking against the criterion, when and for whom:
@@ -424,12 +439,12 @@ pub fn interruption(report: &SuiteReport) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::WhenUndefined;
+    use scenario::WhenUndefined;
 
     #[test]
     fn comparisons_read_as_they_are_written() {
         let text = |name: &str, relation, bound: f64| {
-            let metric = crate::models::known::measured(name);
+            let metric = models::known::measured(name);
             let when_undefined = WhenUndefined::Fails;
             comparison_text(&Comparison { metric, relation, bound: bound.into(), when_undefined }, None)
         };

@@ -9,8 +9,8 @@ use super::cut::Cut;
 use super::skip::Skip;
 use super::standing::Standing;
 use super::{EvaluateResult, SearchResult, StatementResult, TuneResult};
-use crate::results::Verdict;
-use crate::scenario::Block;
+use crate::Verdict;
+use scenario::Block;
 
 /// What became of a `search`, a `tune` or whatever else a suite computes besides its trials.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

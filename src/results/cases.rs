@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::outcome::Outcome;
-use crate::numbers::json;
-use crate::scenario::{Assignment, Individual, MetricKind, Target, Value};
+use numbers::json;
+use scenario::{Assignment, Individual, MetricKind, Target, Value};
 
 /// Cases with a name.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::suite::SuiteReport;
 use super::trial::{TrialReport, TrialState};
-use crate::results::Verdict;
+use crate::Verdict;
 
 /// A run that is to be drawn.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]

@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::cases::CaseRun;
-use crate::numbers::inference::Interval;
-use crate::scenario::{Measure, Notation, Target, Value};
+use numbers::inference::Interval;
+use scenario::{Measure, Notation, Target, Value};
 
 /// What an evaluation came to.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

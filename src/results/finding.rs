@@ -3,9 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::outcome::Critical;
-use crate::numbers::json;
-use crate::results::Verdict;
-use crate::scenario::{Metric, Origin, People, Reference};
+use crate::Verdict;
+use numbers::json;
+use scenario::{Metric, Origin, People, Reference};
 
 // The signature is serde's.
 #[allow(clippy::trivially_copy_pass_by_ref)]

@@ -1,9 +1,9 @@
 //! What became of a gate, and its comparisons.
 
 use super::standing::Standing;
-use crate::numbers::json;
-use crate::results::Verdict;
-use crate::scenario::{Dimension, Gate, Metric, Notation, Reference, Suite, show_apart};
+use crate::Verdict;
+use numbers::json;
+use scenario::{Dimension, Gate, Metric, Notation, Reference, Suite, show_apart};
 use std::fmt;
 use std::sync::Arc;
 

@@ -6,10 +6,10 @@ use std::time::Duration;
 use serde::{Deserialize, Serialize};
 
 use super::requests::Requests;
-use crate::metrics::{Open, Presence};
-use crate::numbers::json;
-use crate::scenario::{Criterion, Individual};
-use crate::sim::Ending;
+use numbers::json;
+use scenario::{Criterion, Individual};
+use sim::Ending;
+use sim::measure::{Open, Presence};
 
 /// The result of one case.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -31,7 +31,7 @@ pub struct Outcome {
     /// What the horizon, or a contact that ends runs, cut off, if that is anything.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cut_off: Option<Box<CutOff>>,
-    /// See [`crate::sim::Fingerprint`].
+    /// See [`sim::Fingerprint`].
     #[serde(with = "json::hexadecimal")]
     pub fingerprint: u64,
     #[serde(default, skip_serializing_if = "Duration::is_zero")]

@@ -10,9 +10,9 @@ use super::outcome::Outcome;
 use super::skip::Skip;
 use super::standing::Standing;
 use super::trial::{TrialState, TrialVerdict};
-use crate::numbers::json;
-use crate::results::Verdict;
-use crate::scenario::Assignment;
+use crate::Verdict;
+use numbers::json;
+use scenario::Assignment;
 
 /// What is kept of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -4,8 +4,8 @@ use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
 use super::places;
-use crate::scenario::{Case, PedestrianSetup, Shape};
-use crate::sim::{TimelineEvent, Trace};
+use scenario::{Case, PedestrianSetup, Shape};
+use sim::{TimelineEvent, Trace};
 
 /// A run as it is drawn. Metrics are never computed from it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::registry::Registry;
-use crate::scenario::{Criterion, MetricReference};
+use scenario::registry::Registry;
+use scenario::{Criterion, MetricReference};
 
 /// The metrics that are read off every run of a suite: each with its defaults, and what criteria ask for besides.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]

@@ -8,8 +8,8 @@ use super::{
     BlockReport, BlockResult, BlockState, Finding, GateReport, GateState, RecordedState, Results,
     SuiteReport, TrialReport, TrialState,
 };
-use crate::registry::Registry;
-use crate::scenario::{Metric, Reference};
+use scenario::registry::Registry;
+use scenario::{Metric, Reference};
 
 /// A metric that this program does not have: its values cannot be shown, since nobody knows what they are.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]

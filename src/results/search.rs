@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::cases::{CaseRun, SavedCase, SavedSet};
-use crate::optimise::{self, OptimisationEnd, SlicePoint};
-use crate::scenario::{Goal, Individual, ShownIn};
+use optimise::{self, OptimisationEnd, SlicePoint};
+use scenario::{Goal, Individual, ShownIn};
 
 /// What a search found.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

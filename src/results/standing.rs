@@ -1,7 +1,7 @@
 //! How a unit stands, whatever its kind.
 
 use super::cut::CutBy;
-use crate::results::Verdict;
+use crate::Verdict;
 
 /// How a unit stands, whatever its kind. The order is from good to bad.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::scenario::{DeclaredStanding, Relation, TrendDirection};
+use scenario::{DeclaredStanding, Relation, TrendDirection};
 
 /// What a statement came to.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

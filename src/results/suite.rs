@@ -10,7 +10,7 @@ use super::gate::GateReport;
 use super::recorded::RecordedReport;
 use super::standing::Standing;
 use super::trial::TrialReport;
-use crate::numbers::json;
+use numbers::json;
 
 /// Which suite was run, and how to run it again.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]

@@ -10,8 +10,8 @@ use super::finding::Finding;
 use super::outcome::{OnCourse, Outcome};
 use super::skip::Skip;
 use super::standing::Standing;
-use crate::results::Verdict;
-use crate::scenario::Trial;
+use crate::Verdict;
+use scenario::Trial;
 
 /// A trial's verdict: the worst of its findings; without any it is `Passed`, which [says nothing](Self::claims_nothing).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

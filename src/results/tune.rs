@@ -5,8 +5,8 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use super::cases::MetricSummary;
-use crate::optimise::{self, OptimisationEnd, SlicePoint};
-use crate::scenario::ShownIn;
+use optimise::{self, OptimisationEnd, SlicePoint};
+use scenario::ShownIn;
 
 /// What a tune came to.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

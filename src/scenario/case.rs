@@ -10,7 +10,7 @@ use super::{
     ControllerModel, DynamicsModel, PedestrianModel, PerceptionModel, Reference, Registered, Road,
     SettingError, Settings, Side, Value,
 };
-use crate::numbers::json;
+use numbers::json;
 
 /// One run. Everything that decides its outcome is in here.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-pub use crate::optimise::{Goal, InitialDesign};
+pub use optimise::{Goal, InitialDesign};
 
 use super::{Aggregate, Comparison, Individuals, Notation, Origin, Symbol, significant};
 

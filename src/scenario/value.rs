@@ -48,7 +48,7 @@ impl fmt::Display for Value {
 
 /// Values by parameter name, sorted so that keys and hashes built from them are stable.
 ///
-/// [`crate::scenario::Declaration::resolve`] fills in every declared parameter that has a value. The typed getters
+/// [`crate::Declaration::resolve`] fills in every declared parameter that has a value. The typed getters
 /// below are for models reading their own declared parameters: asking for one that was never declared, or with
 /// another type, is a bug and panics with the name.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]

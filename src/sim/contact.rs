@@ -3,8 +3,8 @@
 use nalgebra::Vector2;
 
 use super::geometry::Footprint;
-use crate::scenario::agent::{Snapshot, velocity_inside};
-use crate::scenario::{Body, World};
+use scenario::agent::{Snapshot, velocity_inside};
+use scenario::{Body, World};
 
 /// A body by its index among its kind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,11 +1,11 @@
 //! The control loop of one vehicle: when it is due, what it sees, what it was told to do, and how it settles before the run.
 
 use super::road_users::{Driven, Driver};
-use crate::scenario::agent::{
+use scenario::agent::{
     Command, ControllerError, EgoState, Longitudinal, Mode, Observation, RoadView, Schedule, SeenPedestrian,
     SeenVehicle, Snapshot,
 };
-use crate::scenario::{Road, VehicleSetup, World};
+use scenario::{Road, VehicleSetup, World};
 
 /// Absorbs the rounding of sums and products when times are compared, s.
 pub(super) const TIME_TOLERANCE: f64 = 1e-9;

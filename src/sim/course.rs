@@ -10,10 +10,10 @@ use super::control::{Control, TIME_TOLERANCE};
 use super::observer::{Ending, Observer, Step, StopReason};
 use super::road_users::RoadUsers;
 use super::start::{placed, waiting_outside, way};
-use crate::scenario::agent::{
+use scenario::agent::{
     Command, ControllerError, Mode, Motion, Observation, PedestrianState, Scene, Snapshot, VehicleState,
 };
-use crate::scenario::{Appearance, World};
+use scenario::{Appearance, World};
 
 /// The time at which a run ends that nothing ends before its horizon, s: a whole number of steps.
 pub fn longest_run(horizon: f64, step: f64) -> f64 {

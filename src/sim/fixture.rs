@@ -1,6 +1,6 @@
 //! A small world for tests.
 
-use crate::scenario::{
+use scenario::{
     Appearance, Direction, ModelSetup, PedestrianSetup, Position, Reference, Road, Settings, Shape, Side,
     VehicleSetup, VehicleStart, World,
 };

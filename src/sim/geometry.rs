@@ -4,8 +4,8 @@
 
 use nalgebra::Vector2;
 
-use crate::scenario::agent::{PedestrianState, VehicleState};
-use crate::scenario::{Body, Shape};
+use scenario::agent::{PedestrianState, VehicleState};
+use scenario::{Body, Shape};
 
 /// A body's outline at one moment.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -205,8 +205,8 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::scenario::{Direction, Path};
-    use crate::sim::Longitudinal;
+    use crate::Longitudinal;
+    use scenario::{Direction, Path};
 
     fn car() -> VehicleState {
         VehicleState {

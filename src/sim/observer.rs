@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::contact::Touch;
-use crate::scenario::agent::{Mode, Motion, Snapshot, velocity_inside};
+use scenario::agent::{Mode, Motion, Snapshot, velocity_inside};
 
 /// Follows a run. Nothing it does can change the run.
 pub trait Observer {

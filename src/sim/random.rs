@@ -1,8 +1,8 @@
 //! Who draws in a run, and what for: one stream per agent and purpose, so that a draw added to one never shifts another's.
 
-use crate::numbers::random::Stream;
+use numbers::random::Stream;
 
-/// Who draws: a pedestrian or a vehicle, by its [rank](crate::numbers::random::ranks) among its kind. A draw added to one
+/// Who draws: a pedestrian or a vehicle, by its [rank](numbers::random::ranks) among its kind. A draw added to one
 /// agent never shifts another's.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Agent {

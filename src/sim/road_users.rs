@@ -1,6 +1,6 @@
 //! The minds and bodies of a run.
 
-use crate::scenario::agent::{Controller, Dynamics, Pedestrian, Perception, Schedule};
+use scenario::agent::{Controller, Dynamics, Pedestrian, Perception, Schedule};
 
 /// The minds and bodies of a run, in the order of the world's setups.
 pub struct RoadUsers {

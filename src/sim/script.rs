@@ -4,8 +4,8 @@
 //! with units, so that they are checked where they are written, vary, and can be tuned. A step waits until its trigger
 //! holds; only then does the next one count. Source: actions and conditions after ASAM OpenSCENARIO storyboards.
 
-use crate::scenario::agent::ModelError;
-use crate::scenario::{Dimension, Parameter, Settings, TextCheck, TextError};
+use scenario::agent::ModelError;
+use scenario::{Dimension, Parameter, Settings, TextCheck, TextError};
 use std::iter;
 
 /// What a step makes its road user do until the next one.
@@ -243,7 +243,7 @@ impl Reader<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::{Declaration, Value};
+    use scenario::{Declaration, Value};
 
     fn declaration() -> Declaration {
         let check: TextCheck = |steps, given| Script::check(steps, "script", QUANTITIES, given);

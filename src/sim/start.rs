@@ -5,8 +5,8 @@ use nalgebra::Vector2;
 
 use super::contact::{Solid, pairs};
 use super::geometry::Footprint;
-use crate::scenario::agent::{Longitudinal, PedestrianState, Snapshot, VehicleState};
-use crate::scenario::{Appearance, PedestrianSetup, VehicleReference, VehicleSetup, VehicleStart, World};
+use scenario::agent::{Longitudinal, PedestrianState, Snapshot, VehicleState};
+use scenario::{Appearance, PedestrianSetup, VehicleReference, VehicleSetup, VehicleStart, World};
 
 /// Bodies that only touch are beside each other, m.
 const TOUCHING: f64 = 1e-6;
@@ -117,8 +117,8 @@ pub fn collision_course(first: Solid, second: Solid, state: &Snapshot, world: &W
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::{Body, VehicleStart};
-    use crate::sim::fixture;
+    use crate::fixture;
+    use scenario::{Body, VehicleStart};
 
     fn van(x: f64, y: f64) -> Body {
         Body { name: "van".into(), x, y, length: 5.0, width: 2.0 }

@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use super::contact::Solid;
 use super::observer::{Observer, Step};
-use crate::scenario::World;
-use crate::scenario::agent::Mode;
+use scenario::World;
+use scenario::agent::Mode;
 
 /// One thing that happened. Times in s, speeds in m/s.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -4,7 +4,7 @@ use nalgebra::Vector2;
 
 use super::contact::Solid;
 use super::observer::{Observer, Step};
-use crate::scenario::agent::{Mode, Motion, Snapshot};
+use scenario::agent::{Mode, Motion, Snapshot};
 
 /// One road user at one time.
 #[derive(Debug, Clone, PartialEq)]

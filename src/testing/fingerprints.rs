@@ -4,12 +4,10 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
+use numbers::random::digest_bits;
+use results::{Requests, UnitReport};
+use scenario::registry::Registry;
 use sha2::{Digest, Sha256};
-
-use crate::files;
-use crate::numbers::random::digest_bits;
-use crate::registry::Registry;
-use crate::results::{Requests, UnitReport};
 
 /// Set to `overwrite`, it records the files anew.
 const VARIABLE: &str = "FINGERPRINTS";

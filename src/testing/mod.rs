@@ -32,18 +32,18 @@ use std::sync::{Arc, OnceLock};
 use libtest_mimic::{Arguments, Failed, Trial};
 use thiserror::Error;
 
-use crate::console::stderr;
-use crate::experiment::Silent;
-use crate::files::Disk;
-use crate::lang::Style;
-use crate::project::{Project, ProjectOptions};
-use crate::registry::Registry;
-use crate::report::{explain, render_gate_report};
-use crate::results::{Skip, Standing, UnitReport, Verdict};
-use crate::run::Threads;
-use crate::runner::{self, Unit, Usable, Work, gate_key, judge_one_gate, measured_trials};
-use crate::scenario::Gate;
+use files::Disk;
 use fingerprints::{compare, lines, path, recording};
+use lang::Style;
+use report::console::stderr;
+use report::{explain, render_gate_report};
+use results::{Skip, Standing, UnitReport, Verdict};
+use runner::experiment::Silent;
+use runner::project::{Project, ProjectOptions};
+use runner::run::Threads;
+use runner::session::{self, Unit, Usable, Work, gate_key, judge_one_gate, measured_trials};
+use scenario::Gate;
+use scenario::registry::Registry;
 
 /// Why there are no tests.
 #[derive(Debug, Error)]
@@ -180,7 +180,7 @@ fn files(patterns: &[&str]) -> Result<Vec<String>, TestingError> {
 
 /// All units, each run when somebody first asks for it.
 struct Tested {
-    session: runner::Runner<'static>,
+    session: session::Runner<'static>,
     units: Vec<Unit<'static>>,
     done: Vec<OnceLock<Done>>,
 }
@@ -193,10 +193,10 @@ struct Done {
 impl Tested {
     fn new(project: &'static Project) -> Self {
         let (suites, registry) = (project.suites(), project.registry());
-        let units = runner::units(suites);
+        let units = session::units(suites);
         let done = units.iter().map(|_| OnceLock::new()).collect();
         let threads = Box::leak(Box::new(Threads::all()));
-        Self { session: runner::Runner::new(suites, threads, registry), units, done }
+        Self { session: session::Runner::new(suites, threads, registry), units, done }
     }
 
     fn judge(&self, index: usize) -> Result<(), Failed> {
@@ -264,7 +264,7 @@ impl Tested {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::models::standard;
+    use models::standard;
 
     fn failed(patterns: &[&str], filter: &str) -> (u64, u64) {
         let arguments = Arguments { filter: Some(filter.into()), quiet: true, ..Arguments::default() };

@@ -2,14 +2,14 @@
 
 use std::sync::{Arc, LazyLock};
 
-use scenario_runner::models::standard;
-use scenario_runner::pedestrian::population::Population;
-use scenario_runner::run::road_users;
-use scenario_runner::scenario::{
+use models::standard;
+use runner::run::road_users;
+use scenario::population::Population;
+use scenario::{
     Appearance, ControllerModel, Direction, DynamicsModel, ModelSetup, PedestrianModel, PedestrianSetup,
     Position, Road, Settings, Shape, Side, VehicleSetup, VehicleStart, World,
 };
-use scenario_runner::sim::{
+use sim::{
     Command, Controller, ControllerError, Driver, Observation, Observer, RoadUsers, Schedule, Solid, Step,
     simulate,
 };

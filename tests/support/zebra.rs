@@ -4,13 +4,13 @@
 
 use std::sync::Arc;
 
-use scenario_runner::models::standard;
-use scenario_runner::pedestrian::PedestrianContext;
-use scenario_runner::scenario::{
+use models::pedestrian::PedestrianContext;
+use models::standard;
+use scenario::{
     Appearance, Direction, ModelSetup, PedestrianSetup, Position, Reference, Road, Settings, Shape, Side,
     Value, VehicleReference, VehicleSetup, VehicleStart, World,
 };
-use scenario_runner::sim::{
+use sim::{
     Command, Controller, ControllerError, Driven, Ending, Mode, Observation, Observer, RoadUsers, Schedule,
     Step, StopReason, simulate,
 };

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use lsp_types::{Position, Range, TextDocumentContentChangeEvent, Uri};
 
-use crate::lang::Span;
-use crate::report::findings::uri_path;
+use lang::Span;
+use report::findings::uri_path;
 
 /// Larger documents are neither kept nor checked while they are edited, bytes.
 pub const LARGEST: usize = 1 << 20;

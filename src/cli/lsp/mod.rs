@@ -24,13 +24,13 @@ use lsp_types::{
 use serde_json::{Value, json};
 
 use super::Exit;
-use crate::console::{stderr, stdout};
-use crate::files::Disk;
-use crate::lang::{self, Code, Diagnostic, Severity, Sources, Tree};
-use crate::project::examine_edited;
-use crate::registry::Registry;
 use document::{Document, changed, offset_of, path_of, position_of, range_of, uri_of};
+use files::Disk;
 use frame::Frame;
+use lang::{self, Code, Diagnostic, Severity, Sources, Tree};
+use report::console::{stderr, stdout};
+use runner::project::examine_edited;
+use scenario::registry::Registry;
 
 #[derive(Debug, Args)]
 pub struct LspArguments {
@@ -456,7 +456,7 @@ mod tests {
     use serde_json::json;
 
     use super::*;
-    use crate::models::standard;
+    use models::standard;
 
     fn request(id: i32, method: &str, parameters: Value) -> Message {
         Message::Request(Request::new(id.into(), method.to_string(), parameters))

@@ -5,10 +5,8 @@ use std::path::{Path, PathBuf};
 use clap::CommandFactory;
 
 use crate::cli::{Cli, Exit};
-use crate::console::stderr;
-use crate::escape::terminal_line;
-use crate::files;
-use crate::lang;
+use files::escape::terminal_line;
+use report::console::stderr;
 
 /// The command that a word is nearly.
 pub fn command(word: &str) -> Option<String> {

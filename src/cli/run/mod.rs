@@ -19,15 +19,14 @@ use clap::{Args, ValueEnum};
 use super::interrupt::stop_on_interrupt;
 use super::set::SetArguments;
 use super::{Exit, filter, load, measured, number, store};
-use crate::console::{Output, stderr, stdout};
-use crate::escape::terminal_line;
-use crate::files;
-use crate::lang::filter::Show;
-use crate::registry::Registry;
-use crate::report::{Live, StatusLevel, Terminal, render_gates};
-use crate::results::{Overall, SuiteReport};
-use crate::run::Threads;
-use crate::runner::{self, Selection, Session, Unit};
+use files::escape::terminal_line;
+use lang::filter::Show;
+use report::console::{Output, stderr, stdout};
+use report::{Live, StatusLevel, Terminal, render_gates};
+use results::{Overall, SuiteReport};
+use runner::run::Threads;
+use runner::session::{self, Selection, Session, Unit};
+use scenario::registry::Registry;
 
 pub use self::remember::LastRun;
 
@@ -91,8 +90,8 @@ pub struct RunArguments {
     trace: Option<PathBuf>,
 
     /// Which trials and blocks get a line of their own.
-    #[arg(long, value_enum, default_value_t = StatusLevel::Pass)]
-    status_level: StatusLevel,
+    #[arg(long, value_enum, default_value_t = ShownLevel(StatusLevel::Pass))]
+    status_level: ShownLevel,
 
     /// Never show what is under way; it never is in CI or where standard error is no terminal.
     #[arg(long)]
@@ -154,22 +153,26 @@ impl FromStr for MaxFail {
     }
 }
 
-impl ValueEnum for StatusLevel {
+/// A level, as it is called on the command line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct ShownLevel(StatusLevel);
+
+impl ValueEnum for ShownLevel {
     fn value_variants<'a>() -> &'a [Self] {
-        &[Self::None, Self::Fail, Self::Slow, Self::Pass, Self::Skip, Self::All]
+        use StatusLevel::{All, Fail, None, Pass, Skip, Slow};
+        &[Self(None), Self(Fail), Self(Slow), Self(Pass), Self(Skip), Self(All)]
     }
 
     fn to_possible_value(&self) -> Option<PossibleValue> {
-        Some(match self {
-            Self::None => {
-                PossibleValue::new("none").help("No lines, only failures and the summary at the end")
-            }
-            Self::Fail => PossibleValue::new("fail").help("Those that did not pass"),
-            Self::Slow => PossibleValue::new("slow").help("And, once a minute, those that take long"),
-            Self::Pass => PossibleValue::new("pass").help("And those that passed"),
-            Self::Skip => PossibleValue::new("skip").help("And those that were not run, with the reason"),
-            Self::All => PossibleValue::new("all").help("And each when it begins"),
-        })
+        let (name, help) = match self.0 {
+            StatusLevel::None => ("none", "No lines, only failures and the summary at the end"),
+            StatusLevel::Fail => ("fail", "Those that did not pass"),
+            StatusLevel::Slow => ("slow", "And, once a minute, those that take long"),
+            StatusLevel::Pass => ("pass", "And those that passed"),
+            StatusLevel::Skip => ("skip", "And those that were not run, with the reason"),
+            StatusLevel::All => ("all", "And each when it begins"),
+        };
+        Some(PossibleValue::new(name).help(help))
     }
 }
 
@@ -223,7 +226,7 @@ pub fn run(arguments: RunArguments, registry: &Registry) -> Exit {
         return Exit::Usage;
     }
     baselines.into_iter().for_each(|path| measured::warn_of_unchecked(Path::new(path)));
-    let units = runner::units(suites);
+    let units = session::units(suites);
     let mut last = LastRun::read();
     let each = |show: &mut Show| {
         units.iter().for_each(|unit| select::with_subject(suites, unit, &mut *show));
@@ -245,7 +248,7 @@ pub fn run(arguments: RunArguments, registry: &Registry) -> Exit {
             writeln!(stderr(), "note: {why}: all of it is run");
         }
     }
-    let chosen = runner::with_needs(&units, asked);
+    let chosen = session::with_needs(&units, asked);
     if !chosen.contains(&true) {
         let keys: Vec<&str> = units.iter().map(|unit| &*unit.key).collect();
         let hints = hints::selection(
@@ -283,7 +286,7 @@ pub fn run(arguments: RunArguments, registry: &Registry) -> Exit {
     }
     let colour = arguments.color.wanted(stdout());
     let live = super::shows_progress(arguments.no_progress).then(Live::new);
-    let mut terminal = Terminal::new(arguments.status_level, colour, live);
+    let mut terminal = Terminal::new(arguments.status_level.0, colour, live);
     let max_failures = if arguments.fail_fast { Some(1) } else { arguments.max_fail.0 };
     let selection = Selection::marked(chosen).until_failures(max_failures);
     let mut complaints = Vec::new();

@@ -6,12 +6,12 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use crate::console::stdout;
-use crate::files::{WholeFile, append_text};
-use crate::report::{
+use files::{WholeFile, append_text};
+use report::console::stdout;
+use report::{
     Repository, annotations, step_summary, to_html, write_csv, write_json, write_junit, write_runs, write_tap,
 };
-use crate::results::Results;
+use results::Results;
 
 #[derive(Debug, Args)]
 pub struct OutputArguments {

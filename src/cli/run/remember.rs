@@ -8,16 +8,16 @@ use clap::Args;
 use serde::{Deserialize, Serialize};
 
 use crate::cli::store;
-use crate::console::stderr;
-use crate::corpus::{case_hash, corpus_path, is_unchecked, record, write_corpus};
-use crate::files::Disk;
-use crate::judge::{judge, per_run};
-use crate::plan::{Plan, PlannedTrial};
-use crate::project::PlannedSuite;
-use crate::report::{count, with_worst};
-use crate::results::{Recorded, Requests, Skip, Standing, SuiteReport, TrialReport, TrialState, Verdict};
-use crate::runner::{Unit, gate_key};
-use crate::scenario::{Gate, Suite};
+use files::Disk;
+use report::console::stderr;
+use report::{count, with_worst};
+use results::judge::{judge, per_run};
+use results::{Recorded, Requests, Skip, Standing, SuiteReport, TrialReport, TrialState, Verdict};
+use runner::corpus::{case_hash, corpus_path, is_unchecked, record, write_corpus};
+use runner::plan::{Plan, PlannedTrial};
+use runner::project::PlannedSuite;
+use runner::session::{Unit, gate_key};
+use scenario::{Gate, Suite};
 
 #[derive(Debug, Args)]
 pub struct RememberArguments {

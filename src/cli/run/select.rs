@@ -6,9 +6,9 @@ use clap::Args;
 
 use super::partition::Partition;
 use crate::cli::filter::{self, FilterArguments};
-use crate::lang::filter::{Filters, Subject};
-use crate::project::PlannedSuite;
-use crate::runner::{Unit, Work};
+use lang::filter::{Filters, Subject};
+use runner::project::PlannedSuite;
+use runner::session::{Unit, Work};
 
 #[derive(Debug, Args)]
 pub struct SelectArguments {
@@ -43,7 +43,7 @@ pub fn with_subject<T>(suites: &[PlannedSuite], unit: &Unit, show: impl FnOnce(&
     }
 }
 
-/// Whether each unit is asked for, by the filter expressions and by its name; if `failed` are given, only those of them. What units need is not looked at: see [`crate::runner::with_needs`].
+/// Whether each unit is asked for, by the filter expressions and by its name; if `failed` are given, only those of them. What units need is not looked at: see [`runner::session::with_needs`].
 pub fn select(
     suites: &[PlannedSuite],
     units: &[Unit],

@@ -3,10 +3,10 @@
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
-use crate::files::{Batch, WholeFile};
-use crate::report::write_trace;
-use crate::scenario::Case;
-use crate::sim::Trace;
+use files::{Batch, WholeFile};
+use report::write_trace;
+use scenario::Case;
+use sim::Trace;
 
 /// A folder for the courses of runs.
 pub struct Traces<'a> {

@@ -2,13 +2,13 @@
 
 use std::collections::HashMap;
 
-use crate::lang::codes::Code;
-use crate::lang::diagnostic::Diagnostic;
-use crate::lang::settings::repeated;
-use crate::lang::source::Span;
-use crate::lang::syntax::ast::{self, View};
-use crate::lang::syntax::{Node, NodeKind, words};
-use crate::lang::value::NameScope;
+use crate::codes::Code;
+use crate::diagnostic::Diagnostic;
+use crate::settings::repeated;
+use crate::source::Span;
+use crate::syntax::ast::{self, View};
+use crate::syntax::{Node, NodeKind, words};
+use crate::value::NameScope;
 
 /// A block with the names that its values may use.
 #[derive(Clone, Copy)]

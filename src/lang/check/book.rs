@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 
 use super::Places;
-use crate::lang::value::Typed;
-use crate::scenario::Written;
+use crate::value::Typed;
+use scenario::Written;
 
-/// What [`crate::scenario::Scenario::written`] is made of.
+/// What [`scenario::Scenario::written`] is made of.
 #[derive(Debug, Default)]
 pub struct Book(pub BTreeMap<String, Written>);
 

@@ -4,13 +4,13 @@ use super::Places;
 use super::criterion::{self, From};
 use super::experiment::{Takes, target};
 use super::subject::{StatementSubject, Subjects};
-use crate::lang::codes::Code;
-use crate::lang::diagnostic::Diagnostic;
-use crate::lang::source::Span;
-use crate::lang::syntax::ast::{self, View};
-use crate::lang::syntax::{Node, phrase};
-use crate::lang::value::{self, Calculation, NameScope, Typed, ValueKind};
-use crate::scenario::{
+use crate::codes::Code;
+use crate::diagnostic::Diagnostic;
+use crate::source::Span;
+use crate::syntax::ast::{self, View};
+use crate::syntax::{Node, phrase};
+use crate::value::{self, Calculation, NameScope, Typed, ValueKind};
+use scenario::{
     BinaryOperator, Dimension, Expression, Measured, OutcomesOf, ParameterKind, Quantity, Relation,
     StatementClaim, StatementClaimKind, TrendDirection, Value, VariationCondition,
 };

@@ -1,9 +1,9 @@
 //! What may be claimed with a confidence.
 
-use crate::lang::codes::Code;
-use crate::lang::diagnostic::Diagnostic;
-use crate::lang::syntax::ast;
-use crate::scenario::{Aggregate, Relation};
+use crate::codes::Code;
+use crate::diagnostic::Diagnostic;
+use crate::syntax::ast;
+use scenario::{Aggregate, Relation};
 
 /// Of some aggregates no sample ever shows anything with confidence.
 pub fn refuse_confidence(

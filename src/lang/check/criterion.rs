@@ -3,14 +3,14 @@
 use super::Places;
 use super::confidence::refuse_confidence;
 use super::metric::{example, kind_name, metric_reference};
-use crate::lang::codes::Code;
-use crate::lang::diagnostic::Diagnostic;
-use crate::lang::settings::{self, repeated};
-use crate::lang::syntax;
-use crate::lang::syntax::ast::{self, View};
-use crate::lang::value::{self, NameScope, ValueKind};
-use crate::registry::Table;
-use crate::scenario::{
+use crate::codes::Code;
+use crate::diagnostic::Diagnostic;
+use crate::settings::{self, repeated};
+use crate::syntax;
+use crate::syntax::ast::{self, View};
+use crate::value::{self, NameScope, ValueKind};
+use scenario::registry::Table;
+use scenario::{
     Aggregate, AggregateOf, AggregateWord, Claim, Comparison, Criterion, Dimension, Expression, Metric,
     MetricKind, People, Reach, Relation, Value, VariationCondition, WhenUndefined,
 };

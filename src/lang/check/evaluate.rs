@@ -7,16 +7,14 @@ use super::Places;
 use super::block::{Layer, missing, reject_repeats};
 use super::experiment::{SummedUp, Takes, bound_in, reject_unmeant, summed_up, target};
 use super::subject::{StatementSubject, Subjects, case_set};
-use crate::lang::codes::Code;
-use crate::lang::diagnostic::Diagnostic;
-use crate::lang::settings::{self, repeated};
-use crate::lang::source::Span;
-use crate::lang::syntax::ast;
-use crate::lang::syntax::phrase;
-use crate::lang::value::{self, NameScope};
-use crate::scenario::{
-    Condition, Dimension, Evaluate, Expression, Measure, Notation, ParameterSet, Target, Value,
-};
+use crate::codes::Code;
+use crate::diagnostic::Diagnostic;
+use crate::settings::{self, repeated};
+use crate::source::Span;
+use crate::syntax::ast;
+use crate::syntax::phrase;
+use crate::value::{self, NameScope};
+use scenario::{Condition, Dimension, Evaluate, Expression, Measure, Notation, ParameterSet, Target, Value};
 
 /// What a condition is called that changes nothing.
 const DEFAULT: &str = "default";
@@ -226,7 +224,7 @@ fn fits(
 ) -> bool {
     let unsaid = other.varied.keys().filter(|varied| !subject.varied.contains_key(*varied)).min();
     let lost = subject.scenario.pedestrians.iter().filter(|one| one.individuals.is_some()).find(|one| {
-        let same = |there: &&crate::scenario::DeclaredPedestrian| {
+        let same = |there: &&scenario::DeclaredPedestrian| {
             there.name == one.name && there.model.first == one.model.first
         };
         !other.scenario.pedestrians.iter().any(|there| same(&there))

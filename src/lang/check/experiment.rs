@@ -10,14 +10,14 @@ use super::criterion::{self, Cast};
 use super::metric;
 use super::pedestrian::individuals;
 use super::subject::{StatementSubject, Subjects, case_set, declarations};
-use crate::lang::codes::Code;
-use crate::lang::diagnostic::Diagnostic;
-use crate::lang::settings::{self, repeated};
-use crate::lang::source::Span;
-use crate::lang::syntax::ast::{self, View};
-use crate::lang::syntax::{self, phrase};
-use crate::lang::value::{self, NameScope, ValueKind};
-use crate::scenario::{
+use crate::codes::Code;
+use crate::diagnostic::Diagnostic;
+use crate::settings::{self, repeated};
+use crate::source::Span;
+use crate::syntax::ast::{self, View};
+use crate::syntax::{self, phrase};
+use crate::value::{self, NameScope, ValueKind};
+use scenario::{
     ANOTHER_MODEL, Aggregate, Budget, Comparison, Declaration, Dimension, Expression, Goal, InitialDesign,
     MetricKind, Notation, Objective, ParameterKind, Part, PedestrianModel, RangeValues, Relation, Scenario,
     Search, SearchMethod, SearchRange, Target, Tune, Value, Variation,

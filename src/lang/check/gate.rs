@@ -4,12 +4,12 @@ use super::Places;
 use super::block::{Layer, missing, reject_repeats};
 use super::criterion::{self, Cast};
 use super::metric::metric_reference;
-use crate::lang::codes::Code;
-use crate::lang::diagnostic::Diagnostic;
-use crate::lang::syntax;
-use crate::lang::syntax::ast;
-use crate::lang::value::{self, NameScope, ValueKind};
-use crate::scenario::{Dimension, Gate, GateRule, MetricKind, Notation, Tolerance, Worst};
+use crate::codes::Code;
+use crate::diagnostic::Diagnostic;
+use crate::syntax;
+use crate::syntax::ast;
+use crate::value::{self, NameScope, ValueKind};
+use scenario::{Dimension, Gate, GateRule, MetricKind, Notation, Tolerance, Worst};
 
 /// What a rule promises that does not say how sure it wants to be.
 pub const DEFAULT_CONFIDENCE: f64 = 0.95;

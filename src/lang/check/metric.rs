@@ -5,11 +5,11 @@ use std::sync::Arc;
 use super::criterion::Cast;
 use super::pedestrian::unknown_vehicle;
 use super::road::constants;
-use crate::lang::codes::Code;
-use crate::lang::diagnostic::Diagnostic;
-use crate::lang::syntax::ast;
-use crate::lang::value::{NameScope, ValueKind};
-use crate::scenario::{AggregateWord, Metric, MetricKind, MetricReference, Scope as Measured};
+use crate::codes::Code;
+use crate::diagnostic::Diagnostic;
+use crate::syntax::ast;
+use crate::value::{NameScope, ValueKind};
+use scenario::{AggregateWord, Metric, MetricKind, MetricReference, Scope as Measured};
 
 pub fn kind_name(metric: &Metric) -> String {
     match &metric.kind {

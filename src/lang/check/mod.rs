@@ -23,10 +23,10 @@ use std::path::Path;
 
 use super::codes::Code;
 use super::diagnostic::Diagnostic;
-use super::files::Texts;
 use super::source::Span;
 use super::syntax::ast;
-use crate::scenario::Origin;
+use super::texts::Texts;
+use ::scenario::Origin;
 
 pub use block::reject_repeats;
 use book::Book;
@@ -55,7 +55,7 @@ impl Places<'_> {
     /// The path of a file that is named relative to the file in which `span` is.
     pub fn beside(&self, span: Span, name: &str) -> String {
         let file = Path::new(&self.files.sources.get(span.source).name);
-        super::files::join(file, name).display().to_string()
+        super::texts::join(file, name).display().to_string()
     }
 }
 

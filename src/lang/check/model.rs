@@ -4,14 +4,14 @@ use std::sync::Arc;
 
 use super::Places;
 use super::block::Said;
-use crate::lang::codes::Code;
-use crate::lang::diagnostic::Diagnostic;
-use crate::lang::settings;
-use crate::lang::source::Span;
-use crate::lang::syntax::ast;
-use crate::lang::value::{self, Typed};
-use crate::registry::Table;
-use crate::scenario::{Expression, Model, Reference, Registered, Value};
+use crate::codes::Code;
+use crate::diagnostic::Diagnostic;
+use crate::settings;
+use crate::source::Span;
+use crate::syntax::ast;
+use crate::value::{self, Typed};
+use scenario::registry::Table;
+use scenario::{Expression, Model, Reference, Registered, Value};
 
 /// A kind of registered thing.
 pub struct ModelKind<'r, T> {

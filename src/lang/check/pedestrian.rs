@@ -6,13 +6,13 @@ use super::block::{Layer, Said, last, missing, reject_repeats};
 use super::model::{ModelKind, named};
 use super::vehicle::size;
 use super::{Book, Places};
-use crate::lang::codes::Code;
-use crate::lang::diagnostic::Diagnostic;
-use crate::lang::settings::repeated;
-use crate::lang::source::Span;
-use crate::lang::syntax::{Node, ast};
-use crate::lang::value::{self, Typed};
-use crate::scenario::{
+use crate::codes::Code;
+use crate::diagnostic::Diagnostic;
+use crate::settings::repeated;
+use crate::source::Span;
+use crate::syntax::{Node, ast};
+use crate::value::{self, Typed};
+use scenario::{
     BinaryOperator, DeclaredAppearance, DeclaredPedestrian, DeclaredShape, Dimension, Expression,
     Individuals, PedestrianModel, PopulationShare, Road, Side, Value, VehicleReference, limits, show,
 };

@@ -1,13 +1,13 @@
 //! `road { … }`
 
 use super::block::{Layer, missing, reject_repeats};
-use crate::lang::codes::Code;
-use crate::lang::diagnostic::Diagnostic;
-use crate::lang::settings;
-use crate::lang::source::Span;
-use crate::lang::syntax::ast;
-use crate::lang::value::{self, NameScope, Typed, ValueKind};
-use crate::scenario::{
+use crate::codes::Code;
+use crate::diagnostic::Diagnostic;
+use crate::settings;
+use crate::source::Span;
+use crate::syntax::ast;
+use crate::value::{self, NameScope, Typed, ValueKind};
+use scenario::{
     Body, Crossing, CrossingKind, Declaration, Dimension, Direction, Expression, Lane, Parameter, Road,
     Settings, Value, limits,
 };

@@ -3,11 +3,11 @@
 use super::Places;
 use super::block::{Layer, last};
 use super::scenario::Defaults;
-use crate::lang::codes::Code;
-use crate::lang::diagnostic::Diagnostic;
-use crate::lang::source::Span;
-use crate::lang::syntax::ast;
-use crate::scenario::{Aggregate, Claim, Criterion, People, RunBudget};
+use crate::codes::Code;
+use crate::diagnostic::Diagnostic;
+use crate::source::Span;
+use crate::syntax::ast;
+use scenario::{Aggregate, Claim, Criterion, People, RunBudget};
 
 /// More runs of one thing are taken for a mistake.
 const MOST_RUNS: u32 = 1_000_000;

@@ -8,15 +8,15 @@ use super::pedestrian::pedestrian;
 use super::road::road;
 use super::vehicle::{check_starts, vehicle};
 use super::{Book, Places, runs, variation};
-use crate::lang::codes::Code;
-use crate::lang::diagnostic::{Diagnostic, nearest};
-use crate::lang::files::{NameDefinition, Names};
-use crate::lang::source::Span;
-use crate::lang::syntax::View;
-use crate::lang::syntax::ast;
-use crate::lang::value::{self, Binding, NameScope, Typed, ValueKind};
-use crate::scenario::limits::Limit;
-use crate::scenario::{
+use crate::codes::Code;
+use crate::diagnostic::{Diagnostic, nearest};
+use crate::source::Span;
+use crate::syntax::View;
+use crate::syntax::ast;
+use crate::texts::{NameDefinition, Names};
+use crate::value::{self, Binding, NameScope, Typed, ValueKind};
+use scenario::limits::Limit;
+use scenario::{
     Criterion, DeclaredAppearance, DeclaredPedestrian, Expression, Individuals, PopulationShare, Road,
     Scenario, Variation, Vehicle, limits,
 };
@@ -174,7 +174,7 @@ pub fn scenario(
         origin: places.origin(name.span()),
     })
     .filter(|_| {
-        !report[before..].iter().any(|diagnostic| diagnostic.code.severity() == crate::lang::Severity::Error)
+        !report[before..].iter().any(|diagnostic| diagnostic.code.severity() == crate::Severity::Error)
     })
 }
 
@@ -275,11 +275,7 @@ fn parameter_scopes<'a>(
             let value = match (given.next(), parameter.default()) {
                 (Some(argument), default) => {
                     if let Some(again) = given.next() {
-                        report.push(crate::lang::settings::repeated(
-                            name.text(),
-                            again.span(),
-                            argument.span(),
-                        ));
+                        report.push(crate::settings::repeated(name.text(), again.span(), argument.span()));
                     }
                     // The caller's own names: its scope was pushed just before.
                     let caller_scope = scopes.last()?;
@@ -311,7 +307,7 @@ fn parameter_scopes<'a>(
                 }
             };
             if let Some(first) = scope.names.get(name.text()) {
-                report.push(crate::lang::settings::repeated(name.text(), name.span(), first.span));
+                report.push(crate::settings::repeated(name.text(), name.span(), first.span));
             }
             scope.names.insert(name.text().to_string(), Binding::new(value, name.span()));
         }
@@ -347,7 +343,7 @@ fn layer_scope<'a>(
 ) -> NameScope<'a> {
     let mut scope = NameScope { outer: Some(layer.scope), names: varied.clone() };
     for binding in layer.block.bindings() {
-        crate::lang::files::bind(binding, &mut scope, report);
+        crate::texts::bind(binding, &mut scope, report);
     }
     scope
 }

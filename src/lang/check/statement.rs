@@ -4,11 +4,11 @@ use super::Places;
 use super::block::reject_repeats;
 use super::claim::claim;
 use super::subject::Subjects;
-use crate::lang::codes::Code;
-use crate::lang::diagnostic::Diagnostic;
-use crate::lang::syntax::ast;
-use crate::lang::value::NameScope;
-use crate::scenario::{DeclaredStanding, Statement};
+use crate::codes::Code;
+use crate::diagnostic::Diagnostic;
+use crate::syntax::ast;
+use crate::value::NameScope;
+use scenario::{DeclaredStanding, Statement};
 
 /// The statement at `node`.
 pub fn statement(

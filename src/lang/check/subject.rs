@@ -6,15 +6,15 @@ use std::path::Path;
 use super::Places;
 use super::criterion::Cast;
 use super::scenario::surroundings;
-use crate::files::read_kind;
-use crate::lang::codes::Code;
-use crate::lang::diagnostic::Diagnostic;
-use crate::lang::files::NameDefinition;
-use crate::lang::source::Span;
-use crate::lang::syntax::ast;
-use crate::lang::value::Binding;
-use crate::registry::Registry;
-use crate::scenario::{
+use crate::codes::Code;
+use crate::diagnostic::Diagnostic;
+use crate::source::Span;
+use crate::syntax::ast;
+use crate::texts::NameDefinition;
+use crate::value::Binding;
+use files::read_kind;
+use scenario::registry::Registry;
+use scenario::{
     CaseSet, Declaration, Evaluate, Part, RangeValues, Reference, Registered, SampleSize, Scenario, Search,
     SearchRange, Target, Tune, Value, VariedValue,
 };

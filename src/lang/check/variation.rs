@@ -3,14 +3,14 @@
 use std::collections::HashMap;
 
 use super::block::Layer;
-use crate::lang::codes::Code;
-use crate::lang::diagnostic::Diagnostic;
-use crate::lang::settings::repeated;
-use crate::lang::source::Span;
-use crate::lang::syntax::ast;
-use crate::lang::units;
-use crate::lang::value::{self, Binding, NameScope, Typed, ValueKind};
-use crate::scenario::{
+use crate::codes::Code;
+use crate::diagnostic::Diagnostic;
+use crate::settings::repeated;
+use crate::source::Span;
+use crate::syntax::ast;
+use crate::units;
+use crate::value::{self, Binding, NameScope, Typed, ValueKind};
+use scenario::{
     Dimension, Distribution, DistributionError, Notation, Samples, SamplingScheme, Value, Variation,
     VariedValue, significant,
 };
@@ -382,7 +382,7 @@ fn values<'t>(
         } else {
             kind = Some((Written::of(&typed), typed.span));
         }
-        let crate::scenario::Expression::Constant(value) = typed.expression else { continue };
+        let scenario::Expression::Constant(value) = typed.expression else { continue };
         if let Some(first) = said.insert(format!("{value:?}"), typed.span) {
             report.push(
                 Diagnostic::new(Code::RepeatedValue, typed.span, format!("`{label}` is listed twice"))
@@ -423,8 +423,8 @@ fn constant(
     }
     let typed = value::evaluate(expression, scope, report)?;
     let label = match &typed.expression {
-        crate::scenario::Expression::Constant(Value::Word(word)) => word.clone(),
-        crate::scenario::Expression::Constant(_) => {
+        scenario::Expression::Constant(Value::Word(word)) => word.clone(),
+        scenario::Expression::Constant(_) => {
             expression.text().chars().filter(|c| !c.is_whitespace()).collect()
         }
         _ => return value::not_constant(typed.span, &typed.expression, "a varied value", report),

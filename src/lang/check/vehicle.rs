@@ -3,13 +3,13 @@
 use super::block::{Layer, Said, last, missing, reject_repeats};
 use super::model::{self, Named, named};
 use super::{Book, Places};
-use crate::lang::codes::Code;
-use crate::lang::diagnostic::Diagnostic;
-use crate::lang::settings::{self, not_whole};
-use crate::lang::source::Span;
-use crate::lang::syntax::ast;
-use crate::lang::value::{self, Typed, ValueKind};
-use crate::scenario::{
+use crate::codes::Code;
+use crate::diagnostic::Diagnostic;
+use crate::settings::{self, not_whole};
+use crate::source::Span;
+use crate::syntax::ast;
+use crate::value::{self, Typed, ValueKind};
+use scenario::{
     CommandKind, ControllerModel, DeclaredVehicleStart, Dimension, DynamicsModel, Model, Reference, Road,
     Vehicle, limits,
 };

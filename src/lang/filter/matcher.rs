@@ -3,8 +3,8 @@
 use glob::{MatchOptions, Pattern};
 use regex_lite::Regex;
 
-use crate::lang::units;
-use crate::scenario::{Assignment, Dimension, Relation, Value};
+use crate::units;
+use scenario::{Assignment, Dimension, Relation, Value};
 
 /// How a name is compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

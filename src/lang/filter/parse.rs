@@ -1,21 +1,17 @@
 //! From the text of a filter expression to conditions and how they are combined, or to everything that is wrong.
 
+use grammar::filter::{Grammar, Rule};
 use pest::Parser;
 use pest::iterators::Pair;
-use pest_derive::Parser;
 
 use super::matcher::{Bound, Mark, Matcher, ValueMatcher};
 use super::predicate::{Asked, PREDICATES, Predicate};
 use super::{Condition, Expression, Filter, Test};
-use crate::lang::codes::Code;
-use crate::lang::diagnostic::Diagnostic;
-use crate::lang::source::{SourceId, Span};
-use crate::lang::syntax::DEEPEST_NESTING;
-use crate::scenario::Relation;
-
-#[derive(Parser)]
-#[grammar = "../grammar/filter.pest"]
-struct Grammar;
+use crate::codes::Code;
+use crate::diagnostic::Diagnostic;
+use crate::source::{SourceId, Span};
+use crate::syntax::DEEPEST_NESTING;
+use scenario::Relation;
 
 /// The filter, unless something is wrong.
 pub fn parse(source: SourceId, text: &str, report: &mut Vec<Diagnostic>) -> Option<Filter> {

@@ -1,7 +1,7 @@
 //! The predicates of filter expressions: what each asks of a trial or block.
 
 use super::matcher::Mark;
-use crate::scenario::Assignment;
+use scenario::Assignment;
 
 /// Something that a command may be about: a trial of a scenario, or a block of a suite.
 #[derive(Debug, Clone)]

@@ -3,8 +3,8 @@
 use proptest::prelude::*;
 
 use super::*;
-use crate::lang::{Severity, Style, render_all};
-use crate::scenario::{Assignment, Value};
+use crate::{Severity, Style, render_all};
+use scenario::{Assignment, Value};
 
 /// Three trials and a search, told apart by a letter.
 fn chosen(texts: &[&str]) -> String {

@@ -1,9 +1,9 @@
 //! Where a closing brace is missing, as far as indentation tells.
 
 use super::lexer::{DEEPEST_NESTING, Token, TokenKind};
-use crate::lang::codes::Code;
-use crate::lang::diagnostic::Diagnostic;
-use crate::lang::source::{SourceId, Span};
+use crate::codes::Code;
+use crate::diagnostic::Diagnostic;
+use crate::source::{SourceId, Span};
 
 /// An opening brace without its partner.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -127,7 +127,7 @@ pub fn explain(source: SourceId, text: &str, missing: &[Missing]) -> Vec<Diagnos
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lang::syntax::lexer::tokens;
+    use crate::syntax::lexer::tokens;
 
     /// The heads of the lines that lack a brace, each with what stands before the place where it should be.
     fn lacking(text: &str) -> Option<Vec<(&str, &str)>> {

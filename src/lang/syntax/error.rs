@@ -6,9 +6,9 @@ use pest::error::{Error, ErrorVariant, InputLocation};
 use super::lexer::{self, Token, TokenKind};
 use super::tree::{Grammar, Node, Rule, Tree};
 use super::words::{self as statements, StatementEntry};
-use crate::lang::codes::Code;
-use crate::lang::diagnostic::{Diagnostic, MOST_FINDINGS, nearest};
-use crate::lang::source::{SourceId, Span};
+use crate::codes::Code;
+use crate::diagnostic::{Diagnostic, MOST_FINDINGS, nearest};
+use crate::source::{SourceId, Span};
 
 /// A diagnostic for every statement that is `bad`.
 pub fn explain(tree: &Tree) -> Vec<Diagnostic> {

@@ -9,8 +9,8 @@ use std::sync::Arc;
 use super::ast::{self, View};
 use super::lexer::TokenKind;
 use super::tree::{Node, Rule, Tree};
-use crate::lang::diagnostic::Diagnostic;
-use crate::lang::source::SourceId;
+use crate::diagnostic::Diagnostic;
+use crate::source::SourceId;
 
 const INDENT: &str = "  ";
 
@@ -377,7 +377,7 @@ impl Printer {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lang::Sources;
+    use crate::Sources;
 
     fn formatted(text: &str) -> String {
         format(Sources::default().add("test.scn", ""), text).unwrap()

@@ -12,7 +12,7 @@ pub struct Grammar {
 
 impl Grammar {
     pub fn read() -> Self {
-        let pairs = parser::parse(parser::Rule::grammar_rules, include_str!("../../../grammar/scn.pest"));
+        let pairs = parser::parse(parser::Rule::grammar_rules, ::grammar::scn::TEXT);
         let rules = parser::consume_rules(pairs.unwrap()).unwrap();
         Self { rules: rules.into_iter().map(|rule| (rule.name, (rule.ty, rule.expr))).collect() }
     }

@@ -3,9 +3,9 @@
 //! Comments and white space are here and nowhere else; brackets and quotes are balanced here, before the grammar
 //! is asked, so that its recovery may rely on them.
 
-use crate::lang::codes::Code;
-use crate::lang::diagnostic::Diagnostic;
-use crate::lang::source::{SourceId, Span};
+use crate::codes::Code;
+use crate::diagnostic::Diagnostic;
+use crate::source::{SourceId, Span};
 
 /// Brackets inside brackets beyond this are refused.
 pub const DEEPEST_NESTING: usize = 64;

@@ -4,17 +4,14 @@ use std::sync::Arc;
 
 use pest::Parser;
 use pest::iterators::Pair;
-use pest_derive::Parser;
 
 use super::closing;
 use super::error;
 use super::lexer::{self, Token};
-use crate::lang::diagnostic::Diagnostic;
-use crate::lang::source::{SourceId, Span};
+use crate::diagnostic::Diagnostic;
+use crate::source::{SourceId, Span};
 
-#[derive(Parser)]
-#[grammar = "../grammar/scn.pest"]
-pub(super) struct Grammar;
+pub(super) use grammar::scn::{Grammar, Rule};
 
 /// A text with its tokens and nodes. The tokens, put together, are the text; nodes are spans of it.
 #[derive(Debug, Clone)]

@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 
 use super::*;
-use crate::lang::syntax::words::{BlockEntry, BlockKind, StatementEntry};
-use crate::lang::syntax::{Node, words};
+use crate::syntax::words::{BlockEntry, BlockKind, StatementEntry};
+use crate::syntax::{Node, words};
 
 /// A file in which the block of a kind says `inside`.
 fn around(kind: BlockKind, inside: &str) -> String {
@@ -100,7 +100,8 @@ fn it_is_completed_and_hovered() {
 
 #[test]
 fn it_stands_in_the_page_of_reference() {
-    let page = std::fs::read_to_string("docs/language.md").unwrap();
+    let page =
+        std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/language.md")).unwrap();
     let fenced = |language: &str| {
         let fence = format!("```{language}\n");
         let parts = page.split(&fence).skip(1);
@@ -186,7 +187,7 @@ fn with(kind: BlockKind, said: &str) -> String {
 }
 
 /// What the only scenario of a text says, wherever it stands.
-fn meaning(text: &str) -> (crate::scenario::Scenario, serde_json::Value) {
+fn meaning(text: &str) -> (scenario::Scenario, serde_json::Value) {
     fn forget(value: &mut serde_json::Value) {
         if let Some(fields) = value.as_object_mut() {
             fields.retain(|name, _| name != "origin");

@@ -8,7 +8,7 @@ mod words;
 use std::fmt::Write;
 
 use super::check::{DEFAULT_GOAL, Defaults};
-use crate::scenario::{
+use scenario::{
     CrossingKind, DeclaredAppearance, DeclaredPedestrian, DeclaredShape, DeclaredVehicleStart, Dimension,
     Direction, Individuals, PopulationShare, Road, Scenario, Side, Vehicle, VehicleReference,
 };

@@ -1,7 +1,7 @@
 //! Values, settings and comparisons in the language's words, so that they are read back to the last bit.
 
-use crate::lang::units::UNITS;
-use crate::scenario::{
+use crate::units::UNITS;
+use scenario::{
     Comparison, Declaration, Dimension, Expression, MetricKind, MetricReference, Model, ParameterKind,
     Registered, Relation, Scope, Value, WhenUndefined,
 };

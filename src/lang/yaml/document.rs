@@ -2,10 +2,10 @@
 
 use saphyr_parser::{Event, Parser, ScalarStyle, Span as Mark};
 
-use crate::lang::codes::Code;
-use crate::lang::diagnostic::Diagnostic;
-use crate::lang::source::{SourceId, Span};
-use crate::lang::syntax::DEEPEST_NESTING;
+use crate::codes::Code;
+use crate::diagnostic::Diagnostic;
+use crate::source::{SourceId, Span};
+use crate::syntax::DEEPEST_NESTING;
 
 /// A value and the bytes it was read from.
 #[derive(Debug, Clone)]

@@ -2,10 +2,10 @@
 
 use serde_json::{Map, Value, json};
 
-use crate::lang::declared::{choices, named};
-use crate::lang::syntax::words::{BlockEntry, BlockKind, StatementEntry, YamlShape};
-use crate::registry::Registry;
-use crate::scenario::{Declaration, Parameter, ParameterKind};
+use crate::declared::{choices, named};
+use crate::syntax::words::{BlockEntry, BlockKind, StatementEntry, YamlShape};
+use scenario::registry::Registry;
+use scenario::{Declaration, Parameter, ParameterKind};
 
 /// A schema of draft 2020-12 for scenario files and suites in YAML.
 pub fn schema(registry: &Registry) -> Value {

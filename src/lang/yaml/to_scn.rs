@@ -2,11 +2,11 @@
 
 use super::document::{Content, Yaml, read};
 use super::{Piece, TranslatedPlaces};
-use crate::lang::codes::Code;
-use crate::lang::diagnostic::Diagnostic;
-use crate::lang::source::SourceId;
-use crate::lang::syntax::words::{BlockKind, StatementEntry, YamlShape};
-use crate::lang::syntax::{self, TokenKind};
+use crate::codes::Code;
+use crate::diagnostic::Diagnostic;
+use crate::source::SourceId;
+use crate::syntax::words::{BlockKind, StatementEntry, YamlShape};
+use crate::syntax::{self, TokenKind};
 
 /// The text of a scenario file that says what a YAML file says.
 #[derive(Debug, Clone)]

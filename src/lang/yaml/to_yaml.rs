@@ -1,8 +1,8 @@
 //! A scenario file to YAML. Comments and the order of unlike statements are not kept.
 
-use crate::lang::syntax::ast::{self, View};
-use crate::lang::syntax::words::{StatementEntry, YamlShape};
-use crate::lang::syntax::{Node, Tree, phrase};
+use crate::syntax::ast::{self, View};
+use crate::syntax::words::{StatementEntry, YamlShape};
+use crate::syntax::{Node, Tree, phrase};
 
 /// The YAML form of a file without syntax errors.
 pub fn to_yaml(tree: &Tree) -> String {

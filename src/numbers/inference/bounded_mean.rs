@@ -215,7 +215,7 @@ pub fn runs_for_mean(distance: f64, confidence: f64) -> Option<u64> {
 mod tests {
     use super::super::clopper_pearson;
     use super::*;
-    use crate::numbers::random::Stream;
+    use crate::random::Stream;
 
     fn runs(values: &[f64]) -> Vec<IndependentUnit> {
         values.iter().map(|value| IndependentUnit::of_run(Some(*value))).collect()

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::numbers::distributions::binomial_at_least;
+use crate::distributions::binomial_at_least;
 
 /// The exact test on pairs of runs of which only one had the event.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

@@ -3,8 +3,8 @@
 //! Source: B. Efron & R. Tibshirani, An Introduction to the Bootstrap, 1993, section 12.5 (bootstrap-t).
 
 use super::Interval;
-use crate::numbers::distributions::student_quantile;
-use crate::numbers::random::Stream;
+use crate::distributions::student_quantile;
+use crate::random::Stream;
 
 /// One less than a round number, so that the wanted quantiles are resamples themselves.
 const RESAMPLES: usize = 1999;
@@ -98,7 +98,7 @@ impl Estimate {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::numbers::summary::{mean, std};
+    use crate::summary::{mean, std};
 
     /// The share of experiments in which an interval covers the truth; no interval covers nothing.
     fn coverage(

@@ -8,8 +8,8 @@
 use super::Interval;
 use super::bounded_mean::{IndependentUnit, mean_of_bounded};
 use super::mean::Estimate;
-use crate::numbers::distributions::student_above;
-use crate::numbers::random::Stream;
+use crate::distributions::student_above;
+use crate::random::Stream;
 
 /// A probability below this, from the first resamples, is looked at again with more of them.
 const WORTH_A_CLOSER_LOOK: f64 = 0.02;

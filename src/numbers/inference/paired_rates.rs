@@ -160,7 +160,7 @@ mod tests {
     use rayon::prelude::*;
 
     use super::*;
-    use crate::numbers::distributions::binomial_at_least;
+    use crate::distributions::binomial_at_least;
 
     /// [`probability`] where the least number is given for each number of disagreeing pairs.
     fn at_least(least: &[u64], base: f64, candidate: f64) -> f64 {

@@ -1,7 +1,7 @@
 //! What order statistics say of a quantile, without assumptions about the distribution.
 
 use super::largest_true;
-use crate::numbers::distributions::{binomial_at_least, binomial_at_most};
+use crate::distributions::{binomial_at_least, binomial_at_most};
 
 /// Bounds on the quantile at `level` of the distribution behind sorted values: two of the values themselves, without
 /// assumptions about the distribution. Each bound is wrong with probability at most (1 - `confidence`)/2, or is `None`

@@ -7,7 +7,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Interval, largest_true};
-use crate::numbers::distributions::{ln_beta, regularised_beta};
+use crate::distributions::{ln_beta, regularised_beta};
 
 /// What is known of a claim that at least some share of runs holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

@@ -1,7 +1,7 @@
 //! What a number of runs says about a share: intervals, bounds, and how many runs a claim needs.
 
 use super::Interval;
-use crate::numbers::distributions::{beta_quantile, binomial_at_least, normal};
+use crate::distributions::{beta_quantile, binomial_at_least, normal};
 
 /// The score interval for `successes` of `runs` (> 0): narrow and centred well, for showing; it may cover a little less
 /// than stated.

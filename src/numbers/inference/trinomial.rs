@@ -1,6 +1,6 @@
 //! How likely it is that pairs disagree so often, and so often in favour of one side.
 
-use crate::numbers::distributions::{binomial_at_least, binomial_at_most};
+use crate::distributions::{binomial_at_least, binomial_at_most};
 
 /// Numbers of disagreeing pairs less likely than this on either side are left out of sums.
 const NEGLIGIBLE: f64 = 1e-13;

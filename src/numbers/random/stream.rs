@@ -7,7 +7,7 @@ use rand::Rng;
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 
-use crate::numbers::distributions::normal;
+use crate::distributions::normal;
 
 /// An endless sequence of draws.
 #[derive(Debug)]

@@ -11,7 +11,7 @@ use super::fit::{self, Effort};
 use super::kernel::{ArdMatern52, HyperParameters};
 use super::likelihood::{Likelihood, Prior};
 use super::{Dataset, Noise, Posterior, Surrogate};
-use crate::optimise::Error;
+use crate::Error;
 
 /// Least noise variance that reaches friedrich, as a share of the amplitude: keeps every covariance matrix invertible.
 const NOISE_FLOOR: f64 = 1e-9;

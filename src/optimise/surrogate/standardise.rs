@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::numbers::summary::median_of;
+use numbers::summary::median_of;
 
 /// Robust z-score past which a value counts as an outlier.
 const OUTLIER: f64 = 12.0;

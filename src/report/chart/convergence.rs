@@ -5,8 +5,8 @@ use super::mark::PointMark;
 use super::panel::{Axis, AxisQuantity, Panel};
 use super::scale::nice_range;
 use super::slice::Tried;
-use crate::numbers::summary::quantile;
-use crate::scenario::Goal;
+use numbers::summary::quantile;
+use scenario::Goal;
 
 /// One course: every evaluation, and the best so far as a staircase.
 #[derive(Debug, Clone, PartialEq)]

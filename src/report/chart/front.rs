@@ -4,7 +4,7 @@ use super::look::{LegendEntry, Look};
 use super::mark::PointMark;
 use super::panel::{Axis, AxisQuantity, Panel};
 use super::scale::nice_range;
-use crate::scenario::Goal;
+use scenario::Goal;
 
 /// A chart of a Pareto front.
 #[derive(Debug, Clone, PartialEq)]

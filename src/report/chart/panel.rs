@@ -23,7 +23,7 @@ impl AxisQuantity {
 
     /// A value with its unit.
     pub fn show(&self, value: f64) -> String {
-        let number = crate::scenario::significant(value, 4);
+        let number = scenario::significant(value, 4);
         if self.unit.is_empty() { number } else { format!("{number} {}", self.unit) }
     }
 }

@@ -3,7 +3,7 @@
 use super::look::{LegendEntry, Look};
 use super::panel::{Axis, AxisQuantity, Panel, Rule};
 use super::scale::with_room;
-use crate::numbers::inference::{Interval, wilson};
+use numbers::inference::{Interval, wilson};
 
 /// A chart of rates in per cent.
 #[derive(Debug, Clone, PartialEq)]

@@ -71,7 +71,7 @@ impl Rows {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::chart::{Dot, First};
+    use crate::chart::{Dot, First};
 
     #[test]
     fn every_condition_has_a_row() {

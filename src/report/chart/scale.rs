@@ -1,6 +1,6 @@
 //! From data to pixels, with ticks at round numbers.
 
-use crate::scenario::significant;
+use scenario::significant;
 
 /// A linear or logarithmic map from data to pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]

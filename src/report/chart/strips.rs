@@ -3,7 +3,7 @@
 use super::look::First;
 use super::panel::{Axis, AxisQuantity, Panel, Rule};
 use super::scale::nice_range;
-use crate::numbers::summary::quantile;
+use numbers::summary::quantile;
 
 /// A chart of distributions: one strip per variation value or condition.
 #[derive(Debug, Clone, PartialEq)]

@@ -2,7 +2,7 @@
 
 use std::fmt::{Display, Formatter, Result, Write};
 
-use crate::escape::html;
+use files::escape::html;
 
 /// A growing piece of SVG.
 #[derive(Debug, Default)]

@@ -3,9 +3,9 @@
 use serde::Serialize;
 
 use super::{evaluate, search, tune};
-use crate::report::failure::render_block_failure;
-use crate::results::{BlockReport, BlockResult, BlockState, SuiteReport, Verdict};
-use crate::scenario::Block;
+use crate::failure::render_block_failure;
+use results::{BlockReport, BlockResult, BlockState, SuiteReport, Verdict};
+use scenario::Block;
 
 #[derive(Debug, Serialize)]
 pub struct BlockSection {

@@ -2,12 +2,12 @@
 
 use serde_json::{Value, json};
 
-use crate::escape::html_characters;
-use crate::report::replay::describe;
-use crate::results::Chosen;
-use crate::results::Recording;
-use crate::results::SuiteReport;
-use crate::scenario::{CrossingKind, Side};
+use crate::replay::describe;
+use files::escape::html_characters;
+use results::Chosen;
+use results::Recording;
+use results::SuiteReport;
+use scenario::{CrossingKind, Side};
 
 /// All of them together may take this much of the page, in bytes.
 const MOST_BYTES: usize = 3_000_000;
@@ -60,7 +60,7 @@ fn run(reports: &[SuiteReport], recording: &Recording, reason: &str) -> Value {
     };
     let users = recording.users.iter().enumerate().map(|(who, places)| {
         let (length, width, round) = recording.footprint(who);
-        let numbers = |pick: fn(&crate::results::Place) -> f64| -> Vec<Value> {
+        let numbers = |pick: fn(&results::Place) -> f64| -> Vec<Value> {
             places
                 .iter()
                 .map(|place| place.as_ref().map_or(Value::Null, |place| rounded(pick(place))))

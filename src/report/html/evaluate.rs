@@ -4,15 +4,15 @@ use serde::Serialize;
 
 use super::figure::HtmlFigure;
 use super::space::{MeasuredQuantity, short_names};
-use crate::judge::holds;
-use crate::numbers::inference::{Interval, mean_interval, wilson};
-use crate::numbers::summary::mean;
-use crate::report::chart::{Dot, First, Rows, Rule, Strip, Strips, first_legend};
-use crate::report::evaluation::without_value;
-use crate::report::format::in_written_unit;
-use crate::report::wording::comparison_rule;
-use crate::results::{CaseRun, ConditionResult, Difference, EvaluateResult, ParameterValue, SuiteReport};
-use crate::scenario::{
+use crate::chart::{Dot, First, Rows, Rule, Strip, Strips, first_legend};
+use crate::evaluation::without_value;
+use crate::format::in_written_unit;
+use crate::wording::comparison_rule;
+use numbers::inference::{Interval, mean_interval, wilson};
+use numbers::summary::mean;
+use results::judge::holds;
+use results::{CaseRun, ConditionResult, Difference, EvaluateResult, ParameterValue, SuiteReport};
+use scenario::{
     Aggregate, Block, CaseSet, Comparison, Evaluate, Measure, MetricKind, MetricReference, Notation,
     ParameterSet,
 };

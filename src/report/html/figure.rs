@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
-use crate::report::chart::LegendEntry;
-use crate::report::figures;
+use crate::chart::LegendEntry;
+use crate::figures;
 
 #[derive(Debug, Default, Serialize)]
 pub struct HtmlFigure {

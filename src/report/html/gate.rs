@@ -2,11 +2,11 @@
 
 use serde::Serialize;
 
-use crate::report::gate::{
+use crate::gate::{
     HEADINGS, MOST_RUNS_NAMED, cells, changed, check_mark, context, outcome_word, render_gate_report,
     sentence,
 };
-use crate::results::{
+use results::{
     Check, CheckOutcome, GateReport, GateState, GateVerdict, NotJudged, SuiteIdentity, SuiteReport, Verdict,
 };
 

@@ -18,8 +18,8 @@ use minijinja::value::{Serde, Value};
 use minijinja::{Environment, UndefinedBehavior, context};
 
 use super::chart;
-use crate::escape::html_characters;
-use crate::results::Results;
+use files::escape::html_characters;
+use results::Results;
 
 /// The page and its parts.
 const TEMPLATES: [(&str, &str); 8] = [
@@ -68,12 +68,12 @@ mod tests {
     use std::time::Duration;
 
     use super::*;
-    use crate::report::fixture::{self, Session};
-    use crate::results::{BlockReport, BlockState, TrialReport};
-    use crate::results::{BlockResult, Conclusion};
-    use crate::results::{Results, choose_runs};
-    use crate::scenario::Block;
-    use crate::scenario::{CaseSet, Condition, DeclaredStanding, Evaluate, Origin, ParameterSet, Statement};
+    use crate::fixture::{self, Session};
+    use results::{BlockReport, BlockState, TrialReport};
+    use results::{BlockResult, Conclusion};
+    use results::{Results, choose_runs};
+    use scenario::Block;
+    use scenario::{CaseSet, Condition, DeclaredStanding, Evaluate, Origin, ParameterSet, Statement};
 
     fn page() -> String {
         let session = Session::new();
@@ -227,7 +227,7 @@ mod tests {
         template.evaluations = (0..60)
             .map(|step| {
                 let tta = 6.0 + 0.2 * f64::from(step);
-                (vec![crate::optimise::Coordinate::Real(tta)], Some((tta * 7.0).sin() + tta / 4.0))
+                (vec![optimise::Coordinate::Real(tta)], Some((tta * 7.0).sin() + tta / 4.0))
             })
             .collect();
         search.found = vec![template; 1000];

@@ -4,15 +4,15 @@ use serde::Serialize;
 
 use super::figure::HtmlFigure;
 use super::space::{MeasuredQuantity, SpaceDimension, point_text, sign};
-use crate::numbers::summary::mean;
-use crate::optimise::{Coordinate, OptimisationEnd};
-use crate::report::chart::{
+use crate::chart::{
     self, Along, Convergence, Convergences, CourseLine, Dot, First, IndividualsChart, LegendEntry, Look,
     PointMark, Rule, Slice, Strip, Strips, Tried, first_legend, with_room,
 };
-use crate::report::wording::{comparison_rule, comparison_text};
-use crate::results::{Found, SearchResult};
-use crate::scenario::{Aggregate, Search};
+use crate::wording::{comparison_rule, comparison_text};
+use numbers::summary::mean;
+use optimise::{Coordinate, OptimisationEnd};
+use results::{Found, SearchResult};
+use scenario::{Aggregate, Search};
 
 /// Charts of surrogates that are seen at once, and all that are drawn.
 const OPEN_SLICES: usize = 6;

@@ -1,11 +1,9 @@
 //! What an optimiser varies and what it looks at, as tables and charts show them.
 
-use crate::optimise::{self, SlicePoint};
-use crate::report::chart::{Along, AxisQuantity, Belief};
-use crate::report::format::in_written_unit;
-use crate::scenario::{
-    Goal, MetricReference, Notation, Objective, RangeValues, SearchRange, Target, significant,
-};
+use crate::chart::{Along, AxisQuantity, Belief};
+use crate::format::in_written_unit;
+use optimise::{self, SlicePoint};
+use scenario::{Goal, MetricReference, Notation, Objective, RangeValues, SearchRange, Target, significant};
 
 /// An objective or a metric with its unit. Shares are shown in per cent.
 #[derive(Debug, Clone, PartialEq)]
@@ -220,10 +218,10 @@ pub fn sign(goal: Goal) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::Origin;
+    use scenario::Origin;
 
     const KMH: Notation =
-        Notation { symbol: crate::scenario::Symbol::new("km/h"), numerator: 5.0, denominator: 18.0 };
+        Notation { symbol: scenario::Symbol::new("km/h"), numerator: 5.0, denominator: 18.0 };
 
     #[test]
     fn a_range_is_charted_and_told_in_the_unit_that_it_is_written_in() {

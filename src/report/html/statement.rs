@@ -2,9 +2,9 @@
 
 use serde::Serialize;
 
-use crate::report::statement::{claim_mark, claim_values, conclusion_words};
-use crate::results::{BlockReport, BlockResult, BlockState, Conclusion, StatementResult, SuiteReport};
-use crate::scenario::{Block, DeclaredStanding};
+use crate::statement::{claim_mark, claim_values, conclusion_words};
+use results::{BlockReport, BlockResult, BlockState, Conclusion, StatementResult, SuiteReport};
+use scenario::{Block, DeclaredStanding};
 
 #[derive(Debug, Default, Serialize)]
 pub struct Statements {
@@ -102,7 +102,7 @@ impl Row {
             DeclaredStanding::NotComparable(reason) => reason.clone(),
             DeclaredStanding::Reproduced => String::new(),
         };
-        let claim = |claim: &crate::results::ClaimResult| Claim {
+        let claim = |claim: &results::ClaimResult| Claim {
             mark: claim_mark(claim),
             words: match claim.holds {
                 Some(true) => "holds",

@@ -4,13 +4,13 @@ use serde::Serialize;
 
 use super::figure::HtmlFigure;
 use super::space::{MeasuredQuantity, SpaceDimension, point_text};
-use crate::optimise::OptimisationEnd;
-use crate::report::chart::{AxisQuantity, Convergence, Front, PointMark, Rule, Slice, Tried};
-use crate::report::experiment::tuned_parameters;
-use crate::report::format::share;
-use crate::report::wording::comparison_text;
-use crate::results::{BeforeAndAfter, Candidate, MetricSummary, TuneResult, Violations};
-use crate::scenario::{MetricKind, MetricReference, ShownIn, Tune};
+use crate::chart::{AxisQuantity, Convergence, Front, PointMark, Rule, Slice, Tried};
+use crate::experiment::tuned_parameters;
+use crate::format::share;
+use crate::wording::comparison_text;
+use optimise::OptimisationEnd;
+use results::{BeforeAndAfter, Candidate, MetricSummary, TuneResult, Violations};
+use scenario::{MetricKind, MetricReference, ShownIn, Tune};
 
 /// Charts of margins that are seen at once.
 const OPEN_MARGINS: usize = 6;

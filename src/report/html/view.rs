@@ -9,20 +9,20 @@ use super::embed::embed;
 use super::figure::HtmlFigure;
 use super::statement::Statements;
 use super::{block, gate};
-use crate::report::digest::written_unit;
-use crate::report::failure::render_failure;
-use crate::report::figures::{figures, short_name};
-use crate::report::groups::{Group, groups_of};
-use crate::report::table::Column;
-use crate::report::wording::{
+use crate::digest::written_unit;
+use crate::failure::render_failure;
+use crate::figures::{figures, short_name};
+use crate::groups::{Group, groups_of};
+use crate::table::Column;
+use crate::wording::{
     bound, interval, judged_words, margin, missing, nearest_run, observed, stopping, trial_warnings,
     verdict_mark, verdict_word,
 };
-use crate::results::{
+use results::{
     BlockReport, BlockState, Chosen, Finding, FindingMeasure, GateReport, GateState, Program, Recording,
     Requests, Skip, SuiteReport, TrialReport, TrialState, Verdict,
 };
-use crate::scenario::MetricReference;
+use scenario::MetricReference;
 
 /// A table with more trials than this scrolls.
 const LONG_TABLE: usize = 30;

@@ -11,12 +11,12 @@ use serde::Deserialize;
 use serde_json::{Map, Value};
 
 use super::read::{ResultsError, Run, contradiction, gate_state, judged, seconds};
-use crate::results::{
+use results::{
     Cut, CutBy, Finding, GateReport, GateVerdict, Horizon, NotJudged, Program, Recorded, RecordedReport,
     RecordedState, Refusal, Requests, Rerun, Results, RunsTaken, Skip, Stopping, SuiteIdentity, SuiteReport,
     TrialReport, TrialState,
 };
-use crate::scenario::{
+use scenario::{
     Assignment, Gate, GateRule, MetricReference, Origin, Reference, Settings, Tolerance, Trial,
     Value as Setting,
 };

@@ -1,7 +1,7 @@
 //! Results as JSON, for programs. The same suite and seed give the same file on every machine, but for the times.
 
-use crate::numbers::json;
-use crate::results::{
+use numbers::json;
+use results::{
     BlockReport, BlockState, GateReport, GateState, Horizon, Outcome, Program, RecordedReport, RecordedState,
     Requests, SuiteReport, TrialReport, TrialState,
 };
@@ -16,11 +16,11 @@ use serde::{Serialize, Serializer};
 use serde_json::{Map, Value, json};
 
 use super::wording::trial_warnings;
-use crate::results::Results;
 pub use read::{ResultsError, read_results};
+use results::Results;
 
-use crate::judge::per_run;
-use crate::scenario::Assignment;
+use results::judge::per_run;
+use scenario::Assignment;
 
 /// Version of the layout; raised when a reader would have to change.
 ///
@@ -43,7 +43,7 @@ pub fn write_json(results: &Results, mut out: impl Write) -> io::Result<()> {
     let document = Object {
         members: members(json!({
             "layout": LAYOUT,
-            "tool": { "name": env!("CARGO_PKG_NAME"), "version": Program::of(suites).version },
+            "tool": { "name": "scenario-runner", "version": Program::of(suites).version },
         })),
         lists: vec![("suites", list(suites, move |report| Item::Object(suite_object(report, requests))))],
         objects: vec![("record", record)],
@@ -345,10 +345,10 @@ pub(super) fn plain(value: &impl Serialize) -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::fixture::{Session, evaluation, statement};
-    use crate::report::schema::violations;
-    use crate::results::{BlockResult, Conclusion};
-    use crate::scenario::DeclaredStanding;
+    use crate::fixture::{Session, evaluation, statement};
+    use crate::schema::violations;
+    use results::{BlockResult, Conclusion};
+    use scenario::DeclaredStanding;
 
     fn text(results: &Results) -> String {
         let mut text = Vec::new();

@@ -10,18 +10,18 @@ use thiserror::Error;
 
 use super::LAYOUT;
 use super::first_layout;
-use crate::files::{self, ReadError};
-use crate::metrics::{Open, Presence};
-use crate::numbers::json;
-use crate::registry::Registry;
-use crate::results::{
+use files::{self, ReadError};
+use numbers::json;
+use results::{
     BlockReport, BlockResult, BlockState, ByMetric, Chosen, Critical, Cut, CutOff, Finding, GateReport,
     GateState, GateVerdict, Horizon, NotJudged, Outcome, Program, Recorded, RecordedReport, RecordedState,
     Recording, Refusal, Requests, Results, RunsTaken, Skip, SuiteIdentity, SuiteReport, TrialReport,
     TrialState, TrialVerdict, UnknownMetric, Verdict,
 };
-use crate::scenario::{Block, Gate, Individual, Trial};
-use crate::sim::Ending;
+use scenario::registry::Registry;
+use scenario::{Block, Gate, Individual, Trial};
+use sim::Ending;
+use sim::measure::{Open, Presence};
 
 /// The largest file that is read: about a million runs.
 const LARGEST: u64 = 2 << 30;
@@ -277,7 +277,7 @@ pub(super) fn judged(
 
 impl Run {
     pub(super) fn outcome(mut self, requests: &Requests) -> Result<Outcome, ResultsError> {
-        let value = |reference: &crate::scenario::MetricReference| {
+        let value = |reference: &scenario::MetricReference| {
             let label = reference.label();
             match self.metrics.remove(&label) {
                 Some(Value::Null) => Ok(None),
@@ -385,12 +385,12 @@ pub(super) fn seconds(key: &str, seconds: f64) -> Result<Duration, ResultsError>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::judge::judge;
-    use crate::models::standard;
-    use crate::report::fixture::{Session, evaluation, statement};
-    use crate::report::write_json;
-    use crate::results::Conclusion;
-    use crate::scenario::DeclaredStanding;
+    use crate::fixture::{Session, evaluation, statement};
+    use crate::write_json;
+    use models::standard;
+    use results::Conclusion;
+    use results::judge::judge;
+    use scenario::DeclaredStanding;
 
     fn written(results: &Results) -> String {
         let mut bytes = Vec::new();

@@ -7,7 +7,7 @@ use chrono::{DateTime, Utc};
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, BytesEnd, BytesStart, BytesText, Event};
 
-use crate::escape::{xml, xml_line};
+use files::escape::{xml, xml_line};
 
 /// What a testcase counts as.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -5,9 +5,9 @@ use std::time::Duration;
 use indicatif::{HumanCount, HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::{Running, Tally, status};
-use crate::escape::terminal_line;
-use crate::report::chart::shortened;
-use crate::report::format::count;
+use crate::chart::shortened;
+use crate::format::count;
+use files::escape::terminal_line;
 
 /// Drawn on standard error, below everything that is written.
 pub struct Live {
@@ -103,7 +103,7 @@ pub(super) fn left(elapsed: Duration, done: usize, all: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::results::{Evaluations, Workload};
+    use results::{Evaluations, Workload};
 
     #[test]
     fn shows_how_far_everything_is() {

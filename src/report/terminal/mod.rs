@@ -12,7 +12,7 @@ use anstyle::Style;
 use super::failure::explain;
 use super::wording::{remark, trial_warnings};
 use crate::console::{Output, stdout};
-use crate::results::{
+use results::{
     CutBy, Evaluations, Event, Reporter, Standing, Stopping, SuiteIdentity, UnitReport, Verdict, Workload,
 };
 
@@ -271,7 +271,7 @@ impl Running {
     fn progress(&self) -> String {
         match self.evaluations {
             Some(Evaluations { done, all, best }) => {
-                let best = best.map(|best| format!(", best {}", crate::scenario::significant(best, 4)));
+                let best = best.map(|best| format!(", best {}", scenario::significant(best, 4)));
                 let left = live::left(self.begun.elapsed(), done, all);
                 format!(": {done} of {all} evaluations{}{left}", best.unwrap_or_default())
             }

@@ -4,9 +4,9 @@ use std::time::Duration;
 
 use anstyle::{AnsiColor, Style};
 
-use crate::escape::terminal_line;
-use crate::report::table::paint;
-use crate::results::{CutBy, Skip, Standing, Verdict};
+use crate::table::paint;
+use files::escape::terminal_line;
+use results::{CutBy, Skip, Standing, Verdict};
 
 /// Which units get a status line. Each level shows what those before it show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

@@ -4,13 +4,13 @@ use std::collections::HashSet;
 use std::time::Duration;
 
 use super::{Bad, Terminal, status};
-use crate::escape::{terminal, terminal_line};
-use crate::report::experiment::render_block;
-use crate::report::format::count;
-use crate::report::groups::{Group, groups};
-use crate::report::statement::render_statements;
-use crate::report::table::render_tables;
-use crate::results::{
+use crate::experiment::render_block;
+use crate::format::count;
+use crate::groups::{Group, groups};
+use crate::statement::render_statements;
+use crate::table::render_tables;
+use files::escape::{terminal, terminal_line};
+use results::{
     BlockReport, BlockResult, CutBy, Requests, Skip, Standing, StatementResult, SuiteIdentity, SuiteReport,
     TrialState, TrialVerdict, Verdict, Workload,
 };

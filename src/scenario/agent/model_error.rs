@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use crate::scenario::{Dimension, Notation, show_apart};
+use crate::{Dimension, Notation, show_apart};
 
 /// Why a model cannot be built for a case. It reads in SI units; [`Self::told`] takes others.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -64,7 +64,7 @@ impl ModelError {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::Symbol;
+    use crate::Symbol;
 
     #[test]
     fn numbers_are_told_as_they_are_written() {

@@ -3,7 +3,7 @@
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
-use crate::scenario::{Path, Shape, VehicleReference};
+use crate::{Path, Shape, VehicleReference};
 
 /// A vehicle as anyone may see it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

@@ -1,10 +1,10 @@
 //! Runs with simple road users, whoever decides for them.
 
 use super::*;
-use crate::scenario::agent::{Controller, Dynamics, Longitudinal, Pedestrian, Schedule};
-use crate::scenario::{Direction, VehicleReference, VehicleStart};
-use crate::sim::fixture;
-use crate::sim::road_users::{Driven, Driver};
+use crate::fixture;
+use crate::road_users::{Driven, Driver};
+use scenario::agent::{Controller, Dynamics, Longitudinal, Pedestrian, Schedule};
+use scenario::{Direction, VehicleReference, VehicleStart};
 
 struct Stroller(f64);
 

@@ -4,7 +4,6 @@ use super::{Expression, Name, Named, Settings};
 #[cfg(test)]
 use super::{Holds, Made};
 use super::{Node, Rule, View};
-use crate::scenario;
 
 views! {
     /// `expect { … }`

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use super::super::grammar::Grammar;
 use super::{Holds, Made, criterion, experiment, road_user, scenario, suite, value};
-use crate::scenario::AGGREGATES;
+use ::scenario::AGGREGATES;
 
 fn made() -> Vec<&'static Made> {
     [criterion::MADE, experiment::MADE, road_user::MADE, scenario::MADE, suite::MADE, value::MADE]

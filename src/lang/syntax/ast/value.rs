@@ -4,7 +4,7 @@ use super::{Constraint, Direction, Measure, Tag};
 #[cfg(test)]
 use super::{Holds, Made};
 use super::{Node, Rule, View};
-use crate::scenario::BinaryOperator;
+use scenario::BinaryOperator;
 
 views! {
     /// What somebody calls something.

@@ -1,0 +1,463 @@
+//! Files that use each other, and the names that each can see.
+
+use std::cell::RefCell;
+use std::collections::HashMap;
+use std::path::{Component, Path, PathBuf};
+use std::sync::Arc;
+
+use super::codes::Code;
+use super::diagnostic::{Diagnostic, Severity};
+use super::overrides::{self, Edit, Override, Overrides};
+use super::source::{SourceId, Sources, Span};
+use super::suite::{self, FileKind};
+use super::syntax::ast::{self, View};
+use super::syntax::{Node, NodeIndex, Tree};
+use super::value::{self, Binding, NameScope};
+use super::yaml;
+use files::{self, ReadError};
+use scenario::registry::Registry;
+
+/// Larger files are refused.
+pub const LARGEST_FILE: usize = 16 << 20;
+
+/// Of all files together that make up a text while it is edited, bytes: checking takes up to 200 times as much memory.
+const LARGEST_WHILE_EDITED: usize = 3 << 20;
+
+/// A file that was read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct FileId(u32);
+
+/// Something with a name, where it is defined.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct NameDefinition {
+    pub file: FileId,
+    pub node: NodeIndex,
+    /// Of the name.
+    pub span: Span,
+}
+
+/// The names that a file can see: its own and those of the files it uses.
+#[derive(Debug, Default)]
+pub struct Names {
+    pub roads: HashMap<String, NameDefinition>,
+    /// Scenarios and templates.
+    pub scenarios: HashMap<String, NameDefinition>,
+    /// Searches, tunes, evaluates and statements.
+    pub blocks: HashMap<String, NameDefinition>,
+}
+
+struct File {
+    tree: Tree,
+    names: Names,
+    scope: NameScope<'static>,
+}
+
+/// Every file that was read, each once.
+pub struct Texts<'f> {
+    /// What they may name.
+    pub registry: Registry,
+    /// Where they are read.
+    texts: &'f dyn files::Files,
+    pub sources: Sources,
+    files: Vec<File>,
+    /// By canonical path; `None` while it is being read or when it could not be.
+    by_path: HashMap<PathBuf, Option<FileId>>,
+    /// The files being read, with the `use` that led to each.
+    reading: Vec<(PathBuf, Option<Span>)>,
+    /// Values that are set from outside.
+    pub overrides: Overrides,
+    /// Where they stand in the texts.
+    pub set: Vec<Span>,
+    /// What stands in files that are no scenarios, by path.
+    others: RefCell<HashMap<String, Result<Arc<str>, String>>>,
+    /// Of all texts, bytes.
+    size: usize,
+    /// More are not read, bytes.
+    largest: usize,
+}
+
+impl<'f> Texts<'f> {
+    /// None yet, that are in `texts` and may name what is in `registry`.
+    pub fn new(registry: &Registry, texts: &'f dyn files::Files) -> Self {
+        Self {
+            registry: registry.clone(),
+            texts,
+            sources: Sources::default(),
+            files: Vec::new(),
+            by_path: HashMap::new(),
+            reading: Vec::new(),
+            overrides: Overrides::default(),
+            set: Vec::new(),
+            others: RefCell::default(),
+            size: 0,
+            largest: usize::MAX,
+        }
+    }
+
+    /// The same, of which no more is read than can be checked at every stroke of a key.
+    pub fn while_edited(self) -> Self {
+        Self { largest: LARGEST_WHILE_EDITED, ..self }
+    }
+
+    /// The same; in all of them these values will be set.
+    pub fn with_set(self, set: &[Override]) -> Self {
+        Self { overrides: Overrides::new(set), ..self }
+    }
+
+    pub fn tree(&self, file: FileId) -> &Tree {
+        &self.files[file.0 as usize].tree
+    }
+
+    pub fn node(&self, definition: NameDefinition) -> Node<'_> {
+        self.tree(definition.file).node(definition.node)
+    }
+
+    /// The scenario or template that a definition is of.
+    ///
+    /// # Panics
+    /// If it is of something else.
+    pub fn scenario(&self, definition: NameDefinition) -> ast::Scenario<'_> {
+        ast::Scenario::cast(self.node(definition)).expect("it is the definition of a scenario")
+    }
+
+    pub fn names(&self, file: FileId) -> &Names {
+        &self.files[file.0 as usize].names
+    }
+
+    /// The values that a file can see.
+    pub fn scope(&self, file: FileId) -> &NameScope<'static> {
+        &self.files[file.0 as usize].scope
+    }
+
+    pub fn ids(&self) -> impl Iterator<Item = FileId> + use<> {
+        (0..self.files.len() as u32).map(FileId)
+    }
+
+    /// Reads the file at `path` and all it uses; `asked` is the place that names it.
+    pub fn open(&mut self, path: &Path, asked: Option<Span>, report: &mut Vec<Diagnostic>) -> Option<FileId> {
+        let identity = self.texts.identity(path);
+        if let Some(known) = self.by_path.get(&identity) {
+            if known.is_none()
+                && let Some(asked) = asked
+                && let Some(first) = self.reading.iter().position(|(reading, _)| *reading == identity)
+            {
+                report.push(self.circle(first, path, asked));
+            }
+            return *known;
+        }
+        self.by_path.insert(identity.clone(), None);
+        let name = path.display().to_string();
+        let read = self.read(path).and_then(|text| self.within_bounds(path, text));
+        let source = match read {
+            Ok(text) => match suite::file_kind(path) {
+                Some(FileKind::Yaml) => self.sources.add(name, text),
+                _ => {
+                    let (text, edits) = self.with_values(&text);
+                    let source = self.sources.add(name, text);
+                    self.mark(source, &edits);
+                    source
+                }
+            },
+            Err((code, message, hint, before)) => {
+                let (span, label) = match (asked, before) {
+                    (Some(asked), None) => (asked, "named here"),
+                    (_, before) => {
+                        let text = before.unwrap_or_default();
+                        let at = text.len();
+                        let source = self.sources.add(name, text);
+                        (Span::new(source, at, at), "here")
+                    }
+                };
+                report.push(Diagnostic::new(code, span, message).label(label).hint(hint));
+                return None;
+            }
+        };
+        self.reading.push((identity.clone(), asked));
+        let text = self.sources.get(source).text.clone();
+        let file = match suite::file_kind(path) {
+            Some(FileKind::Yaml) => match yaml::to_scn(source, &text) {
+                Ok(yaml::Translation { text, places }) => {
+                    let (text, edits) = self.with_values(&text);
+                    let lengths: Vec<_> =
+                        edits.iter().map(|edit| (edit.range.clone(), edit.text.len())).collect();
+                    let places = places.edited(&lengths);
+                    let translation = self.sources.add_translation(text.to_string(), source, places);
+                    self.mark(translation, &edits);
+                    Some(self.add(translation, path, report))
+                }
+                Err(diagnostics) => {
+                    report.extend(diagnostics);
+                    None
+                }
+            },
+            _ => Some(self.add(source, path, report)),
+        };
+        self.reading.pop();
+        self.by_path.insert(identity, file);
+        file
+    }
+
+    /// A text with the values that are set in it, and what was changed. One that cannot be read stays as it is.
+    fn with_values(&mut self, text: &str) -> (Arc<str>, Vec<Edit>) {
+        if self.overrides.is_empty() {
+            return (text.into(), Vec::new());
+        }
+        let (tree, unreadable) = Tree::parse(SourceId(u32::MAX), text.into());
+        if !unreadable.is_empty() {
+            return (text.into(), Vec::new());
+        }
+        let edits = self.overrides.edits(&tree, &self.registry);
+        (overrides::apply(text, &edits).into(), edits)
+    }
+
+    fn mark(&mut self, source: SourceId, edits: &[Edit]) {
+        let mut shift = 0isize;
+        for edit in edits {
+            let start = edit.range.start.saturating_add_signed(shift);
+            self.set.push(Span::new(source, start, start + edit.text.len()));
+            shift += edit.text.len() as isize - edit.range.len() as isize;
+        }
+    }
+
+    /// The text, or code, message, hint and the part that could be read.
+    fn read(&self, path: &Path) -> Result<Arc<str>, (Code, String, String, Option<String>)> {
+        let shown = path.display();
+        let bytes = self.texts.read(path, &suite::ENDINGS, LARGEST_FILE as u64).map_err(|error| {
+            let (code, hint) = match &error {
+                ReadError::OtherKind { .. } => (
+                    Code::UnknownFileKind,
+                    "scenario files end in `.scn` or `.yaml`, suites in `.suite`".to_string(),
+                ),
+                ReadError::TooLarge { .. } => (Code::FileTooLarge, "split it into several files".to_string()),
+                error if error.is_missing() => (Code::UnreadableFile, self.neighbour(path)),
+                _ => (Code::UnreadableFile, "it must be a regular file that may be read".to_string()),
+            };
+            (code, format!("cannot read `{shown}`: {error}"), hint, None)
+        })?;
+        String::from_utf8(bytes).map(Arc::from).map_err(|error| {
+            let valid = error.utf8_error().valid_up_to();
+            let before = String::from_utf8_lossy(&error.as_bytes()[..valid]).into_owned();
+            let message =
+                format!("`{shown}` is not UTF-8 text: byte {valid} is 0x{:02x}", error.as_bytes()[valid]);
+            (Code::NotUtf8, message, "save the file as UTF-8".to_string(), Some(before))
+        })
+    }
+
+    /// The text, unless it stands among so much that it is not checked while it is edited.
+    fn within_bounds(
+        &mut self,
+        path: &Path,
+        text: Arc<str>,
+    ) -> Result<Arc<str>, (Code, String, String, Option<String>)> {
+        self.size += text.len();
+        if self.size <= self.largest {
+            return Ok(text);
+        }
+        let message = format!(
+            "with `{}` these files have {} bytes, more than the {} that are checked while edited",
+            path.display(),
+            self.size,
+            self.largest
+        );
+        Err((Code::FileTooLarge, message, "run `scenario-runner check` on the file".to_string(), None))
+    }
+
+    /// What stands in a file of another kind, or why it cannot be read; each file is read once.
+    pub fn text_of(&self, path: &str, endings: &[&str]) -> Result<Arc<str>, String> {
+        let read = || {
+            let text = self.texts.read_text(Path::new(path), endings);
+            text.map(Arc::from).map_err(|error| error.to_string())
+        };
+        self.others.borrow_mut().entry(path.to_string()).or_insert_with(read).clone()
+    }
+
+    fn circle(&self, first: usize, path: &Path, asked: Span) -> Diagnostic {
+        let message = format!("`{}` uses itself in a circle", path.display());
+        let mut diagnostic = Diagnostic::new(Code::CircularUse, asked, message).label("leads back to it");
+        for (_, asked) in &self.reading[first + 1..] {
+            if let Some(asked) = asked {
+                diagnostic = diagnostic.context(*asked, "which is used here");
+            }
+        }
+        diagnostic.hint("move what both need into a third file")
+    }
+
+    fn add(&mut self, source: SourceId, path: &Path, report: &mut Vec<Diagnostic>) -> FileId {
+        let (tree, diagnostics) = Tree::parse(source, self.sources.get(source).text.clone());
+        report.extend(diagnostics);
+        let uses: Vec<(String, Span)> =
+            tree.file().uses().map(|used| (used.path().value(), used.path().span())).collect();
+        let mut names = Names::default();
+        let mut scope = NameScope::default();
+        for (named, span) in uses {
+            if let Some(used) = self.open(&join(path, &named), Some(span), report) {
+                self.import(used, span, &mut names, &mut scope, report);
+            }
+        }
+        let file = FileId(self.files.len() as u32);
+        let inner = tree.file().suites().flat_map(|suite| suite.block().children());
+        for node in tree.root().children().chain(inner) {
+            let Some(node) = ast::Defining::cast(node) else { continue };
+            let (name, table, what) = match node {
+                ast::Defining::RoadDefinition(road) => (road.name(), &mut names.roads, "road"),
+                ast::Defining::Scenario(scenario) => (scenario.name(), &mut names.scenarios, "scenario"),
+                ast::Defining::Search(search) => (search.name(), &mut names.blocks, "search"),
+                ast::Defining::Tune(tune) => (tune.name(), &mut names.blocks, "tune"),
+                ast::Defining::Evaluate(evaluate) => (evaluate.name(), &mut names.blocks, "evaluate"),
+                ast::Defining::Statement(statement) => (statement.name(), &mut names.blocks, "statement"),
+                ast::Defining::Binding(binding) => {
+                    bind(binding, &mut scope, report);
+                    continue;
+                }
+            };
+            define(*node, name, file, table, what, report);
+        }
+        self.files.push(File { tree, names, scope });
+        file
+    }
+
+    /// Makes the names of `used` known; one and the same definition may arrive over several ways.
+    fn import(
+        &self,
+        used: FileId,
+        asked: Span,
+        names: &mut Names,
+        scope: &mut NameScope,
+        report: &mut Vec<Diagnostic>,
+    ) {
+        let from = &self.files[used.0 as usize];
+        let mut clash = |name: &str, first: Span, second: Span| {
+            report.push(
+                Diagnostic::new(Code::DuplicateName, asked, format!("`{name}` comes from two files"))
+                    .label("brings it a second time")
+                    .context(first, "defined here")
+                    .context(second, "and here")
+                    .hint("rename one of them"),
+            );
+        };
+        for (table, more) in [
+            (&mut names.roads, &from.names.roads),
+            (&mut names.scenarios, &from.names.scenarios),
+            (&mut names.blocks, &from.names.blocks),
+        ] {
+            for (name, definition) in more {
+                match table.get(name) {
+                    Some(known) if known != definition => clash(name, known.span, definition.span),
+                    _ => {
+                        table.insert(name.clone(), *definition);
+                    }
+                }
+            }
+        }
+        for (name, binding) in &from.scope.names {
+            match scope.names.get(name) {
+                Some(known) if known.span != binding.span => clash(name, known.span, binding.span),
+                _ => {
+                    scope.names.insert(name.clone(), binding.clone());
+                }
+            }
+        }
+    }
+
+    /// Adds to every diagnostic of a used file by which way it came in.
+    pub fn trace(&self, root: SourceId, report: &mut [Diagnostic]) {
+        let mut users: HashMap<SourceId, Span> = HashMap::new();
+        for file in &self.files {
+            for string in file.tree.file().uses().map(ast::UseFile::path) {
+                let name = &self.sources.get(file.tree.source).name;
+                let used = self.texts.identity(&join(Path::new(name), &string.value()));
+                if let Some(Some(used)) = self.by_path.get(&used) {
+                    users.entry(self.tree(*used).source).or_insert(string.span());
+                }
+            }
+        }
+        for diagnostic in report {
+            let mut source = diagnostic.span().source;
+            let mut way = Vec::new();
+            while source != root && way.len() < self.files.len() {
+                let Some(user) = users.get(&source) else { break };
+                let place = self.sources.location(*user);
+                way.push(format!("{}:{}", self.sources.get(user.source).name, place.line));
+                source = user.source;
+            }
+            if !way.is_empty() {
+                diagnostic.notes.push(format!("this file is used by {}", way.join(", which is used by ")));
+            }
+        }
+    }
+}
+
+impl Texts<'_> {
+    /// A hint with the nearest name in the folder of a file that is not there.
+    fn neighbour(&self, path: &Path) -> String {
+        let names = path.parent().map(|folder| self.texts.names(folder)).unwrap_or_default();
+        let wanted = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+        match super::diagnostic::nearest(wanted, names.iter().map(String::as_str)) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => "paths are relative to the file they stand in".to_string(),
+        }
+    }
+}
+
+fn define(
+    node: Node,
+    name: ast::Name,
+    file: FileId,
+    table: &mut HashMap<String, NameDefinition>,
+    what: &str,
+    report: &mut Vec<Diagnostic>,
+) {
+    let definition = NameDefinition { file, node: node.index(), span: name.span() };
+    match table.get(name.text()) {
+        Some(first) => report.push(
+            Diagnostic::new(
+                Code::DuplicateName,
+                name.span(),
+                format!("{what} `{}` is defined twice", name.text()),
+            )
+            .label("defined again")
+            .context(first.span, "defined first here")
+            .hint("give one of them another name"),
+        ),
+        None => {
+            table.insert(name.text().to_string(), definition);
+        }
+    }
+}
+
+/// Adds the name of a `let` to the scope it stands in.
+pub fn bind(node: ast::Binding, scope: &mut NameScope, report: &mut Vec<Diagnostic>) {
+    let name = node.name();
+    let value = value::evaluate(node.value(), scope, report);
+    if let Some(first) = scope.names.get(name.text()) {
+        report.push(
+            Diagnostic::new(Code::DuplicateName, name.span(), format!("`{}` is defined twice", name.text()))
+                .label("defined again")
+                .context(first.span, "defined first here")
+                .hint("give one of them another name"),
+        );
+        return;
+    }
+    scope.names.insert(name.text().to_string(), Binding::new(value, name.span()));
+}
+
+/// Whether anything in the report is an error.
+pub fn has_errors(report: &[Diagnostic]) -> bool {
+    report.iter().any(|diagnostic| diagnostic.severity == Severity::Error)
+}
+
+/// The file called `name` by a file at `path`, without `.` and `..` where that is possible.
+pub fn join(path: &Path, name: &str) -> PathBuf {
+    let mut joined = PathBuf::new();
+    let folder = path.parent().unwrap_or(Path::new(""));
+    for component in folder.join(name).components() {
+        match component {
+            Component::CurDir => {}
+            Component::ParentDir if matches!(joined.components().next_back(), Some(Component::Normal(_))) => {
+                joined.pop();
+            }
+            other => joined.push(other),
+        }
+    }
+    joined
+}

@@ -1,0 +1,204 @@
+//! How near the footprints come: collision and impact speed with anything, smallest distance of a vehicle and a pedestrian.
+
+use scenario::{Absence, Metric, MetricKind, MetricRange, Scope, Worst};
+use scenario::{Declaration, Dimension};
+use sim::geometry::distance;
+use sim::measure::{Contact, Encounters, Meter, MetricContext, difference, meters};
+use sim::{PedestrianState, Solid, Step, VehicleState};
+
+pub fn collision() -> Metric {
+    let declaration = Declaration::new(
+        "collision",
+        "Whether the vehicle touches anything solid at any time: a pedestrian, another \
+         vehicle or a box.",
+    )
+    .source(
+        "footprints as in the scenario: vehicles and boxes rectangles, pedestrians \
+         discs or rectangles",
+    );
+    Metric {
+        declaration,
+        kind: MetricKind::Flag,
+        scope: Scope::Contact,
+        worst: Worst::Largest,
+        absence: Absence::Open,
+        range: MetricRange::YesOrNo,
+        meters: meters(|context| Box::new(Collision(Contacted::new(context)))),
+    }
+}
+
+/// A vehicle and what it may touch; nothing, if it is alone.
+struct Contacted {
+    vehicle: usize,
+    with: Option<Solid>,
+}
+
+impl Contacted {
+    fn new(context: &MetricContext) -> Self {
+        Self { vehicle: context.vehicle, with: context.with }
+    }
+
+    fn contact(&self, encounters: &Encounters) -> Option<Contact> {
+        encounters.contact(self.vehicle, self.with?)
+    }
+}
+
+struct Collision(Contacted);
+
+impl Meter for Collision {
+    fn value(&self, encounters: &Encounters) -> Option<f64> {
+        Some(f64::from(self.0.contact(encounters).is_some()))
+    }
+
+    fn instant(&self, encounters: &Encounters) -> Option<f64> {
+        self.0.contact(encounters).map(|contact| contact.time)
+    }
+}
+
+pub fn impact_speed() -> Metric {
+    let declaration = Declaration::new(
+        "impact_speed",
+        "Relative speed of the vehicle and what it touches (a pedestrian, another \
+         vehicle or a box) when their footprints first touch; undefined without \
+         collision.",
+    )
+    .source("length of the difference of the velocities at that moment");
+    Metric {
+        declaration,
+        kind: MetricKind::Quantity(Dimension::SPEED),
+        scope: Scope::Contact,
+        worst: Worst::Largest,
+        absence: Absence::Good,
+        range: MetricRange::TwoSpeeds,
+        meters: meters(|context| Box::new(ImpactSpeed(Contacted::new(context)))),
+    }
+}
+
+struct ImpactSpeed(Contacted);
+
+impl Meter for ImpactSpeed {
+    fn value(&self, encounters: &Encounters) -> Option<f64> {
+        self.0.contact(encounters).map(|contact| contact.relative_speed)
+    }
+
+    fn instant(&self, encounters: &Encounters) -> Option<f64> {
+        self.0.contact(encounters).map(|contact| contact.time)
+    }
+}
+
+pub fn min_distance() -> Metric {
+    let declaration = Declaration::new(
+        "min_distance",
+        "Smallest distance between the footprints; 0 on collision, undefined if the \
+         pedestrian never appears.",
+    )
+    .source("Euclidean distance of the footprints, also between the simulation's steps");
+    Metric {
+        declaration,
+        kind: MetricKind::Quantity(Dimension::LENGTH),
+        scope: Scope::Pair,
+        worst: Worst::Smallest,
+        absence: Absence::Open,
+        range: MetricRange::NotNegative,
+        meters: meters(|context| Box::new(MinDistance::new(context))),
+    }
+}
+
+struct MinDistance {
+    pair: (usize, usize),
+    last: Option<f64>,
+    smallest: Option<Smallest>,
+}
+
+/// A distance (m) and when it was (s).
+#[derive(Clone, Copy)]
+struct Smallest {
+    distance: f64,
+    time: f64,
+}
+
+impl MinDistance {
+    fn new(context: &MetricContext) -> Self {
+        Self { pair: (context.vehicle, context.pedestrian), last: None, smallest: None }
+    }
+}
+
+impl Meter for MinDistance {
+    fn observe(&mut self, step: &Step, _: &Encounters) {
+        let (old_car, car) = (&step.before.vehicles[self.pair.0], &step.after.vehicles[self.pair.0]);
+        let (old, new) = (&step.before.pedestrians[self.pair.1], &step.after.pedestrians[self.pair.1]);
+        if !old.present {
+            return;
+        }
+        let before = self.last.unwrap_or_else(|| distance(old_car, old));
+        let after = distance(car, new);
+        let mut smallest = self.smallest.unwrap_or(Smallest { distance: f64::INFINITY, time: step.time });
+        let mut consider = |distance: f64, part: f64| {
+            if distance < smallest.distance {
+                smallest = Smallest { distance, time: step.time + part * step.duration };
+            }
+            smallest.distance
+        };
+        consider(before, 0.0);
+        let least = consider(after, 1.0);
+        // Nothing comes nearer than it moves, so most steps need no look inside.
+        let moved = ((new.position - old.position) - (car.position() - old_car.position())).norm();
+        if (before + after - moved) / 2.0 < least {
+            let (distance, part) = smallest_inside((old_car, car), (old, new));
+            consider(distance, part);
+        }
+        self.last = Some(after);
+        self.smallest = Some(smallest);
+    }
+
+    fn value(&self, encounters: &Encounters) -> Option<f64> {
+        match encounters.pair(self.pair.0, self.pair.1).contact {
+            Some(_) => Some(0.0),
+            None => self.smallest.map(|smallest| difference(smallest.distance, 0.0)),
+        }
+    }
+
+    fn instant(&self, encounters: &Encounters) -> Option<f64> {
+        match encounters.pair(self.pair.0, self.pair.1).contact {
+            Some(contact) => Some(contact.time),
+            None => self.smallest.map(|smallest| smallest.time),
+        }
+    }
+}
+
+/// The smallest distance inside a step, and after which share of it: a convex function of time, as the footprints are
+/// convex and do not turn.
+fn smallest_inside(
+    (old_car, car): (&VehicleState, &VehicleState),
+    (old, new): (&PedestrianState, &PedestrianState),
+) -> (f64, f64) {
+    let at = |part: f64| {
+        let mut vehicle = *car;
+        vehicle.motion.travelled =
+            old_car.motion.travelled + part * (car.motion.travelled - old_car.motion.travelled);
+        let person = PedestrianState { position: old.position.lerp(&new.position, part), ..*new };
+        distance(&vehicle, &person)
+    };
+    // Still coming nearer at the end: then the end is nearest.
+    let end = at(1.0);
+    if at(1.0 - 1e-6) >= end {
+        return (end, 1.0);
+    }
+    // Golden section search: the step shrinks to 1e-6 of itself, and the minimum is flat there.
+    const GOLDEN: f64 = 0.618_033_988_749_894_8;
+    let (mut low, mut high) = (0.0, 1.0);
+    let (mut left, mut right) = (high - GOLDEN * (high - low), low + GOLDEN * (high - low));
+    let (mut at_left, mut at_right) = (at(left), at(right));
+    for _ in 0..28 {
+        if at_left <= at_right {
+            (high, right, at_right) = (right, left, at_left);
+            left = high - GOLDEN * (high - low);
+            at_left = at(left);
+        } else {
+            (low, left, at_left) = (left, right, at_right);
+            right = low + GOLDEN * (high - low);
+            at_right = at(right);
+        }
+    }
+    if at_left <= at_right { (at_left, left) } else { (at_right, right) }
+}

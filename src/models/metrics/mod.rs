@@ -1,0 +1,45 @@
+//! Metrics: numbers read off a run while it happens, one file a family, and a list of them.
+//!
+//! To add one: make a [`Metric`] in the file of its family (or a new file) and list it in [`metrics`]. Events inside
+//! a step are interpolated linearly; a metric that does not exist in a run is `None`, never a magic number.
+
+mod braking;
+mod conflict;
+mod contact;
+mod crossing;
+#[cfg(test)]
+mod fixture;
+mod jerk;
+mod proximity;
+mod sliding;
+#[cfg(test)]
+mod tests;
+mod travel;
+
+use scenario::Metric;
+
+/// The metrics that ship, in the order of reports.
+pub fn metrics() -> Vec<Metric> {
+    vec![
+        contact::collision(),
+        contact::impact_speed(),
+        conflict::pet(),
+        conflict::pet_area(),
+        conflict::passed_first(),
+        conflict::gap_accepted(),
+        conflict::tta_at_entry(),
+        proximity::min_ttc(),
+        contact::min_distance(),
+        proximity::drac(),
+        braking::max_deceleration(),
+        braking::sudden_speed_change(),
+        jerk::max_jerk(),
+        jerk::rms_jerk(),
+        travel::time_lost(),
+        travel::travel_time(),
+        travel::stopped_time(),
+        crossing::crossing_initiation_time(),
+        crossing::crossing_duration(),
+        crossing::pedestrian_delay(),
+    ]
+}

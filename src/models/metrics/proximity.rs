@@ -1,0 +1,204 @@
+//! How urgent it gets: time to collision and the deceleration that would avoid a crash.
+
+use scenario::{Absence, Metric, MetricKind, MetricRange, Scope, Worst};
+use scenario::{Declaration, Dimension, Parameter};
+use sim::measure::half_extent;
+use sim::measure::{Encounters, Meter, MetricContext, meters};
+use sim::{PedestrianState, Step, VehicleState};
+
+pub fn min_ttc() -> Metric {
+    let declaration = Declaration::new(
+        "min_ttc",
+        "Smallest time to collision of the footprints if both kept their velocities; 0 \
+         on collision, undefined if they are never on a collision course.",
+    )
+    .source(
+        "Hayward 1972; exact contact time of the moving footprints, looked at after \
+         every step",
+    );
+    Metric {
+        declaration,
+        kind: MetricKind::Quantity(Dimension::TIME),
+        scope: Scope::Pair,
+        worst: Worst::Smallest,
+        absence: Absence::Good,
+        range: MetricRange::NotNegative,
+        meters: meters(|context| {
+            Box::new(MinTtc { pair: (context.vehicle, context.pedestrian), smallest: None, instant: 0.0 })
+        }),
+    }
+}
+
+struct MinTtc {
+    pair: (usize, usize),
+    smallest: Option<f64>,
+    /// When that was, s.
+    instant: f64,
+}
+
+impl Meter for MinTtc {
+    fn observe(&mut self, step: &Step, encounters: &Encounters) {
+        if let Some(time) = encounters.pair(self.pair.0, self.pair.1).time_to_collision
+            && self.smallest.is_none_or(|smallest| time < smallest)
+        {
+            self.smallest = Some(time);
+            self.instant = step.time + step.duration;
+        }
+    }
+
+    fn value(&self, encounters: &Encounters) -> Option<f64> {
+        if encounters.pair(self.pair.0, self.pair.1).contact.is_some() { Some(0.0) } else { self.smallest }
+    }
+
+    fn instant(&self, encounters: &Encounters) -> Option<f64> {
+        match encounters.pair(self.pair.0, self.pair.1).contact {
+            Some(contact) => Some(contact.time),
+            None => self.smallest.map(|_| self.instant),
+        }
+    }
+}
+
+pub fn drac() -> Metric {
+    let declaration = Declaration::new(
+        "drac",
+        "Largest deceleration rate to avoid a crash: what the vehicle would have had \
+         to brake by, from then on, while on a collision course with the pedestrian \
+         ahead of its front; undefined if never.",
+    )
+    .source(
+        "Cooper & Ferguson 1976, v^2/(2 g) with the gap g along the lane and the \
+         relative speed v; where the pedestrian leaves the vehicle's strip at t < 2 \
+         g/v, the smaller 2 (v t - g)/t^2 that lets it pass",
+    )
+    .parameters([Parameter::number(
+        "ceiling",
+        Dimension::ACCELERATION,
+        20.0,
+        (1.0, 1000.0),
+        "Reported where no deceleration up to this one would do, as when the front is \
+         about to hit.",
+        "the rate grows without bound as the gap closes; twice what tyres can do",
+    )]);
+    Metric {
+        declaration,
+        kind: MetricKind::Quantity(Dimension::ACCELERATION),
+        scope: Scope::Pair,
+        worst: Worst::Largest,
+        absence: Absence::Good,
+        range: MetricRange::UpTo("ceiling".into()),
+        meters: meters(|context| Box::new(Drac::new(context))),
+    }
+}
+
+struct Drac {
+    pair: (usize, usize),
+    ceiling: f64,
+    largest: Option<f64>,
+    /// When that was, s.
+    instant: f64,
+    /// Whether they were on a collision course with the pedestrian ahead of the front.
+    was_ahead: bool,
+}
+
+impl Drac {
+    fn new(context: &MetricContext) -> Self {
+        Self {
+            pair: (context.vehicle, context.pedestrian),
+            ceiling: context.settings.number("ceiling"),
+            largest: None,
+            instant: 0.0,
+            was_ahead: false,
+        }
+    }
+}
+
+impl Meter for Drac {
+    fn observe(&mut self, step: &Step, encounters: &Encounters) {
+        let encounter = encounters.pair(self.pair.0, self.pair.1);
+        let (car, person) = (&step.after.vehicles[self.pair.0], &step.after.pedestrians[self.pair.1]);
+        let on_course = encounter.time_to_collision.is_some() || encounter.contact.is_some();
+        let gap = gap_ahead(car, person);
+        // Contact with the front closes the gap up to rounding.
+        let ahead = gap > 1e-9;
+        let rate = match (on_course, ahead) {
+            (true, true) => Some(avoiding_rate(car, person, gap)),
+            (true, false) if self.was_ahead => Some(f64::INFINITY),
+            _ => None,
+        };
+        if let Some(rate) = rate.map(|rate| rate.min(self.ceiling))
+            && self.largest.is_none_or(|largest| rate > largest)
+        {
+            self.largest = Some(rate);
+            self.instant = step.time + step.duration;
+        }
+        self.was_ahead = on_course && ahead;
+    }
+
+    fn value(&self, _: &Encounters) -> Option<f64> {
+        self.largest
+    }
+
+    fn instant(&self, _: &Encounters) -> Option<f64> {
+        self.largest.map(|_| self.instant)
+    }
+}
+
+/// From the front to the pedestrian's footprint along the lane, m.
+fn gap_ahead(car: &VehicleState, person: &PedestrianState) -> f64 {
+    car.path.along(person.position) - half_extent(person).x - car.motion.travelled - car.length / 2.0
+}
+
+/// The constant deceleration that keeps the front `gap` behind the pedestrian until it has left the strip that the
+/// vehicle sweeps, m/s².
+fn avoiding_rate(car: &VehicleState, person: &PedestrianState, gap: f64) -> f64 {
+    let closing = car.motion.speed - car.path.speed_along(person.velocity);
+    if closing <= 0.0 {
+        return 0.0;
+    }
+    let border = car.width / 2.0 + half_extent(person).y;
+    let (offset, sideways) = (car.path.beside(person.position), person.velocity.y);
+    let clear =
+        if sideways == 0.0 { f64::INFINITY } else { (sideways.signum() * border - offset) / sideways };
+    if clear * closing >= 2.0 * gap {
+        closing * closing / (2.0 * gap)
+    } else {
+        (2.0 * (closing * clear - gap) / (clear * clear)).max(0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector2;
+
+    use super::*;
+    use scenario::{Direction, Path, Shape};
+    use sim::Longitudinal;
+
+    fn rate(speed: f64, gap: f64, offset: f64, sideways: f64) -> f64 {
+        let car = VehicleState {
+            motion: Longitudinal { travelled: 0.0, speed, acceleration: 0.0 },
+            path: Path::straight(0.0, Direction::Forward),
+            length: 4.0,
+            width: 1.5,
+        };
+        let person = PedestrianState {
+            position: Vector2::new(2.0 + gap + 0.25, offset),
+            velocity: Vector2::new(0.0, sideways),
+            acceleration: Vector2::zeros(),
+            heading: Vector2::y(),
+            shape: Shape::Disc { radius: 0.25 },
+            present: true,
+        };
+        avoiding_rate(&car, &person, gap_ahead(&car, &person))
+    }
+
+    #[test]
+    fn stops_before_a_standing_pedestrian_and_lets_a_walking_one_pass() {
+        assert!((rate(10.0, 20.0, 0.0, 0.0) - 2.5).abs() < 1e-12);
+        // Clear of the strip (0.75 m and the disc) in 1 s, or in 3 s: by then the vehicle may be at the gap.
+        assert!((rate(10.0, 8.0, 0.0, 1.0) - 4.0).abs() < 1e-12);
+        assert!((rate(10.0, 20.0, -2.0, 1.0) - 20.0 / 9.0).abs() < 1e-12);
+        // Still there when a vehicle that brakes just enough has stopped.
+        assert!((rate(10.0, 10.0, -2.0, 1.0) - 5.0).abs() < 1e-12);
+    }
+}

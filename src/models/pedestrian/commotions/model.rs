@@ -1,0 +1,241 @@
+//! The COMMOTIONS pedestrian as a registered model: its declaration, and what stands between the world and the agents.
+
+use super::agent::{CommotionsAgent, ConflictState, Rules, Sight};
+use super::parameters::{Parameters, parameters};
+use super::state::{AgentBody, Control, State};
+use super::variant::{Accumulation, Variant, VariantError};
+use crate::pedestrian::{PedestrianContext, PedestrianModel};
+use numbers::random::Stream;
+use scenario::{Declaration, Dimension, Road, Settings, Shape, half_extent};
+use sim::random::{self, Purpose};
+use sim::{Mode, ModelError, Motion, Pedestrian, Scene, Stated, StatedBy};
+
+/// The registry entry.
+pub fn commotions() -> PedestrianModel {
+    let declaration = Declaration::new(
+        "commotions",
+        "A human-like pedestrian who perceives with noise, infers what the driver will \
+         do and weighs when to go",
+    )
+    .source(
+        "Markkula, Lin, Srinivasan, Billington, Leonetti, Kalantari, Yang, Lee, \
+         Madigan and Merat, PNAS Nexus 2(6), 2023",
+    )
+    .parameters(parameters());
+    PedestrianModel::new(declaration, build).with_individuals()
+}
+
+fn build(context: &PedestrianContext) -> Result<Box<dyn Pedestrian>, ModelError> {
+    let person = Person::from_settings(context.settings, &context.world.road, context.world.step)?;
+    let pedestrian = extent(context.setup.shape);
+    let bodies = context.world.vehicles.iter().map(|vehicle| {
+        let bodies = Bodies { pedestrian, vehicle: (vehicle.length, vehicle.width) };
+        (bodies.pedestrian(), bodies.vehicle())
+    });
+    let meeting =
+        |(own, other): (AgentBody, AgentBody), path: usize| Meeting { own, other, path, moved: false };
+    let paths = context.world.vehicles.iter().map(|vehicle| vehicle.lane);
+    let agent = random::Agent::Pedestrian(context.rank);
+    Ok(Box::new(Walker {
+        agent: CommotionsAgent::among(
+            &person.variant,
+            &person.parameters,
+            Control::Speed,
+            person.dt,
+            bodies.clone(),
+        ),
+        sights: Vec::with_capacity(bodies.len()),
+        meetings: bodies.zip(paths).map(|(bodies, path)| meeting(bodies, path)).collect(),
+        draws: random::stream(context.seed, agent, Purpose::Perception),
+        free_speed: person.parameters.pedestrian_free_speed,
+        action_duration: person.parameters.action_duration,
+        steps_per_decision: person.steps_per_decision,
+        entry_inhibited_until: context.settings.number("entry_inhibited_until"),
+        steps: 0,
+        acceleration: 0.0,
+        standing: true,
+    }))
+}
+
+/// What the settings say of one commotions() road user.
+pub struct Person {
+    /// Its assumptions.
+    pub variant: Variant,
+    /// Its parameters.
+    pub parameters: Parameters,
+    /// Time step of its decisions (s).
+    pub dt: f64,
+    /// Simulation steps per decision.
+    pub steps_per_decision: u64,
+}
+
+impl Person {
+    /// Reads and checks resolved settings for a road and a simulation step (s).
+    ///
+    /// # Errors
+    /// For a name that is no variant, and for times that do not fit each other.
+    pub fn from_settings(settings: &Settings, road: &Road, step: f64) -> Result<Self, ModelError> {
+        let variant: Variant = settings
+            .word("variant")
+            .parse()
+            .map_err(|error: VariantError| ModelError::with_hint(error.message(), error.hint()))?;
+        let mut parameters = Parameters::from_settings(settings);
+        if settings.optional_number("veh_free_speed").is_none() {
+            parameters.vehicle_free_speed = parameters.vehicle_free_speed.min(road.speed_limit);
+        }
+        let dt = settings.number("dt");
+        let time = |value, of| Stated { value, dimension: Dimension::TIME, of };
+        let steps = (dt / step).round();
+        if steps < 1.0 || (steps * step / dt - 1.0).abs() > 1e-6 {
+            return Err(ModelError::stating(
+                "`commotions` decides every {}, which is no multiple of the simulation step of {}",
+                [time(dt, StatedBy::Setting("dt")), time(step, StatedBy::Step)],
+                "let `dt` be a multiple of the simulation step",
+            ));
+        }
+        for (name, value, uses) in [
+            ("T", parameters.evidence_time, variant.accumulation == Accumulation::Evidence),
+            ("T_Of", parameters.observation_forgetting_time, variant.observation_beliefs),
+            ("DeltaT", parameters.action_duration, true),
+        ] {
+            if uses && value < dt {
+                return Err(ModelError::stating(
+                    &format!("`{name}` of `commotions` is {{}}, shorter than its time step `dt` of {{}}"),
+                    [time(value, StatedBy::Setting(name)), time(dt, StatedBy::Setting("dt"))],
+                    format!("let `{name}` be at least as long as `dt`"),
+                ));
+            }
+        }
+        if variant.looming && parameters.looming_full <= parameters.looming_onset {
+            let rate = |value, name| Stated {
+                value,
+                dimension: Dimension::ANGULAR_SPEED,
+                of: StatedBy::Setting(name),
+            };
+            return Err(ModelError::stating(
+                "`thetaDot_1` of `commotions` is {}, not above `thetaDot_0` of {}",
+                [rate(parameters.looming_full, "thetaDot_1"), rate(parameters.looming_onset, "thetaDot_0")],
+                "let `thetaDot_1` be larger than `thetaDot_0`",
+            ));
+        }
+        Ok(Self { variant, parameters, dt, steps_per_decision: steps as u64 })
+    }
+}
+
+/// Length and width (m) of the two who meet.
+pub struct Bodies {
+    /// Of the pedestrian.
+    pub pedestrian: (f64, f64),
+    /// Of the vehicle.
+    pub vehicle: (f64, f64),
+}
+
+impl Bodies {
+    /// The pedestrian's body in the conflict space (§1).
+    pub fn pedestrian(&self) -> AgentBody {
+        AgentBody {
+            control: Control::Speed,
+            half_extent: half_extent(self.pedestrian, self.vehicle),
+            width: self.pedestrian.1,
+        }
+    }
+
+    /// The vehicle's body in the conflict space (§1).
+    pub fn vehicle(&self) -> AgentBody {
+        AgentBody {
+            control: Control::Acceleration,
+            half_extent: half_extent(self.vehicle, self.pedestrian),
+            width: self.vehicle.1,
+        }
+    }
+}
+
+/// Length along the walking direction and width across it of a footprint (m).
+pub fn extent(shape: Shape) -> (f64, f64) {
+    match shape {
+        Shape::Disc { radius } => (2.0 * radius, 2.0 * radius),
+        Shape::Rectangle { length, width } => (length, width),
+    }
+}
+
+/// What a pedestrian knows of one vehicle besides its state.
+struct Meeting {
+    own: AgentBody,
+    other: AgentBody,
+    /// Its lane.
+    path: usize,
+    /// Whether it was ever seen to move. One that was not is parked.
+    moved: bool,
+}
+
+impl Meeting {
+    /// How the conflict stands at these distances (m) to the conflict point.
+    fn conflict(&self, own: f64, other: f64) -> ConflictState {
+        if own < -self.own.half_extent || other <= -self.other.half_extent {
+            ConflictState::Over
+        } else if !self.moved && !self.other.occupies(other) {
+            ConflictState::Dormant
+        } else {
+            ConflictState::Open
+        }
+    }
+}
+
+/// A pedestrian among vehicles.
+struct Walker {
+    agent: CommotionsAgent,
+    meetings: Vec<Meeting>,
+    /// Those of this step.
+    sights: Vec<Sight>,
+    draws: Stream,
+    free_speed: f64,
+    action_duration: f64,
+    steps_per_decision: u64,
+    entry_inhibited_until: f64,
+    steps: u64,
+    acceleration: f64,
+    standing: bool,
+}
+
+impl Pedestrian for Walker {
+    fn act(&mut self, scene: &Scene) -> Motion {
+        if self.steps.is_multiple_of(self.steps_per_decision) {
+            self.acceleration = self.decide(scene);
+        }
+        self.steps += 1;
+        self.standing = scene.ego().velocity.norm() == 0.0;
+        Motion::Accelerate(self.acceleration)
+    }
+
+    fn mode(&self) -> Mode {
+        Mode::new(if self.standing { "waiting" } else { "walking" })
+    }
+
+    fn free_speed(&self) -> f64 {
+        self.free_speed
+    }
+}
+
+impl Walker {
+    fn decide(&mut self, scene: &Scene) -> f64 {
+        let me = scene.ego();
+        let rules = Rules {
+            pedestrian_priority: scene.road.pedestrian_priority(scene.time),
+            entry_inhibited: scene.time < self.entry_inhibited_until,
+        };
+        let way = me.heading;
+        let speed = me.velocity.dot(&way);
+        self.sights.clear();
+        for (other, (meeting, vehicle)) in self.meetings.iter_mut().zip(scene.vehicles).enumerate() {
+            let Some(conflict) = vehicle.path.conflict(me.position, way) else { continue };
+            meeting.moved |= vehicle.motion.speed > 0.0;
+            let own = State::from(conflict.approach_on_foot(me, way));
+            let state = State::from(conflict.approach(vehicle));
+            let conflict = meeting.conflict(own.distance, state.distance);
+            self.sights.push(Sight { other, path: meeting.path, own, state, conflict });
+        }
+        let decision = self.agent.step_among(&self.sights, &rules, &mut self.draws);
+        // With nobody to meet, as on an empty road.
+        decision.map_or((self.free_speed - speed) / self.action_duration, |decision| decision.acceleration)
+    }
+}

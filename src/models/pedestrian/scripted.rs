@@ -1,0 +1,153 @@
+//! A pedestrian that walks by a fixed script: wait, walk, perhaps stop for a while, go on.
+
+use super::{PedestrianContext, PedestrianModel};
+use scenario::{Chance, Declaration, Dimension, Parameter};
+use sim::{Mode, ModelError, Motion, Pedestrian, Scene};
+
+const FREE: &str = "free choice";
+
+pub fn scripted() -> PedestrianModel {
+    let declaration = Declaration::new(
+        "scripted",
+        "Walks to its goal at a constant speed after a delay, blind to traffic; may \
+         stop on the way and go on.",
+    )
+    .source("fixed script")
+    .parameters([
+        Parameter::number("speed", Dimension::SPEED, 1.4, (0.0, 12.0), "Walking speed.", FREE),
+        Parameter::number(
+            "delay",
+            Dimension::TIME,
+            0.0,
+            (0.0, 600.0),
+            "Time that it stands after it appeared.",
+            FREE,
+        ),
+        Parameter::optional(
+            "stop_after",
+            Dimension::LENGTH,
+            (0.0, 1000.0),
+            "Stops after walking this far; without it, it never stops.",
+            FREE,
+        ),
+        Parameter::optional(
+            "stop_for",
+            Dimension::TIME,
+            (0.0, 600.0),
+            "Time that it stands there before it walks on; without it, it stays.",
+            FREE,
+        ),
+    ]);
+    PedestrianModel::new(declaration, build).chance(Chance::Never)
+}
+
+struct Scripted {
+    speed: f64,
+    delay: f64,
+    stop_for: f64,
+    /// Distance left until it stops, m; infinite when it will not stop (again).
+    left: f64,
+    /// When it may walk, s; `None` before its first step.
+    walks_from: Option<f64>,
+    mode: &'static str,
+}
+
+fn build(context: &PedestrianContext) -> Result<Box<dyn Pedestrian>, ModelError> {
+    let settings = context.settings;
+    let stop_after = settings.optional_number("stop_after");
+    if stop_after.is_none() && settings.optional_number("stop_for").is_some() {
+        return Err(ModelError::with_hint(
+            "`stop_for` of `scripted` says how long it stops, but not where",
+            "add `stop_after: 2 m`",
+        ));
+    }
+    Ok(Box::new(Scripted {
+        speed: settings.number("speed"),
+        delay: settings.number("delay"),
+        stop_for: settings.optional_number("stop_for").unwrap_or(f64::INFINITY),
+        left: stop_after.unwrap_or(f64::INFINITY),
+        walks_from: None,
+        mode: "waiting",
+    }))
+}
+
+/// Absorbs the rounding of summed times, s.
+const TIME_TOLERANCE: f64 = 1e-9;
+
+impl Pedestrian for Scripted {
+    fn act(&mut self, scene: &Scene) -> Motion {
+        let ego = scene.ego();
+        let mut walks_from = *self.walks_from.get_or_insert(scene.time + self.delay);
+        if self.left <= 0.0 {
+            walks_from = scene.time + self.stop_for;
+            self.walks_from = Some(walks_from);
+            self.left = f64::INFINITY;
+            self.mode = "stopped";
+        }
+        if scene.time < walks_from - TIME_TOLERANCE {
+            return Motion::Walk(nalgebra::Vector2::zeros());
+        }
+        self.mode = "walking";
+        let to_goal = nalgebra::Vector2::new(scene.goal.x, scene.goal.y) - ego.position;
+        let distance = to_goal.norm().min(self.left);
+        let Some(way) = to_goal.try_normalize(1e-9) else {
+            self.mode = "arrived";
+            return Motion::Walk(nalgebra::Vector2::zeros());
+        };
+        let speed = self.speed.min(distance / scene.step);
+        self.left -= speed * scene.step;
+        if self.left < 1e-9 {
+            self.left = 0.0;
+        }
+        Motion::Walk(way * speed)
+    }
+
+    fn mode(&self) -> Mode {
+        Mode::new(self.mode)
+    }
+
+    fn free_speed(&self) -> f64 {
+        self.speed
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pedestrian::test_walk::Walk;
+    use scenario::{Settings, Value};
+
+    fn number(value: f64) -> Value {
+        Value::Number(value)
+    }
+
+    #[test]
+    fn walks_after_the_delay_and_stops_at_the_goal() {
+        let mut walk = Walk::new(&scripted(), Settings::from([("delay", number(1.0))]));
+        walk.go(1.0);
+        assert_eq!(walk.position().y, -4.0);
+        walk.go(1.0);
+        assert!((walk.position().y + 4.0 - 1.4).abs() < 1e-9);
+        walk.go(10.0);
+        assert!((walk.position().y - 6.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn stops_where_told_and_goes_on() {
+        let settings = [("stop_after", number(3.0)), ("stop_for", number(2.0)), ("speed", number(1.0))];
+        let mut walk = Walk::new(&scripted(), Settings::from(settings));
+        walk.go(4.5);
+        assert!((walk.position().y + 1.0).abs() < 1e-9);
+        walk.go(1.5);
+        assert!((walk.position().y - 0.0).abs() < 1e-9, "{}", walk.position().y);
+        let mut stays = Walk::new(&scripted(), Settings::from([("stop_after", number(3.0))]));
+        stays.go(100.0);
+        assert!((stays.position().y + 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_stop_without_a_place_is_an_error() {
+        let error = Walk::try_new(&scripted(), Settings::from([("stop_for", number(2.0))])).err().unwrap();
+        assert!(error.hint.is_some());
+    }
+}

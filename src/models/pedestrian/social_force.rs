@@ -1,0 +1,352 @@
+//! The social force pedestrian of Helbing and Molnár 1995, with vehicles as obstacles that it keeps away from.
+//!
+//! It makes no decision to wait or go: it walks to its goal, slowed or sped up by the repulsion of vehicles. It moves
+//! along its way only.
+
+use nalgebra::Vector2;
+
+use super::{PedestrianContext, PedestrianModel, sum_in_any_order};
+use numbers::random::Stream;
+use scenario::{Chance, Declaration, Dimension, Parameter};
+use sim::random::{Agent, Purpose, stream};
+use sim::{Mode, ModelError, Motion, Pedestrian, Scene, VehicleState};
+
+const PAPER: &str = "Helbing & Molnar 1995, Phys. Rev. E 51:4282";
+const CHOICE: &str = "our choice; the paper has no vehicles";
+
+pub fn social_force() -> PedestrianModel {
+    let declaration = Declaration::new(
+        "social_force",
+        "Helbing-Molnar social force: walks to its goal and is repelled by vehicles, \
+         without any decision.",
+    )
+    .source(
+        "Helbing & Molnar 1995, Phys. Rev. E 51:4282; vehicles as obstacles by our \
+         choice",
+    )
+    .parameters([
+        Parameter::optional(
+            "desired_speed",
+            Dimension::SPEED,
+            (0.1, 3.0),
+            "Speed at which it wants to walk; without it, drawn once per run from the \
+             normal distribution below.",
+            PAPER,
+        ),
+        Parameter::number(
+            "desired_speed_mean",
+            Dimension::SPEED,
+            1.34,
+            (0.5, 3.0),
+            "Mean of the drawn desired speed.",
+            PAPER,
+        ),
+        Parameter::number(
+            "desired_speed_deviation",
+            Dimension::SPEED,
+            0.26,
+            (0.0, 1.0),
+            "Standard deviation of the drawn desired speed; draws below 0.1 m/s are raised \
+             to it.",
+            PAPER,
+        ),
+        Parameter::number(
+            "relaxation_time",
+            Dimension::TIME,
+            0.5,
+            (0.07, 2.0),
+            "Time in which it approaches its desired speed.",
+            PAPER,
+        ),
+        Parameter::number(
+            "max_speed_factor",
+            Dimension::NUMBER,
+            1.3,
+            (1.0, 3.0),
+            "Its speed never exceeds this many times its desired speed.",
+            PAPER,
+        ),
+        Parameter::number(
+            "start_delay",
+            Dimension::TIME,
+            0.0,
+            (0.0, 600.0),
+            "Time that it stands after it appeared; vary it up to the vehicle's arrival \
+             time for conflicts.",
+            CHOICE,
+        ),
+        Parameter::number(
+            "vehicle_strength",
+            Dimension::new(2, -2, 0),
+            10.0,
+            (0.0, 100.0),
+            "Strength of a vehicle's repulsive potential; the paper's value for borders.",
+            CHOICE,
+        ),
+        Parameter::number(
+            "vehicle_range",
+            Dimension::LENGTH,
+            1.0,
+            (0.3, 10.0),
+            "Range of a vehicle's repulsive potential: a design choice, to be swept from \
+             0.5 to 5 m.",
+            CHOICE,
+        ),
+        Parameter::number(
+            "look_ahead",
+            Dimension::TIME,
+            2.0,
+            (0.0, 10.0),
+            "Driving time by which a vehicle's potential stretches ahead of it.",
+            PAPER,
+        ),
+        Parameter::number(
+            "view_angle",
+            Dimension::ANGLE,
+            200.0 * std::f64::consts::PI / 180.0,
+            (0.0, 2.0 * std::f64::consts::PI),
+            "Full angle of its view, around its way.",
+            PAPER,
+        ),
+        Parameter::number(
+            "unseen_weight",
+            Dimension::NUMBER,
+            0.5,
+            (0.0, 1.0),
+            "Weight of repulsion from outside its view.",
+            PAPER,
+        ),
+        Parameter::number(
+            "body_radius",
+            Dimension::LENGTH,
+            0.3,
+            (0.2, 0.35),
+            "Its body's radius, taken off its distance from vehicles together with half \
+             their width.",
+            CHOICE,
+        ),
+        Parameter::number(
+            "noise",
+            Dimension::SPEED,
+            0.0,
+            (0.0, 1.0),
+            "Standard deviation of the fluctuation of its speed in free walking.",
+            "form of the paper's fluctuations by our choice",
+        ),
+    ]);
+    PedestrianModel::new(declaration, build).chance(Chance::If(|settings| {
+        let drawn_speed = settings.optional_number("desired_speed").is_none()
+            && settings.number("desired_speed_deviation") > 0.0;
+        drawn_speed || settings.number("noise") > 0.0
+    }))
+}
+
+/// Nearer to its goal than this it has arrived, m.
+const ARRIVAL: f64 = 0.2;
+/// Keeps the force finite on the vehicle's centre line, m.
+const SMALLEST_AXIS: f64 = 0.1;
+const TIME_TOLERANCE: f64 = 1e-9;
+/// Slowest desired speed that is drawn, m/s.
+const SLOWEST: f64 = 0.1;
+
+struct SocialForce {
+    desired_speed: f64,
+    relaxation_time: f64,
+    max_speed: f64,
+    start_delay: f64,
+    repulsion: Repulsion,
+    noise: f64,
+    fluctuations: Stream,
+    /// When it appeared, s.
+    appeared: Option<f64>,
+    mode: &'static str,
+}
+
+/// The repulsive potential of vehicles.
+struct Repulsion {
+    /// m²/s²
+    strength: f64,
+    /// m
+    range: f64,
+    /// s
+    look_ahead: f64,
+    /// Cosine of half the view angle.
+    view: f64,
+    unseen_weight: f64,
+    body_radius: f64,
+}
+
+fn build(context: &PedestrianContext) -> Result<Box<dyn Pedestrian>, ModelError> {
+    let settings = context.settings;
+    let me = Agent::Pedestrian(context.rank);
+    let drawn = stream(context.seed, me, Purpose::Trait).normal();
+    let desired_speed = settings.optional_number("desired_speed").unwrap_or_else(|| {
+        let drawn =
+            settings.number("desired_speed_mean") + settings.number("desired_speed_deviation") * drawn;
+        drawn.max(SLOWEST)
+    });
+    Ok(Box::new(SocialForce {
+        desired_speed,
+        relaxation_time: settings.number("relaxation_time"),
+        max_speed: settings.number("max_speed_factor") * desired_speed,
+        start_delay: settings.number("start_delay"),
+        repulsion: Repulsion {
+            strength: settings.number("vehicle_strength"),
+            range: settings.number("vehicle_range"),
+            look_ahead: settings.number("look_ahead"),
+            view: libm::cos(settings.number("view_angle") / 2.0),
+            unseen_weight: settings.number("unseen_weight"),
+            body_radius: settings.number("body_radius"),
+        },
+        noise: settings.number("noise"),
+        fluctuations: stream(context.seed, me, Purpose::Motion),
+        appeared: None,
+        mode: "waiting",
+    }))
+}
+
+impl Repulsion {
+    /// On a pedestrian at `position` on its way along the unit vector `way`, m/s².
+    fn force(&self, vehicle: &VehicleState, position: Vector2<f64>, way: Vector2<f64>) -> Vector2<f64> {
+        let heading = vehicle.path.heading();
+        let half_length = vehicle.length / 2.0;
+        let along = (position - vehicle.position()).dot(&heading).clamp(-half_length, half_length);
+        let from_now = position - (vehicle.position() + heading * along);
+        let stride = vehicle.motion.speed * self.look_ahead;
+        let from_then = from_now - heading * stride;
+        let sum = from_now.norm() + from_then.norm();
+        let axis = libm::sqrt((sum * sum - stride * stride).max(0.0)) / 2.0;
+        let free = (axis - (vehicle.width / 2.0 + self.body_radius)).max(0.0);
+        let unit = |vector: Vector2<f64>| vector.try_normalize(0.0).unwrap_or_else(Vector2::zeros);
+        let force = (unit(from_now) + unit(from_then))
+            * (self.strength / self.range * libm::exp(-free / self.range) * sum
+                / (4.0 * axis.max(SMALLEST_AXIS)));
+        let seen = -way.dot(&force) >= force.norm() * self.view;
+        if seen { force } else { force * self.unseen_weight }
+    }
+}
+
+impl Pedestrian for SocialForce {
+    fn act(&mut self, scene: &Scene) -> Motion {
+        let still = Motion::Walk(Vector2::zeros());
+        let appeared = *self.appeared.get_or_insert(scene.time);
+        if scene.time - appeared < self.start_delay - TIME_TOLERANCE || self.mode == "finished" {
+            return still;
+        }
+        let ego = scene.ego();
+        let to_goal = Vector2::new(scene.goal.x, scene.goal.y) - ego.position;
+        let Some(way) = to_goal.try_normalize(ARRIVAL) else {
+            self.mode = "finished";
+            return still;
+        };
+        self.mode = "walking";
+        let speed = ego.velocity.dot(&way);
+        let forces = scene.vehicles.iter().map(|vehicle| self.repulsion.force(vehicle, ego.position, way));
+        let repulsion = sum_in_any_order(forces);
+        let mut faster =
+            speed + ((self.desired_speed - speed) / self.relaxation_time + repulsion.dot(&way)) * scene.step;
+        if self.noise > 0.0 {
+            // White noise of acceleration whose effect on the relaxing speed has this standard deviation.
+            faster +=
+                self.noise * libm::sqrt(2.0 * scene.step / self.relaxation_time) * self.fluctuations.normal();
+        }
+        Motion::Walk(way * faster.clamp(-self.max_speed, self.max_speed))
+    }
+
+    fn mode(&self) -> Mode {
+        Mode::new(self.mode)
+    }
+
+    fn free_speed(&self) -> f64 {
+        self.desired_speed
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pedestrian::test_walk::Walk;
+    use scenario::{Direction, Path, Settings, Value};
+    use sim::Longitudinal;
+
+    fn standing_car() -> VehicleState {
+        VehicleState {
+            motion: Longitudinal { travelled: 0.0, speed: 0.0, acceleration: 0.0 },
+            path: Path::straight(0.0, Direction::Forward),
+            length: 4.9,
+            width: 2.1,
+        }
+    }
+
+    fn repulsion() -> Repulsion {
+        let view = libm::cos(100.0_f64.to_radians());
+        Repulsion { strength: 10.0, range: 1.0, look_ahead: 2.0, view, unseen_weight: 0.5, body_radius: 0.3 }
+    }
+
+    /// Beside a standing car the ellipse is a circle: V / sigma * exp(-(|r| - w/2 - R) / sigma), away from it.
+    #[test]
+    fn a_standing_car_repels_like_a_wall() {
+        let at = |y: f64, way: f64| {
+            repulsion().force(&standing_car(), Vector2::new(0.0, y), Vector2::new(0.0, way)).y
+        };
+        let expected = -10.0 * libm::exp(-(3.0 - 1.05 - 0.3));
+        assert!((at(-3.0, 1.0) - expected).abs() < 1e-12);
+        // Behind its back it counts half.
+        assert!((at(-3.0, -1.0) - expected / 2.0).abs() < 1e-12);
+        assert_eq!(at(0.0, 1.0), 0.0);
+    }
+
+    #[test]
+    fn the_force_is_the_gradient_of_the_potential() {
+        let car =
+            VehicleState { motion: Longitudinal { speed: 8.0, ..standing_car().motion }, ..standing_car() };
+        // V exp(-b*/sigma) with b from the paper's equation 4; all of it seen.
+        let potential = |p: Vector2<f64>| {
+            let r = p - Vector2::new(2.45, 0.0);
+            let s = 16.0;
+            let sum = r.norm() + (r - Vector2::new(s, 0.0)).norm();
+            10.0 * libm::exp(-(0.5 * libm::sqrt(sum * sum - s * s) - 1.35))
+        };
+        let place = Vector2::new(9.0, -2.5);
+        let seeing = Repulsion { unseen_weight: 1.0, ..repulsion() };
+        let force = seeing.force(&car, place, Vector2::y());
+        let h = 1e-5;
+        let slope = |way: Vector2<f64>| (potential(place + way * h) - potential(place - way * h)) / (2.0 * h);
+        let gradient = Vector2::new(slope(Vector2::x()), slope(Vector2::y()));
+        assert!((force + gradient).norm() < 1e-6, "{force} {gradient}");
+    }
+
+    #[test]
+    fn fluctuations_have_the_declared_deviation() {
+        let given = Settings::from([
+            ("noise", Value::Number(0.2)),
+            ("desired_speed", Value::Number(1.3)),
+            ("max_speed_factor", Value::Number(3.0)),
+        ]);
+        let mut walk = Walk::new(&social_force(), given);
+        walk.world.pedestrians[0].goal.y = 1e6;
+        let speeds: Vec<_> = (0..40_000)
+            .map(|_| {
+                walk.step();
+                walk.state().velocity.y
+            })
+            .skip(1000)
+            .collect();
+        let mean = speeds.iter().sum::<f64>() / speeds.len() as f64;
+        let deviation = (speeds.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / speeds.len() as f64).sqrt();
+        assert!((mean - 1.3).abs() < 0.03 && (deviation - 0.2).abs() < 0.015, "{mean} {deviation}");
+    }
+
+    #[test]
+    fn walks_to_its_goal_at_its_drawn_speed_and_stays() {
+        let mut speeds = Vec::new();
+        for seed in 0..50 {
+            let mut walk = Walk::seeded(&social_force(), Settings::default(), seed).unwrap();
+            speeds.push(walk.pedestrian.free_speed());
+            walk.go(40.0);
+            assert!((walk.position().y - 6.0).abs() < 0.2 && walk.state().velocity.norm() == 0.0);
+        }
+        let mean = speeds.iter().sum::<f64>() / 50.0;
+        assert!((mean - 1.34).abs() < 0.12, "{mean}");
+    }
+}

@@ -1,0 +1,58 @@
+//! A reduced Autoware: how its stack reacts to pedestrians at a crossing without a signal, longitudinally.
+//!
+//! Tracker, decisions and profile run at the planning rate, the controller at its own; the `delay_lag` dynamics are
+//! the vehicle. What it is and is not: docs/models/controller-autoware.md.
+
+mod braking;
+mod crossing;
+mod debounce;
+mod decision;
+mod emergency_brake;
+mod lane_stop;
+mod longitudinal;
+mod parameters;
+mod phase;
+mod profile;
+mod site;
+mod stack;
+mod stop_position;
+mod tracker;
+
+use super::{CommandKind, ControllerContext, ControllerModel};
+use scenario::{Chance, CrossingKind, Dimension};
+use sim::random::{Agent, Purpose, stream};
+use sim::{Controller, ModelError, Stated, StatedBy};
+
+/// The registry entry.
+pub fn autoware() -> ControllerModel {
+    let declaration = parameters::declaration();
+    ControllerModel::new(declaration, CommandKind::Acceleration, build)
+        .driving("delay_lag")
+        .chance(Chance::If(|settings| settings.number("miss_probability") > 0.0))
+}
+
+fn build(context: &ControllerContext) -> Result<Box<dyn Controller>, ModelError> {
+    let settings = context.settings;
+    let signalised = matches!(context.world.road.crossing.kind, CrossingKind::Signalised { .. });
+    if signalised && settings.flag("crosswalk_mapped") {
+        return Err(ModelError::with_hint(
+            "`autoware` does not know signals at a mapped crosswalk",
+            "use `preset: lane_only`, or a crossing without a signal",
+        ));
+    }
+    let period = settings.number("planning_period");
+    let shortest = settings.number("control_period").max(settings.number("vehicle_period"));
+    if period < shortest {
+        let calls = ["control_period", "vehicle_period"];
+        let longer = calls.into_iter().find(|name| settings.number(name) == shortest).unwrap_or(calls[0]);
+        let stated = |value, name| Stated { value, dimension: Dimension::TIME, of: StatedBy::Setting(name) };
+        return Err(ModelError::stating(
+            "`planning_period` of `autoware` is {}, but its calls are {} apart",
+            [stated(period, "planning_period"), stated(shortest, longer)],
+            "let it be at least the longer of `control_period` and `vehicle_period`",
+        ));
+    }
+    let misses = stream(context.seed, Agent::Vehicle(context.rank), Purpose::Perception);
+    let pedestrians = context.world.pedestrians.len();
+    Ok(Box::new(stack::Stack::new(settings, context.setup.speed, pedestrians, misses)))
+}

@@ -1,0 +1,188 @@
+//! The COMMOTIONS model as a driver: a vehicle that negotiates with pedestrians as a person at the wheel would.
+
+use super::{CommandKind, ControllerContext, ControllerModel};
+use crate::pedestrian::commotions::model::{Bodies, Person, extent};
+use crate::pedestrian::commotions::parameters::parameters;
+use crate::pedestrian::commotions::state::{AgentBody, Control};
+use crate::pedestrian::commotions::{CommotionsAgent, ConflictState, Rules, Sight, State};
+use numbers::random::Stream;
+use scenario::{Approach, Chance, Declaration};
+use sim::random::{self, Purpose};
+use sim::{
+    Command, Controller, ControllerError, EgoState, Mode, ModelError, Observation, Schedule, SeenPedestrian,
+};
+
+/// The registry entry.
+pub fn commotions() -> ControllerModel {
+    let declaration = Declaration::new(
+        "commotions",
+        "A human-like driver: the COMMOTIONS model with its acceleration controlled",
+    )
+    .source(
+        "Markkula, Lin, Srinivasan, Billington, Leonetti, Kalantari, Yang, Lee, \
+         Madigan and Merat, PNAS Nexus 2(6), 2023",
+    )
+    .parameters(parameters());
+    ControllerModel::new(declaration, CommandKind::Acceleration, build)
+        .driving("ideal")
+        .chance(Chance::Always)
+}
+
+fn build(context: &ControllerContext) -> Result<Box<dyn Controller>, ModelError> {
+    let person = Person::from_settings(context.settings, &context.world.road, context.world.step)?;
+    let vehicle = (context.setup.length, context.setup.width);
+    let bodies = context.world.pedestrians.iter().map(|pedestrian| {
+        let bodies = Bodies { pedestrian: extent(pedestrian.shape), vehicle };
+        (bodies.vehicle(), bodies.pedestrian())
+    });
+    let agent = random::Agent::Vehicle(context.rank);
+    Ok(Box::new(Driver {
+        agent: CommotionsAgent::among(
+            &person.variant,
+            &person.parameters,
+            Control::Acceleration,
+            person.dt,
+            bodies.clone(),
+        ),
+        sights: Vec::with_capacity(bodies.len()),
+        meetings: bodies.map(|(own, other)| Meeting { own, other, seen: None }).collect(),
+        draws: random::stream(context.seed, agent, Purpose::Perception),
+        acceleration: 0.0,
+        period: person.dt,
+        entry_inhibited_until: context.settings.number("entry_inhibited_until"),
+    }))
+}
+
+/// Above this speed (m/s) somebody walks; below, what is seen may be noise.
+const WALKING: f64 = 0.5;
+
+/// What a driver knows of one pedestrian.
+struct Meeting {
+    own: AgentBody,
+    other: AgentBody,
+    seen: Option<Seen>,
+}
+
+/// What was seen of a pedestrian.
+#[derive(Clone, Copy)]
+struct Seen {
+    /// Which way it crosses: +1 to the left, −1 to the right.
+    direction: f64,
+    /// Where its way crosses the lane, from the middle of the crossing on (m).
+    line: f64,
+    /// From the vehicle's centre to there (m), also while it is out of sight.
+    ahead: f64,
+    /// Its state when it was last in sight.
+    state: State,
+    /// Whether it is in sight now.
+    now: bool,
+    /// Whether it walks, and not towards the lane.
+    elsewhere: bool,
+}
+
+impl Seen {
+    fn new(pedestrian: &SeenPedestrian, ego: &EgoState, before: Option<Self>) -> Self {
+        let SeenPedestrian { position, velocity, .. } = pedestrian;
+        let direction = before.map_or_else(
+            || {
+                // Who stands beside the lane means to cross it.
+                let towards_the_lane = if position.y > 0.0 { -1.0 } else { 1.0 };
+                if velocity.y == 0.0 { towards_the_lane } else { velocity.y.signum() }
+            },
+            |before| before.direction,
+        );
+        let approach = Approach::seen(pedestrian, direction);
+        Self {
+            direction,
+            line: position.x - ego.distance_to_crossing,
+            ahead: position.x,
+            state: approach.into(),
+            now: true,
+            elsewhere: approach.speed <= 0.0 && velocity.norm() > WALKING,
+        }
+    }
+}
+
+impl Meeting {
+    /// How the conflict with a pedestrian that was seen stands; `None` for one who is out of sight and was not coming.
+    fn conflict(&self, seen: &Seen) -> Option<ConflictState> {
+        if self.is_past(seen) || seen.state.distance <= -self.other.half_extent {
+            Some(ConflictState::Over)
+        } else if seen.elsewhere && !self.other.occupies(seen.state.distance) {
+            seen.now.then_some(ConflictState::Dormant)
+        } else if seen.now {
+            Some(ConflictState::Open)
+        } else {
+            Some(ConflictState::Remembered)
+        }
+    }
+
+    /// Whether the vehicle has left the conflict space.
+    fn is_past(&self, seen: &Seen) -> bool {
+        seen.ahead < -self.own.half_extent
+    }
+}
+
+/// A driver among pedestrians. With nobody in sight the speed is kept.
+struct Driver {
+    agent: CommotionsAgent,
+    meetings: Vec<Meeting>,
+    /// Those of this step.
+    sights: Vec<Sight>,
+    draws: Stream,
+    /// What was decided last (m/s²).
+    acceleration: f64,
+    period: f64,
+    entry_inhibited_until: f64,
+}
+
+impl Driver {
+    /// Takes down who is in sight now, and how far ahead those are who are not.
+    fn look(&mut self, observation: &Observation) {
+        let ego = &observation.ego;
+        for seen in self.meetings.iter_mut().filter_map(|meeting| meeting.seen.as_mut()) {
+            seen.ahead = seen.line + ego.distance_to_crossing;
+            seen.now = false;
+        }
+        for pedestrian in &observation.pedestrians {
+            if let Some(meeting) = self.meetings.get_mut(pedestrian.id) {
+                meeting.seen = Some(Seen::new(pedestrian, ego, meeting.seen));
+            }
+        }
+        self.sights.clear();
+        for (other, meeting) in self.meetings.iter().enumerate() {
+            if let Some(seen) = &meeting.seen
+                && let Some(conflict) = meeting.conflict(seen)
+            {
+                let own = State { distance: seen.ahead, speed: ego.speed, acceleration: ego.acceleration };
+                let state = seen.state;
+                // People walk in no lanes and overtake each other: everybody is the next on a path of their own.
+                self.sights.push(Sight { other, path: other, own, state, conflict });
+            }
+        }
+    }
+}
+
+impl Controller for Driver {
+    fn schedule(&self) -> Schedule {
+        Schedule::every(self.period)
+    }
+
+    fn act(&mut self, observation: &Observation) -> Result<Command, ControllerError> {
+        let rules = Rules {
+            pedestrian_priority: observation.road.pedestrian_priority,
+            entry_inhibited: observation.time < self.entry_inhibited_until,
+        };
+        self.look(observation);
+        // With nobody to decide about, what was decided last goes on.
+        if let Some(decision) = self.agent.step_among(&self.sights, &rules, &mut self.draws) {
+            self.acceleration = decision.acceleration;
+        }
+        Ok(Command::Acceleration(self.acceleration))
+    }
+
+    fn mode(&self) -> Mode {
+        let met = |meeting: &Meeting| meeting.seen.is_some_and(|seen| !meeting.is_past(&seen));
+        Mode::new(if self.meetings.iter().any(met) { "negotiating" } else { "" })
+    }
+}

@@ -1,0 +1,122 @@
+//! Who is in the way of a vehicle: pedestrians on a collision course at constant velocities.
+
+use scenario::Shape;
+use sim::{EgoState, SeenPedestrian};
+
+/// A pedestrian on a collision course.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hazard {
+    /// From the front bumper to the pedestrian's near edge along the road, m; 0 when beside the vehicle.
+    pub gap: f64,
+    /// Until the gap is closed at the present speeds, s; infinite when it does not close.
+    pub time_to_collision: f64,
+}
+
+/// The hazard that a pedestrian is if the vehicle's swept strip, widened by `margin` m on each side, and the
+/// pedestrian's footprint meet while the vehicle passes, both keeping their velocity. A vehicle that stands only
+/// meets those who are in the strip now.
+pub fn collision_course(ego: &EgoState, pedestrian: &SeenPedestrian, margin: f64) -> Option<Hazard> {
+    let radius = half_size(pedestrian.shape);
+    let (x, y) = (pedestrian.position.x, pedestrian.position.y);
+    let clear_behind = x + radius + ego.length / 2.0;
+    if clear_behind < 0.0 {
+        return None;
+    }
+    let gap = (x - radius - ego.length / 2.0).max(0.0);
+    let half_width = ego.width / 2.0 + radius + margin;
+    let closing = ego.speed - pedestrian.velocity.x;
+    if closing <= 0.0 {
+        let inside = y.abs() <= half_width;
+        return inside.then_some(Hazard { gap, time_to_collision: f64::INFINITY });
+    }
+    let (arrives, leaves) = (gap / closing, clear_behind / closing);
+    let (first, last) = (y + pedestrian.velocity.y * arrives, y + pedestrian.velocity.y * leaves);
+    let meets = first.min(last) <= half_width && first.max(last) >= -half_width;
+    meets.then_some(Hazard { gap, time_to_collision: arrives })
+}
+
+/// The larger half extent of a footprint, m.
+pub fn half_size(shape: Shape) -> f64 {
+    match shape {
+        Shape::Disc { radius } => radius,
+        Shape::Rectangle { length, width } => length.max(width) / 2.0,
+    }
+}
+
+/// An acceleration that changes at a limited rate.
+#[derive(Debug, Clone, Copy)]
+pub struct Ramp {
+    /// m/s²
+    value: f64,
+}
+
+impl Ramp {
+    pub fn from(acceleration: f64) -> Self {
+        Self { value: acceleration }
+    }
+
+    /// The acceleration after `duration` s of moving towards `wanted` at `jerk` m/s³.
+    pub fn toward(&mut self, wanted: f64, jerk: f64, duration: f64) -> f64 {
+        let change = jerk * duration;
+        self.value = wanted.clamp(self.value - change, self.value + change);
+        self.value
+    }
+}
+
+/// The acceleration that keeps a speed (m/s), between -`deceleration` and `acceleration` m/s².
+pub fn keep_speed(speed: f64, wanted: f64, acceleration: f64, deceleration: f64) -> f64 {
+    /// Speed error that asks for 1 m/s², s: errors vanish with this time constant.
+    const TIME_CONSTANT: f64 = 0.5;
+    ((wanted - speed) / TIME_CONSTANT).clamp(-deceleration, acceleration)
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector2;
+
+    use super::*;
+
+    fn ego(speed: f64) -> EgoState {
+        EgoState { distance_to_crossing: 0.0, speed, acceleration: 0.0, length: 4.0, width: 2.0 }
+    }
+
+    fn walker(x: f64, y: f64, vy: f64) -> SeenPedestrian {
+        SeenPedestrian {
+            id: 0,
+            position: Vector2::new(x, y),
+            velocity: Vector2::new(0.0, vy),
+            acceleration: Vector2::zeros(),
+            shape: Shape::Disc { radius: 0.25 },
+        }
+    }
+
+    #[test]
+    fn standing_in_the_way() {
+        let hazard = collision_course(&ego(10.0), &walker(22.25, 0.0, 0.0), 0.0).unwrap();
+        assert_eq!(hazard, Hazard { gap: 20.0, time_to_collision: 2.0 });
+        assert!(collision_course(&ego(10.0), &walker(22.25, 1.26, 0.0), 0.0).is_none());
+        assert!(collision_course(&ego(10.0), &walker(22.25, 1.26, 0.0), 0.1).is_some());
+        assert!(collision_course(&ego(10.0), &walker(-3.0, 0.0, 0.0), 0.0).is_none());
+    }
+
+    #[test]
+    fn crossing_meets_only_while_the_vehicle_passes() {
+        // The front arrives after 2 s, the rear is past after 2.45 s; at 1 m/s the strip is 2.5 m wide.
+        let meets = |y: f64| collision_course(&ego(10.0), &walker(22.25, y, 1.0), 0.0).is_some();
+        assert!(!meets(-3.8) && meets(-3.6) && meets(-2.0) && meets(-0.8) && !meets(-0.7));
+    }
+
+    #[test]
+    fn a_standing_vehicle_meets_those_before_it() {
+        assert!(collision_course(&ego(0.0), &walker(3.0, 1.0, -1.0), 0.0).is_some());
+        assert!(collision_course(&ego(0.0), &walker(3.0, 2.0, -1.0), 0.0).is_none());
+    }
+
+    #[test]
+    fn ramps_are_limited_by_jerk() {
+        let mut ramp = Ramp::from(0.0);
+        assert_eq!(ramp.toward(-5.0, 10.0, 0.1), -1.0);
+        assert_eq!(ramp.toward(-5.0, 10.0, 0.1), -2.0);
+        assert_eq!(ramp.toward(-2.5, 10.0, 0.1), -2.5);
+    }
+}

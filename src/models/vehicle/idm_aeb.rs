@@ -1,0 +1,391 @@
+//! Intelligent-driver cruise with automatic emergency braking for pedestrians.
+
+use super::hazard::{Hazard, Ramp, collision_course};
+use super::{CommandKind, ControllerContext, ControllerModel, period};
+use scenario::{Chance, ChoiceOption, Declaration, Dimension, Parameter};
+use sim::{Command, Controller, ControllerError, Mode, ModelError, Observation, Schedule, SeenPedestrian};
+
+const IDM: &str = "Treiber & Kesting, Traffic Flow Dynamics (2013), table 11.2, city traffic";
+const ROSEN: &str = "Rosén et al., Accident Analysis & Prevention 42 (2010)";
+const R157: &str = "UN R157 annex 3: 0.6 s to 0.85 g, derived from UN R152";
+const ASSUMED: &str = "assumption";
+
+pub fn idm_aeb() -> ControllerModel {
+    let declaration = Declaration::new(
+        "idm_aeb",
+        "Cruises by the intelligent driver model; brakes for pedestrians only in an \
+         emergency, by time to collision.",
+    )
+    .source(
+        "IDM: Treiber, Hennecke & Helbing (2000); emergency braking after UN R152 and \
+         Rosén et al. (2010)",
+    )
+    .parameters([
+        Parameter::number(
+            "time_headway",
+            Dimension::TIME,
+            1.0,
+            (0.0, 10.0),
+            "Wanted time gap to a vehicle ahead.",
+            IDM,
+        ),
+        Parameter::number(
+            "minimum_gap",
+            Dimension::LENGTH,
+            2.0,
+            (0.0, 50.0),
+            "Wanted gap to a vehicle ahead at standstill.",
+            IDM,
+        ),
+        Parameter::number(
+            "max_acceleration",
+            Dimension::ACCELERATION,
+            1.0,
+            (0.1, 10.0),
+            "Acceleration from standstill on a free road.",
+            IDM,
+        ),
+        Parameter::number(
+            "comfortable_deceleration",
+            Dimension::ACCELERATION,
+            1.5,
+            (0.1, 10.0),
+            "Deceleration behind a slower vehicle.",
+            IDM,
+        ),
+        Parameter::number(
+            "exponent",
+            Dimension::NUMBER,
+            4.0,
+            (1.0, 20.0),
+            "How late the acceleration fades as the wanted speed is reached.",
+            IDM,
+        ),
+        Parameter::number(
+            "trigger",
+            Dimension::TIME,
+            1.0,
+            (0.0, 10.0),
+            "Time to collision at which it brakes.",
+            ROSEN,
+        ),
+        Parameter::number(
+            "deceleration",
+            Dimension::ACCELERATION,
+            0.85 * 9.80665,
+            (0.1, 15.0),
+            "Deceleration of emergency braking.",
+            R157,
+        ),
+        Parameter::number(
+            "jerk",
+            Dimension::JERK,
+            0.85 * 9.80665 / 0.6,
+            (0.1, 1000.0),
+            "Rate at which that deceleration builds up.",
+            R157,
+        ),
+        Parameter::number(
+            "detection_delay",
+            Dimension::TIME,
+            0.2,
+            (0.0, 5.0),
+            "Time that a pedestrian must have been in view before it counts.",
+            ASSUMED,
+        ),
+        Parameter::number(
+            "field_of_view",
+            Dimension::ANGLE,
+            40.0 * std::f64::consts::PI / 180.0,
+            (0.0, 2.0 * std::f64::consts::PI),
+            "Opening angle of the sensor at the front bumper.",
+            ROSEN,
+        ),
+        Parameter::number("range", Dimension::LENGTH, 60.0, (0.0, 500.0), "Range of the sensor.", ASSUMED),
+        Parameter::number(
+            "margin",
+            Dimension::LENGTH,
+            0.25,
+            (-1.0, 5.0),
+            "Widens the swept strip on each side.",
+            ASSUMED,
+        ),
+        Parameter::choice(
+            "release",
+            "standstill",
+            [
+                ChoiceOption::new("standstill", "Once triggered it brakes to standstill."),
+                ChoiceOption::new("clear", "It stops braking when nobody is on a collision course."),
+            ],
+            "When emergency braking ends.",
+            ASSUMED,
+        ),
+        Parameter::number(
+            "restart_delay",
+            Dimension::TIME,
+            1.0,
+            (0.0, 60.0),
+            "Time that it stands with a clear way before it drives on.",
+            ASSUMED,
+        ),
+        period(),
+    ]);
+    ControllerModel::new(declaration, CommandKind::Acceleration, build).driving("ideal").chance(Chance::Never)
+}
+
+struct IdmAeb {
+    period: f64,
+    idm: Idm,
+    trigger: f64,
+    deceleration: f64,
+    jerk: f64,
+    detection_delay: f64,
+    half_view: f64,
+    range: f64,
+    margin: f64,
+    until_standstill: bool,
+    restart_delay: f64,
+    /// Since when each pedestrian has been in view, by identity, s.
+    in_view_since: Vec<Option<f64>>,
+    braking: Option<Ramp>,
+    /// Since when it has stood with a clear way, s.
+    clear_since: Option<f64>,
+    last_time: Option<f64>,
+    mode: &'static str,
+}
+
+struct Idm {
+    headway: f64,
+    minimum_gap: f64,
+    acceleration: f64,
+    deceleration: f64,
+    exponent: f64,
+}
+
+fn build(context: &ControllerContext) -> Result<Box<dyn Controller>, ModelError> {
+    let settings = context.settings;
+    Ok(Box::new(IdmAeb {
+        period: settings.number("period"),
+        idm: Idm {
+            headway: settings.number("time_headway"),
+            minimum_gap: settings.number("minimum_gap"),
+            acceleration: settings.number("max_acceleration"),
+            deceleration: settings.number("comfortable_deceleration"),
+            exponent: settings.number("exponent"),
+        },
+        trigger: settings.number("trigger"),
+        deceleration: settings.number("deceleration"),
+        jerk: settings.number("jerk"),
+        detection_delay: settings.number("detection_delay"),
+        half_view: settings.number("field_of_view") / 2.0,
+        range: settings.number("range"),
+        margin: settings.number("margin"),
+        until_standstill: settings.word("release") == "standstill",
+        restart_delay: settings.number("restart_delay"),
+        in_view_since: vec![None; context.world.pedestrians.len()],
+        braking: None,
+        clear_since: None,
+        last_time: None,
+        mode: "cruise",
+    }))
+}
+
+impl Idm {
+    /// The model's acceleration, m/s².
+    fn acceleration(&self, observation: &Observation) -> f64 {
+        let ego = &observation.ego;
+        let wanted = observation.cruise_speed;
+        let free = if wanted > 0.0 { libm::pow(ego.speed / wanted, self.exponent) } else { 1.0 };
+        let interaction = observation
+            .vehicles
+            .iter()
+            .filter(|other| other.position.y.abs() < (ego.width + other.width) / 2.0)
+            .filter_map(|other| {
+                let gap = other.position.x - (ego.length + other.length) / 2.0;
+                (other.position.x > 0.0).then(|| {
+                    let approach = ego.speed * (ego.speed - other.velocity.x)
+                        / (2.0 * (self.acceleration * self.deceleration).sqrt());
+                    let wish = self.minimum_gap + (ego.speed * self.headway + approach).max(0.0);
+                    let ratio = wish / gap.max(0.1);
+                    ratio * ratio
+                })
+            })
+            .fold(0.0, f64::max);
+        self.acceleration * (1.0 - free - interaction)
+    }
+}
+
+impl IdmAeb {
+    /// The nearest hazard among the pedestrians that have been detected.
+    fn hazard(&mut self, observation: &Observation) -> Option<Hazard> {
+        let now = observation.time;
+        let mut seen_before = std::mem::take(&mut self.in_view_since);
+        for (id, since) in seen_before.iter_mut().enumerate() {
+            let visible = observation
+                .pedestrians
+                .iter()
+                .any(|seen| seen.id == id && self.in_view(observation.ego.length, seen));
+            *since = visible.then(|| since.unwrap_or(now));
+        }
+        let nearest = observation
+            .pedestrians
+            .iter()
+            .filter(|seen| {
+                seen_before[seen.id].is_some_and(|since| now - since >= self.detection_delay - 1e-9)
+            })
+            .filter_map(|seen| collision_course(&observation.ego, seen, self.margin))
+            .min_by(|one, other| one.time_to_collision.total_cmp(&other.time_to_collision));
+        self.in_view_since = seen_before;
+        nearest
+    }
+
+    fn in_view(&self, length: f64, seen: &SeenPedestrian) -> bool {
+        let ahead = seen.position.x - length / 2.0;
+        libm::hypot(ahead, seen.position.y) <= self.range
+            && libm::atan2(seen.position.y, ahead).abs() <= self.half_view
+    }
+}
+
+impl Controller for IdmAeb {
+    fn schedule(&self) -> Schedule {
+        Schedule::every(self.period)
+    }
+
+    fn act(&mut self, observation: &Observation) -> Result<Command, ControllerError> {
+        let duration =
+            observation.time - self.last_time.replace(observation.time).unwrap_or(observation.time);
+        let cruise = self.idm.acceleration(observation);
+        let hazard = self.hazard(observation);
+        let standing = observation.ego.speed == 0.0;
+        if self.braking.is_none() && hazard.is_some_and(|hazard| hazard.time_to_collision <= self.trigger) {
+            self.braking = Some(Ramp::from(observation.ego.acceleration.min(0.0)));
+            self.clear_since = None;
+        } else if self.braking.is_some() && hazard.is_none() && (standing || !self.until_standstill) {
+            let since = *self.clear_since.get_or_insert(observation.time);
+            if !standing || observation.time - since >= self.restart_delay {
+                self.braking = None;
+            }
+        } else {
+            self.clear_since = None;
+        }
+        let Some(ramp) = &mut self.braking else {
+            self.mode = "cruise";
+            return Ok(Command::Acceleration(cruise));
+        };
+        self.mode = "emergency_braking";
+        Ok(Command::Acceleration(ramp.toward(-self.deceleration, self.jerk, duration).min(cruise)))
+    }
+
+    fn mode(&self) -> Mode {
+        Mode::new(self.mode)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector2;
+
+    use super::*;
+    use crate::vehicle::test_track::{CRUISE, Track};
+    use scenario::{Settings, Value};
+
+    fn track(pairs: &[(&str, Value)]) -> Track {
+        Track::new(&idm_aeb(), Settings::from(pairs), "ideal")
+    }
+
+    /// Gap (bumper to the pedestrian's near edge, m) at which it first brakes, and what is left at standstill.
+    fn brakes_at(track: &mut Track, place: f64) -> (f64, f64) {
+        let edge = place - 0.1875;
+        loop {
+            let gap = edge - track.front();
+            let sample = track.advance();
+            if sample.mode == "emergency_braking" {
+                while track.motion.speed > 0.0 {
+                    track.advance();
+                }
+                return (gap, edge - track.front());
+            }
+            assert!(gap > -10.0, "never brakes");
+        }
+    }
+
+    #[test]
+    fn brakes_one_second_before_a_standing_pedestrian() {
+        let mut track = track(&[]);
+        track.place_pedestrian(100.0, 0.0);
+        let (gap, left) = brakes_at(&mut track, 100.0);
+        assert!((CRUISE - 0.3..=CRUISE).contains(&gap), "{gap}");
+        // Jerk 13.9 m/s³ for 0.6 s, then 8.34 m/s²: 4.50 m and 2.03 m.
+        let jerk = 0.85 * 9.80665 / 0.6;
+        let speed = CRUISE - jerk * 0.36 / 2.0;
+        let needed = CRUISE * 0.6 - jerk * 0.216 / 6.0 + speed * speed / (2.0 * 0.85 * 9.80665);
+        assert!((gap - left - needed).abs() < 0.15, "{gap} {left} {needed}");
+        assert!(left > 0.0);
+    }
+
+    #[test]
+    fn sees_only_its_field_of_view_and_after_its_delay() {
+        let hazard_after = |x: f64, y: f64, vy: f64, steps: usize| {
+            let mut track = track(&[("trigger", Value::Number(10.0))]);
+            track
+                .script_pedestrian(move |time| Some((Vector2::new(x, y + vy * time), Vector2::new(0.0, vy))));
+            track.drive(steps as f64 * 0.025);
+            track.advance().mode
+        };
+        // 20 degrees to either side: at 10 m before the bumper 3.6 m.
+        assert_eq!(hazard_after(2.25 + 10.0, -4.5, 3.0, 6), "cruise");
+        assert_eq!(hazard_after(60.0, -4.0, 0.55, 6), "cruise");
+        assert_eq!(hazard_after(60.0, -4.0, 0.55, 8), "emergency_braking");
+        assert_eq!(hazard_after(80.0, 0.0, 0.0, 9), "cruise");
+    }
+
+    #[test]
+    fn ignores_those_who_will_have_left() {
+        let mut track = track(&[]);
+        track.script_pedestrian(|time| Some((Vector2::new(60.0, -3.0 + 1.4 * time), Vector2::new(0.0, 1.4))));
+        assert!(track.drive(10.0).iter().all(|sample| sample.mode == "cruise"));
+    }
+
+    #[test]
+    fn stands_until_the_way_is_clear_and_a_second_more() {
+        let mut track = track(&[]);
+        track.script_pedestrian(|time| {
+            let y = if time < 20.0 { 0.0 } else { 3.0 };
+            Some((Vector2::new(50.0, y), Vector2::zeros()))
+        });
+        let samples = track.drive(40.0);
+        assert_eq!(samples[(20.9 / 0.025) as usize].speed, 0.0);
+        assert!(samples[(21.2 / 0.025) as usize].speed > 0.0);
+        assert!(samples.last().unwrap().speed > 8.0);
+    }
+
+    #[test]
+    fn releases_early_when_told() {
+        let drive = |release: &str| {
+            let pairs = [("trigger", Value::Number(2.0)), ("release", Value::Word(release.into()))];
+            let mut track = track(&pairs);
+            track.script_pedestrian(|time| {
+                let y = if time < 3.0 { 0.0 } else { 5.0 };
+                Some((Vector2::new(40.0, y), Vector2::zeros()))
+            });
+            track.drive(12.0).iter().map(|sample| sample.speed).fold(f64::INFINITY, f64::min)
+        };
+        assert_eq!(drive("standstill"), 0.0);
+        assert!(drive("clear") > 0.5);
+    }
+
+    #[test]
+    fn keeps_the_models_gap_behind_a_vehicle() {
+        // Equilibrium at equal speeds: gap = (s0 + v T) / sqrt(1 - (v / v0)^4).
+        let mut track = track(&[]);
+        let lead = |time: f64| 40.0 + 5.0 * time;
+        for k in 0..8000 {
+            track.see_vehicle(lead(f64::from(k) * 0.025) - track.motion.travelled, 5.0);
+            track.advance();
+        }
+        let gap = lead(200.0) - track.motion.travelled - 4.5;
+        let expected = (2.0 + 5.0) / (1.0 - (5.0 / CRUISE).powi(4)).sqrt();
+        assert!((gap - expected).abs() < 0.15, "{gap} {expected}");
+        assert!((track.motion.speed - 5.0).abs() < 1e-3);
+    }
+}

@@ -1,0 +1,393 @@
+//! A driver who yields: stops before a zebra for anybody at or near the kerb.
+
+use super::hazard::{collision_course, keep_speed};
+use super::{CommandKind, ControllerContext, ControllerModel, period};
+use scenario::{Chance, Declaration, Dimension, Parameter};
+use sim::{Command, Controller, ControllerError, Mode, ModelError, Observation, Schedule, SeenPedestrian};
+
+const RULE: &str = "Vienna Convention on Road Traffic (1968), article 21: give way to pedestrians \
+                    at crossings";
+const FREE: &str = "free choice";
+
+pub fn yielding() -> ControllerModel {
+    let declaration = Declaration::new(
+        "yielding",
+        "Stops before the crossing for a pedestrian on it, at or near the kerb, if it \
+         can brake in time, and waits.",
+    )
+    .source(RULE)
+    .parameters([
+        Parameter::flag(
+            "requires_priority",
+            true,
+            "Whether it yields only while pedestrians have priority (a zebra, or their \
+             green).",
+            RULE,
+        ),
+        Parameter::number(
+            "kerb_distance",
+            Dimension::LENGTH,
+            1.5,
+            (0.0, 20.0),
+            "A pedestrian at most this far from a kerb is one to yield to.",
+            FREE,
+        ),
+        Parameter::number(
+            "along_margin",
+            Dimension::LENGTH,
+            1.0,
+            (0.0, 20.0),
+            "A pedestrian at most this far beside the crossing counts as being at it.",
+            FREE,
+        ),
+        Parameter::flag(
+            "far_kerb",
+            true,
+            "Whether it also yields to those at the kerb across the road.",
+            RULE,
+        ),
+        Parameter::number(
+            "stop_distance",
+            Dimension::LENGTH,
+            1.0,
+            (0.0, 50.0),
+            "Where the front stops, before the near edge of the crossing.",
+            FREE,
+        ),
+        Parameter::number(
+            "deceleration",
+            Dimension::ACCELERATION,
+            2.0,
+            (0.1, 10.0),
+            "Deceleration with which it likes to stop.",
+            "below the 2.5 m/s² that counts as a sudden change",
+        ),
+        Parameter::number(
+            "max_deceleration",
+            Dimension::ACCELERATION,
+            3.4,
+            (0.1, 15.0),
+            "Deceleration up to which it still yields; beyond it passes first.",
+            "AASHTO Green Book, stopping sight distance: 3.4 m/s²",
+        ),
+        Parameter::number(
+            "emergency_deceleration",
+            Dimension::ACCELERATION,
+            7.0,
+            (0.1, 15.0),
+            "Deceleration for somebody on a collision course who cannot be yielded to at \
+             `max_deceleration`.",
+            "dry road",
+        ),
+        Parameter::number(
+            "margin",
+            Dimension::LENGTH,
+            0.25,
+            (-1.0, 5.0),
+            "Widens the swept strip in which somebody is on a collision course.",
+            FREE,
+        ),
+        Parameter::optional(
+            "patience",
+            Dimension::TIME,
+            (0.0, 3600.0),
+            "Time standing after which it goes if nobody is on the road; without it, it \
+             waits for ever.",
+            FREE,
+        ),
+        Parameter::number(
+            "acceleration",
+            Dimension::ACCELERATION,
+            1.5,
+            (0.1, 10.0),
+            "Acceleration back to the wanted speed.",
+            FREE,
+        ),
+        period(),
+    ]);
+    ControllerModel::new(declaration, CommandKind::Acceleration, build).driving("ideal").chance(Chance::Never)
+}
+
+struct Yielding {
+    period: f64,
+    requires_priority: bool,
+    kerb_distance: f64,
+    along_margin: f64,
+    far_kerb: bool,
+    stop_distance: f64,
+    deceleration: f64,
+    max_deceleration: f64,
+    emergency_deceleration: f64,
+    margin: f64,
+    patience: f64,
+    acceleration: f64,
+    /// How far each pedestrian has come, by identity.
+    progress: Vec<Progress>,
+    stopping: bool,
+    /// Since when it stands, s.
+    standing_since: Option<f64>,
+    /// Whether its patience has run out with those who wait now.
+    impatient: bool,
+    mode: &'static str,
+}
+
+/// How far a pedestrian has come across the ego's lane.
+#[derive(Clone, Copy, PartialEq)]
+enum Progress {
+    Before,
+    InLane,
+    Across,
+}
+
+fn build(context: &ControllerContext) -> Result<Box<dyn Controller>, ModelError> {
+    let settings = context.settings;
+    let (comfortable, most) = (settings.number("deceleration"), settings.number("max_deceleration"));
+    if comfortable > most {
+        return Err(ModelError::with_hint(
+            "`deceleration` of `yielding` is larger than `max_deceleration`",
+            "let `deceleration`, with which it plans, be at most `max_deceleration`, with \
+             which it can brake",
+        ));
+    }
+    Ok(Box::new(Yielding {
+        period: settings.number("period"),
+        requires_priority: settings.flag("requires_priority"),
+        kerb_distance: settings.number("kerb_distance"),
+        along_margin: settings.number("along_margin"),
+        far_kerb: settings.flag("far_kerb"),
+        stop_distance: settings.number("stop_distance"),
+        deceleration: comfortable,
+        max_deceleration: most,
+        emergency_deceleration: settings.number("emergency_deceleration"),
+        margin: settings.number("margin"),
+        patience: settings.optional_number("patience").unwrap_or(f64::INFINITY),
+        acceleration: settings.number("acceleration"),
+        progress: vec![Progress::Before; context.world.pedestrians.len()],
+        stopping: false,
+        standing_since: None,
+        impatient: false,
+        mode: "cruise",
+    }))
+}
+
+/// What it keeps between its bumper and somebody in its way, m.
+const ROOM: f64 = 1.0;
+
+impl Yielding {
+    /// Notes who has been in the lane and has left it.
+    fn follow(&mut self, observation: &Observation) {
+        let half_lane = observation.road.lane_width / 2.0;
+        for seen in &observation.pedestrians {
+            let progress = &mut self.progress[seen.id];
+            let outside = seen.position.y.abs() - half_lane;
+            *progress = match *progress {
+                _ if outside <= 0.0 => Progress::InLane,
+                Progress::InLane if seen.velocity.y * seen.position.y > 0.0 => Progress::Across,
+                other => other,
+            };
+        }
+    }
+
+    fn on_the_road(&self, observation: &Observation, seen: &SeenPedestrian) -> bool {
+        (observation.road.right_kerb..=observation.road.left_kerb).contains(&seen.position.y)
+    }
+
+    /// Whether somebody is at the crossing whom it gives way to.
+    fn must_yield(&self, observation: &Observation) -> bool {
+        let road = &observation.road;
+        if self.requires_priority && !road.pedestrian_priority {
+            return false;
+        }
+        observation.pedestrians.iter().any(|seen| {
+            let beside = (seen.position.x - observation.ego.distance_to_crossing).abs()
+                - road.crossing_width / 2.0
+                - self.along_margin;
+            let y = seen.position.y;
+            let near_kerb = y >= road.right_kerb - self.kerb_distance;
+            let far_kerb = y <= road.left_kerb + if self.far_kerb { self.kerb_distance } else { 0.0 };
+            let waits_only = !self.on_the_road(observation, seen);
+            beside <= 0.0
+                && near_kerb
+                && far_kerb
+                && self.progress[seen.id] != Progress::Across
+                && !(self.impatient && waits_only)
+        })
+    }
+
+    /// Gap to the nearest pedestrian on a collision course, less the room that it keeps, m.
+    fn room(&self, observation: &Observation) -> f64 {
+        let courses = observation.pedestrians.iter();
+        let gaps = courses.filter_map(|seen| collision_course(&observation.ego, seen, self.margin));
+        gaps.map(|hazard| (hazard.gap - ROOM).max(0.0)).fold(f64::INFINITY, f64::min)
+    }
+
+    fn update_patience(&mut self, observation: &Observation) {
+        if observation.ego.speed > 0.0 {
+            self.standing_since = None;
+            return;
+        }
+        let since = *self.standing_since.get_or_insert(observation.time);
+        self.impatient = self.impatient || observation.time - since >= self.patience;
+    }
+}
+
+impl Controller for Yielding {
+    fn schedule(&self) -> Schedule {
+        Schedule::every(self.period)
+    }
+
+    fn act(&mut self, observation: &Observation) -> Result<Command, ControllerError> {
+        self.follow(observation);
+        self.update_patience(observation);
+        let ego = &observation.ego;
+        let line = ego.distance_to_crossing
+            - ego.length / 2.0
+            - observation.road.crossing_width / 2.0
+            - self.stop_distance;
+        // Once the front is past the line by more than rounding, stopping before it is over.
+        let needed = if line > 0.0 {
+            ego.speed * ego.speed / (2.0 * line)
+        } else if ego.speed == 0.0 && line > -0.5 {
+            0.0
+        } else {
+            f64::INFINITY
+        };
+        let yields = self.must_yield(observation);
+        let limit = if self.stopping { self.emergency_deceleration } else { self.max_deceleration };
+        if yields && needed <= limit {
+            self.stopping = self.stopping || needed >= self.deceleration || ego.speed == 0.0;
+        } else if !(yields && self.stopping && line > -0.5) {
+            self.stopping = false;
+        }
+        let room = self.room(observation);
+        if ego.speed * ego.speed > 2.0 * self.max_deceleration * room {
+            self.mode = "emergency_braking";
+            return Ok(Command::Acceleration(-self.emergency_deceleration));
+        }
+        if self.stopping {
+            self.mode = if ego.speed == 0.0 { "waiting" } else { "yielding" };
+            return Ok(Command::Acceleration(-needed.clamp(self.deceleration, self.emergency_deceleration)));
+        }
+        self.mode = "cruise";
+        let wanted = observation.cruise_speed.min((2.0 * self.deceleration * room).sqrt());
+        Ok(Command::Acceleration(keep_speed(ego.speed, wanted, self.acceleration, self.max_deceleration)))
+    }
+
+    fn mode(&self) -> Mode {
+        Mode::new(self.mode)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector2;
+
+    use super::*;
+    use crate::vehicle::test_track::{CRUISE, Sample, Track};
+    use scenario::{Settings, Value};
+
+    fn track(pairs: &[(&str, Value)]) -> Track {
+        let mut track = Track::new(&yielding(), Settings::from(pairs), "ideal");
+        track.crossing = 60.0;
+        track
+    }
+
+    fn at(samples: &[Sample], time: f64) -> Sample {
+        samples[(time / 0.025) as usize].clone()
+    }
+
+    #[test]
+    fn stops_at_its_line_for_somebody_at_the_kerb() {
+        for y in [-2.5, -3.5, 6.5, 7.5] {
+            let mut track = track(&[]);
+            track.place_pedestrian(60.0, y);
+            let samples = track.drive(20.0);
+            assert_eq!(track.motion.speed, 0.0);
+            // One metre before the crossing's edge at 58 m.
+            assert!((track.front() - 57.0).abs() < 0.25, "{}", track.front());
+            let hardest = samples.iter().map(|sample| match sample.command {
+                Command::Acceleration(acceleration) => acceleration,
+                Command::Pedals { .. } => unreachable!(),
+            });
+            let hardest = hardest.fold(0.0, f64::min);
+            assert!((-2.2..=-2.0).contains(&hardest), "{hardest}");
+        }
+    }
+
+    #[test]
+    fn goes_on_once_they_have_crossed_its_lane() {
+        let mut track = track(&[]);
+        track.script_pedestrian(|time| {
+            let walked = (time - 10.0).max(0.0);
+            let speed = if time > 10.0 { 1.4 } else { 0.0 };
+            Some((Vector2::new(60.0, -2.5 + 1.4 * walked), Vector2::new(0.0, speed)))
+        });
+        let samples = track.drive(25.0);
+        // Leaves the lane at 10 + 4.5 / 1.4 = 13.2 s.
+        assert_eq!(at(&samples, 13.1).speed, 0.0);
+        assert!(at(&samples, 13.4).speed > 0.0);
+        assert!((samples.last().unwrap().speed - CRUISE).abs() < 0.01);
+    }
+
+    #[test]
+    fn ignores_those_away_from_the_crossing_or_the_kerb() {
+        for (x, y) in [(60.0, -4.0), (64.0, -2.5), (60.0, 8.0)] {
+            let mut track = track(&[]);
+            track.place_pedestrian(x, y);
+            assert!(track.drive(10.0).iter().all(|sample| sample.mode == "cruise"), "{x} {y}");
+        }
+        let mut near_only = track(&[("far_kerb", Value::Flag(false))]);
+        near_only.place_pedestrian(60.0, 6.5);
+        assert!(near_only.drive(10.0).iter().all(|sample| sample.mode == "cruise"));
+    }
+
+    #[test]
+    fn yields_only_where_pedestrians_have_priority() {
+        let mut unmarked = track(&[]);
+        unmarked.observation.road.pedestrian_priority = false;
+        unmarked.place_pedestrian(60.0, -2.5);
+        assert!(unmarked.drive(10.0).iter().all(|sample| sample.mode == "cruise"));
+        let mut always = track(&[("requires_priority", Value::Flag(false))]);
+        always.observation.road.pedestrian_priority = false;
+        always.place_pedestrian(60.0, -2.5);
+        always.drive(20.0);
+        assert_eq!(always.motion.speed, 0.0);
+    }
+
+    #[test]
+    fn passes_first_when_stopping_would_be_too_hard() {
+        // Stopping at 3.4 m/s² takes 10.2 m.
+        let appearing = |before_line: f64| {
+            let mut track = track(&[]);
+            let start = 57.0 - before_line - 2.25;
+            track.script_pedestrian(move |time| {
+                (time * CRUISE >= start).then(|| (Vector2::new(60.0, -2.5), Vector2::zeros()))
+            });
+            track.drive(15.0);
+            track.motion.speed
+        };
+        assert_eq!(appearing(10.6), 0.0);
+        assert_eq!(appearing(9.8), CRUISE);
+    }
+
+    #[test]
+    fn brakes_hard_for_somebody_on_a_collision_course() {
+        let mut track = track(&[]);
+        track.script_pedestrian(|time| {
+            let y = if time * CRUISE < 49.6 { -6.0 } else { 0.0 };
+            Some((Vector2::new(60.0, y), Vector2::zeros()))
+        });
+        let samples = track.drive(15.0);
+        assert!(samples.iter().any(|sample| sample.mode == "emergency_braking"));
+        assert!(track.motion.speed == 0.0 && track.front() < 60.0 - 0.1875);
+    }
+
+    #[test]
+    fn patience_runs_out() {
+        let mut track = track(&[("patience", Value::Number(5.0))]);
+        track.place_pedestrian(60.0, -2.5);
+        let samples = track.drive(30.0);
+        assert!(samples.iter().any(|sample| sample.mode == "waiting"));
+        assert!((samples.last().unwrap().speed - CRUISE).abs() < 0.01);
+    }
+}

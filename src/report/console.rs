@@ -1,0 +1,155 @@
+//! Standard output and standard error: whatever the program says goes through here, and is either said or noted as lost.
+
+use std::fmt;
+use std::io::{self, IsTerminal, Write};
+use std::sync::{Mutex, PoisonError};
+use std::thread;
+use std::time::Duration;
+
+use files::escape::{terminal, terminal_styled};
+
+/// One of the two standard streams. Writing to it never fails: when its reader has gone the rest is dropped, for that is the
+/// reader's choice; any other [trouble](Self::trouble) is kept until the program ends, which then says so.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Output {
+    Standard,
+    Error,
+}
+
+/// For results.
+pub fn stdout() -> Output {
+    Output::Standard
+}
+
+/// For what is to be said about them.
+pub fn stderr() -> Output {
+    Output::Error
+}
+
+/// Why a stream takes nothing more.
+#[derive(Debug)]
+struct Broken(io::Error);
+
+static BROKEN: [Mutex<Option<Broken>>; 2] = [Mutex::new(None), Mutex::new(None)];
+
+impl Output {
+    /// For `write!` and `writeln!`. Nothing in the text but line ends and tabs is obeyed by a terminal.
+    pub fn write_fmt(self, arguments: fmt::Arguments) {
+        self.put(&terminal(&arguments.to_string()));
+    }
+
+    /// Writes text that may be coloured; see [`terminal_styled`].
+    pub fn styled(self, text: &str) {
+        self.put(&terminal_styled(text));
+    }
+
+    /// Writes what is not for people but for a file or another program, byte for byte unless people would see it.
+    pub fn verbatim(self, text: &str) {
+        if self.is_terminal() { self.put(&terminal(text)) } else { self.put(text) }
+    }
+
+    pub fn is_terminal(self) -> bool {
+        match self {
+            Self::Standard => standard_output().is_terminal(),
+            Self::Error => standard_error().is_terminal(),
+        }
+    }
+
+    /// Whether to colour what is written if nobody says otherwise.
+    pub fn takes_colour(self) -> bool {
+        self.is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
+    }
+
+    /// Makes sure that everything was handed over.
+    pub fn flush(self) {
+        self.with(|stream| stream.flush());
+    }
+
+    /// What kept something from being written, unless it was that nobody reads it any more.
+    pub fn trouble(self) -> Option<String> {
+        let broken = BROKEN[self as usize].lock().unwrap_or_else(PoisonError::into_inner);
+        let Broken(error) = broken.as_ref()?;
+        (error.kind() != io::ErrorKind::BrokenPipe).then(|| error.to_string())
+    }
+
+    /// Whether it takes nothing more, for whatever reason.
+    pub fn is_broken(self) -> bool {
+        BROKEN[self as usize].lock().unwrap_or_else(PoisonError::into_inner).is_some()
+    }
+
+    fn put(self, text: &str) {
+        if !text.is_empty() {
+            self.with(|stream| write_all(stream, text.as_bytes()));
+        }
+    }
+
+    /// Does something with the stream unless it is broken, and notes if it breaks.
+    fn with(self, work: impl FnOnce(&mut dyn Write) -> io::Result<()>) {
+        let mut broken = BROKEN[self as usize].lock().unwrap_or_else(PoisonError::into_inner);
+        if broken.is_some() {
+            return;
+        }
+        let done = match self {
+            Self::Standard => work(&mut standard_output().lock()),
+            Self::Error => work(&mut standard_error().lock()),
+        };
+        *broken = done.err().map(Broken);
+    }
+}
+
+/// As [`Write::write_all`], but waits for streams that somebody else has made non-blocking.
+fn write_all(stream: &mut dyn Write, mut bytes: &[u8]) -> io::Result<()> {
+    while !bytes.is_empty() {
+        match stream.write(bytes) {
+            Ok(0) => return Err(io::ErrorKind::WriteZero.into()),
+            Ok(written) => bytes = &bytes[written..],
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+            Err(error) if error.kind() == io::ErrorKind::WouldBlock => {
+                thread::sleep(Duration::from_millis(1))
+            }
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(())
+}
+
+#[allow(clippy::disallowed_methods, reason = "this is the one place that has it")]
+fn standard_output() -> io::Stdout {
+    io::stdout()
+}
+
+#[allow(clippy::disallowed_methods, reason = "this is the one place that has it")]
+fn standard_error() -> io::Stderr {
+    io::stderr()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Takes two bytes, then says once that it is busy, then two more, and so on.
+    struct Slow(Vec<u8>, bool);
+
+    impl Write for Slow {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            self.1 = !self.1;
+            if self.1 {
+                return Err(io::ErrorKind::WouldBlock.into());
+            }
+            let taken = bytes.len().min(2);
+            self.0.extend(&bytes[..taken]);
+            Ok(taken)
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn a_slow_reader_gets_everything() {
+        let mut slow = Slow(Vec::new(), false);
+        write_all(&mut slow, b"twelve bytes").unwrap();
+        assert_eq!(slow.0, b"twelve bytes");
+    }
+}

@@ -1,0 +1,78 @@
+//! Results for people and machines: one file a format.
+
+// What `clippy.toml` bans is banned from what is shipped; tests may use it.
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+// Their failing is a panic: a closed pipe would end the program with the code of a bug.
+#![deny(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro)]
+
+mod baseline;
+pub mod chart;
+mod columns;
+pub mod console;
+mod csv;
+#[cfg(test)]
+mod cut_off_tests;
+mod digest;
+mod evaluation;
+mod experiment;
+mod failure;
+mod figures;
+pub mod findings;
+#[cfg(test)]
+mod fixture;
+mod format;
+mod found;
+mod gate;
+mod gate_markdown;
+mod github;
+mod groups;
+#[cfg(test)]
+mod hostile;
+#[cfg(test)]
+#[path = "../files/escape/hostile.rs"]
+mod hostile_texts;
+mod html;
+mod json;
+mod junit;
+mod models;
+mod pages;
+mod replay;
+mod repository;
+mod rows;
+mod runs;
+#[cfg(test)]
+mod schema;
+mod statement;
+mod table;
+mod tap;
+mod terminal;
+mod trace;
+mod variable;
+mod wording;
+
+pub use baseline::{Form, render_baseline, render_difference};
+pub use csv::write_csv;
+pub use evaluation::render_evaluate;
+pub use experiment::{render_block, render_tune, tuned_parameters};
+pub use failure::{explain, render_block_failure, render_failure, with_worst};
+pub use figures::{Figure, figures};
+pub use format::{count, in_unit, quantity, share, with_unit};
+pub use found::render_search;
+pub use gate::{Replay, render_gate, render_gate_report, render_gates};
+pub use gate_markdown::gate_markdown;
+pub use github::{annotations, step_summary};
+pub use html::to_html;
+pub use json::{ResultsError, read_results, write_json};
+pub use junit::write_junit;
+pub use models::{render_model, render_models};
+pub use pages::{ModelPage, model_pages};
+pub use replay::{ReplayIntroduction, case_values, render_replay, replay_reasons};
+pub use repository::Repository;
+pub use runs::write_runs;
+pub use statement::{claim_values, conclusion_words, render_statement, render_statements};
+pub use table::render_tables;
+pub use tap::write_tap;
+pub use terminal::{Live, StatusLevel, Terminal};
+pub use trace::write_trace;
+pub use wording::run_words;
+use wording::verdict_word;

@@ -1,0 +1,220 @@
+//! A block's fingerprint: a number that changes when any bit of what it measured changes.
+//!
+//! It covers what was simulated and what was found by it, not the words in which a report says so. Metrics that are
+//! only summed up for tables stay out, so that a new metric leaves it alone, and so does what the surrogate believes. Results are
+//! taken apart whole: whoever adds something to one decides here.
+
+use sha2::{Digest, Sha256};
+
+use crate::{
+    BlockResult, Candidate, CaseRun, ClaimResult, ClaimValues, ConditionResult, CoursePoint, EvaluateResult,
+    Found, MetricCourse, SearchResult, StatementResult, TrendPoint, TuneResult,
+};
+use numbers::random::digest_bits;
+use optimise::Coordinate;
+
+impl BlockResult {
+    /// The first eight bytes of SHA-256 over everything that the block measured.
+    pub fn fingerprint(&self) -> u64 {
+        let mut mixture = Mixture(Sha256::new());
+        match self {
+            Self::Search(search) => mixture.search(search),
+            Self::Tune(tune) => mixture.tune(tune),
+            Self::Evaluate(evaluate) => mixture.evaluate(evaluate),
+            Self::Statement(statement) => mixture.statement(statement),
+        }
+        digest_bits(mixture.0)
+    }
+}
+
+struct Mixture(Sha256);
+
+impl Mixture {
+    fn bits(&mut self, bits: u64) {
+        self.0.update(bits.to_le_bytes());
+    }
+
+    fn count(&mut self, count: usize) {
+        self.bits(count as u64);
+    }
+
+    fn number(&mut self, number: f64) {
+        self.bits(number.to_bits());
+    }
+
+    fn numbers(&mut self, numbers: &[Option<f64>]) {
+        self.count(numbers.len());
+        numbers.iter().for_each(|number| self.perhaps(*number));
+    }
+
+    fn perhaps(&mut self, number: Option<f64>) {
+        self.bits(u64::from(number.is_some()));
+        self.number(number.unwrap_or(0.0));
+    }
+
+    fn point(&mut self, point: &[Coordinate]) {
+        self.count(point.len());
+        for value in point {
+            match value {
+                Coordinate::Integer(integer) => self.bits(integer.cast_unsigned()),
+                Coordinate::Real(real) => self.number(*real),
+                Coordinate::Category(word) => self.0.update(word),
+            }
+        }
+    }
+
+    fn runs(&mut self, runs: &[CaseRun]) {
+        self.count(runs.len());
+        for CaseRun { case, outcome, passed_first: _ } in runs {
+            self.bits(case.seed);
+            self.bits(outcome.fingerprint);
+        }
+    }
+
+    fn search(&mut self, search: &SearchResult) {
+        let SearchResult {
+            name: _,
+            objective: _,
+            direction: _,
+            shown_in: _,
+            objective_in: _,
+            metrics: _,
+            found,
+            // Out of the runs of `found`.
+            kept: _,
+        } = search;
+        self.count(found.len());
+        found.iter().for_each(|found| self.found(found));
+    }
+
+    fn found(&mut self, found: &Found) {
+        let Found {
+            individuals,
+            // Out of the evaluations.
+            best: _,
+            observed,
+            predicted: _,
+            fresh,
+            fresh_runs: _,
+            passed_first: _,
+            evaluations,
+            stop: _,
+            slices: _,
+            runs,
+            kept,
+            courses,
+        } = found;
+        for individual in individuals {
+            self.bits(individual.number.into());
+        }
+        self.count(evaluations.len());
+        for (point, objective) in evaluations {
+            self.point(point);
+            self.perhaps(*objective);
+        }
+        self.perhaps(*observed);
+        self.perhaps(*fresh);
+        self.runs(runs);
+        kept.iter().for_each(|kept| self.bits((*kept).into()));
+        self.count(courses.len());
+        for MetricCourse { over: _, points } in courses {
+            for CoursePoint { at, smallest, mean, largest, runs } in points {
+                [*at, *smallest, *mean, *largest].into_iter().for_each(|number| self.number(number));
+                self.count(*runs);
+            }
+        }
+    }
+
+    fn tune(&mut self, tune: &TuneResult) {
+        let TuneResult {
+            name: _,
+            objectives: _,
+            constraints: _,
+            cases: _,
+            fresh: _,
+            parameters: _,
+            shown_in: _,
+            objectives_in: _,
+            margins_in: _,
+            chosen,
+            // Out of the margins.
+            violations: _,
+            pareto,
+            evaluations,
+            stop: _,
+            slices: _,
+            comparison,
+        } = tune;
+        self.count(evaluations.len());
+        evaluations.iter().for_each(|candidate| self.candidate(candidate));
+        self.count(pareto.len());
+        pareto.iter().for_each(|candidate| self.candidate(candidate));
+        self.bits(chosen.is_some().into());
+        chosen.iter().for_each(|candidate| self.candidate(candidate));
+        self.bits(comparison.as_ref().is_some_and(|one| one.feasible_fresh).into());
+    }
+
+    fn candidate(&mut self, Candidate { point, objectives, margins, feasible }: &Candidate) {
+        self.point(point);
+        self.numbers(objectives);
+        self.numbers(margins);
+        self.bits((*feasible).into());
+    }
+
+    fn evaluate(&mut self, evaluate: &EvaluateResult) {
+        let EvaluateResult {
+            name: _,
+            doc: _,
+            source: _,
+            metrics: _,
+            measures: _,
+            cases: _,
+            fresh: _,
+            conditions,
+        } = evaluate;
+        self.count(conditions.len());
+        for condition in conditions {
+            let ConditionResult {
+                name: _,
+                parameters: _,
+                missing: _,
+                caveat: _,
+                measured,
+                undecided: _,
+                reported: _,
+                // Out of what was measured.
+                differences: _,
+                runs,
+            } = condition;
+            self.numbers(measured);
+            self.runs(runs);
+        }
+    }
+
+    fn statement(&mut self, statement: &StatementResult) {
+        let StatementResult {
+            name: _,
+            doc: _,
+            source: _,
+            reported: _,
+            // Out of the claims.
+            conclusion: _,
+            claims,
+            standing: _,
+        } = statement;
+        self.count(claims.len());
+        for ClaimResult { text: _, holds, undefined: _, values, unit: _ } in claims {
+            self.bits(holds.map_or(2, u64::from));
+            match values {
+                ClaimValues::Compared { left, relation: _, right } => self.numbers(&[*left, *right]),
+                ClaimValues::Trend { direction: _, variable: _, points } => {
+                    self.count(points.len());
+                    points.iter().for_each(|TrendPoint { label: _, at, value, runs: _ }| {
+                        self.number(*at);
+                        self.perhaps(*value);
+                    });
+                }
+            }
+        }
+    }
+}

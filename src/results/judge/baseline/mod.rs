@@ -1,0 +1,164 @@
+//! What a suite's runs came to, kept to compare later runs with.
+
+mod file;
+mod pairing;
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use crate::Requests;
+use scenario::registry::Registry;
+use scenario::{ControllerModel, DynamicsModel, Metric, ModelSetup, PerceptionModel, Reference, Settings};
+
+pub use file::BaselineError;
+pub use pairing::{Incompatible, Pairing, WorldPart, pair, some};
+
+/// The metrics of every run of a suite, with what decides whether other runs may be compared with them.
+///
+/// What is tested, controllers with their parameters, dynamics and perception, is listed but may change: that is what
+/// a comparison is for. Everything else of the cases is held by the [`Parts`] of each trial.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Baseline {
+    pub suite: String,
+    pub seed: u64,
+    /// What was set on the command line instead of what the files say: `av.speed=40km/h`.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub set: Vec<String>,
+    /// The version of scenario-runner that ran it.
+    pub tool: String,
+    /// Digests of everybody in the populations that people were drawn from, by the names of their files.
+    pub populations: BTreeMap<String, String>,
+    pub metrics: Vec<RecordedMetric>,
+    /// The different sets of vehicles that trials have, in the order in which trials first use them.
+    pub vehicles: Vec<Vec<TestedVehicle>>,
+    /// Sorted by key.
+    pub trials: Vec<RecordedTrial>,
+}
+
+/// A metric as it was measured.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RecordedMetric {
+    /// As reports call it, such as `pet` or `max_deceleration(window=0.5)`.
+    pub label: String,
+    pub name: Reference<Metric>,
+    /// The SI unit, `yes or no`, or the words it takes.
+    pub unit: String,
+    /// Every parameter with its value, so that a changed default is seen.
+    pub settings: Settings,
+    pub pair: Option<(String, String)>,
+}
+
+/// A vehicle with everything about it that is under test.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TestedVehicle {
+    pub name: String,
+    pub controller: ModelSetup<ControllerModel>,
+    pub dynamics: ModelSetup<DynamicsModel>,
+    pub sees: Option<ModelSetup<PerceptionModel>>,
+    /// m
+    pub length: f64,
+    /// m
+    pub width: f64,
+}
+
+/// All runs of one trial.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RecordedTrial {
+    /// Without the suite's name: `carla_walker/tta=6s`.
+    pub key: String,
+    pub scenario: String,
+    /// Whether there is no chance in it: other seeds give the same runs, bit for bit.
+    pub certain: bool,
+    /// Changes when any bit of any run's course does; 16 hexadecimal digits.
+    pub fingerprint: String,
+    /// Changes when the seed of any run does; 12 hexadecimal digits. Baselines of version 0.1 do not say.
+    pub seeds: Option<String>,
+    /// Models in it that are others than were published, in words.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
+    pub parts: Parts,
+    /// Index into [`Baseline::vehicles`].
+    pub vehicles: usize,
+    /// What follows the trial's key in the keys of its runs: `rep=2`, `individual=17/rep=2`.
+    pub runs: Vec<String>,
+    /// One row per metric of [`Baseline::metrics`], one value per run; `None` where the metric does not exist.
+    pub values: Vec<Vec<Option<f64>>>,
+}
+
+/// Hashes of what decides a trial's runs besides what is tested; 12 hexadecimal digits each.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Parts {
+    pub road: String,
+    pub pedestrians: String,
+    /// The individuals drawn from populations.
+    pub people: String,
+    /// How fast, in which lane and from where the vehicles come.
+    pub traffic: String,
+    /// Step, horizon, finish line.
+    pub simulation: String,
+}
+
+impl Baseline {
+    /// The same, with what a registry knows of the metrics in it: of one that was read, only their names are known.
+    pub fn resolved(mut self, registry: &Registry) -> Self {
+        for metric in &mut self.metrics {
+            if let Some(known) = registry.metrics().get(metric.name.name()) {
+                metric.name = known.into();
+            }
+        }
+        self
+    }
+
+    /// The full key of a run.
+    pub fn run_key(&self, trial: &RecordedTrial, run: usize) -> String {
+        format!("{}/{}/{}", self.suite, trial.key, trial.runs[run])
+    }
+
+    /// Whether the same values were set for both, in whatever order.
+    pub fn has_set(&self, set: &[String]) -> bool {
+        let sorted = |set: &[String]| {
+            let mut set = set.to_vec();
+            set.sort_unstable();
+            set
+        };
+        sorted(&self.set) == sorted(set)
+    }
+
+    /// Forgets all other metrics.
+    pub fn keep_metrics(&mut self, wanted: &Requests) {
+        let kept: Vec<bool> =
+            self.metrics.iter().map(|metric| wanted.iter().any(|one| one.label() == metric.label)).collect();
+        let mut keep = kept.iter();
+        self.metrics.retain(|_| *keep.next().expect("there is one per metric"));
+        for trial in &mut self.trials {
+            let mut keep = kept.iter();
+            trial.values.retain(|_| *keep.next().expect("there is a row per metric"));
+        }
+    }
+
+    pub fn runs(&self) -> usize {
+        self.trials.iter().map(|trial| trial.runs.len()).sum()
+    }
+
+    /// Its scenarios in the order of the trials.
+    pub fn scenarios(&self) -> Vec<&str> {
+        let mut names: Vec<&str> = Vec::new();
+        for trial in &self.trials {
+            if !names.contains(&trial.scenario.as_str()) {
+                names.push(&trial.scenario);
+            }
+        }
+        names
+    }
+}
+
+impl RecordedTrial {
+    /// The part of a run's label that names its people; empty without individuals.
+    pub fn person(&self, run: usize) -> &str {
+        self.runs[run].rsplit_once("/rep=").map_or("", |(people, _)| people)
+    }
+}

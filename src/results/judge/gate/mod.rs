@@ -1,0 +1,181 @@
+//! Gates: whether a candidate is worse than a base, beyond what is tolerated and beyond doubt.
+//!
+//! `docs/gates.md` says what the verdicts mean and gives the formulas.
+
+mod changes;
+mod check;
+mod measure;
+mod power;
+mod questions;
+#[cfg(test)]
+mod tests;
+
+use super::baseline::{Baseline, Incompatible, Pairing, pair};
+use crate::{BlindPlace, Check, CheckOutcome, GateVerdict, Power, Verdict};
+use numbers::inference::holm;
+use scenario::{Gate, GateRule, MetricReference, Reference, Tolerance};
+
+pub use changes::vehicle_changes;
+
+/// The rule that a comparison has where no gate is named: no metric worse by more than this.
+pub fn blanket_rule(tolerance: f64, confidence: f64) -> GateRule {
+    let percent = |share: f64| scenario::significant(100.0 * share, 6);
+    GateRule {
+        metric: None,
+        tolerance: Tolerance::Relative(tolerance),
+        confidence,
+        text: format!(
+            "no metric worse by more than {} % with {} % confidence",
+            percent(tolerance),
+            percent(confidence)
+        ),
+        notation: None,
+        origin: Default::default(),
+    }
+}
+
+/// `collision not worse`, with the confidence of another rule.
+pub fn collision_rule(confidence: f64) -> GateRule {
+    let percent = scenario::significant(100.0 * confidence, 6);
+    GateRule {
+        tolerance: Tolerance::Relative(0.0),
+        confidence,
+        text: format!("{COLLISION} not worse with {percent} % confidence"),
+        ..no_new_collision()
+    }
+}
+
+/// The rule on collisions that holds unless a gate says otherwise: where the base has none, no run may have one.
+fn no_new_collision() -> GateRule {
+    let metric = MetricReference::plain(Reference::unresolved(COLLISION));
+    GateRule {
+        metric: Some(metric),
+        tolerance: Tolerance::NoneNew { where_none_was: true },
+        confidence: 1.0,
+        text: "no new collision, where the baseline has none".to_string(),
+        notation: None,
+        origin: Default::default(),
+    }
+}
+
+const COLLISION: &str = "collision";
+
+/// The rules, and what holds unless they say otherwise.
+fn with_default(rules: &[GateRule], pairing: &Pairing) -> Vec<GateRule> {
+    let default = no_new_collision();
+    // Whoever tolerates more collisions, or none at all, has said so.
+    let says_otherwise = |rule: &GateRule| {
+        let about = rule.metric == default.metric;
+        about && !matches!(rule.tolerance, Tolerance::Relative(0.0) | Tolerance::Absolute(0.0))
+    };
+    let measured = |side: &Baseline| side.metrics.iter().any(|metric| metric.label == COLLISION);
+    let applies = pairing.same_seeds && measured(pairing.base) && measured(pairing.candidate);
+    let mut all = rules.to_vec();
+    if applies && !rules.iter().any(says_otherwise) {
+        all.push(default);
+    }
+    all
+}
+
+/// Judges what a gate says about a suite and a baseline of the same suite. With `lenient`, trials that the base lacks are left out instead of being a reason not to
+/// compare.
+///
+/// # Errors
+/// Every reason why the two may not be compared.
+pub fn judge_gate(
+    gate: &Gate,
+    base: &Baseline,
+    candidate: &Baseline,
+    lenient: bool,
+) -> Result<GateVerdict, Vec<Incompatible>> {
+    if base.suite != candidate.suite {
+        let (base, candidate) = (base.suite.clone(), candidate.suite.clone());
+        return Err(vec![Incompatible::OtherSuite { base, candidate }]);
+    }
+    judge_rules(&gate.name, &gate.rules, &pair(base, candidate, lenient)?)
+}
+
+/// Judges rules over two baselines that belong together.
+///
+/// # Errors
+/// Names the metrics that a rule asks for and the base lacks.
+pub fn judge_rules(
+    name: &str,
+    rules: &[GateRule],
+    pairing: &Pairing,
+) -> Result<GateVerdict, Vec<Incompatible>> {
+    let rules = &with_default(rules, pairing);
+    let questions::Questions { asked, without_values, new_metrics, unnamed_flags } =
+        questions::ask(rules, pairing)?;
+    let family = asked.iter().filter(|question| question.shares_the_error()).count();
+    let seed = pairing.candidate.seed;
+    let mut checks: Vec<Check> =
+        asked.iter().map(|question| check::measure(question, family, seed)).collect();
+    let p_values: Vec<f64> = checks.iter().filter_map(|check| check.p_value).collect();
+    let mut adjusted = holm(&p_values).into_iter();
+    for check in checks.iter_mut().filter(|check| check.p_value.is_some()) {
+        check.adjusted_p_value = adjusted.next();
+    }
+    for (check, question) in checks.iter_mut().zip(&asked) {
+        check.decide(question);
+    }
+    let nothing_changed = pairing.nothing_changed();
+    let regressed = checks.iter().any(|check| check.outcome == CheckOutcome::Regressed);
+    let (blind_rules, blind_places) = blind(rules, &checks, pairing);
+    let verdict = if regressed {
+        Verdict::Failed
+    } else if blind_places.is_empty() && (blind_rules.is_empty() || nothing_changed) {
+        Verdict::Passed
+    } else {
+        Verdict::Inconclusive
+    };
+    Ok(GateVerdict {
+        gate: name.to_string(),
+        verdict,
+        checks,
+        rules: rules.iter().map(|rule| rule.text.clone()).collect(),
+        family,
+        blind_rules,
+        blind_places,
+        unnamed_flags,
+        without_values,
+        new_metrics,
+        new_trials: pairing.new_trials.iter().map(|key| key.to_string()).collect(),
+        runs: pairing.trials.iter().map(|(_, trial)| trial.runs.len()).sum(),
+        same_seeds: pairing.same_seeds,
+        same_people: pairing.same_people,
+        nothing_changed,
+        changes: changes::changes(pairing),
+    })
+}
+
+/// What could not have failed, whatever had happened: rules everywhere, and rules in scenarios that changed. That another
+/// scenario can be seen is no comfort.
+fn blind(rules: &[GateRule], checks: &[Check], pairing: &Pairing) -> (Vec<String>, Vec<BlindPlace>) {
+    let sees = |check: &Check| !matches!(check.power, Power::Blind { .. } | Power::None);
+    let (mut everywhere, mut places) = (Vec::new(), Vec::new());
+    for (index, rule) in rules.iter().enumerate() {
+        let own = || checks.iter().filter(|check| check.rule == index);
+        // What holds by default has nothing to say where it does not apply.
+        if !own().any(sees) && !matches!(rule.tolerance, Tolerance::NoneNew { where_none_was: true }) {
+            everywhere.push(rule.text.clone());
+            continue;
+        }
+        for scenario in pairing.candidate.scenarios() {
+            // Trials without chance stand by themselves and always see.
+            let here = || own().filter(|check| !check.certain && check.place == scenario);
+            if here().next().is_none() || here().any(sees) || !pairing.changed_in(scenario) {
+                continue;
+            }
+            let needed = here().map(|check| (check.needed(), check.units)).max();
+            let (needed, units) = needed.expect("there is a comparison here");
+            places.push(BlindPlace {
+                rule: rule.text.clone(),
+                scenario: scenario.to_string(),
+                units,
+                needed,
+            });
+        }
+    }
+    (everywhere, places)
+}

@@ -1,0 +1,70 @@
+//! Results: what became of suites, as plain data.
+//!
+//! Whoever runs suites makes them and every report is a function of them; they know nothing of either.
+
+// What `clippy.toml` bans is banned from what is shipped; tests may use it.
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+// Their failing is a panic: a closed pipe would end the program with the code of a bug.
+#![deny(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro)]
+
+mod block;
+mod cases;
+mod chosen;
+mod cut;
+mod evaluate;
+mod event;
+mod finding;
+mod fingerprint;
+mod gate;
+pub mod judge;
+mod outcome;
+mod overall;
+mod places;
+mod recorded;
+mod recording;
+mod requests;
+mod resolve;
+mod search;
+mod skip;
+mod standing;
+mod statement;
+mod suite;
+mod trial;
+mod tune;
+mod verdict;
+
+/// Everything that became of a session. Every report is a function of it.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Results {
+    /// What was measured in every run, in the order of the outcomes' metrics.
+    pub requests: Requests,
+    pub suites: Vec<SuiteReport>,
+    /// The courses of those runs that are drawn, in the order in which they were [chosen](choose_runs).
+    pub recordings: Vec<(Chosen, Recording)>,
+}
+
+pub use block::{BlockReport, BlockResult, BlockState};
+pub use cases::{CaseRun, MetricSummary, SavedCase, SavedSet};
+pub use chosen::{Chosen, choose_runs};
+pub use cut::{Cut, CutBy};
+pub use evaluate::{ConditionResult, Difference, EvaluateResult, ParameterValue};
+pub use event::{Evaluations, Event, Reporter, Stopping, Unheard, UnitReport, Workload};
+pub use finding::{Finding, FindingMeasure, Regarding, Vacuity, WorstRun};
+pub use gate::{
+    BlindPlace, Change, ChangedRun, Check, CheckOutcome, ComparedSubject, GateReport, GateState, GateVerdict,
+    NotJudged, Power, Refusal, TrialChange,
+};
+pub use outcome::{ByMetric, Critical, CutOff, OnCourse, Outcome, Unfinished};
+pub use overall::Overall;
+pub use recorded::{Recorded, RecordedReport, RecordedState, Rerun};
+pub use recording::{PairCourse, Place, Recording};
+pub use requests::Requests;
+pub use resolve::UnknownMetric;
+pub use search::{CoursePoint, Found, MetricCourse, SearchResult};
+pub use skip::Skip;
+pub use standing::Standing;
+pub use statement::{ClaimResult, ClaimValues, Conclusion, StatementResult, TrendPoint};
+pub use suite::{Program, SuiteIdentity, SuiteReport, record_command, set_options};
+pub use trial::{CourseOfRun, Horizon, Reason, RunsTaken, Stranded, TrialReport, TrialState, TrialVerdict};
+pub use tune::{BeforeAndAfter, Candidate, TuneResult, Violations};
+pub use verdict::Verdict;

@@ -1,0 +1,167 @@
+//! Baselines from outcomes.
+
+use serde::Serialize;
+use sha2::{Digest, Sha256};
+
+use crate::plan::{Plan, PlannedTrial};
+use crate::run::{departures, drawing};
+use results::judge::baseline::{Baseline, Parts, RecordedMetric, RecordedTrial, TestedVehicle};
+use results::{Outcome, Requests};
+use scenario::registry::Registry;
+use scenario::{
+    ANOTHER_MODEL, Case, MetricKind, MetricReference, PedestrianSetup, Suite, VehicleSetup, World,
+};
+
+/// Digits of a value that are kept: enough for any comparison, and short enough to read.
+const DIGITS: usize = 9;
+
+/// The baseline of the trials of a plan that were run to their end, each with its outcomes in the order of its cases.
+pub fn record(plan: &Plan, trials: &[(&PlannedTrial, &[Outcome])], requests: &Requests) -> Baseline {
+    let suite = plan.suite.as_str();
+    let mut trials = trials.to_vec();
+    trials.sort_by(|left, right| left.0.key.cmp(&right.0.key));
+    let mut vehicles: Vec<Vec<TestedVehicle>> = Vec::new();
+    let mut recorded = Vec::with_capacity(trials.len());
+    for (trial, outcomes) in trials {
+        let tested = tested_vehicles(&trial.cases.first());
+        let place = vehicles.iter().position(|known| *known == tested).unwrap_or_else(|| {
+            vehicles.push(tested);
+            vehicles.len() - 1
+        });
+        let row =
+            |metric: usize| outcomes.iter().map(|outcome| outcome.metrics[metric].map(rounded)).collect();
+        let label = |outcome: &Outcome| {
+            let rest = outcome.key.strip_prefix(&trial.key).unwrap_or(&outcome.key);
+            rest.trim_start_matches('/').to_string()
+        };
+        recorded.push(RecordedTrial {
+            key: trial.key.strip_prefix(&format!("{suite}/")).unwrap_or(&trial.key).to_string(),
+            scenario: trial.scenario.clone(),
+            certain: trial.cases.worlds().iter().all(|world| drawing(world).is_empty()),
+            fingerprint: hash(&outcomes.iter().map(|outcome| outcome.fingerprint).collect::<Vec<_>>(), 16),
+            seeds: Some(hash(&trial.cases.iter().map(|case| case.seed).collect::<Vec<_>>(), 12)),
+            warnings: departures(trial),
+            parts: parts(&trial.cases.iter().collect::<Vec<_>>()),
+            vehicles: place,
+            runs: outcomes.iter().map(label).collect(),
+            values: (0..requests.iter().count()).map(row).collect(),
+        });
+    }
+    Baseline {
+        suite: suite.to_string(),
+        seed: plan.seed,
+        set: plan.set.clone(),
+        tool: env!("CARGO_PKG_VERSION").to_string(),
+        populations: plan.populations.clone(),
+        metrics: requests.iter().map(metric).collect(),
+        vehicles,
+        trials: recorded,
+    }
+}
+
+/// Every metric that is kept of a suite's runs: those there are, and what its criteria and gates are about.
+pub fn measured_metrics(suite: &Suite, registry: &Registry) -> Requests {
+    let mut requests = Requests::defaults(registry);
+    suite.scenarios.iter().for_each(|scenario| requests.include(&scenario.criteria));
+    let rules = suite.gates.iter().flat_map(|gate| &gate.rules);
+    rules.filter_map(|rule| rule.metric.as_ref()).for_each(|metric| requests.add(metric));
+    requests
+}
+
+fn metric(reference: &MetricReference) -> RecordedMetric {
+    let metric = reference.known().expect("requests were checked against the registry");
+    RecordedMetric {
+        label: reference.label(),
+        name: reference.metric.clone(),
+        unit: match &metric.kind {
+            MetricKind::Quantity(dimension) => dimension.si_unit(),
+            MetricKind::Flag => "yes or no".to_string(),
+            MetricKind::Category(words) => words.join(" or "),
+        },
+        settings: metric.declaration.resolve(&reference.settings).expect("settings were checked"),
+        pair: reference.pair.clone(),
+    }
+}
+
+fn tested_vehicles(case: &Case) -> Vec<TestedVehicle> {
+    let tested = |vehicle: &VehicleSetup| {
+        let VehicleSetup { name, controller, dynamics, length, width, lane: _, speed: _, start: _, sees } =
+            vehicle.clone();
+        TestedVehicle { name, controller, dynamics, sees, length, width }
+    };
+    case.world.vehicles.iter().map(tested).collect()
+}
+
+/// What stands around the tested vehicles. All of a world is in here or in [`tested_vehicles`]: whoever adds something to it
+/// decides where.
+fn parts(cases: &[Case]) -> Parts {
+    let World { road, vehicles, pedestrians: _, step, horizon, finish, end_on_collision } = &*cases[0].world;
+    let traffic: Vec<_> = vehicles
+        .iter()
+        .map(|vehicle| {
+            let VehicleSetup {
+                name,
+                controller: _,
+                dynamics: _,
+                length: _,
+                width: _,
+                lane,
+                speed,
+                start,
+                sees: _,
+            } = vehicle;
+            (name, lane, speed, start)
+        })
+        .collect();
+    let people: Vec<_> = cases.iter().map(|case| &case.individuals).collect();
+    let end = (step, horizon, finish, end_on_collision);
+    Parts {
+        road: hash(&road.unnamed(), 12),
+        pedestrians: hash(&cases.iter().map(impersonal).collect::<Vec<_>>(), 12),
+        people: hash(&people, 12),
+        traffic: hash(&traffic, 12),
+        simulation: hash(&end, 12),
+    }
+}
+
+/// A case's pedestrians without what their individuals bring, and without the flag that changes no run.
+fn impersonal(case: &Case) -> Vec<PedestrianSetup> {
+    let mut pedestrians = case.world.pedestrians.clone();
+    for setup in &mut pedestrians {
+        setup.model.settings.0.remove(ANOTHER_MODEL);
+        for person in case.individuals.iter().filter(|person| person.pedestrian == setup.name) {
+            setup.model.settings.0.retain(|name, _| !person.parameters.0.contains_key(name));
+        }
+    }
+    pedestrians
+}
+
+fn hash(value: &impl Serialize, digits: usize) -> String {
+    let text = serde_json::to_vec(value).expect("plain data serialises");
+    let bytes = Sha256::digest(text);
+    let mut hexadecimal: String = bytes.iter().map(|byte| format!("{byte:02x}")).collect();
+    hexadecimal.truncate(digits);
+    hexadecimal
+}
+
+/// With few enough digits to read. What is nearer to 0 than a thousand-millionth of a unit is the rounding of a 0.
+fn rounded(value: f64) -> f64 {
+    if value.abs() < 1e-9 {
+        return 0.0;
+    }
+    format!("{value:.*e}", DIGITS - 1).parse().expect("a number that was just written")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_keep_nine_digits() {
+        assert_eq!(rounded(3.420_195_823_746_1), 3.420_195_82);
+        assert_eq!(rounded(-1.0e-8 / 3.0), -3.333_333_33e-9);
+        assert_eq!(rounded(-2.7e-15), 0.0);
+        assert!(rounded(-0.0).is_sign_positive());
+        assert_eq!(rounded(123_456_789_123.0), 123_456_789_000.0);
+    }
+}

@@ -1,0 +1,88 @@
+//! Points of a search space put into a scenario.
+
+use super::ExperimentError;
+use scenario::{Assignment, Expression, Part, RangeValues, Scenario, SearchRange, Target, Value};
+
+/// The optimiser's dimension for a declared range.
+pub fn dimension(range: &SearchRange) -> optimise::SearchDimension {
+    let values = match &range.values {
+        RangeValues::Real { low, high } => optimise::Range::Real { low: *low, high: *high },
+        RangeValues::Logarithmic { low, high } => optimise::Range::Log { low: *low, high: *high },
+        RangeValues::Whole { low, high } => optimise::Range::Integer { low: *low, high: *high },
+        RangeValues::Words(words) => optimise::Range::Categorical { choices: words.clone() },
+    };
+    optimise::SearchDimension { name: range.target.to_string(), range: values }
+}
+
+/// The space of all declared ranges, in their order.
+pub fn space(ranges: &[SearchRange]) -> Result<optimise::Space, optimise::Error> {
+    optimise::Space::new(ranges.iter().map(dimension).collect())
+}
+
+/// A value of the optimiser as a value of a scenario.
+pub fn value(value: &optimise::Coordinate) -> Value {
+    match value {
+        optimise::Coordinate::Integer(number) => Value::Number(*number as f64),
+        optimise::Coordinate::Real(number) => Value::Number(*number),
+        optimise::Coordinate::Category(word) => Value::Word(word.clone()),
+    }
+}
+
+/// The variations that a point fixes, with labels that name the exact values.
+pub fn assignments(ranges: &[SearchRange], point: &[optimise::Coordinate]) -> Vec<Assignment> {
+    let fixed = ranges.iter().zip(point).filter_map(|(range, chosen)| match &range.target {
+        Target::Variation(name) => Some(Assignment {
+            name: name.clone(),
+            label: format!("{chosen}{}", range.unit),
+            value: value(chosen),
+        }),
+        Target::Setting { .. } => None,
+    });
+    fixed.collect()
+}
+
+/// The settings that a point fixes.
+pub fn settings(ranges: &[SearchRange], point: &[optimise::Coordinate]) -> Vec<(Target, Value)> {
+    let fixed = ranges.iter().zip(point).filter(|(range, _)| matches!(range.target, Target::Setting { .. }));
+    fixed.map(|(range, chosen)| (range.target.clone(), value(chosen))).collect()
+}
+
+/// Writes settings into a scenario, over its own.
+pub fn apply(scenario: &mut Scenario, settings: &[(Target, Value)]) -> Result<(), ExperimentError> {
+    for (target, value) in settings {
+        let Target::Setting { road_user, part, parameter } = target else { continue };
+        let missing = ExperimentError::UnknownTarget(target.to_string(), scenario.name.clone());
+        let said = settings_mut(scenario, road_user, *part).ok_or(missing)?;
+        said.retain(|(name, _)| name != parameter);
+        said.push((parameter.clone(), Expression::Constant(value.clone())));
+    }
+    Ok(())
+}
+
+/// `scenario` without the variations whose values the ranges replace.
+pub fn without_variations(scenario: &Scenario, ranges: &[SearchRange]) -> Scenario {
+    let searched = |name: &String| {
+        ranges.iter().any(|range| matches!(&range.target, Target::Variation(target) if target == name))
+    };
+    let mut changed = scenario.clone();
+    changed.variations.retain(|variation| !variation.names().iter().any(searched));
+    changed
+}
+
+/// What a scenario says of the parameters of a road user's part.
+fn settings_mut<'a>(
+    scenario: &'a mut Scenario,
+    road_user: &str,
+    part: Part,
+) -> Option<&'a mut Vec<(String, Expression)>> {
+    if part == Part::Model {
+        let person = scenario.pedestrians.iter_mut().find(|one| one.name == road_user)?;
+        return Some(&mut person.model.settings);
+    }
+    let vehicle = scenario.vehicles.iter_mut().find(|one| one.name == road_user)?;
+    match part {
+        Part::Dynamics => vehicle.dynamics.as_mut().map(|model| &mut model.settings),
+        Part::Sees => vehicle.sees.as_mut().map(|model| &mut model.settings),
+        Part::Controller | Part::Model => Some(&mut vehicle.controller.settings),
+    }
+}

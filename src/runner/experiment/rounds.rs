@@ -1,0 +1,194 @@
+//! Optimisers side by side, a round of their proposals after the other: what the evaluations of one came to decides about
+//! the next.
+
+use std::collections::VecDeque;
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::journal::Record;
+use super::{Context, ExperimentError};
+use crate::run::{Done, Job, JobFailure, JobPlace, Sequence, Sequences, Wanted, run_sequences};
+use optimise::{Definition, Evaluation, Optimiser, Proposal};
+use results::Outcome;
+use scenario::Case;
+
+/// An optimiser under way, with what it remembers.
+pub struct Optimisation {
+    pub optimiser: Optimiser,
+    record: Record,
+    batch: usize,
+}
+
+impl Optimisation {
+    /// `inputs` is everything besides the definition that decides the evaluations.
+    pub fn begin(
+        context: &Context,
+        name: &str,
+        inputs: &impl Serialize,
+        definition: Definition,
+        batch: usize,
+    ) -> Result<Self, ExperimentError> {
+        let folder: Option<&Path> = context.journals.as_deref();
+        let record = Record::open(folder, name, inputs, &definition, batch)?;
+        context.tell(record.notice());
+        Ok(Self { optimiser: Optimiser::new(definition)?, record, batch })
+    }
+
+    /// The next proposals, each with its evaluation where a run that was cut off has left it.
+    fn ask(&mut self) -> Result<Vec<(Proposal, Option<Evaluation>)>, ExperimentError> {
+        let journal = self.record.journal();
+        let recall = |proposal: Proposal| {
+            let known = journal.as_ref().map(|journal| journal.recorded(&proposal)).transpose()?.flatten();
+            let known = known.cloned();
+            Ok((proposal, known))
+        };
+        self.optimiser.ask(self.batch.max(1)).into_iter().map(recall).collect()
+    }
+
+    /// What is only kept in case it is cut off.
+    pub fn into_record(self) -> Record {
+        self.record
+    }
+}
+
+/// What proposals are evaluated by.
+pub trait EvaluateRound: Sync {
+    /// The runs that a proposal of the optimisation with this index takes.
+    fn cases(&self, optimisation: usize, proposal: &Proposal) -> Result<Vec<Case>, ExperimentError>;
+
+    /// Whether these first outcomes say enough, so that the rest of the runs is not needed.
+    fn is_enough(&self, outcomes: &[Outcome]) -> bool {
+        let _ = outcomes;
+        false
+    }
+
+    /// How many runs may be made that turn out not to be needed.
+    fn ahead(&self) -> usize {
+        usize::MAX
+    }
+
+    /// What the outcomes come to, which are not all where they were enough before.
+    fn evaluation(&self, outcomes: &[Outcome], abandoned: bool) -> Evaluation;
+
+    /// Told after every evaluation.
+    fn evaluated(&self, evaluation: &Evaluation);
+}
+
+/// Runs all optimisers to their ends.
+///
+/// # Errors
+/// The first in their order, and that of their proposals: a later run tries it again.
+pub fn optimise(
+    context: &Context,
+    all: &mut [Optimisation],
+    evaluate: &dyn EvaluateRound,
+) -> Result<(), ExperimentError> {
+    loop {
+        let plan = |(index, one): (usize, &mut Optimisation)| -> Result<Vec<_>, ExperimentError> {
+            let planned = |(proposal, known): (Proposal, Option<Evaluation>)| {
+                let cases = if known.is_some() { Vec::new() } else { evaluate.cases(index, &proposal)? };
+                let evaluated = known.map(Ok);
+                Ok(Proposed { index, proposal, cases, outcomes: Vec::new(), evaluated, evaluate, context })
+            };
+            one.ask()?.into_iter().map(planned).collect()
+        };
+        let proposed = context.executor.think(|| {
+            all.par_iter_mut().enumerate().map(plan).collect::<Vec<Result<Vec<Proposed>, ExperimentError>>>()
+        });
+        let proposed = proposed.into_iter().collect::<Result<Vec<_>, _>>()?;
+        let mut round =
+            Round { waiting: proposed.into_iter().flatten().collect(), all, evaluated: Vec::new() };
+        if round.waiting.is_empty() {
+            return Ok(());
+        }
+        run_sequences(context.executor, &mut round, &context.stop);
+        let Round { waiting, mut evaluated, .. } = round;
+        evaluated.extend(waiting);
+        evaluated.sort_by_key(|one| (one.index, one.proposal.id));
+        for one in evaluated {
+            let evaluation = one.evaluated.unwrap_or(Err(ExperimentError::Stopped))?;
+            all[one.index].optimiser.tell(one.proposal.id, evaluation)?;
+        }
+    }
+}
+
+/// A proposal under evaluation.
+struct Proposed<'r> {
+    /// Of its optimisation.
+    index: usize,
+    proposal: Proposal,
+    cases: Vec<Case>,
+    outcomes: Vec<Outcome>,
+    evaluated: Option<Result<Evaluation, ExperimentError>>,
+    evaluate: &'r dyn EvaluateRound,
+    context: &'r Context<'r>,
+}
+
+impl Sequence for Proposed<'_> {
+    fn runs(&self) -> usize {
+        self.cases.len()
+    }
+
+    fn job(&mut self, place: JobPlace) -> Job {
+        let (case, measured) = (self.cases[place.run].clone(), self.context.measured.clone());
+        Job { place, case, measured, wanted: Wanted::Outcome }
+    }
+
+    fn take(&mut self, done: Done) -> ControlFlow<()> {
+        match done.result {
+            Ok(ran) => self.outcomes.push(ran.outcome),
+            Err(JobFailure::Error(error)) => {
+                self.evaluated = Some(Err(ExperimentError::Run { key: done.case.key, error }));
+                return ControlFlow::Break(());
+            }
+            Err(JobFailure::Panicked(panicked)) => std::panic::resume_unwind(Box::new(panicked)),
+        }
+        if self.evaluate.is_enough(&self.outcomes) || self.outcomes.len() == self.cases.len() {
+            let abandoned = self.outcomes.len() < self.cases.len();
+            self.evaluated = Some(Ok(self.evaluate.evaluation(&self.outcomes, abandoned)));
+            return ControlFlow::Break(());
+        }
+        ControlFlow::Continue(())
+    }
+
+    fn ahead(&self) -> usize {
+        self.evaluate.ahead()
+    }
+}
+
+struct Round<'r, 'o> {
+    waiting: VecDeque<Proposed<'r>>,
+    all: &'o mut [Optimisation],
+    evaluated: Vec<Proposed<'r>>,
+}
+
+impl<'r> Sequences for Round<'r, '_> {
+    type One = Proposed<'r>;
+
+    fn open(&mut self) -> Option<Proposed<'r>> {
+        self.waiting.pop_front()
+    }
+
+    fn close(&mut self, mut one: Proposed<'r>, _: usize) {
+        // What was recalled is neither recorded nor told again, nor is what was given up.
+        if let (Some(Ok(evaluation)), false) = (&one.evaluated, one.cases.is_empty()) {
+            let Optimisation { optimiser, record, .. } = &mut self.all[one.index];
+            // NaN has no JSON: what is recorded is what will be told, so that a resumed run is told the same.
+            let checked = evaluation.clone().checked(optimiser.definition()).and_then(|evaluation| {
+                let journal = record.journal();
+                journal.map_or(Ok(()), |journal| journal.record(&one.proposal, &evaluation))?;
+                Ok(evaluation)
+            });
+            if let Ok(evaluation) = &checked {
+                one.evaluate.evaluated(evaluation);
+            }
+            one.evaluated = Some(checked.map_err(ExperimentError::from));
+        }
+        one.cases = Vec::new();
+        one.outcomes = Vec::new();
+        self.evaluated.push(one);
+    }
+}

@@ -1,0 +1,18 @@
+//! Suites are planned, run and judged, and what blocks ask of them is searched, tuned and evaluated.
+//!
+//! [`project`] opens what files say, [`plan`] makes cases of it, [`run`] makes runs of these on an executor, [`experiment`]
+//! are the blocks, and a [`session`] does all that a user asked for.
+
+// What `clippy.toml` bans is banned from what is shipped; tests may use it.
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+// Their failing is a panic: a closed pipe would end the program with the code of a bug.
+#![deny(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro)]
+
+pub mod baseline;
+pub mod corpus;
+pub mod experiment;
+pub mod plan;
+pub mod project;
+pub mod run;
+pub mod session;
+pub mod shrink;

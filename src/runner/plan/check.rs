@@ -1,0 +1,236 @@
+//! Every resolved world is checked here, whole and once, however its values came in: written, listed, drawn, given by a
+//! template or a person, set on the command line, or chosen by a search or a tune.
+
+use super::PlanError;
+use super::overlap::refuse_overlaps;
+use scenario::limits::{self, Limit};
+use scenario::{
+    Appearance, Body, CrossingKind, DeclaredVehicleStart, Dimension, ModelSetup, Origin, ParameterKind,
+    PedestrianSetup, Registered, Scenario, Shape, Value, VehicleSetup, VehicleStart, World, out_of_range,
+    show,
+};
+
+/// Whether the world, which `scenario` was resolved to, can be run: every number finite and within its limits, nobody
+/// inside another body.
+///
+/// # Errors
+/// The first number that is not, at the place that says it and in the unit it is written in; else the first two bodies that
+/// are inside each other.
+pub fn check(scenario: &Scenario, world: &World) -> Result<(), PlanError> {
+    let checker = Checker { scenario };
+    let own = &scenario.origin;
+    checker.within("step", "the simulation step", world.step, limits::STEP, own)?;
+    checker.within("horizon", "the horizon", world.horizon, limits::HORIZON, own)?;
+    checker.within("finish", "the finish line", world.finish, limits::FINISH, own)?;
+    checker.road(world)?;
+    for (index, vehicle) in world.vehicles.iter().enumerate() {
+        checker.vehicle(index, vehicle, world)?;
+    }
+    for (index, person) in world.pedestrians.iter().enumerate() {
+        checker.pedestrian(index, person, world)?;
+    }
+    refuse_overlaps(scenario, world)
+}
+
+/// A distance that was worked out again from places in the world, without what rounding did to it.
+fn tidy(metres: f64) -> f64 {
+    if metres.abs() < 1e6 { (metres * 1e9).round() / 1e9 } else { metres }
+}
+
+struct Checker<'a> {
+    scenario: &'a Scenario,
+}
+
+impl Checker<'_> {
+    /// A number that the scenario says under `name`, or else at `fallback`.
+    fn within(
+        &self,
+        name: &str,
+        what: &str,
+        found: f64,
+        limit: Limit,
+        fallback: &Origin,
+    ) -> Result<(), PlanError> {
+        self.number(name, what, found, (limit.dimension, limit.range), fallback)
+    }
+
+    fn number(
+        &self,
+        name: &str,
+        what: &str,
+        found: f64,
+        (dimension, (low, high)): (Dimension, (f64, f64)),
+        fallback: &Origin,
+    ) -> Result<(), PlanError> {
+        let said = self.scenario.written.get(name);
+        let offset = said.map_or(0.0, |said| said.offset);
+        let found = if offset == 0.0 { found } else { tidy(found - offset) };
+        if (low..=high).contains(&found) {
+            return Ok(());
+        }
+        let notation = said.and_then(|said| said.notation);
+        let (message, range) = out_of_range(what, found, (low, high), dimension, notation);
+        let hint = format!("keep it {range} for all values of what it depends on");
+        Err(PlanError::new(said.map_or(fallback, |said| &said.origin), message).with_hint(hint))
+    }
+
+    /// Roads have the same numbers in all worlds.
+    fn road(&self, world: &World) -> Result<(), PlanError> {
+        let (road, own) = (&world.road, &self.scenario.origin);
+        self.within("road.lane_width", "the lane width", road.lane_width, limits::LANE_WIDTH, own)?;
+        self.within("road.speed_limit", "the speed limit", road.speed_limit, limits::SPEED_LIMIT, own)?;
+        let signal = match road.crossing.kind {
+            CrossingKind::Signalised { cycle, pedestrian_green_from, pedestrian_green } => {
+                [cycle, pedestrian_green_from, pedestrian_green]
+            }
+            CrossingKind::Zebra | CrossingKind::Unmarked => [0.0; 3],
+        };
+        let bodies = road.boxes.iter().flat_map(|Body { x, y, length, width, .. }| [*x, *y, *length, *width]);
+        for number in bodies.chain(signal).chain([road.crossing.width]) {
+            self.finite("a number of the road", number, own)?;
+        }
+        Ok(())
+    }
+
+    fn finite(&self, what: &str, found: f64, origin: &Origin) -> Result<(), PlanError> {
+        if found.is_finite() {
+            return Ok(());
+        }
+        Err(PlanError::new(origin, format!("{what} is {found}, which is no number to calculate with"))
+            .with_hint("check what it is calculated from"))
+    }
+
+    fn vehicle(&self, index: usize, setup: &VehicleSetup, world: &World) -> Result<(), PlanError> {
+        let declared = &self.scenario.vehicles[index];
+        let (name, own) = (&setup.name, &declared.origin);
+        let of = |what: &str| format!("the {what} of vehicle `{name}`");
+        let within = |key: &str, found: f64, limit: Limit| {
+            self.within(&format!("{name}.{key}"), &of(key), found, limit, own)
+        };
+        within("length", setup.length, limits::SIZE)?;
+        within("width", setup.width, limits::SIZE)?;
+        within("speed", setup.speed, limits::VEHICLE_SPEED)?;
+        if setup.lane >= world.road.lanes.len() {
+            let message = format!("the road has no lane {} for vehicle `{name}`", setup.lane);
+            return Err(PlanError::new(own, message).with_hint("lanes count from 0"));
+        }
+        match setup.start {
+            VehicleStart::Distance(distance) => within("start", distance, limits::VEHICLE_START)?,
+            VehicleStart::TimeToArrival { time, x, .. } => {
+                // One that nobody states is that of a pedestrian, who is checked under the own name.
+                if !matches!(declared.start, DeclaredVehicleStart::Automatic) {
+                    within("start", time, limits::VEHICLE_ARRIVAL)?;
+                }
+                self.finite(&of("start"), x, own)?;
+                if setup.speed == 0.0 {
+                    let message = format!("vehicle `{name}` stands still, so that it has no time to arrival");
+                    let hint = "give it a speed, or a place: `start 80 m before crossing`";
+                    return Err(PlanError::new(own, message).with_hint(hint));
+                }
+            }
+        }
+        self.settings(&format!("{name}.controller"), &setup.controller, &declared.controller.origin)?;
+        let origin = declared.dynamics.as_ref().map_or(own, |model| &model.origin);
+        self.settings(&format!("{name}.dynamics"), &setup.dynamics, origin)?;
+        if let Some(sees) = &setup.sees {
+            let origin = declared.sees.as_ref().map_or(own, |model| &model.origin);
+            self.settings(&format!("{name}.sees"), sees, origin)?;
+        }
+        Ok(())
+    }
+
+    fn pedestrian(&self, index: usize, setup: &PedestrianSetup, world: &World) -> Result<(), PlanError> {
+        let declared = &self.scenario.pedestrians[index];
+        let (name, own, road) = (&setup.name, &declared.origin, &world.road);
+        let within = |key: &str, what: String, found: f64, limit: Limit| {
+            self.within(&format!("{name}.{key}"), &what, found, limit, own)
+        };
+        let of = |what: &str| format!("the {what} of pedestrian `{name}`");
+        match setup.shape {
+            Shape::Disc { radius } => within("radius", of("radius"), radius, limits::RADIUS)?,
+            Shape::Rectangle { length, width } => {
+                within("length", of("length"), length, limits::SIZE)?;
+                within("width", of("width"), width, limits::SIZE)?;
+            }
+        }
+        let sign = setup.side.walking_sign();
+        let start = sign * (road.outer_lane_centre(setup.side) - setup.start.y);
+        let goal = sign * (setup.goal.y - road.kerb(setup.side.opposite()));
+        within("start", of("start"), tidy(start), self.start_limit(name))?;
+        within("along", of("place along the road"), setup.start.x, limits::ALONG)?;
+        within("goal", of("goal"), tidy(goal), limits::GOAL)?;
+        self.finite(&of("goal"), setup.goal.x, own)?;
+        if sign * (setup.goal.y - setup.start.y) <= 0.0 {
+            let origin = self.scenario.written.get(&format!("{name}.start")).map_or(own, |said| &said.origin);
+            return Err(PlanError::new(origin, format!("pedestrian `{name}` starts beyond its goal"))
+                .with_hint("a positive distance from the kerb is away from the road"));
+        }
+        match setup.appears {
+            Appearance::At(time) => {
+                let what = format!("the time at which pedestrian `{name}` appears");
+                within("appears", what, time, limits::APPEARS_AT)?;
+            }
+            Appearance::TimeToArrival { time, .. } => {
+                let what = format!("the time to arrival at which pedestrian `{name}` appears");
+                within("appears", what, time, limits::APPEARS_WHEN)?;
+            }
+        }
+        self.settings(&format!("{name}.model"), &setup.model, &declared.model.origin)
+    }
+
+    /// The limit of a start; a scenario that was not read from a text says it from the lane's centre.
+    fn start_limit(&self, name: &str) -> Limit {
+        let said = self.scenario.written.contains_key(&format!("{name}.start"));
+        let (low, high) = limits::PEDESTRIAN_START.range;
+        let half = if said { 0.0 } else { self.scenario.road.lane_width / 2.0 };
+        Limit { range: (low, high + half), ..limits::PEDESTRIAN_START }
+    }
+
+    /// Every value of a model, those of people and presets included.
+    fn settings<T: Registered>(
+        &self,
+        part: &str,
+        setup: &ModelSetup<T>,
+        origin: &Origin,
+    ) -> Result<(), PlanError> {
+        let Some(declaration) = setup.model.declaration() else {
+            let message = format!("there is nothing called `{}`", setup.model);
+            return Err(
+                PlanError::new(origin, message).with_hint("`scenario-runner models` lists what there is")
+            );
+        };
+        for parameter in &declaration.parameters {
+            let Some(value) = setup.settings.get(&parameter.name) else { continue };
+            let Err(error) = parameter.check(&declaration.name, value) else { continue };
+            let name = format!("{part}.{}", parameter.name);
+            let what = format!("`{}` of `{}`", parameter.name, declaration.name);
+            match (value, &parameter.kind) {
+                (Value::Number(found), ParameterKind::Number { dimension, range, .. }) => {
+                    self.number(&name, &what, *found, (*dimension, *range), origin)?;
+                }
+                (Value::Number(found), ParameterKind::Whole { range: (low, high), .. })
+                    if found.fract() == 0.0 =>
+                {
+                    let range = (*low as f64, *high as f64);
+                    self.number(&name, &what, *found, (Dimension::NUMBER, range), origin)?;
+                }
+                (Value::Number(found), ParameterKind::Whole { .. }) => {
+                    let shown = show(*found, None, Dimension::NUMBER);
+                    let origin = self.scenario.written.get(&name).map_or(origin, |said| &said.origin);
+                    return Err(PlanError::new(
+                        origin,
+                        format!("{what} is {shown}, but must be a whole number"),
+                    )
+                    .with_hint("let it be whole for all combinations of values"));
+                }
+                _ => {
+                    return Err(PlanError::new(origin, error.to_string()).with_hint(format!(
+                        "`scenario-runner models {}` says what it takes",
+                        declaration.name
+                    )));
+                }
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,410 @@
+//! The trials of a scenario and their runs by their indices: each is worked out when somebody asks for it.
+
+use std::borrow::Cow;
+use std::collections::HashSet;
+use std::ops::Deref;
+use std::sync::{Arc, OnceLock};
+
+use super::sampling::digest;
+use super::variation::Combinations;
+use super::{PlanError, Variables, criteria, people_label, rounds, select_people, setup, variables};
+use numbers::random::derive_seed;
+use scenario::{Assignment, Case, Criterion, Individual, Rounds, Scenario, Suite, Trial, World};
+
+/// More runs than this in one suite are taken for a mistake.
+const MOST_RUNS: usize = 10_000_000;
+
+/// More combinations than this are not tried out before a run.
+const MOST_PROBES: usize = 10_000;
+
+/// A trial before its runs are worked out: what it is called, how many runs it has, what is asked of them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outline {
+    pub key: String,
+    pub variation: Vec<Assignment>,
+    /// All that there may be.
+    pub runs: usize,
+    /// As [`Trial::rounds`].
+    pub rounds: Option<Rounds>,
+    /// As [`Trial::criteria`].
+    pub criteria: Vec<Criterion>,
+}
+
+/// What is planned of a scenario: all that its trials have in common.
+#[derive(Debug, Clone)]
+pub struct ScenarioPlan(Arc<Common>);
+
+#[derive(Debug)]
+struct Common {
+    suite: String,
+    seed: u64,
+    /// The groups of people that every trial is run with.
+    people: Vec<Vec<Individual>>,
+    combinations: Combinations<'static>,
+    rounds: Option<Rounds>,
+    /// Of a trial.
+    runs: usize,
+}
+
+/// A trial with its runs.
+#[derive(Debug, Clone)]
+pub struct PlannedTrial {
+    pub trial: Arc<Trial>,
+    /// One per individual and repetition; never empty. Where runs are added until the criteria are decided, all that there
+    /// may be, in that order.
+    pub cases: Cases,
+}
+
+impl Deref for PlannedTrial {
+    type Target = Trial;
+
+    fn deref(&self) -> &Trial {
+        &self.trial
+    }
+}
+
+/// The runs of a trial, each made when somebody asks for it.
+#[derive(Debug, Clone)]
+pub struct Cases(Source);
+
+#[derive(Debug, Clone)]
+enum Source {
+    Planned(Planned),
+    /// As they are, of a trial that nobody planned.
+    Listed(Vec<Case>),
+}
+
+#[derive(Debug, Clone)]
+struct Planned {
+    of: ScenarioPlan,
+    trial: Arc<Trial>,
+    /// How many groups of people walk, and how often each.
+    people: usize,
+    repetitions: usize,
+    /// Whether everybody walks once before anybody walks again.
+    in_rounds: bool,
+    /// One per group of people, shared by all repetitions.
+    worlds: Arc<[OnceLock<Arc<World>>]>,
+}
+
+impl ScenarioPlan {
+    fn new(suite: &Suite, scenario: &Scenario) -> Result<Self, PlanError> {
+        let people = select_people(suite.seed, scenario)?;
+        let owned = Cow::Owned(scenario.clone());
+        let combinations = Combinations::new(suite.seed, owned, Variables::new())?;
+        let budget = scenario.runs.as_ref();
+        let rounds = budget.map(|budget| rounds(scenario, budget, people.len())).transpose()?;
+        let repeated = people.len().saturating_mul(scenario.repeat as usize);
+        let runs = rounds.map_or(repeated, |rounds| rounds.most);
+        let all = combinations.count().saturating_mul(runs);
+        if all > MOST_RUNS {
+            let message = format!("scenario `{}` asks for {all} runs, more than {MOST_RUNS}", scenario.name);
+            return Err(
+                PlanError::new(&scenario.origin, message).with_hint("vary fewer values or repeat less often")
+            );
+        }
+        let (suite, seed) = (suite.name.clone(), suite.seed);
+        Ok(Self(Arc::new(Common { suite, seed, people, combinations, rounds, runs })))
+    }
+
+    /// How many trials there are.
+    pub fn len(&self) -> usize {
+        self.0.combinations.count()
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The scenario.
+    pub fn scenario(&self) -> &Scenario {
+        self.0.combinations.scenario()
+    }
+
+    /// How many runs a trial has, all that there may be.
+    pub fn runs(&self) -> usize {
+        self.0.runs
+    }
+
+    /// The name of a trial.
+    fn key(&self, variation: &[Assignment]) -> String {
+        let mut key = format!("{}/{}", self.0.suite, self.scenario().name);
+        for assignment in variation {
+            key.push_str(&format!("/{}={}", assignment.name, assignment.label));
+        }
+        key
+    }
+
+    /// The trial with this index, without working out its worlds.
+    fn outline(&self, index: usize) -> Result<Outline, PlanError> {
+        let variation = self.0.combinations.get(index)?;
+        self.outline_of(self.key(&variation), variation)
+    }
+
+    fn outline_of(&self, key: String, variation: Vec<Assignment>) -> Result<Outline, PlanError> {
+        let (scenario, Common { rounds, runs, .. }) = (self.scenario(), &*self.0);
+        let criteria = criteria(scenario, &variables(&variation)).map_err(|error| error.in_case(&key))?;
+        Ok(Outline { key, variation, runs: *runs, rounds: *rounds, criteria })
+    }
+
+    /// All of them, of which no two have one name.
+    fn outlines(&self) -> impl Iterator<Item = Result<Outline, PlanError>> {
+        let scenario = self.scenario();
+        let mut keys: HashSet<[u8; 16]> = HashSet::new();
+        (0..self.len()).map(move |index| {
+            let variation = self.0.combinations.get(index)?;
+            let key = self.key(&variation);
+            if !keys.insert(digest([key.as_str()].into_iter())) {
+                let message = format!("scenario `{}` has two trials named `{key}`", scenario.name);
+                return Err(PlanError::new(&scenario.origin, message).with_hint("list every value once"));
+            }
+            self.outline_of(key, variation)
+        })
+    }
+
+    /// The trial with this index, with all that it may have, or with some of it.
+    fn planned(&self, index: usize, part: Part) -> Result<PlannedTrial, PlanError> {
+        let Outline { key, variation, runs, rounds, criteria } = self.outline(index)?;
+        let all = self.0.people.len();
+        let (people, repetitions) = match part {
+            Part::Whole => (all, runs / all),
+            Part::Everybody => (all, 1),
+            Part::First => (1, 1),
+        };
+        let scenario = self.scenario();
+        let trial = Arc::new(Trial {
+            scenario: scenario.name.clone(),
+            doc: scenario.doc.clone(),
+            tags: scenario.tags.clone(),
+            runs: people * repetitions,
+            first_run: format!("{key}{}/rep=1", people_label(&self.0.people[0])),
+            rounds: rounds.filter(|_| part == Part::Whole),
+            criteria,
+            declared: scenario.criteria.len(),
+            key,
+            variation,
+            origin: scenario.origin.clone(),
+        });
+        let worlds = (0..people).map(|_| OnceLock::new()).collect();
+        let in_rounds = rounds.is_some();
+        let planned =
+            Planned { of: self.clone(), trial: trial.clone(), people, repetitions, in_rounds, worlds };
+        Ok(PlannedTrial { trial, cases: Cases(Source::Planned(planned)) })
+    }
+
+    /// The trial with this index below [`Self::len`].
+    pub fn trial(&self, index: usize) -> PlannedTrial {
+        self.planned(index, Part::Whole).expect("it was planned before")
+    }
+
+    /// Every trial.
+    pub fn trials(&self) -> impl Iterator<Item = PlannedTrial> {
+        (0..self.len()).map(|index| self.trial(index))
+    }
+}
+
+/// How much of a trial is planned.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Part {
+    Whole,
+    /// Nothing repeated.
+    Everybody,
+    /// The first of them only.
+    First,
+}
+
+impl From<Vec<Case>> for Cases {
+    fn from(listed: Vec<Case>) -> Self {
+        Self(Source::Listed(listed))
+    }
+}
+
+impl Cases {
+    pub fn len(&self) -> usize {
+        match &self.0 {
+            Source::Planned(planned) => planned.people * planned.repetitions,
+            Source::Listed(listed) => listed.len(),
+        }
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The run with this index below [`Self::len`].
+    pub fn get(&self, index: usize) -> Case {
+        match &self.0 {
+            Source::Planned(planned) => planned.case(index),
+            Source::Listed(listed) => listed[index].clone(),
+        }
+    }
+
+    /// Every run.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = Case> {
+        self.from(0)
+    }
+
+    /// Every run from this index on.
+    pub fn from(&self, first: usize) -> impl ExactSizeIterator<Item = Case> {
+        (first..self.len()).map(|index| self.get(index))
+    }
+
+    /// The first run.
+    pub fn first(&self) -> Case {
+        self.get(0)
+    }
+
+    /// The world of each group of people: those of all runs, each once.
+    pub fn worlds(&self) -> Vec<Arc<World>> {
+        match &self.0 {
+            Source::Planned(planned) => (0..planned.people).map(|who| planned.world(who)).collect(),
+            Source::Listed(listed) => {
+                let mut worlds: Vec<Arc<World>> = Vec::new();
+                for case in listed {
+                    if !worlds.iter().any(|known| Arc::ptr_eq(known, &case.world)) {
+                        worlds.push(case.world.clone());
+                    }
+                }
+                worlds
+            }
+        }
+    }
+
+    /// Works out all worlds, to `keep` them or to see that they are possible.
+    fn check(&self, keep: bool) -> Result<(), PlanError> {
+        let Source::Planned(planned) = &self.0 else { return Ok(()) };
+        for who in 0..planned.people {
+            let world = planned.resolve(who)?;
+            if keep {
+                planned.worlds[who].get_or_init(|| world);
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Planned {
+    fn case(&self, index: usize) -> Case {
+        let (who, repetition) = if self.in_rounds {
+            (index % self.people, index / self.people)
+        } else {
+            (index / self.repetitions, index % self.repetitions)
+        };
+        let (scenario, Common { seed, people, .. }) = (self.of.scenario(), &*self.of.0);
+        let repetition = repetition as u32 + 1;
+        let key = format!("{}{}/rep={repetition}", self.trial.key, people_label(&people[who]));
+        Case {
+            seed: match scenario.seed {
+                Some(seed) if repetition == 1 => seed,
+                own => derive_seed(own.unwrap_or(*seed), &key),
+            },
+            key,
+            scenario: scenario.name.clone(),
+            variation: self.trial.variation.clone(),
+            individuals: people[who].clone(),
+            repetition,
+            world: self.world(who),
+        }
+    }
+
+    fn world(&self, who: usize) -> Arc<World> {
+        self.worlds[who].get_or_init(|| self.resolve(who).expect("it was planned before")).clone()
+    }
+
+    fn resolve(&self, who: usize) -> Result<Arc<World>, PlanError> {
+        let (scenario, people) = (self.of.scenario(), &self.of.0.people);
+        let world = setup::world(scenario, &variables(&self.trial.variation), &people[who]);
+        let in_case =
+            |error: PlanError| error.in_case(&format!("{}{}", self.trial.key, people_label(&people[who])));
+        world.map(Arc::new).map_err(in_case)
+    }
+}
+
+/// The trials of one scenario in a suite, one after the other, without working out their worlds.
+///
+/// # Errors
+/// If it cannot be planned at all. What is wrong with a trial comes in its place.
+pub fn outline(suite: &Suite, scenario: &Scenario) -> Result<Vec<Outline>, PlanError> {
+    ScenarioPlan::new(suite, scenario)?.outlines().collect()
+}
+
+/// The trials of one scenario in a suite, each of which is possible.
+///
+/// # Errors
+/// The first thing that is not.
+pub fn plan_scenario(suite: &Suite, scenario: &Scenario) -> Result<ScenarioPlan, PlanError> {
+    let plan = ScenarioPlan::new(suite, scenario)?;
+    plan.outlines().try_for_each(|outline| outline.map(|_| ()))?;
+    (0..plan.len()).try_for_each(|index| plan.planned(index, Part::Everybody)?.cases.check(false))?;
+    Ok(plan)
+}
+
+/// A few runs of a scenario that show what can be wrong with all of them: the first person in every combination of
+/// variations (or the first 10,000), everybody in the first combination, nothing repeated.
+///
+/// # Errors
+/// The first thing that is not possible.
+pub fn probe_scenario(suite: &Suite, scenario: &Scenario) -> Result<Vec<PlannedTrial>, PlanError> {
+    let plan = ScenarioPlan::new(suite, scenario)?;
+    plan.outlines().try_for_each(|outline| outline.map(|_| ()))?;
+    let probe = |index| {
+        let part = if index == 0 { Part::Everybody } else { Part::First };
+        let trial = plan.planned(index, part)?;
+        trial.cases.check(true)?;
+        Ok(trial)
+    };
+    (0..plan.len().min(MOST_PROBES)).map(probe).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use files::Disk;
+    use models::standard;
+
+    fn planned(file: &str) -> ScenarioPlan {
+        let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join(file);
+        let suite =
+            lang::load(&path, &standard(), &Disk).unwrap_or_else(|_| panic!("{file} is a scenario")).suite;
+        plan_scenario(&suite, &suite.scenarios[0]).expect("it can be planned")
+    }
+
+    fn known_worlds(trial: &PlannedTrial) -> usize {
+        match &trial.cases.0 {
+            Source::Planned(planned) => planned.worlds.iter().filter(|world| world.get().is_some()).count(),
+            Source::Listed(listed) => listed.len(),
+        }
+    }
+
+    /// There may be a million: what is planned grows with neither trials nor runs, and what a trial holds not with its runs.
+    #[test]
+    fn no_world_and_no_run_is_there_before_somebody_asks() {
+        let planned = planned("scenarios/zebra/commotions_carla.scn");
+        let trial = planned.trial(2);
+        assert_eq!((trial.cases.len(), known_worlds(&trial)), (20, 0));
+        let last = trial.cases.get(19);
+        assert_eq!(known_worlds(&trial), 1, "the world of one person");
+        assert!(Arc::ptr_eq(&last.world, &trial.cases.get(16).world), "which all of their runs share");
+        assert_eq!(trial.cases.iter().count(), 20);
+        assert_eq!(known_worlds(&trial), 5);
+        assert_eq!(known_worlds(&planned.trial(2)), 0, "and which the plan itself does not keep");
+    }
+
+    #[test]
+    fn runs_have_their_places_whoever_asks_first() {
+        for file in ["scenarios/zebra/commotions_carla.scn", "scenarios/zebra/carla_walker.scn"] {
+            let planned = planned(file);
+            for (index, trial) in planned.trials().enumerate() {
+                let listed: Vec<Case> = trial.cases.iter().collect();
+                let again = planned.trial(index);
+                let backwards: Vec<Case> =
+                    (0..again.cases.len()).rev().map(|run| again.cases.get(run)).collect();
+                assert!(listed.iter().eq(backwards.iter().rev()), "{}", trial.key);
+                assert_eq!(trial.first_run, listed[0].key);
+                assert!(listed.iter().all(|case| case.key.starts_with(&trial.key)));
+            }
+        }
+    }
+}

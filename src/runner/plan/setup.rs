@@ -1,0 +1,227 @@
+//! One world of a scenario: expressions evaluated, settings resolved, places worked out.
+
+use std::sync::Arc;
+
+use super::check::check;
+use super::{PlanError, Variables};
+use scenario::{
+    Appearance, Declaration, DeclaredAppearance, DeclaredPedestrian, DeclaredShape, DeclaredVehicleStart,
+    Expression, Individual, Model, ModelSetup, Origin, Path, PedestrianSetup, Position, Scenario,
+    SettingError, Settings, Shape, Vehicle, VehicleReference, VehicleSetup, VehicleStart, World,
+};
+
+const DEFAULT_SHAPE: Shape = Shape::Disc { radius: 0.25 };
+
+/// The checked world of `scenario` where the variations have the values `variables`, with these people in it.
+pub fn world(scenario: &Scenario, variables: &Variables, people: &[Individual]) -> Result<World, PlanError> {
+    let pedestrians = scenario
+        .pedestrians
+        .iter()
+        .map(|declared| pedestrian_setup(scenario, declared, variables, people))
+        .collect::<Result<Vec<_>, _>>()?;
+    let vehicles = scenario
+        .vehicles
+        .iter()
+        .enumerate()
+        .map(|(index, declared)| vehicle_setup(scenario, declared, index, variables, &pedestrians))
+        .collect::<Result<Vec<_>, _>>()?;
+    let world = World {
+        road: scenario.road.clone(),
+        vehicles,
+        pedestrians,
+        step: scenario.step,
+        horizon: scenario.horizon,
+        finish: scenario.finish,
+        end_on_collision: scenario.end_on_collision,
+    };
+    check(scenario, &world)?;
+    Ok(world)
+}
+
+fn vehicle_setup(
+    scenario: &Scenario,
+    declared: &Vehicle,
+    index: usize,
+    variables: &Variables,
+    pedestrians: &[PedestrianSetup],
+) -> Result<VehicleSetup, PlanError> {
+    let number = |expression: &Expression| number(expression, variables, &declared.origin);
+    let controller = chosen(&declared.controller, "controller", variables)?;
+    let (dynamics, dynamics_settings) = match &declared.dynamics {
+        Some(model) => {
+            let found = chosen(model, "vehicle dynamics", variables)?;
+            let settings = resolve(&found.declaration, model, variables)?;
+            (found, settings)
+        }
+        None => {
+            let default = &controller.default_dynamics;
+            let found = default.entry().cloned().ok_or_else(|| {
+                PlanError::new(&declared.origin, format!("there are no vehicle dynamics called `{default}`"))
+            })?;
+            let settings = found.declaration.resolve(&Settings::default());
+            (found, settings.map_err(|error| PlanError::new(&declared.origin, error.to_string()))?)
+        }
+    };
+    if !dynamics.takes.contains(&controller.gives) {
+        let origin = declared.dynamics.as_ref().map_or(&declared.origin, |model| &model.origin);
+        let message = format!(
+            "dynamics `{}` do not take what controller `{}` gives ({:?})",
+            dynamics.declaration.name, controller.declaration.name, controller.gives
+        );
+        let hint = format!("use `dynamics {}`", controller.default_dynamics);
+        return Err(PlanError::new(origin, message.to_lowercase()).with_hint(hint));
+    }
+    let (length, width) = match &declared.size {
+        Some((length, width)) => (number(length)?, number(width)?),
+        None => dynamics.size,
+    };
+    let speed = number(&declared.speed)?;
+    let start = match &declared.start {
+        DeclaredVehicleStart::Distance(distance) => VehicleStart::Distance(number(distance)?),
+        DeclaredVehicleStart::TimeToArrival(time) => {
+            VehicleStart::TimeToArrival { time: number(time)?, reference: VehicleReference::Centre, x: 0.0 }
+        }
+        DeclaredVehicleStart::Automatic => {
+            let path = scenario.road.path(declared.lane);
+            automatic_start(index, path, speed, length, pedestrians).ok_or_else(|| {
+                let message = format!("nothing says where vehicle `{}` starts", declared.name);
+                let hint =
+                    "give it `start 80 m before crossing`, or let a pedestrian appear at its time to arrival";
+                PlanError::new(&declared.origin, message).with_hint(hint)
+            })?
+        }
+    };
+    let sees = match &declared.sees {
+        Some(model) => {
+            let perception = chosen(model, "perception", variables)?;
+            let settings = resolve(&perception.declaration, model, variables)?;
+            Some(ModelSetup { model: perception.into(), settings })
+        }
+        None => None,
+    };
+    Ok(VehicleSetup {
+        name: declared.name.clone(),
+        controller: ModelSetup {
+            settings: resolve(&controller.declaration, &declared.controller, variables)?,
+            model: controller.into(),
+        },
+        dynamics: ModelSetup { model: dynamics.into(), settings: dynamics_settings },
+        length,
+        width,
+        lane: declared.lane,
+        speed,
+        start,
+        sees,
+    })
+}
+
+/// Far enough out that the pedestrian who waits for the earliest arrival appears at time 0.
+fn automatic_start(
+    index: usize,
+    path: Path,
+    speed: f64,
+    length: f64,
+    pedestrians: &[PedestrianSetup],
+) -> Option<VehicleStart> {
+    let waiting = pedestrians.iter().filter_map(|pedestrian| match pedestrian.appears {
+        Appearance::TimeToArrival { vehicle, reference, time } if vehicle == index => {
+            Some((time, reference, pedestrian.start.x))
+        }
+        _ => None,
+    });
+    let travelled = |(time, reference, x): &(f64, VehicleReference, f64)| {
+        let ahead = match reference {
+            VehicleReference::Centre => 0.0,
+            VehicleReference::Front => length / 2.0,
+        };
+        path.at_line(*x) - time * speed - ahead
+    };
+    waiting
+        .min_by(|left, right| travelled(left).total_cmp(&travelled(right)))
+        .map(|(time, reference, x)| VehicleStart::TimeToArrival { time, reference, x })
+}
+
+fn pedestrian_setup(
+    scenario: &Scenario,
+    declared: &DeclaredPedestrian,
+    variables: &Variables,
+    people: &[Individual],
+) -> Result<PedestrianSetup, PlanError> {
+    let number = |expression: &Expression| number(expression, variables, &declared.origin);
+    let model = chosen(&declared.model, "pedestrian model", variables)?;
+    let road = &scenario.road;
+    let (side, sign) = (declared.side, declared.side.walking_sign());
+    let x = number(&declared.along)?;
+    let start =
+        Position { x, y: road.outer_lane_centre(side) - sign * number(&declared.start_from_lane_centre)? };
+    let goal = Position { x, y: road.kerb(side.opposite()) + sign * number(&declared.goal_beyond_kerb)? };
+    let shape = match &declared.shape {
+        None => DEFAULT_SHAPE,
+        Some(DeclaredShape::Disc { radius }) => Shape::Disc { radius: number(radius)? },
+        Some(DeclaredShape::Rectangle { length, width }) => {
+            Shape::Rectangle { length: number(length)?, width: number(width)? }
+        }
+    };
+    let appears = match &declared.appears {
+        DeclaredAppearance::At(time) => Appearance::At(number(time)?),
+        DeclaredAppearance::TimeToArrival { vehicle, reference, time } => {
+            let index = scenario.vehicles.iter().position(|car| car.name == *vehicle).ok_or_else(|| {
+                PlanError::new(&declared.origin, format!("there is no vehicle called `{vehicle}`"))
+            })?;
+            Appearance::TimeToArrival { vehicle: index, reference: *reference, time: number(time)? }
+        }
+    };
+    let mut given = evaluate(&declared.model, variables)?;
+    if let Some(person) = people.iter().find(|person| person.pedestrian == declared.name) {
+        // What the scenario says wins over the individual.
+        for (name, value) in &person.parameters.0 {
+            given.0.entry(name.clone()).or_insert_with(|| value.clone());
+        }
+    }
+    let settings =
+        model.declaration.fill_in(&given).map_err(|error| refused(&declared.model.origin, &error))?;
+    Ok(PedestrianSetup {
+        name: declared.name.clone(),
+        model: ModelSetup { model: model.into(), settings },
+        shape,
+        side: declared.side,
+        start,
+        goal,
+        appears,
+    })
+}
+
+fn resolve<T>(
+    declaration: &Declaration,
+    model: &Model<T>,
+    variables: &Variables,
+) -> Result<Settings, PlanError> {
+    declaration.fill_in(&evaluate(model, variables)?).map_err(|error| refused(&model.origin, &error))
+}
+
+/// A name that a declaration does not know; values are checked in the resolved world.
+fn refused(origin: &Origin, error: &SettingError) -> PlanError {
+    PlanError::new(origin, error.to_string())
+}
+
+fn evaluate<T>(model: &Model<T>, variables: &Variables) -> Result<Settings, PlanError> {
+    let mut settings = Settings::default();
+    for (name, expression) in &model.settings {
+        let value = expression.evaluate(variables).map_err(|error| {
+            PlanError::new(&model.origin, format!("`{name}` of `{}`: {error}", model.first))
+        })?;
+        settings.set(name.clone(), value);
+    }
+    Ok(settings)
+}
+
+/// What a model is where variations have these values.
+fn chosen<T>(model: &Model<T>, kind: &str, variables: &Variables) -> Result<Arc<T>, PlanError> {
+    let chosen = model.chosen(variables).map_err(|error| PlanError::new(&model.origin, error.to_string()))?;
+    let unknown = || PlanError::new(&model.origin, format!("there is no {kind} called `{chosen}`"));
+    chosen.entry().cloned().ok_or_else(unknown)
+}
+
+fn number(expression: &Expression, variables: &Variables, origin: &Origin) -> Result<f64, PlanError> {
+    expression.evaluate_number(variables).map_err(|error| PlanError::new(origin, error.to_string()))
+}

@@ -1,0 +1,86 @@
+//! Criteria that cannot fail or can never pass, found before anything runs.
+
+use std::collections::BTreeMap;
+
+use super::budget::at;
+use crate::plan;
+use lang::{Code, Diagnostic, Sources};
+use results::judge::{Possible, possible};
+use scenario::{Criterion, Expression, Scenario, Suite, Value};
+
+/// A warning for every criterion that cannot fail, and an error for every one that can never pass, in none of the trials that
+/// it applies to. What cannot be planned is left to planning.
+pub fn examine_bounds(suite: &Suite, sources: &Sources) -> Vec<Diagnostic> {
+    let mut found: Vec<Diagnostic> = Vec::new();
+    for scenario in &suite.scenarios {
+        for (criterion, possible) in of_scenario(suite, scenario) {
+            let Some(finding) = finding(criterion, possible, sources) else { continue };
+            // What a template or a suite says of several scenarios is said once.
+            let same = |one: &Diagnostic| (one.span(), &one.message) == (finding.span(), &finding.message);
+            if !found.iter().any(same) {
+                found.push(finding);
+            }
+        }
+    }
+    found
+}
+
+fn of_scenario<'s>(suite: &Suite, scenario: &'s Scenario) -> Vec<(&'s Criterion, Possible)> {
+    let people = plan::select_people(suite.seed, scenario).map_or(1, |people| people.len());
+    let most = scenario.runs.as_ref().map(|budget| budget.most as usize);
+    let runs = most.unwrap_or_else(|| people.saturating_mul(scenario.repeat as usize));
+    let longest = sim::longest_run(scenario.horizon, scenario.step);
+    let known = |criterion: &Criterion| {
+        let mut criterion = criterion.clone();
+        let reference = criterion.claim.metric();
+        criterion.reach.limits =
+            reference.known().and_then(|known| known.limits(&reference.settings, longest));
+        for bound in criterion.claim.bounds_mut() {
+            *bound = Expression::Constant(bound.evaluate(&BTreeMap::<String, Value>::new()).ok()?);
+        }
+        Some(criterion)
+    };
+    let depends = scenario.criteria.iter().any(|criterion| known(criterion).is_none());
+    let trials = if depends { plan::outline(suite, scenario).unwrap_or_default() } else { Vec::new() };
+    let of = |criterion: &'s Criterion| {
+        if let Some(known) = known(criterion) {
+            return Some((criterion, possible(&known, runs)));
+        }
+        let applying = trials.iter().flat_map(|trial| &trial.criteria);
+        let same = applying.filter(|one| (&one.origin, &one.text) == (&criterion.origin, &criterion.text));
+        let mut powers = same.map(|known| possible(known, runs));
+        let first = powers.next()?;
+        let agree = powers.all(|other| std::mem::discriminant(&other) == std::mem::discriminant(&first));
+        Some((criterion, if agree { first } else { Possible::Both }))
+    };
+    scenario.criteria.iter().filter_map(of).collect()
+}
+
+fn finding(criterion: &Criterion, possible: Possible, sources: &Sources) -> Option<Diagnostic> {
+    let text = &criterion.text;
+    let other_side = "bound it from the other side, claim more, or leave it out";
+    Some(match possible {
+        Possible::Both => return None,
+        Possible::NeverFails(why) => {
+            at(Code::CannotFail, &criterion.origin, format!("`{text}` cannot fail"), sources)
+                .label("holds whatever happens")
+                .note(why)
+                .hint(other_side)
+        }
+        Possible::OnlyAbsence { why, fails_by } => {
+            let metric = &criterion.claim.metric().name();
+            let message = format!("no value of `{metric}` makes `{text}` fail");
+            at(Code::CannotFail, &criterion.origin, message, sources)
+                .label("holds for every value that there can be")
+                .note(why)
+                .note(format!("it fails only by runs {fails_by}"))
+                .hint(other_side)
+        }
+        Possible::NeverHolds(why) => {
+            at(Code::NeverHolds, &criterion.origin, format!("`{text}` can never pass"), sources)
+                .label("fails whatever happens")
+                .note(why)
+                .hint("claim what a run can come to")
+        }
+    })
+}

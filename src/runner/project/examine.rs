@@ -1,0 +1,63 @@
+//! Everything that is to be said about a file before it is run, as findings at places in texts.
+
+use std::path::Path;
+
+use super::claims::examine_claims;
+use crate::experiment::rehearse_searches;
+use crate::run::{Departing, Obstacle, Stage, departing, rehearse};
+use files::Files;
+use lang::{self, Code, Diagnostic, Sources};
+use scenario::registry::Registry;
+use scenario::{Suite, show};
+
+/// Everything that is to be said about a file, which may be there only to be used by others.
+pub fn examine(path: &Path, registry: &Registry, files: &dyn Files) -> (Vec<Diagnostic>, Sources) {
+    whole(lang::examine(path, registry, files))
+}
+
+/// As [`examine`], of a text that is being edited and stands for the file at `path`.
+pub fn examine_edited(
+    path: &Path,
+    text: &str,
+    registry: &Registry,
+    files: &dyn Files,
+) -> (Vec<Diagnostic>, Sources) {
+    whole(lang::examine_edited(path, text, registry, files))
+}
+
+fn whole(lang::Examined { suite, mut found, sources }: lang::Examined) -> (Vec<Diagnostic>, Sources) {
+    if let Some(suite) = &suite {
+        found.extend(examine_claims(suite, &sources));
+        let obstacles = rehearse(suite).into_iter().chain(rehearse_searches(suite));
+        found.extend(obstacles.filter_map(|obstacle| finding(obstacle, &sources)));
+        found.extend(examine_models(suite, &sources));
+        found.sort_by_key(|diagnostic| (diagnostic.span().source, diagnostic.span().start));
+    }
+    (found, sources)
+}
+
+fn finding(obstacle: Obstacle, sources: &Sources) -> Option<Diagnostic> {
+    let (code, label) = match obstacle.stage {
+        Stage::Planning => (Code::CannotBePlanned, "cannot be planned"),
+        Stage::Building => (Code::CannotBeBuilt, "cannot be run like this"),
+    };
+    let mut finding = Diagnostic::new(code, sources.span(&obstacle.origin)?, &obstacle.message).label(label);
+    finding.notes.extend(obstacle.note());
+    let hint = obstacle.hint.unwrap_or_else(|| format!("`scenario-runner explain {code}` says more"));
+    Some(finding.hint(hint))
+}
+
+/// Models that are others than were published, to be warned of.
+pub fn examine_models(suite: &Suite, sources: &Sources) -> Vec<Diagnostic> {
+    let doubt = |Departing { departure, case, origin, .. }: Departing| {
+        let published = show(departure.published, None, departure.dimension);
+        let doubt = Diagnostic::new(Code::AnotherModel, sources.span(&origin)?, departure.to_string())
+            .label("another model than was published")
+            .hint(format!(
+                "say `{}: {published}`; with another value, say whose behaviour it is",
+                departure.parameter
+            ));
+        Some(Diagnostic { notes: vec![format!("in {case}")], ..doubt })
+    };
+    departing(suite).into_iter().filter_map(doubt).collect()
+}

@@ -1,0 +1,151 @@
+//! Projects: suites read from files, checked, planned and found possible, or everything that is wrong with them.
+
+mod claims;
+mod examine;
+mod notice;
+mod open;
+
+use std::path::Path;
+
+pub use claims::examine_claims;
+pub use examine::{examine, examine_edited};
+pub use notice::{Notice, NoticeLevel, Problems};
+pub use open::plan_notices;
+
+use crate::plan::Plan;
+use files::Files;
+use lang::Override;
+use results::Recorded;
+use scenario::Suite;
+use scenario::registry::Registry;
+
+/// Suites that are ready to run, in the order of their files.
+#[derive(Debug)]
+pub struct Project {
+    suites: Vec<PlannedSuite>,
+    registry: Registry,
+    notices: Vec<Notice>,
+}
+
+/// A suite with the runs that it asks for.
+#[derive(Debug)]
+pub struct PlannedSuite {
+    /// As the user named it.
+    pub file: String,
+    pub suite: Suite,
+    pub plan: Plan,
+    /// Runs that failed in earlier sessions.
+    pub recorded: Vec<Recorded>,
+}
+
+/// What is otherwise than the files say.
+#[derive(Debug, Clone, Default)]
+#[non_exhaustive]
+pub struct ProjectOptions {
+    seed: Option<u64>,
+    set: Vec<Override>,
+}
+
+impl ProjectOptions {
+    /// Replaces the seed of every suite.
+    pub fn seed(self, seed: impl Into<Option<u64>>) -> Self {
+        Self { seed: seed.into(), ..self }
+    }
+
+    /// Gives everything of these names other values, as if they stood in the files.
+    pub fn set(self, set: impl IntoIterator<Item = Override>) -> Self {
+        Self { set: set.into_iter().collect(), ..self }
+    }
+}
+
+impl Project {
+    /// Reads, checks and plans the suite (`.suite`) or scenarios (`.scn`, `.yaml`) in a file and all it uses, which may name
+    /// what is in `registry`.
+    ///
+    /// # Errors
+    /// Everything that is wrong, with the place of each in its file.
+    pub fn open(path: impl AsRef<Path>, registry: &Registry, files: &dyn Files) -> Result<Self, Problems> {
+        Self::open_all([path], &ProjectOptions::default(), registry, files)
+    }
+
+    /// As [`Self::open`], of several files; a file that is wrong does not hide what is wrong with the others.
+    ///
+    /// # Errors
+    /// Everything that is wrong, file by file.
+    pub fn open_all<P: AsRef<Path>>(
+        paths: impl IntoIterator<Item = P>,
+        options: &ProjectOptions,
+        registry: &Registry,
+        files: &dyn Files,
+    ) -> Result<Self, Problems> {
+        let mut notices = Vec::new();
+        let opened = |path: P| open::open(path.as_ref(), options, registry, files, &mut notices);
+        let suites: Vec<Option<PlannedSuite>> = paths.into_iter().map(opened).collect();
+        match suites.into_iter().collect() {
+            Some(suites) => Ok(Self { suites, registry: registry.clone(), notices }),
+            None => Err(Problems(notices)),
+        }
+    }
+
+    /// Its suites.
+    pub fn suites(&self) -> &[PlannedSuite] {
+        &self.suites
+    }
+
+    /// What they may name.
+    pub fn registry(&self) -> &Registry {
+        &self.registry
+    }
+
+    /// Warnings and notes: what there is to say, though it can be run.
+    pub fn notices(&self) -> &[Notice] {
+        &self.notices
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use files::Memory;
+    use models::standard;
+
+    const SCENARIO: &str = "\
+scenario walk {
+  road { lanes forward; lane_width 3.5 m; speed_limit 50 km/h; crossing zebra { width: 4 m } }
+  vehicle av { start 60 m before crossing; speed 40 km/h; controller constant_speed }
+  pedestrian walker { model scripted; start 2 m from kerb; appears at 0 s }
+  expect { no collision }
+}
+";
+
+    #[test]
+    fn a_project_needs_no_disk() {
+        let files = Memory::default().with("a.scn", SCENARIO);
+        let project = Project::open("a.scn", &standard(), &files).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(project.suites()[0].plan.len(), 1);
+        let people =
+            SCENARIO.replace("model scripted", "model commotions; individuals all of \"people.csv\"");
+        let files = Memory::default().with("a.scn", people.as_str());
+        let missing = Project::open("a.scn", &standard(), &files).unwrap_err().to_string();
+        assert!(
+            missing.contains("cannot read the population people.csv: there is no such text"),
+            "{missing}"
+        );
+        let files = files.with("people.csv", "T_delta\n10\n20\n");
+        let project = Project::open("a.scn", &standard(), &files).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(project.suites()[0].plan.trial(0).runs, 2);
+    }
+
+    #[test]
+    fn what_is_wrong_is_said_of_every_file() {
+        let files =
+            Memory::default().with("a.scn", "scenario").with("b.scn", "scenario b {").with("c.scn", SCENARIO);
+        let options = ProjectOptions::default();
+        let opened = Project::open_all(["a.scn", "c.scn", "b.scn", "d.scn"], &options, &standard(), &files);
+        let said = opened.unwrap_err().to_string();
+        let places: Vec<usize> =
+            ["a.scn:1", "b.scn:1", "d.scn"].map(|place| said.find(place).expect(place)).to_vec();
+        assert!(places.is_sorted(), "{said}");
+        assert!(!said.contains("c.scn"), "{said}");
+    }
+}

@@ -1,0 +1,148 @@
+//! Many cases, and what came of each in their order.
+
+use std::ops::ControlFlow;
+use std::panic::resume_unwind;
+use std::sync::Arc;
+
+use thiserror::Error;
+
+use super::build::RunError;
+use super::executor::Executor;
+use super::job::{Done, Job, JobFailure, JobPlace, MeasuredMetrics, Ran, Wanted};
+use super::sequence::{Sequence, Sequences, run_sequences};
+use super::stop::Stop;
+use results::Outcome;
+use scenario::Case;
+
+/// Why there are no outcomes.
+#[derive(Debug, Error)]
+pub enum BatchError {
+    #[error("{key}: {error}")]
+    Run { key: String, error: RunError },
+    /// Somebody wished it.
+    #[error("interrupted")]
+    Stopped,
+}
+
+/// Whatever makes runs, what is measured in them, and whether they are still wished for.
+#[derive(Clone, Copy)]
+pub struct RunBatch<'b> {
+    pub executor: &'b dyn Executor,
+    pub measured: &'b Arc<MeasuredMetrics>,
+    pub stop: &'b Stop,
+}
+
+impl RunBatch<'_> {
+    /// Makes `runs` runs, whose cases are `case` of their index, and gives what came of each to `take`, in their order.
+    ///
+    /// # Errors
+    /// The first, in order, that could not be made; or that not all were, since somebody wished to stop.
+    ///
+    /// # Panics
+    /// As the first run, in order, that did.
+    pub fn each(
+        self,
+        runs: usize,
+        wanted: Wanted,
+        case: impl FnMut(usize) -> Case + Send,
+        take: impl FnMut(Case, Ran) + Send,
+    ) -> Result<(), BatchError> {
+        let Self { executor, measured, stop } = self;
+        let one = One { runs, wanted, case, take, measured, failed: None };
+        let mut only = Only { one: Some(one), begun: false, taken: 0 };
+        run_sequences(executor, &mut only, stop);
+        match only.one.and_then(|one| one.failed) {
+            Some((key, JobFailure::Error(error))) => Err(BatchError::Run { key, error }),
+            Some((_, JobFailure::Panicked(panicked))) => resume_unwind(Box::new(panicked)),
+            None if only.taken < runs => Err(BatchError::Stopped),
+            None => Ok(()),
+        }
+    }
+
+    /// The outcomes of the cases, in their order. `done` is told after each.
+    ///
+    /// # Errors
+    /// As for [`Self::each`].
+    ///
+    /// # Panics
+    /// As for [`Self::each`].
+    pub fn outcomes(
+        self,
+        cases: impl ExactSizeIterator<Item = Case> + Send,
+        mut done: impl FnMut() + Send,
+    ) -> Result<Vec<Outcome>, BatchError> {
+        let mut cases = cases;
+        let runs = cases.len();
+        let mut outcomes = Vec::with_capacity(runs);
+        let case = |_| cases.next().expect("there are as many as were counted");
+        self.each(runs, Wanted::Outcome, case, |_, ran| {
+            outcomes.push(ran.outcome);
+            done();
+        })?;
+        Ok(outcomes)
+    }
+
+    /// What came of one case.
+    ///
+    /// # Errors
+    /// As for [`Self::each`].
+    ///
+    /// # Panics
+    /// As for [`Self::each`].
+    pub fn one(self, case: &Case, wanted: Wanted) -> Result<Ran, BatchError> {
+        let mut result = None;
+        self.each(1, wanted, |_| case.clone(), |_, ran| result = Some(ran))?;
+        Ok(result.expect("a run that was made came to something"))
+    }
+}
+
+/// The only sequence of a batch.
+struct One<'b, C, T> {
+    runs: usize,
+    wanted: Wanted,
+    case: C,
+    take: T,
+    measured: &'b Arc<MeasuredMetrics>,
+    failed: Option<(String, JobFailure)>,
+}
+
+impl<C: FnMut(usize) -> Case + Send, T: FnMut(Case, Ran) + Send> Sequence for One<'_, C, T> {
+    fn runs(&self) -> usize {
+        self.runs
+    }
+
+    fn job(&mut self, place: JobPlace) -> Job {
+        Job { place, case: (self.case)(place.run), measured: self.measured.clone(), wanted: self.wanted }
+    }
+
+    fn take(&mut self, done: Done) -> ControlFlow<()> {
+        match done.result {
+            Ok(ran) => {
+                (self.take)(done.case, ran);
+                ControlFlow::Continue(())
+            }
+            Err(failure) => {
+                self.failed = Some((done.case.key, failure));
+                ControlFlow::Break(())
+            }
+        }
+    }
+}
+
+struct Only<T> {
+    one: Option<T>,
+    begun: bool,
+    taken: usize,
+}
+
+impl<T: Sequence> Sequences for Only<T> {
+    type One = T;
+
+    fn open(&mut self) -> Option<T> {
+        if std::mem::replace(&mut self.begun, true) { None } else { self.one.take() }
+    }
+
+    fn close(&mut self, one: T, taken: usize) {
+        (self.one, self.taken) = (Some(one), taken);
+    }
+}

@@ -1,0 +1,116 @@
+//! Road users from their setups: registered models brought to life.
+
+use thiserror::Error;
+
+use numbers::random::ranks;
+use scenario::{ControllerContext, Dimension, PedestrianContext, Reference, Scenario, World, show};
+use sim::{ControllerError, Driven, Driver, Fault, ModelError, RoadUsers, StatedBy};
+
+/// Why a case cannot be run, or not to its end.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum RunError {
+    #[error("there is no {kind} called `{name}`")]
+    Unknown { kind: &'static str, name: String },
+    #[error("`{who}`: {error}")]
+    Model { who: String, error: ModelError },
+    #[error("`{who}` cannot decide {}: {error}", moment(*time, *free_flow))]
+    Controller {
+        who: String,
+        /// s; negative while settling before the start.
+        time: f64,
+        /// Whether it was alone on the road, to see how it drives in free flow.
+        free_flow: bool,
+        error: ControllerError,
+    },
+}
+
+/// When somebody decides, in words.
+fn moment(time: f64, free_flow: bool) -> String {
+    let seconds = show(time.abs(), None, Dimension::TIME);
+    let moment = if time < 0.0 { format!("{seconds} before the start") } else { format!("at {seconds}") };
+    if free_flow { format!("in free flow, without pedestrians, {moment}") } else { moment }
+}
+
+impl RunError {
+    /// What is wrong, numbers in the units that a scenario is written in.
+    pub fn told(&self, scenario: &Scenario) -> String {
+        let Self::Model { who, error } = self else { return self.to_string() };
+        let notation = |name: String| scenario.written.get(&name).and_then(|written| written.notation);
+        let written = |of: StatedBy| match of {
+            StatedBy::Setting(name) => {
+                ["model", "controller"].into_iter().find_map(|part| notation(format!("{who}.{part}.{name}")))
+            }
+            StatedBy::Start => notation(format!("{who}.start")),
+            StatedBy::Step => notation("step".to_string()),
+        };
+        format!("`{who}`: {}", error.told(&written))
+    }
+
+    /// What to write instead, if the model knows.
+    pub fn hint(&self) -> Option<&str> {
+        match self {
+            Self::Unknown { .. } => None,
+            Self::Model { error, .. } => error.hint.as_deref(),
+            Self::Controller { error, .. } => error.hint.as_deref(),
+        }
+    }
+
+    /// Whether the run had begun, so that it can be seen again; else no run of the case begins.
+    pub fn had_begun(&self) -> bool {
+        matches!(self, Self::Controller { .. })
+    }
+
+    /// What kept a run of `world` from its end.
+    pub fn of_fault(world: &World, fault: Fault, free_flow: bool) -> Self {
+        let who = world.vehicles[fault.vehicle].name.clone();
+        Self::Controller { who, time: fault.time, free_flow, error: fault.error }
+    }
+}
+
+/// What a reference stands for.
+fn resolved<'a, T>(reference: &'a Reference<T>, kind: &'static str) -> Result<&'a T, RunError> {
+    let unknown = || RunError::Unknown { kind, name: reference.to_string() };
+    reference.known().ok_or_else(unknown)
+}
+
+/// Builds every road user of `world` for the run with seed `seed`.
+pub fn road_users(world: &World, seed: u64) -> Result<RoadUsers, RunError> {
+    let named = |who: &str| {
+        let who = who.to_string();
+        move |error| RunError::Model { who, error }
+    };
+    let names: Vec<&str> = world.vehicles.iter().map(|setup| setup.name.as_str()).collect();
+    let vehicles = world
+        .vehicles
+        .iter()
+        .zip(ranks(&names))
+        .map(|(setup, rank)| {
+            let model = resolved(&setup.controller.model, "controller")?;
+            let dynamics = resolved(&setup.dynamics.model, "vehicle dynamics")?;
+            let context =
+                ControllerContext { settings: &setup.controller.settings, setup, world, rank, seed };
+            let driver = Driver::Inside((model.build)(&context).map_err(named(&setup.name))?);
+            let perception = setup.sees.as_ref().map(|sees| {
+                let perception = resolved(&sees.model, "perception")?;
+                (perception.build)(&sees.settings, &context, driver.schedule()).map_err(named(&setup.name))
+            });
+            Ok(Driven {
+                driver,
+                perception: perception.transpose()?,
+                dynamics: (dynamics.build)(&setup.dynamics.settings).map_err(named(&setup.name))?,
+            })
+        })
+        .collect::<Result<_, _>>()?;
+    let names: Vec<&str> = world.pedestrians.iter().map(|setup| setup.name.as_str()).collect();
+    let pedestrians = world
+        .pedestrians
+        .iter()
+        .zip(ranks(&names))
+        .map(|(setup, rank)| {
+            let model = resolved(&setup.model.model, "pedestrian model")?;
+            let context = PedestrianContext { settings: &setup.model.settings, setup, world, rank, seed };
+            (model.build)(&context).map_err(named(&setup.name))
+        })
+        .collect::<Result<_, _>>()?;
+    Ok(RoadUsers { vehicles, pedestrians })
+}

@@ -1,0 +1,73 @@
+//! Models that a world makes other ones than were published: what every report and baseline names.
+
+use crate::plan::{self, PlannedTrial};
+use scenario::{Departure, ModelSetup, Origin, Registered, Scenario, Suite, World};
+
+/// A road user whose model is another one than was published.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Departing {
+    /// Such as `walker`.
+    pub who: String,
+    pub departure: Departure,
+    /// The first run in which it is.
+    pub case: String,
+    /// Of the model.
+    pub origin: Origin,
+}
+
+/// Each of a world's, with the road user's name.
+fn of_world(world: &World) -> Vec<(&str, Departure)> {
+    let people = world.pedestrians.iter().flat_map(|person| {
+        of_model(&person.model).into_iter().map(|departure| (person.name.as_str(), departure))
+    });
+    let cars = world.vehicles.iter().flat_map(|car| {
+        of_model(&car.controller).into_iter().map(|departure| (car.name.as_str(), departure))
+    });
+    people.chain(cars).collect()
+}
+
+fn of_model<T: Registered>(setup: &ModelSetup<T>) -> Vec<Departure> {
+    let declaration = setup.model.declaration();
+    declaration.map(|declaration| declaration.departures(&setup.settings)).unwrap_or_default()
+}
+
+/// What is to be warned of in a trial, each thing once: `` `walker`: `dt` of `commotions` is … ``.
+pub fn departures(trial: &PlannedTrial) -> Vec<String> {
+    let mut said = Vec::new();
+    for world in trial.cases.worlds() {
+        for (who, departure) in of_world(&world) {
+            let text = format!("`{who}`: {departure}");
+            if !said.contains(&text) {
+                said.push(text);
+            }
+        }
+    }
+    said
+}
+
+/// Of a few runs of every scenario, as [`plan::probe_scenario`] plans them; each thing once.
+pub fn departing(suite: &Suite) -> Vec<Departing> {
+    suite.scenarios.iter().flat_map(|scenario| of_scenario(suite, scenario)).collect()
+}
+
+fn of_scenario(suite: &Suite, scenario: &Scenario) -> Vec<Departing> {
+    let mut found: Vec<Departing> = Vec::new();
+    let trials = plan::probe_scenario(suite, scenario).unwrap_or_default();
+    for case in trials.iter().flat_map(|trial| trial.cases.iter()) {
+        for (who, departure) in of_world(&case.world) {
+            if found.iter().any(|known| known.who == who && known.departure == departure) {
+                continue;
+            }
+            let cars = scenario.vehicles.iter().map(|car| (&car.name, &car.controller.origin));
+            let people = scenario.pedestrians.iter().map(|person| (&person.name, &person.model.origin));
+            let place = cars.chain(people).find(|(name, _)| *name == who);
+            found.push(Departing {
+                who: who.to_string(),
+                departure,
+                case: case.key.clone(),
+                origin: place.map_or(&scenario.origin, |(_, origin)| origin).clone(),
+            });
+        }
+    }
+    found
+}

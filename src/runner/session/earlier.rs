@@ -1,0 +1,53 @@
+//! What later units build on.
+
+use std::sync::Arc;
+
+use super::unit::Work;
+use crate::plan::PlannedTrial;
+
+use crate::experiment::EarlierResults;
+use results::{BlockResult, Outcome, TrialState, UnitReport};
+use scenario::Case;
+
+/// What others may need of a unit.
+#[derive(Debug)]
+pub enum Usable {
+    Runs { scenario: String, runs: Vec<(Case, Outcome)> },
+    Block { name: String, result: Box<BlockResult> },
+}
+
+impl Usable {
+    /// Of what became of a unit that is this work; `None` if there is nothing to build on.
+    pub fn of(work: &Work, report: &UnitReport) -> Option<Self> {
+        match report {
+            UnitReport::Recorded(_) => None,
+            UnitReport::Trial(report) => {
+                let Work::Trial(PlannedTrial { cases, .. }) = work else { return None };
+                matches!(report.state, TrialState::Judged(_)).then(|| Self::Runs {
+                    scenario: report.trial.scenario.clone(),
+                    runs: cases.iter().zip(report.outcomes.iter().cloned()).collect(),
+                })
+            }
+            UnitReport::Block(report) => {
+                let result = report.result().filter(|result| result.failure().is_none())?;
+                Some(Self::Block { name: report.block.name().to_string(), result: Box::new(result.clone()) })
+            }
+        }
+    }
+
+    /// Several as a block reads them; runs of a scenario come in the order of its trials.
+    pub fn gather(kept: impl IntoIterator<Item = Arc<Self>>) -> EarlierResults {
+        let mut results = EarlierResults::default();
+        for one in kept {
+            match &*one {
+                Self::Runs { scenario, runs } => {
+                    results.scenarios.entry(scenario.clone()).or_default().extend(runs.iter().cloned());
+                }
+                Self::Block { name, result } => {
+                    results.blocks.insert(name.clone(), (**result).clone());
+                }
+            }
+        }
+        results
+    }
+}

@@ -1,0 +1,198 @@
+//! Gates, once everything is judged: each suite's runs against its baseline.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use super::shared::Runner;
+use crate::baseline::{measured_metrics, record};
+use crate::run::{BatchError, Panicked};
+use results::judge::baseline::{Baseline, Incompatible};
+use results::judge::gate::judge_gate;
+use results::{
+    GateReport, GateState, NotJudged, Refusal, Skip, SuiteIdentity, SuiteReport, TrialReport, TrialState,
+    record_command,
+};
+use scenario::{Gate, Suite};
+
+/// Judges every gate of every suite and puts what it came to into the suite's report. With `lenient`, trials that a
+/// baseline lacks are left out instead of being a reason not to compare.
+pub fn judge_gates<'a>(runner: &Runner<'a>, reports: &mut [SuiteReport], lenient: bool) {
+    for (suite, report) in reports.iter_mut().enumerate() {
+        let gates = &runner.suites()[suite].suite.gates;
+        if gates.is_empty() {
+            continue;
+        }
+        let identity = runner.identity(suite);
+        let refusals: Vec<_> = gates.iter().map(|gate| other_runs(gate, &identity.set)).collect();
+        // Runs that a trial did not need itself are made up for only where something is compared.
+        let measured = refusals.contains(&None).then(|| {
+            let trials: Vec<_> = report.trials.iter().collect();
+            measured_trials(runner, suite, &trials)
+        });
+        report.interrupted |= matches!(measured, Some(Err(_))) && runner.stop().is_requested();
+        let judged = |(gate, refusal): (&'a Gate, Option<Refusal>)| match (refusal, &measured) {
+            (None, Some(measured)) => judge_one_gate(runner, suite, gate, measured.as_ref(), lenient),
+            (refusal, _) => {
+                let state = GateState::Refused(refusal.expect("whatever is not refused was measured"));
+                GateReport { gate: Arc::new(gate.clone()), key: gate_key(&identity.suite, gate), state }
+            }
+        };
+        report.gates = gates.iter().zip(refusals).map(judged).collect();
+    }
+}
+
+/// Values that were set make other runs, whatever their names: those of the gate's baseline only if it has the same.
+fn other_runs(gate: &Gate, set: &[String]) -> Option<Refusal> {
+    if set.is_empty() {
+        return None;
+    }
+    let base = Baseline::read_named(Path::new(&gate.baseline)).ok().filter(|base| !base.has_set(set))?;
+    let its_own = match &base.set[..] {
+        [] => String::new(),
+        its_own => format!(", which were run with {}", its_own.join(", ")),
+    };
+    let help = "leave out `--set` and `--repeat` to judge the gate, or record a baseline with them; `compare SUITE \
+                --parameters FILE` compares other parameters of what is tested";
+    Some(Refusal {
+        message: format!("with {} these are not the runs that the baseline is of{its_own}", set.join(", ")),
+        reasons: Vec::new(),
+        help: help.to_string(),
+    })
+}
+
+/// Judges one gate of the suite with index `suite` on what [`measured_trials`] gave.
+pub fn judge_one_gate<'a>(
+    runner: &Runner<'a>,
+    suite: usize,
+    gate: &'a Gate,
+    measured: Result<&Baseline, &NotJudged>,
+    lenient: bool,
+) -> GateReport {
+    let identity = runner.identity(suite);
+    let state = match measured {
+        Ok(candidate) => {
+            let suite = &runner.suites()[suite].suite;
+            state(gate, candidate, &identity, suite, lenient)
+        }
+        Err(why) => GateState::NotJudged(why.clone()),
+    };
+    GateReport { gate: Arc::new(gate.clone()), key: gate_key(&identity.suite, gate), state }
+}
+
+/// Such as `zebra/gate=braking`.
+pub fn gate_key(suite: &str, gate: &Gate) -> String {
+    format!("{suite}/gate={}", gate.name)
+}
+
+/// All trials of a suite as a baseline, or why they do not make one.
+pub fn measured_trials(
+    runner: &Runner,
+    suite: usize,
+    trials: &[&TrialReport],
+) -> Result<Baseline, NotJudged> {
+    let left_out = trials.iter().filter(|trial| trial.skipped()).count();
+    if trials.iter().all(|trial| trial.skip() == Some(&Skip::NotSelected)) {
+        return Err(NotJudged::NotSelected);
+    }
+    if left_out > 0 {
+        return Err(NotJudged::Part { left_out, trials: trials.len() });
+    }
+    for trial in trials {
+        let what = match trial.state {
+            TrialState::Errored(_) => "could not be run",
+            TrialState::NotFinished(_) => "was not finished",
+            TrialState::Judged(_) | TrialState::Skipped(_) => continue,
+        };
+        return Err(NotJudged::Incomplete(format!("{} {what}", trial.trial.key)));
+    }
+    let prepared = &runner.suites()[suite];
+    let requests = runner.requests();
+    let mut outcomes = Vec::with_capacity(trials.len());
+    // Reports have all trials of the plan, in its order.
+    for (trial, planned) in trials.iter().zip(prepared.plan.trials()) {
+        // When a trial was decided must not decide what is compared.
+        let mut all = trial.outcomes.clone();
+        let more =
+            Panicked::catch(|| runner.batch().outcomes(planned.cases.from(trial.outcomes.len()), || ()));
+        let more = more.map_err(|panicked| NotJudged::Broken(panicked.to_string()))?;
+        all.extend(more.map_err(|error| match error {
+            BatchError::Stopped => {
+                NotJudged::Incomplete(format!("interrupted before the last runs of {}", trial.trial.key))
+            }
+            BatchError::Run { .. } => NotJudged::Broken(error.to_string()),
+        })?);
+        outcomes.push((planned, all));
+    }
+    let trials: Vec<_> = outcomes.iter().map(|(trial, outcomes)| (trial, &outcomes[..])).collect();
+    let mut all = record(&prepared.plan, &trials, requests);
+    // Other suites of the session may have asked for more.
+    all.keep_metrics(&measured_metrics(&prepared.suite, runner.registry()));
+    Ok(all)
+}
+
+fn state(
+    gate: &Gate,
+    candidate: &Baseline,
+    identity: &SuiteIdentity,
+    suite: &Suite,
+    lenient: bool,
+) -> GateState {
+    let path = Path::new(&gate.baseline);
+    let record = record_command(&identity.file, &identity.set, path);
+    let judged = match Baseline::read_named(path) {
+        Ok(base) => judge_gate(gate, &base, candidate, lenient),
+        Err(error) => {
+            let (message, help) = (error.to_string(), error.hint(&record));
+            return GateState::Refused(Refusal { message, reasons: Vec::new(), help });
+        }
+    };
+    match judged {
+        Ok(verdict) => GateState::Judged(Box::new(verdict.written_as(suite))),
+        Err(reasons) => {
+            let new_ones = reasons.iter().all(|reason| matches!(reason, Incompatible::New(_)));
+            let lenient = if new_ones { "; `--baseline-lenient` leaves new trials out" } else { "" };
+            GateState::Refused(Refusal {
+                message: format!("the baseline {} may not be compared with", path.display()),
+                reasons: reasons.iter().map(ToString::to_string).collect(),
+                help: format!("record it anew, from the version to compare with, by `{record}`{lenient}"),
+            })
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::{EarlierResults, Silent};
+    use crate::project::Project;
+    use crate::run::Threads;
+    use crate::session::units;
+    use files::Disk;
+    use models::standard;
+    use results::UnitReport;
+
+    #[test]
+    fn trials_that_were_decided_early_are_run_to_their_end() {
+        let path =
+            Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("scenarios/zebra/carla_walker.scn");
+        let project = Project::open(&path, &standard(), &Disk).unwrap_or_else(|error| panic!("{error}"));
+        let suites = project.suites();
+        let threads = Threads::new(2);
+        let runner = Runner::new(suites, &threads, &standard());
+        let mut trials = Vec::new();
+        for unit in units(suites) {
+            match runner.run_unit(&unit, &EarlierResults::default(), &Silent) {
+                UnitReport::Trial(trial) => trials.push(trial),
+                _ => panic!("a scenario has trials only"),
+            }
+        }
+        let measured =
+            |trials: &[TrialReport]| measured_trials(&runner, 0, &trials.iter().collect::<Vec<_>>()).unwrap();
+        let whole = measured(&trials);
+        trials[0].outcomes.truncate(3);
+        assert_eq!(measured(&trials), whole);
+        trials[0].state = TrialState::Errored("no".into());
+        let error = measured_trials(&runner, 0, &trials.iter().collect::<Vec<_>>()).unwrap_err();
+        assert!(error.to_string().contains("could not be run"), "{error}");
+    }
+}

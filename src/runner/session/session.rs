@@ -1,0 +1,211 @@
+//! One run of a project: its units run, its gates judged, and of the runs that reports draw the courses kept.
+
+use std::path::PathBuf;
+use std::sync::{Mutex, PoisonError};
+
+use thiserror::Error;
+
+use super::coordinator::Orders;
+use super::courses::courses;
+use super::gates::judge_gates;
+use super::selection::Selection;
+use super::shared::{RunWatch, Runner};
+use super::unit::{Unit, units};
+use crate::project::Project;
+use crate::run::{Executor, Stop, Threads};
+use results::{Reporter, Results};
+
+/// What is to be run and how. Results depend on the project alone.
+pub struct Session<'a> {
+    project: &'a Project,
+    executor: Option<Box<dyn Executor + 'a>>,
+    journals: Option<PathBuf>,
+    stop: Stop,
+    watch: Option<&'a RunWatch<'a>>,
+    lenient: bool,
+    courses: bool,
+    notices: Mutex<Vec<String>>,
+}
+
+/// Why there are no results, or not all of them.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum SessionError {
+    /// What was not run has not passed.
+    #[error("nothing is selected of {units} trials and blocks")]
+    NothingSelected {
+        /// How many there are.
+        units: usize,
+    },
+    /// A run that is drawn could not be repeated, or went differently.
+    #[error("{reason}")]
+    NotRepeated {
+        /// Which run, and what became of it.
+        reason: String,
+        /// All there is besides the courses of runs.
+        results: Box<Results>,
+    },
+}
+
+impl SessionError {
+    /// What results there are all the same.
+    pub fn results(self) -> Results {
+        match self {
+            Self::NothingSelected { .. } => Results::default(),
+            Self::NotRepeated { results, .. } => *results,
+        }
+    }
+}
+
+impl<'a> Session<'a> {
+    /// One that uses all cores.
+    pub fn new(project: &'a Project) -> Self {
+        Self {
+            project,
+            executor: None,
+            journals: None,
+            stop: Stop::default(),
+            watch: None,
+            lenient: false,
+            courses: true,
+            notices: Mutex::default(),
+        }
+    }
+
+    /// With runs made by `executor`, such as fewer [`Threads`].
+    pub fn executor(self, executor: impl Executor + 'a) -> Self {
+        Self { executor: Some(Box::new(executor)), ..self }
+    }
+
+    /// With a folder where searches and tunes keep what they have evaluated, so that one that is cut off goes on.
+    pub fn journals(self, folder: impl Into<PathBuf>) -> Self {
+        Self { journals: Some(folder.into()), ..self }
+    }
+
+    /// With somebody who may wish that no more runs begin.
+    pub fn stopped_by(self, stop: &Stop) -> Self {
+        Self { stop: stop.clone(), ..self }
+    }
+
+    /// With somebody who is given the course of every run of a trial.
+    pub fn watched_by(self, watch: &'a RunWatch<'a>) -> Self {
+        Self { watch: Some(watch), ..self }
+    }
+
+    /// Whether gates leave out trials that their baseline lacks, instead of refusing to compare.
+    pub fn lenient_gates(self, lenient: bool) -> Self {
+        Self { lenient, ..self }
+    }
+
+    /// Whether the results hold the courses of the runs that reports draw. They do unless this says no.
+    pub fn courses(self, courses: bool) -> Self {
+        Self { courses, ..self }
+    }
+
+    /// Runs what is selected, and tells `reporter` what happens.
+    ///
+    /// # Errors
+    /// If nothing is selected, or a run that is drawn went differently when it was repeated.
+    pub fn run(&self, selection: &Selection, reporter: &mut dyn Reporter) -> Result<Results, SessionError> {
+        self.run_units(&units(self.project.suites()), selection, reporter)
+    }
+
+    /// As [`Self::run`], where the [units](super::units) of the project are known already.
+    ///
+    /// # Errors
+    /// As [`Self::run`].
+    pub fn run_units(
+        &self,
+        units: &[Unit<'a>],
+        selection: &Selection,
+        reporter: &mut dyn Reporter,
+    ) -> Result<Results, SessionError> {
+        let chosen = selection.chosen(units);
+        if !chosen.contains(&true) {
+            return Err(SessionError::NothingSelected { units: units.len() });
+        }
+        let threads;
+        let executor = match &self.executor {
+            Some(executor) => &**executor,
+            None => {
+                threads = Threads::all();
+                &threads
+            }
+        };
+        let mut runner =
+            Runner::new(self.project.suites(), executor, self.project.registry()).stopped_by(&self.stop);
+        if let Some(folder) = &self.journals {
+            runner = runner.journals(folder.clone());
+        }
+        if let Some(watch) = self.watch {
+            runner = runner.watched_by(watch);
+        }
+        let orders = Orders { chosen: &chosen, first: &[], max_failures: selection.max_failures };
+        let mut suites = runner.run(units, &orders, reporter);
+        judge_gates(&runner, &mut suites, self.lenient);
+        self.lock().extend(runner.notices());
+        let mut results = Results { requests: runner.requests().clone(), suites, recordings: Vec::new() };
+        if self.courses {
+            match courses(&runner, &results.suites) {
+                Ok(recordings) => results.recordings = recordings,
+                Err(reason) => {
+                    return Err(SessionError::NotRepeated { reason, results: Box::new(results) });
+                }
+            }
+        }
+        Ok(results)
+    }
+
+    /// What there is to tell besides the results, such as that the end of a journal was cut off.
+    pub fn notices(&self) -> Vec<String> {
+        std::mem::take(&mut self.lock())
+    }
+
+    fn lock(&self) -> std::sync::MutexGuard<'_, Vec<String>> {
+        self.notices.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use files::Memory;
+    use models::standard;
+    use results::{Overall, Unheard};
+
+    const SCENARIO: &str = "\
+scenario walk {
+  road { lanes forward; lane_width 3.5 m; speed_limit 50 km/h; crossing zebra { width: 4 m } }
+  vehicle av { start 60 m before crossing; speed 40 km/h; controller constant_speed }
+  pedestrian walker { model scripted; start 2 m from kerb; appears at START }
+  expect { no collision }
+}
+";
+
+    fn run(start: &str, selection: &Selection) -> Result<Results, SessionError> {
+        let files = Memory::default().with("a.scn", SCENARIO.replace("START", start).as_str());
+        let project = Project::open("a.scn", &standard(), &files).unwrap_or_else(|error| panic!("{error}"));
+        Session::new(&project).executor(Threads::new(1)).run(selection, &mut Unheard)
+    }
+
+    #[test]
+    fn a_session_needs_a_project_and_nothing_else() {
+        let late = run("15 s", &Selection::all()).unwrap();
+        assert_eq!(late.overall(), Overall::Passed);
+        assert_eq!(late.recordings.len(), 1);
+        // He steps out when the vehicle is there.
+        let hit =
+            (0..60).map(|tenth| run(&format!("{} s", f64::from(tenth) / 10.0), &Selection::all()).unwrap());
+        assert!(hit.into_iter().any(|results| results.overall() == Overall::Failed));
+    }
+
+    #[test]
+    fn what_was_not_run_has_not_passed() {
+        let nothing = run("15 s", &Selection::containing("wlak"));
+        assert!(matches!(nothing, Err(SessionError::NothingSelected { units: 1 })));
+        assert_eq!(Results::default().overall(), Overall::NothingJudged);
+        assert_eq!(run("15 s", &Selection::named("a/walk")).unwrap().overall(), Overall::Passed);
+        assert!(run("15 s", &Selection::named("a/wal")).is_err());
+        assert!(run("15 s", &Selection::marked(vec![])).is_err());
+    }
+}

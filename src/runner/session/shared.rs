@@ -1,0 +1,297 @@
+//! What the units of a session share: their suites, what is measured, and whatever makes their runs.
+
+use std::mem;
+use std::path::PathBuf;
+use std::sync::{Arc, PoisonError};
+use std::time::{Duration, Instant};
+
+use super::unit::{Unit, Work};
+use super::unit_run::{RecordedRun, TrialRun, UnitRun};
+use crate::experiment::{BlockProgress, Context, EarlierResults, ExperimentError, run_block};
+use crate::project::PlannedSuite;
+use crate::run::{
+    Executor, Job, JobPlace, MeasuredMetrics, Panicked, Ran, RunBatch, RunError, Sequences, Stop, Wanted,
+    departures, run_sequences,
+};
+use results::{
+    BlockReport, BlockState, Cut, RecordedReport, RecordedState, Requests, Skip, SuiteIdentity, TrialReport,
+    TrialState, UnitReport,
+};
+use scenario::registry::Registry;
+use scenario::{Block, Case};
+use sim::Trace;
+
+/// Given the course of every run of a trial.
+pub type RunWatch<'a> = dyn Fn(&Case, &Trace) + Sync + 'a;
+
+/// Everything that units share.
+pub struct Runner<'a> {
+    suites: &'a [PlannedSuite],
+    executor: &'a dyn Executor,
+    /// What blocks share, one per suite.
+    contexts: Vec<Context<'a>>,
+    /// Every metric that anything in any of the suites asks for: all runs are measured alike.
+    measured: Arc<MeasuredMetrics>,
+    registry: Registry,
+    stop: Stop,
+    watch: Option<&'a RunWatch<'a>>,
+}
+
+impl<'a> Runner<'a> {
+    /// One whose runs `executor` makes. The suites name what is in `registry`.
+    pub fn new(suites: &'a [PlannedSuite], executor: &'a dyn Executor, registry: &Registry) -> Self {
+        let mut contexts: Vec<_> =
+            suites.iter().map(|suite| Context::new(&suite.suite, executor, registry)).collect();
+        let mut requests = Requests::defaults(registry);
+        for context in &contexts {
+            context.requests().iter().for_each(|request| requests.add(request));
+        }
+        let measured = MeasuredMetrics::new(requests);
+        contexts.iter_mut().for_each(|context| context.measured = measured.clone());
+        let (registry, stop) = (registry.clone(), Stop::default());
+        Self { suites, executor, contexts, measured, registry, stop, watch: None }
+    }
+
+    /// With a folder where searches and tunes keep what they have evaluated.
+    pub fn journals(mut self, folder: PathBuf) -> Self {
+        self.contexts.iter_mut().for_each(|context| context.journals = Some(folder.clone()));
+        self
+    }
+
+    /// With somebody who may wish that no more runs begin.
+    pub fn stopped_by(mut self, stop: &Stop) -> Self {
+        self.contexts.iter_mut().for_each(|context| context.stop = stop.clone());
+        self.stop = stop.clone();
+        self
+    }
+
+    /// With somebody who is given the course of every run of a trial.
+    pub fn watched_by(mut self, watch: &'a RunWatch<'a>) -> Self {
+        self.watch = Some(watch);
+        self
+    }
+
+    /// What the suites may name.
+    pub fn registry(&self) -> &Registry {
+        &self.registry
+    }
+
+    /// What is measured in every run, in the order of the outcomes' metrics.
+    pub fn requests(&self) -> &Requests {
+        &self.measured.requests
+    }
+
+    pub fn executor(&self) -> &'a dyn Executor {
+        self.executor
+    }
+
+    /// For runs besides those of the units.
+    pub fn batch(&self) -> RunBatch<'_> {
+        RunBatch { executor: self.executor, measured: &self.measured, stop: &self.stop }
+    }
+
+    /// What there is to tell besides the results, such as that the end of a journal was cut off.
+    pub fn notices(&self) -> Vec<String> {
+        let notices = self.contexts.iter().map(|one| &one.notices);
+        let taken =
+            notices.map(|notices| mem::take(&mut *notices.lock().unwrap_or_else(PoisonError::into_inner)));
+        taken.flatten().collect()
+    }
+
+    pub fn stop(&self) -> &Stop {
+        &self.stop
+    }
+
+    pub fn suites(&self) -> &'a [PlannedSuite] {
+        self.suites
+    }
+
+    pub fn identity(&self, suite: usize) -> SuiteIdentity {
+        let prepared = &self.suites[suite];
+        SuiteIdentity {
+            suite: prepared.plan.suite.clone(),
+            file: prepared.file.clone(),
+            seed: prepared.plan.seed,
+            set: prepared.suite.set.clone(),
+        }
+    }
+
+    /// A run of a unit.
+    pub(super) fn job(&self, place: JobPlace, case: Case) -> Job {
+        let wanted = if self.watch.is_some() { Wanted::Trace } else { Wanted::Outcome };
+        Job { place, case, measured: self.measured.clone(), wanted }
+    }
+
+    /// What is wrong with the run of a case, in the units of the scenario; if it had begun, with how to see it again.
+    pub(super) fn told(&self, suite: usize, case: &Case, error: &RunError) -> String {
+        let scenario = self.suites[suite].suite.scenario(&case.scenario);
+        let told = scenario.map_or_else(|| error.to_string(), |scenario| error.told(scenario));
+        if !error.had_begun() {
+            return told;
+        }
+        let help = error.hint().map_or_else(String::new, |hint| format!("\nhelp: {hint}"));
+        format!("{told}{help}\nreplay: {}", self.identity(suite).replay_command(&case.key))
+    }
+
+    /// Gives the course of a run to whoever wants it.
+    pub(super) fn watched(&self, case: &Case, ran: &Ran) {
+        if let Some(watch) = self.watch {
+            watch(case, &ran.trace);
+        }
+    }
+
+    /// A unit that is made of runs, at its beginning; `None` for a block. `told` is called after every run of a trial.
+    pub(super) fn begin<'s>(
+        &'s self,
+        unit: &'s Unit<'a>,
+        told: Box<dyn FnMut() + Send + 's>,
+    ) -> Option<UnitRun<'s, 'a>> {
+        match &unit.work {
+            Work::Recorded(recorded) => {
+                Some(UnitRun::Recorded(Box::new(RecordedRun::new(self, unit.suite, &unit.key, recorded))))
+            }
+            Work::Trial(trial) => {
+                Some(UnitRun::Trial(Box::new(TrialRun::new(self, unit.suite, trial, told))))
+            }
+            Work::Block(_) => None,
+        }
+    }
+
+    /// Runs one unit by itself. A block finds what it needs in `results`.
+    pub fn run_unit(
+        &self,
+        unit: &Unit<'a>,
+        results: &EarlierResults,
+        progress: &dyn BlockProgress,
+    ) -> UnitReport {
+        if let Work::Block(block) = &unit.work {
+            return UnitReport::Block(self.block(unit.suite, block, results, progress));
+        }
+        let mut alone = Alone { first: self.begin(unit, Box::new(|| ())), report: None };
+        run_sequences(self.executor, &mut alone, &self.stop);
+        alone.report.unwrap_or_else(|| self.skipped(unit, Skip::Stopped(results::Stopping::Interrupted)))
+    }
+
+    /// Runs one block, which finds what it needs in `results`.
+    pub(super) fn block(
+        &self,
+        suite: usize,
+        block: &Arc<Block>,
+        results: &EarlierResults,
+        progress: &dyn BlockProgress,
+    ) -> BlockReport {
+        let begun = Instant::now();
+        let context = &self.contexts[suite];
+        let state = match Panicked::catch(|| run_block(block, context, results, progress)) {
+            Ok(Ok(result)) => BlockState::Finished(Box::new(result)),
+            Ok(Err(ExperimentError::Stopped)) => {
+                BlockState::NotFinished(Cut::Block(match &context.journals {
+                    Some(folder) => {
+                        format!("interrupted; the same command goes on from {}", folder.display())
+                    }
+                    None => "interrupted".to_string(),
+                }))
+            }
+            Ok(Err(error)) => BlockState::Errored(match error.hint() {
+                Some(hint) => format!("{error} ({hint})"),
+                None => error.to_string(),
+            }),
+            Err(panicked) => BlockState::Errored(panicked.to_string()),
+        };
+        let key = block.key(&self.suites[suite].suite.name);
+        BlockReport { block: block.clone(), key, state, wall_time: begun.elapsed() }
+    }
+
+    /// The report of a unit that is not run.
+    pub fn skipped(&self, unit: &Unit<'a>, reason: Skip) -> UnitReport {
+        match &unit.work {
+            Work::Recorded(recorded) => UnitReport::Recorded(RecordedReport {
+                recorded: Arc::new((*recorded).clone()),
+                key: unit.key.to_string(),
+                state: RecordedState::Skipped(reason),
+                wall_time: Duration::ZERO,
+            }),
+            Work::Trial(trial) => UnitReport::Trial(TrialReport {
+                trial: trial.trial.clone(),
+                outcomes: Vec::new(),
+                state: TrialState::Skipped(reason),
+                departures: departures(trial),
+                wall_time: Duration::ZERO,
+            }),
+            Work::Block(block) => UnitReport::Block(BlockReport {
+                block: block.clone(),
+                key: unit.key.to_string(),
+                state: BlockState::Skipped(reason),
+                wall_time: Duration::ZERO,
+            }),
+        }
+    }
+}
+
+/// A unit that is run by itself.
+struct Alone<'s, 'a> {
+    first: Option<UnitRun<'s, 'a>>,
+    report: Option<UnitReport>,
+}
+
+impl<'s, 'a> Sequences for Alone<'s, 'a> {
+    type One = UnitRun<'s, 'a>;
+
+    fn open(&mut self) -> Option<UnitRun<'s, 'a>> {
+        self.first.take()
+    }
+
+    fn close(&mut self, one: UnitRun<'s, 'a>, taken: usize) {
+        self.report = Some(one.report(taken));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::experiment::Silent;
+    use crate::project::Project;
+    use crate::run::Threads;
+    use crate::session::units;
+    use files::Disk;
+    use models::standard;
+
+    /// There may be a million runs: each holds what it has of its own, and of that what somebody may still ask for.
+    #[test]
+    fn of_a_run_no_more_is_kept_than_its_trial_needs() {
+        let path =
+            Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("scenarios/zebra/carla_walker.scn");
+        let project = Project::open(&path, &standard(), &Disk).unwrap_or_else(|error| panic!("{error}"));
+        let suites = project.suites();
+        let threads = Threads::new(1);
+        let runner = Runner::new(suites, &threads, &standard());
+        let trial = suites[0].plan.trial(0);
+        let unit = &units(suites)[0];
+        let UnitReport::Trial(report) = runner.run_unit(unit, &EarlierResults::default(), &Silent) else {
+            panic!("the first unit is a trial");
+        };
+        let asked: Vec<_> = trial.criteria.iter().map(|one| one.claim.metric()).collect();
+        let (mut kept, mut dropped) = (0, 0);
+        for outcome in &report.outcomes {
+            for (index, reference) in runner.requests().iter().enumerate() {
+                match outcome.critical.get(index) {
+                    Some(_) => {
+                        assert!(
+                            asked.contains(&reference),
+                            "nobody asks for the moment of {}",
+                            reference.name()
+                        );
+                        kept += 1;
+                    }
+                    None => dropped += usize::from(outcome.metrics[index].is_some()),
+                }
+            }
+            let walker = &outcome.presences[0].0;
+            assert!(Arc::ptr_eq(walker, &report.outcomes[0].presences[0].0), "each run has names of its own");
+        }
+        assert!(kept > 0 && dropped > 0, "{kept} kept, {dropped} dropped");
+    }
+}

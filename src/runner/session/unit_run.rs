@@ -1,0 +1,242 @@
+//! Units that are made of runs: trials, from their first run to their verdict, and runs that failed before.
+
+use std::ops::ControlFlow;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use super::shared::Runner;
+use crate::corpus::{self, case_hash};
+use crate::plan::PlannedTrial;
+use crate::run::{Done, Job, JobFailure, JobPlace, Panicked, Ran, Sequence, departures};
+use results::judge::{self, PerRun, judge, per_run};
+use results::{
+    Cut, Outcome, Recorded, RecordedReport, RecordedState, Rerun, Skip, TrialReport, TrialState, UnitReport,
+    Verdict,
+};
+use scenario::{Case, Criterion};
+
+/// A unit under way that is made of runs.
+pub enum UnitRun<'s, 'a> {
+    Trial(Box<TrialRun<'s, 'a>>),
+    Recorded(Box<RecordedRun<'s, 'a>>),
+}
+
+impl UnitRun<'_, '_> {
+    /// What became of it once `taken` of its runs were taken in.
+    pub fn report(self, taken: usize) -> UnitReport {
+        match self {
+            Self::Trial(trial) => UnitReport::Trial(trial.report(taken)),
+            Self::Recorded(recorded) => UnitReport::Recorded(recorded.report()),
+        }
+    }
+}
+
+impl Sequence for UnitRun<'_, '_> {
+    fn runs(&self) -> usize {
+        match self {
+            Self::Trial(trial) => trial.trial.cases.len(),
+            Self::Recorded(recorded) => usize::from(recorded.ended.is_none()),
+        }
+    }
+
+    fn job(&mut self, place: JobPlace) -> Job {
+        let (runner, case) = match self {
+            Self::Trial(one) => (one.runner, one.trial.cases.get(place.run)),
+            Self::Recorded(one) => (one.runner, one.case.take().expect("it is run once")),
+        };
+        runner.job(place, case)
+    }
+
+    fn take(&mut self, done: Done) -> ControlFlow<()> {
+        match self {
+            Self::Trial(trial) => trial.take(done),
+            Self::Recorded(recorded) => recorded.take(done),
+        }
+    }
+
+    fn between(&mut self, taken: usize) -> ControlFlow<()> {
+        match self {
+            Self::Trial(trial) => trial.keep_limit(taken),
+            Self::Recorded(_) => ControlFlow::Continue(()),
+        }
+    }
+}
+
+/// A trial under way.
+pub struct TrialRun<'s, 'a> {
+    runner: &'s Runner<'a>,
+    suite: usize,
+    trial: &'s PlannedTrial,
+    begun: Instant,
+    time_limit: Option<Duration>,
+    watch: judge::Watch<'s>,
+    outcomes: Vec<Outcome>,
+    /// Whether the outcomes are enough, though there could be more.
+    enough: bool,
+    /// Why it has no verdict.
+    broken: Option<TrialState>,
+    /// Told of every run that was taken in.
+    told: Box<dyn FnMut() + Send + 's>,
+}
+
+impl<'s, 'a> TrialRun<'s, 'a> {
+    pub fn new(
+        runner: &'s Runner<'a>,
+        suite: usize,
+        trial: &'s PlannedTrial,
+        told: Box<dyn FnMut() + Send + 's>,
+    ) -> Self {
+        Self {
+            runner,
+            suite,
+            trial,
+            begun: Instant::now(),
+            time_limit: runner.suites()[suite].plan.time_limit.map(Duration::from_secs_f64),
+            watch: judge::Watch::new(trial, runner.requests()),
+            outcomes: Vec::with_capacity(trial.certain_runs()),
+            enough: false,
+            broken: None,
+            told,
+        }
+    }
+
+    fn take(&mut self, done: Done) -> ControlFlow<()> {
+        let Done { case, result, .. } = done;
+        let ran = match result {
+            Ok(ran) => ran,
+            Err(JobFailure::Error(error)) => {
+                let told = self.runner.told(self.suite, &case, &error);
+                return self.breaks(TrialState::Errored(format!("{}: {told}", case.key)));
+            }
+            Err(JobFailure::Panicked(panicked)) => return self.panicked(panicked),
+        };
+        // One broken model must not take the results of all others along, nor whoever watches it.
+        match Panicked::catch(|| self.see(&case, ran)) {
+            Ok(true) => ControlFlow::Break(()),
+            Ok(false) => ControlFlow::Continue(()),
+            Err(panicked) => self.panicked(panicked),
+        }
+    }
+
+    /// Whether the runs are enough with this one, of which no more is kept than the criteria need.
+    fn see(&mut self, case: &Case, mut ran: Ran) -> bool {
+        ran.outcome.forget_unasked(&self.trial.criteria, self.runner.requests());
+        self.runner.watched(case, &ran);
+        (self.told)();
+        self.outcomes.push(ran.outcome);
+        self.enough = self.watch.enough(&self.outcomes).is_some();
+        self.enough
+    }
+
+    fn panicked(&mut self, panicked: Panicked) -> ControlFlow<()> {
+        let case = panicked.case.clone().unwrap_or_else(|| self.trial.key.clone());
+        self.breaks(TrialState::Errored(Panicked { case: Some(case), ..panicked }.to_string()))
+    }
+
+    fn breaks(&mut self, why: TrialState) -> ControlFlow<()> {
+        self.broken = Some(why);
+        ControlFlow::Break(())
+    }
+
+    fn keep_limit(&mut self, finished: usize) -> ControlFlow<()> {
+        let over = self.time_limit.filter(|limit| self.begun.elapsed() > *limit);
+        let Some(limit) = over else { return ControlFlow::Continue(()) };
+        let runs = self.trial.cases.len();
+        self.breaks(TrialState::NotFinished(Cut::TimeLimit { limit, finished, runs }))
+    }
+
+    fn report(self, finished: usize) -> TrialReport {
+        let Self { trial, watch, outcomes, enough, broken, begun, .. } = self;
+        let runs = trial.cases.len();
+        let (outcomes, state) = match broken {
+            Some(why) => (Vec::new(), why),
+            None if finished < runs && !enough => {
+                (Vec::new(), TrialState::NotFinished(Cut::Trial { finished, runs }))
+            }
+            None => {
+                let judged = watch.verdict(&outcomes);
+                (outcomes, TrialState::Judged(judged))
+            }
+        };
+        TrialReport {
+            trial: trial.trial.clone(),
+            outcomes,
+            state,
+            departures: departures(trial),
+            wall_time: begun.elapsed(),
+        }
+    }
+}
+
+/// A recorded run that is made again, under the key of its unit.
+pub struct RecordedRun<'s, 'a> {
+    runner: &'s Runner<'a>,
+    suite: usize,
+    key: String,
+    recorded: &'a Recorded,
+    criteria: Vec<Criterion>,
+    begun: Instant,
+    case: Option<Case>,
+    ended: Option<RecordedState>,
+}
+
+impl<'s, 'a> RecordedRun<'s, 'a> {
+    pub fn new(runner: &'s Runner<'a>, suite: usize, key: &str, recorded: &'a Recorded) -> Self {
+        let declared = &runner.suites()[suite].suite;
+        let begun = Instant::now();
+        let revived = Panicked::catch(|| {
+            let case = corpus::revive(recorded, declared)?;
+            Ok((Case { key: key.to_string(), ..case }, corpus::criteria(recorded, declared)?))
+        });
+        let ended = |state| (None, Vec::new(), Some(state));
+        let (case, criteria, ended) = match revived {
+            Ok(Ok((case, criteria))) => (Some(case), criteria, None),
+            Ok(Err(stale)) => {
+                let stale: corpus::Stale = stale;
+                ended(RecordedState::Skipped(Skip::Stale(stale.to_string())))
+            }
+            Err(panicked) => ended(RecordedState::Errored(panicked.to_string())),
+        };
+        Self { runner, suite, key: key.to_string(), recorded, criteria, begun, case, ended }
+    }
+
+    fn take(&mut self, done: Done) -> ControlFlow<()> {
+        self.ended = Some(match done.result {
+            Ok(ran) => Panicked::catch(|| self.judged(&done.case, ran))
+                .unwrap_or_else(|panicked| RecordedState::Errored(panicked.to_string())),
+            Err(JobFailure::Error(error)) => {
+                RecordedState::Errored(self.runner.told(self.suite, &done.case, &error))
+            }
+            Err(JobFailure::Panicked(panicked)) => RecordedState::Errored(panicked.to_string()),
+        });
+        ControlFlow::Break(())
+    }
+
+    fn judged(&self, case: &Case, ran: Ran) -> RecordedState {
+        self.runner.watched(case, &ran);
+        let outcome = ran.outcome;
+        let (decisive, others): (Vec<_>, Vec<_>) =
+            self.criteria.iter().filter_map(per_run).partition(|one| one.decisive);
+        let judged = |criteria: Vec<PerRun>| {
+            let criteria: Vec<_> = criteria.into_iter().map(|one| one.criterion).collect();
+            judge(&criteria, std::slice::from_ref(&outcome), self.runner.requests())
+        };
+        let (decided, others) = (judged(decisive), judged(others));
+        RecordedState::Ran(Box::new(Rerun {
+            same_case: case_hash(case) == self.recorded.case,
+            judged: decided,
+            against: others.findings.into_iter().filter(|one| one.verdict != Verdict::Passed).collect(),
+            outcome,
+        }))
+    }
+
+    fn report(self) -> RecordedReport {
+        let interrupted = || RecordedState::Skipped(Skip::Stopped(results::Stopping::Interrupted));
+        RecordedReport {
+            recorded: Arc::new(self.recorded.clone()),
+            key: self.key,
+            state: self.ended.unwrap_or_else(interrupted),
+            wall_time: self.begun.elapsed(),
+        }
+    }
+}

@@ -1,0 +1,86 @@
+//! The checked scenario and suite: data in SI units, and what they refer to.
+//!
+//! [`Suite`] and [`Scenario`] are what a user declared; values may still be [`Expression`]s over variations.
+//! [`Case`] is one concrete run, every expression evaluated. [`Declaration`] is how models, controllers and metrics
+//! describe themselves to the checker, the documentation and the optimiser. What a scenario names it holds, as a
+//! [`Reference`] to the entry that a registry gave: nobody below looks a name up again. [`agent`] has the seams that
+//! such entries plug into.
+
+// What `clippy.toml` bans is banned from what is shipped; tests may use it.
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+// Their failing is a panic: a closed pipe would end the program with the code of a bug.
+#![deny(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro)]
+
+pub mod agent;
+mod aggregate;
+mod block;
+mod case;
+mod conflict;
+mod criterion;
+mod declaration;
+mod declared;
+mod dimension;
+mod distribution;
+mod entry;
+mod evaluate;
+mod expression;
+mod expressions;
+mod gate;
+pub mod limits;
+mod metric;
+mod notation;
+mod optimisation;
+mod path;
+pub mod population;
+mod reference;
+pub mod registry;
+mod road;
+mod statement;
+mod symbol;
+mod trial;
+mod value;
+
+pub use aggregate::{AGGREGATES, Aggregate, AggregateOf, AggregateWord};
+pub use block::Block;
+pub use case::{
+    Appearance, Assignment, Case, Individual, ModelSetup, PedestrianSetup, Position, Shape, VehicleReference,
+    VehicleSetup, VehicleStart, World,
+};
+pub use conflict::{Approach, Conflict, half_extent};
+pub use criterion::{
+    Claim, Comparison, Criterion, MetricReference, Origin, People, Reach, Relation, VariationCondition,
+    WhenUndefined, constant,
+};
+pub use declaration::{
+    ANOTHER_MODEL, Chance, ChoiceOption, Declaration, Departure, Parameter, ParameterKind, Preset,
+    PresetFamily, Published, SettingError, Text, TextCheck, TextError,
+};
+pub use declared::{
+    DeclaredAppearance, DeclaredPedestrian, DeclaredShape, DeclaredVehicleStart, Individuals, Model,
+    PopulationShare, RunBudget, Samples, SamplingScheme, Scenario, Suite, Variation, VariedValue, Vehicle,
+};
+pub use dimension::Dimension;
+pub use distribution::{Distribution, DistributionError, KnownDistribution};
+pub use entry::{
+    BuildController, BuildDynamics, BuildPedestrian, BuildPerception, CommandKind, ControllerContext,
+    ControllerModel, DynamicsModel, PedestrianContext, PedestrianModel, PerceptionModel,
+};
+pub use evaluate::{Condition, Evaluate, Measure, ParameterSet};
+pub use expression::{BinaryOperator, EvaluationError, Expression};
+pub use gate::{Gate, GateRule, Tolerance};
+pub use metric::{Absence, Meters, Metric, MetricKind, MetricRange, Scope, Worst};
+pub use notation::{Notation, Written, out_of_range, show, show_apart, show_both, show_outside};
+pub use optimisation::{
+    Budget, CaseSet, Goal, InitialDesign, Objective, Part, RangeValues, SampleSize, Search, SearchMethod,
+    SearchRange, ShownIn, Target, Tune,
+};
+pub use path::Path;
+pub use reference::{Reference, Registered};
+pub use road::{Body, Crossing, CrossingKind, Direction, Lane, Road, Side};
+pub use statement::{
+    DeclaredStanding, Measured, OutcomesOf, Quantity, Statement, StatementClaim, StatementClaimKind,
+    TrendDirection,
+};
+pub use symbol::Symbol;
+pub use trial::{Rounds, Trial};
+pub use value::{Settings, Value, significant};

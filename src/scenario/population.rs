@@ -1,0 +1,474 @@
+//! Populations: files of individuals, each a parameter set of a pedestrian model, and the one that ships.
+//!
+//! JSON with provenance, JSON as the published fits come (several variants in one file), or CSV. The format is
+//! documented in `docs/populations.md`.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use crate::{Declaration, Parameter, Settings, Value};
+use files::Files;
+
+/// The name of the population that ships.
+pub const STANDARD: &str = "standard";
+
+const STANDARD_FILE: &str = include_str!("population/standard.json");
+
+/// The parameter that names a model's variant.
+pub const VARIANT: &str = "variant";
+
+/// A population: parameter sets of one model, numbered from 1.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Population {
+    /// The model whose parameters these are.
+    pub model: String,
+    /// The variant of the model that they belong to, if it has variants.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub variant: Option<String>,
+    /// Where the individuals come from, in words.
+    pub source: String,
+    /// How they were produced: seed, criteria, candidates, counts, version.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty", default)]
+    pub provenance: BTreeMap<String, serde_json::Value>,
+    /// The names of the columns: parameters of the model.
+    pub parameters: Vec<String>,
+    /// One row per individual, in SI units.
+    pub individuals: Vec<Vec<f64>>,
+}
+
+/// The form of the published files: parameter sets of several variants.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PublishedFits {
+    source: String,
+    variants: BTreeMap<String, PublishedFit>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PublishedFit {
+    params: Vec<String>,
+    #[serde(rename = "ranges")]
+    _ranges: Vec<(f64, f64)>,
+    #[serde(rename = "published")]
+    _published: u64,
+    rows: Vec<Vec<f64>>,
+}
+
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum JsonForm {
+    Published {
+        #[serde(rename = "variants")]
+        _variants: serde::de::IgnoredAny,
+    },
+    Own(serde::de::IgnoredAny),
+}
+
+/// What is wrong with a population, and where.
+#[derive(Debug, Error)]
+pub enum PopulationError {
+    /// The file cannot be read.
+    #[error("cannot read the population {}: {error}", file.display())]
+    Read {
+        /// The file.
+        file: PathBuf,
+        /// What the system says.
+        error: String,
+    },
+    /// The name ends neither in `.json` nor in `.csv`.
+    #[error("the population `{}` is neither `{STANDARD}` nor a .json or .csv file", file.display())]
+    UnknownFormat {
+        /// The file.
+        file: PathBuf,
+    },
+    /// The file is no JSON of one of the two forms.
+    #[error("{}: {error}", file.display())]
+    Json {
+        /// The file.
+        file: PathBuf,
+        /// Line, column and what was expected.
+        error: serde_json::Error,
+    },
+    /// The file is no CSV.
+    #[error("{}: {error}", file.display())]
+    Csv {
+        /// The file.
+        file: PathBuf,
+        /// Line and what is wrong with it.
+        error: csv::Error,
+    },
+    /// The individuals are those of another model.
+    #[error("{}: a population of the model `{found}`, but the pedestrian's model is `{expected}`", file.display())]
+    OtherModel {
+        /// The file.
+        file: PathBuf,
+        /// The population's.
+        found: String,
+        /// The pedestrian's.
+        expected: String,
+    },
+    /// The individuals are those of another variant.
+    #[error("{}: a population of the variant `{found}`, but the pedestrian's variant is `{expected}`", file.display())]
+    OtherVariant {
+        /// The file.
+        file: PathBuf,
+        /// The population's.
+        found: String,
+        /// The pedestrian's.
+        expected: String,
+    },
+    /// None of the variants in the file is the one asked for.
+    #[error("{}: no individuals of the variant `{variant}`; the file has {}", file.display(), listed(variants))]
+    NoSuchVariant {
+        /// The file.
+        file: PathBuf,
+        /// The one asked for.
+        variant: String,
+        /// Those in the file, nearest first.
+        variants: Vec<String>,
+    },
+    /// A column names no parameter.
+    #[error("{}, column {column}: `{found}` is no parameter of `{model}`{}", file.display(), did_you_mean(nearest))]
+    UnknownParameter {
+        /// The file.
+        file: PathBuf,
+        /// Counted from 1.
+        column: usize,
+        /// The name.
+        found: String,
+        /// The model.
+        model: String,
+        /// The nearest name there is.
+        nearest: Option<String>,
+    },
+    /// Two columns name the same parameter.
+    #[error("{}, column {column}: `{name}` stands there a second time", file.display())]
+    RepeatedParameter {
+        /// The file.
+        file: PathBuf,
+        /// Counted from 1.
+        column: usize,
+        /// The name.
+        name: String,
+    },
+    /// A row has too few or too many values.
+    #[error("{}, row {row}: {found} values for {expected} parameters", file.display())]
+    RowLength {
+        /// The file.
+        file: PathBuf,
+        /// Counted from 1, without the header.
+        row: usize,
+        /// Values in the row.
+        found: usize,
+        /// Parameters.
+        expected: usize,
+    },
+    /// A value is no number.
+    #[error("{}, row {row}, column `{column}`: `{found}` is no number", file.display())]
+    NotANumber {
+        /// The file.
+        file: PathBuf,
+        /// Counted from 1, without the header.
+        row: usize,
+        /// The parameter.
+        column: String,
+        /// What stands there.
+        found: String,
+    },
+    /// A value is outside the parameter's range.
+    #[error("{}, row {row}, column `{column}`: {problem}", file.display())]
+    OutOfRange {
+        /// The file.
+        file: PathBuf,
+        /// Counted from 1, without the header.
+        row: usize,
+        /// The parameter.
+        column: String,
+        /// Value, allowed range and unit.
+        problem: Box<crate::SettingError>,
+    },
+    /// There is nobody in it.
+    #[error("{}: a population without individuals", file.display())]
+    Empty {
+        /// The file.
+        file: PathBuf,
+    },
+}
+
+fn listed(variants: &[String]) -> String {
+    const SHOWN: usize = 5;
+    let shown: Vec<_> = variants.iter().take(SHOWN).map(|name| format!("`{name}`")).collect();
+    match variants.len().saturating_sub(SHOWN) {
+        0 => shown.join(", "),
+        more => format!("{} and {more} more", shown.join(", ")),
+    }
+}
+
+fn did_you_mean(nearest: &Option<String>) -> String {
+    nearest.as_ref().map(|name| format!("; did you mean `{name}`?")).unwrap_or_default()
+}
+
+impl Population {
+    /// Reads the population in a file for a model, as [`Self::parse`].
+    ///
+    /// # Errors
+    /// Whatever is wrong with the file, with row, column and allowed range.
+    pub fn read(
+        file: &Path,
+        model: &Declaration,
+        variant: Option<&str>,
+        files: &dyn Files,
+    ) -> Result<Self, PopulationError> {
+        let text = files.read_text(file, &["csv", "json"]).map_err(|error| error.to_string());
+        let text = text.as_deref().map_err(String::as_str);
+        Self::parse(&file.to_string_lossy(), Some(text), model, variant)
+    }
+
+    /// The population `name` for a model: [`STANDARD`], or a file, of which `text` is what stands in it or why it cannot be
+    /// read.
+    ///
+    /// `variant` is the model's variant if the pedestrian says one. A file with several variants gives that one's
+    /// individuals, or those of the model's default variant; in a population of one variant it must agree.
+    ///
+    /// # Errors
+    /// Whatever is wrong with the file, with row, column and allowed range.
+    pub fn parse(
+        name: &str,
+        text: Option<Result<&str, &str>>,
+        model: &Declaration,
+        variant: Option<&str>,
+    ) -> Result<Self, PopulationError> {
+        if name == STANDARD {
+            return Self::from_json(Path::new(STANDARD), STANDARD_FILE, model, variant);
+        }
+        let file = Path::new(name);
+        let text = || {
+            text.unwrap_or(Err("nobody has read it"))
+                .map_err(|error| PopulationError::Read { file: file.to_owned(), error: error.to_string() })
+        };
+        match file.extension().and_then(|extension| extension.to_str()) {
+            Some("json") => Self::from_json(file, text()?, model, variant),
+            Some("csv") => Self::from_csv(file, text()?, model, variant),
+            _ => Err(PopulationError::UnknownFormat { file: file.to_owned() }),
+        }
+    }
+
+    /// Reads either JSON form; `file` is named in errors.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub fn from_json(
+        file: &Path,
+        text: &str,
+        model: &Declaration,
+        variant: Option<&str>,
+    ) -> Result<Self, PopulationError> {
+        let malformed = |error| PopulationError::Json { file: file.to_owned(), error };
+        let population = match serde_json::from_str(text).map_err(malformed)? {
+            JsonForm::Published { .. } => {
+                let fits: PublishedFits = serde_json::from_str(text).map_err(malformed)?;
+                let wanted = variant.or_else(|| default_variant(model)).unwrap_or_default();
+                fits.choose(file, model, wanted)?
+            }
+            JsonForm::Own(_) => serde_json::from_str(text).map_err(malformed)?,
+        };
+        population.check(file, model, variant)?;
+        Ok(population)
+    }
+
+    /// Reads CSV: a header of parameter names, one row per individual, `#` before comments.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub fn from_csv(
+        file: &Path,
+        text: &str,
+        model: &Declaration,
+        variant: Option<&str>,
+    ) -> Result<Self, PopulationError> {
+        let malformed = |error| PopulationError::Csv { file: file.to_owned(), error };
+        let mut reader = csv::ReaderBuilder::new()
+            .comment(Some(b'#'))
+            .trim(csv::Trim::All)
+            .flexible(true)
+            .from_reader(text.as_bytes());
+        let parameters: Vec<String> =
+            reader.headers().map_err(malformed)?.iter().map(str::to_owned).collect();
+        let mut individuals = Vec::new();
+        for (index, record) in reader.records().enumerate() {
+            let record = record.map_err(malformed)?;
+            if record.len() != parameters.len() {
+                return Err(PopulationError::RowLength {
+                    file: file.to_owned(),
+                    row: index + 1,
+                    found: record.len(),
+                    expected: parameters.len(),
+                });
+            }
+            let number = |(field, column): (&str, &String)| {
+                field.parse::<f64>().map_err(|_| PopulationError::NotANumber {
+                    file: file.to_owned(),
+                    row: index + 1,
+                    column: column.clone(),
+                    found: field.to_owned(),
+                })
+            };
+            individuals.push(record.iter().zip(&parameters).map(number).collect::<Result<_, _>>()?);
+        }
+        let population = Self {
+            model: model.name.to_string(),
+            variant: variant.map(str::to_owned),
+            source: file.display().to_string(),
+            provenance: BTreeMap::new(),
+            parameters,
+            individuals,
+        };
+        population.check(file, model, variant)?;
+        Ok(population)
+    }
+
+    /// The population as JSON, one individual a line.
+    ///
+    /// # Errors
+    /// If a number is not finite, which JSON cannot say.
+    pub fn to_json(&self) -> serde_json::Result<String> {
+        let head = serde_json::to_string_pretty(&Self { individuals: Vec::new(), ..self.clone() })?;
+        let rows = self.individuals.iter().map(serde_json::to_string).collect::<Result<Vec<_>, _>>()?;
+        let open = head.trim_end_matches(['}', '\n', ']']);
+        Ok(format!("{open}\n{}\n  ]\n}}\n", rows.join(",\n")))
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.individuals.len()
+    }
+
+    /// Whether nobody is in it.
+    pub fn is_empty(&self) -> bool {
+        self.individuals.is_empty()
+    }
+
+    /// The parameters of the individual `number`, counted from 1; `None` if there is none of that number.
+    pub fn individual(&self, number: usize) -> Option<Settings> {
+        let row = self.individuals.get(number.checked_sub(1)?)?;
+        let mut settings = Settings::default();
+        if let Some(variant) = &self.variant {
+            settings.set(VARIANT, Value::Word(variant.clone()));
+        }
+        for (name, value) in self.parameters.iter().zip(row) {
+            settings.set(name.clone(), Value::Number(*value));
+        }
+        Some(settings)
+    }
+
+    fn check(&self, file: &Path, model: &Declaration, variant: Option<&str>) -> Result<(), PopulationError> {
+        let file = || file.to_owned();
+        if self.model != model.name {
+            return Err(PopulationError::OtherModel {
+                file: file(),
+                found: self.model.clone(),
+                expected: model.name.to_string(),
+            });
+        }
+        if let (Some(found), Some(expected)) = (&self.variant, variant)
+            && found != expected
+        {
+            return Err(PopulationError::OtherVariant {
+                file: file(),
+                found: found.clone(),
+                expected: expected.to_owned(),
+            });
+        }
+        let mut columns: Vec<&Parameter> = Vec::with_capacity(self.parameters.len());
+        for (index, name) in self.parameters.iter().enumerate() {
+            let parameter = model.parameter(name).ok_or_else(|| PopulationError::UnknownParameter {
+                file: file(),
+                column: index + 1,
+                found: name.clone(),
+                model: model.name.to_string(),
+                nearest: nearest(name, model),
+            })?;
+            if columns.iter().any(|earlier| earlier.name == name.as_str()) {
+                return Err(PopulationError::RepeatedParameter {
+                    file: file(),
+                    column: index + 1,
+                    name: name.clone(),
+                });
+            }
+            columns.push(parameter);
+        }
+        for (index, values) in self.individuals.iter().enumerate() {
+            let row = index + 1;
+            if values.len() != columns.len() {
+                return Err(PopulationError::RowLength {
+                    file: file(),
+                    row,
+                    found: values.len(),
+                    expected: columns.len(),
+                });
+            }
+            for (value, parameter) in values.iter().zip(&columns) {
+                parameter.check(&model.name, &Value::Number(*value)).map_err(|problem| {
+                    PopulationError::OutOfRange {
+                        file: file(),
+                        row,
+                        column: parameter.name.to_string(),
+                        problem: Box::new(problem),
+                    }
+                })?;
+            }
+        }
+        if self.is_empty() {
+            return Err(PopulationError::Empty { file: file() });
+        }
+        Ok(())
+    }
+}
+
+impl PublishedFits {
+    fn choose(
+        mut self,
+        file: &Path,
+        model: &Declaration,
+        wanted: &str,
+    ) -> Result<Population, PopulationError> {
+        let Some(fit) = self.variants.remove(wanted) else {
+            let mut variants: Vec<String> = self.variants.into_keys().collect();
+            variants.sort_by_key(|name| strsim::levenshtein(name, wanted));
+            return Err(PopulationError::NoSuchVariant {
+                file: file.to_owned(),
+                variant: wanted.to_owned(),
+                variants,
+            });
+        };
+        Ok(Population {
+            model: model.name.to_string(),
+            variant: Some(wanted.to_owned()),
+            source: self.source,
+            provenance: BTreeMap::new(),
+            parameters: fit.params,
+            individuals: fit.rows,
+        })
+    }
+}
+
+fn default_variant(model: &Declaration) -> Option<&str> {
+    match &model.parameter(VARIANT)?.kind {
+        crate::ParameterKind::Text { default, .. } => Some(default),
+        _ => None,
+    }
+}
+
+fn nearest(name: &str, model: &Declaration) -> Option<String> {
+    let candidates = model.parameters.iter().map(|parameter| &*parameter.name);
+    candidates
+        .map(|candidate| (strsim::damerau_levenshtein(candidate, name), candidate))
+        .filter(|&(distance, candidate)| distance * 2 <= candidate.len().max(2))
+        .min()
+        .map(|(_, candidate)| candidate.to_string())
+}

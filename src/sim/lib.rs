@@ -1,0 +1,47 @@
+//! One run: clock, kinematics, collision and observation, and the seams that road users plug into.
+//!
+//! A run knows neither the models that drive it nor what is judged of it; that does not compile:
+//!
+//! ```compile_fail
+//! use models::standard;
+//! ```
+//!
+//! ```compile_fail
+//! use results::Results;
+//! ```
+
+// What `clippy.toml` bans is banned from what is shipped; tests may use it.
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+// Their failing is a panic: a closed pipe would end the program with the code of a bug.
+#![deny(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro)]
+
+mod contact;
+mod control;
+mod course;
+mod fingerprint;
+/// Worlds and states for tests.
+#[doc(hidden)]
+pub mod fixture;
+pub mod geometry;
+pub mod measure;
+mod observer;
+pub mod random;
+mod road_users;
+pub mod script;
+mod start;
+mod timeline;
+mod trace;
+
+pub use contact::{Contacts, Solid, Touch};
+pub use course::{Course, Fault, Progress, has_arrived, has_crossed, longest_run, simulate};
+pub use fingerprint::Fingerprint;
+pub use observer::{Ending, Observer, Step, StopReason};
+pub use road_users::{Driven, Driver, RoadUsers};
+pub use scenario::agent::{
+    Command, Controller, ControllerError, Dynamics, EgoState, Longitudinal, Mode, ModelError, Motion,
+    Observation, Pedestrian, PedestrianState, Perception, RoadView, Scene, Schedule, SeenPedestrian,
+    SeenVehicle, Snapshot, Stated, StatedBy, VehicleState, velocity_inside,
+};
+pub use start::{blocked_lanes, collision_course, overlaps};
+pub use timeline::{Happening, Timeline, TimelineEvent};
+pub use trace::{Sample, Trace, TraceMark};

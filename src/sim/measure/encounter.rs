@@ -1,0 +1,375 @@
+//! What every metric of a pair needs to know, worked out once: contact, passings, time in the lane, time to collision.
+
+use nalgebra::Vector2;
+use serde::{Deserialize, Serialize};
+
+use super::passage::Passage;
+use crate::geometry::first_contact;
+use crate::{PedestrianState, Solid, Step, VehicleState};
+use scenario::{Shape, Side, World};
+
+/// The encounters of every vehicle with every pedestrian of a run.
+pub struct Encounters {
+    passages: Vec<Passage>,
+    /// The largest speed that each vehicle has had, m/s.
+    fastest: Vec<f64>,
+    /// Vehicle by vehicle.
+    pairs: Vec<Encounter>,
+    pedestrians: usize,
+    /// Touches of a vehicle and another or a box, in order.
+    others: Vec<(usize, Solid, Contact)>,
+}
+
+/// What a pedestrian did at all in a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Presence {
+    pub appeared: bool,
+    /// Came into a vehicle's lane, or appeared in it.
+    pub entered: bool,
+    /// Was in a vehicle's lane while that vehicle was within [`MEETING_TIME`] of it, or touched one.
+    pub met: bool,
+}
+
+/// Whoever is in a vehicle's lane when it is no more than so many seconds away, before or after, shares a conflict with it.
+pub const MEETING_TIME: f64 = 5.0;
+
+/// One vehicle and one pedestrian.
+///
+/// "The line" is the centre line of the vehicle's lane, which is the vehicle's path. "The strip" is what the
+/// vehicle's footprint sweeps: its width along that line.
+#[derive(Debug, Clone)]
+pub struct Encounter {
+    /// That the pedestrian comes from.
+    side: Side,
+    half_lane: f64,
+    /// When the pedestrian appeared, s.
+    pub appeared: Option<f64>,
+    /// The first touch of the footprints.
+    pub contact: Option<Contact>,
+    /// Every time the pedestrian's centre passes the line, in order, in either direction.
+    pub passings: Vec<Passing>,
+    /// Every stay of the pedestrian's footprint in the strip, in order.
+    pub visits: Vec<Visit>,
+    in_strip: bool,
+    /// The first time that the pedestrian's centre enters the lane from its own side, or appears in it.
+    pub first_entry: Option<Entry>,
+    last_entry: Option<f64>,
+    /// The crossing of the lane that was carried through.
+    pub crossing: Option<LaneCrossing>,
+    /// Time to collision of the footprints if both kept their velocities from the end of the step on, s; `None` if
+    /// they are not on a collision course.
+    pub time_to_collision: Option<f64>,
+    /// As [`Presence::met`], but for contact.
+    near: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Contact {
+    /// s
+    pub time: f64,
+    /// m/s
+    pub relative_speed: f64,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Passing {
+    /// s
+    pub time: f64,
+    /// The conflict point, as a distance along the vehicle's lane behind the middle of the crossing, m.
+    pub place: f64,
+    pub towards_goal: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Visit {
+    /// s
+    pub from: f64,
+    /// s; infinite while it lasts.
+    pub to: f64,
+    /// Extent of the footprint along the vehicle's lane over the visit, m.
+    pub low: f64,
+    pub high: f64,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Entry {
+    /// s
+    pub time: f64,
+    /// From the vehicle's centre to the pedestrian, along the lane, m.
+    pub distance: f64,
+    /// Of the vehicle, m/s.
+    pub speed: f64,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LaneCrossing {
+    /// s
+    pub entered: f64,
+    /// s
+    pub left: f64,
+}
+
+/// More visits or passings than this cost an allocation; nobody dithers that much.
+const EXPECTED_EVENTS: usize = 16;
+
+impl Encounters {
+    pub fn new(world: &World) -> Self {
+        let steps = (world.horizon / world.step).ceil().clamp(0.0, 1e6) as usize + 1;
+        let encounter = |pedestrian: usize| Encounter {
+            side: world.pedestrians[pedestrian].side,
+            half_lane: world.road.lane_width / 2.0,
+            appeared: None,
+            contact: None,
+            passings: Vec::with_capacity(EXPECTED_EVENTS),
+            visits: Vec::with_capacity(EXPECTED_EVENTS),
+            in_strip: false,
+            first_entry: None,
+            last_entry: None,
+            crossing: None,
+            time_to_collision: None,
+            near: false,
+        };
+        let pedestrians = world.pedestrians.len();
+        Self {
+            passages: vec![Passage::with_capacity(steps); world.vehicles.len()],
+            fastest: vec![0.0; world.vehicles.len()],
+            pairs: (0..world.vehicles.len()).flat_map(|_| (0..pedestrians).map(encounter)).collect(),
+            pedestrians,
+            others: Vec::new(),
+        }
+    }
+
+    pub fn pair(&self, vehicle: usize, pedestrian: usize) -> &Encounter {
+        &self.pairs[vehicle * self.pedestrians + pedestrian]
+    }
+
+    /// One per pedestrian.
+    pub fn presences(&self) -> Vec<Presence> {
+        let of = |pedestrian: usize| {
+            let pairs = || self.pairs.iter().skip(pedestrian).step_by(self.pedestrians);
+            Presence {
+                appeared: pairs().any(|pair| pair.appeared.is_some()),
+                entered: pairs().any(|pair| pair.first_entry.is_some()),
+                met: pairs().any(|pair| pair.near || pair.contact.is_some()),
+            }
+        };
+        (0..self.pedestrians).map(of).collect()
+    }
+
+    pub fn passage(&self, vehicle: usize) -> &Passage {
+        &self.passages[vehicle]
+    }
+
+    /// The first touch of a vehicle and something else.
+    pub fn contact(&self, vehicle: usize, with: Solid) -> Option<Contact> {
+        match with {
+            Solid::Pedestrian(pedestrian) => self.pair(vehicle, pedestrian).contact,
+            _ => {
+                let is_it = |(first, second, _): &&(usize, Solid, Contact)| {
+                    (*first, *second) == (vehicle, with)
+                        || (Solid::Vehicle(*first), *second) == (with, Solid::Vehicle(vehicle))
+                };
+                self.others.iter().find(is_it).map(|(_, _, contact)| *contact)
+            }
+        }
+    }
+
+    /// Whether a vehicle has touched anything.
+    pub fn has_touched(&self, vehicle: usize) -> bool {
+        let people = &self.pairs[vehicle * self.pedestrians..(vehicle + 1) * self.pedestrians];
+        let is_it = |(first, second, _): &(usize, Solid, Contact)| {
+            *first == vehicle || *second == Solid::Vehicle(vehicle)
+        };
+        people.iter().any(|pair| pair.contact.is_some()) || self.others.iter().any(is_it)
+    }
+
+    /// Whether a vehicle has touched a pedestrian.
+    pub fn was_hit(&self, pedestrian: usize) -> bool {
+        let mut pairs = self.pairs.iter().skip(pedestrian).step_by(self.pedestrians);
+        pairs.any(|pair| pair.contact.is_some())
+    }
+
+    /// Follows a step.
+    pub fn observe(&mut self, step: &Step) {
+        for touch in step.contacts.iter().filter(|touch| touch.begins) {
+            let Solid::Vehicle(vehicle) = touch.first else { continue };
+            let contact = Contact { time: step.time + touch.moment, relative_speed: touch.relative_speed };
+            match touch.second {
+                Solid::Pedestrian(pedestrian) => {
+                    let pair = &mut self.pairs[vehicle * self.pedestrians + pedestrian];
+                    pair.contact.get_or_insert(contact);
+                }
+                other => self.others.push((vehicle, other, contact)),
+            }
+        }
+        for (index, passage) in self.passages.iter_mut().enumerate() {
+            let (before, after) = (&step.before.vehicles[index], &step.after.vehicles[index]);
+            let end = step.time + step.duration;
+            self.fastest[index] = self.fastest[index].max(before.motion.speed).max(after.motion.speed);
+            passage.observe((step.time, before.motion.travelled), (end, after.motion.travelled));
+        }
+        for (index, pair) in self.pairs.iter_mut().enumerate() {
+            let (vehicle, pedestrian) = (index / self.pedestrians, index % self.pedestrians);
+            if step.before.pedestrians[pedestrian].present {
+                pair.observe(step, vehicle, pedestrian);
+                pair.look_for_meeting(step, (vehicle, self.fastest[vehicle]), pedestrian);
+            }
+        }
+    }
+}
+
+impl Encounter {
+    /// The last passing of the line if it is the one that the pedestrian carried through.
+    pub fn final_passing(&self) -> Option<Passing> {
+        self.passings.last().copied().filter(|passing| passing.towards_goal)
+    }
+
+    fn observe(&mut self, step: &Step, vehicle: usize, pedestrian: usize) {
+        let (old_car, car) = (&step.before.vehicles[vehicle], &step.after.vehicles[vehicle]);
+        let (old, new) = (&step.before.pedestrians[pedestrian], &step.after.pedestrians[pedestrian]);
+        self.appeared.get_or_insert(step.time);
+        self.time_to_collision = first_contact(car, new, new.velocity - car.velocity());
+        self.follow_lane(step, (old_car, car), (old, new));
+        self.follow_strip(step, car, (old, new));
+    }
+
+    /// Entering and leaving the lane and passing its centre line, by the pedestrian's centre.
+    fn follow_lane(
+        &mut self,
+        step: &Step,
+        (old_car, car): (&VehicleState, &VehicleState),
+        (old, new): (&PedestrianState, &PedestrianState),
+    ) {
+        let across = |person: &PedestrianState| car.path.beyond(person.position, self.side);
+        let along = |person: &PedestrianState| car.path.along(person.position);
+        let (before, after) = (across(old), across(new));
+        let (start, half) = (-self.half_lane, self.half_lane);
+        let appears_inside = self.last_entry.is_none() && before > start && before < half;
+        let entry = if appears_inside { Some(0.0) } else { rising(before, after, start) };
+        if let Some(part) = entry {
+            let time = step.time + part * step.duration;
+            self.last_entry = Some(time);
+            self.first_entry.get_or_insert_with(|| {
+                let travelled = lerp(old_car.motion.travelled, car.motion.travelled, part);
+                Entry {
+                    time,
+                    distance: lerp(along(old), along(new), part) - travelled,
+                    speed: lerp(old_car.motion.speed, car.motion.speed, part),
+                }
+            });
+        }
+        let up = rising(before, after, 0.0);
+        let down = (before >= 0.0 && after < 0.0).then(|| before / (before - after));
+        if let Some(part) = up.or(down) {
+            self.passings.push(Passing {
+                time: step.time + part * step.duration,
+                place: lerp(along(old), along(new), part),
+                towards_goal: up.is_some(),
+            });
+        }
+        if let (Some(part), Some(entered)) = (rising(before, after, half), self.last_entry) {
+            self.crossing.get_or_insert(LaneCrossing { entered, left: step.time + part * step.duration });
+        }
+    }
+
+    /// Whether the pedestrian is in the lane within [`MEETING_TIME`] of the vehicle, by the way between their footprints
+    /// along the lane and the largest speed that the vehicle has had: one that brakes or stands because somebody comes is
+    /// no farther away for it.
+    fn look_for_meeting(&mut self, step: &Step, (vehicle, fastest): (usize, f64), pedestrian: usize) {
+        let (car, person) = (&step.after.vehicles[vehicle], &step.after.pedestrians[pedestrian]);
+        if self.near || car.path.beside(person.position).abs() >= self.half_lane {
+            return;
+        }
+        let apart = (car.path.along(person.position) - car.motion.travelled).abs()
+            - car.length / 2.0
+            - half_extent(person).x;
+        self.near = apart <= fastest * MEETING_TIME;
+    }
+
+    /// Stays of the footprint in the strip that the vehicle sweeps.
+    fn follow_strip(
+        &mut self,
+        step: &Step,
+        car: &VehicleState,
+        (old, new): (&PedestrianState, &PedestrianState),
+    ) {
+        let reach = half_extent(new);
+        let border = car.width / 2.0 + reach.y;
+        let (from_y, to_y) = (car.path.beside(old.position), car.path.beside(new.position));
+        let along = |person: &PedestrianState| car.path.along(person.position);
+        let Some((enter, leave)) = part_within(from_y, to_y, border) else {
+            self.leave_strip(step.time);
+            return;
+        };
+        if !self.in_strip {
+            self.in_strip = true;
+            let from = step.time + enter * step.duration;
+            let (to, low, high) = (f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY);
+            self.visits.push(Visit { from, to, low, high });
+        }
+        if let Some(visit) = self.visits.last_mut() {
+            for part in [enter, leave] {
+                let centre = lerp(along(old), along(new), part);
+                visit.low = visit.low.min(centre - reach.x);
+                visit.high = visit.high.max(centre + reach.x);
+            }
+        }
+        if leave < 1.0 {
+            self.leave_strip(step.time + leave * step.duration);
+        }
+    }
+
+    fn leave_strip(&mut self, time: f64) {
+        if self.in_strip {
+            self.in_strip = false;
+            if let Some(visit) = self.visits.last_mut() {
+                visit.to = time;
+            }
+        }
+    }
+}
+
+/// Half the extent of a footprint along x and y, m.
+pub fn half_extent(person: &PedestrianState) -> Vector2<f64> {
+    match person.shape {
+        Shape::Disc { radius } => Vector2::new(radius, radius),
+        Shape::Rectangle { length, width } => {
+            let (forward, sideways) = (person.heading.x.abs(), person.heading.y.abs());
+            Vector2::new(length * forward + width * sideways, length * sideways + width * forward) / 2.0
+        }
+    }
+}
+
+pub fn lerp(from: f64, to: f64, part: f64) -> f64 {
+    from + part * (to - from)
+}
+
+/// The share of a step after which a rising quantity reaches `line`.
+pub fn rising(before: f64, after: f64, line: f64) -> Option<f64> {
+    (before < line && after >= line).then(|| (line - before) / (after - before))
+}
+
+/// The part of the way from `from` to `to` that lies inside (-border, border), as shares of the way.
+fn part_within(from: f64, to: f64, border: f64) -> Option<(f64, f64)> {
+    if from == to {
+        return (from.abs() < border).then_some((0.0, 1.0));
+    }
+    let (one, other) = ((-border - from) / (to - from), (border - from) / (to - from));
+    let (enter, leave) = (one.min(other).max(0.0), one.max(other).min(1.0));
+    (enter < leave).then_some((enter, leave))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_of_a_step_within_a_band() {
+        assert_eq!(part_within(-3.0, -1.0, 2.0), Some((0.5, 1.0)));
+        assert_eq!(part_within(1.0, 5.0, 2.0), Some((0.0, 0.25)));
+        assert_eq!(part_within(-4.0, 4.0, 2.0), Some((0.25, 0.75)));
+        assert_eq!(part_within(1.0, 1.0, 2.0), Some((0.0, 1.0)));
+        assert_eq!(part_within(2.0, 2.0, 2.0), None);
+        assert_eq!(part_within(3.0, 5.0, 2.0), None);
+    }
+}

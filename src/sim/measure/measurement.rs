@@ -1,0 +1,229 @@
+//! All requested metrics of one run at once: the worst over pairs, with whose it was.
+
+use super::encounter::{Encounters, Presence};
+use super::{Absence, BuildMeter, End, FreeFlow, Meter, MetricContext, Open, Scope, Worst};
+use crate::{Ending, Observer, Snapshot, Solid, Step, StopReason};
+use scenario::{MetricReference, World};
+
+/// Meters for every request and every pair of road users that it concerns.
+pub struct Measurement {
+    encounters: Encounters,
+    requests: Vec<Request>,
+    /// When and in which state the run ended before everybody had arrived.
+    cut_off: Option<(f64, Snapshot)>,
+    /// Whether that was because somebody touched: for them everything is decided.
+    contact: bool,
+}
+
+/// What one request came to.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reading {
+    /// The value that counts for the run and whose it is; `None` if it exists for nobody.
+    pub worst: Option<SubjectValue>,
+    /// Everybody that the metric was measured for.
+    pub subjects: Vec<SubjectValue>,
+    /// What it could still have come to, if the run ended before it was decided.
+    pub open: Option<Open>,
+}
+
+/// A metric of one pair, vehicle or pedestrian.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SubjectValue {
+    pub vehicle: Option<usize>,
+    pub pedestrian: Option<usize>,
+    /// What the vehicle touches, where that is no pedestrian.
+    pub other: Option<Solid>,
+    /// `None` when it does not exist in this run.
+    pub value: Option<f64>,
+    /// When it took that value, s.
+    pub instant: Option<f64>,
+    /// As [`Reading::open`].
+    pub open: Option<Open>,
+}
+
+/// Whom a metric is measured for: the index of a vehicle, and with whom or what, or a pedestrian alone.
+type Subject = (Option<usize>, Option<Solid>);
+
+struct Request {
+    worst: Worst,
+    absence: Absence,
+    meters: Vec<(Subject, Box<dyn Meter>)>,
+}
+
+impl Measurement {
+    /// `requests` must have been checked against a registry. `free_flows` has one entry per vehicle, `free_speeds`
+    /// (m/s) one per pedestrian; without them the metrics that compare to them do not exist.
+    pub fn new(
+        world: &World,
+        requests: &[MetricReference],
+        free_flows: &[FreeFlow],
+        free_speeds: &[f64],
+    ) -> Self {
+        let meters = |reference: &MetricReference| {
+            let metric = reference.known().expect("requests were checked against a registry");
+            let build: &BuildMeter = metric.meters.get().expect("`meters` makes all that there are");
+            let settings = metric.declaration.resolve(&reference.settings).expect("settings were checked");
+            let subjects = subjects(metric.scope, world)
+                .filter(|subject| concerns(reference, world, *subject))
+                .map(|(vehicle, with)| {
+                    let pedestrian = pedestrian(with);
+                    let context = MetricContext {
+                        settings: &settings,
+                        world,
+                        vehicle: vehicle.unwrap_or(0),
+                        pedestrian: pedestrian.unwrap_or(0),
+                        with,
+                        free_flow: vehicle.and_then(|index| free_flows.get(index).copied()),
+                        free_speed: pedestrian.and_then(|index| free_speeds.get(index).copied()),
+                    };
+                    ((vehicle, with), build(&context))
+                });
+            Request { worst: metric.worst, absence: metric.absence, meters: subjects.collect() }
+        };
+        Self {
+            encounters: Encounters::new(world),
+            requests: requests.iter().map(meters).collect(),
+            cut_off: None,
+            contact: false,
+        }
+    }
+
+    /// The worst value of every request, in order.
+    pub fn values(&self) -> Vec<Option<f64>> {
+        self.readings().into_iter().map(|reading| reading.worst.and_then(|worst| worst.value)).collect()
+    }
+
+    /// Every request in order, with whose values they are.
+    pub fn readings(&self) -> Vec<Reading> {
+        let end = self.cut_off.as_ref().map(|(time, state)| End { time: *time, state });
+        let is_open = |subject: Subject| !self.contact || !self.has_touched(subject);
+        self.requests.iter().map(|request| request.reading(&self.encounters, end.as_ref(), is_open)).collect()
+    }
+
+    /// Whether a pair has touched, or a vehicle or pedestrian anything.
+    fn has_touched(&self, subject: Subject) -> bool {
+        match subject {
+            (Some(vehicle), Some(with)) => self.touched(vehicle, with),
+            (Some(vehicle), None) => self.encounters.has_touched(vehicle),
+            (None, Some(Solid::Pedestrian(person))) => self.encounters.was_hit(person),
+            (None, _) => false,
+        }
+    }
+
+    /// Whether a vehicle and something else have touched.
+    pub fn touched(&self, vehicle: usize, with: Solid) -> bool {
+        self.encounters.contact(vehicle, with).is_some()
+    }
+
+    /// Whether each pedestrian appeared, and came into a vehicle's lane.
+    pub fn presences(&self) -> Vec<Presence> {
+        self.encounters.presences()
+    }
+}
+
+impl Request {
+    /// `is_open` says of whom something may be left to come at the `end`.
+    fn reading(
+        &self,
+        encounters: &Encounters,
+        end: Option<&End>,
+        is_open: impl Fn(Subject) -> bool,
+    ) -> Reading {
+        let subjects: Vec<_> = self
+            .meters
+            .iter()
+            .map(|((vehicle, with), meter)| SubjectValue {
+                vehicle: *vehicle,
+                pedestrian: pedestrian(*with),
+                other: with.filter(|with| !matches!(with, Solid::Pedestrian(_))),
+                value: meter.value(encounters),
+                instant: meter.instant(encounters),
+                open: end.filter(|_| is_open((*vehicle, *with))).and_then(|end| meter.open(encounters, end)),
+            })
+            .collect();
+        let badness = |subject: &SubjectValue| {
+            let value = subject.value?;
+            Some(if self.worst == Worst::Smallest { -value } else { value })
+        };
+        let mut worst: Option<(f64, SubjectValue)> = None;
+        for subject in &subjects {
+            if let Some(bad) = badness(subject).filter(|bad| worst.is_none_or(|(most, _)| *bad > most)) {
+                worst = Some((bad, *subject));
+            }
+        }
+        let worst = worst.map(|(_, subject)| subject);
+        // Where somebody never got to the end, those who did are not the worst of all.
+        let missing = |subject: &&SubjectValue| subject.value.is_none() && subject.open.is_none();
+        let lost = subjects.iter().find(missing).filter(|_| self.absence == Absence::Bad).copied();
+        let open = if lost.is_some() { None } else { self.open(&subjects) };
+        let late = || subjects.iter().find(|subject| subject.open.is_some()).copied();
+        let worst = lost.or(worst).or_else(|| late().filter(|_| open.is_some()));
+        Reading { worst, subjects, open }
+    }
+
+    /// The range of the worst of all, if it is not decided.
+    fn open(&self, subjects: &[SubjectValue]) -> Option<Open> {
+        let ranges = subjects.iter().filter_map(|subject| {
+            subject.open.or(subject.value.map(|value| Open { low: value, high: value }))
+        });
+        let worse = |one: f64, other: f64| match self.worst {
+            Worst::Smallest => one.min(other),
+            Worst::Largest => one.max(other),
+        };
+        let all = ranges
+            .reduce(|one, other| Open { low: worse(one.low, other.low), high: worse(one.high, other.high) });
+        all.filter(|all| subjects.iter().any(|one| one.open.is_some()) && all.low < all.high)
+    }
+}
+
+impl Observer for Measurement {
+    fn observe(&mut self, step: &Step) {
+        self.encounters.observe(step);
+        for (_, meter) in self.requests.iter_mut().flat_map(|request| &mut request.meters) {
+            meter.observe(step, &self.encounters);
+        }
+    }
+
+    fn end(&mut self, ending: &Ending, last: &Snapshot) {
+        self.contact = ending.reason == StopReason::Collision;
+        self.cut_off = (ending.reason != StopReason::Completed).then(|| (ending.time, last.clone()));
+    }
+}
+
+fn pedestrian(with: Option<Solid>) -> Option<usize> {
+    match with {
+        Some(Solid::Pedestrian(index)) => Some(index),
+        _ => None,
+    }
+}
+
+/// Whom a metric is measured for in a world.
+fn subjects(scope: Scope, world: &World) -> impl Iterator<Item = Subject> {
+    let vehicles: Vec<Option<usize>> = match scope {
+        Scope::Pedestrian => vec![None],
+        Scope::Pair | Scope::Vehicle | Scope::Contact => (0..world.vehicles.len()).map(Some).collect(),
+    };
+    let with = move |vehicle: Option<usize>| -> Vec<Option<Solid>> {
+        let people = (0..world.pedestrians.len()).map(Solid::Pedestrian);
+        match scope {
+            Scope::Vehicle => vec![None],
+            Scope::Pair | Scope::Pedestrian => people.map(Some).collect(),
+            Scope::Contact => {
+                let cars =
+                    (0..world.vehicles.len()).filter(|other| Some(*other) != vehicle).map(Solid::Vehicle);
+                let boxes = (0..world.road.boxes.len()).map(Solid::Box);
+                let all: Vec<_> = people.chain(cars).chain(boxes).map(Some).collect();
+                // Who is alone touches nothing, which is a value too.
+                if all.is_empty() { vec![None] } else { all }
+            }
+        }
+    };
+    vehicles.into_iter().flat_map(move |vehicle| with(vehicle).into_iter().map(move |with| (vehicle, with)))
+}
+
+fn concerns(reference: &MetricReference, world: &World, (vehicle, with): Subject) -> bool {
+    reference.pair.as_ref().is_none_or(|(car, other)| {
+        vehicle.is_none_or(|index| world.vehicles[index].name == *car)
+            && (other.is_empty() || with.is_none_or(|with| with.name(world) == other))
+    })
+}
