@@ -12,7 +12,7 @@ use report::console::{stderr, stdout};
 use report::{Live, Terminal, render_block, tuned_parameters};
 use results::{BlockReport, BlockResult, BlockState, set_options};
 use runner::experiment::{CaseFile, ParameterFile};
-use runner::session::{self, Selection, Session, Unit, Work};
+use runner::session::{self, Selection, Session, UnitKind, Units};
 use scenario::registry::Registry;
 use scenario::{Block, Suite};
 
@@ -68,7 +68,7 @@ fn run(arguments: &ExperimentArguments, kind: &'static str, registry: &Registry)
     };
     let suites = project.suites();
     let units = session::units(suites);
-    let Some(wanted) = units.iter().position(|unit| is_called(unit, kind, &arguments.name)) else {
+    let Some(wanted) = (0..units.len()).find(|unit| is_called(units.kind(*unit), kind, &arguments.name)) else {
         return unknown(arguments, &units, kind);
     };
     let asked = (0..units.len()).map(|unit| unit == wanted).collect();
@@ -106,7 +106,8 @@ fn run(arguments: &ExperimentArguments, kind: &'static str, registry: &Registry)
         writeln!(stderr(), "error: {error}");
         return Exit::Scenario;
     }
-    let Some((block, result)) = done.filter(|one| one.key == units[wanted].key).find_map(|one| {
+    let key = units.key(wanted);
+    let Some((block, result)) = done.filter(|one| one.key == key).find_map(|one| {
         let result = one.result()?;
         Some((&one.block, result))
     }) else {
@@ -116,7 +117,7 @@ fn run(arguments: &ExperimentArguments, kind: &'static str, registry: &Registry)
     let file = arguments
         .save
         .as_deref()
-        .map(|path| (path, file(path, &suites[units[wanted].suite].suite, block, result)));
+        .map(|path| (path, file(path, &suites[units.suite(wanted)].suite, block, result)));
     if let Some((path, None)) = &file {
         writeln!(stderr(), "warning: nothing was chosen, so {} is not written", path.display());
     }
@@ -130,16 +131,16 @@ fn run(arguments: &ExperimentArguments, kind: &'static str, registry: &Registry)
     if result.failure().is_some() { Exit::Failed } else { Exit::Success }
 }
 
-fn is_called(unit: &Unit, kind: &str, name: &str) -> bool {
-    matches!(&unit.work, Work::Block(block) if block.kind() == kind && block.name() == name)
+fn is_called(unit: UnitKind, kind: &str, name: &str) -> bool {
+    matches!(unit, UnitKind::Block(block) if block.kind() == kind && block.name() == name)
 }
 
-fn unknown(arguments: &ExperimentArguments, units: &[Unit], kind: &str) -> Exit {
+fn unknown(arguments: &ExperimentArguments, units: &Units, kind: &str) -> Exit {
     writeln!(stderr(), "error: {} has no {kind} called `{}`", arguments.file, arguments.name);
     let known: Vec<_> = units
-        .iter()
-        .filter_map(|unit| match &unit.work {
-            Work::Block(block) if block.kind() == kind => Some(format!("`{}`", block.name())),
+        .others()
+        .filter_map(|unit| match units.kind(unit) {
+            UnitKind::Block(block) if block.kind() == kind => Some(format!("`{}`", block.name())),
             _ => None,
         })
         .collect();

@@ -11,7 +11,7 @@ use report::console::stderr;
 use runner::corpus;
 use runner::project::{PlannedSuite, Project};
 use runner::run::BatchError;
-use runner::session::{Work, units};
+use runner::session::{UnitKind, Work, units};
 use scenario::registry::Registry;
 use scenario::{Case, Criterion};
 
@@ -68,7 +68,9 @@ impl CaseArguments {
     /// stderr.
     pub fn find<'a>(&self, suites: &'a [PlannedSuite]) -> Result<FoundCase<'a>, Exit> {
         let key = &self.key;
-        for unit in units(suites).iter().filter(|unit| unit.key == *key) {
+        let units = units(suites);
+        let recorded = (0..units.len()).filter(|unit| matches!(units.kind(*unit), UnitKind::Recorded));
+        for unit in recorded.map(|unit| units.get(unit)).filter(|unit| unit.key == *key) {
             if let Work::Recorded(recorded) = &unit.work {
                 let suite = &suites[unit.suite];
                 let revived = corpus::revive(recorded, &suite.suite)

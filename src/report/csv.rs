@@ -6,7 +6,7 @@ use std::io::{self, Write};
 use ::csv::{Terminator, Writer, WriterBuilder};
 
 use super::rows::{Row, What, each_row};
-use super::verdict_word;
+use super::{need_every_trial, verdict_word};
 use files::escape::csv_cell;
 use results::judge::{PerRun, per_run};
 use results::{Outcome, Requests, Results, SuiteReport};
@@ -40,8 +40,9 @@ struct Columns<'r> {
 /// Writes a header and a row for each run.
 ///
 /// # Errors
-/// Those of `out`.
+/// Those of `out`; or the results do not hold every trial.
 pub fn write_csv(results: &Results, out: impl Write) -> io::Result<()> {
+    need_every_trial(results)?;
     let Results { requests, suites: reports, recordings: _ } = results;
     let columns = Columns::of(reports, requests);
     let mut writer = WriterBuilder::new().terminator(Terminator::CRLF).from_writer(out);

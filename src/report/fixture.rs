@@ -143,6 +143,7 @@ impl Session {
             wall_time: Duration::from_millis(1500),
             recorded: self.reruns(),
             trials: trials.collect(),
+            summary: None,
             blocks: self.blocks(),
             gates: gate::reports(&self.gate),
             interrupted: false,

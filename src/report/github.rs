@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::Repository;
+use super::{Repository, expect_every_trial};
 use super::experiment::render_block;
 use super::failure::{render_block_failure, render_failure, render_finding};
 use super::figures::short_name;
@@ -41,7 +41,11 @@ const MOST_FAILURES: usize = 20;
 const MOST_TRIALS_IN_GROUP: usize = 50;
 
 /// Workflow commands such as `::error file=…,line=…::message`, one a line; files from the root of the repository on.
+///
+/// # Panics
+/// If the results do not hold every trial.
 pub fn annotations(results: &Results, repository: &Repository) -> String {
+    expect_every_trial(results);
     let reports = &results.suites;
     let mut annotations: Vec<Annotation> = Vec::new();
     let mut add = |level, origin, title: String, said: String| match annotations
@@ -156,7 +160,11 @@ fn beginning(report: &SuiteReport) -> Origin {
 }
 
 /// The summary of a step in GitHub's Markdown.
+///
+/// # Panics
+/// If the results do not hold every trial.
 pub fn step_summary(results: &Results) -> String {
+    expect_every_trial(results);
     let Results { requests, suites: reports, recordings: _ } = results;
     let mut text = String::new();
     for report in reports {
@@ -234,12 +242,14 @@ fn suite_summary(text: &mut String, report: &SuiteReport, requests: &Requests) {
         report.wall_time.as_secs_f64(),
         markdown(&report.program.version),
     ));
+    let summary = report.summary();
     for (name, trials) in report.scenarios() {
+        let numbers: Vec<_> = summary.scenarios.iter().filter(|one| one.scenario == name).collect();
         let trials: Vec<_> = trials.into_iter().filter(|trial| !trial.skipped()).collect();
         if trials.is_empty() {
             continue;
         }
-        let columns = super::table::columns(&trials, requests);
+        let columns = super::table::columns(&numbers, requests);
         let mut heading = format!("| {} | |", markdown(name));
         let mut rule = "|---|---|".to_string();
         for column in &columns {
@@ -268,7 +278,7 @@ fn suite_summary(text: &mut String, report: &SuiteReport, requests: &Requests) {
             line(row);
         }
         line(String::new());
-        let calls = closest_calls(&trials);
+        let calls = closest_calls(&numbers);
         let warnings = trials.iter().flat_map(|trial| {
             let key = &trial.trial.key;
             trial_warnings(trial).into_iter().map(move |warning| format!("⚠️ {key}: {warning}"))

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeSet, HashMap, VecDeque};
 
-use results::{Finding, SuiteReport, TrialReport, Verdict};
+use results::{AppliedCriteria, Finding, ScenarioSummary, SuiteReport, TrialReport, Verdict};
 use scenario::{Assignment, Value};
 
 /// Trials in which a criterion did not hold.
@@ -40,31 +40,41 @@ impl Group<'_> {
 
 /// Every criterion that did not hold, grouped: what failed before what could not be decided, then by the share of the
 /// trials that it failed in. Every trial in which something did not hold is in a group.
-pub fn groups<'r>(report: &'r SuiteReport) -> Vec<Group<'r>> {
-    groups_of(&report.trials.iter().collect::<Vec<_>>())
+pub fn groups(report: &SuiteReport) -> Vec<Group<'_>> {
+    let counted = report.summary.iter().flat_map(|summary| &summary.scenarios);
+    grouped(report.placed_trials(), &counted.collect::<Vec<_>>())
 }
 
 /// Of some trials of a suite.
 pub fn groups_of<'r>(trials: &[&'r TrialReport]) -> Vec<Group<'r>> {
+    grouped(trials.iter().copied().enumerate(), &[])
+}
+
+/// Of trials with their places, and of those besides that are only counted.
+fn grouped<'r>(
+    trials: impl Iterator<Item = (usize, &'r TrialReport)>,
+    counted: &[&'r ScenarioSummary],
+) -> Vec<Group<'r>> {
     let mut groups = Vec::new();
-    let mut scenarios: Vec<(&str, Vec<&TrialReport>)> = Vec::new();
-    for trial in trials {
+    let mut scenarios: Vec<(&str, Vec<(usize, &TrialReport)>)> = Vec::new();
+    for (place, trial) in trials {
         let name = trial.trial.scenario.as_str();
         // From the end: trials of a scenario stand together.
         match scenarios.iter_mut().rev().find(|(known, _)| *known == name) {
-            Some((_, trials)) => trials.push(trial),
-            None => scenarios.push((name, vec![trial])),
+            Some((_, trials)) => trials.push((place, trial)),
+            None => scenarios.push((name, vec![(place, trial)])),
         }
     }
     for (scenario, trials) in scenarios {
         let mut criteria: Vec<&str> = Vec::new();
-        for finding in trials.iter().flat_map(|trial| trial.findings()) {
+        for finding in trials.iter().flat_map(|(_, trial)| trial.findings()) {
             if finding.verdict != Verdict::Passed && !criteria.contains(&finding.criterion.as_str()) {
                 criteria.push(&finding.criterion);
             }
         }
+        let counted = counted.iter().find(|known| known.scenario == scenario);
         for criterion in criteria {
-            of_criterion(&mut groups, scenario, criterion, &trials);
+            of_criterion(&mut groups, scenario, criterion, &trials, counted.copied());
         }
     }
     let failing = |group: &Group| group.trials.len() as f64 / group.of as f64;
@@ -74,35 +84,57 @@ pub fn groups_of<'r>(trials: &[&'r TrialReport]) -> Vec<Group<'r>> {
     groups
 }
 
+/// A trial that was judged by a criterion.
+#[derive(Clone, Copy)]
+struct JudgedTrial<'r> {
+    place: usize,
+    values: TrialValues<'r>,
+    /// Its name and what was found; `None` where no more is known than that the criterion held.
+    held: Option<(&'r str, &'r Finding)>,
+}
+
 fn of_criterion<'r>(
     groups: &mut Vec<Group<'r>>,
     scenario: &'r str,
     criterion: &'r str,
-    trials: &[&'r TrialReport],
+    trials: &[(usize, &'r TrialReport)],
+    counted: Option<&'r ScenarioSummary>,
 ) {
-    let judged: Vec<(&TrialReport, &Finding)> = trials
-        .iter()
-        .filter_map(|trial| {
-            // The scenario and a claim about it may both state it.
-            let same = trial.findings().iter().filter(|finding| finding.criterion == criterion);
-            Some((*trial, same.max_by_key(|finding| finding.verdict)?))
-        })
-        .collect();
-    let plan = Grid::new(judged.iter().map(|(trial, _)| variation(trial)).collect());
+    let held = trials.iter().filter_map(|(place, trial)| {
+        // The scenario and a claim about it may both state it.
+        let same = trial.findings().iter().filter(|finding| finding.criterion == criterion);
+        let finding = same.max_by_key(|finding| finding.verdict)?;
+        let values = TrialValues::Held(&trial.trial.variation);
+        Some(JudgedTrial { place: *place, values, held: Some((trial.trial.key.as_str(), finding)) })
+    });
+    let mut judged: Vec<JudgedTrial> = held.collect();
+    if let Some(counted) = counted {
+        let applies = |applied: &AppliedCriteria| applied.criteria.iter().any(|one| one.text == criterion);
+        let applied: Vec<bool> = counted.criteria.iter().map(applies).collect();
+        let passed = counted.passed.iter().filter(|passed| applied[passed.criteria as usize]);
+        judged.extend(passed.map(|passed| JudgedTrial {
+            place: passed.place,
+            values: TrialValues::Counted(&counted.varied, &passed.values),
+            held: None,
+        }));
+        judged.sort_by_key(|one| one.place);
+    }
+    let plan = Grid::new(&judged);
     for verdict in [Verdict::Failed, Verdict::Inconclusive] {
-        let bad: Vec<usize> = (0..judged.len()).filter(|index| judged[*index].1.verdict == verdict).collect();
+        let is_so = |one: &JudgedTrial| one.held.is_some_and(|(_, finding)| finding.verdict == verdict);
+        let bad: Vec<usize> = (0..judged.len()).filter(|index| is_so(&judged[*index])).collect();
         for members in plan.neighbours(&bad) {
-            let worst =
-                members.iter().copied().min_by(|left, right| worse(judged[*left].1, judged[*right].1));
+            let found: Vec<_> = members.iter().filter_map(|index| judged[*index].held).collect();
+            let worst = found.iter().copied().min_by(|left, right| worse(left.1, right.1));
             let Some(worst) = worst else { continue };
             groups.push(Group {
                 scenario,
                 criterion,
                 verdict,
-                trials: members.iter().map(|index| judged[*index].0.trial.key.as_str()).collect(),
+                trials: found.iter().map(|(key, _)| *key).collect(),
                 of: judged.len(),
                 values: plan.values(&members),
-                worst: (&judged[worst].0.trial.key, judged[worst].1),
+                worst,
             });
         }
     }
@@ -115,15 +147,50 @@ fn worse(left: &Finding, right: &Finding) -> std::cmp::Ordering {
     margin(left).total_cmp(&margin(right)).then(holding(left).total_cmp(&holding(right)))
 }
 
-fn variation(trial: &TrialReport) -> &[Assignment] {
-    &trial.trial.variation
+/// What varies in a trial.
+#[derive(Clone, Copy)]
+enum TrialValues<'r> {
+    Held(&'r [Assignment]),
+    /// Names, with label and value of each.
+    Counted(&'r [String], &'r [(Box<str>, Value)]),
+}
+
+/// A value that varies.
+#[derive(Clone, Copy)]
+struct Varied<'r> {
+    name: &'r str,
+    label: &'r str,
+    value: &'r Value,
+}
+
+impl<'r> TrialValues<'r> {
+    fn get(self, column: usize) -> Option<Varied<'r>> {
+        match self {
+            Self::Held(variation) => {
+                let Assignment { name, label, value } = variation.get(column)?;
+                Some(Varied { name, label, value })
+            }
+            Self::Counted(names, values) => {
+                let (label, value) = values.get(column)?;
+                Some(Varied { name: names.get(column)?, label, value })
+            }
+        }
+    }
+
+    fn len(self) -> usize {
+        match self {
+            Self::Held(variation) => variation.len(),
+            Self::Counted(_, values) => values.len(),
+        }
+    }
 }
 
 /// Trials by the ranks of their values among those that there are.
 struct Grid<'r> {
     axes: Vec<Axis<'r>>,
-    /// Of every trial, a rank per axis.
-    places: Vec<Vec<usize>>,
+    /// Of every trial, a rank per axis: there may be millions.
+    places: Vec<u32>,
+    trials: usize,
     /// Whether there is exactly one trial for every combination: only then are trials next to each other.
     is_full: bool,
 }
@@ -137,40 +204,28 @@ struct Axis<'r> {
 }
 
 impl<'r> Grid<'r> {
-    fn new(trials: Vec<&'r [Assignment]>) -> Self {
-        let first = trials.first().copied().unwrap_or_default();
-        let mut axes = Vec::new();
-        let mut places = vec![Vec::new(); trials.len()];
-        for (column, assignment) in first.iter().enumerate() {
-            let taken: Vec<&Assignment> = trials.iter().filter_map(|one| one.get(column)).collect();
-            if taken.len() < trials.len() || taken.iter().any(|one| one.name != assignment.name) {
-                continue;
-            }
-            let ordered = taken.iter().all(|one| one.value.as_number().is_some());
-            let mut distinct: Vec<&Assignment> = Vec::new();
-            let mut ranks: HashMap<String, usize> = HashMap::new();
-            let mut sorted = taken.clone();
-            if ordered {
-                let number = |one: &&Assignment| one.value.as_number().unwrap_or(0.0);
-                sorted.sort_by(|left, right| number(left).total_cmp(&number(right)));
-            }
-            for one in sorted {
-                ranks.entry(identity(&one.value)).or_insert_with(|| {
-                    distinct.push(one);
-                    distinct.len() - 1
-                });
-            }
-            for (place, one) in places.iter_mut().zip(&taken) {
-                place.push(ranks[&identity(&one.value)]);
-            }
-            let labels = distinct.iter().map(|one| one.label.split('#').next().unwrap_or_default()).collect();
-            axes.push(Axis { name: &assignment.name, labels, ordered });
-        }
+    fn new(trials: &[JudgedTrial<'r>]) -> Self {
+        let columns = trials.first().map_or(0, |first| first.values.len());
+        let ranked = (0..columns).filter_map(|column| Axis::new(trials, column));
+        let (axes, ranks): (Vec<Axis>, Vec<Vec<u32>>) = ranked.unzip();
+        let places: Vec<u32> =
+            (0..trials.len()).flat_map(|trial| ranks.iter().map(move |ranks| ranks[trial])).collect();
+        drop(ranks);
+        let mut grid = Self { axes, places, trials: trials.len(), is_full: false };
         let combinations =
-            axes.iter().try_fold(1_usize, |all, axis: &Axis| all.checked_mul(axis.labels.len()));
-        let different: BTreeSet<&Vec<usize>> = places.iter().collect();
-        let is_full = combinations == Some(places.len()) && different.len() == places.len();
-        Self { axes, places, is_full }
+            grid.axes.iter().try_fold(1_usize, |all, axis| all.checked_mul(axis.labels.len()));
+        grid.is_full = combinations == Some(grid.trials) && {
+            let mut all: Vec<u32> = (0..grid.trials as u32).collect();
+            all.sort_unstable_by_key(|trial| grid.place(*trial as usize));
+            all.windows(2).all(|pair| grid.place(pair[0] as usize) != grid.place(pair[1] as usize))
+        };
+        grid
+    }
+
+    /// The ranks of a trial, one per axis.
+    fn place(&self, trial: usize) -> &[u32] {
+        let width = self.axes.len();
+        &self.places[trial * width..(trial + 1) * width]
     }
 
     /// The trials in groups of those that are reached from each other by steps to a neighbouring value of one variation.
@@ -178,15 +233,15 @@ impl<'r> Grid<'r> {
         if !self.is_full {
             return if trials.is_empty() { Vec::new() } else { vec![trials.to_vec()] };
         }
-        let mut left: HashMap<&[usize], usize> =
-            trials.iter().map(|index| (self.places[*index].as_slice(), *index)).collect();
+        let mut left: HashMap<&[u32], usize> =
+            trials.iter().map(|index| (self.place(*index), *index)).collect();
         let mut groups = Vec::new();
         for start in trials {
-            let Some(start) = left.remove(self.places[*start].as_slice()) else { continue };
+            let Some(start) = left.remove(self.place(*start)) else { continue };
             let (mut group, mut waiting) = (Vec::new(), VecDeque::from([start]));
             while let Some(index) = waiting.pop_front() {
                 group.push(index);
-                for place in self.around(&self.places[index]) {
+                for place in self.around(self.place(index)) {
                     waiting.extend(left.remove(place.as_slice()));
                 }
             }
@@ -196,14 +251,14 @@ impl<'r> Grid<'r> {
         groups
     }
 
-    fn around(&self, place: &[usize]) -> Vec<Vec<usize>> {
+    fn around(&self, place: &[u32]) -> Vec<Vec<u32>> {
         let mut around = Vec::new();
         for (column, axis) in self.axes.iter().enumerate() {
             let rank = place[column];
-            let ranks: Vec<usize> = if axis.ordered {
+            let ranks: Vec<u32> = if axis.ordered {
                 rank.checked_sub(1).into_iter().chain([rank + 1]).collect()
             } else {
-                (0..axis.labels.len()).filter(|other| *other != rank).collect()
+                (0..axis.labels.len() as u32).filter(|other| *other != rank).collect()
             };
             for rank in ranks {
                 let mut other = place.to_vec();
@@ -218,7 +273,7 @@ impl<'r> Grid<'r> {
     fn values(&self, trials: &[usize]) -> String {
         let mut said = Vec::new();
         for (column, Axis { name, labels, ordered }) in self.axes.iter().enumerate() {
-            let ranks: BTreeSet<usize> = trials.iter().map(|index| self.places[*index][column]).collect();
+            let ranks: BTreeSet<usize> = trials.iter().map(|index| self.place(*index)[column] as usize).collect();
             let (Some(low), Some(high), last) = (ranks.first(), ranks.last(), labels.len() - 1) else {
                 continue;
             };
@@ -241,6 +296,51 @@ impl<'r> Grid<'r> {
             });
         }
         said.join(", ")
+    }
+}
+
+impl<'r> Axis<'r> {
+    /// What varies in this column, with the rank of every trial; `None` if it does not vary in all of them.
+    fn new(trials: &[JudgedTrial<'r>], column: usize) -> Option<(Self, Vec<u32>)> {
+        let name = trials.first()?.values.get(column)?.name;
+        let value = |trial: usize| trials[trial].values.get(column);
+        if !(0..trials.len()).all(|trial| value(trial).is_some_and(|one| one.name == name)) {
+            return None;
+        }
+        let of = |trial: usize| value(trial).expect("all of them have it").value;
+        let number = |trial: usize| of(trial).as_number();
+        let ordered = (0..trials.len()).all(|trial| number(trial).is_some());
+        let mut sorted: Vec<u32> = (0..trials.len() as u32).collect();
+        if ordered {
+            let number = |trial: u32| number(trial as usize).unwrap_or(0.0);
+            sorted.sort_by(|left, right| number(*left).total_cmp(&number(*right)));
+        }
+        let mut labels: Vec<&str> = Vec::new();
+        let mut ranks = vec![0; trials.len()];
+        let mut known: HashMap<String, u32> = HashMap::new();
+        let mut last: Option<u64> = None;
+        for trial in sorted {
+            let trial = trial as usize;
+            let is_new = match of(trial) {
+                // The same numbers follow each other, and there may be millions.
+                Value::Number(number) if ordered => last.replace(number.to_bits()) != Some(number.to_bits()),
+                other => {
+                    let next = labels.len() as u32;
+                    let rank = *known.entry(identity(other)).or_insert(next);
+                    ranks[trial] = rank;
+                    if rank != next {
+                        continue;
+                    }
+                    true
+                }
+            };
+            if is_new {
+                let label = value(trial).map_or("", |one| one.label);
+                labels.push(label.split('#').next().unwrap_or_default());
+            }
+            ranks[trial] = labels.len() as u32 - 1;
+        }
+        Some((Self { name, labels, ordered }, ranks))
     }
 }
 
@@ -273,8 +373,14 @@ mod tests {
         .collect()
     }
 
+    fn judged(plan: &[Vec<Assignment>]) -> Vec<JudgedTrial<'_>> {
+        let trials = plan.iter().enumerate();
+        let judged = trials.map(|(place, one)| JudgedTrial { place, values: TrialValues::Held(one), held: None });
+        judged.collect()
+    }
+
     fn told(plan: &[Vec<Assignment>], bad: &[usize]) -> Vec<String> {
-        let grid = Grid::new(plan.iter().map(Vec::as_slice).collect());
+        let grid = Grid::new(&judged(plan));
         grid.neighbours(bad).iter().map(|group| format!("{}: {}", group.len(), grid.values(group))).collect()
     }
 
@@ -334,7 +440,7 @@ mod tests {
             let speeds: Vec<f64> = (0..speeds).map(|speed| 10.0 * speed as f64).collect();
             let plan = plan(&speeds, &["a", "b", "c", "d"][..words]);
             let bad: Vec<usize> = bad.into_iter().filter(|index| *index < plan.len()).collect();
-            let grid = Grid::new(plan.iter().map(Vec::as_slice).collect());
+            let grid = Grid::new(&judged(&plan));
             let mut all: Vec<usize> = grid.neighbours(&bad).concat();
             all.sort_unstable();
             prop_assert_eq!(all, bad);

@@ -8,7 +8,7 @@ use std::io::{self, Write};
 use std::time::Duration;
 
 use self::document::{Counts, JunitReport, Problem, TestCase, TestOutcome, TestSuite};
-use super::Repository;
+use super::{Repository, need_every_trial};
 use super::digest::{Digest, written_unit};
 use super::experiment::render_block;
 use super::failure::{render_block_failure, render_failure};
@@ -24,8 +24,9 @@ use scenario::Origin;
 /// is an error. Every testcase says where it stands, in `file` and `line`, from the root of the repository on.
 ///
 /// # Errors
-/// Those of `out`.
+/// Those of `out`; or the results do not hold every trial.
 pub fn write_junit(results: &Results, repository: &Repository, out: &mut dyn Write) -> io::Result<()> {
+    need_every_trial(results)?;
     let Results { requests, suites: reports, recordings: _ } = results;
     let suites: Vec<_> = reports.iter().map(|report| (report, grouped(report))).collect();
     let mut counts = Counts::default();

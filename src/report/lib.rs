@@ -75,4 +75,20 @@ pub use tap::write_tap;
 pub use terminal::{Live, StatusLevel, Terminal};
 pub use trace::write_trace;
 pub use wording::run_words;
+use std::io;
+
+use results::{Results, SuiteReport};
 use wording::verdict_word;
+
+/// Refuses where the results do not hold every trial: a report of each would lack those that passed.
+fn need_every_trial(results: &Results) -> io::Result<()> {
+    let incomplete = results.suites.iter().find_map(SuiteReport::incomplete);
+    incomplete.map_or(Ok(()), |why| Err(io::Error::new(io::ErrorKind::InvalidInput, why)))
+}
+
+/// As [`need_every_trial`], for reports that are no files.
+fn expect_every_trial(results: &Results) {
+    if let Err(why) = need_every_trial(results) {
+        panic!("{why}");
+    }
+}

@@ -6,15 +6,16 @@ use serde_json::{Value, json};
 
 use super::json::{outcome_value, plain, variation_value};
 use super::rows::{Row, What, each_row};
-use super::verdict_word;
+use super::{need_every_trial, verdict_word};
 use results::judge::PerRun;
 use results::{Requests, Results};
 
 /// Writes a line for each run. The same suites and seeds give the same bytes, on any number of threads.
 ///
 /// # Errors
-/// Those of `out`.
+/// Those of `out`; or the results do not hold every trial.
 pub fn write_runs(results: &Results, out: &mut dyn Write) -> io::Result<()> {
+    need_every_trial(results)?;
     let Results { requests, suites, recordings: _ } = results;
     for report in suites {
         each_row(report, |row, criteria| {

@@ -1,16 +1,18 @@
 //! A compact table per scenario for the terminal: variation values down, the criteria's metrics across.
 
+use std::collections::HashMap;
+
 use anstyle::{AnsiColor, Style};
 
 use super::digest::{Digest, written_unit};
 use super::figures::short_name;
 use super::wording::{closest_calls, judged_words};
 use files::escape::{terminal, terminal_line};
-use results::{Requests, SuiteReport, TrialReport, TrialState, Verdict};
+use results::{
+    MOST_SHOWN, Requests, ScenarioSummary, Standing, SuiteReport, TrialReport, TrialState, Verdict,
+};
 use scenario::{Metric, Notation};
 
-/// A scenario with more trials shows only those that did not pass.
-const MOST_ROWS: usize = 24;
 /// Wider labels are cut.
 const WIDEST_LABEL: usize = 40;
 
@@ -38,10 +40,13 @@ impl Column<'_> {
     }
 }
 
-/// The metrics that the criteria of `trials` are about, in their order; without criteria those that tell most.
-pub fn columns<'r>(trials: &[&'r TrialReport], requests: &'r Requests) -> Vec<Column<'r>> {
+/// The metrics that the criteria of these scenarios' trials are about, in the order of the trials; without criteria those that tell
+/// most.
+pub fn columns<'r>(scenarios: &'r [&ScenarioSummary], requests: &'r Requests) -> Vec<Column<'r>> {
     let mut columns: Vec<Column> = Vec::new();
-    let criteria = || trials.iter().flat_map(|trial| &trial.trial.criteria);
+    let mut applied: Vec<_> = scenarios.iter().flat_map(|scenario| &scenario.criteria).collect();
+    applied.sort_by_key(|applied| applied.first);
+    let criteria = || applied.iter().flat_map(|applied| &applied.criteria);
     let headlines = requests.iter().filter(|reference| HEADLINES.contains(&reference.name()));
     let headlines = headlines.filter(|_| criteria().next().is_none());
     for reference in criteria().map(|criterion| criterion.claim.metric()).chain(headlines) {
@@ -58,23 +63,42 @@ pub fn columns<'r>(trials: &[&'r TrialReport], requests: &'r Requests) -> Vec<Co
 /// Every scenario's table; scenarios without variations stand in one. Without `colour` plain text.
 pub fn render_tables(report: &SuiteReport, requests: &Requests, colour: bool) -> String {
     let suite = report.identity.suite.as_str();
-    let is_single = |trials: &[&TrialReport]| trials.len() == 1 && short_name(trials[0]).is_empty();
-    let (single, varied): (Vec<_>, Vec<_>) =
-        report.scenarios().into_iter().partition(|(_, trials)| is_single(trials));
-    let single: Vec<_> = single.into_iter().flat_map(|(_, trials)| trials).collect();
-    let varied =
-        varied.into_iter().map(|(name, trials)| table(&format!("{suite}/{name}"), &trials, requests, colour));
-    let tables = varied.chain([table(suite, &single, requests, colour)]).filter(|table| !table.is_empty());
-    tables.collect::<Vec<_>>().join("\n")
+    let summary = report.summary();
+    let mut held: HashMap<&str, Vec<&TrialReport>> = HashMap::new();
+    for trial in report.trials.iter().filter(|trial| !trial.skipped()) {
+        held.entry(&trial.trial.scenario).or_default().push(trial);
+    }
+    let mut held_of = |scenario: &ScenarioSummary| held.remove(scenario.scenario.as_str()).unwrap_or_default();
+    let is_single = |scenario: &&ScenarioSummary| scenario.trials() == 1 && scenario.varied.is_empty();
+    let (single, varied): (Vec<_>, Vec<_>) = summary.scenarios.iter().partition(is_single);
+    let single_trials: Vec<_> = single.iter().flat_map(|scenario| held_of(scenario)).collect();
+    let varied = varied.into_iter().map(|scenario| {
+        let title = format!("{suite}/{}", scenario.scenario);
+        table(&title, &[scenario], &held_of(scenario), requests, colour)
+    });
+    let mut tables: Vec<_> = varied.collect();
+    tables.push(table(suite, &single, &single_trials, requests, colour));
+    tables.retain(|table| !table.is_empty());
+    tables.join("\n")
 }
 
-fn table(title: &str, trials: &[&TrialReport], requests: &Requests, colour: bool) -> String {
-    let ran: Vec<_> = trials.iter().copied().filter(|trial| !trial.skipped()).collect();
-    let crowded = ran.len() > MOST_ROWS;
+/// Of scenarios and those of their trials that were run and are held.
+fn table(
+    title: &str,
+    scenarios: &[&ScenarioSummary],
+    held: &[&TrialReport],
+    requests: &Requests,
+    colour: bool,
+) -> String {
+    let ran: usize = scenarios.iter().map(|scenario| scenario.ran()).sum();
+    let crowded = ran > MOST_SHOWN;
     let not_passed = |trial: &&&TrialReport| !crowded || trial.verdict() != Some(Verdict::Passed);
-    let rows: Vec<_> = ran.iter().filter(not_passed).take(MOST_ROWS).collect();
-    let (Some(first), columns) = (ran.first(), columns(&ran, requests)) else { return String::new() };
-    let names: Vec<_> = first.trial.variation.iter().map(|one| one.name.as_str()).collect();
+    let rows: Vec<_> = held.iter().filter(not_passed).take(MOST_SHOWN).collect();
+    let (Some(first), columns) = (scenarios.iter().find(|one| one.ran() > 0), columns(scenarios, requests))
+    else {
+        return String::new();
+    };
+    let names = &first.varied;
     let plain = Style::new();
     let muted = plain.dimmed();
 
@@ -107,22 +131,20 @@ fn table(title: &str, trials: &[&TrialReport], requests: &Requests, colour: bool
         text.push_str(drawn.trim_end());
         text.push('\n');
     }
-    for call in closest_calls(&ran) {
+    for call in closest_calls(scenarios) {
         text += &paint(&format!("  {call}"), muted, colour);
         text.push('\n');
     }
     if crowded {
-        let unjudged = ran.iter().filter(|trial| trial.claims_nothing()).count();
-        let passed = ran.iter().filter(|trial| trial.verdict() == Some(Verdict::Passed)).count() - unjudged;
-        let hidden = ran.len() - passed - unjudged - rows.len();
+        let standing = |standing| scenarios.iter().map(|one| one.standing(standing)).sum();
+        let unjudged: usize = standing(Standing::NotJudged);
+        let passed: usize = standing(Standing::Judged(Verdict::Passed));
+        let hidden = ran - passed - unjudged - rows.len();
         let mut note = match (passed, unjudged) {
-            (passed, 0) => format!("  {passed} of {} trials passed and are not shown", ran.len()),
-            (0, unjudged) => {
-                format!("  {unjudged} of {} trials were not judged and are not shown", ran.len())
-            }
+            (passed, 0) => format!("  {passed} of {ran} trials passed and are not shown"),
+            (0, unjudged) => format!("  {unjudged} of {ran} trials were not judged and are not shown"),
             _ => format!(
-                "  {passed} of {} trials passed, {unjudged} were not judged, and these are not shown",
-                ran.len()
+                "  {passed} of {ran} trials passed, {unjudged} were not judged, and these are not shown"
             ),
         };
         if hidden > 0 {

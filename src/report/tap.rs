@@ -7,6 +7,7 @@ use std::time::Duration;
 use super::experiment::render_block;
 use super::failure::{render_block_failure, render_failure};
 use super::gate::render_gate_report;
+use super::need_every_trial;
 use super::wording::{in_words, interruption, stopping, trial_warnings, verdict_word, warnings};
 use files::escape::{tap_description, tap_text, terminal_line, yaml_quoted};
 use results::{
@@ -17,8 +18,9 @@ use results::{
 /// Writes the report as TAP, a test point at a time. An inconclusive trial is `not ok`, and its block says so.
 ///
 /// # Errors
-/// Those of `out`.
+/// Those of `out`; or the results do not hold every trial.
 pub fn write_tap(results: &Results, out: &mut dyn io::Write) -> io::Result<()> {
+    need_every_trial(results)?;
     let points = |report: &SuiteReport| {
         report.recorded.len() + report.trials.len() + report.blocks.len() + report.gates.len()
     };

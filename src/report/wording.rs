@@ -6,8 +6,8 @@ use super::chart::Rule;
 use super::format::{count, in_notation, quantity, share};
 use results::judge::{PerRun, judge};
 use results::{
-    BlockReport, BlockState, Finding, FindingMeasure, Horizon, OnCourse, Outcome, Reason, RecordedReport,
-    RecordedState, Regarding, Requests, RunsTaken, Skip, Standing, SuiteReport, TrialReport, TrialState,
+    BlockReport, BlockState, Finding, FindingMeasure, Horizon, NearestRun, OnCourse, Outcome, Reason, RecordedReport,
+    RecordedState, Regarding, Requests, RunsTaken, ScenarioSummary, Skip, Standing, SuiteReport, TrialReport, TrialState,
     UnitReport, Vacuity, Verdict, WorstRun,
 };
 use scenario::{Comparison, MetricKind, Notation, People, Relation, significant};
@@ -189,24 +189,18 @@ pub fn metric_value(finding: &Finding, value: Option<f64>) -> String {
 
 /// Of the criteria that no run of these trials speaks against, the run that comes nearest to it:
 /// `closest to \`pet >= 1.5 s\`: pet 1.92 s (+0.42 s) at 7.33 s, av and walker, in zebra/walk/rep=3`.
-pub fn closest_calls(trials: &[&TrialReport]) -> Vec<String> {
-    let mut criteria: Vec<(&str, Option<(&Finding, &WorstRun)>)> = Vec::new();
-    for finding in trials.iter().flat_map(|trial| trial.findings()) {
-        let closest = finding.closest.as_ref().map(|run| (finding, run));
-        match criteria.iter_mut().find(|(criterion, _)| *criterion == finding.criterion) {
-            None => criteria.push((&finding.criterion, closest)),
-            Some((_, nearest)) => {
-                let margin = |one: &(&Finding, &WorstRun)| one.1.margin.unwrap_or(f64::INFINITY);
-                *nearest = nearest.zip(closest).map(
-                    |(known, new)| {
-                        if margin(&new) < margin(&known) { new } else { known }
-                    },
-                );
-            }
+pub fn closest_calls(scenarios: &[&ScenarioSummary]) -> Vec<String> {
+    let mut criteria: Vec<NearestRun> = Vec::new();
+    for nearest in scenarios.iter().flat_map(|scenario| &scenario.nearest) {
+        match criteria.iter_mut().find(|known| known.criterion == nearest.criterion) {
+            None => criteria.push(nearest.clone()),
+            Some(known) => known.join(nearest.clone()),
         }
     }
-    let said = criteria.into_iter().filter_map(|(criterion, nearest)| {
-        let (finding, run) = nearest?;
+    criteria.sort_by_key(|nearest| nearest.first);
+    let said = criteria.iter().filter_map(|NearestRun { criterion, finding, .. }| {
+        let (_, finding) = finding.as_ref()?;
+        let run = finding.closest.as_ref()?;
         Some(format!("closest to `{criterion}`: {}, in {}", run_in_words(finding, run), run.key))
     });
     said.collect()

@@ -29,6 +29,7 @@ mod skip;
 mod standing;
 mod statement;
 mod suite;
+mod summary;
 mod trial;
 mod tune;
 mod verdict;
@@ -65,6 +66,9 @@ pub use skip::Skip;
 pub use standing::Standing;
 pub use statement::{ClaimResult, ClaimValues, Conclusion, StatementResult, TrendPoint};
 pub use suite::{Program, SuiteIdentity, SuiteReport, record_command, set_options};
+pub use summary::{
+    AppliedCriteria, MOST_SHOWN, NearestRun, PassedTrial, ScenarioSummary, StandingCount, SuiteSummary,
+};
 pub use trial::{CourseOfRun, Horizon, Reason, RunsTaken, Stranded, TrialReport, TrialState, TrialVerdict};
 pub use tune::{BeforeAndAfter, Candidate, TuneResult, Violations};
 pub use verdict::Verdict;

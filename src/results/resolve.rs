@@ -6,7 +6,7 @@ use thiserror::Error;
 
 use super::{
     BlockReport, BlockResult, BlockState, Finding, GateReport, GateState, RecordedState, Results,
-    SuiteReport, TrialReport, TrialState,
+    ScenarioSummary, SuiteReport, TrialReport, TrialState,
 };
 use scenario::registry::Registry;
 use scenario::{Metric, Reference};
@@ -43,6 +43,7 @@ fn of_suite(suite: &mut SuiteReport, resolve: Resolve) {
         wall_time: _,
         recorded,
         trials,
+        summary,
         blocks,
         gates,
         interrupted: _,
@@ -54,6 +55,12 @@ fn of_suite(suite: &mut SuiteReport, resolve: Resolve) {
         }
     }
     trials.iter_mut().for_each(|trial| of_trial(trial, resolve));
+    for ScenarioSummary { criteria, nearest, .. } in summary.iter_mut().flat_map(|one| &mut one.scenarios) {
+        let criteria = criteria.iter_mut().flat_map(|applied| &mut applied.criteria);
+        criteria.for_each(|criterion| resolve(&mut criterion.claim.metric_mut().metric));
+        let findings = nearest.iter_mut().filter_map(|one| one.finding.as_mut());
+        findings.for_each(|(_, finding)| resolve(&mut finding.metric));
+    }
     blocks.iter_mut().for_each(|block| of_block(block, resolve));
     gates.iter_mut().for_each(|gate| of_gate(gate, resolve));
 }

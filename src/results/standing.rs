@@ -1,10 +1,13 @@
 //! How a unit stands, whatever its kind.
 
+use serde::{Deserialize, Serialize};
+
 use super::cut::CutBy;
 use crate::Verdict;
 
 /// How a unit stands, whatever its kind. The order is from good to bad.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Standing {
     Skipped,
     /// It was run, but no criterion applied to it: it is no evidence of anything.

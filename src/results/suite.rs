@@ -1,5 +1,6 @@
 //! What became of a suite.
 
+use std::borrow::Cow;
 use std::path::Path;
 use std::time::{Duration, SystemTime};
 
@@ -8,7 +9,9 @@ use serde::{Deserialize, Serialize};
 use super::block::BlockReport;
 use super::gate::GateReport;
 use super::recorded::RecordedReport;
+use super::skip::Skip;
 use super::standing::Standing;
+use super::summary::SuiteSummary;
 use super::trial::TrialReport;
 use numbers::json;
 
@@ -93,7 +96,12 @@ pub struct SuiteReport {
     pub wall_time: Duration,
     /// Runs that failed in an earlier session, run again before everything else.
     pub recorded: Vec<RecordedReport>,
+    /// All of them, unless `summary` is there: then those that did not pass, and those that were run of scenarios of which
+    /// there are [few](super::MOST_SHOWN).
     pub trials: Vec<TrialReport>,
+    /// What all trials come to in numbers, where they are not all held: reports of each trial refuse to be made.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub summary: Option<SuiteSummary>,
     /// The suite's blocks, each after what it builds on.
     pub blocks: Vec<BlockReport>,
     /// The suite's gates; empty until all of its trials are judged.
@@ -119,7 +127,39 @@ impl SuiteReport {
     /// How every unit of the suite stands.
     pub fn standings(&self) -> impl Iterator<Item = Standing> {
         let recorded = self.recorded.iter().map(RecordedReport::standing);
-        let trials = self.trials.iter().map(TrialReport::standing);
+        let held = self.trials.iter().filter(|_| self.summary.is_none()).map(TrialReport::standing);
+        let counted = self.summary.iter().flat_map(SuiteSummary::standings);
+        let counted = counted.flat_map(|one| std::iter::repeat_n(one.standing, one.trials));
+        let trials = held.chain(counted);
         recorded.chain(trials).chain(self.blocks.iter().map(BlockReport::standing))
+    }
+
+    /// Why units were not run, each reason at least once.
+    pub fn skips(&self) -> impl Iterator<Item = &Skip> {
+        let held = self.trials.iter().filter_map(TrialReport::skip);
+        let counted = self.summary.iter().flat_map(SuiteSummary::standings).filter_map(|one| one.skip.as_ref());
+        let blocks = self.blocks.iter().filter_map(BlockReport::skip);
+        held.chain(counted).chain(blocks).chain(self.recorded.iter().filter_map(RecordedReport::skip))
+    }
+
+    /// What stands in the way of a report of each trial: that only some of them are held.
+    pub fn incomplete(&self) -> Option<String> {
+        let summary = self.summary.as_ref()?;
+        let (held, trials) = (self.trials.len(), summary.standings().map(|one| one.trials).sum::<usize>());
+        Some(format!("the results of {} hold {held} of {trials} trials and the rest in numbers", self.identity.suite))
+    }
+
+    /// What its trials come to in numbers.
+    pub fn summary(&self) -> Cow<'_, SuiteSummary> {
+        match &self.summary {
+            Some(summary) => Cow::Borrowed(summary),
+            None => Cow::Owned(SuiteSummary::of(&self.trials)),
+        }
+    }
+
+    /// The trials that are held, each with its place among all trials of the suite.
+    pub fn placed_trials(&self) -> impl Iterator<Item = (usize, &TrialReport)> {
+        let place = |index: usize| self.summary.as_ref().map_or(index, |summary| summary.held[index]);
+        self.trials.iter().enumerate().map(move |(index, trial)| (place(index), trial))
     }
 }

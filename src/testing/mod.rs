@@ -193,7 +193,7 @@ struct Done {
 impl Tested {
     fn new(project: &'static Project) -> Self {
         let (suites, registry) = (project.suites(), project.registry());
-        let units = session::units(suites);
+        let units: Vec<_> = session::units(suites).iter().collect();
         let done = units.iter().map(|_| OnceLock::new()).collect();
         let threads = Box::leak(Box::new(Threads::all()));
         Self { session: session::Runner::new(suites, threads, registry), units, done }

@@ -25,7 +25,7 @@ use report::console::{Output, stderr, stdout};
 use report::{Live, StatusLevel, Terminal, render_gates};
 use results::{Overall, SuiteReport};
 use runner::run::Threads;
-use runner::session::{self, Selection, Session, Unit};
+use runner::session::{self, Selection, Session, Units};
 use scenario::registry::Registry;
 
 pub use self::remember::LastRun;
@@ -229,7 +229,7 @@ pub fn run(arguments: RunArguments, registry: &Registry) -> Exit {
     let units = session::units(suites);
     let mut last = LastRun::read();
     let each = |show: &mut Show| {
-        units.iter().for_each(|unit| select::with_subject(suites, unit, &mut *show));
+        units.iter().for_each(|unit| select::with_subject(suites, &unit, &mut *show));
     };
     filter::warn(&expressions, &each, colour);
     let word = filters.first().map(|filter| filter.as_str());
@@ -250,7 +250,8 @@ pub fn run(arguments: RunArguments, registry: &Registry) -> Exit {
     }
     let chosen = session::with_needs(&units, asked);
     if !chosen.contains(&true) {
-        let keys: Vec<&str> = units.iter().map(|unit| &*unit.key).collect();
+        let keys: Vec<String> = units.keys().collect();
+        let keys: Vec<&str> = keys.iter().map(String::as_str).collect();
         let hints = hints::selection(
             word,
             arguments.select.exact,
@@ -280,17 +281,19 @@ pub fn run(arguments: RunArguments, registry: &Registry) -> Exit {
         .journals(&arguments.journal)
         .stopped_by(&stop)
         .lenient_gates(arguments.baseline_lenient)
-        .courses(arguments.output.draw_runs());
+        .courses(arguments.output.draw_runs())
+        .every_trial(arguments.output.need_every_trial(in_github_actions()));
     if let Some(watch) = &watch {
         session = session.watched_by(watch);
     }
     let colour = arguments.color.wanted(stdout());
     let live = super::shows_progress(arguments.no_progress).then(Live::new);
-    let mut terminal = Terminal::new(arguments.status_level.0, colour, live);
+    let terminal = Terminal::new(arguments.status_level.0, colour, live);
+    let mut learning = remember::Learning { terminal, units: &units, last: &mut last };
     let max_failures = if arguments.fail_fast { Some(1) } else { arguments.max_fail.0 };
     let selection = Selection::marked(chosen).until_failures(max_failures);
     let mut complaints = Vec::new();
-    let results = session.run_units(&units, &selection, &mut terminal).unwrap_or_else(|error| {
+    let results = session.run_units(&units, &selection, &mut learning).unwrap_or_else(|error| {
         complaints.push(error.to_string());
         error.results()
     });
@@ -299,7 +302,7 @@ pub fn run(arguments: RunArguments, registry: &Registry) -> Exit {
     complaints.extend(watcher.as_ref().map(watch::Traces::finish).unwrap_or_default());
     complaints.extend(output::write(&arguments.output, &results, in_github_actions()));
     complaints.extend(remember::failures(&arguments.remember, suites, reports, &results.requests));
-    last.learn(suites, reports);
+    last.learn_gates(reports);
     if let Err(error) = last.write() {
         writeln!(stderr(), "warning: cannot remember what failed: {error}");
     }
@@ -325,9 +328,7 @@ pub fn run(arguments: RunArguments, registry: &Registry) -> Exit {
 
 /// Takes what passed untested for what could not be decided.
 fn deny_untested(exit: Exit, reports: &[SuiteReport]) -> Exit {
-    let trials = reports.iter().flat_map(|report| &report.trials);
-    let untested = trials.filter(|trial| trial.findings().iter().any(|finding| finding.vacuous.is_some()));
-    let trials = match untested.count() {
+    let trials = match reports.iter().map(|report| report.summary().untested()).sum() {
         0 => return exit,
         1 => "1 trial".to_string(),
         number => format!("{number} trials"),
@@ -369,9 +370,9 @@ fn nothing_selected(no_tests: NoTests, word: Option<&str>, hints: &[String]) -> 
     exit
 }
 
-fn list(units: &[Unit], chosen: &[bool]) -> Exit {
-    for (unit, _) in units.iter().zip(chosen).filter(|(_, chosen)| **chosen) {
-        writeln!(stdout(), "{}", terminal_line(&unit.key));
+fn list(units: &Units, chosen: &[bool]) -> Exit {
+    for (unit, _) in chosen.iter().enumerate().filter(|(_, chosen)| **chosen) {
+        writeln!(stdout(), "{}", terminal_line(&units.key(unit)));
     }
     Exit::Success
 }

@@ -60,6 +60,11 @@ impl OutputArguments {
 }
 
 impl OutputArguments {
+    /// Whether a report that is to be made names every trial, and so needs all of them to the end.
+    pub fn need_every_trial(&self, on_github: bool) -> bool {
+        !self.files().is_empty() || self.github || on_github
+    }
+
     /// Whether a report that was asked for draws runs.
     pub fn draw_runs(&self) -> bool {
         self.html.is_some() || self.json.is_some()

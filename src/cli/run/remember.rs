@@ -10,13 +10,16 @@ use serde::{Deserialize, Serialize};
 use crate::cli::store;
 use files::Disk;
 use report::console::stderr;
-use report::{count, with_worst};
+use report::{Terminal, count, with_worst};
 use results::judge::{judge, per_run};
-use results::{Recorded, Requests, Skip, Standing, SuiteReport, TrialReport, TrialState, Verdict};
+use results::{
+    Event, Recorded, Reporter, Requests, Skip, Standing, SuiteIdentity, SuiteReport, TrialReport, TrialState,
+    UnitReport, Verdict,
+};
 use runner::corpus::{case_hash, corpus_path, is_unchecked, record, write_corpus};
 use runner::plan::{Plan, PlannedTrial};
 use runner::project::PlannedSuite;
-use runner::session::{Unit, gate_key};
+use runner::session::{Units, Work, gate_key};
 use scenario::{Gate, Suite};
 
 #[derive(Debug, Args)]
@@ -95,8 +98,8 @@ pub fn failures(
 
 /// The runs that failed criteria name as their worst, each with all that it speaks against.
 fn speaking_against(plan: &Plan, report: &SuiteReport, requests: &Requests) -> Vec<Recorded> {
-    let trials = plan.trials().zip(&report.trials);
-    trials.flat_map(|(planned, trial)| runs_against(&planned, trial, requests)).collect()
+    let failed = report.placed_trials().filter(|(_, trial)| trial.verdict() == Some(Verdict::Failed));
+    failed.flat_map(|(place, trial)| runs_against(&plan.trial(place), trial, requests)).collect()
 }
 
 fn runs_against(planned: &PlannedTrial, trial: &TrialReport, requests: &Requests) -> Vec<Recorded> {
@@ -121,6 +124,30 @@ fn runs_against(planned: &PlannedTrial, trial: &TrialReport, requests: &Requests
         }
     }
     records
+}
+
+/// Tells the terminal what happens, and remembers what became of each unit.
+pub struct Learning<'l, 'a> {
+    pub terminal: Terminal,
+    pub units: &'l Units<'a>,
+    pub last: &'l mut LastRun,
+}
+
+impl Reporter for Learning<'_, '_> {
+    fn tell(&mut self, event: &Event) {
+        self.terminal.tell(event);
+        if let Event::Finished { unit, suite, report } = event {
+            let planned = || match self.units.get(*unit).work {
+                Work::Trial(planned) => planned,
+                Work::Recorded(_) | Work::Block(_) => unreachable!("its report is a trial's"),
+            };
+            self.last.learn(suite, report, planned);
+        }
+    }
+
+    fn flush(&mut self) {
+        self.terminal.flush();
+    }
 }
 
 /// In the program's own folder.
@@ -174,53 +201,56 @@ impl LastRun {
     }
 
     /// The units that did not pass; where a gate did not, all units of its suite, since it takes all to judge it.
-    pub fn failed_units(&self, suites: &[PlannedSuite], units: &[Unit]) -> BTreeSet<String> {
+    pub fn failed_units(&self, suites: &[PlannedSuite], units: &Units) -> BTreeSet<String> {
         let gate_failed = |suite: &Suite| {
             let failed = |gate: &Gate| self.failed.contains(&gate_key(&suite.name, gate));
             suite.gates.iter().any(failed)
         };
-        let is_failed =
-            |unit: &&Unit| self.failed.contains(&*unit.key) || gate_failed(&suites[unit.suite].suite);
-        units.iter().filter(is_failed).map(|unit| unit.key.to_string()).collect()
+        let gates: Vec<bool> = suites.iter().map(|suite| gate_failed(&suite.suite)).collect();
+        let keys = units.keys().enumerate();
+        let failed = keys.filter(|(unit, key)| self.failed.contains(key) || gates[units.suite(*unit)]);
+        failed.map(|(_, key)| key).collect()
     }
 
-    /// Takes over what became of units and gates: those that passed are forgotten, those that were not asked for stay as
-    /// they were. What was to be run and was not, or not to its end, has not passed.
-    pub fn learn(&mut self, suites: &[PlannedSuite], reports: &[SuiteReport]) {
-        for (suite, report) in suites.iter().zip(reports) {
-            let trials = report.trials.iter().map(|one| (one.trial.key.as_str(), one.standing()));
-            let blocks = report.blocks.iter().map(|one| (one.key.as_str(), one.standing()));
-            let recorded = report.recorded.iter().map(|one| (one.key.as_str(), one.standing()));
-            // What was set makes other runs of the same names.
-            let is_as_declared = report.identity.set.is_empty();
-            let gates = report.gates.iter().map(|one| (one.key.as_str(), one.standing()));
-            for (key, standing) in
-                recorded.chain(trials).chain(blocks).chain(gates).filter(|_| is_as_declared)
-            {
-                match standing {
-                    Standing::Skipped => {}
-                    Standing::NotJudged | Standing::Judged(Verdict::Passed) => {
-                        self.failed.remove(key);
-                    }
-                    Standing::Judged(_) | Standing::NotFinished(_) | Standing::Errored => {
-                        self.failed.insert(key.to_string());
-                    }
-                }
-            }
-            let trials = report.trials.iter().map(|one| (one.trial.key.as_str(), one.skip()));
-            let skipped = trials.chain(report.blocks.iter().map(|one| (one.key.as_str(), one.skip())));
+    /// Takes over what became of a unit: one that passed is forgotten, one that was not asked for stays as it was. What was to be
+    /// run and was not, or not to its end, has not passed. `planned` is the trial that it is, if it is one.
+    fn learn(&mut self, suite: &SuiteIdentity, report: &UnitReport, planned: impl FnOnce() -> PlannedTrial) {
+        // What was set makes other runs of the same names.
+        if suite.set.is_empty() {
             let was_to_be_run = |skip: &Skip| matches!(skip, Skip::Stopped(_) | Skip::Needs { .. });
-            for (key, _) in skipped.filter(|(_, skip)| is_as_declared && skip.is_some_and(was_to_be_run)) {
-                self.failed.insert(key.to_string());
+            self.learn_standing(report.key(), report.standing());
+            let is_recorded = matches!(report, UnitReport::Recorded(_));
+            if !is_recorded && report.skip().is_some_and(was_to_be_run) {
+                self.failed.insert(report.key().to_string());
             }
-            let trials = suite.plan.trials().zip(&report.trials);
-            for (planned, trial) in trials.filter(|(_, trial)| !trial.skipped()) {
-                self.learn_runs(&planned, trial);
+        }
+        if let UnitReport::Trial(trial) = report
+            && !trial.skipped()
+        {
+            self.learn_runs(planned, trial);
+        }
+    }
+
+    /// As [`Self::learn`], what became of gates.
+    pub fn learn_gates(&mut self, reports: &[SuiteReport]) {
+        for gate in reports.iter().filter(|one| one.identity.set.is_empty()).flat_map(|one| &one.gates) {
+            self.learn_standing(&gate.key, gate.standing());
+        }
+    }
+
+    fn learn_standing(&mut self, key: &str, standing: Standing) {
+        match standing {
+            Standing::Skipped => {}
+            Standing::NotJudged | Standing::Judged(Verdict::Passed) => {
+                self.failed.remove(key);
+            }
+            Standing::Judged(_) | Standing::NotFinished(_) | Standing::Errored => {
+                self.failed.insert(key.to_string());
             }
         }
     }
 
-    fn learn_runs(&mut self, planned: &PlannedTrial, trial: &TrialReport) {
+    fn learn_runs(&mut self, planned: impl FnOnce() -> PlannedTrial, trial: &TrialReport) {
         let worst: BTreeSet<&str> = match &trial.state {
             TrialState::Judged(judged) => {
                 let bad = judged.findings.iter().filter(|finding| finding.verdict != Verdict::Passed);
@@ -228,11 +258,16 @@ impl LastRun {
             }
             _ => BTreeSet::new(),
         };
-        for (case, outcome) in planned.cases.iter().zip(&trial.outcomes) {
+        if worst.is_empty() && self.runs.is_empty() {
+            return;
+        }
+        let planned = planned();
+        for (index, outcome) in trial.outcomes.iter().enumerate() {
             let name = Self::run_name(&outcome.key, outcome.seed);
             if worst.contains(outcome.key.as_str()) {
                 let hexadecimal = |number: u64| format!("{number:016x}");
-                let (case, fingerprint) = (hexadecimal(case_hash(&case)), hexadecimal(outcome.fingerprint));
+                let case = hexadecimal(case_hash(&planned.cases.get(index)));
+                let fingerprint = hexadecimal(outcome.fingerprint);
                 self.runs.insert(name, SeenRun { case, fingerprint });
             } else {
                 self.runs.remove(&name);

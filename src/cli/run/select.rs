@@ -8,7 +8,7 @@ use super::partition::Partition;
 use crate::cli::filter::{self, FilterArguments};
 use lang::filter::{Filters, Subject};
 use runner::project::PlannedSuite;
-use runner::session::{Unit, Work};
+use runner::session::{Unit, Units, Work};
 
 #[derive(Debug, Args)]
 pub struct SelectArguments {
@@ -46,7 +46,7 @@ pub fn with_subject<T>(suites: &[PlannedSuite], unit: &Unit, show: impl FnOnce(&
 /// Whether each unit is asked for, by the filter expressions and by its name; if `failed` are given, only those of them. What units need is not looked at: see [`runner::session::with_needs`].
 pub fn select(
     suites: &[PlannedSuite],
-    units: &[Unit],
+    units: &Units,
     filters: &Filters,
     filter: Option<&str>,
     arguments: &SelectArguments,
@@ -55,18 +55,24 @@ pub fn select(
     let matches = |key: &str, filter: &str| {
         if arguments.exact { key == filter } else { key.contains(filter) }
     };
-    let wanted = |unit: &Unit| {
-        filter.is_none_or(|filter| matches(&unit.key, filter))
-            && failed.is_none_or(|failed| failed.contains(&*unit.key))
-            && !arguments.skip.iter().any(|skip| matches(&unit.key, skip))
-            && (filters.is_empty() || with_subject(suites, unit, |subject| filters.matches(subject)))
+    let is_all = filter.is_none() && failed.is_none() && arguments.skip.is_empty() && filters.is_empty();
+    if is_all && arguments.partition.is_none() {
+        return vec![true; units.len()];
+    }
+    let wanted = |index: usize, key: &str| {
+        filter.is_none_or(|filter| matches(key, filter))
+            && failed.is_none_or(|failed| failed.contains(key))
+            && !arguments.skip.iter().any(|skip| matches(key, skip))
+            && (filters.is_empty()
+                || with_subject(suites, &units.get(index), |subject| filters.matches(subject)))
     };
     let mut place = 0;
     units
-        .iter()
-        .map(|unit| {
-            let wanted = wanted(unit);
-            let mine = arguments.partition.is_none_or(|partition| partition.holds(place, &unit.key));
+        .keys()
+        .enumerate()
+        .map(|(index, key)| {
+            let wanted = wanted(index, &key);
+            let mine = arguments.partition.is_none_or(|partition| partition.holds(place, &key));
             place += usize::from(wanted);
             wanted && mine
         })

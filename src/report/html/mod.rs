@@ -17,7 +17,7 @@ use minijinja::syntax::SyntaxConfig;
 use minijinja::value::{Serde, Value};
 use minijinja::{Environment, UndefinedBehavior, context};
 
-use super::chart;
+use super::{chart, expect_every_trial};
 use files::escape::html_characters;
 use results::Results;
 
@@ -34,7 +34,11 @@ const TEMPLATES: [(&str, &str); 8] = [
 ];
 
 /// The page. `recordings` are runs of [`choose_runs`], recorded again.
+///
+/// # Panics
+/// If the results do not hold every trial.
 pub fn to_html(results: &Results) -> String {
+    expect_every_trial(results);
     let Results { requests, suites: reports, recordings } = results;
     let started = reports.first().map_or(SystemTime::UNIX_EPOCH, |report| report.started);
     let page = view::Page::new(reports, requests, recordings, started);

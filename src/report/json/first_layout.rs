@@ -167,6 +167,7 @@ impl Suite {
             wall_time: seconds("suite", self.wall_time_s)?,
             recorded: self.recorded.into_iter().map(|one| one.report(requests)).collect::<Result<_, _>>()?,
             trials: self.trials.into_iter().map(|one| one.report(requests)).collect::<Result<_, _>>()?,
+            summary: None,
             blocks: Vec::new(),
             gates: self.gates.into_iter().map(GateOfSuite::report).collect::<Result<_, _>>()?,
             interrupted: self.interrupted,

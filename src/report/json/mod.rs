@@ -15,6 +15,7 @@ use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 use serde_json::{Map, Value, json};
 
+use super::need_every_trial;
 use super::wording::trial_warnings;
 pub use read::{ResultsError, read_results};
 use results::Results;
@@ -32,8 +33,9 @@ const LAYOUT: u32 = 2;
 /// held.
 ///
 /// # Errors
-/// Those of `out`.
+/// Those of `out`; or the results do not hold every trial.
 pub fn write_json(results: &Results, mut out: impl Write) -> io::Result<()> {
+    need_every_trial(results)?;
     let Results { requests, suites, recordings } = results;
     let record = Object {
         members: members(json!({ "requests": plain(requests) })),

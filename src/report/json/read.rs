@@ -222,6 +222,7 @@ impl Suite {
             wall_time: seconds("suite", self.wall_time_s)?,
             recorded: self.recorded.into_iter().map(RecordedRun::report).collect::<Result<_, _>>()?,
             trials: self.trials.into_iter().map(|one| one.report(requests)).collect::<Result<_, _>>()?,
+            summary: None,
             blocks: self.blocks.into_iter().map(BlockOfSuite::report).collect::<Result<_, _>>()?,
             gates: self.gates.into_iter().map(GateOfSuite::report).collect::<Result<_, _>>()?,
             interrupted: self.interrupted,

@@ -11,8 +11,8 @@ use crate::statement::render_statements;
 use crate::table::render_tables;
 use files::escape::{terminal, terminal_line};
 use results::{
-    BlockReport, BlockResult, CutBy, Requests, Skip, Standing, StatementResult, SuiteIdentity, SuiteReport,
-    TrialState, TrialVerdict, Verdict, Workload,
+    BlockReport, BlockResult, CutBy, Requests, Skip, Standing, StandingCount, StatementResult, SuiteIdentity,
+    SuiteReport, Verdict, Workload,
 };
 
 /// A failure that is farther up than this is shown again.
@@ -47,7 +47,8 @@ impl Terminal {
 
     /// Tables of the trials and what the blocks came to.
     fn suite(&mut self, report: &SuiteReport, requests: &Requests) {
-        let trials = report.trials.iter().filter(|trial| !trial.skipped()).count();
+        let summary = report.summary();
+        let trials = summary.ran();
         let results: Vec<_> = report.blocks.iter().filter_map(BlockReport::result).collect();
         if trials == 0 && results.is_empty() {
             return;
@@ -70,8 +71,7 @@ impl Terminal {
         let identity = &report.identity;
         let mut parts = Vec::new();
         if trials > 0 {
-            let runs = report.trials.iter().map(|trial| trial.outcomes.len()).sum();
-            parts.extend([count(trials, "trial"), count(runs, "run")]);
+            parts.extend([count(trials, "trial"), count(summary.runs(), "run")]);
         }
         let blocks = report.blocks.iter().filter(|block| !block.skipped()).count();
         if blocks > 0 {
@@ -200,27 +200,25 @@ impl Standings {
         for report in reports {
             for recorded in &report.recorded {
                 tally.recorded += usize::from(recorded.rerun().is_some());
-                tally.add(recorded.standing(), recorded.skip());
+                tally.add(recorded.standing(), recorded.skip(), 1);
             }
-            for trial in &report.trials {
-                tally.trials += usize::from(!trial.skipped());
-                tally.runs += trial.outcomes.len();
-                tally.untested +=
-                    usize::from(trial.findings().iter().any(|finding| finding.vacuous.is_some()));
-                if let TrialState::Judged(TrialVerdict { horizon: Some(horizon), .. }) = &trial.state {
-                    tally.cut_off += horizon.runs;
-                }
-                tally.add(trial.standing(), trial.skip());
+            let summary = report.summary();
+            tally.trials += summary.ran();
+            tally.runs += summary.runs();
+            tally.untested += summary.untested();
+            tally.cut_off += summary.scenarios.iter().map(|scenario| scenario.cut_off).sum::<usize>();
+            for StandingCount { standing, skip, trials } in summary.standings() {
+                tally.add(*standing, skip.as_ref(), *trials);
             }
             for block in &report.blocks {
                 tally.blocks += usize::from(!block.skipped());
-                tally.add(block.standing(), block.skip());
+                tally.add(block.standing(), block.skip(), 1);
             }
         }
         tally
     }
 
-    fn add(&mut self, standing: Standing, skip: Option<&Skip>) {
+    fn add(&mut self, standing: Standing, skip: Option<&Skip>, units: usize) {
         *match standing {
             Standing::NotJudged => &mut self.not_judged,
             Standing::Judged(Verdict::Passed) => &mut self.passed,
@@ -231,7 +229,7 @@ impl Standings {
             Standing::NotFinished(CutBy::Interrupted) => &mut self.interrupted,
             Standing::Skipped if skip == Some(&Skip::NotSelected) => &mut self.not_selected,
             Standing::Skipped => &mut self.not_run,
-        } += 1;
+        } += units;
     }
 
     fn in_words(&self) -> String {

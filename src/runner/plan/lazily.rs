@@ -126,6 +126,21 @@ impl ScenarioPlan {
         self.0.runs
     }
 
+    /// The name of the trial with this index below [`Self::len`].
+    pub fn trial_key(&self, index: usize) -> String {
+        self.key(&self.variation(index))
+    }
+
+    /// Its values.
+    pub fn variation(&self, index: usize) -> Vec<Assignment> {
+        self.0.combinations.get(index).expect("it was planned before")
+    }
+
+    /// How many runs a trial has for certain.
+    pub fn certain_runs(&self) -> usize {
+        self.0.rounds.map_or(self.0.runs, |rounds| rounds.least)
+    }
+
     /// The name of a trial.
     fn key(&self, variation: &[Assignment]) -> String {
         let mut key = format!("{}/{}", self.0.suite, self.scenario().name);

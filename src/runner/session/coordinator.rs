@@ -2,6 +2,7 @@
 //! runs a round at a time.
 
 use std::any::Any;
+use std::collections::HashMap;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::mpsc::{self, RecvTimeoutError, SyncSender};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -12,7 +13,7 @@ use super::earlier::Usable;
 use super::reporting::{Message, Off, Reporting};
 use super::schedule::UnitSchedule;
 use super::shared::Runner;
-use super::unit::{Unit, Work};
+use super::unit::{UnitKind, Units};
 use super::unit_run::UnitRun;
 use crate::experiment::{BlockProgress, EarlierResults};
 use crate::run::{Done, Job, JobPlace, Sequence, Sequences, Stop, run_sequences};
@@ -23,10 +24,10 @@ use results::{Event, Reporter, Stopping, SuiteReport, UnitReport, Workload};
 pub struct Orders<'o> {
     /// Whether each unit is to run; see [`super::with_needs`].
     pub chosen: &'o [bool],
-    /// Units that begin before all others.
-    pub first: &'o [usize],
     /// After so many failures nothing more begins.
     pub max_failures: Option<usize>,
+    /// Whether every trial is held in the reports; gates hold those of their suites all the same.
+    pub every_trial: bool,
 }
 
 /// How often time is told when nothing happens.
@@ -38,12 +39,12 @@ const MOST_MESSAGES: usize = 4096;
 impl<'a> Runner<'a> {
     /// Runs the chosen units and returns the report of every suite, which names all of its units: those that were not run
     /// are skipped with the reason.
-    pub fn run(&self, units: &[Unit<'a>], orders: &Orders, reporter: &mut dyn Reporter) -> Vec<SuiteReport> {
+    pub fn run(&self, units: &Units<'a>, orders: &Orders, reporter: &mut dyn Reporter) -> Vec<SuiteReport> {
         let (started, begun) = (SystemTime::now(), Instant::now());
         reporter.tell(&Event::Begun(&outline(units, orders.chosen)));
         let coordinator = Coordinator::new(self, units, orders);
-        let mut reporting = Reporting::new(self, units, reporter);
-        let blocks = units.iter().filter(|unit| matches!(unit.work, Work::Block(_))).count();
+        let mut reporting = Reporting::new(self, units, orders.every_trial, reporter);
+        let blocks = (0..units.len()).filter(|unit| units.is_block(*unit)).count();
         thread::scope(|scope| {
             // Should this thread panic, the others must not go on behind it.
             let _end = StopOnPanic(self.stop());
@@ -85,25 +86,26 @@ impl<'a> Runner<'a> {
     }
 }
 
-fn outline(units: &[Unit], chosen: &[bool]) -> Workload {
+fn outline(units: &Units, chosen: &[bool]) -> Workload {
     let mut outline = Workload {
         suites: 0,
         left_out: chosen.iter().filter(|chosen| !**chosen).count(),
         ..Workload::default()
     };
     let mut last = None;
-    for (unit, _) in units.iter().zip(chosen).filter(|(_, chosen)| **chosen) {
-        match &unit.work {
-            Work::Recorded(_) => outline.recorded += 1,
-            Work::Trial(trial) => {
+    for (unit, _) in chosen.iter().enumerate().filter(|(_, chosen)| **chosen) {
+        match units.kind(unit) {
+            UnitKind::Recorded => outline.recorded += 1,
+            UnitKind::Trial { scenario, .. } => {
                 outline.trials += 1;
-                outline.runs += unit.runs();
-                outline.certain_runs += trial.certain_runs();
+                outline.runs += scenario.runs();
+                outline.certain_runs += scenario.certain_runs();
             }
-            Work::Block(_) => outline.blocks += 1,
+            UnitKind::Block(_) => outline.blocks += 1,
         }
-        outline.suites += usize::from(last != Some(unit.suite));
-        last = Some(unit.suite);
+        let suite = units.suite(unit);
+        outline.suites += usize::from(last != Some(suite));
+        last = Some(suite);
     }
     outline
 }
@@ -129,7 +131,7 @@ enum Task {
 /// What is under way, and what is next.
 struct Coordinator<'c, 'a> {
     runner: &'c Runner<'a>,
-    units: &'c [Unit<'a>],
+    units: &'c Units<'a>,
     /// Whether some chosen block needs the unit.
     needed: Vec<bool>,
     max_failures: Option<usize>,
@@ -144,20 +146,19 @@ struct State {
     running: bool,
     failures: usize,
     /// Results that blocks need.
-    kept: Vec<Option<Arc<Usable>>>,
+    kept: HashMap<usize, Arc<Usable>>,
     /// What a driver panicked with, outside of its units: a bug of ours.
     panicked: Option<Box<dyn Any + Send>>,
 }
 
 impl<'c, 'a> Coordinator<'c, 'a> {
-    fn new(runner: &'c Runner<'a>, units: &'c [Unit<'a>], orders: &Orders) -> Self {
+    fn new(runner: &'c Runner<'a>, units: &'c Units<'a>, orders: &Orders) -> Self {
         let mut needed = vec![false; units.len()];
-        for (unit, _) in units.iter().zip(orders.chosen).filter(|(_, chosen)| **chosen) {
-            unit.needs.iter().for_each(|need| needed[*need] = true);
+        for (unit, _) in orders.chosen.iter().enumerate().filter(|(_, chosen)| **chosen) {
+            units.needs(unit).iter().for_each(|need| needed[*need] = true);
         }
-        let needs: Vec<&[usize]> = units.iter().map(|unit| unit.needs.as_slice()).collect();
-        let schedule = UnitSchedule::new(&needs, orders.chosen, orders.first);
-        let kept = units.iter().map(|_| None).collect();
+        let schedule = UnitSchedule::new(|unit| units.needs(unit), orders.chosen);
+        let kept = HashMap::new();
         let state = State { schedule, running: false, failures: 0, kept, panicked: None };
         let (max_failures, state) = (orders.max_failures, Mutex::new(state));
         Self { runner, units, needed, max_failures, state, changed: Condvar::new() }
@@ -196,9 +197,9 @@ impl<'c, 'a> Coordinator<'c, 'a> {
                 }
                 Task::Block(unit) => {
                     send(sender, Message::Begun(unit));
-                    let Work::Block(block) = &self.units[unit].work else { continue };
+                    let UnitKind::Block(block) = self.units.kind(unit) else { continue };
                     let relay = Relay { unit, sender: sender.clone() };
-                    let (suite, results) = (self.units[unit].suite, self.results(unit));
+                    let (suite, results) = (self.units.suite(unit), self.results(unit));
                     let report = self.runner.block(suite, block, &results, &relay);
                     self.end(unit, UnitReport::Block(report), sender);
                 }
@@ -214,7 +215,7 @@ impl<'c, 'a> Coordinator<'c, 'a> {
                 return None;
             }
             match state.schedule.next() {
-                Some(unit) if matches!(self.units[unit].work, Work::Block(_)) => {
+                Some(unit) if self.units.is_block(unit) => {
                     state.schedule.begin();
                     return Some(Task::Block(unit));
                 }
@@ -232,7 +233,7 @@ impl<'c, 'a> Coordinator<'c, 'a> {
     /// Begins the next unit, if it is one that is made of runs.
     fn begin_runs(&self) -> Option<usize> {
         let mut state = self.lock();
-        let next = state.schedule.next().filter(|next| !matches!(self.units[*next].work, Work::Block(_)))?;
+        let next = state.schedule.next().filter(|next| !self.units.is_block(*next))?;
         state.schedule.begin();
         // A block may be next now.
         self.changed.notify_all();
@@ -243,17 +244,17 @@ impl<'c, 'a> Coordinator<'c, 'a> {
     fn results(&self, unit: usize) -> EarlierResults {
         let kept: Vec<_> = {
             let state = self.lock();
-            self.units[unit].needs.iter().filter_map(|need| state.kept[*need].clone()).collect()
+            self.units.needs(unit).iter().filter_map(|need| state.kept.get(need).cloned()).collect()
         };
         Usable::gather(kept)
     }
 
     /// Books a unit that is done, with the units that are called off with it, and tells whether that was one failure too many.
     fn end(&self, unit: usize, report: UnitReport, sender: &SyncSender<Message>) {
-        let kept = if self.needed[unit] { Usable::of(&self.units[unit].work, &report) } else { None };
+        let kept = if self.needed[unit] { Usable::of(&self.units.get(unit).work, &report) } else { None };
         let mut state = self.lock();
         let off = state.schedule.end(unit, kept.is_some());
-        state.kept[unit] = kept.map(Arc::new);
+        state.kept.extend(kept.map(|kept| (unit, Arc::new(kept))));
         let mut off: Vec<_> = off.into_iter().map(|(unit, need)| (unit, Off::Need(need))).collect();
         let mut stopping = None;
         if report.standing().is_failure() {
@@ -323,7 +324,7 @@ impl<'s, 'c, 'a> Sequences for RunUnits<'s, 'c, 'a> {
         let sender = self.sender;
         send(sender, Message::Begun(unit));
         let told = Box::new(move || send(sender, Message::RunDone(unit)));
-        let run = self.coordinator.runner.begin(&self.coordinator.units[unit], told);
+        let run = self.coordinator.runner.begin(self.coordinator.units.get(unit), told);
         Some(Under { unit, run: run.expect("it is no block") })
     }
 

@@ -22,6 +22,7 @@ pub fn judge_gates<'a>(runner: &Runner<'a>, reports: &mut [SuiteReport], lenient
         if gates.is_empty() {
             continue;
         }
+        assert!(report.summary.is_none(), "a suite with gates has every trial");
         let identity = runner.identity(suite);
         let refusals: Vec<_> = gates.iter().map(|gate| other_runs(gate, &identity.set)).collect();
         // Runs that a trial did not need itself are made up for only where something is compared.
@@ -180,7 +181,7 @@ mod tests {
         let threads = Threads::new(2);
         let runner = Runner::new(suites, &threads, &standard());
         let mut trials = Vec::new();
-        for unit in units(suites) {
+        for unit in units(suites).iter() {
             match runner.run_unit(&unit, &EarlierResults::default(), &Silent) {
                 UnitReport::Trial(trial) => trials.push(trial),
                 _ => panic!("a scenario has trials only"),

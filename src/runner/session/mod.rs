@@ -12,6 +12,7 @@ mod schedule;
 mod selection;
 mod project_run;
 mod shared;
+mod trials;
 mod unit;
 mod unit_run;
 
@@ -21,4 +22,4 @@ pub use gates::{gate_key, judge_gates, judge_one_gate, measured_trials};
 pub use selection::Selection;
 pub use project_run::{Session, SessionError};
 pub use shared::{RunWatch, Runner};
-pub use unit::{Unit, Work, units, with_needs};
+pub use unit::{Unit, UnitKind, Units, Work, units, with_needs};

@@ -10,7 +10,7 @@ use super::courses::courses;
 use super::gates::judge_gates;
 use super::selection::Selection;
 use super::shared::{RunWatch, Runner};
-use super::unit::{Unit, units};
+use super::unit::{Units, units};
 use crate::project::Project;
 use crate::run::{Executor, Stop, Threads};
 use results::{Reporter, Results};
@@ -24,6 +24,7 @@ pub struct Session<'a> {
     watch: Option<&'a RunWatch<'a>>,
     lenient: bool,
     courses: bool,
+    every_trial: bool,
     notices: Mutex<Vec<String>>,
 }
 
@@ -68,6 +69,7 @@ impl<'a> Session<'a> {
             watch: None,
             lenient: false,
             courses: true,
+            every_trial: true,
             notices: Mutex::default(),
         }
     }
@@ -102,6 +104,13 @@ impl<'a> Session<'a> {
         Self { courses, ..self }
     }
 
+    /// Whether the results hold every trial. They do unless this says no: then they hold what did not pass, and the rest [in
+    /// numbers](results::SuiteSummary), which needs little memory for millions of runs. The terminal's report says the same,
+    /// reports of each trial refuse to be made. Courses of runs and gates need every trial and get it.
+    pub fn every_trial(self, every: bool) -> Self {
+        Self { every_trial: every, ..self }
+    }
+
     /// Runs what is selected, and tells `reporter` what happens.
     ///
     /// # Errors
@@ -116,7 +125,7 @@ impl<'a> Session<'a> {
     /// As [`Self::run`].
     pub fn run_units(
         &self,
-        units: &[Unit<'a>],
+        units: &Units<'a>,
         selection: &Selection,
         reporter: &mut dyn Reporter,
     ) -> Result<Results, SessionError> {
@@ -140,7 +149,11 @@ impl<'a> Session<'a> {
         if let Some(watch) = self.watch {
             runner = runner.watched_by(watch);
         }
-        let orders = Orders { chosen: &chosen, first: &[], max_failures: selection.max_failures };
+        let orders = Orders {
+            chosen: &chosen,
+            max_failures: selection.max_failures,
+            every_trial: self.every_trial || self.courses,
+        };
         let mut suites = runner.run(units, &orders, reporter);
         judge_gates(&runner, &mut suites, self.lenient);
         self.lock().extend(runner.notices());

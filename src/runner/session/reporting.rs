@@ -1,13 +1,13 @@
 //! What happens, told to a reporter in order and kept for the reports of the suites.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::time::{Duration, SystemTime};
 
 use super::shared::Runner;
-use super::unit::{Unit, Work};
+use super::trials::KeptTrials;
+use super::unit::{UnitKind, Units};
 use results::{
-    BlockReport, CutBy, Evaluations, Event, Program, RecordedReport, Reporter, Skip, Standing, Stopping,
-    SuiteReport, TrialReport, UnitReport,
+    CutBy, Evaluations, Event, Program, Reporter, Skip, Standing, Stopping, SuiteReport, UnitReport,
 };
 use scenario::{Block, Goal};
 
@@ -30,17 +30,35 @@ pub enum Off {
 /// Hears what is told, keeps what came of each unit and tells it on.
 pub struct Reporting<'t, 'a> {
     runner: &'t Runner<'a>,
-    units: &'t [Unit<'a>],
+    units: &'t Units<'a>,
     reporter: &'t mut dyn Reporter,
-    slots: Vec<Option<UnitReport>>,
+    /// One per suite.
+    trials: Vec<KeptTrials<'a>>,
+    /// All other units.
+    others: BTreeMap<usize, UnitReport>,
     best: HashMap<usize, f64>,
     interrupted: bool,
 }
 
 impl<'t, 'a> Reporting<'t, 'a> {
-    pub fn new(runner: &'t Runner<'a>, units: &'t [Unit<'a>], reporter: &'t mut dyn Reporter) -> Self {
-        let slots = units.iter().map(|_| None).collect();
-        Self { runner, units, reporter, slots, best: HashMap::new(), interrupted: false }
+    /// Keeps `every` trial, or of suites whose gates do not need each of them what a summary needs.
+    pub fn new(
+        runner: &'t Runner<'a>,
+        units: &'t Units<'a>,
+        every: bool,
+        reporter: &'t mut dyn Reporter,
+    ) -> Self {
+        let suites = runner.suites().iter();
+        let trials = suites.map(|one| KeptTrials::new(&one.plan, every || !one.suite.gates.is_empty()));
+        Self {
+            runner,
+            units,
+            reporter,
+            trials: trials.collect(),
+            others: BTreeMap::new(),
+            best: HashMap::new(),
+            interrupted: false,
+        }
     }
 
     pub fn tell(&mut self, event: &Event) {
@@ -50,7 +68,7 @@ impl<'t, 'a> Reporting<'t, 'a> {
     pub fn hear(&mut self, message: Message) {
         match message {
             Message::Begun(unit) => {
-                let (key, runs) = (&*self.units[unit].key, self.units[unit].runs());
+                let (key, runs) = (&*self.units.key(unit), self.units.runs(unit));
                 self.reporter.tell(&Event::UnitBegun { unit, key, runs });
             }
             Message::RunDone(unit) => self.tell(&Event::RunDone { unit }),
@@ -71,13 +89,13 @@ impl<'t, 'a> Reporting<'t, 'a> {
 
     /// The best value of a block's objective so far.
     fn best(&mut self, unit: usize, value: Option<f64>) -> Option<f64> {
-        let goal = match &self.units[unit].work {
-            Work::Block(block) => match &**block {
+        let goal = match self.units.kind(unit) {
+            UnitKind::Block(block) => match &**block {
                 Block::Search(search) => Some(search.objective.direction),
                 Block::Tune(tune) => tune.objectives.first().map(|objective| objective.direction),
                 Block::Evaluate(_) | Block::Statement(_) => None,
             },
-            Work::Trial(_) | Work::Recorded(_) => None,
+            UnitKind::Trial { .. } | UnitKind::Recorded => None,
         }?;
         if let Some(value) = value {
             let best = self.best.entry(unit).or_insert(value);
@@ -90,21 +108,30 @@ impl<'t, 'a> Reporting<'t, 'a> {
     }
 
     fn finished(&mut self, unit: usize, report: UnitReport) {
-        let suite = self.runner.identity(self.units[unit].suite);
-        self.reporter.tell(&Event::Finished { unit, suite: &suite, report: &report });
-        self.slots[unit] = Some(report);
+        let suite = self.units.suite(unit);
+        let identity = self.runner.identity(suite);
+        self.reporter.tell(&Event::Finished { unit, suite: &identity, report: &report });
+        match (report, self.units.kind(unit)) {
+            (UnitReport::Trial(trial), UnitKind::Trial { place, .. }) => self.trials[suite].take(place, trial),
+            (report, _) => {
+                self.others.insert(unit, report);
+            }
+        }
     }
 
     fn skipped(&mut self, unit: usize, reason: Skip) {
-        self.finished(unit, self.runner.skipped(&self.units[unit], reason));
+        self.finished(unit, self.runner.skipped(&self.units.get(unit), reason));
     }
 
     fn reason(&self, off: &Off) -> Skip {
         match off {
             Off::Stopping(stopping) => Skip::Stopped(*stopping),
             Off::Need(need) => {
-                let standing = self.slots[*need].as_ref().map_or(Standing::Skipped, UnitReport::standing);
-                Skip::needs(&self.units[*need].key, standing)
+                let standing = match self.units.kind(*need) {
+                    UnitKind::Trial { place, .. } => self.trials[self.units.suite(*need)].standing(place),
+                    _ => self.others.get(need).map_or(Standing::Skipped, UnitReport::standing),
+                };
+                Skip::needs(&self.units.key(*need), standing)
             }
         }
     }
@@ -126,49 +153,59 @@ impl<'t, 'a> Reporting<'t, 'a> {
 
     /// The reports of all suites, at the end.
     pub fn conclude(mut self, started: SystemTime, elapsed: Duration) -> Vec<SuiteReport> {
-        let mut slots = std::mem::take(&mut self.slots);
-        let (runner, units) = (self.runner, self.units);
-        let reports: Vec<_> = (0..runner.suites().len())
-            .map(|suite| suite_report(runner, units, &mut slots, suite, started, elapsed))
+        let runner = self.runner;
+        let kept = std::mem::take(&mut self.trials);
+        let mut reports: Vec<_> = kept
+            .into_iter()
+            .enumerate()
+            .map(|(suite, trials)| self.suite_report(suite, trials, started, elapsed))
             .collect();
+        for unit in self.units.others() {
+            let report = &mut reports[self.units.suite(unit)];
+            let what = self.others.remove(&unit);
+            match what.unwrap_or_else(|| runner.skipped(&self.units.get(unit), Skip::NotSelected)) {
+                UnitReport::Recorded(recorded) => report.recorded.push(recorded),
+                UnitReport::Trial(trial) => report.trials.push(trial),
+                UnitReport::Block(block) => report.blocks.push(block),
+            }
+        }
+        for report in &mut reports {
+            let interrupted = report.skips().any(|skip| *skip == Skip::Stopped(Stopping::Interrupted))
+                || report.standings().any(|one| one == Standing::NotFinished(CutBy::Interrupted));
+            report.interrupted = interrupted;
+        }
         self.tell(&Event::Ended { reports: &reports, requests: runner.requests(), elapsed });
         self.flush();
         reports
     }
-}
 
-/// All units of a suite; those without a report were not chosen.
-fn suite_report<'a>(
-    runner: &Runner<'a>,
-    units: &[Unit<'a>],
-    slots: &mut [Option<UnitReport>],
-    suite: usize,
-    started: SystemTime,
-    wall_time: Duration,
-) -> SuiteReport {
-    let identity = runner.identity(suite);
-    let mut report = SuiteReport {
-        identity,
-        program: Program::this(),
-        started,
-        wall_time,
-        recorded: Vec::new(),
-        trials: Vec::new(),
-        blocks: Vec::new(),
-        gates: Vec::new(),
-        interrupted: false,
-    };
-    for (unit, slot) in units.iter().zip(slots).filter(|(unit, _)| unit.suite == suite) {
-        match slot.take().unwrap_or_else(|| runner.skipped(unit, Skip::NotSelected)) {
-            UnitReport::Recorded(recorded) => report.recorded.push(recorded),
-            UnitReport::Trial(trial) => report.trials.push(trial),
-            UnitReport::Block(block) => report.blocks.push(block),
+    /// The trials of a suite; those without a report were not chosen.
+    fn suite_report(
+        &self,
+        suite: usize,
+        trials: KeptTrials<'a>,
+        started: SystemTime,
+        wall_time: Duration,
+    ) -> SuiteReport {
+        let skipped = |place| {
+            let unit = self.units.of_trial(suite, place);
+            match self.runner.skipped(&self.units.get(unit), Skip::NotSelected) {
+                UnitReport::Trial(trial) => trial,
+                UnitReport::Recorded(_) | UnitReport::Block(_) => unreachable!("it is a trial"),
+            }
+        };
+        let (trials, summary) = trials.conclude(skipped);
+        SuiteReport {
+            identity: self.runner.identity(suite),
+            program: Program::this(),
+            started,
+            wall_time,
+            recorded: Vec::new(),
+            trials,
+            summary,
+            blocks: Vec::new(),
+            gates: Vec::new(),
+            interrupted: false,
         }
     }
-    let skips = report.trials.iter().filter_map(TrialReport::skip);
-    let skips = skips.chain(report.blocks.iter().filter_map(BlockReport::skip));
-    let mut skips = skips.chain(report.recorded.iter().filter_map(RecordedReport::skip));
-    report.interrupted = skips.any(|skip| *skip == Skip::Stopped(Stopping::Interrupted))
-        || report.standings().any(|one| one == Standing::NotFinished(CutBy::Interrupted));
-    report
 }

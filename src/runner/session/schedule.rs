@@ -1,44 +1,35 @@
 //! Which unit is next: each after what it needs, and none whose needs came to nothing.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashMap};
 
 /// The units that are still to run.
 #[derive(Debug)]
 pub struct UnitSchedule {
-    /// Place of each unit in the order in which they are to begin.
-    rank: Vec<usize>,
-    /// Units that could begin now, by rank.
-    ready: BTreeSet<(usize, usize)>,
+    /// Units that could begin now.
+    ready: BTreeSet<usize>,
     /// How many needs of each unit are unfinished; `None` for one that has left the schedule.
-    outstanding: Vec<Option<usize>>,
-    /// Who waits for each unit.
-    waiting: Vec<Vec<usize>>,
+    outstanding: Vec<Option<u32>>,
+    /// Who waits for a unit.
+    waiting: HashMap<usize, Vec<usize>>,
     /// Units that are being run.
     running: usize,
 }
 
 impl UnitSchedule {
-    /// Of the units that are `chosen`, with all that they need. Those in `first` begin before the others.
-    ///
-    /// `needs` lists for each unit the units that it needs.
-    pub fn new(needs: &[&[usize]], chosen: &[bool], first: &[usize]) -> Self {
-        let units = needs.len();
-        let mut rank: Vec<usize> = (0..units).map(|index| first.len() + index).collect();
-        for (place, index) in first.iter().enumerate() {
-            rank[*index] = place;
-        }
+    /// Of the units that are `chosen`, with all that they need; `needs` gives for a unit those that it needs.
+    pub fn new<'n>(needs: impl Fn(usize) -> &'n [usize], chosen: &[bool]) -> Self {
         let mut schedule = Self {
-            rank,
             ready: BTreeSet::new(),
-            outstanding: vec![None; units],
-            waiting: vec![Vec::new(); units],
+            outstanding: vec![None; chosen.len()],
+            waiting: HashMap::new(),
             running: 0,
         };
-        for (index, needs) in needs.iter().enumerate().filter(|(index, _)| chosen[*index]) {
-            schedule.outstanding[index] = Some(needs.len());
-            needs.iter().for_each(|need| schedule.waiting[*need].push(index));
+        for (index, _) in chosen.iter().enumerate().filter(|(_, chosen)| **chosen) {
+            let needs = needs(index);
+            schedule.outstanding[index] = Some(needs.len() as u32);
+            needs.iter().for_each(|need| schedule.waiting.entry(*need).or_default().push(index));
             if needs.is_empty() {
-                schedule.ready.insert((schedule.rank[index], index));
+                schedule.ready.insert(index);
             }
         }
         schedule
@@ -46,12 +37,12 @@ impl UnitSchedule {
 
     /// The unit that is to begin next, if one can.
     pub fn next(&self) -> Option<usize> {
-        self.ready.first().map(|(_, unit)| *unit)
+        self.ready.first().copied()
     }
 
     /// Takes the unit that is to begin next, if one can.
     pub fn begin(&mut self) -> Option<usize> {
-        let (_, unit) = self.ready.pop_first()?;
+        let unit = self.ready.pop_first()?;
         self.outstanding[unit] = None;
         self.running += 1;
         Some(unit)
@@ -68,7 +59,7 @@ impl UnitSchedule {
         self.running -= 1;
         let mut off = Vec::new();
         let mut missing = vec![];
-        for waiting in std::mem::take(&mut self.waiting[unit]) {
+        for waiting in self.waiting.remove(&unit).unwrap_or_default() {
             let Some(outstanding) = &mut self.outstanding[waiting] else { continue };
             if !usable {
                 missing.push((waiting, unit));
@@ -76,13 +67,13 @@ impl UnitSchedule {
             }
             *outstanding -= 1;
             if *outstanding == 0 {
-                self.ready.insert((self.rank[waiting], waiting));
+                self.ready.insert(waiting);
             }
         }
         while let Some((waiting, need)) = missing.pop() {
             if self.outstanding[waiting].take().is_some() {
                 off.push((waiting, need));
-                missing.extend(self.waiting[waiting].iter().map(|next| (*next, waiting)));
+                missing.extend(self.waiting.get(&waiting).into_iter().flatten().map(|next| (*next, waiting)));
             }
         }
         off.sort_unstable();
@@ -92,7 +83,7 @@ impl UnitSchedule {
     /// Nothing that has not begun ever will: returns it all.
     pub fn call_off(&mut self) -> Vec<usize> {
         self.ready.clear();
-        let left = |(index, one): (usize, &mut Option<usize>)| one.take().map(|_| index);
+        let left = |(index, one): (usize, &mut Option<u32>)| one.take().map(|_| index);
         self.outstanding.iter_mut().enumerate().filter_map(left).collect()
     }
 }
@@ -111,7 +102,7 @@ mod tests {
 
     #[test]
     fn everything_begins_after_what_it_needs() {
-        let mut schedule = UnitSchedule::new(&NEEDS, &[true; 5], &[]);
+        let mut schedule = UnitSchedule::new(|unit| NEEDS[unit], &[true; 5]);
         assert_eq!(begun(&mut schedule), [0, 1, 2]);
         assert!(!schedule.is_over());
         assert_eq!(schedule.end(1, true), []);
@@ -127,7 +118,7 @@ mod tests {
 
     #[test]
     fn what_comes_to_nothing_takes_along_all_that_need_it() {
-        let mut schedule = UnitSchedule::new(&NEEDS, &[true; 5], &[]);
+        let mut schedule = UnitSchedule::new(|unit| NEEDS[unit], &[true; 5]);
         begun(&mut schedule);
         assert_eq!(schedule.end(0, false), [(3, 0), (4, 3)]);
         assert_eq!(schedule.end(1, true), []);
@@ -137,11 +128,10 @@ mod tests {
     }
 
     #[test]
-    fn some_begin_first_and_the_rest_can_be_called_off() {
-        let mut schedule = UnitSchedule::new(&NEEDS, &[true, true, true, true, false], &[2]);
-        assert_eq!(schedule.begin(), Some(2));
+    fn what_has_not_begun_can_be_called_off() {
+        let mut schedule = UnitSchedule::new(|unit| NEEDS[unit], &[true, true, true, true, false]);
         assert_eq!(schedule.begin(), Some(0));
-        assert_eq!(schedule.call_off(), [1, 3]);
+        assert_eq!(schedule.call_off(), [1, 2, 3]);
         assert_eq!(begun(&mut schedule), NOTHING);
         assert_eq!(schedule.end(0, true), []);
         assert_eq!(begun(&mut schedule), NOTHING, "nothing that was called off ever begins");

@@ -1,6 +1,6 @@
 //! Which units of a project are run, and until when.
 
-use super::unit::{Unit, with_needs};
+use super::unit::{Units, with_needs};
 
 /// Which of a project's units are to run. Whatever they need runs, too.
 #[derive(Debug, Clone)]
@@ -48,13 +48,18 @@ impl Selection {
     }
 
     /// Whether each unit is to run.
-    pub(super) fn chosen(&self, units: &[Unit]) -> Vec<bool> {
-        let wanted = |index: usize, unit: &Unit| match &self.wanted {
-            Wanted::All => true,
-            Wanted::Containing(part) => unit.key.contains(part.as_str()),
-            Wanted::Named(key) => unit.key == *key,
-            Wanted::Marked(marks) => marks.get(index).is_some_and(|mark| *mark),
+    pub(super) fn chosen(&self, units: &Units) -> Vec<bool> {
+        let by_key = |is_wanted: &dyn Fn(&str) -> bool| units.keys().map(|key| is_wanted(&key)).collect();
+        let wanted = match &self.wanted {
+            Wanted::All => vec![true; units.len()],
+            Wanted::Containing(part) => by_key(&|key| key.contains(part.as_str())),
+            Wanted::Named(name) => by_key(&|key| key == name),
+            Wanted::Marked(marks) => {
+                let mut marks = marks.clone();
+                marks.resize(units.len(), false);
+                marks
+            }
         };
-        with_needs(units, units.iter().enumerate().map(|(index, unit)| wanted(index, unit)).collect())
+        with_needs(units, wanted)
     }
 }

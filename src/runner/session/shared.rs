@@ -143,10 +143,10 @@ impl<'a> Runner<'a> {
     /// A unit that is made of runs, at its beginning; `None` for a block. `told` is called after every run of a trial.
     pub(super) fn begin<'s>(
         &'s self,
-        unit: &'s Unit<'a>,
+        unit: Unit<'a>,
         told: Box<dyn FnMut() + Send + 's>,
     ) -> Option<UnitRun<'s, 'a>> {
-        match &unit.work {
+        match unit.work {
             Work::Recorded(recorded) => {
                 Some(UnitRun::Recorded(Box::new(RecordedRun::new(self, unit.suite, &unit.key, recorded))))
             }
@@ -167,7 +167,7 @@ impl<'a> Runner<'a> {
         if let Work::Block(block) = &unit.work {
             return UnitReport::Block(self.block(unit.suite, block, results, progress));
         }
-        let mut alone = Alone { first: self.begin(unit, Box::new(|| ())), report: None };
+        let mut alone = Alone { first: self.begin(unit.clone(), Box::new(|| ())), report: None };
         run_sequences(self.executor, &mut alone, &self.stop);
         alone.report.unwrap_or_else(|| self.skipped(unit, Skip::Stopped(results::Stopping::Interrupted)))
     }
@@ -207,7 +207,7 @@ impl<'a> Runner<'a> {
         match &unit.work {
             Work::Recorded(recorded) => UnitReport::Recorded(RecordedReport {
                 recorded: Arc::new((*recorded).clone()),
-                key: unit.key.to_string(),
+                key: unit.key.clone(),
                 state: RecordedState::Skipped(reason),
                 wall_time: Duration::ZERO,
             }),
@@ -220,7 +220,7 @@ impl<'a> Runner<'a> {
             }),
             Work::Block(block) => UnitReport::Block(BlockReport {
                 block: block.clone(),
-                key: unit.key.to_string(),
+                key: unit.key.clone(),
                 state: BlockState::Skipped(reason),
                 wall_time: Duration::ZERO,
             }),
@@ -269,7 +269,7 @@ mod tests {
         let threads = Threads::new(1);
         let runner = Runner::new(suites, &threads, &standard());
         let trial = suites[0].plan.trial(0);
-        let unit = &units(suites)[0];
+        let unit = &units(suites).get(0);
         let UnitReport::Trial(report) = runner.run_unit(unit, &EarlierResults::default(), &Silent) else {
             panic!("the first unit is a trial");
         };

@@ -66,7 +66,7 @@ impl Sequence for UnitRun<'_, '_> {
 pub struct TrialRun<'s, 'a> {
     runner: &'s Runner<'a>,
     suite: usize,
-    trial: &'s PlannedTrial,
+    trial: PlannedTrial,
     begun: Instant,
     time_limit: Option<Duration>,
     watch: judge::Watch<'s>,
@@ -83,17 +83,17 @@ impl<'s, 'a> TrialRun<'s, 'a> {
     pub fn new(
         runner: &'s Runner<'a>,
         suite: usize,
-        trial: &'s PlannedTrial,
+        trial: PlannedTrial,
         told: Box<dyn FnMut() + Send + 's>,
     ) -> Self {
         Self {
             runner,
             suite,
-            trial,
             begun: Instant::now(),
             time_limit: runner.suites()[suite].plan.time_limit.map(Duration::from_secs_f64),
-            watch: judge::Watch::new(trial, runner.requests()),
+            watch: judge::Watch::new(&trial.trial, runner.requests()),
             outcomes: Vec::with_capacity(trial.certain_runs()),
+            trial,
             enough: false,
             broken: None,
             told,
@@ -162,7 +162,7 @@ impl<'s, 'a> TrialRun<'s, 'a> {
             trial: trial.trial.clone(),
             outcomes,
             state,
-            departures: departures(trial),
+            departures: departures(&trial),
             wall_time: begun.elapsed(),
         }
     }

@@ -6,22 +6,22 @@
 #[cfg(test)]
 mod tests;
 
+use std::sync::Arc;
+
 use super::confidence::Bounds;
 use super::criteria::{Evidence, bounded_above, find};
 use super::seen::Seen;
 use crate::{Finding, Outcome, Reason, Requests, RunsTaken, TrialVerdict, Verdict};
 use numbers::inference::{ConfidenceSequence, IndependentUnit, MeanWatch, ShareDecision};
 use scenario::{
-    Aggregate, Claim, Comparison, Criterion, MetricReference, Relation, Rounds, Trial, WhenUndefined,
+    Aggregate, Claim, Comparison, Criterion, MetricReference, Relation, Trial, WhenUndefined,
     constant,
 };
 
 /// Follows the outcomes of a trial to see when they are enough.
 pub struct Watch<'a> {
-    criteria: &'a [Criterion],
+    trial: Arc<Trial>,
     requests: &'a Requests,
-    /// `None`: the number of runs was fixed beforehand.
-    rounds: Option<Rounds>,
     /// One per criterion with stated confidence.
     tests: Vec<Test>,
     seen: usize,
@@ -61,7 +61,7 @@ struct Share {
 
 impl<'a> Watch<'a> {
     /// `requests` says which metric is where in the outcomes.
-    pub fn new(trial: &'a Trial, requests: &'a Requests) -> Self {
+    pub fn new(trial: &Arc<Trial>, requests: &'a Requests) -> Self {
         let tests = match trial.rounds {
             Some(_) => {
                 let criteria = trial.criteria.iter().enumerate();
@@ -69,13 +69,13 @@ impl<'a> Watch<'a> {
             }
             None => Vec::new(),
         };
-        Self { criteria: &trial.criteria, requests, rounds: trial.rounds, tests, seen: 0, enough: None }
+        Self { trial: trial.clone(), requests, tests, seen: 0, enough: None }
     }
 
     /// Looks at what the trial's first runs came to, of which there are more at every call. If fewer of them are
     /// enough, says how many: the others do not count.
     pub fn enough(&mut self, outcomes: &[Outcome]) -> Option<usize> {
-        let rounds = self.rounds?;
+        let rounds = self.trial.rounds?;
         while self.enough.is_none() && self.seen < outcomes.len() {
             let outcome = &outcomes[self.seen];
             self.tests.iter_mut().for_each(|test| test.count(outcome));
@@ -83,7 +83,7 @@ impl<'a> Watch<'a> {
             if self.seen >= rounds.least && self.seen.is_multiple_of(rounds.size) {
                 let bounds = Bounds::Sequential;
                 let evidence = Evidence { outcomes: &outcomes[..self.seen], requests: self.requests, bounds };
-                self.tests.iter_mut().for_each(|test| test.look(self.criteria, &evidence));
+                self.tests.iter_mut().for_each(|test| test.look(&self.trial.criteria, &evidence));
                 if self.tests.iter().all(|test| test.finding.is_some()) {
                     self.enough = Some(self.seen);
                 }
@@ -95,14 +95,15 @@ impl<'a> Watch<'a> {
     /// The verdict on the trial's runs, without those that do not count.
     pub fn verdict(mut self, outcomes: &[Outcome]) -> TrialVerdict {
         let outcomes = &outcomes[..self.enough(outcomes).unwrap_or(outcomes.len())];
-        let bounds = if self.rounds.is_some() { Bounds::Sequential } else { Bounds::Fixed };
+        let Trial { criteria, rounds, .. } = &*self.trial;
+        let bounds = if rounds.is_some() { Bounds::Sequential } else { Bounds::Fixed };
         let evidence = Evidence { outcomes, requests: self.requests, bounds };
         let finding = |(index, criterion)| {
             let decided = self.tests.iter().find(|test| test.criterion == index);
             decided.and_then(|test| test.finding.clone()).unwrap_or_else(|| find(criterion, &evidence))
         };
-        let findings = self.criteria.iter().enumerate().map(finding).collect();
-        let stopping = self.rounds.map(|rounds| RunsTaken {
+        let findings = criteria.iter().enumerate().map(finding).collect();
+        let stopping = rounds.map(|rounds| RunsTaken {
             least: rounds.least,
             most: rounds.most,
             runs: outcomes.len(),
@@ -112,7 +113,7 @@ impl<'a> Watch<'a> {
                 None => Reason::Budget,
             },
         });
-        TrialVerdict { stopping, ..TrialVerdict::of(findings, self.criteria, outcomes) }
+        TrialVerdict { stopping, ..TrialVerdict::of(findings, criteria, outcomes) }
     }
 }
 

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use super::*;
 use numbers::random::Stream;
-use scenario::{Expression, MetricReference, Origin, Reach};
+use scenario::{Expression, MetricReference, Origin, Reach, Rounds};
 use sim::{Ending, StopReason};
 
 const ROUNDS: Rounds = Rounds { size: 4, least: 20, most: 400 };
@@ -94,7 +94,7 @@ fn outcomes(values: impl IntoIterator<Item = Option<f64>>) -> Vec<Outcome> {
 /// Given `ahead` outcomes at a time.
 fn watched(criteria: Vec<Criterion>, rounds: Rounds, outcomes: &[Outcome], ahead: usize) -> TrialVerdict {
     let (trial, requests) = (trial(criteria, Some(rounds)), requests());
-    let mut watch = Watch::new(&trial, &requests);
+    let mut watch = Watch::new(&Arc::new(trial.clone()), &requests);
     let mut given = 0;
     let enough = loop {
         given = (given + ahead).min(outcomes.len());
@@ -155,7 +155,7 @@ fn nothing_to_decide_takes_the_least_and_fixed_runs_are_never_enough() {
     let stopping = RunsTaken { least: 20, most: 400, runs: 20, reason: Reason::NothingToDecide };
     assert_eq!(verdict.stopping, Some(stopping));
     let (trial, requests) = (trial(vec![every_run()], None), requests());
-    let mut watch = Watch::new(&trial, &requests);
+    let mut watch = Watch::new(&Arc::new(trial.clone()), &requests);
     assert_eq!(watch.enough(&all), None);
     assert_eq!(watch.verdict(&all), super::super::judge(&trial.criteria, &all, &requests));
 }
