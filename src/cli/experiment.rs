@@ -68,7 +68,8 @@ fn run(arguments: &ExperimentArguments, kind: &'static str, registry: &Registry)
     };
     let suites = project.suites();
     let units = session::units(suites);
-    let Some(wanted) = (0..units.len()).find(|unit| is_called(units.kind(*unit), kind, &arguments.name)) else {
+    let Some(wanted) = (0..units.len()).find(|unit| is_called(units.kind(*unit), kind, &arguments.name))
+    else {
         return unknown(arguments, &units, kind);
     };
     let asked = (0..units.len()).map(|unit| unit == wanted).collect();

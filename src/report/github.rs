@@ -2,7 +2,6 @@
 
 use std::fmt::Write;
 
-use super::{Repository, expect_every_trial};
 use super::experiment::render_block;
 use super::failure::{render_block_failure, render_failure, render_finding};
 use super::figures::short_name;
@@ -14,6 +13,7 @@ use super::wording::{
     closest_calls, interruption, judged_words, nearest_run, nothing_claimed, observed, stopping,
     trial_warnings, untested, verdict_mark, verdict_word,
 };
+use super::{Repository, expect_every_trial};
 use files::escape::{
     github_data, github_property, html, markdown, markdown_code, markdown_fenced, terminal_line,
 };

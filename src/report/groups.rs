@@ -212,8 +212,7 @@ impl<'r> Grid<'r> {
             (0..trials.len()).flat_map(|trial| ranks.iter().map(move |ranks| ranks[trial])).collect();
         drop(ranks);
         let mut grid = Self { axes, places, trials: trials.len(), is_full: false };
-        let combinations =
-            grid.axes.iter().try_fold(1_usize, |all, axis| all.checked_mul(axis.labels.len()));
+        let combinations = grid.axes.iter().try_fold(1_usize, |all, axis| all.checked_mul(axis.labels.len()));
         grid.is_full = combinations == Some(grid.trials) && {
             let mut all: Vec<u32> = (0..grid.trials as u32).collect();
             all.sort_unstable_by_key(|trial| grid.place(*trial as usize));
@@ -273,7 +272,8 @@ impl<'r> Grid<'r> {
     fn values(&self, trials: &[usize]) -> String {
         let mut said = Vec::new();
         for (column, Axis { name, labels, ordered }) in self.axes.iter().enumerate() {
-            let ranks: BTreeSet<usize> = trials.iter().map(|index| self.place(*index)[column] as usize).collect();
+            let ranks: BTreeSet<usize> =
+                trials.iter().map(|index| self.place(*index)[column] as usize).collect();
             let (Some(low), Some(high), last) = (ranks.first(), ranks.last(), labels.len() - 1) else {
                 continue;
             };
@@ -375,7 +375,8 @@ mod tests {
 
     fn judged(plan: &[Vec<Assignment>]) -> Vec<JudgedTrial<'_>> {
         let trials = plan.iter().enumerate();
-        let judged = trials.map(|(place, one)| JudgedTrial { place, values: TrialValues::Held(one), held: None });
+        let judged =
+            trials.map(|(place, one)| JudgedTrial { place, values: TrialValues::Held(one), held: None });
         judged.collect()
     }
 

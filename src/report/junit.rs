@@ -8,12 +8,12 @@ use std::io::{self, Write};
 use std::time::Duration;
 
 use self::document::{Counts, JunitReport, Problem, TestCase, TestOutcome, TestSuite};
-use super::{Repository, need_every_trial};
 use super::digest::{Digest, written_unit};
 use super::experiment::render_block;
 use super::failure::{render_block_failure, render_failure};
 use super::gate::{blindness as gate_blindness, render_gate_report};
 use super::wording::{in_words, interruption, nothing_claimed, recorded_remark, stopping, trial_warnings};
+use super::{Repository, need_every_trial};
 use results::{
     BlockReport, BlockResult, BlockState, Cut, CutBy, GateReport, GateState, NotJudged, RecordedReport,
     Requests, Results, SuiteReport, TrialReport, TrialState, Verdict,

@@ -68,7 +68,8 @@ pub fn render_tables(report: &SuiteReport, requests: &Requests, colour: bool) ->
     for trial in report.trials.iter().filter(|trial| !trial.skipped()) {
         held.entry(&trial.trial.scenario).or_default().push(trial);
     }
-    let mut held_of = |scenario: &ScenarioSummary| held.remove(scenario.scenario.as_str()).unwrap_or_default();
+    let mut held_of =
+        |scenario: &ScenarioSummary| held.remove(scenario.scenario.as_str()).unwrap_or_default();
     let is_single = |scenario: &&ScenarioSummary| scenario.trials() == 1 && scenario.varied.is_empty();
     let (single, varied): (Vec<_>, Vec<_>) = summary.scenarios.iter().partition(is_single);
     let single_trials: Vec<_> = single.iter().flat_map(|scenario| held_of(scenario)).collect();

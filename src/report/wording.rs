@@ -6,9 +6,9 @@ use super::chart::Rule;
 use super::format::{count, in_notation, quantity, share};
 use results::judge::{PerRun, judge};
 use results::{
-    BlockReport, BlockState, Finding, FindingMeasure, Horizon, NearestRun, OnCourse, Outcome, Reason, RecordedReport,
-    RecordedState, Regarding, Requests, RunsTaken, ScenarioSummary, Skip, Standing, SuiteReport, TrialReport, TrialState,
-    UnitReport, Vacuity, Verdict, WorstRun,
+    BlockReport, BlockState, Finding, FindingMeasure, Horizon, NearestRun, OnCourse, Outcome, Reason,
+    RecordedReport, RecordedState, Regarding, Requests, RunsTaken, ScenarioSummary, Skip, Standing,
+    SuiteReport, TrialReport, TrialState, UnitReport, Vacuity, Verdict, WorstRun,
 };
 use scenario::{Comparison, MetricKind, Notation, People, Relation, significant};
 

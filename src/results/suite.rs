@@ -137,7 +137,8 @@ impl SuiteReport {
     /// Why units were not run, each reason at least once.
     pub fn skips(&self) -> impl Iterator<Item = &Skip> {
         let held = self.trials.iter().filter_map(TrialReport::skip);
-        let counted = self.summary.iter().flat_map(SuiteSummary::standings).filter_map(|one| one.skip.as_ref());
+        let counted =
+            self.summary.iter().flat_map(SuiteSummary::standings).filter_map(|one| one.skip.as_ref());
         let blocks = self.blocks.iter().filter_map(BlockReport::skip);
         held.chain(counted).chain(blocks).chain(self.recorded.iter().filter_map(RecordedReport::skip))
     }
@@ -146,7 +147,10 @@ impl SuiteReport {
     pub fn incomplete(&self) -> Option<String> {
         let summary = self.summary.as_ref()?;
         let (held, trials) = (self.trials.len(), summary.standings().map(|one| one.trials).sum::<usize>());
-        Some(format!("the results of {} hold {held} of {trials} trials and the rest in numbers", self.identity.suite))
+        Some(format!(
+            "the results of {} hold {held} of {trials} trials and the rest in numbers",
+            self.identity.suite
+        ))
     }
 
     /// What its trials come to in numbers.

@@ -215,9 +215,7 @@ impl ScenarioSummary {
 
     /// Whether some trial was judged and did not pass.
     pub fn has_not_passed(&self) -> bool {
-        let not_passed = |one: &StandingCount| {
-            matches!(one.standing, Standing::Judged(verdict) if verdict != Verdict::Passed)
-        };
+        let not_passed = |one: &StandingCount| matches!(one.standing, Standing::Judged(verdict) if verdict != Verdict::Passed);
         self.standings.iter().any(not_passed)
     }
 }
@@ -236,9 +234,8 @@ impl NearestRun {
 
 /// Whether the first finding's run is nearer to speaking against its criterion than the second's; of equals, that which comes first.
 fn nearer(new: ((usize, usize), &Finding), known: ((usize, usize), &Finding)) -> bool {
-    let margin = |finding: &Finding| {
-        finding.closest.as_ref().and_then(|run| run.margin).unwrap_or(f64::INFINITY)
-    };
+    let margin =
+        |finding: &Finding| finding.closest.as_ref().and_then(|run| run.margin).unwrap_or(f64::INFINITY);
     let (left, right) = (margin(new.1), margin(known.1));
     left < right || left == right && new.0 < known.0
 }

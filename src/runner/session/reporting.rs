@@ -112,7 +112,9 @@ impl<'t, 'a> Reporting<'t, 'a> {
         let identity = self.runner.identity(suite);
         self.reporter.tell(&Event::Finished { unit, suite: &identity, report: &report });
         match (report, self.units.kind(unit)) {
-            (UnitReport::Trial(trial), UnitKind::Trial { place, .. }) => self.trials[suite].take(place, trial),
+            (UnitReport::Trial(trial), UnitKind::Trial { place, .. }) => {
+                self.trials[suite].take(place, trial)
+            }
             (report, _) => {
                 self.others.insert(unit, report);
             }

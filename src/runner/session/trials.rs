@@ -4,9 +4,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::mem;
 
 use crate::plan::Plan;
-use results::{
-    MOST_SHOWN, PassedTrial, ScenarioSummary, Skip, Standing, SuiteSummary, TrialReport, Verdict,
-};
+use results::{MOST_SHOWN, PassedTrial, ScenarioSummary, Skip, Standing, SuiteSummary, TrialReport, Verdict};
 use scenario::Assignment;
 
 /// The trials of one suite.
@@ -83,8 +81,8 @@ impl<'a> KeptTrials<'a> {
         mut skipped: impl FnMut(usize) -> TrialReport,
     ) -> (Vec<TrialReport>, Option<SuiteSummary>) {
         let Some(mut counted) = self.counted else {
-            let trials = (0..self.plan.len())
-                .map(|place| self.held.remove(&place).unwrap_or_else(|| skipped(place)));
+            let trials =
+                (0..self.plan.len()).map(|place| self.held.remove(&place).unwrap_or_else(|| skipped(place)));
             return (trials.collect(), None);
         };
         let mut all = vec![0; counted.len()];
@@ -111,5 +109,110 @@ impl<'a> KeptTrials<'a> {
         let scenarios = counted.iter_mut().map(|of| mem::take(&mut of.summary)).collect();
         let (held, trials) = self.held.into_iter().unzip();
         (trials, Some(SuiteSummary { held, scenarios }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::files::Memory;
+    use crate::models::standard;
+    use crate::numbers::random::Stream;
+    use crate::project::Project;
+    use crate::results::{SuiteReport, Unheard};
+    use crate::run::Threads;
+    use crate::runner::{Selection, Session};
+
+    const SUITE: &str = "\
+suite mixed {
+  scenario many {
+    road { lane_width 3.5 m; speed_limit 50 km/h; crossing zebra }
+    vehicle av { controller constant_speed; start 40 m before crossing; speed 50 km/h }
+    pedestrian walker { model scripted; start 1 m from kerb; appears at late }
+    vary late in 0 s .. 3.9 s step 0.1 s
+    horizon 6 s
+    expect { no collision when late >= 2 s; pet >= 1 s when late <= 1 s; min_distance >= 1 m undefined passes }
+  }
+  scenario few {
+    road { lane_width 3.5 m; speed_limit 50 km/h; crossing zebra }
+    vehicle av { controller constant_speed; start 40 m before crossing; speed 50 km/h }
+    pedestrian walker { model scripted; start 1 m from kerb; appears at late }
+    vary late in [0 s, 1 s]
+    horizon 3 s
+    expect { max_deceleration <= 9 m/s^2 }
+  }
+}
+";
+
+    fn project() -> Project {
+        let files = Memory::default().with("mixed.suite", SUITE);
+        Project::open("mixed.suite", &standard(), &files).unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    fn report(project: &Project, every: bool, selection: &Selection) -> SuiteReport {
+        let session = Session::new(project).executor(Threads::new(2)).courses(false).every_trial(every);
+        session.run(selection, &mut Unheard).unwrap().suites.remove(0)
+    }
+
+    /// Threads end in any order.
+    #[test]
+    fn what_is_kept_depends_on_no_order() {
+        let project = project();
+        let whole = report(&project, true, &Selection::all());
+        let plan = &project.suites()[0].plan;
+        let kept = |order: &[usize]| {
+            let mut kept = KeptTrials::new(plan, false);
+            order.iter().for_each(|place| kept.take(*place, whole.trials[*place].clone()));
+            let (trials, mut summary) = kept.conclude(|place| whole.trials[place].clone());
+            let scenarios = summary.iter_mut().flat_map(|summary| &mut summary.scenarios);
+            // Their order says nothing, and neither does that of the indices of criteria.
+            scenarios.for_each(|one| {
+                one.standings.sort_by_key(|one| one.standing);
+                one.nearest.sort_by_key(|one| one.first);
+                one.criteria.sort_by_key(|one| one.first);
+                one.passed.iter_mut().for_each(|passed| passed.criteria = 0);
+            });
+            (trials, summary)
+        };
+        let mut order: Vec<usize> = (0..plan.len()).collect();
+        let first = kept(&order);
+        let mut stream = Stream::seeded(1);
+        for _ in 0..20 {
+            for index in (1..order.len()).rev() {
+                order.swap(index, stream.index(index + 1));
+            }
+            assert_eq!(kept(&order), first);
+        }
+    }
+
+    #[test]
+    fn what_is_not_held_is_counted() {
+        let project = project();
+        for selection in [Selection::all(), Selection::containing("late=1"), Selection::containing("few")] {
+            let (whole, counted) = (report(&project, true, &selection), report(&project, false, &selection));
+            let (all, summary) = (SuiteSummary::of(&whole.trials), counted.summary().into_owned());
+            assert_eq!(whole.summary, None);
+            let mut standings = [&whole, &counted].map(|one| one.standings().collect::<Vec<_>>());
+            standings.iter_mut().for_each(|one| one.sort_unstable());
+            assert_eq!(standings[0], standings[1]);
+            let numbers = |summary: &SuiteSummary| (summary.ran(), summary.runs(), summary.untested());
+            assert_eq!(numbers(&all), numbers(&summary));
+            for (place, trial) in counted.placed_trials() {
+                let bits = |trial: &TrialReport| -> Vec<u64> {
+                    trial.outcomes.iter().map(|outcome| outcome.fingerprint).collect()
+                };
+                assert_eq!(trial.trial, whole.trials[place].trial);
+                assert_eq!(bits(trial), bits(&whole.trials[place]));
+            }
+            for (place, trial) in whole.trials.iter().enumerate() {
+                let is_held = summary.held.contains(&place);
+                let not_passed = !trial.skipped() && trial.verdict() != Some(Verdict::Passed);
+                assert!(is_held || !not_passed, "{} did not pass", trial.trial.key);
+            }
+            assert!(counted.incomplete().is_some());
+        }
+        let all = report(&project, false, &Selection::all());
+        let many = &all.summary().scenarios[0];
+        assert!(many.passed.len() > 10 && many.has_not_passed(), "the suite has both: {many:?}");
     }
 }

@@ -48,10 +48,20 @@ struct Span<'a> {
 
 #[derive(Debug)]
 enum SpanOf<'a> {
-    Recorded { recorded: &'a Recorded, key: String },
+    Recorded {
+        recorded: &'a Recorded,
+        key: String,
+    },
     /// All of a scenario; `place` of the suite's trials come before.
-    Trials { scenario: &'a ScenarioPlan, place: usize },
-    Block { block: Arc<Block>, key: String, needs: Vec<usize> },
+    Trials {
+        scenario: &'a ScenarioPlan,
+        place: usize,
+    },
+    Block {
+        block: Arc<Block>,
+        key: String,
+        needs: Vec<usize>,
+    },
 }
 
 /// Of which kind a unit is.
@@ -59,7 +69,10 @@ enum SpanOf<'a> {
 pub enum UnitKind<'u> {
     Recorded,
     /// With its place among the trials of its suite.
-    Trial { scenario: &'u ScenarioPlan, place: usize },
+    Trial {
+        scenario: &'u ScenarioPlan,
+        place: usize,
+    },
     Block(&'u Arc<Block>),
 }
 
@@ -147,7 +160,9 @@ impl<'a> Units<'a> {
             SpanOf::Block { .. } => false,
         };
         let span = &self.spans[self.spans.partition_point(before) - 1];
-        let SpanOf::Trials { place: first, .. } = span.of else { panic!("suite {suite} has no trial {place}") };
+        let SpanOf::Trials { place: first, .. } = span.of else {
+            panic!("suite {suite} has no trial {place}")
+        };
         span.first + (place - first)
     }
 

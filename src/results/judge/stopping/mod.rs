@@ -14,8 +14,7 @@ use super::seen::Seen;
 use crate::{Finding, Outcome, Reason, Requests, RunsTaken, TrialVerdict, Verdict};
 use numbers::inference::{ConfidenceSequence, IndependentUnit, MeanWatch, ShareDecision};
 use scenario::{
-    Aggregate, Claim, Comparison, Criterion, MetricReference, Relation, Trial, WhenUndefined,
-    constant,
+    Aggregate, Claim, Comparison, Criterion, MetricReference, Relation, Trial, WhenUndefined, constant,
 };
 
 /// Follows the outcomes of a trial to see when they are enough.
