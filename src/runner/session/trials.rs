@@ -115,13 +115,13 @@ impl<'a> KeptTrials<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::files::Memory;
-    use crate::models::standard;
-    use crate::numbers::random::Stream;
     use crate::project::Project;
-    use crate::results::{SuiteReport, Unheard};
     use crate::run::Threads;
-    use crate::runner::{Selection, Session};
+    use crate::session::{Selection, Session};
+    use files::Memory;
+    use models::standard;
+    use numbers::random::Stream;
+    use results::{SuiteReport, Unheard};
 
     const SUITE: &str = "\
 suite mixed {
