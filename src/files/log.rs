@@ -195,6 +195,7 @@ impl Log {
         self.place - 1
     }
 
+    /// Where the log lies, as it was opened.
     pub fn path(&self) -> &Path {
         &self.path
     }

@@ -39,22 +39,76 @@ pub struct Header {
 /// Why a log cannot be used. All but the first leave it as it is.
 #[derive(Debug, Error)]
 pub enum LogError {
+    /// The system refuses to open, write or lock it.
     #[error("{}: {error}", path.display())]
-    Io { path: PathBuf, error: io::Error },
+    Io {
+        /// The log.
+        path: PathBuf,
+        /// What the system says.
+        error: io::Error,
+    },
+    /// It cannot be read, or is larger than may be read.
     #[error("{}: {error}", path.display())]
-    Read { path: PathBuf, error: ReadError },
+    Read {
+        /// The log.
+        path: PathBuf,
+        /// What is wrong.
+        error: ReadError,
+    },
+    /// Another process appends to it.
     #[error("{} is in use by another process; let that one finish, or name another file", path.display())]
-    InUse { path: PathBuf },
+    InUse {
+        /// The log.
+        path: PathBuf,
+    },
+    /// Its first line is no header of a log, or of one of another kind.
     #[error("{} is no {expected}; name another file, or move it away", path.display())]
-    NotALog { path: PathBuf, expected: &'static str },
+    NotALog {
+        /// The file.
+        path: PathBuf,
+        /// The kind of log that was asked for, in words.
+        expected: &'static str,
+    },
+    /// It was written by a version with another layout.
     #[error("{} is a {expected} of version {found}, but this version of scenario-runner reads {known}; finish with the version that wrote it, or delete it", path.display())]
-    OtherVersion { path: PathBuf, expected: &'static str, found: u32, known: u32 },
+    OtherVersion {
+        /// The log.
+        path: PathBuf,
+        /// The kind of log that was asked for, in words.
+        expected: &'static str,
+        /// The layout that it states.
+        found: u32,
+        /// The layout that is read here.
+        known: u32,
+    },
+    /// It belongs to another subject, such as another suite or seed.
     #[error("{} is the {expected} of something else: {difference}; delete it, or name another file", path.display())]
-    OtherSubject { path: PathBuf, expected: &'static str, difference: String },
+    OtherSubject {
+        /// The log.
+        path: PathBuf,
+        /// The kind of log, in words.
+        expected: &'static str,
+        /// What differs, in words.
+        difference: String,
+    },
+    /// A record that is not the last is cut off, or its checksum is not that of its text.
     #[error("{}, line {line}: {reason}; restore it, or delete it and begin anew", path.display())]
-    Damaged { path: PathBuf, line: usize, reason: String },
+    Damaged {
+        /// The log.
+        path: PathBuf,
+        /// Counted from 1.
+        line: usize,
+        /// What is wrong with it, in words.
+        reason: String,
+    },
+    /// A record that is to be written would not be read again.
     #[error("{}: a record of {length} bytes is longer than a record may be", path.display())]
-    RecordTooLong { path: PathBuf, length: usize },
+    RecordTooLong {
+        /// The log.
+        path: PathBuf,
+        /// In bytes.
+        length: usize,
+    },
 }
 
 /// The checksum's member, at the end of a line.

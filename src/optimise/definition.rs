@@ -9,7 +9,9 @@ use super::space::Space;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Goal {
+    /// Smaller values are better.
     Minimise,
+    /// Larger values are better.
     Maximise,
 }
 

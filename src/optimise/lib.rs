@@ -58,10 +58,22 @@ pub enum Error {
     Dimensions(String),
     /// A dimension's range holds no choice.
     #[error("the range of dimension `{dimension}` is unusable: {reason}")]
-    Range { dimension: String, reason: String },
+    Range {
+        /// Its name.
+        dimension: String,
+        /// What is wrong with the range, in words.
+        reason: String,
+    },
     /// A value is not in its dimension's range.
     #[error("dimension `{dimension}` is given {value}, expected {expected}")]
-    Value { dimension: String, value: String, expected: String },
+    Value {
+        /// Its name.
+        dimension: String,
+        /// The value, as text.
+        value: String,
+        /// The values that fit, in words.
+        expected: String,
+    },
     /// A setting makes no sense.
     #[error("the optimisation cannot be run: {0}")]
     Definition(String),
@@ -79,5 +91,12 @@ pub enum Error {
     Journal(#[from] files::LogError),
     /// The journal holds something else than this run's evaluations.
     #[error("journal {path}, line {line}: {reason}")]
-    JournalContent { path: String, line: usize, reason: String },
+    JournalContent {
+        /// The journal.
+        path: String,
+        /// Counted from 1; the header is the first.
+        line: usize,
+        /// What does not fit, in words.
+        reason: String,
+    },
 }

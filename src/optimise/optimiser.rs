@@ -47,11 +47,20 @@ pub enum ProposalOrigin {
 #[serde(rename_all = "snake_case")]
 pub enum OptimisationEnd {
     /// The budget is spent.
-    Budget { evaluations: usize },
+    Budget {
+        /// How many it allowed.
+        evaluations: usize,
+    },
     /// Several proposals in a row promised less than the threshold; the last promised this much.
-    NoExpectedImprovement { largest: f64 },
+    NoExpectedImprovement {
+        /// Expected improvement of the best point, in the unit of the objective.
+        largest: f64,
+    },
     /// Every point of the grid is evaluated.
-    GridComplete { points: usize },
+    GridComplete {
+        /// Points of the grid.
+        points: usize,
+    },
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

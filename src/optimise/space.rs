@@ -21,21 +21,42 @@ pub struct SearchDimension {
 #[serde(rename_all = "snake_case")]
 pub enum Range {
     /// Any number from `low` to `high`.
-    Real { low: f64, high: f64 },
+    Real {
+        /// The smallest value.
+        low: f64,
+        /// The largest value, above `low`.
+        high: f64,
+    },
     /// Any positive number from `low` to `high`, searched on a logarithmic scale.
-    Log { low: f64, high: f64 },
+    Log {
+        /// The smallest value, above 0.
+        low: f64,
+        /// The largest value, above `low`.
+        high: f64,
+    },
     /// Any whole number from `low` to `high`.
-    Integer { low: i64, high: i64 },
+    Integer {
+        /// The smallest value.
+        low: i64,
+        /// The largest value, above `low`.
+        high: i64,
+    },
     /// One of the named choices; no order between them.
-    Categorical { choices: Vec<String> },
+    Categorical {
+        /// At least one, each once.
+        choices: Vec<String>,
+    },
 }
 
 /// The value of one dimension at a point.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Coordinate {
+    /// Of an integer dimension.
     Integer(i64),
+    /// Of a real or a logarithmic dimension.
     Real(f64),
+    /// The chosen name, of a categorical dimension.
     Category(String),
 }
 

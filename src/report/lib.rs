@@ -6,7 +6,7 @@
 #![deny(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro)]
 
 mod baseline;
-pub mod chart;
+mod chart;
 mod columns;
 pub mod console;
 mod csv;

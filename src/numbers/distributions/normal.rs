@@ -5,6 +5,7 @@ use std::f64::consts::{PI, SQRT_2};
 /// A normal distribution; [`density`], [`cumulative`] and [`quantile`] are those of the standard one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Normal {
+    /// Any finite number.
     pub mean: f64,
     /// Larger than 0.
     pub standard_deviation: f64,

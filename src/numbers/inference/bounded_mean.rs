@@ -166,6 +166,7 @@ impl MeanWatch {
         Self { limits, confidence, more: Bet::new(share), less: Bet::new(1.0 - share) }
     }
 
+    /// Counts in values that came together, such as those of the runs of one trial.
     pub fn take(&mut self, unit: IndependentUnit) {
         self.more.take(unit.up_from_low(self.limits));
         self.less.take(unit.down_from_high(self.limits));

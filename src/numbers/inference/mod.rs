@@ -28,13 +28,16 @@ use super::json;
 /// Where a quantity lies at a stated confidence; both ends belong to it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Interval {
+    /// In the unit of the quantity; negative infinity where nothing bounds it from below.
     #[serde(with = "json::low")]
     pub low: f64,
+    /// In the unit of the quantity; infinity where nothing bounds it from above.
     #[serde(with = "json::high")]
     pub high: f64,
 }
 
 impl Interval {
+    /// Whether a value lies within; no interval contains NaN.
     pub fn contains(&self, value: f64) -> bool {
         self.low <= value && value <= self.high
     }

@@ -45,6 +45,7 @@ impl MeanChange {
         Self { widest, ..self }
     }
 
+    /// Pairs that were told.
     pub fn pairs(&self) -> usize {
         self.differences.len()
     }

@@ -13,7 +13,9 @@ use crate::distributions::{ln_beta, regularised_beta};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ShareDecision {
+    /// The share is at least as large as claimed, at the stated confidence.
     Holds,
+    /// The share is smaller than claimed, at the stated confidence.
     Fails,
     /// More runs are needed.
     Open,
@@ -22,6 +24,7 @@ pub enum ShareDecision {
 /// A decision and what it took.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Sequential {
+    /// What is known after these runs.
     pub decision: ShareDecision,
     /// Runs looked at; later ones are overshoot and do not count.
     pub runs: usize,
