@@ -8,10 +8,15 @@ use super::{Comparison, MetricReference};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Aggregate {
+    /// The mean over runs.
     Mean(MetricReference),
+    /// The median over runs.
     Median(MetricReference),
+    /// The smallest value of any run.
     Min(MetricReference),
+    /// The largest value of any run.
     Max(MetricReference),
+    /// The standard deviation over runs.
     Std(MetricReference),
     /// The quantile at a level in 0..1.
     Quantile(f64, MetricReference),
@@ -24,9 +29,11 @@ pub enum Aggregate {
 /// How scenarios call an aggregate, and what they give it.
 #[derive(Debug, Clone, Copy)]
 pub struct AggregateWord {
+    /// Such as `mean` or `rate`.
     pub word: &'static str,
     /// One line.
     pub doc: &'static str,
+    /// What stands in its parentheses.
     pub of: AggregateOf,
 }
 

@@ -12,9 +12,13 @@ use super::{Evaluate, MetricReference, Origin, Search, Statement, StatementClaim
 // There are few of them and nobody moves them about.
 #[allow(clippy::large_enum_variant)]
 pub enum Block {
+    /// Where a metric is worst.
     Search(Search),
+    /// Which parameters of a controller are best.
     Tune(Tune),
+    /// How parameter sets compare on the same cases.
     Evaluate(Evaluate),
+    /// Whether what a source says is reproduced.
     Statement(Statement),
 }
 
@@ -28,6 +32,7 @@ impl Block {
         searches.chain(tunes).chain(evaluates).chain(statements).map(Arc::new).collect()
     }
 
+    /// As the suite calls it; no two blocks of a suite share one.
     pub fn name(&self) -> &str {
         match self {
             Self::Search(search) => &search.name,
@@ -52,6 +57,7 @@ impl Block {
         format!("{suite}/{}={}", self.kind(), self.name())
     }
 
+    /// What the suite says of it, in a sentence.
     pub fn doc(&self) -> Option<&str> {
         match self {
             Self::Search(search) => search.doc.as_deref(),
@@ -61,6 +67,7 @@ impl Block {
         }
     }
 
+    /// Where it is declared.
     pub fn origin(&self) -> &Origin {
         match self {
             Self::Search(search) => &search.origin,

@@ -18,11 +18,15 @@ pub struct Case {
     /// Stable name such as `zebra/carla_walker/tta=6s/individual=17/rep=2`: names the run in every report, seeds it,
     /// and is what `scenario-runner replay` takes.
     pub key: String,
+    /// Its scenario's name.
     pub scenario: String,
+    /// The values of its variations, in the order in which they are declared.
     pub variation: Vec<Assignment>,
     /// The parameter sets drawn for pedestrians, in the order of the pedestrians that have one.
     pub individuals: Vec<Individual>,
+    /// Counted from 1.
     pub repetition: u32,
+    /// What every random stream of the run is derived from.
     #[serde(with = "json::whole")]
     pub seed: u64,
     /// Shared by all repetitions.
@@ -32,26 +36,35 @@ pub struct Case {
 /// A variation's name with the value it has in a case.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Assignment {
+    /// Of the variation.
     pub name: String,
+    /// The value as it was written, without spaces: `6s`. It is the part of the key.
     pub label: String,
+    /// SI units.
     pub value: Value,
 }
 
 /// One person: a parameter set of a population.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Individual {
+    /// The pedestrian who is that person, by name.
     pub pedestrian: String,
+    /// `standard`, or the path of the file that the sets are in.
     pub population: String,
     /// Its number in the population, counted from 1.
     pub number: u32,
+    /// By the names of the model's parameters, SI units.
     pub parameters: Settings,
 }
 
 /// What the simulation needs to know of a case.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct World {
+    /// Where everybody moves.
     pub road: Road,
+    /// In the order in which they are declared, which is that of every index of a vehicle.
     pub vehicles: Vec<VehicleSetup>,
+    /// In the order in which they are declared, which is that of every index of a pedestrian.
     pub pedestrians: Vec<PedestrianSetup>,
     /// s
     pub step: f64,
@@ -59,6 +72,7 @@ pub struct World {
     pub horizon: f64,
     /// Distance of the finish line behind the middle of the crossing in m.
     pub finish: f64,
+    /// Whether a collision ends the run.
     pub end_on_collision: bool,
 }
 
@@ -66,8 +80,10 @@ pub struct World {
 #[derive(Serialize, Deserialize)]
 #[serde(bound = "")]
 pub struct ModelSetup<T> {
+    /// The entry of the registry.
     #[serde(rename = "name")]
     pub model: Reference<T>,
+    /// A value for every parameter, apart from numbers declared without a default that nobody set.
     pub settings: Settings,
 }
 
@@ -99,10 +115,14 @@ impl<T> PartialEq for ModelSetup<T> {
     }
 }
 
+/// A vehicle of a world.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct VehicleSetup {
+    /// As the scenario calls it.
     pub name: String,
+    /// What drives it.
     pub controller: ModelSetup<ControllerModel>,
+    /// How it follows what its controller asks for.
     pub dynamics: ModelSetup<DynamicsModel>,
     /// m
     pub length: f64,
@@ -112,6 +132,7 @@ pub struct VehicleSetup {
     pub lane: usize,
     /// Speed of the steady cruise at the start in m/s; also what a controller takes as its wanted speed by default.
     pub speed: f64,
+    /// Where it is at time 0.
     pub start: VehicleStart,
     /// `None`: perfect perception.
     pub sees: Option<ModelSetup<PerceptionModel>>,
@@ -125,26 +146,43 @@ pub enum VehicleStart {
     Distance(f64),
     /// At the time to arrival `time` (s) at the line across the road at world `x` (m), for a part of the vehicle and
     /// at the speed it cruises at once settled.
-    TimeToArrival { time: f64, reference: VehicleReference, x: f64 },
+    TimeToArrival {
+        /// s
+        time: f64,
+        /// The part of the vehicle that arrives.
+        reference: VehicleReference,
+        /// The line's place, m in the world frame.
+        x: f64,
+    },
 }
 
 /// The part of a vehicle that distances and times to arrival are measured from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum VehicleReference {
+    /// The middle of its length and width.
     #[default]
     Centre,
+    /// The middle of its front edge.
     Front,
 }
 
+/// A pedestrian of a world.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PedestrianSetup {
+    /// As the scenario calls them.
     pub name: String,
+    /// What decides how they walk.
     pub model: ModelSetup<PedestrianModel>,
+    /// Their footprint.
     pub shape: Shape,
+    /// Where they start, seen across the road.
     pub side: Side,
+    /// The centre of their footprint when they appear.
     pub start: Position,
+    /// Where they want to go.
     pub goal: Position,
+    /// When they enter the world.
     pub appears: Appearance,
 }
 
@@ -152,6 +190,7 @@ pub struct PedestrianSetup {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Shape {
+    /// Looks alike from everywhere.
     Disc {
         /// m
         radius: f64,
@@ -168,7 +207,9 @@ pub enum Shape {
 /// A place in the world frame (see [`Road`]) in m.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Position {
+    /// Along the road, m; 0 is the middle of the crossing.
     pub x: f64,
+    /// Across the road, m; 0 is the centre of lane 0.
     pub y: f64,
 }
 
@@ -186,5 +227,12 @@ pub enum Appearance {
     At(f64),
     /// At the first step at which the time to arrival of vehicle `vehicle` at the pedestrian's place along the road
     /// is at most `time` (s).
-    TimeToArrival { vehicle: usize, reference: VehicleReference, time: f64 },
+    TimeToArrival {
+        /// Index into [`World::vehicles`].
+        vehicle: usize,
+        /// The part of the vehicle that arrives.
+        reference: VehicleReference,
+        /// s
+        time: f64,
+    },
 }

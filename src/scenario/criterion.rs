@@ -12,6 +12,7 @@ use super::{
 /// Where in a file something was said; enough to show it again without reading the file.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Origin {
+    /// Its path as reports show it; empty for what was not read from a file.
     pub file: Arc<str>,
     /// Counted from 1.
     pub line: usize,
@@ -23,15 +24,19 @@ pub struct Origin {
     pub length: usize,
 }
 
+/// What `expect` demands of a scenario's runs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Criterion {
+    /// What must hold.
     pub claim: Claim,
     /// Applies only to trials in which this holds; every comparison is over a variation.
     pub when: Vec<VariationCondition>,
     /// The criterion in canonical words, such as `pet >= 1.5 s in 80 % of runs`.
     pub text: String,
+    /// Of whom it speaks, and between what limits its metric lies.
     #[serde(default)]
     pub reach: Reach,
+    /// Where it is written.
     pub origin: Origin,
 }
 
@@ -57,8 +62,11 @@ pub enum People {
 /// A condition on a variation's value, such as `tta >= 18 s`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct VariationCondition {
+    /// The variation's name.
     pub variable: String,
+    /// How the two must compare.
     pub relation: Relation,
+    /// SI units, or a word; of constants alone.
     pub bound: Expression,
 }
 
@@ -78,17 +86,30 @@ impl VariationCondition {
     }
 }
 
+/// What a criterion says of the runs of a trial.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Claim {
     /// The comparison holds in every run, or in at least a share (0..1) of them.
-    Runs { comparison: Comparison, share: Option<f64>, confidence: Option<f64> },
+    Runs {
+        /// What must hold in a run.
+        comparison: Comparison,
+        /// `None`: in every run.
+        share: Option<f64>,
+        /// With which (0..1) the share of all possible runs must be shown; `None`: the share of those that were made.
+        confidence: Option<f64>,
+    },
     /// An aggregate over the runs compares to a bound.
     Aggregate {
+        /// What sums them up.
         aggregate: Aggregate,
+        /// How the two must compare.
         relation: Relation,
+        /// In the SI unit of the aggregate.
         bound: Expression,
+        /// What a run in which the metric does not exist says.
         when_undefined: WhenUndefined,
+        /// With which (0..1) it must be shown of all possible runs; `None`: it holds of those that were made.
         confidence: Option<f64>,
     },
 }
@@ -96,10 +117,13 @@ pub enum Claim {
 /// A metric of one run compared to a bound.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Comparison {
+    /// What is measured.
     pub metric: MetricReference,
+    /// How the two must compare.
     pub relation: Relation,
     /// SI units; flags compare to 0 and 1, categories to the index of their word.
     pub bound: Expression,
+    /// What it says of a run in which the metric does not exist.
     pub when_undefined: WhenUndefined,
 }
 
@@ -111,12 +135,16 @@ pub enum WhenUndefined {
     /// against the criterion.
     #[default]
     AsDeclared,
+    /// It does not hold there.
     Fails,
+    /// It holds there.
     Passes,
 }
 
+/// A metric, with what it is measured with and for whom.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MetricReference {
+    /// The entry of the registry.
     #[serde(rename = "name")]
     pub metric: Reference<Metric>,
     /// Given parameters only; the metric's declaration has the defaults.
@@ -128,18 +156,26 @@ pub struct MetricReference {
     pub pair: Option<(String, String)>,
 }
 
+/// How two numbers compare.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Relation {
+    /// `<`
     Less,
+    /// `<=`
     LessOrEqual,
+    /// `>`
     Greater,
+    /// `>=`
     GreaterOrEqual,
+    /// `==`
     Equal,
+    /// `!=`
     NotEqual,
 }
 
 impl Relation {
+    /// Whether `left` compares to `right` so; with NaN nothing but [`Self::NotEqual`] holds.
     pub fn holds(self, left: f64, right: f64) -> bool {
         match self {
             Self::Less => left < right,
@@ -163,6 +199,7 @@ impl Relation {
         }
     }
 
+    /// As scenarios write it: `<=`.
     pub fn symbol(self) -> &'static str {
         match self {
             Self::Less => "<",
@@ -216,6 +253,7 @@ impl MetricReference {
         Self { metric: metric.into(), settings: Settings::default(), pair: None }
     }
 
+    /// As scenarios call the metric.
     pub fn name(&self) -> &str {
         self.metric.name()
     }

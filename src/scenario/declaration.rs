@@ -21,7 +21,9 @@ pub struct Declaration {
     pub summary: Text,
     /// Where it comes from: paper and equation, or file and version.
     pub source: Text,
+    /// In the order in which pages and completion show them.
     pub parameters: Vec<Parameter>,
+    /// `None`: nothing but its defaults.
     pub presets: Option<PresetFamily>,
 }
 
@@ -29,6 +31,7 @@ pub struct Declaration {
 /// seed. Where that is not sure, it can.
 #[derive(Debug, Clone, Copy)]
 pub enum Chance {
+    /// Two runs that differ in the seed alone are the same.
     Never,
     /// Whatever its settings.
     Always,
@@ -37,6 +40,7 @@ pub enum Chance {
 }
 
 impl Chance {
+    /// Whether it can draw under these settings, resolved against its declaration.
     pub fn possible(self, settings: &Settings) -> bool {
         match self {
             Self::Never => false,
@@ -51,11 +55,14 @@ impl Chance {
 pub struct PresetFamily {
     /// The name that the preset is chosen by, such as `profile`.
     pub word: Text,
+    /// The preset where none is named, one of `presets`.
     pub default: Text,
+    /// In the order in which pages show them.
     pub presets: Vec<Preset>,
 }
 
 impl PresetFamily {
+    /// `word` chooses among `presets`, and stands for `default` where it is missing.
     pub fn new(
         word: impl Into<Text>,
         default: impl Into<Text>,
@@ -65,15 +72,19 @@ impl PresetFamily {
     }
 }
 
+/// A set of defaults with a name.
 #[derive(Debug, Clone)]
 pub struct Preset {
+    /// The word that chooses it, such as `aggressive`.
     pub name: Text,
+    /// One line.
     pub doc: Text,
     /// Values by the names of parameters.
     pub values: Vec<(Text, Value)>,
 }
 
 impl Preset {
+    /// `values` are defaults by the names of parameters, SI units.
     pub fn new(
         name: impl Into<Text>,
         doc: impl Into<Text>,
@@ -87,10 +98,13 @@ impl Preset {
 /// One parameter of a registered thing.
 #[derive(Debug, Clone)]
 pub struct Parameter {
+    /// As scenarios call it.
     pub name: Text,
     /// One line.
     pub doc: Text,
+    /// Where the default and the range come from: paper and equation, or file and version.
     pub source: Text,
+    /// What it may be set to.
     pub kind: ParameterKind,
     /// The one value that was published beside the other settings, for a number that is no free choice: with another the
     /// model is another one, which nobody fitted to anything.
@@ -111,36 +125,54 @@ pub const ANOTHER_MODEL: &str = "another_model";
     show_both(*found, *published, *dimension).1
 )]
 pub struct Departure {
+    /// The model or controller that declares the parameter.
     pub owner: String,
+    /// As scenarios call it.
     pub parameter: String,
+    /// What it is set to, SI units.
     pub found: f64,
+    /// What was published beside the other settings, SI units.
     pub published: f64,
+    /// Of both.
     pub dimension: Dimension,
 }
 
+/// What a parameter may be set to.
 #[derive(Debug, Clone)]
 pub enum ParameterKind {
     /// A quantity in SI units within an inclusive range; without a default it may stay absent.
     Number {
+        /// A setting in another one is refused.
         dimension: Dimension,
+        /// SI units.
         default: Option<f64>,
+        /// SI units, both ends included.
         range: (f64, f64),
     },
     /// A whole number within an inclusive range.
     Whole {
+        /// Within `range`.
         default: i64,
+        /// Both ends included.
         range: (i64, i64),
     },
+    /// A truth value.
     Flag {
+        /// Where nothing is set.
         default: bool,
     },
+    /// One of several words.
     Choice {
+        /// The name of one of the `options`.
         default: Text,
+        /// At least one.
         options: Vec<ChoiceOption>,
     },
     /// Free text in a language of the model's own, such as a variant's name.
     Text {
+        /// Where nothing is set.
         default: Text,
+        /// What is wrong with a text, asked when the scenario is checked.
         check: TextCheck,
     },
 }
@@ -152,6 +184,7 @@ pub type TextCheck = fn(text: &str, given: &dyn Fn(&str) -> bool) -> Vec<TextErr
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error("{message}")]
 pub struct TextError {
+    /// What is wrong, in a sentence without a full stop.
     pub message: String,
     /// What to write instead.
     pub hint: Option<String>,
@@ -162,11 +195,14 @@ pub struct TextError {
 /// One word that a [`ParameterKind::Choice`] may take.
 #[derive(Debug, Clone)]
 pub struct ChoiceOption {
+    /// The word.
     pub name: Text,
+    /// One line.
     pub doc: Text,
 }
 
 impl ChoiceOption {
+    /// A word with its line.
     pub fn new(name: impl Into<Text>, doc: impl Into<Text>) -> Self {
         Self { name: name.into(), doc: doc.into() }
     }
@@ -175,14 +211,54 @@ impl ChoiceOption {
 /// Why a setting does not fit its declaration.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum SettingError {
+    /// Nothing is declared under the name.
     #[error("`{owner}` has no parameter `{name}`")]
-    UnknownParameter { owner: String, name: String },
+    UnknownParameter {
+        /// Whose settings they are.
+        owner: String,
+        /// What was set.
+        name: String,
+    },
+    /// It is no number, flag or word where one is declared.
     #[error("`{name}` of `{owner}` must be {expected}, but is {found}")]
-    WrongType { owner: String, name: String, expected: String, found: String },
+    WrongType {
+        /// Whose settings they are.
+        owner: String,
+        /// Of the parameter.
+        name: String,
+        /// What is declared, in words.
+        expected: String,
+        /// What was set, as text.
+        found: String,
+    },
+    /// The number is outside of the declared range.
     #[error("`{name}` of `{owner}` is {}, outside {low} .. {high}{unit}", show_outside(*found, (*low, *high)))]
-    OutOfRange { owner: String, name: String, found: f64, low: f64, high: f64, unit: String },
+    OutOfRange {
+        /// Whose settings they are.
+        owner: String,
+        /// Of the parameter.
+        name: String,
+        /// What was set, SI units.
+        found: f64,
+        /// The smallest that is allowed, SI units.
+        low: f64,
+        /// The largest that is allowed, SI units.
+        high: f64,
+        /// The SI unit, with a space before it; empty for plain numbers.
+        unit: String,
+    },
+    /// The word is none of the declared ones.
     #[error("`{name}` of `{owner}` has no option `{found}`")]
-    UnknownOption { owner: String, name: String, found: String, options: Vec<String> },
+    UnknownOption {
+        /// Whose settings they are.
+        owner: String,
+        /// Of the parameter.
+        name: String,
+        /// What was set.
+        found: String,
+        /// What may be set.
+        options: Vec<String>,
+    },
 }
 
 impl Parameter {
@@ -195,6 +271,7 @@ impl Parameter {
         Self { name: name.into(), doc: doc.into(), source: source.into(), kind, published: None }
     }
 
+    /// A quantity: its default and the ends of its range, which belong to it, in SI units.
     pub fn number(
         name: impl Into<Text>,
         dimension: Dimension,
@@ -217,6 +294,7 @@ impl Parameter {
         Self::new(name, ParameterKind::Number { dimension, default: None, range }, doc, source)
     }
 
+    /// A whole number; the ends of the range belong to it.
     pub fn whole(
         name: impl Into<Text>,
         default: i64,
@@ -227,10 +305,12 @@ impl Parameter {
         Self::new(name, ParameterKind::Whole { default, range }, doc, source)
     }
 
+    /// A truth value.
     pub fn flag(name: impl Into<Text>, default: bool, doc: impl Into<Text>, source: impl Into<Text>) -> Self {
         Self::new(name, ParameterKind::Flag { default }, doc, source)
     }
 
+    /// One of several words; `default` is one of them.
     pub fn choice(
         name: impl Into<Text>,
         default: impl Into<Text>,
@@ -242,6 +322,7 @@ impl Parameter {
         Self::new(name, kind, doc, source)
     }
 
+    /// A word that the model itself understands; `check` says what is wrong with others.
     pub fn text(
         name: impl Into<Text>,
         default: impl Into<Text>,
@@ -354,15 +435,18 @@ impl Declaration {
         }
     }
 
+    /// Where it comes from: paper and equation, or file and version. [`Self::number`] takes it for the parameters that follow.
     pub fn source(self, source: impl Into<Text>) -> Self {
         Self { source: source.into(), ..self }
     }
 
+    /// With one parameter more.
     pub fn with(mut self, parameter: Parameter) -> Self {
         self.parameters.push(parameter);
         self
     }
 
+    /// With these parameters more.
     pub fn parameters(mut self, parameters: impl IntoIterator<Item = Parameter>) -> Self {
         self.parameters.extend(parameters);
         self
@@ -381,6 +465,7 @@ impl Declaration {
         self.with(Parameter::number(name, dimension, default, range, doc, source))
     }
 
+    /// With presets; a registry refuses those that set what is not declared.
     pub fn presets(self, presets: PresetFamily) -> Self {
         Self { presets: Some(presets), ..self }
     }
@@ -390,6 +475,7 @@ impl Declaration {
         self.parameters.iter().find(|parameter| parameter.name == name)
     }
 
+    /// The preset of that name.
     pub fn preset(&self, name: &str) -> Option<&Preset> {
         self.presets.as_ref()?.presets.iter().find(|preset| preset.name == name)
     }

@@ -15,8 +15,11 @@ use super::{
 /// A suite: scenarios and what holds for all of them. A bare `.scn` file becomes a suite named after the file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Suite {
+    /// As it calls itself; a suite of a bare file is called after the file.
     pub name: String,
+    /// What it says of itself, in a sentence.
     pub doc: Option<String>,
+    /// What the seed of every run is derived from.
     pub seed: u64,
     /// What was set from outside and is not as the files say: `av.speed=40km/h`, sorted.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -28,20 +31,26 @@ pub struct Suite {
     /// Known to the blocks below, but not run by themselves, by name; names are unique together with those above.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub supporting: Vec<Scenario>,
+    /// In the order in which they are declared.
     #[serde(default)]
     pub searches: Vec<Search>,
+    /// In the order in which they are declared.
     #[serde(default)]
     pub tunes: Vec<Tune>,
+    /// In the order in which they are declared.
     #[serde(default)]
     pub evaluates: Vec<Evaluate>,
+    /// In the order in which they are declared.
     #[serde(default)]
     pub statements: Vec<Statement>,
+    /// In the order in which they are declared.
     #[serde(default)]
     pub gates: Vec<Gate>,
     /// The unit in which it compares a metric to something, the first where there are several; metrics that it compares in SI
     /// units are not there. For messages and reports only.
     #[serde(skip)]
     pub notations: Vec<(MetricReference, Notation)>,
+    /// Where it is declared.
     pub origin: Origin,
 }
 
@@ -57,13 +66,20 @@ impl Suite {
     }
 }
 
+/// A scenario as it is declared: the trials that it stands for come from its variations.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Scenario {
+    /// As files and keys call it.
     pub name: String,
+    /// What it says of itself, in a sentence.
     pub doc: Option<String>,
+    /// What filters may select it by.
     pub tags: Vec<String>,
+    /// Where everybody moves.
     pub road: Road,
+    /// In order; their names and those of pedestrians are all different.
     pub vehicles: Vec<Vehicle>,
+    /// In order.
     pub pedestrians: Vec<DeclaredPedestrian>,
     /// Crossed with each other in order; the last varies fastest.
     pub variations: Vec<Variation>,
@@ -83,10 +99,12 @@ pub struct Scenario {
     pub horizon: f64,
     /// Distance of the finish line behind the crossing's middle in m.
     pub finish: f64,
+    /// Whether a collision ends a run.
     pub end_on_collision: bool,
     /// How its numbers were written, by name: `av.speed`, `av.controller.braking_distance`, `tta`. For messages only.
     #[serde(skip)]
     pub written: BTreeMap<String, Written>,
+    /// Where it is declared.
     pub origin: Origin,
 }
 
@@ -97,6 +115,7 @@ pub struct RunBudget {
     pub least: u32,
     /// At least `least`.
     pub most: u32,
+    /// Where it is written.
     pub origin: Origin,
 }
 
@@ -116,13 +135,18 @@ pub struct Model<T> {
     /// What else it may be where a search or a saved case gives that variation words of its own; empty without one.
     #[serde(skip)]
     pub others: Vec<Reference<T>>,
+    /// Those that were given, by name, SI units.
     pub settings: Vec<(String, Expression)>,
+    /// Where it is written.
     pub origin: Origin,
 }
 
+/// A vehicle as it is declared.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Vehicle {
+    /// As the scenario calls it.
     pub name: String,
+    /// What drives it, or what a variation puts there.
     pub controller: Model<ControllerModel>,
     /// `None`: the controller's default dynamics.
     pub dynamics: Option<Model<DynamicsModel>>,
@@ -130,14 +154,17 @@ pub struct Vehicle {
     pub size: Option<(Expression, Expression)>,
     /// Speed of the steady cruise at the start in m/s.
     pub speed: Expression,
+    /// Where it is at time 0.
     pub start: DeclaredVehicleStart,
     /// Index into [`Road::lanes`].
     pub lane: usize,
     /// `sees { … }`: what the controller's perception leaves out; `None` is perfect perception.
     pub sees: Option<Model<PerceptionModel>>,
+    /// Where it is declared.
     pub origin: Origin,
 }
 
+/// Where a vehicle starts.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum DeclaredVehicleStart {
@@ -149,12 +176,16 @@ pub enum DeclaredVehicleStart {
     TimeToArrival(Expression),
 }
 
+/// A pedestrian as they are declared.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DeclaredPedestrian {
+    /// As the scenario calls them.
     pub name: String,
+    /// What decides how they walk, or what a variation puts there.
     pub model: Model<PedestrianModel>,
     /// `None`: a disc of 0.25 m radius.
     pub shape: Option<DeclaredShape>,
+    /// The side of the road that they start from.
     pub side: Side,
     /// Distance of the start from the centre of lane 0 (near) or of the last lane (far), m.
     pub start_from_lane_centre: Expression,
@@ -162,8 +193,11 @@ pub struct DeclaredPedestrian {
     pub along: Expression,
     /// Distance of the goal beyond the opposite kerb in m.
     pub goal_beyond_kerb: Expression,
+    /// When they enter the world.
     pub appears: DeclaredAppearance,
+    /// `None`: the parameters that the model's settings say.
     pub individuals: Option<Individuals>,
+    /// Where they are declared.
     pub origin: Origin,
 }
 
@@ -171,34 +205,56 @@ pub struct DeclaredPedestrian {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum DeclaredShape {
-    Disc { radius: Expression },
-    Rectangle { length: Expression, width: Expression },
+    /// Looks alike from everywhere.
+    Disc {
+        /// m
+        radius: Expression,
+    },
+    /// Turns with the pedestrian's heading.
+    Rectangle {
+        /// Along the heading, m.
+        length: Expression,
+        /// Across the heading, m.
+        width: Expression,
+    },
 }
 
+/// When a pedestrian enters the world.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum DeclaredAppearance {
     /// At a time in s.
     At(Expression),
     /// When a vehicle's time to arrival at the crossing has fallen to this, s.
-    TimeToArrival { vehicle: String, reference: VehicleReference, time: Expression },
+    TimeToArrival {
+        /// Its name.
+        vehicle: String,
+        /// The part of the vehicle that arrives.
+        reference: VehicleReference,
+        /// s
+        time: Expression,
+    },
 }
 
 /// Where a pedestrian's parameter sets come from.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Individuals {
+    /// Which sets of the population.
     pub selection: PopulationShare,
     /// `standard` or a file's path, resolved against the file that names it.
     pub population: String,
     /// What stands in the file, or why it cannot be read; `None` of what ships.
     #[serde(skip)]
     pub text: Option<Result<Arc<str>, String>>,
+    /// Where it is written.
     pub origin: Origin,
 }
 
+/// How many of a population walk.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PopulationShare {
+    /// Everybody.
     All,
     /// This many, drawn without replacement by the suite's seed.
     Count(u32),
@@ -211,14 +267,25 @@ pub enum PopulationShare {
 #[serde(rename_all = "snake_case")]
 pub enum Variation {
     /// Each row holds one value per name.
-    Grid { names: Vec<String>, rows: Vec<Vec<VariedValue>> },
+    Grid {
+        /// Of the variations that move in step; one for a single `vary`.
+        names: Vec<String>,
+        /// In the order in which trials come.
+        rows: Vec<Vec<VariedValue>>,
+    },
     /// Values drawn per row by the suite's seed.
-    Sampled { names: Vec<String>, samples: Samples },
+    Sampled {
+        /// Of the variations that are drawn together.
+        names: Vec<String>,
+        /// How they are drawn.
+        samples: Samples,
+    },
 }
 
 /// A value with the words it was written in, which name the trial.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct VariedValue {
+    /// SI units.
     pub value: Value,
     /// Without spaces, such as `6s` or `30km/h`.
     pub label: String,
@@ -227,18 +294,25 @@ pub struct VariedValue {
 /// How a sampled variation draws; one distribution per name.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Samples {
+    /// Rows, at least 1.
     pub count: u32,
+    /// How rows spread over the distributions.
     pub scheme: SamplingScheme,
+    /// In the order of the names; numbers may depend on names before.
     pub distributions: Vec<Distribution>,
     /// SI unit shown in labels, one per name.
     pub units: Vec<String>,
 }
 
+/// How rows of values are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SamplingScheme {
+    /// Independently of each other.
     Random,
+    /// Each name's distribution is cut into as many equally likely parts as there are rows, and each part has one.
     LatinHypercube,
+    /// Scrambled Sobol points, which fill the space evenly.
     Sobol,
 }
 

@@ -5,24 +5,39 @@ use serde::{Deserialize, Serialize};
 /// The dimension of a quantity: powers of metre, second and radian. Shares (%) and plain numbers are dimensionless.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Dimension {
+    /// Exponent of the metre.
     pub length: i8,
+    /// Exponent of the second.
     pub time: i8,
+    /// Exponent of the radian.
     pub angle: i8,
 }
 
 impl Dimension {
+    /// Plain numbers and shares.
     pub const NUMBER: Self = Self::new(0, 0, 0);
+    /// m
     pub const LENGTH: Self = Self::new(1, 0, 0);
+    /// s
     pub const TIME: Self = Self::new(0, 1, 0);
+    /// m/s
     pub const SPEED: Self = Self::new(1, -1, 0);
+    /// m/s²
     pub const ACCELERATION: Self = Self::new(1, -2, 0);
+    /// m/s³
     pub const JERK: Self = Self::new(1, -3, 0);
+    /// rad
     pub const ANGLE: Self = Self::new(0, 0, 1);
+    /// rad/s
     pub const ANGULAR_SPEED: Self = Self::new(0, -1, 1);
+    /// 1/s
     pub const FREQUENCY: Self = Self::new(0, -1, 0);
+    /// 1/m
     pub const PER_LENGTH: Self = Self::new(-1, 0, 0);
+    /// 1/s, as the frequency is.
     pub const PER_TIME: Self = Self::FREQUENCY;
 
+    /// From the exponents of metre, second and radian.
     pub const fn new(length: i8, time: i8, angle: i8) -> Self {
         Self { length, time, angle }
     }

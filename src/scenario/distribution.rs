@@ -7,31 +7,81 @@ use thiserror::Error;
 
 use super::{EvaluationError, Expression, Value, VariedValue};
 
+/// What a sampled variation is drawn from.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Distribution {
-    Uniform { low: Expression, high: Expression },
-    Normal { mean: Expression, standard_deviation: Expression },
-    TruncatedNormal { mean: Expression, standard_deviation: Expression, low: Expression, high: Expression },
+    /// Any number between two equally likely.
+    Uniform {
+        /// The low end, SI units.
+        low: Expression,
+        /// The high end, SI units.
+        high: Expression,
+    },
+    /// A normal distribution.
+    Normal {
+        /// SI units.
+        mean: Expression,
+        /// SI units, at least 0.
+        standard_deviation: Expression,
+    },
+    /// A normal distribution without what lies outside of two ends.
+    TruncatedNormal {
+        /// Before it is cut, SI units.
+        mean: Expression,
+        /// Before it is cut, SI units, at least 0.
+        standard_deviation: Expression,
+        /// The low end, SI units.
+        low: Expression,
+        /// The high end, SI units.
+        high: Expression,
+    },
+    /// One of these, all equally likely.
     Choice(Vec<VariedValue>),
 }
 
 /// A distribution with all of its numbers; a spread of 0 makes it a constant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum KnownDistribution<'a> {
-    Uniform { low: f64, high: f64 },
-    Normal { mean: f64, standard_deviation: f64 },
-    TruncatedNormal { mean: f64, standard_deviation: f64, low: f64, high: f64 },
+    /// Any number between two equally likely.
+    Uniform {
+        /// The low end, SI units.
+        low: f64,
+        /// The high end, SI units, at least `low`.
+        high: f64,
+    },
+    /// A normal distribution.
+    Normal {
+        /// SI units.
+        mean: f64,
+        /// SI units, at least 0.
+        standard_deviation: f64,
+    },
+    /// A normal distribution without what lies outside of two ends.
+    TruncatedNormal {
+        /// Before it is cut, SI units.
+        mean: f64,
+        /// Before it is cut, SI units, at least 0.
+        standard_deviation: f64,
+        /// The low end, SI units.
+        low: f64,
+        /// The high end, SI units, at least `low`.
+        high: f64,
+    },
+    /// One of these, all equally likely.
     Choice(&'a [VariedValue]),
 }
 
 /// Why nothing can be drawn.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum DistributionError {
+    /// A number of it has no value.
     #[error("{0}")]
     Evaluation(#[from] EvaluationError),
+    /// Nothing lies between its ends.
     #[error("the low end is above the high end")]
     Reversed,
+    /// It would be narrower than a constant.
     #[error("the standard deviation is below 0")]
     NegativeSpread,
 }

@@ -25,11 +25,15 @@ pub type BuildPerception = Arc<
 
 /// A registered controller.
 pub struct ControllerModel {
+    /// Its name and parameters, for checker, pages and tunes.
     pub declaration: Declaration,
     /// The dynamics of a vehicle that declares none. A registry resolves it when it takes the controller in.
     pub default_dynamics: Reference<DynamicsModel>,
+    /// What its vehicle's dynamics must take.
     pub gives: CommandKind,
+    /// Whether it draws.
     pub chance: Chance,
+    /// Makes one for a run.
     pub build: BuildController,
 }
 
@@ -38,7 +42,9 @@ pub struct ControllerModel {
 pub struct ControllerContext<'a> {
     /// Resolved against the controller's declaration.
     pub settings: &'a Settings,
+    /// The vehicle that it drives.
     pub setup: &'a VehicleSetup,
+    /// Everything else of the run.
     pub world: &'a World,
     /// The vehicle's place among the names of its kind, by which it draws.
     pub rank: usize,
@@ -72,6 +78,7 @@ impl ControllerModel {
         Self { default_dynamics: Reference::unresolved(dynamics), ..self }
     }
 
+    /// With what is known of whether it draws; [`Self::new`] takes it that it always may.
     pub fn chance(self, chance: Chance) -> Self {
         Self { chance, ..self }
     }
@@ -79,10 +86,13 @@ impl ControllerModel {
 
 /// Registered longitudinal dynamics.
 pub struct DynamicsModel {
+    /// Their name and parameters, for checker, pages and tunes.
     pub declaration: Declaration,
+    /// The kinds of commands that they follow.
     pub takes: Vec<CommandKind>,
     /// Length and width of the vehicle it describes, m.
     pub size: (f64, f64),
+    /// Makes them for a run, from settings that are resolved against the declaration.
     pub build: BuildDynamics,
 }
 
@@ -101,23 +111,31 @@ impl DynamicsModel {
 /// The kind of [`Command`](super::agent::Command) that a controller gives and dynamics take.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CommandKind {
+    /// Positions of accelerator and brake.
     Pedals,
+    /// m/s² along the path.
     Acceleration,
 }
 
 /// A registered perception: what stands between the world and a controller.
 pub struct PerceptionModel {
+    /// Its name and parameters, for checker and pages.
     pub declaration: Declaration,
+    /// Whether it draws.
     pub chance: Chance,
+    /// Makes one for a vehicle's controller in a run.
     pub build: BuildPerception,
 }
 
 /// A registered pedestrian model.
 pub struct PedestrianModel {
+    /// Its name and parameters, for checker, pages and tunes.
     pub declaration: Declaration,
     /// Whether its parameter sets may come from a population of individuals.
     pub takes_individuals: bool,
+    /// Whether it draws.
     pub chance: Chance,
+    /// Makes one for a run.
     pub build: BuildPedestrian,
 }
 
@@ -126,7 +144,9 @@ pub struct PedestrianModel {
 pub struct PedestrianContext<'a> {
     /// Resolved against the model's declaration.
     pub settings: &'a Settings,
+    /// The pedestrian who it is.
     pub setup: &'a PedestrianSetup,
+    /// Everything else of the run.
     pub world: &'a World,
     /// The pedestrian's place among the names of its kind, by which it draws.
     pub rank: usize,
@@ -148,6 +168,7 @@ impl PedestrianModel {
         Self { takes_individuals: true, ..self }
     }
 
+    /// With what is known of whether it draws; [`Self::new`] takes it that it always may.
     pub fn chance(self, chance: Chance) -> Self {
         Self { chance, ..self }
     }

@@ -7,8 +7,11 @@ use super::{Aggregate, CaseSet, Notation, Origin, Target, Value};
 /// Runs the same cases under several conditions and sets the metrics side by side.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Evaluate {
+    /// As the suite calls it.
     pub name: String,
+    /// What the suite says of it, in a sentence.
     pub doc: Option<String>,
+    /// The cases that every condition runs.
     pub on: CaseSet,
     /// Never empty, names unique; the others are compared with the first.
     pub conditions: Vec<Condition>,
@@ -23,17 +26,22 @@ pub struct Evaluate {
     /// The units that conditions give parameters in, where those are others than the SI units.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub given_in: Vec<(Target, Notation)>,
+    /// Where it is declared.
     pub origin: Origin,
 }
 
 /// A set of parameters under which the cases run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Condition {
+    /// As tables call it.
     pub name: String,
+    /// What it runs with.
     pub parameters: ParameterSet,
+    /// Where it is declared.
     pub origin: Origin,
 }
 
+/// What a condition changes of the cases that it runs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ParameterSet {
@@ -49,8 +57,10 @@ pub enum ParameterSet {
     Saved(String),
 }
 
+/// A column of the table: an aggregate over the runs of a condition.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Measure {
+    /// What sums them up.
     pub aggregate: Aggregate,
     /// In canonical words, such as `mean(pet)`.
     pub text: String,

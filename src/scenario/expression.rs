@@ -11,34 +11,56 @@ use super::Value;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Expression {
+    /// The same in every case, SI units.
     Constant(Value),
+    /// The value of the variation of this name.
     Variable(String),
+    /// Of a number.
     Negated(Box<Expression>),
-    Binary { operator: BinaryOperator, left: Box<Expression>, right: Box<Expression> },
+    /// Of two numbers.
+    Binary {
+        /// What is done with them.
+        operator: BinaryOperator,
+        /// The number before the operator.
+        left: Box<Expression>,
+        /// The number after the operator.
+        right: Box<Expression>,
+    },
 }
 
+/// The four kinds of arithmetic.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum BinaryOperator {
+    /// `+`
     Add,
+    /// `-`
     Subtract,
+    /// `*`
     Multiply,
+    /// `/`
     Divide,
 }
 
+/// Why an expression has no value in a case.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum EvaluationError {
+    /// It names a variation that the case has no value of.
     #[error("`{0}` has no value here")]
     Unbound(String),
+    /// A word or a flag stands where it calculates, or where only a number makes sense; its text.
     #[error("arithmetic needs numbers, but found `{0}`")]
     NotANumber(String),
+    /// A number or a flag stands where a model is named; its text.
     #[error("a name is needed here, but found `{0}`")]
     NotAWord(String),
+    /// It divides by 0, or is larger than a number can be.
     #[error("the result of the arithmetic is not a finite number")]
     NotFinite,
 }
 
 impl Expression {
+    /// A constant in SI units.
     pub const fn number(number: f64) -> Self {
         Self::Constant(Value::Number(number))
     }

@@ -7,19 +7,24 @@ use super::{MetricReference, Notation, Origin};
 /// A comparison with a baseline that a change must survive.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Gate {
+    /// As the suite calls it.
     pub name: String,
+    /// What the suite says of it, in a sentence.
     pub doc: Option<String>,
     /// A path resolved against the file that names it.
     pub baseline: String,
     /// Never empty.
     pub rules: Vec<GateRule>,
+    /// Where it is declared.
     pub origin: Origin,
 }
 
+/// By how much one metric may be worse.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct GateRule {
     /// `None`: every quantity that the suite measures and no other rule of the gate names.
     pub metric: Option<MetricReference>,
+    /// How much worse is accepted.
     pub tolerance: Tolerance,
     /// Confidence (0..1) with which it must be shown that the tolerance is kept.
     pub confidence: f64,
@@ -28,6 +33,7 @@ pub struct GateRule {
     /// The unit that an absolute tolerance is written in.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub notation: Option<Notation>,
+    /// Where it is written.
     pub origin: Origin,
 }
 

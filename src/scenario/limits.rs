@@ -5,7 +5,9 @@ use super::Dimension;
 /// Bounds of a number in SI units, both included.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limit {
+    /// What kind of quantity it is.
     pub dimension: Dimension,
+    /// The smallest and the largest value.
     pub range: (f64, f64),
 }
 
@@ -13,20 +15,33 @@ const fn limit(dimension: Dimension, low: f64, high: f64) -> Limit {
     Limit { dimension, range: (low, high) }
 }
 
+/// Time from one step of a run to the next.
 pub const STEP: Limit = limit(Dimension::TIME, 0.000_1, 1.0);
+/// Time after which a run ends at the latest.
 pub const HORIZON: Limit = limit(Dimension::TIME, 0.1, 3600.0);
+/// Distance from the middle of the crossing to the finish line.
 pub const FINISH: Limit = limit(Dimension::LENGTH, 0.0, 10_000.0);
+/// Of each lane.
 pub const LANE_WIDTH: Limit = limit(Dimension::LENGTH, 1.0, 20.0);
+/// Of a road.
 pub const SPEED_LIMIT: Limit = limit(Dimension::SPEED, 0.0, 100.0);
 /// Length and width of road users.
 pub const SIZE: Limit = limit(Dimension::LENGTH, 0.1, 30.0);
+/// Of pedestrians that are discs.
 pub const RADIUS: Limit = limit(Dimension::LENGTH, 0.01, 5.0);
+/// Of the steady cruise at the start.
 pub const VEHICLE_SPEED: Limit = limit(Dimension::SPEED, 0.0, 100.0);
+/// Distance before the crossing.
 pub const VEHICLE_START: Limit = limit(Dimension::LENGTH, 0.0, 10_000.0);
+/// Time to arrival at time 0.
 pub const VEHICLE_ARRIVAL: Limit = limit(Dimension::TIME, 0.0, 600.0);
 /// From kerb or lane centre, as it is written.
 pub const PEDESTRIAN_START: Limit = limit(Dimension::LENGTH, -100.0, 100.0);
+/// Of pedestrians along the road, from the middle of the crossing.
 pub const ALONG: Limit = limit(Dimension::LENGTH, -100.0, 100.0);
+/// Of a goal beyond the opposite kerb.
 pub const GOAL: Limit = limit(Dimension::LENGTH, -10.0, 100.0);
+/// Time at which a pedestrian appears.
 pub const APPEARS_AT: Limit = limit(Dimension::TIME, 0.0, 3600.0);
+/// Time to arrival of a vehicle at which a pedestrian appears.
 pub const APPEARS_WHEN: Limit = limit(Dimension::TIME, 0.0, 600.0);

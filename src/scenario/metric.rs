@@ -10,13 +10,19 @@ use super::{Declaration, Dimension, Registered, Settings, Text};
 /// A metric as those see it who judge, compare and show its values.
 #[derive(Debug, Clone)]
 pub struct Metric {
+    /// Its name and parameters.
     pub declaration: Declaration,
+    /// What its number means.
     pub kind: MetricKind,
+    /// Whom it is measured for.
     pub scope: Scope,
     /// Which of several values, one per pair, is the one that counts for the run.
     pub worst: Worst,
+    /// What it says of a run that the metric does not exist in it.
     pub absence: Absence,
+    /// Between what limits its values lie.
     pub range: MetricRange,
+    /// How it is measured.
     pub meters: Meters,
 }
 
@@ -46,6 +52,7 @@ impl fmt::Debug for Meters {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum MetricKind {
+    /// In the SI unit of this dimension.
     Quantity(Dimension),
     /// 1 for true, 0 for false.
     Flag,
@@ -60,13 +67,18 @@ pub enum Scope {
     Pair,
     /// A vehicle and anything solid: a pedestrian, another vehicle or a box.
     Contact,
+    /// Each vehicle.
     Vehicle,
+    /// Each pedestrian.
     Pedestrian,
 }
 
+/// Which of two values counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Worst {
+    /// The smaller.
     Smallest,
+    /// The larger.
     Largest,
 }
 
@@ -91,9 +103,21 @@ pub enum MetricRange {
     /// A difference of two speeds: 0 up to twice the fastest.
     TwoSpeeds,
     /// A drop of speed, down to what one parameter says, over the time that another says: 0 up to that of the fastest.
-    DropWithin { window: Text, floor: Text },
+    DropWithin {
+        /// The parameter that says over which time, s.
+        window: Text,
+        /// The parameter that says down to which speed, m/s.
+        floor: Text,
+    },
     /// Whether such a drop is above what a parameter says: 0 or 1, or always 0 where none can be.
-    DropAbove { threshold: Text, window: Text, floor: Text },
+    DropAbove {
+        /// The parameter that says what it must be above, m/s.
+        threshold: Text,
+        /// The parameter that says over which time, s.
+        window: Text,
+        /// The parameter that says down to which speed, m/s.
+        floor: Text,
+    },
     /// 0 or 1.
     YesOrNo,
     /// 0 or more: nothing keeps it from being as large as one likes.

@@ -8,8 +8,11 @@ use super::{Dimension, Origin, significant};
 /// A unit that somebody chose: a number `n` of it is `n * numerator / denominator` in SI units.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Notation {
+    /// As it is written after a number.
     pub symbol: Symbol,
+    /// Larger than 0.
     pub numerator: f64,
+    /// Larger than 0; the two are kept apart because `1 / 3.6` has no exact binary form.
     pub denominator: f64,
 }
 
@@ -18,6 +21,7 @@ pub struct Notation {
 pub struct Written {
     /// `None`: in the SI unit, or calculated from other units.
     pub notation: Option<Notation>,
+    /// Where it is written.
     pub origin: Origin,
     /// What was added to the number that was written, in SI units: half a lane for a distance from the kerb.
     pub offset: f64,

@@ -11,7 +11,9 @@ use super::{Aggregate, Comparison, Individuals, Notation, Origin, Symbol, signif
 /// Finds the values of variations (or model parameters) at which a metric is worst, per individual or for all.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Search {
+    /// As the suite calls it.
     pub name: String,
+    /// What the suite says of it, in a sentence.
     pub doc: Option<String>,
     /// The scenario that is varied.
     pub scenario: String,
@@ -19,8 +21,11 @@ pub struct Search {
     pub individuals: Option<Individuals>,
     /// One search over the whole population instead of one per individual.
     pub together: bool,
+    /// What is worst where.
     pub objective: Objective,
+    /// The dimensions of the space, at least one.
     pub over: Vec<SearchRange>,
+    /// How many evaluations, and how they are chosen.
     pub budget: Budget,
     /// Runs per evaluation with different seeds, at least 1.
     pub runs: u32,
@@ -29,15 +34,20 @@ pub struct Search {
     /// The unit that its bound is written in.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub keep_in: Option<Notation>,
+    /// Where it is declared.
     pub origin: Origin,
 }
 
 /// Optimises controller parameters over a set of cases.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Tune {
+    /// As the suite calls it.
     pub name: String,
+    /// What the suite says of it, in a sentence.
     pub doc: Option<String>,
+    /// The cases that each candidate runs.
     pub on: CaseSet,
+    /// The dimensions of the space, at least one.
     pub over: Vec<SearchRange>,
     /// One or two; with two the result is a Pareto front.
     pub objectives: Vec<Objective>,
@@ -46,6 +56,7 @@ pub struct Tune {
     /// The units that their bounds are written in, in their order.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub constraints_in: Vec<Option<Notation>>,
+    /// How many candidates, and how they are chosen.
     pub budget: Budget,
     /// Runs of every case under fresh seeds, the same for every candidate; 0: once, with the case's own seed.
     #[serde(default)]
@@ -57,6 +68,7 @@ pub struct Tune {
     pub otherwise_fewest_violations: bool,
     /// Report a before/after table against the parameters that the scenario declares.
     pub compare_with_default: bool,
+    /// Where it is declared.
     pub origin: Origin,
 }
 
@@ -71,21 +83,30 @@ pub enum CaseSet {
     /// Every case of a scenario.
     Scenario(String),
     /// This many cases of a scenario, drawn by the suite's seed.
-    Sample { scenario: String, count: SampleSize },
+    Sample {
+        /// Its name.
+        scenario: String,
+        /// How many.
+        count: SampleSize,
+    },
     /// A saved set; a path resolved against the file that names it.
     Saved(String),
 }
 
+/// How many cases a sample has.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SampleSize {
+    /// This many, at least 1.
     Number(u32),
     /// As many as a search of this name kept.
     AsManyAs(String),
 }
 
+/// What an optimisation makes small or large.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Objective {
+    /// Which way it gets better; for a search, worse for the vehicle.
     pub direction: Goal,
     /// Over the runs of an evaluation; a bare metric in the text means its mean.
     pub aggregate: Aggregate,
@@ -99,13 +120,16 @@ pub struct Objective {
 /// One dimension of a search space.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SearchRange {
+    /// What takes the values.
     pub target: Target,
+    /// Which values it takes.
     pub values: RangeValues,
     /// SI unit shown in reports and labels; empty for plain numbers and words.
     pub unit: String,
     /// The unit that its bounds are written in, if that is another one: what people are shown.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub notation: Option<Notation>,
+    /// Where it is written.
     pub origin: Origin,
 }
 
@@ -117,6 +141,7 @@ pub struct ShownIn {
 }
 
 impl SearchRange {
+    /// The unit that its values are shown in.
     pub fn shown_in(&self) -> ShownIn {
         ShownIn::new(self.notation, &self.unit)
     }
@@ -163,58 +188,89 @@ pub enum Target {
     /// A variation of the scenario, whose own values it replaces.
     Variation(String),
     /// A parameter such as `av.controller.braking_distance`.
-    Setting { road_user: String, part: Part, parameter: String },
+    Setting {
+        /// The vehicle or pedestrian, by name.
+        road_user: String,
+        /// What of it is set.
+        part: Part,
+        /// As its declaration calls it.
+        parameter: String,
+    },
 }
 
+/// Which model of a road user a parameter belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Part {
+    /// `controller` of a vehicle.
     Controller,
+    /// `dynamics` of a vehicle.
     Dynamics,
+    /// `sees` of a vehicle: its perception.
     Sees,
+    /// `model` of a pedestrian.
     Model,
 }
 
+/// The values that a dimension of a search space takes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum RangeValues {
     /// SI units.
     Real {
+        /// The smallest, SI units.
         low: f64,
+        /// The largest, SI units.
         high: f64,
     },
     /// Searched on a logarithmic scale; both positive.
     Logarithmic {
+        /// The smallest, SI units.
         low: f64,
+        /// The largest, SI units.
         high: f64,
     },
+    /// Whole numbers.
     Whole {
+        /// The smallest.
         low: i64,
+        /// The largest.
         high: i64,
     },
+    /// One of these, in no order.
     Words(Vec<String>),
 }
 
+/// How many evaluations an optimisation makes, and how it chooses them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Budget {
     /// In all, the initial ones included.
     pub evaluations: u32,
+    /// Those of the design that it begins with.
     pub initial: u32,
+    /// How the first points spread.
     pub initial_design: InitialDesign,
+    /// What proposes the points after them.
     pub method: SearchMethod,
     /// Evaluations proposed at a time.
     pub batch: u32,
 }
 
+/// What proposes points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SearchMethod {
+    /// A Gaussian process with constraints of its own; see `docs/optimisation.md`.
     Bayesian,
     /// Infeasible evaluations as one large constant, as the founding paper does.
     GpMinimizeLike,
+    /// Independent uniform points.
     Random,
+    /// One Latin hypercube over the whole budget.
     LatinHypercube,
+    /// Scrambled Sobol points.
     Sobol,
+    /// A grid over the space.
     Grid,
 }
 

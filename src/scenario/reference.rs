@@ -9,6 +9,7 @@ use super::Declaration;
 
 /// What stands in a registry under the name that it declares.
 pub trait Registered {
+    /// What it declares; registries hold it under the declared name.
     fn declaration(&self) -> &Declaration;
 }
 
@@ -26,6 +27,7 @@ impl<T> Reference<T> {
         Self { name: name.into(), entry: None }
     }
 
+    /// As scenarios say it.
     pub fn name(&self) -> &str {
         &self.name
     }

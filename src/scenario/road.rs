@@ -8,6 +8,8 @@ use serde::{Deserialize, Serialize};
 
 use super::Path;
 
+/// The road as everybody finds it. The world's frame is that of its lane 0: x runs along the lane in its direction of travel, y
+/// to the left, and the origin is the middle of the crossing on the lane's centre line, m.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Road {
     /// Empty for an inline road without a name.
@@ -20,16 +22,20 @@ pub struct Road {
     pub speed_limit: f64,
     /// Whether a kerb separates carriageway and pavement.
     pub kerbs: bool,
+    /// The one place where pedestrians are meant to cross.
     pub crossing: Crossing,
     /// Parked vehicles and other boxes.
     pub boxes: Vec<Body>,
 }
 
+/// A straight lane.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Lane {
+    /// Which way its traffic drives.
     pub direction: Direction,
 }
 
+/// Which way traffic drives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Direction {
@@ -49,13 +55,16 @@ impl Direction {
     }
 }
 
+/// Where pedestrians cross.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Crossing {
+    /// Who has priority on it, and when.
     pub kind: CrossingKind,
     /// Extent along the road in m.
     pub width: f64,
 }
 
+/// Who has priority on a crossing.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CrossingKind {
@@ -65,7 +74,14 @@ pub enum CrossingKind {
     Unmarked,
     /// A two-phase signal: pedestrians have green from `pedestrian_green_from` for `pedestrian_green` seconds in
     /// every cycle of `cycle` seconds, vehicles in the rest.
-    Signalised { cycle: f64, pedestrian_green_from: f64, pedestrian_green: f64 },
+    Signalised {
+        /// s
+        cycle: f64,
+        /// Within a cycle, s; cycles begin at time 0.
+        pedestrian_green_from: f64,
+        /// s
+        pedestrian_green: f64,
+    },
 }
 
 /// A rectangle aligned with the road that blocks the view and the way, such as a parked car.
@@ -77,6 +93,7 @@ pub struct Body {
     pub name: String,
     /// Centre in m.
     pub x: f64,
+    /// Centre in m.
     pub y: f64,
     /// Extent along x in m.
     pub length: f64,

@@ -7,6 +7,7 @@ use super::{Aggregate, BinaryOperator, MetricReference, Origin, Relation, Target
 /// Something that a source says, and what must hold in our results for it to count as reproduced.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Statement {
+    /// As the suite calls it.
     pub name: String,
     /// What the source says, in a sentence.
     pub doc: Option<String>,
@@ -16,7 +17,9 @@ pub struct Statement {
     pub reported: Option<String>,
     /// It is reproduced if all of them hold; empty only if it is not comparable.
     pub claims: Vec<StatementClaim>,
+    /// What is known about it.
     pub standing: DeclaredStanding,
+    /// Where it is declared.
     pub origin: Origin,
 }
 
@@ -32,35 +35,49 @@ pub enum DeclaredStanding {
     NotComparable(String),
 }
 
+/// What must hold in the suite's results for a statement to count as reproduced.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StatementClaim {
+    /// What it says.
     pub kind: StatementClaimKind,
     /// In canonical words.
     pub text: String,
+    /// Where it is written.
     pub origin: Origin,
 }
 
+/// What a claim of a statement says.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum StatementClaimKind {
+    /// Two quantities compare so.
     Compares {
+        /// Before the relation.
         left: Quantity,
+        /// How the two must compare.
         relation: Relation,
+        /// After the relation.
         right: Quantity,
     },
     /// The aggregate, taken at every value of a variation in ascending order, never moves the other way and ends
     /// beyond where it began.
     Trend {
+        /// What is taken at every value.
         measured: Measured,
+        /// Which way it must move.
         direction: TrendDirection,
+        /// The name of a variation.
         variable: String,
     },
 }
 
+/// Which way an aggregate moves with a variation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TrendDirection {
+    /// It grows with the variation.
     Rises,
+    /// It gets smaller as the variation grows.
     Falls,
 }
 
@@ -70,15 +87,22 @@ pub enum TrendDirection {
 pub enum Quantity {
     /// SI units.
     Number(f64),
+    /// An aggregate over outcomes of the suite.
     Measured(Measured),
     /// The value of a parameter that a tune chose.
     Chosen {
+        /// The tune's name.
         tune: String,
+        /// The parameter that it chose.
         target: Target,
     },
+    /// Arithmetic with two of them.
     Binary {
+        /// What is done with them.
         operator: BinaryOperator,
+        /// Before the operator.
         left: Box<Quantity>,
+        /// After the operator.
         right: Box<Quantity>,
     },
 }
@@ -86,12 +110,15 @@ pub enum Quantity {
 /// An aggregate over the outcomes of something in the suite.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Measured {
+    /// What sums them up.
     pub aggregate: Aggregate,
+    /// Which outcomes.
     pub of: OutcomesOf,
     /// Only outcomes whose variations fulfil these.
     pub when: Vec<VariationCondition>,
 }
 
+/// Which outcomes of a suite a statement measures.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum OutcomesOf {
@@ -100,7 +127,12 @@ pub enum OutcomesOf {
     /// The runs at the best point of every individual that a search found.
     Search(String),
     /// The runs of one condition of an `evaluate` block.
-    Condition { evaluate: String, condition: String },
+    Condition {
+        /// The block's name.
+        evaluate: String,
+        /// The name of one of its conditions.
+        condition: String,
+    },
 }
 
 impl StatementClaim {

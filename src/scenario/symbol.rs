@@ -12,6 +12,7 @@ pub struct Symbol {
 }
 
 impl Symbol {
+    /// In bytes; a longer one is refused.
     pub const LONGEST: usize = 16;
 
     /// # Panics
@@ -38,6 +39,7 @@ impl Symbol {
         Some(Self { bytes, length: text.len() })
     }
 
+    /// The symbol as it is written: `km/h`.
     pub fn as_str(&self) -> &str {
         std::str::from_utf8(&self.bytes[..self.length]).unwrap_or_default()
     }

@@ -9,9 +9,13 @@ use super::{Assignment, Criterion, Origin};
 pub struct Trial {
     /// Stable name such as `zebra/carla_walker/tta=6s`, the beginning of its runs' keys.
     pub key: String,
+    /// The scenario's name.
     pub scenario: String,
+    /// What the scenario says of itself.
     pub doc: Option<String>,
+    /// Those of the scenario.
     pub tags: Vec<String>,
+    /// The values of its variations, in the order in which they are declared.
     pub variation: Vec<Assignment>,
     /// All the runs that there may be, one per individual and repetition; at least 1.
     pub runs: usize,
@@ -23,6 +27,7 @@ pub struct Trial {
     pub criteria: Vec<Criterion>,
     /// How many criteria its scenario has, whether they apply to this trial or not.
     pub declared: usize,
+    /// Where the scenario is declared.
     pub origin: Origin,
 }
 
@@ -33,6 +38,7 @@ pub struct Rounds {
     pub size: usize,
     /// Runs before which nobody looks; whole rounds, as is `most`.
     pub least: usize,
+    /// Runs after which nothing more is added.
     pub most: usize,
 }
 

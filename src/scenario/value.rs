@@ -9,12 +9,16 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Value {
+    /// True or false.
     Flag(bool),
+    /// In SI units.
     Number(f64),
+    /// A choice's option, a file's name, a variant.
     Word(String),
 }
 
 impl Value {
+    /// The number; `None` of what is none.
     pub fn as_number(&self) -> Option<f64> {
         match self {
             Self::Number(number) => Some(*number),
@@ -22,6 +26,7 @@ impl Value {
         }
     }
 
+    /// The word; `None` of what is none.
     pub fn as_word(&self) -> Option<&str> {
         match self {
             Self::Word(word) => Some(word),
@@ -56,10 +61,12 @@ impl fmt::Display for Value {
 pub struct Settings(pub BTreeMap<String, Value>);
 
 impl Settings {
+    /// What a parameter is set to; `None` if it is not.
     pub fn get(&self, name: &str) -> Option<&Value> {
         self.0.get(name)
     }
 
+    /// Sets a parameter, in place of what it was set to.
     pub fn set(&mut self, name: impl Into<String>, value: Value) {
         self.0.insert(name.into(), value);
     }
@@ -72,10 +79,12 @@ impl Settings {
         })
     }
 
+    /// The number of a parameter. Panics without one: settings are resolved against a declaration, whose defaults they have.
     pub fn number(&self, name: &str) -> f64 {
         self.optional_number(name).unwrap_or_else(|| panic!("parameter `{name}` has no value"))
     }
 
+    /// The truth value of a parameter. Panics without one, as [`Self::number`] does.
     pub fn flag(&self, name: &str) -> bool {
         match self.0.get(name) {
             Some(Value::Flag(flag)) => *flag,
@@ -83,6 +92,7 @@ impl Settings {
         }
     }
 
+    /// The word of a parameter. Panics without one, as [`Self::number`] does.
     pub fn word(&self, name: &str) -> &str {
         match self.0.get(name) {
             Some(Value::Word(word)) => word,

@@ -7,16 +7,19 @@ use thiserror::Error;
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error("{message}")]
 pub struct ControllerError {
+    /// What keeps it from deciding, in a sentence without a full stop.
     pub message: String,
     /// What to do about it, if it knows.
     pub hint: Option<String>,
 }
 
 impl ControllerError {
+    /// An error with nothing to advise.
     pub fn new(message: impl Into<String>) -> Self {
         Self { message: message.into(), hint: None }
     }
 
+    /// An error with what to do about it.
     pub fn with_hint(message: impl Into<String>, hint: impl Into<String>) -> Self {
         Self { message: message.into(), hint: Some(hint.into()) }
     }

@@ -38,16 +38,20 @@ pub struct Scene<'a> {
     pub time: f64,
     /// Time until the next step, s.
     pub step: f64,
+    /// With its crossing and what blocks the view.
     pub road: &'a Road,
     /// The pedestrian's own index in `pedestrians`.
     pub me: usize,
+    /// Where it wants to go.
     pub goal: Position,
+    /// All of them, in the order of the world.
     pub vehicles: &'a [VehicleState],
     /// Look only at those that are `present`.
     pub pedestrians: &'a [PedestrianState],
 }
 
 impl<'a> Scene<'a> {
+    /// The pedestrian itself.
     pub fn ego(&self) -> &'a PedestrianState {
         &self.pedestrians[self.me]
     }
@@ -61,7 +65,12 @@ pub enum Motion {
     /// Take this velocity (m/s) at once and keep it over the step.
     Walk(Vector2<f64>),
     /// Take this velocity (m/s) at once, keep it, and be displaced (m) besides, as when pushed aside.
-    Pushed { velocity: Vector2<f64>, displacement: Vector2<f64> },
+    Pushed {
+        /// m/s, in the world frame.
+        velocity: Vector2<f64>,
+        /// m, in the world frame, over this step.
+        displacement: Vector2<f64>,
+    },
 }
 
 /// An automated vehicle's controller. What goes in and out is plain data, so that it may live in another process.
@@ -98,14 +107,19 @@ pub trait Perception: Send {
 pub struct Observation {
     /// s; negative while settling before the start.
     pub time: f64,
+    /// The vehicle that it drives.
     pub ego: EgoState,
     /// The speed it is wanted to cruise at, m/s.
     pub cruise_speed: f64,
+    /// As it is now, with who has priority.
     pub road: RoadView,
+    /// Those it knows of, in any order; nobody before they appear.
     pub pedestrians: Vec<SeenPedestrian>,
+    /// The others that it knows of; the ego is not among them.
     pub vehicles: Vec<SeenVehicle>,
 }
 
+/// The vehicle that a controller drives, as it knows it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct EgoState {
     /// From the ego's centre to the middle of the crossing in m; negative once past it.
@@ -137,6 +151,7 @@ pub struct RoadView {
     pub left_kerb: f64,
 }
 
+/// A pedestrian as a controller knows it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SeenPedestrian {
     /// The same person keeps the same number.
@@ -147,11 +162,14 @@ pub struct SeenPedestrian {
     pub velocity: Vector2<f64>,
     /// Over ground, m/s².
     pub acceleration: Vector2<f64>,
+    /// In the pedestrian's own frame.
     pub shape: Shape,
 }
 
+/// Another vehicle as a controller knows it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SeenVehicle {
+    /// The same vehicle keeps the same number.
     pub id: usize,
     /// Centre in the ego frame, m.
     pub position: Vector2<f64>,
@@ -168,7 +186,12 @@ pub struct SeenVehicle {
 #[serde(rename_all = "snake_case")]
 pub enum Command {
     /// Pedal positions, each 0..1.
-    Pedals { throttle: f64, brake: f64 },
+    Pedals {
+        /// How far the accelerator is pressed, 0..1.
+        throttle: f64,
+        /// How far the brake is pressed, 0..1.
+        brake: f64,
+    },
     /// m/s²
     Acceleration(f64),
 }

@@ -19,12 +19,15 @@ enum Word {
 }
 
 impl Mode {
+    /// Of a model that says nothing of itself: the empty word.
     pub const NONE: Self = Self::new("");
 
+    /// A word that stands in the source.
     pub const fn new(word: &'static str) -> Self {
         Self(Word::OfSource(word))
     }
 
+    /// The word, such as `emergency_stop`.
     pub fn as_str(&self) -> &str {
         match &self.0 {
             Word::OfSource(word) => word,

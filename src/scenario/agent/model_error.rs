@@ -20,7 +20,9 @@ pub struct ModelError {
 pub struct Stated {
     /// SI units.
     pub value: f64,
+    /// What kind of quantity it is, for the unit that it is shown in.
     pub dimension: Dimension,
+    /// Who says it, for the unit that it is shown in.
     pub of: StatedBy,
 }
 
@@ -36,10 +38,12 @@ pub enum StatedBy {
 }
 
 impl ModelError {
+    /// An error in words; numbers may be added to it.
     pub fn new(message: impl Into<String>) -> Self {
         Self { words: vec![message.into()], numbers: Vec::new(), hint: None }
     }
 
+    /// An error with what to do about it.
     pub fn with_hint(message: impl Into<String>, hint: impl Into<String>) -> Self {
         Self { hint: Some(hint.into()), ..Self::new(message) }
     }

@@ -8,7 +8,9 @@ use crate::{Path, Shape, VehicleReference};
 /// A vehicle as anyone may see it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct VehicleState {
+    /// Where it is on its path and how it moves along it.
     pub motion: Longitudinal,
+    /// Where it drives.
     #[serde(flatten)]
     pub path: Path,
     /// m
@@ -34,6 +36,7 @@ impl VehicleState {
         self.path.point(self.motion.travelled)
     }
 
+    /// In the world frame, m/s.
     pub fn velocity(&self) -> Vector2<f64> {
         self.path.velocity(self.motion.speed)
     }
@@ -67,6 +70,7 @@ pub struct PedestrianState {
     pub acceleration: Vector2<f64>,
     /// Unit vector: the way it faces, which is the way it last walked, at first towards its goal.
     pub heading: Vector2<f64>,
+    /// Its footprint, which turns with `heading`.
     pub shape: Shape,
     /// Whether it is in the world yet. Nobody sees it before.
     pub present: bool,
@@ -75,7 +79,9 @@ pub struct PedestrianState {
 /// Everything that can be seen at one moment.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Snapshot {
+    /// In the order of the world.
     pub vehicles: Vec<VehicleState>,
+    /// In the order of the world, with those who have not appeared.
     pub pedestrians: Vec<PedestrianState>,
 }
 

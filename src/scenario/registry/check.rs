@@ -9,22 +9,52 @@ use crate::{AggregateWord, Declaration, Metric, MetricKind, MetricRange, Paramet
 /// Why a registry does not take something in.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum RegistryError {
+    /// A name stands for one entry of a kind.
     #[error("there is a {kind} called `{name}` already")]
-    Duplicate { kind: &'static str, name: String },
+    Duplicate {
+        /// Such as `controller`.
+        kind: &'static str,
+        /// The name that two entries declare.
+        name: String,
+    },
+    /// The language cannot say an entry's or a parameter's name.
     #[error(
         "`{name}` cannot be said in a scenario: a name begins with a letter, goes on with letters, digits and `_`, and is \
          no word of the language such as `when`"
     )]
-    BadName { name: String },
+    BadName {
+        /// What was declared.
+        name: String,
+    },
+    /// A declaration contradicts itself, as a default outside of its range does.
     #[error("`{owner}`: {message}")]
-    BadDeclaration { owner: String, message: String },
+    BadDeclaration {
+        /// The entry's name.
+        owner: String,
+        /// What is wrong, in a sentence without a full stop.
+        message: String,
+    },
+    /// A controller drives dynamics that the registry does not have; these are added before it.
     #[error(
         "controller `{controller}` drives `{dynamics}`, but there are no vehicle dynamics of this name{}",
         nearest.as_ref().map(|nearest| format!("; did you mean `{nearest}`?")).unwrap_or_default()
     )]
-    UnknownDynamics { controller: String, dynamics: String, nearest: Option<String> },
+    UnknownDynamics {
+        /// The controller's name.
+        controller: String,
+        /// What it names.
+        dynamics: String,
+        /// The name of known dynamics that is most like it, if one is.
+        nearest: Option<String>,
+    },
+    /// A controller gives pedals to what takes accelerations, or the other way round.
     #[error("controller `{controller}` drives `{dynamics}`, which do not take what it gives")]
-    UnfitDynamics { controller: String, dynamics: String },
+    UnfitDynamics {
+        /// The controller's name.
+        controller: String,
+        /// The name of its dynamics.
+        dynamics: String,
+    },
 }
 
 /// Words of the language that no name can be.

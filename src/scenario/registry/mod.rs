@@ -112,14 +112,17 @@ impl Registry {
         Ok(Self { perception: Arc::new(perception), ..self })
     }
 
+    /// Everything that `model` of a pedestrian may name.
     pub fn pedestrians(&self) -> &Table<PedestrianModel> {
         &self.pedestrians
     }
 
+    /// Everything that `controller` of a vehicle may name.
     pub fn controllers(&self) -> &Table<ControllerModel> {
         &self.controllers
     }
 
+    /// Everything that `dynamics` of a vehicle may name.
     pub fn dynamics(&self) -> &Table<DynamicsModel> {
         &self.dynamics
     }
@@ -129,6 +132,7 @@ impl Registry {
         &self.perception
     }
 
+    /// Everything that criteria, searches and reports may name.
     pub fn metrics(&self) -> &Table<Metric> {
         &self.metrics
     }

@@ -28,14 +28,17 @@ impl<T: Registered> Table<T> {
         self.entries.iter().find(|entry| entry.declaration().name == name)
     }
 
+    /// The entries, in the order in which they were added.
     pub fn iter(&self) -> slice::Iter<'_, Arc<T>> {
         self.entries.iter()
     }
 
+    /// What the entries declare, in the order in which they were added.
     pub fn declarations(&self) -> impl Iterator<Item = &Declaration> + Clone {
         self.entries.iter().map(|entry| entry.declaration())
     }
 
+    /// What scenarios may call them, in the order in which they were added.
     pub fn names(&self) -> impl Iterator<Item = &str> + Clone {
         self.declarations().map(|declaration| &*declaration.name)
     }
