@@ -15,13 +15,17 @@ use scenario::Block;
 /// What became of a `search`, a `tune` or whatever else a suite computes besides its trials.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BlockReport {
+    /// What the suite declares.
     pub block: Arc<Block>,
     /// Such as `zebra/search=low_pet`.
     pub key: String,
+    /// What it came to.
     pub state: BlockState,
+    /// Wall-clock time that it took.
     pub wall_time: Duration,
 }
 
+/// How far a block got, and what it came to.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum BlockState {
@@ -57,10 +61,12 @@ impl BlockReport {
         }
     }
 
+    /// Of a block that came to a result; `None` for others.
     pub fn verdict(&self) -> Option<Verdict> {
         self.result().map(|result| if result.failure().is_some() { Verdict::Failed } else { Verdict::Passed })
     }
 
+    /// How it stands, for counts and exit codes.
     pub fn standing(&self) -> Standing {
         match &self.state {
             BlockState::NotFinished(cut) => Standing::NotFinished(cut.by()),
@@ -75,9 +81,13 @@ impl BlockReport {
 // There are few of them and nobody moves them about.
 #[allow(clippy::large_enum_variant)]
 pub enum BlockResult {
+    /// Of a `search`.
     Search(SearchResult),
+    /// Of a `tune`.
     Tune(TuneResult),
+    /// Of an `evaluate`.
     Evaluate(EvaluateResult),
+    /// Of a `statement`.
     Statement(StatementResult),
 }
 

@@ -11,6 +11,7 @@ use crate::Verdict;
 /// A run that is to be drawn.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Chosen {
+    /// The run's key.
     pub key: String,
     /// Why it is animated; `None` for a run that is only a line in the chart of trajectories.
     pub reason: Option<String>,

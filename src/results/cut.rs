@@ -19,16 +19,31 @@ pub enum CutBy {
 #[derive(Debug, Clone, PartialEq, Eq, Error, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Cut {
+    /// Somebody interrupted a trial.
     #[error("interrupted after {finished} of {runs} runs")]
-    Trial { finished: usize, runs: usize },
+    Trial {
+        /// Runs that were done.
+        finished: usize,
+        /// Runs that the trial has.
+        runs: usize,
+    },
+    /// A trial took longer than its scenario's `time_limit`.
     #[error("time limit of {} s exceeded after {finished} of {runs} runs", .limit.as_secs_f64())]
-    TimeLimit { limit: Duration, finished: usize, runs: usize },
+    TimeLimit {
+        /// Of wall-clock time.
+        limit: Duration,
+        /// Runs that were done.
+        finished: usize,
+        /// Runs that the trial has.
+        runs: usize,
+    },
     /// A block; in words, with what is left of it.
     #[error("{0}")]
     Block(String),
 }
 
 impl Cut {
+    /// What cut it off.
     pub fn by(&self) -> CutBy {
         match self {
             Self::Trial { .. } | Self::Block(_) => CutBy::Interrupted,

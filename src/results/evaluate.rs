@@ -9,7 +9,9 @@ use scenario::{Measure, Notation, Target, Value};
 /// What an evaluation came to.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct EvaluateResult {
+    /// As the suite calls it.
     pub name: String,
+    /// What the suite says of it.
     pub doc: Option<String>,
     /// Where the reported values come from.
     pub source: Option<String>,
@@ -28,6 +30,7 @@ pub struct EvaluateResult {
 /// One condition over all the cases.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ConditionResult {
+    /// As the suite calls it.
     pub name: String,
     /// What this or another condition of the evaluation sets, with the value that it has in this one.
     pub parameters: Vec<ParameterValue>,
@@ -50,6 +53,7 @@ pub struct ConditionResult {
 /// A parameter with its value under a condition.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ParameterValue {
+    /// What is set.
     pub target: Target,
     /// `None` if the cases do not agree on it, or none of them sets it.
     pub value: Option<Value>,

@@ -16,34 +16,49 @@ use super::trial::TrialReport;
 /// One thing that happened; they come in order and from one thread.
 #[derive(Debug)]
 pub enum Event<'e> {
+    /// The session begins: the first event.
     Begun(&'e Workload),
     /// A unit begins; `runs` is how many a trial has, 0 for a block.
     UnitBegun {
+        /// The unit's index in the session.
         unit: usize,
+        /// The unit's key.
         key: &'e str,
+        /// 0 for a block.
         runs: usize,
     },
     /// One more run of a trial is done.
     RunDone {
+        /// The unit's index in the session.
         unit: usize,
     },
     /// A block has got further.
     Evaluated {
+        /// The unit's index in the session.
         unit: usize,
+        /// How far it is.
         evaluations: Evaluations,
     },
+    /// A unit is over.
     Finished {
+        /// Its index in the session.
         unit: usize,
+        /// The suite that it belongs to.
         suite: &'e SuiteIdentity,
+        /// What became of it.
         report: &'e UnitReport,
     },
     /// No more units begin.
     Stopping(Stopping),
     /// Nothing happened; time goes on.
     Tick,
+    /// The session is over: the last event.
     Ended {
+        /// What became of every suite.
         reports: &'e [SuiteReport],
+        /// What was measured in every run.
         requests: &'e Requests,
+        /// Wall-clock time of the session.
         elapsed: Duration,
     },
 }
@@ -51,12 +66,15 @@ pub enum Event<'e> {
 /// What is going to be done.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Workload {
+    /// Suites with anything to do.
     pub suites: usize,
+    /// Trials to run.
     pub trials: usize,
     /// Of those trials: all that there may be.
     pub runs: usize,
     /// Of them, those that there will be for certain.
     pub certain_runs: usize,
+    /// Blocks to run.
     pub blocks: usize,
     /// Runs that failed before and are run again.
     pub recorded: usize,
@@ -67,7 +85,9 @@ pub struct Workload {
 /// How far a block is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Evaluations {
+    /// Evaluations that are done.
     pub done: usize,
+    /// Evaluations that there will be at most.
     pub all: usize,
     /// The best value of the objective so far.
     pub best: Option<f64>,
@@ -87,6 +107,7 @@ pub enum Stopping {
 
 /// Told everything that happens.
 pub trait Reporter {
+    /// Takes note of what happened. It is called in the order of events; the session waits for it.
     fn tell(&mut self, event: &Event);
 
     /// Called when there is nothing more to tell for the moment: the time to write what was collected.
@@ -103,12 +124,16 @@ impl Reporter for Unheard {
 /// What became of one unit.
 #[derive(Debug)]
 pub enum UnitReport {
+    /// A run that failed before and was run again.
     Recorded(RecordedReport),
+    /// A trial.
     Trial(TrialReport),
+    /// A block.
     Block(BlockReport),
 }
 
 impl UnitReport {
+    /// The unit's key.
     pub fn key(&self) -> &str {
         match self {
             Self::Recorded(recorded) => &recorded.key,
@@ -117,6 +142,7 @@ impl UnitReport {
         }
     }
 
+    /// How long the unit took.
     pub fn wall_time(&self) -> Duration {
         match self {
             Self::Recorded(recorded) => recorded.wall_time,
@@ -134,6 +160,7 @@ impl UnitReport {
         }
     }
 
+    /// How it stands, for counts and exit codes.
     pub fn standing(&self) -> Standing {
         match self {
             Self::Recorded(recorded) => recorded.standing(),

@@ -16,11 +16,15 @@ fn is_none(runs: &usize) -> bool {
 /// One criterion's verdict and what it rests on.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Finding {
+    /// In canonical words, such as `no collision`.
     pub criterion: String,
+    /// Where the criterion is written.
     pub origin: Origin,
+    /// What the criterion comes to.
     pub verdict: Verdict,
     /// The metric that the criterion is about.
     pub metric: Reference<Metric>,
+    /// What [`Self::observed`] is.
     pub measure: FindingMeasure,
     /// Where runs are added, those after which the criterion was decided: the trial may have had more for others.
     pub runs: usize,
@@ -85,6 +89,7 @@ pub enum FindingMeasure {
 /// Whom a finding speaks of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Regarding {
+    /// Those who walked, or all whom they were taken from.
     pub whom: People,
     /// How many walked.
     pub people: usize,
@@ -93,6 +98,7 @@ pub struct Regarding {
 /// A run that a finding names.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct WorstRun {
+    /// The run's key.
     pub key: String,
     /// The metric's value; `None` where it does not exist.
     pub value: Option<f64>,

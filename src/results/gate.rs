@@ -13,15 +13,19 @@ use thiserror::Error;
 /// What became of a gate.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct GateReport {
+    /// What the suite declares.
     pub gate: Arc<Gate>,
     /// Such as `zebra/gate=braking`.
     pub key: String,
+    /// What it came to.
     pub state: GateState,
 }
 
+/// Whether a gate was judged, or why not.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum GateState {
+    /// It was compared with its baseline.
     Judged(Box<GateVerdict>),
     /// There is no baseline, or it may not be compared with.
     Refused(Refusal),
@@ -38,7 +42,12 @@ pub enum NotJudged {
     NotSelected,
     /// A filter, a share of several machines, or an early end left some out.
     #[error("{left_out} of {trials} trials were not run, and part of a suite says nothing about the whole")]
-    Part { left_out: usize, trials: usize },
+    Part {
+        /// Trials that were not run.
+        left_out: usize,
+        /// Trials that the suite has.
+        trials: usize,
+    },
     /// A trial that came to nothing: which, and what happened.
     #[error("{0}")]
     Incomplete(String),
@@ -50,6 +59,7 @@ pub enum NotJudged {
 /// Why a gate cannot be judged.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Refusal {
+    /// Why, in a sentence without a full stop.
     pub message: String,
     /// Every reason not to compare, if there is a baseline.
     pub reasons: Vec<String>,
@@ -68,6 +78,7 @@ impl GateReport {
         matches!(&self.state, GateState::NotJudged(why) if *why != NotJudged::NotSelected)
     }
 
+    /// What its comparisons came to; `None` where nothing was compared, [`Self::standing`] says why.
     pub fn verdict(&self) -> Option<Verdict> {
         match &self.state {
             GateState::Judged(verdict) => Some(verdict.verdict),
@@ -75,6 +86,7 @@ impl GateReport {
         }
     }
 
+    /// How it stands, for counts and exit codes.
     pub fn standing(&self) -> Standing {
         match &self.state {
             GateState::NotJudged(NotJudged::Broken(_)) => Standing::Errored,
@@ -86,7 +98,9 @@ impl GateReport {
 /// What became of a gate.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct GateVerdict {
+    /// As the suite calls it.
     pub gate: String,
+    /// The worst of its checks.
     pub verdict: Verdict,
     /// In the order of rules, metrics and scenarios.
     pub checks: Vec<Check>,
@@ -109,7 +123,9 @@ pub struct GateVerdict {
     pub new_trials: Vec<String>,
     /// Runs on each side.
     pub runs: usize,
+    /// Whether runs of the same key have the same seed on both sides.
     pub same_seeds: bool,
+    /// Whether runs of the same key are of the same people on both sides.
     pub same_people: bool,
     /// Every run went exactly as before.
     pub nothing_changed: bool,
@@ -118,6 +134,7 @@ pub struct GateVerdict {
 }
 
 impl GateVerdict {
+    /// How many checks came out so.
     pub fn count(&self, outcome: CheckOutcome) -> usize {
         self.checks.iter().filter(|check| check.outcome == outcome).count()
     }
@@ -142,12 +159,15 @@ impl GateVerdict {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Change {
+    /// A number that is another one.
     Number {
         /// Such as `av.controller.braking_distance`.
         what: String,
         /// SI units.
         before: f64,
+        /// SI units.
         after: f64,
+        /// Of both.
         dimension: Dimension,
         /// The unit that people are shown it in, if that is another one than the SI unit.
         #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -175,9 +195,11 @@ impl fmt::Display for Change {
 pub struct BlindPlace {
     /// What the rule says.
     pub rule: String,
+    /// The scenario's name.
     pub scenario: String,
     /// Independent pairs of runs there are, and how many it takes.
     pub units: usize,
+    /// Pairs that it takes.
     pub needed: usize,
 }
 
@@ -188,15 +210,18 @@ pub struct Check {
     pub rule: usize,
     /// The metric's name and label.
     pub metric: Reference<Metric>,
+    /// As reports call it, such as `max_deceleration(window=0.5)`.
     pub label: String,
     /// The unit that people are shown its values in, if that is another one than the SI unit, in which they are.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub notation: Option<Notation>,
+    /// What of it is compared.
     pub subject: ComparedSubject,
     /// The scenario, or the trial where `certain`.
     pub place: String,
     /// There is no chance in it: what differs, differs.
     pub certain: bool,
+    /// What the comparison shows.
     pub outcome: CheckOutcome,
     /// Pairs of runs that are compared.
     pub runs: usize,
@@ -204,10 +229,12 @@ pub struct Check {
     pub units: usize,
     /// The mean over the compared runs, or the share of them.
     pub base: f64,
+    /// The same of the candidate.
     pub candidate: f64,
     /// Where `candidate - base` lies at the stated confidence; ends may be infinite (`null` in JSON).
     #[serde(with = "json::interval")]
     pub interval: Option<(f64, f64)>,
+    /// Of the interval, 0..1.
     pub confidence: f64,
     /// How much worse is tolerated, in the metric's unit or as a share of runs.
     pub tolerance: f64,
@@ -217,6 +244,7 @@ pub struct Check {
     pub p_value: Option<f64>,
     /// The same after Holm's correction for all comparisons of the gate.
     pub adjusted_p_value: Option<f64>,
+    /// What it would have caught.
     pub power: Power,
     /// Of several trials the one that got worse by most: over all of them, changes may cancel.
     pub worst_trial: Option<TrialChange>,
@@ -240,6 +268,7 @@ pub enum ComparedSubject {
     New,
 }
 
+/// What a comparison shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CheckOutcome {
@@ -263,8 +292,11 @@ impl CheckOutcome {
 /// A run whose value is not what it was.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ChangedRun {
+    /// The run's key.
     pub key: String,
+    /// Its value in the base, SI units; `None` where the metric does not exist.
     pub base: Option<f64>,
+    /// Its value in the candidate, SI units; `None` where the metric does not exist.
     pub candidate: Option<f64>,
 }
 
@@ -275,6 +307,7 @@ pub struct TrialChange {
     pub key: String,
     /// The mean over its runs, or the share of them.
     pub base: f64,
+    /// The same of the candidate.
     pub candidate: f64,
     /// Negative if it got better.
     pub worse_by: f64,
@@ -291,7 +324,10 @@ pub enum Power {
     /// A change for the worse in this share of runs, if none gets better.
     Share(f64),
     /// Nothing at all: so few runs cannot show anything among so many comparisons. `needed` can.
-    Blind { needed: usize },
+    Blind {
+        /// Pairs of runs that it takes.
+        needed: usize,
+    },
     /// Not a comparison that can fail.
     None,
 }

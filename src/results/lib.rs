@@ -39,6 +39,7 @@ mod verdict;
 pub struct Results {
     /// What was measured in every run, in the order of the outcomes' metrics.
     pub requests: Requests,
+    /// One per suite, in the order in which they were given.
     pub suites: Vec<SuiteReport>,
     /// The courses of those runs that are drawn, in the order in which they were [chosen](choose_runs).
     pub recordings: Vec<(Chosen, Recording)>,

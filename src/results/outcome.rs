@@ -14,10 +14,14 @@ use sim::measure::{Open, Presence};
 /// The result of one case.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Outcome {
+    /// The run's key, which `scenario-runner replay` takes.
     pub key: String,
+    /// The run's seed.
     #[serde(with = "json::whole")]
     pub seed: u64,
+    /// The people who walked in it.
     pub individuals: Vec<Individual>,
+    /// When it ended, and why.
     pub ending: Ending,
     /// One per request, in their order; `None` where the metric does not exist in this run.
     pub metrics: Vec<Option<f64>>,
@@ -34,6 +38,7 @@ pub struct Outcome {
     /// See [`sim::Fingerprint`].
     #[serde(with = "json::hexadecimal")]
     pub fingerprint: u64,
+    /// Wall-clock time that it took; 0 in blocks, whose results are the same bytes however long they took.
     #[serde(default, skip_serializing_if = "Duration::is_zero")]
     pub wall_time: Duration,
 }
@@ -59,10 +64,12 @@ impl Outcome {
 pub struct ByMetric<T>(Box<[(usize, T)]>);
 
 impl<T> ByMetric<T> {
+    /// What is known of the metric of this index.
     pub fn get(&self, index: usize) -> Option<&T> {
         self.0.iter().find(|(known, _)| *known == index).map(|(_, value)| value)
     }
 
+    /// Whether nothing is known of any metric.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
@@ -102,14 +109,18 @@ pub struct CutOff {
 /// A vehicle that had yet to pass, and a pedestrian who was not across its lane, had not been hit by it, or had yet to appear.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Unfinished {
+    /// The vehicle's name.
     pub vehicle: Arc<str>,
+    /// The pedestrian's name.
     pub pedestrian: Arc<str>,
 }
 
 /// A vehicle and something else that would have touched, had both moved on as they did.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct OnCourse {
+    /// The vehicle's name.
     pub vehicle: Arc<str>,
+    /// The name of a pedestrian, another vehicle or a box.
     pub with: Arc<str>,
     /// From the end of the run to their contact, s.
     pub time: f64,
@@ -122,6 +133,7 @@ pub struct Critical {
     pub time: Option<f64>,
     /// Whose value it is: a vehicle's, a pedestrian's or a pair's.
     pub vehicle: Option<Arc<str>>,
+    /// The pedestrian's name; `None` for a metric of vehicles.
     pub pedestrian: Option<Arc<str>>,
     /// Another vehicle or a box that the vehicle touches.
     #[serde(skip_serializing_if = "Option::is_none")]

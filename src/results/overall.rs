@@ -19,6 +19,7 @@ pub enum Overall {
     Inconclusive,
     /// No criterion applied to anything that was run.
     NothingJudged,
+    /// Everything that was judged passed, and something was.
     Passed,
 }
 

@@ -19,10 +19,12 @@ use scenario::Assignment;
 pub struct Recorded {
     /// The run's key when it was recorded.
     pub key: String,
+    /// The scenario's name.
     pub scenario: String,
     /// The seed of the run.
     #[serde(with = "json::whole")]
     pub seed: u64,
+    /// The values of its variations.
     pub variation: Vec<Assignment>,
     /// Pedestrian, number and population of each person.
     pub people: Vec<(String, u32, String)>,
@@ -49,25 +51,32 @@ impl Recorded {
 /// A recorded run, run again.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RecordedReport {
+    /// What was kept of it.
     pub recorded: Arc<Recorded>,
     /// Such as `zebra/recorded=carla_walker/tta=6s/rep=2`.
     pub key: String,
+    /// What became of it now.
     pub state: RecordedState,
+    /// How long it took.
     pub wall_time: Duration,
 }
 
+/// What became of a recorded run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum RecordedState {
+    /// It was run to its end.
     Ran(Box<Rerun>),
     /// Could not be run to its end; the message says why.
     Errored(String),
+    /// Nobody tried to run it.
     Skipped(Skip),
 }
 
 /// One run of a recorded case.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Rerun {
+    /// What the run came to.
     pub outcome: Outcome,
     /// Whether everything that decides the run is as it was when it was recorded.
     pub same_case: bool,
@@ -94,6 +103,7 @@ impl RecordedReport {
         }
     }
 
+    /// How it stands, for counts and exit codes.
     pub fn standing(&self) -> Standing {
         Standing::of(self.skip().is_some(), self.rerun().map(|rerun| rerun.judged.verdict))
     }

@@ -10,7 +10,9 @@ use sim::{TimelineEvent, Trace};
 /// A run as it is drawn. Metrics are never computed from it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Recording {
+    /// The run.
     pub case: Case,
+    /// What happened in it, in the order of time.
     pub events: Vec<TimelineEvent>,
     /// s; steps of about [`INTERVAL`] and the very end.
     #[serde(with = "places::times")]
@@ -20,10 +22,12 @@ pub struct Recording {
     pub users: Vec<Vec<Option<Place>>>,
 }
 
+/// Where a road user is at one moment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Place {
     /// World frame, m.
     pub x: f64,
+    /// World frame, m.
     pub y: f64,
     /// m/s
     pub speed: f64,
@@ -40,7 +44,9 @@ impl Place {
 /// One pedestrian and one vehicle in the distance-distance plane.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PairCourse {
+    /// The vehicle's name.
     pub vehicle: String,
+    /// The pedestrian's name.
     pub pedestrian: String,
     /// `(vehicle, pedestrian)` in m along each one's way, negative before the conflict point.
     pub points: Vec<(f64, f64)>,

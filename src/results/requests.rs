@@ -27,18 +27,22 @@ impl Requests {
         }
     }
 
+    /// The place of this metric's value in every outcome; `None` if it is not measured.
     pub fn index(&self, reference: &MetricReference) -> Option<usize> {
         self.0.iter().position(|known| known == reference)
     }
 
+    /// In order, to be changed in place; how many they are stays.
     pub fn iter_mut(&mut self) -> impl Iterator<Item = &mut MetricReference> {
         self.0.iter_mut()
     }
 
+    /// In the order of the values of every outcome.
     pub fn iter(&self) -> impl Iterator<Item = &MetricReference> {
         self.0.iter()
     }
 
+    /// In the order of the values of every outcome.
     pub fn as_slice(&self) -> &[MetricReference] {
         &self.0
     }

@@ -9,7 +9,9 @@ use scenario::{Goal, Individual, ShownIn};
 /// What a search found.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SearchResult {
+    /// As the suite calls it.
     pub name: String,
+    /// In canonical words, such as `minimise mean(pet)`.
     pub objective: String,
     /// Which values of it are the worst: what the search looks for. The objective says it in words.
     pub direction: Goal,
@@ -28,6 +30,7 @@ pub struct SearchResult {
 /// The worst that was found for a person (or for everybody).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Found {
+    /// Those who walk; empty where the scenario draws nobody from a population.
     pub individuals: Vec<Individual>,
     /// Where the best observed value is: one value per dimension, by name.
     pub best: Option<Vec<(String, optimise::Coordinate)>>,
@@ -39,9 +42,11 @@ pub struct Found {
     pub fresh: Option<f64>,
     /// In how many runs of that the metric exists and was decided before the horizon.
     pub fresh_runs: u32,
+    /// Who passed first at the best point, in the words of the metric `passed_first`; `None` if that was not measured.
     pub passed_first: Option<String>,
     /// Objective of every evaluation in order; `None` where it is undefined.
     pub evaluations: Vec<(Vec<optimise::Coordinate>, Option<f64>)>,
+    /// Why nothing more was proposed; `None` if the search did not get there.
     pub stop: Option<OptimisationEnd>,
     /// The surrogate through the best point, one slice per dimension.
     pub slices: Vec<Vec<SlicePoint>>,
@@ -66,9 +71,13 @@ pub struct MetricCourse {
 /// The runs at one value of a dimension; a value at which no run has the metric has no point.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CoursePoint {
+    /// The value of the dimension, SI units.
     pub at: f64,
+    /// The metric's smallest value, SI units.
     pub smallest: f64,
+    /// The metric's mean, SI units.
     pub mean: f64,
+    /// The metric's largest value, SI units.
     pub largest: f64,
     /// How many of the runs have the metric.
     pub runs: usize,

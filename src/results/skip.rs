@@ -10,6 +10,7 @@ use super::standing::Standing;
 #[derive(Debug, Clone, PartialEq, Eq, Error, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Skip {
+    /// A filter, a share of several machines or a key left it out.
     #[error("not selected")]
     NotSelected,
     /// It had not begun when that happened.
@@ -20,7 +21,12 @@ pub enum Skip {
     Stale(String),
     /// It builds on another unit that came to nothing.
     #[error("needs {key}, which {happened}")]
-    Needs { key: String, happened: String },
+    Needs {
+        /// The key of that unit.
+        key: String,
+        /// What became of it, in words such as `failed`.
+        happened: String,
+    },
 }
 
 impl Skip {

@@ -9,9 +9,11 @@ use crate::Verdict;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Standing {
+    /// Nobody tried to run it.
     Skipped,
     /// It was run, but no criterion applied to it: it is no evidence of anything.
     NotJudged,
+    /// Its criteria came to this.
     Judged(Verdict),
     /// It was begun, and cut off.
     NotFinished(CutBy),

@@ -7,18 +7,23 @@ use scenario::{DeclaredStanding, Relation, TrendDirection};
 /// What a statement came to.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StatementResult {
+    /// As the suite calls it.
     pub name: String,
     /// What the source says.
     pub doc: Option<String>,
+    /// Where the source says it, such as `Wang et al., experiment 2`.
     pub source: Option<String>,
     /// The numbers that the source gives, in words.
     pub reported: Option<String>,
+    /// Whether it is reproduced.
     pub conclusion: Conclusion,
+    /// What became of each claim, in order.
     pub claims: Vec<ClaimResult>,
     /// What the suite declares to be known of it.
     pub standing: DeclaredStanding,
 }
 
+/// What a statement's claims come to together.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Conclusion {
@@ -39,25 +44,46 @@ pub struct ClaimResult {
     pub holds: Option<bool>,
     /// Why it cannot be said.
     pub undefined: Option<String>,
+    /// The numbers that decide it.
     pub values: ClaimValues,
     /// SI unit of the values; `%` says that they are shares in 0..1.
     pub unit: String,
 }
 
+/// The numbers of a claim, in the unit that [`ClaimResult`] states.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ClaimValues {
-    Compared { left: Option<f64>, relation: Relation, right: Option<f64> },
-    Trend { direction: TrendDirection, variable: String, points: Vec<TrendPoint> },
+    /// Of two quantities.
+    Compared {
+        /// `None` where no run gives one.
+        left: Option<f64>,
+        /// How the two must compare.
+        relation: Relation,
+        /// `None` where no run gives one.
+        right: Option<f64>,
+    },
+    /// Of an aggregate along a variation.
+    Trend {
+        /// Which way it must move.
+        direction: TrendDirection,
+        /// The variation's name.
+        variable: String,
+        /// In ascending order of the variation's values.
+        points: Vec<TrendPoint>,
+    },
 }
 
 /// The aggregate at one value of the variation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TrendPoint {
+    /// The value of the variation as it was written.
     pub label: String,
+    /// The value of the variation, SI units.
     pub at: f64,
     /// `None` where no run gives one.
     pub value: Option<f64>,
+    /// Runs that the aggregate is over.
     pub runs: usize,
 }
 

@@ -18,9 +18,11 @@ use numbers::json;
 /// Which suite was run, and how to run it again.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SuiteIdentity {
+    /// As the suite calls itself.
     pub suite: String,
     /// The file that was run, as the user named it.
     pub file: String,
+    /// The suite's seed.
     #[serde(with = "json::whole")]
     pub seed: u64,
     /// What was set on the command line: `av.speed=40km/h`.
@@ -89,10 +91,13 @@ impl Program {
 /// What reports are made of: a suite's trials with what became of them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SuiteReport {
+    /// Which suite, and how to run it again.
     pub identity: SuiteIdentity,
+    /// What ran it.
     pub program: Program,
     /// Wall-clock time when the suite began.
     pub started: SystemTime,
+    /// How long the suite took.
     pub wall_time: Duration,
     /// Runs that failed in an earlier session, run again before everything else.
     pub recorded: Vec<RecordedReport>,

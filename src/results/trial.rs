@@ -16,7 +16,9 @@ use scenario::Trial;
 /// A trial's verdict: the worst of its findings; without any it is `Passed`, which [says nothing](Self::claims_nothing).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TrialVerdict {
+    /// The worst of the findings.
     pub verdict: Verdict,
+    /// One per criterion that applies to the trial, in order.
     pub findings: Vec<Finding>,
     /// Where runs were added until the criteria were decided: how many it took and why there were no more.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -42,14 +44,18 @@ pub struct Horizon {
 /// Who had not arrived in a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Stranded {
+    /// The run's key.
     pub key: String,
+    /// Names of vehicles and pedestrians.
     pub who: Vec<Arc<str>>,
 }
 
 /// Who would have touched in a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CourseOfRun {
+    /// The run's key.
     pub key: String,
+    /// Who would have touched, and when.
     #[serde(flatten)]
     pub course: OnCourse,
 }
@@ -57,12 +63,17 @@ pub struct CourseOfRun {
 /// How many runs a trial took, and why there were no more.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RunsTaken {
+    /// Runs before which nobody looked.
     pub least: usize,
+    /// Runs after which none would have been added.
     pub most: usize,
+    /// Runs that were made.
     pub runs: usize,
+    /// Why there were no more.
     pub reason: Reason,
 }
 
+/// Why no more runs were added.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Reason {
@@ -74,20 +85,26 @@ pub enum Reason {
     NothingToDecide,
 }
 
+/// A trial with the outcomes of its runs and what they come to.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TrialReport {
+    /// What was run.
     pub trial: Arc<Trial>,
     /// Empty if it was not run.
     pub outcomes: Vec<Outcome>,
+    /// What it came to.
     pub state: TrialState,
     /// Models that its world makes other ones than were published, a sentence each.
     pub departures: Vec<String>,
+    /// How long it took.
     pub wall_time: Duration,
 }
 
+/// Whether a trial was judged, or why not.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TrialState {
+    /// All of its runs were made.
     Judged(TrialVerdict),
     /// Could not be run to its end; the message says why.
     Errored(String),
@@ -127,6 +144,7 @@ impl TrialReport {
         }
     }
 
+    /// Of a trial that was judged; `None` for others.
     pub fn verdict(&self) -> Option<Verdict> {
         match &self.state {
             TrialState::Judged(judged) => Some(judged.verdict),
@@ -139,6 +157,7 @@ impl TrialReport {
         matches!(&self.state, TrialState::Judged(judged) if judged.claims_nothing())
     }
 
+    /// How it stands, for counts and exit codes.
     pub fn standing(&self) -> Standing {
         match &self.state {
             TrialState::NotFinished(cut) => Standing::NotFinished(cut.by()),

@@ -11,7 +11,9 @@ use scenario::ShownIn;
 /// What a tune came to.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TuneResult {
+    /// As the suite calls it.
     pub name: String,
+    /// In canonical words, such as `minimise mean(time_lost)`; one or two.
     pub objectives: Vec<String>,
     /// In canonical words.
     pub constraints: Vec<String>,
@@ -35,6 +37,7 @@ pub struct TuneResult {
     pub pareto: Vec<Candidate>,
     /// Every candidate in order.
     pub evaluations: Vec<Candidate>,
+    /// Why nothing more was proposed; `None` if the tune did not get there.
     pub stop: Option<OptimisationEnd>,
     /// The surrogate of the first objective through the chosen candidate, one slice per parameter.
     pub slices: Vec<Vec<SlicePoint>>,
@@ -45,17 +48,22 @@ pub struct TuneResult {
 /// Values of the parameters with what they give on the set.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Candidate {
+    /// One value per parameter, in the order of [`TuneResult::parameters`].
     pub point: Vec<optimise::Coordinate>,
+    /// One per objective, SI units; `None` where no run gives one.
     pub objectives: Vec<Option<f64>>,
     /// Worst margin over the set per constraint; negative is violated, `None` cannot be said.
     pub margins: Vec<Option<f64>>,
+    /// Whether it keeps every constraint on the set.
     pub feasible: bool,
 }
 
 /// Runs in which a constraint is violated, of those that were made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Violations {
+    /// Those that violate one.
     pub runs: usize,
+    /// All that were made.
     pub of: usize,
 }
 
@@ -75,10 +83,13 @@ pub struct BeforeAndAfter {
     /// How each of the metrics is shown, in their order; flags as shares.
     #[serde(default)]
     pub shown_in: Vec<ShownIn>,
+    /// With the parameters that the scenario declares, on the cases of the tune.
     pub before: Vec<MetricSummary>,
+    /// With the chosen candidate, on the cases of the tune.
     pub after: Vec<MetricSummary>,
     /// The same cases with other seeds: what remains once the luck of the selection is gone.
     pub before_fresh: Vec<MetricSummary>,
+    /// With the chosen candidate, on the same cases with other seeds.
     pub after_fresh: Vec<MetricSummary>,
     /// Whether the chosen candidate keeps every constraint on the fresh runs too.
     pub feasible_fresh: bool,

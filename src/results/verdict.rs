@@ -6,8 +6,10 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
+    /// It is fulfilled.
     Passed,
     /// The runs do not suffice to say, at the confidence that was asked for.
     Inconclusive,
+    /// It is not fulfilled.
     Failed,
 }

@@ -9,7 +9,9 @@ use scenario::{Body, World};
 /// A body by its index among its kind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Solid {
+    /// By its index in [`World::vehicles`].
     Vehicle(usize),
+    /// By their index in [`World::pedestrians`].
     Pedestrian(usize),
     /// Of the road, such as a parked vehicle.
     Box(usize),
@@ -43,6 +45,7 @@ impl Solid {
 pub struct Touch {
     /// A vehicle, if one of them is.
     pub first: Solid,
+    /// Never the same body as `first`.
     pub second: Solid,
     /// From the beginning of the step to their first touch in it, s.
     pub moment: f64,
@@ -72,6 +75,7 @@ pub struct Contacts {
 const SLACK: f64 = 1e-6;
 
 impl Contacts {
+    /// Of a world in which nobody touches anybody yet.
     pub fn new(world: &World) -> Self {
         let pairs: Vec<_> = pairs(world).map(|(first, second)| (first, second, false)).collect();
         let found = Vec::with_capacity(pairs.len().min(64));

@@ -49,6 +49,7 @@ pub struct Fault {
     pub vehicle: usize,
     /// s; negative while settling before the start.
     pub time: f64,
+    /// In the controller's own words.
     pub error: ControllerError,
 }
 
@@ -57,6 +58,7 @@ pub struct Fault {
 pub enum Progress {
     /// Somebody outside has to [decide](Course::decide) for each vehicle that is [asked](Course::asked).
     Waits,
+    /// The run is over.
     Ended(Ending),
 }
 

@@ -15,6 +15,7 @@ impl Default for Fingerprint {
 }
 
 impl Fingerprint {
+    /// The number: equal for two runs that are equal in every bit, and different for others but by chance.
     pub fn value(self) -> u64 {
         self.0
     }

@@ -14,6 +14,7 @@ pub struct Footprint {
     pub centre: Vector2<f64>,
     /// Unit vector along the length of a rectangle.
     pub heading: Vector2<f64>,
+    /// Its kind and size.
     pub shape: Shape,
 }
 

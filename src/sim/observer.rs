@@ -24,7 +24,9 @@ pub struct Step<'a> {
     pub time: f64,
     /// s
     pub duration: f64,
+    /// Everybody at its beginning.
     pub before: &'a Snapshot,
+    /// Everybody at its end.
     pub after: &'a Snapshot,
     /// The state at the end of the simulation's own step: `after`, but for the last step of a run that ends inside it.
     pub whole: &'a Snapshot,
@@ -60,11 +62,13 @@ impl Step<'_> {
 /// How a run ended.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Ending {
+    /// What ended it.
     pub reason: StopReason,
     /// s
     pub time: f64,
 }
 
+/// What ends runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum StopReason {

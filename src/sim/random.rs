@@ -6,7 +6,9 @@ use numbers::random::Stream;
 /// agent never shifts another's.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Agent {
+    /// The pedestrian of this rank.
     Pedestrian(usize),
+    /// The vehicle of this rank.
     Vehicle(usize),
 }
 

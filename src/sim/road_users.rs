@@ -4,15 +4,19 @@ use scenario::agent::{Controller, Dynamics, Pedestrian, Perception, Schedule};
 
 /// The minds and bodies of a run, in the order of the world's setups.
 pub struct RoadUsers {
+    /// In the order of [`World::vehicles`](scenario::World::vehicles).
     pub vehicles: Vec<Driven>,
+    /// In the order of [`World::pedestrians`](scenario::World::pedestrians).
     pub pedestrians: Vec<Box<dyn Pedestrian>>,
 }
 
 /// A vehicle: who decides for it, what that is shown, and the dynamics that it drives.
 pub struct Driven {
+    /// A controller, or somebody outside.
     pub driver: Driver,
     /// `None`: everything is seen at once and exactly.
     pub perception: Option<Box<dyn Perception>>,
+    /// How the vehicle follows commands.
     pub dynamics: Box<dyn Dynamics>,
 }
 
@@ -29,6 +33,7 @@ pub enum Driver {
     Inside(Box<dyn Controller>),
     /// Whoever drives the [`Course`](super::Course), which waits for each decision.
     Outside {
+        /// When it decides; the command is held in between.
         schedule: Schedule,
         /// Time needed in free flow until vehicle and driver are in steady cruise, s.
         settling_time: f64,

@@ -15,6 +15,7 @@ pub enum Action {
     Speed(f64),
     /// Keep this acceleration, m/s².
     Accelerate(f64),
+    /// Come to a stand and stay there.
     Stop,
     /// Go on as before the first step.
     Resume,

@@ -10,43 +10,61 @@ use scenario::agent::Mode;
 /// One thing that happened. Times in s, speeds in m/s.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TimelineEvent {
+    /// s
     pub time: f64,
+    /// The road user's name.
     pub who: String,
+    /// What happened to it.
     pub what: Happening,
 }
 
+/// What may happen to a road user.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Happening {
+    /// A pedestrian enters the world.
     Appears,
     /// The model's own word for what it is up to.
     Mode(Mode),
+    /// A pedestrian who stood, or has just appeared, walks.
     StartsWalking,
+    /// A pedestrian's centre passes the kerb that they start behind, in either direction.
     EntersCarriageway,
     /// Its centre passes the centre line of a vehicle's lane.
     PassesConflictPoint,
+    /// A pedestrian's centre passes the opposite kerb, in either direction.
     LeavesCarriageway,
     /// Its centre passes the middle of the crossing.
     PassesCrossing {
+        /// The vehicle's, m/s.
         speed: f64,
     },
     /// Speed starts to fall by more than 0.5 m/s².
     Brakes {
+        /// The vehicle's as it begins, m/s.
         speed: f64,
     },
+    /// It moved, and stands.
     Stops,
+    /// A vehicle that stood drives.
     Resumes,
+    /// A vehicle's centre passes the finish line.
     PassesFinishLine {
+        /// The vehicle's, m/s.
         speed: f64,
     },
     /// A vehicle and something else, whoever of the two it is about, begin to touch.
     Collides {
+        /// What the other is called.
         with: String,
+        /// How fast the two move against each other, m/s.
         relative_speed: f64,
     },
     /// A pedestrian begins to touch another, or a box: no collision.
     Touches {
+        /// What the other is called.
         with: String,
+        /// How fast the two move against each other, m/s.
         relative_speed: f64,
     },
 }
@@ -67,6 +85,7 @@ pub struct Timeline<'a> {
 const STANDING: f64 = 0.01;
 
 impl<'a> Timeline<'a> {
+    /// Of a run of this world that has not begun.
     pub fn new(world: &'a World) -> Self {
         let (cars, people) = (world.vehicles.len(), world.pedestrians.len());
         Self {

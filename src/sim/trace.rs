@@ -19,6 +19,7 @@ pub struct Sample {
     pub velocity: Vector2<f64>,
     /// Along the road for vehicles, along the heading for pedestrians, m/s².
     pub acceleration: f64,
+    /// The model's own word for what it is up to.
     pub mode: Mode,
 }
 
@@ -37,6 +38,7 @@ pub enum TraceMark {
 /// bodies begin to touch. The last is that of the moment at which the run ends.
 #[derive(Debug, Default)]
 pub struct Trace {
+    /// In the order of time, and at one time in the order of the world, vehicles first.
     pub samples: Vec<Sample>,
     /// By index of the sample, in order.
     pub marks: Vec<(usize, TraceMark)>,

@@ -66,13 +66,17 @@ pub(super) fn nearest(
 /// How one run stands to what a criterion wants of each.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RunStanding {
+    /// In canonical words.
     pub criterion: String,
+    /// Whether the run has what the criterion wants.
     pub holds: bool,
     /// As [`WorstRun::margin`].
     pub margin: Option<f64>,
     /// The critical instant, s.
     pub time: Option<f64>,
+    /// Whose value it is, by name; `None` for a metric of pedestrians.
     pub vehicle: Option<Arc<str>>,
+    /// Whose value it is, by name; `None` for a metric of vehicles.
     pub pedestrian: Option<Arc<str>>,
     /// Another vehicle or a box that the vehicle touches.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -17,6 +17,7 @@ pub enum Possible {
     NeverFails(String),
     /// Every value holds, but a run in which the metric does not exist does not: why.
     OnlyAbsence {
+        /// What makes every value hold, in words.
         why: String,
         /// Such as `in which \`pet\` does not exist`.
         fails_by: String,

@@ -7,12 +7,16 @@ use sim::measure::Open;
 /// A metric in one run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Seen {
+    /// The metric's number, in its own unit.
     Value(f64),
+    /// The metric does not exist in the run.
     Undefined,
     /// The horizon ended the run before it was decided; what it is so far, if that is anything, and what it could still
     /// have come to.
     Open {
+        /// In the metric's own unit.
         so_far: Option<f64>,
+        /// All that it could have come to.
         range: Open,
     },
 }
@@ -28,10 +32,12 @@ impl Seen {
         }
     }
 
+    /// Whether there is a number.
     pub fn is_value(self) -> bool {
         matches!(self, Self::Value(_))
     }
 
+    /// Whether the run ended before there could be one for certain.
     pub fn is_open(self) -> bool {
         matches!(self, Self::Open { .. })
     }

@@ -12,7 +12,9 @@ use sim::measure::Open;
 /// All values that something may have, both ends included; one where nothing is open.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ValueSpan {
+    /// The smallest; negative infinity where nothing bounds it.
     pub low: f64,
+    /// The largest; infinity where nothing bounds it.
     pub high: f64,
 }
 
@@ -20,6 +22,7 @@ impl ValueSpan {
     /// Nothing is known.
     pub const ANYTHING: Self = Self { low: f64::NEG_INFINITY, high: f64::INFINITY };
 
+    /// One value alone.
     pub fn point(value: f64) -> Self {
         Self { low: value, high: value }
     }
@@ -36,10 +39,12 @@ impl ValueSpan {
         span
     }
 
+    /// Whether nothing is open.
     pub fn is_point(self) -> bool {
         self.low == self.high
     }
 
+    /// Whether a value is one of them.
     pub fn contains(self, value: f64) -> bool {
         self.low <= value && value <= self.high
     }

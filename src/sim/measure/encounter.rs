@@ -23,6 +23,7 @@ pub struct Encounters {
 /// What a pedestrian did at all in a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Presence {
+    /// They entered the world before the run ended.
     pub appeared: bool,
     /// Came into a vehicle's lane, or appeared in it.
     pub entered: bool,
@@ -63,6 +64,7 @@ pub struct Encounter {
     near: bool,
 }
 
+/// The first touch of two footprints.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contact {
     /// s
@@ -71,15 +73,18 @@ pub struct Contact {
     pub relative_speed: f64,
 }
 
+/// A pedestrian's centre passes the centre line of a vehicle's lane.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Passing {
     /// s
     pub time: f64,
     /// The conflict point, as a distance along the vehicle's lane behind the middle of the crossing, m.
     pub place: f64,
+    /// Whether they pass it from the side that they started from.
     pub towards_goal: bool,
 }
 
+/// A stay of a pedestrian's footprint in what a vehicle's footprint sweeps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Visit {
     /// s
@@ -88,9 +93,11 @@ pub struct Visit {
     pub to: f64,
     /// Extent of the footprint along the vehicle's lane over the visit, m.
     pub low: f64,
+    /// The other end of that extent, m.
     pub high: f64,
 }
 
+/// A pedestrian's centre comes into a vehicle's lane.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Entry {
     /// s
@@ -101,6 +108,7 @@ pub struct Entry {
     pub speed: f64,
 }
 
+/// A pedestrian's way through a vehicle's lane, from one edge to the other.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LaneCrossing {
     /// s
@@ -113,6 +121,7 @@ pub struct LaneCrossing {
 const EXPECTED_EVENTS: usize = 16;
 
 impl Encounters {
+    /// Of a run of this world that has not begun; allocates what all of its steps need.
     pub fn new(world: &World) -> Self {
         let steps = (world.horizon / world.step).ceil().clamp(0.0, 1e6) as usize + 1;
         let encounter = |pedestrian: usize| Encounter {
@@ -139,6 +148,7 @@ impl Encounters {
         }
     }
 
+    /// By their indices in the world.
     pub fn pair(&self, vehicle: usize, pedestrian: usize) -> &Encounter {
         &self.pairs[vehicle * self.pedestrians + pedestrian]
     }
@@ -156,6 +166,7 @@ impl Encounters {
         (0..self.pedestrians).map(of).collect()
     }
 
+    /// When the vehicle of this index reached which place.
     pub fn passage(&self, vehicle: usize) -> &Passage {
         &self.passages[vehicle]
     }
@@ -340,6 +351,7 @@ pub fn half_extent(person: &PedestrianState) -> Vector2<f64> {
     }
 }
 
+/// The value at a share `part` (0..1) of the way from one value to another.
 pub fn lerp(from: f64, to: f64, part: f64) -> f64 {
     from + part * (to - from)
 }

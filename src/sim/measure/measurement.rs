@@ -29,7 +29,9 @@ pub struct Reading {
 /// A metric of one pair, vehicle or pedestrian.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SubjectValue {
+    /// Its index in [`World::vehicles`]; `None` for a metric of pedestrians.
     pub vehicle: Option<usize>,
+    /// Their index in [`World::pedestrians`]; `None` for a metric of vehicles.
     pub pedestrian: Option<usize>,
     /// What the vehicle touches, where that is no pedestrian.
     pub other: Option<Solid>,

@@ -52,12 +52,14 @@ pub trait Meter: Send {
 pub struct End<'a> {
     /// s
     pub time: f64,
+    /// Everybody at that time.
     pub state: &'a Snapshot,
 }
 
 /// Between which values a metric would have come to lie, had its run not been cut off.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Open {
+    /// Negative infinity where nothing bounds it.
     #[serde(with = "json::low")]
     pub low: f64,
     /// Infinite where nothing bounds it.
@@ -66,6 +68,7 @@ pub struct Open {
 }
 
 impl Open {
+    /// Nothing bounds it from above.
     pub fn at_least(low: f64) -> Self {
         Self { low, high: f64::INFINITY }
     }
@@ -76,6 +79,7 @@ impl Open {
 pub struct MetricContext<'a> {
     /// Resolved against the metric's declaration.
     pub settings: &'a Settings,
+    /// Everything that decides the run, but its seed.
     pub world: &'a World,
     /// Index of the vehicle; 0 for a metric of pedestrians.
     pub vehicle: usize,

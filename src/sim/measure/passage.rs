@@ -17,6 +17,7 @@ pub enum Reached {
     BeforeStart,
     /// s
     At(f64),
+    /// It has not come so far.
     NotYet,
 }
 

@@ -20,14 +20,36 @@ const UNCHECKED: u64 = 1;
 /// Why a baseline cannot be read.
 #[derive(Debug, Error)]
 pub enum BaselineError {
+    /// There is no such file; record one first.
     #[error("there is no baseline {}", path.display())]
-    Missing { path: PathBuf },
+    Missing {
+        /// Where it was looked for.
+        path: PathBuf,
+    },
+    /// The system refuses to read it, or it is larger than may be read.
     #[error("cannot read the baseline {}: {reason}", path.display())]
-    Unreadable { path: PathBuf, reason: String },
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong, in words.
+        reason: String,
+    },
+    /// Its text is none of a baseline's.
     #[error("{} is not a baseline: {reason}", path.display())]
-    Malformed { path: PathBuf, reason: String },
+    Malformed {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong, with its line if it has one.
+        reason: String,
+    },
+    /// A later version of scenario-runner wrote it.
     #[error("the baseline {} has layout {found}, but this version of scenario-runner reads layout {LAYOUT}", path.display())]
-    OtherLayout { path: PathBuf, found: u64 },
+    OtherLayout {
+        /// The file.
+        path: PathBuf,
+        /// The number of its layout.
+        found: u64,
+    },
 }
 
 impl BaselineError {

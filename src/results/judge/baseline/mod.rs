@@ -20,7 +20,9 @@ pub use pairing::{Incompatible, Pairing, WorldPart, pair, some};
 /// a comparison is for. Everything else of the cases is held by the [`Parts`] of each trial.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Baseline {
+    /// The suite's name.
     pub suite: String,
+    /// That of the suite.
     pub seed: u64,
     /// What was set on the command line instead of what the files say: `av.speed=40km/h`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -29,6 +31,7 @@ pub struct Baseline {
     pub tool: String,
     /// Digests of everybody in the populations that people were drawn from, by the names of their files.
     pub populations: BTreeMap<String, String>,
+    /// What was measured in every run, in the order of each run's values.
     pub metrics: Vec<RecordedMetric>,
     /// The different sets of vehicles that trials have, in the order in which trials first use them.
     pub vehicles: Vec<Vec<TestedVehicle>>,
@@ -42,11 +45,13 @@ pub struct Baseline {
 pub struct RecordedMetric {
     /// As reports call it, such as `pet` or `max_deceleration(window=0.5)`.
     pub label: String,
+    /// The metric's name.
     pub name: Reference<Metric>,
     /// The SI unit, `yes or no`, or the words it takes.
     pub unit: String,
     /// Every parameter with its value, so that a changed default is seen.
     pub settings: Settings,
+    /// Vehicle and pedestrian whom it is of; `None`: the worst pair.
     pub pair: Option<(String, String)>,
 }
 
@@ -54,9 +59,13 @@ pub struct RecordedMetric {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TestedVehicle {
+    /// As the scenario calls it.
     pub name: String,
+    /// What drives it, with every parameter.
     pub controller: ModelSetup<ControllerModel>,
+    /// What it drives, with every parameter.
     pub dynamics: ModelSetup<DynamicsModel>,
+    /// `None`: perfect perception.
     pub sees: Option<ModelSetup<PerceptionModel>>,
     /// m
     pub length: f64,
@@ -69,6 +78,7 @@ pub struct TestedVehicle {
 pub struct RecordedTrial {
     /// Without the suite's name: `carla_walker/tta=6s`.
     pub key: String,
+    /// The scenario's name.
     pub scenario: String,
     /// Whether there is no chance in it: other seeds give the same runs, bit for bit.
     pub certain: bool,
@@ -79,6 +89,7 @@ pub struct RecordedTrial {
     /// Models in it that are others than were published, in words.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
+    /// What decides its runs besides what is tested.
     pub parts: Parts,
     /// Index into [`Baseline::vehicles`].
     pub vehicles: usize,
@@ -92,7 +103,9 @@ pub struct RecordedTrial {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Parts {
+    /// Lanes, kerbs, crossing, speed limit and boxes.
     pub road: String,
+    /// Models with their settings, sizes, ways and when they appear.
     pub pedestrians: String,
     /// The individuals drawn from populations.
     pub people: String,
@@ -140,6 +153,7 @@ impl Baseline {
         }
     }
 
+    /// Of all trials.
     pub fn runs(&self) -> usize {
         self.trials.iter().map(|trial| trial.runs.len()).sum()
     }

@@ -8,7 +8,9 @@ use super::{Baseline, Parts, RecordedTrial};
 /// Two baselines trial by trial.
 #[derive(Debug, Clone)]
 pub struct Pairing<'a> {
+    /// What is compared with.
     pub base: &'a Baseline,
+    /// What is compared.
     pub candidate: &'a Baseline,
     /// Trials of both, in the order of the candidate's keys.
     pub trials: Vec<(&'a RecordedTrial, &'a RecordedTrial)>,
@@ -27,11 +29,26 @@ pub struct Pairing<'a> {
 #[serde(rename_all = "snake_case")]
 pub enum Incompatible {
     /// A gate's baseline is of another suite.
-    OtherSuite { base: String, candidate: String },
+    OtherSuite {
+        /// The base's suite.
+        base: String,
+        /// The candidate's suite.
+        candidate: String,
+    },
     /// What was set on the command line is not the same for both.
-    OtherValues { base: Vec<String>, candidate: Vec<String> },
+    OtherValues {
+        /// What was set for the base: `av.speed=40km/h`.
+        base: Vec<String>,
+        /// What was set for the candidate.
+        candidate: Vec<String>,
+    },
     /// They have no trial in common.
-    NothingInCommon { base: String, candidate: String },
+    NothingInCommon {
+        /// The base's suite.
+        base: String,
+        /// The candidate's suite.
+        candidate: String,
+    },
     /// Trials that the candidate lacks.
     Vanished(Vec<String>),
     /// Trials that the base lacks.
@@ -47,16 +64,27 @@ pub enum Incompatible {
     /// The base does not say what its populations were, and the seeds differ.
     PopulationsUnknown,
     /// Trials in which something besides what is tested differs.
-    Part { part: WorldPart, trials: Vec<String> },
+    Part {
+        /// Which part of the world.
+        part: WorldPart,
+        /// The keys of those trials.
+        trials: Vec<String>,
+    },
 }
 
+/// What of a world decides its runs besides what is tested.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum WorldPart {
+    /// Lanes, kerbs, crossing, speed limit and boxes.
     Road,
+    /// Models with their settings, sizes, ways and when they appear.
     Pedestrians,
+    /// The individuals drawn from populations.
     People,
+    /// How fast, in which lane and from where the vehicles come.
     Traffic,
+    /// Step, horizon, finish line.
     Simulation,
 }
 
