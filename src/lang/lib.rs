@@ -36,7 +36,6 @@ mod yaml;
 use std::path::Path;
 
 pub use assist::{definition, hover};
-pub use check::{DEFAULT_GOAL, Defaults};
 pub use codes::Code;
 pub use complete::{Completion, complete};
 pub use diagnostic::{Diagnostic, Label, Severity, nearest};
@@ -45,7 +44,7 @@ pub use overrides::Override;
 pub use render::{Style, count, render, render_all};
 pub use source::{Location, Source, SourceId, Sources, Span};
 pub use suite::DEFAULT_SEED;
-pub use syntax::{DEEPEST_NESTING, Node, NodeIndex, Token, TokenKind, Tree, format};
+pub use syntax::{Tree, format};
 pub use texts::LARGEST_FILE;
 pub use units::{UNITS, UnitEntry};
 pub use write::{quantity, write_comparison, write_scenario};
@@ -147,7 +146,7 @@ pub fn unit_in(criterion: &str, dimension: Dimension) -> Option<Notation> {
 /// The unit in which a claim says what is measured, given the SI unit of that: `km/h` in `mean(impact_speed) of all <= 20 km/h`.
 pub fn unit_in_claim(claim: &str, si: &str) -> Option<Notation> {
     /// Outside of what is measured, where it would be that of a condition or of a metric's setting.
-    fn units(node: Node) -> Vec<UnitEntry> {
+    fn units(node: syntax::Node) -> Vec<UnitEntry> {
         match (ast::Measured::cast(node), ast::Unit::cast(node)) {
             (Some(_), _) => Vec::new(),
             (_, Some(unit)) => units::unit_of(unit.text()).into_iter().collect(),

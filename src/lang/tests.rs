@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use proptest::prelude::*;
 
+use super::syntax::{Token, TokenKind};
 use super::*;
 use files::Memory;
 use models::standard;

@@ -12,7 +12,8 @@ mod tests;
 
 use std::collections::BTreeSet;
 
-pub use predicate::{Asked, PREDICATES, Predicate, SCENARIO, Subject};
+use predicate::Asked;
+pub use predicate::{SCENARIO, Subject};
 pub use reference::reference;
 
 use super::codes::Code;

@@ -2,6 +2,7 @@
 
 use proptest::prelude::*;
 
+use super::predicate::{PREDICATES, Predicate};
 use super::*;
 use crate::{Severity, Style, render_all};
 use scenario::{Assignment, Value};

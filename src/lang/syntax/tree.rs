@@ -16,7 +16,7 @@ pub(super) use grammar::scn::{Grammar, Rule};
 /// A text with its tokens and nodes. The tokens, put together, are the text; nodes are spans of it.
 #[derive(Debug, Clone)]
 pub struct Tree {
-    pub source: SourceId,
+    pub(crate) source: SourceId,
     text: Arc<str>,
     tokens: Vec<Token>,
     /// In the order in which they begin, parents before children.
@@ -138,25 +138,25 @@ impl Tree {
         end
     }
 
-    pub fn text(&self) -> &str {
+    pub(crate) fn text(&self) -> &str {
         &self.text
     }
 
     /// Every token, comments and white space included, in order and without gaps.
-    pub fn tokens(&self) -> &[Token] {
+    pub(crate) fn tokens(&self) -> &[Token] {
         &self.tokens
     }
 
-    pub fn root(&self) -> Node<'_> {
+    pub(crate) fn root(&self) -> Node<'_> {
         Node { tree: self, index: 0 }
     }
 
     /// Every node, parents before children.
-    pub fn nodes(&self) -> impl Iterator<Item = Node<'_>> {
+    pub(crate) fn nodes(&self) -> impl Iterator<Item = Node<'_>> {
         (0..self.nodes.len() as u32).map(|index| Node { tree: self, index })
     }
 
-    pub fn node(&self, index: NodeIndex) -> Node<'_> {
+    pub(crate) fn node(&self, index: NodeIndex) -> Node<'_> {
         Node { tree: self, index: index.0 }
     }
 }

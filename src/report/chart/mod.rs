@@ -29,14 +29,14 @@ mod svg;
 
 pub use convergence::{Convergence, Convergences};
 pub use front::Front;
-pub use individuals::{COURSES_FROM, CourseLine, FoundDot, IndividualsChart, Ranges};
+pub use individuals::{COURSES_FROM, CourseLine, FoundDot, IndividualsChart};
 pub use look::{First, LOOKS, LegendEntry, Look};
 pub use mark::PointMark;
 pub use panel::{AxisQuantity, Rule, shortened};
 pub use paths::{ChartPath, Paths};
 pub use rates::{Rate, RateSeries, Rates};
 pub use rows::Rows;
-pub use scale::{nice_range, with_room};
+pub use scale::with_room;
 pub use slice::{Along, Belief, Slice, Tried};
 pub use strips::{Dot, Strip, Strips, is_drawn};
 

@@ -33,13 +33,13 @@ use thiserror::Error;
 
 pub use block::{EarlierResults, Need, needs, run_block};
 pub use cases::CaseFile;
-pub use evaluate::run_evaluate;
+use evaluate::run_evaluate;
 pub use overrides::apply as apply_settings;
 pub use parameters::ParameterFile;
-pub use rehearsal::rehearse_searches;
+pub(crate) use rehearsal::rehearse_searches;
 pub use search::run_search;
-pub use statement::run_statement;
-pub use tune::run_tune;
+use statement::run_statement;
+use tune::run_tune;
 
 /// What every experiment of a suite shares.
 pub struct Context<'a> {

@@ -19,9 +19,10 @@ use scenario::{
 };
 
 pub use individuals::{label as people_label, select as select_people};
-pub use lazily::{Cases, Outline, PlannedTrial, ScenarioPlan, outline, plan_scenario, probe_scenario};
+pub use lazily::{Cases, PlannedTrial, plan_scenario};
+pub(crate) use lazily::{Outline, ScenarioPlan, outline, probe_scenario};
 pub use standalone::standalone;
-pub use variation::expand as combinations;
+pub(crate) use variation::expand as combinations;
 
 /// Everything that a suite asks to run. Its trials and their runs are worked out when somebody asks for them, and not kept: there
 /// may be millions.
