@@ -35,6 +35,7 @@ macro_rules! codes {
 }
 
 impl Code {
+    /// Whether it keeps a suite from running; the name says it.
     pub fn severity(self) -> Severity {
         if self.name().starts_with('W') { Severity::Warning } else { Severity::Error }
     }

@@ -21,6 +21,7 @@ use scenario::{AGGREGATES, AggregateWord, Declaration, ParameterKind, Registered
 /// A word that could stand somewhere.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Completion {
+    /// What is put at the place.
     pub word: String,
     /// One line.
     pub detail: String,

@@ -6,32 +6,43 @@ use super::source::Span;
 /// More findings than this are of no use to anybody and are not listed.
 pub const MOST_FINDINGS: usize = 1000;
 
+/// How much a finding matters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Severity {
+    /// Nothing can be run until it is gone.
     Error,
+    /// It can be run, though it may not be what was meant.
     Warning,
 }
 
 /// A place with words about it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Label {
+    /// Where.
     pub span: Span,
+    /// What is to be said of the place; empty where marking it says enough.
     pub text: String,
 }
 
 /// One finding: the first label is where it is, the others belong to the story.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Diagnostic {
+    /// What it is about; `scenario-runner explain` has more.
     pub code: Code,
+    /// As its code has it.
     pub severity: Severity,
+    /// What is wrong, in a sentence without a full stop.
     pub message: String,
     /// Never empty.
     pub labels: Vec<Label>,
+    /// What has to be known besides, a sentence each.
     pub notes: Vec<String>,
+    /// What to do about it, a sentence each.
     pub hints: Vec<String>,
 }
 
 impl Diagnostic {
+    /// A finding at one place, with nothing more to be said.
     pub fn new(code: Code, span: Span, message: impl Into<String>) -> Self {
         Self {
             code,
@@ -55,11 +66,13 @@ impl Diagnostic {
         self
     }
 
+    /// With something to be known besides.
     pub fn note(mut self, text: impl Into<String>) -> Self {
         self.notes.push(text.into());
         self
     }
 
+    /// With something to be done about it.
     pub fn hint(mut self, text: impl Into<String>) -> Self {
         self.hints.push(text.into());
         self

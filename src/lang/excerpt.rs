@@ -8,11 +8,15 @@ use scenario::Origin;
 /// A titled message that points at one place.
 #[derive(Debug, Clone, Copy)]
 pub struct Excerpt<'a> {
+    /// What is wrong.
     pub title: &'a str,
+    /// The place, with its line.
     pub origin: &'a Origin,
     /// Written under the marked part.
     pub label: &'a str,
+    /// What has to be known besides, a sentence each.
     pub notes: &'a [String],
+    /// What to do about it.
     pub help: Option<&'a str>,
 }
 

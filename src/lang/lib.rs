@@ -60,7 +60,9 @@ use value::{Binding, Typed, ValueKind};
 /// A suite without errors.
 #[derive(Debug, Clone)]
 pub struct Loaded {
+    /// Ready to be planned.
     pub suite: Suite,
+    /// What may not be what was meant, by file and place.
     pub warnings: Vec<Diagnostic>,
     /// Every text that it was read from, for showing places.
     pub sources: Sources,
@@ -69,27 +71,35 @@ pub struct Loaded {
 /// Everything that is wrong, errors and warnings, by file and place.
 #[derive(Debug, Clone)]
 pub struct Failure {
+    /// At least one of them is an error.
     pub diagnostics: Vec<Diagnostic>,
+    /// Every text that was read, for showing places.
     pub sources: Sources,
 }
 
 /// What there is to say about a file, and the suite it is, if it has no errors.
 #[derive(Debug, Clone)]
 pub struct Examined {
+    /// `None` where there are errors.
     pub suite: Option<Suite>,
+    /// Errors and warnings, by file and place.
     pub found: Vec<Diagnostic>,
+    /// Every text that was read, for showing places.
     pub sources: Sources,
 }
 
 /// A constant with a name, such as `let braking_distance = 4.75 m`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NamedValue {
+    /// As it is defined.
     pub name: String,
+    /// SI units.
     pub value: Value,
     /// Of a number.
     pub dimension: Option<Dimension>,
     /// Whether another definition builds on it.
     pub used: bool,
+    /// Where it is defined.
     pub origin: Origin,
 }
 

@@ -12,6 +12,7 @@ const LONGEST_LINE: usize = 300;
 /// How diagnostics are shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Style {
+    /// Whether escape sequences of terminals colour it.
     pub colour: bool,
 }
 

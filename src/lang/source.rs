@@ -12,15 +12,20 @@ pub struct SourceId(pub(crate) u32);
 /// Bytes `start..end` of a text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Span {
+    /// The text.
     pub source: SourceId,
+    /// Of the first byte.
     pub start: usize,
+    /// Behind the last byte; not before `start`.
     pub end: usize,
 }
 
 /// A text with the name it is shown under.
 #[derive(Debug, Clone)]
 pub struct Source {
+    /// A path, or what stands for one.
     pub name: String,
+    /// All of it, as it was read.
     pub text: Arc<str>,
     /// Byte offset of the first character of every line.
     line_starts: Vec<usize>,
@@ -37,7 +42,9 @@ pub struct Sources {
 /// A line and a column in it, both counted from 1; the column in characters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Location {
+    /// In the text.
     pub line: usize,
+    /// In the line.
     pub column: usize,
 }
 
@@ -53,6 +60,7 @@ impl Source {
         self.line_starts.partition_point(|start| *start <= offset) - 1
     }
 
+    /// Where the character is that begins at this byte.
     pub fn location(&self, offset: usize) -> Location {
         let line = self.line_index(offset);
         let column = self.text[self.line_starts[line]..offset].chars().count() + 1;
@@ -75,6 +83,7 @@ impl Source {
 }
 
 impl Sources {
+    /// Takes a text in, under the name that it is shown with.
     pub fn add(&mut self, name: impl Into<String>, text: impl Into<Arc<str>>) -> SourceId {
         let id = SourceId(self.sources.len() as u32);
         self.sources.push(Source::new(name.into(), text.into()));
@@ -104,14 +113,17 @@ impl Sources {
         }
     }
 
+    /// The text of this number.
     pub fn get(&self, id: SourceId) -> &Source {
         &self.sources[id.0 as usize]
     }
 
+    /// All texts, in the order in which they were read.
     pub fn iter(&self) -> impl Iterator<Item = (SourceId, &Source)> {
         self.sources.iter().enumerate().map(|(index, source)| (SourceId(index as u32), source))
     }
 
+    /// What stands there.
     pub fn text(&self, span: Span) -> &str {
         &self.get(span.source).text[span.start..span.end]
     }
@@ -155,6 +167,7 @@ impl Sources {
 }
 
 impl Span {
+    /// From byte `start` to before byte `end`.
     pub fn new(source: SourceId, start: usize, end: usize) -> Self {
         Self { source, start, end }
     }
@@ -164,6 +177,7 @@ impl Span {
         Self::new(source, 0, 0)
     }
 
+    /// From the beginning of this to the end of another span, which is of the same text.
     pub fn to(self, other: Self) -> Self {
         Self { end: other.end.max(self.end), ..self }
     }

@@ -6,10 +6,13 @@ use scenario::{Dimension, Notation, Symbol};
 /// are exact as a fraction and then round only once.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct UnitEntry {
+    /// As it is written after a number.
     pub symbol: &'static str,
+    /// What kind of quantity it is of.
     pub dimension: Dimension,
     numerator: f64,
     denominator: f64,
+    /// One line.
     pub doc: &'static str,
     /// Whether people expect numbers in it that they have not written in it.
     pub is_usual: bool,
@@ -20,6 +23,7 @@ pub struct UnitEntry {
 }
 
 impl UnitEntry {
+    /// The quantity in SI units.
     pub fn to_si(self, number: f64) -> f64 {
         number * self.numerator / self.denominator
     }

@@ -15,7 +15,9 @@ const STRING: &str = "writing to a string cannot fail";
 /// How a table is to look.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Form {
+    /// Aligned text, for a fixed width.
     Terminal,
+    /// For comments on pull requests.
     Markdown,
 }
 

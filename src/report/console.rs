@@ -12,7 +12,9 @@ use files::escape::{terminal, terminal_styled};
 /// reader's choice; any other [trouble](Self::trouble) is kept until the program ends, which then says so.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Output {
+    /// What was asked for: results and lists.
     Standard,
+    /// What is to be known besides: progress and errors.
     Error,
 }
 
@@ -48,6 +50,7 @@ impl Output {
         if self.is_terminal() { self.put(&terminal(text)) } else { self.put(text) }
     }
 
+    /// Whether people read it, as far as one can tell.
     pub fn is_terminal(self) -> bool {
         match self {
             Self::Standard => standard_output().is_terminal(),

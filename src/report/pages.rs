@@ -11,7 +11,9 @@ use scenario::{Declaration, Dimension, Parameter, ParameterKind, PresetFamily, V
 pub struct ModelPage {
     /// `pedestrian`, `controller`, `dynamics` or `perception`.
     pub kind: &'static str,
+    /// As scenarios call the model.
     pub name: String,
+    /// One line.
     pub summary: String,
     /// Everything that the registry knows of it, as Markdown.
     pub reference: String,

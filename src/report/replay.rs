@@ -49,7 +49,9 @@ pub fn replay_reasons(criteria: &[Criterion], outcome: &Outcome, requests: &Requ
 /// What stands before the course of a run: the values that it has, and how it stands to what is asked of it.
 #[derive(Debug, Clone, Default)]
 pub struct ReplayIntroduction {
+    /// Names with values, as a scenario writes them.
     pub values: Vec<(String, String)>,
+    /// How it stands to what is asked of it, a line each.
     pub reasons: Vec<String>,
 }
 

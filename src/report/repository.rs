@@ -22,6 +22,7 @@ impl Repository {
         Self::around(&env::current_dir().unwrap_or_else(|_| PathBuf::from(".")))
     }
 
+    /// The repository that `folder` is in; where it is in none, the folder itself.
     pub fn around(folder: &Path) -> Self {
         let here = fs::canonicalize(folder).unwrap_or_else(|_| folder.to_path_buf());
         // In a worktree `.git` is a file.

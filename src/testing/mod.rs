@@ -48,10 +48,18 @@ use scenario::registry::Registry;
 /// Why there are no tests.
 #[derive(Debug, Error)]
 pub enum TestingError {
+    /// A pattern is not one that files can be matched with.
     #[error("`{pattern}` is no pattern of files: {reason}")]
-    Pattern { pattern: String, reason: String },
+    Pattern {
+        /// The pattern.
+        pattern: String,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// A pattern matches no file.
     #[error("no file is called `{0}`; paths are relative to the folder of the package")]
     NoFile(String),
+    /// A file of that name was asked for and not loaded.
     #[error("`{0}` was not loaded, so that it has no tests")]
     NotLoaded(String),
     /// The errors are on standard error.

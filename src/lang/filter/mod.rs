@@ -100,6 +100,7 @@ impl Filters {
         self.filters.is_empty()
     }
 
+    /// Whether one of the expressions selects the subject; everything is selected where there are none.
     pub fn matches(&self, subject: &Subject) -> bool {
         self.is_empty() || self.filters.iter().any(|filter| filter.holds(&filter.expression, subject))
     }

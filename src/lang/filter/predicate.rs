@@ -6,14 +6,17 @@ use scenario::Assignment;
 /// Something that a command may be about: a trial of a scenario, or a block of a suite.
 #[derive(Debug, Clone)]
 pub struct Subject<'a> {
+    /// The suite's name.
     pub suite: &'a str,
     /// `scenario`, or the word that the block begins with.
     pub kind: &'a str,
     /// Of the scenario or block.
     pub name: &'a str,
+    /// Of the scenario, or of those that a block works on.
     pub tags: &'a [String],
     /// The pedestrian models in it.
     pub models: Vec<&'a str>,
+    /// The controllers in it.
     pub controllers: Vec<&'a str>,
     /// Where it is written, and the file that was loaded.
     pub files: Vec<&'a str>,

@@ -29,11 +29,13 @@ const LARGEST: u64 = 2 << 30;
 /// Why a file is not taken for results.
 #[derive(Debug, Error)]
 pub enum ResultsError {
+    /// The file cannot be read, or is too large.
     #[error(transparent)]
     Read(#[from] ReadError),
     /// Cut off, of another program, or changed by hand.
     #[error("it is not what `--json` writes: {0}")]
     Format(#[from] serde_json::Error),
+    /// A later version of scenario-runner wrote it.
     #[error("its layout is {0}, and this version reads 1 to {LAYOUT}; use the version that wrote it")]
     Layout(u64),
     /// Of a program that somebody has extended.
@@ -41,10 +43,20 @@ pub enum ResultsError {
     Metric(#[from] UnknownMetric),
     /// What it says of itself is not what its parts say.
     #[error("{key}: {what}")]
-    Contradiction { key: String, what: String },
+    Contradiction {
+        /// Of the trial, block or gate.
+        key: String,
+        /// What does not fit, in words.
+        what: String,
+    },
     /// Something that version 0.1 did not write down.
     #[error("{key}: {what}; it was written by 0.1, so run the suite again with this version")]
-    Lacking { key: String, what: String },
+    Lacking {
+        /// Of the trial, block or gate.
+        key: String,
+        /// What is missing, in words.
+        what: String,
+    },
 }
 
 /// Reads what [`super::write_json`] wrote, of this version or of 0.1.

@@ -11,6 +11,7 @@ use results::{CutBy, Skip, Standing, Verdict};
 /// Which units get a status line. Each level shows what those before it show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum StatusLevel {
+    /// No unit.
     None,
     /// Those that failed, could not be run, are inconclusive, or miss what they need.
     Fail,

@@ -15,12 +15,32 @@ use scenario::{Assignment, Value};
 /// Why there are no records.
 #[derive(Debug, Error)]
 pub enum CorpusError {
+    /// The file cannot be read, or is too large.
     #[error("cannot read {}: {source}", path.display())]
-    Read { path: PathBuf, source: ReadError },
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        source: ReadError,
+    },
+    /// The system refuses to write it.
     #[error("cannot write {}: {source}", path.display())]
-    Write { path: PathBuf, source: io::Error },
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// A line is no record.
     #[error("{}:{line}: {reason}", path.display())]
-    Content { path: PathBuf, line: usize, reason: String },
+    Content {
+        /// The file.
+        path: PathBuf,
+        /// Counted from 1.
+        line: usize,
+        /// What is wrong, in words.
+        reason: String,
+    },
 }
 
 impl CorpusError {

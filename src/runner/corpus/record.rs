@@ -11,12 +11,21 @@ use scenario::{Case, Criterion, PopulationShare, Suite, World};
 /// Why a recorded run cannot be run any more.
 #[derive(Debug, Error)]
 pub enum Stale {
+    /// Its scenario is gone, or has another name.
     #[error("there is no scenario `{0}` any more")]
     Scenario(String),
+    /// One who walked in it is gone.
     #[error("the scenario has other people: `{pedestrian}` is no individual of `{population}` any more")]
-    People { pedestrian: String, population: String },
+    People {
+        /// The pedestrian who they were, by name.
+        pedestrian: String,
+        /// Where they were drawn from.
+        population: String,
+    },
+    /// Its values no longer go together.
     #[error("the scenario has changed: {0}")]
     Plan(#[from] PlanError),
+    /// No criterion could fail.
     #[error("no criterion applies to it any more, so that nothing says whether it fails")]
     NothingClaimed,
 }

@@ -15,6 +15,7 @@ use scenario::{Case, CaseSet, SampleSize, Target, Value};
 pub struct CaseFile;
 
 impl CaseFile {
+    /// A set as text, one case a line.
     pub fn write(set: &SavedSet) -> String {
         let name = json(&set.name);
         let source = json(&set.source);
@@ -23,6 +24,7 @@ impl CaseFile {
         format!("{{\n  \"name\": {name},\n  \"source\": {source},\n  \"cases\": [\n{cases}\n  ]\n}}\n")
     }
 
+    /// A set that was written before. [`ExperimentError::CaseFile`] if the file cannot be read or is none.
     pub fn read(path: &Path) -> Result<SavedSet, ExperimentError> {
         let failed = |reason: String| ExperimentError::CaseFile { path: path.to_owned(), reason };
         let text = files::read_kind(path, &["json"]).map_err(|error| failed(error.to_string()))?;

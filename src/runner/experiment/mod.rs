@@ -43,6 +43,7 @@ use tune::run_tune;
 
 /// What every experiment of a suite shares.
 pub struct Context<'a> {
+    /// The suite that it is in.
     pub suite: &'a Suite,
     /// What is read off every run.
     pub measured: Arc<MeasuredMetrics>,
@@ -123,27 +124,52 @@ impl BlockProgress for Silent {
 /// Why an experiment has no result.
 #[derive(Debug, Error)]
 pub enum ExperimentError {
+    /// A block names a scenario that the suite has not.
     #[error("there is no scenario called `{0}`")]
     UnknownScenario(String),
+    /// A block reads the result of another that has none, or runs that were not made.
     #[error("`{0}` has not been run, but is needed")]
     NotRun(String),
+    /// What a tune or an evaluation sets is not in a scenario: the target, and the scenario's name.
     #[error("there is no `{0}` to set in the scenario `{1}`")]
     UnknownTarget(String, String),
     /// On somebody's wish. What was evaluated is in the journal.
     #[error("interrupted")]
     Stopped,
+    /// A block would run no case; how the set is called.
     #[error("the set of cases `{0}` is empty")]
     EmptySet(String),
+    /// A sample is larger than what it is drawn from: the scenario, its runs, and how many are asked for.
     #[error("`{0}` has {1} runs, and {2} are to be drawn of them")]
     TooFewCases(String, usize, usize),
+    /// A file of cases cannot be read, or is none.
     #[error("cannot read the cases of {}: {reason}", path.display())]
-    CaseFile { path: PathBuf, reason: String },
+    CaseFile {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong, in words.
+        reason: String,
+    },
+    /// A file of parameters cannot be read, or is none.
     #[error("cannot read the parameters of {}: {reason}", path.display())]
-    ParameterFile { path: PathBuf, reason: String },
+    ParameterFile {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong, in words.
+        reason: String,
+    },
+    /// A case that was chosen cannot be planned.
     #[error(transparent)]
     Plan(#[from] PlanError),
+    /// A run could not be made, or not to its end.
     #[error("{}", of_run(key, error))]
-    Run { key: String, error: RunError },
+    Run {
+        /// The run's key.
+        key: String,
+        /// Why.
+        error: RunError,
+    },
+    /// The optimiser refuses what it was asked, or its journal.
     #[error(transparent)]
     Optimise(#[from] optimise::Error),
 }

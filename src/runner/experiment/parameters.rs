@@ -11,12 +11,14 @@ use scenario::{Suite, Target, Tune, Value};
 /// What a tune chose, in its order; JSON.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ParameterFile {
+    /// The tune's name.
     pub name: String,
     /// What made it: suite, seed, version of the tool.
     pub source: String,
     /// What has to be known of them, such as that they keep no constraint everywhere.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub caveat: Option<String>,
+    /// What was tuned, with the chosen values in SI units.
     pub parameters: Vec<(Target, Value)>,
 }
 
@@ -38,10 +40,12 @@ impl ParameterFile {
         })
     }
 
+    /// As JSON, which [`Self::read`] takes.
     pub fn write(&self) -> String {
         serde_json::to_string_pretty(self).expect("plain data serialises") + "\n"
     }
 
+    /// What was written before. [`ExperimentError::ParameterFile`] if the file cannot be read or is none.
     pub fn read(path: &Path) -> Result<Self, ExperimentError> {
         let failed = |reason: String| ExperimentError::ParameterFile { path: path.to_owned(), reason };
         let text = files::read_kind(path, &["json"]).map_err(|error| failed(error.to_string()))?;

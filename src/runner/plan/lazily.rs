@@ -49,6 +49,7 @@ struct Common {
 /// A trial with its runs.
 #[derive(Debug, Clone)]
 pub struct PlannedTrial {
+    /// What is judged.
     pub trial: Arc<Trial>,
     /// One per individual and repetition; never empty. Where runs are added until the criteria are decided, all that there
     /// may be, in that order.
@@ -235,6 +236,7 @@ impl From<Vec<Case>> for Cases {
 }
 
 impl Cases {
+    /// How many runs there may be.
     pub fn len(&self) -> usize {
         match &self.0 {
             Source::Planned(planned) => planned.people * planned.repetitions,
@@ -242,6 +244,7 @@ impl Cases {
         }
     }
 
+    /// Whether there are none; a trial that was planned has at least one.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

@@ -28,7 +28,9 @@ pub(crate) use variation::expand as combinations;
 /// may be millions.
 #[derive(Debug, Clone)]
 pub struct Plan {
+    /// The suite's name.
     pub suite: String,
+    /// What the seed of every run is derived from.
     pub seed: u64,
     /// What was set on the command line: `av.speed=40km/h`.
     pub set: Vec<String>,
@@ -45,6 +47,7 @@ impl Plan {
         self.scenarios.iter().map(ScenarioPlan::len).sum()
     }
 
+    /// Whether nothing is to be run.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -76,14 +79,18 @@ impl Plan {
 #[derive(Debug, Clone, PartialEq, Error)]
 #[error("{message}{}", case.as_ref().map(|case| format!(", in {case}")).unwrap_or_default())]
 pub struct PlanError {
+    /// What is wrong, in a sentence without a full stop.
     pub message: String,
+    /// What to do about it, if that is known.
     pub hint: Option<String>,
     /// The run or trial whose values are at fault, where it is one's alone.
     pub case: Option<String>,
+    /// Where what is wrong is declared.
     pub origin: Box<Origin>,
 }
 
 impl PlanError {
+    /// An error at a place, of no run in particular.
     pub fn new(origin: &Origin, message: impl Into<String>) -> Self {
         Self { message: message.into(), hint: None, case: None, origin: Box::new(origin.clone()) }
     }
@@ -93,6 +100,7 @@ impl PlanError {
         Self { case: self.case.or_else(|| Some(key.to_string())), ..self }
     }
 
+    /// With what to do about it.
     pub fn with_hint(mut self, hint: impl Into<String>) -> Self {
         self.hint = Some(hint.into());
         self

@@ -32,7 +32,9 @@ pub struct Project {
 pub struct PlannedSuite {
     /// As the user named it.
     pub file: String,
+    /// What the file says.
     pub suite: Suite,
+    /// The trials and runs that it asks for.
     pub plan: Plan,
     /// Runs that failed in earlier sessions.
     pub recorded: Vec<Recorded>,

@@ -13,11 +13,32 @@ pub enum Notice {
     /// All that is wrong with a text.
     Failure(Failure),
     /// A finding of the language, at places in texts.
-    Finding { finding: Diagnostic, sources: Arc<Sources> },
+    Finding {
+        /// What was found, with its places.
+        finding: Diagnostic,
+        /// The texts that the places are in.
+        sources: Arc<Sources>,
+    },
     /// An error at a place that travelled with what was read there.
-    Error { message: String, origin: Origin, notes: Vec<String>, help: Option<String> },
+    Error {
+        /// What is wrong, in a sentence without a full stop.
+        message: String,
+        /// Where.
+        origin: Origin,
+        /// What has to be known besides, a sentence each.
+        notes: Vec<String>,
+        /// What to do about it, if that is known.
+        help: Option<String>,
+    },
     /// Something that has no place in a text.
-    Plain { level: NoticeLevel, message: String, help: Option<String> },
+    Plain {
+        /// How much it matters.
+        level: NoticeLevel,
+        /// A sentence without a full stop.
+        message: String,
+        /// What to do about it, if that is known.
+        help: Option<String>,
+    },
 }
 
 /// How much it matters.
@@ -25,11 +46,14 @@ pub enum Notice {
 pub enum NoticeLevel {
     /// Nothing can be run.
     Error,
+    /// It can be run, though it may not be what was meant.
     Warning,
+    /// Something to be known.
     Note,
 }
 
 impl Notice {
+    /// How much it matters.
     pub fn level(&self) -> NoticeLevel {
         match self {
             Self::Finding { finding, .. } => match finding.severity {

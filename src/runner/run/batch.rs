@@ -17,8 +17,14 @@ use scenario::Case;
 /// Why there are no outcomes.
 #[derive(Debug, Error)]
 pub enum BatchError {
+    /// A run could not be made, or not to its end.
     #[error("{key}: {error}")]
-    Run { key: String, error: RunError },
+    Run {
+        /// The run's key.
+        key: String,
+        /// Why.
+        error: RunError,
+    },
     /// Somebody wished it.
     #[error("interrupted")]
     Stopped,
@@ -27,8 +33,11 @@ pub enum BatchError {
 /// Whatever makes runs, what is measured in them, and whether they are still wished for.
 #[derive(Clone, Copy)]
 pub struct RunBatch<'b> {
+    /// Makes the runs.
     pub executor: &'b dyn Executor,
+    /// What is measured in each.
     pub measured: &'b Arc<MeasuredMetrics>,
+    /// Ends the batch when it is wished for.
     pub stop: &'b Stop,
 }
 

@@ -9,17 +9,32 @@ use sim::{ControllerError, Driven, Driver, Fault, ModelError, RoadUsers, StatedB
 /// Why a case cannot be run, or not to its end.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum RunError {
+    /// A world names a model that no registry has.
     #[error("there is no {kind} called `{name}`")]
-    Unknown { kind: &'static str, name: String },
+    Unknown {
+        /// Such as `controller`.
+        kind: &'static str,
+        /// What is named.
+        name: String,
+    },
+    /// A model refuses the case.
     #[error("`{who}`: {error}")]
-    Model { who: String, error: ModelError },
+    Model {
+        /// The road user's name.
+        who: String,
+        /// Why, with numbers of the scenario.
+        error: ModelError,
+    },
+    /// A controller cannot decide at some moment of the run.
     #[error("`{who}` cannot decide {}: {error}", moment(*time, *free_flow))]
     Controller {
+        /// The vehicle's name.
         who: String,
         /// s; negative while settling before the start.
         time: f64,
         /// Whether it was alone on the road, to see how it drives in free flow.
         free_flow: bool,
+        /// In the controller's own words.
         error: ControllerError,
     },
 }

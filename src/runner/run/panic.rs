@@ -10,6 +10,7 @@ use std::panic::{self, AssertUnwindSafe, catch_unwind, resume_unwind};
 pub struct Panicked {
     /// The key of the run in which it happened, if in one.
     pub case: Option<String>,
+    /// What was said.
     pub message: String,
     /// File, line and column of the source, where [`note_places`] was called before.
     pub place: Option<String>,

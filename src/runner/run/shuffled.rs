@@ -20,6 +20,7 @@ const MOST: usize = 40;
 const THREADS: usize = 3;
 
 impl Shuffled {
+    /// The same seed gives the same order of the runs of a round.
     pub fn seeded(seed: u64) -> Self {
         Self { stream: Mutex::new(Stream::seeded(seed)) }
     }

@@ -13,6 +13,7 @@ impl Stop {
         self.0.store(true, Ordering::Relaxed);
     }
 
+    /// Whether somebody wished it.
     pub fn is_requested(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }

@@ -12,8 +12,20 @@ use scenario::Case;
 /// What others may need of a unit.
 #[derive(Debug)]
 pub enum Usable {
-    Runs { scenario: String, runs: Vec<(Case, Outcome)> },
-    Block { name: String, result: Box<BlockResult> },
+    /// The runs of a trial.
+    Runs {
+        /// The scenario's name.
+        scenario: String,
+        /// In the order of the trial.
+        runs: Vec<(Case, Outcome)>,
+    },
+    /// A block that came to a result and did not fail.
+    Block {
+        /// As the suite calls it.
+        name: String,
+        /// What it came to.
+        result: Box<BlockResult>,
+    },
 }
 
 impl Usable {

@@ -81,6 +81,7 @@ impl<'a> Runner<'a> {
         &self.measured.requests
     }
 
+    /// Whatever makes the runs.
     pub fn executor(&self) -> &'a dyn Executor {
         self.executor
     }
@@ -98,14 +99,17 @@ impl<'a> Runner<'a> {
         taken.flatten().collect()
     }
 
+    /// The wish that no more runs begin.
     pub fn stop(&self) -> &Stop {
         &self.stop
     }
 
+    /// The suites that are run, in their order.
     pub fn suites(&self) -> &'a [PlannedSuite] {
         self.suites
     }
 
+    /// How reports call the suite of this index, and how to run it again.
     pub fn identity(&self, suite: usize) -> SuiteIdentity {
         let prepared = &self.suites[suite];
         SuiteIdentity {

@@ -17,16 +17,20 @@ pub struct Unit<'a> {
     pub suite: usize,
     /// Its name in every report.
     pub key: String,
+    /// What is to be done.
     pub work: Work<'a>,
     /// Indices of the units whose results it reads; all of them come before it.
     pub needs: Vec<usize>,
 }
 
+/// What a unit consists of.
 #[derive(Debug, Clone)]
 pub enum Work<'a> {
     /// A run that failed in an earlier session.
     Recorded(&'a Recorded),
+    /// A trial with its runs.
     Trial(PlannedTrial),
+    /// A search, a tune, an evaluation or a statement.
     Block(Arc<Block>),
 }
 

@@ -12,9 +12,13 @@ use scenario::{
 pub struct KnobPlace {
     /// Without the road users that were left out.
     pub scenario: Scenario,
+    /// The values of its variations there.
     pub variation: Vec<Assignment>,
+    /// The people who walk there.
     pub individuals: Vec<Individual>,
+    /// That of the case where it began; it stays.
     pub key: String,
+    /// That of the case where it began; it stays.
     pub seed: u64,
 }
 
@@ -34,6 +38,7 @@ impl KnobPlace {
 pub struct Knob {
     /// `tta`, `walker.T_delta`
     pub name: String,
+    /// What is declared, SI units.
     pub nominal: f64,
     /// What says so: `the middle of its range`.
     pub why: &'static str,
@@ -53,6 +58,7 @@ enum Whose {
 }
 
 impl Knob {
+    /// Its value at a place of the case that it was made of, SI units.
     pub fn value(&self, place: &KnobPlace) -> f64 {
         let value = match &self.whose {
             Whose::Variation(index) => place.variation[*index].value.as_number(),
@@ -63,6 +69,7 @@ impl Knob {
         value.expect("a knob is made of a number")
     }
 
+    /// Gives it a value at a place of the case that it was made of, SI units.
     pub fn set(&self, place: &mut KnobPlace, number: f64) {
         match &self.whose {
             Whose::Variation(index) => place.variation[*index].value = Value::Number(number),

@@ -22,22 +22,31 @@ pub use knob::{Knob, KnobPlace};
 /// Why there is nothing to shrink.
 #[derive(Debug, Error)]
 pub enum ShrinkError {
+    /// The case cannot be planned.
     #[error("{0}")]
     Plan(#[from] PlanError),
+    /// The case cannot be run.
     #[error("{0}")]
     Run(#[from] RunError),
     /// Somebody wished it before anything was known.
     #[error("interrupted")]
     Stopped,
+    /// The run does not fail the criterion.
     #[error("the run does not speak against `{criterion}`")]
-    Holds { criterion: String },
+    Holds {
+        /// In canonical words.
+        criterion: String,
+    },
 }
 
 /// One thing that was moved, or tried to.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Move {
+    /// What was moved.
     pub knob: Knob,
+    /// Its value in the case that was given, SI units.
     pub from: f64,
+    /// Its value now, SI units.
     pub to: f64,
 }
 
@@ -51,10 +60,13 @@ impl Move {
 /// A failing case that is as near to what is declared as it still fails.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shrunk {
+    /// The case as it is now.
     pub place: KnobPlace,
+    /// What its run came to.
     pub outcome: Outcome,
     /// What was measured, in the order of the outcome's metrics.
     pub requests: Requests,
+    /// How it stands to the criterion, which it still fails.
     pub standing: RunStanding,
     /// Of everything that was not nominal from the beginning.
     pub moves: Vec<Move>,
