@@ -69,12 +69,13 @@ pub use pages::{ModelPage, model_pages};
 pub use replay::{ReplayIntroduction, case_values, render_replay, replay_reasons};
 pub use repository::Repository;
 pub use runs::write_runs;
-use std::io;
 pub use table::render_tables;
 pub use tap::write_tap;
 pub use terminal::{Live, StatusLevel, Terminal};
 pub use trace::write_trace;
 pub use wording::run_words;
+
+use std::io;
 
 use results::{Results, SuiteReport};
 use wording::verdict_word;
