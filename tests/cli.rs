@@ -333,7 +333,7 @@ fn a_search_and_a_tune_from_the_command_line() {
     let used = used.evaluate_number(&Default::default()).unwrap();
     let condition = at("tuned.json");
     scenario_runner(&["tune", "braking_distance", suite, "--save", &condition, "--journal", &journal]);
-    let saved = ParameterFile::read(Path::new(&condition)).unwrap();
+    let saved = ParameterFile::read(Path::new(&condition), &files::Disk).unwrap();
     let [(target, scenario::Value::Number(chosen))] = &saved.parameters[..] else { panic!("{saved:?}") };
     assert_eq!((target.to_string().as_str(), used), ("av.controller.braking_distance", *chosen));
     let unknown = scenario_runner(&["search", "low_pett", suite]);

@@ -272,6 +272,29 @@ fn nothing_is_registered_globally() {
     complain(broken);
 }
 
+/// What is read, and whether it is there, is asked of the `Files` that whoever opens a project brings.
+#[test]
+fn the_language_and_the_runner_know_no_disk() {
+    const DISK: [&str; 8] = [
+        "files::read_",
+        "read_kind(",
+        "std::fs",
+        "glob::glob",
+        ".is_file()",
+        ".is_dir()",
+        ".exists()",
+        "canonicalize(",
+    ];
+    let mut broken = Vec::new();
+    for Source { path, package, code, .. } in sources() {
+        let reads = DISK.iter().filter(|word| code.contains(*word));
+        if ["lang", "runner"].contains(&package.as_str()) {
+            broken.extend(reads.map(|word| format!("{}: `{word}`", path.display())));
+        }
+    }
+    complain(broken);
+}
+
 /// Otherwise the rules above would hold of nothing.
 #[test]
 fn the_rooms_are_those_of_the_sources() {

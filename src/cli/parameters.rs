@@ -27,7 +27,7 @@ pub fn put_over(suite: &mut Suite, file: &str, path: &Path, registry: &Registry)
         }
         return values.iter().try_for_each(|value| put_named(suite, file, value, colour));
     }
-    let parameters = ParameterFile::read(path).map_err(|error| {
+    let parameters = ParameterFile::read(path, &Disk).map_err(|error| {
         writeln!(stderr(), "error: {error}");
         Exit::Usage
     })?;

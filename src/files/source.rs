@@ -1,14 +1,19 @@
 //! Where texts are read from: the disk, memory, or both.
 
 use std::collections::BTreeMap;
+use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use glob::{MatchOptions, Pattern};
+
+pub use glob::PatternError;
+
 use super::read::{LARGEST, ReadError, check_kind, check_name, read_bytes, text};
 
 /// Files that can be read, by path. Nothing is written through it.
-pub trait Files: Send + Sync {
+pub trait Files: fmt::Debug + Send + Sync {
     /// The bytes of the file at `path`, at most `most` of them. Its name, and that of what its links lead to, ends in one
     /// of `endings`, such as `csv`.
     ///
@@ -18,6 +23,19 @@ pub trait Files: Send + Sync {
 
     /// What tells whether two paths are the same file.
     fn identity(&self, path: &Path) -> PathBuf;
+
+    /// Whether there is a file at `path`.
+    fn is_file(&self, path: &Path) -> bool;
+
+    /// Whether there is a folder at `path`.
+    fn is_folder(&self, path: &Path) -> bool;
+
+    /// The files and folders whose paths match `pattern`, which knows `*`, `**`, `?` and `[abc]`. They are looked for as they are
+    /// taken, so that whoever has enough need not wait for all.
+    ///
+    /// # Errors
+    /// If it is no pattern.
+    fn matching<'a>(&'a self, pattern: &str) -> Result<Box<dyn Iterator<Item = PathBuf> + 'a>, PatternError>;
 
     /// The names in a folder, to say which is near one that is not there; none if they cannot be known.
     fn names(&self, folder: &Path) -> Vec<String>;
@@ -43,6 +61,18 @@ impl Files for Disk {
 
     fn identity(&self, path: &Path) -> PathBuf {
         path.canonicalize().or_else(|_| std::path::absolute(path)).unwrap_or_else(|_| path.to_path_buf())
+    }
+
+    fn is_file(&self, path: &Path) -> bool {
+        path.is_file()
+    }
+
+    fn is_folder(&self, path: &Path) -> bool {
+        path.is_dir()
+    }
+
+    fn matching<'a>(&'a self, pattern: &str) -> Result<Box<dyn Iterator<Item = PathBuf> + 'a>, PatternError> {
+        Ok(Box::new(glob::glob(pattern)?.filter_map(Result::ok)))
     }
 
     fn names(&self, folder: &Path) -> Vec<String> {
@@ -75,6 +105,21 @@ impl Files for Memory {
         path.to_path_buf()
     }
 
+    fn is_file(&self, path: &Path) -> bool {
+        self.0.contains_key(path)
+    }
+
+    fn is_folder(&self, path: &Path) -> bool {
+        self.0.keys().any(|file| file != path && file.starts_with(path))
+    }
+
+    fn matching<'a>(&'a self, pattern: &str) -> Result<Box<dyn Iterator<Item = PathBuf> + 'a>, PatternError> {
+        let options = MatchOptions { require_literal_separator: true, ..MatchOptions::new() };
+        let pattern = Pattern::new(&straightened(pattern))?;
+        let matches = move |path: &&PathBuf| pattern.matches_path_with(path, options);
+        Ok(Box::new(self.0.keys().filter(matches).cloned()))
+    }
+
     fn names(&self, folder: &Path) -> Vec<String> {
         let inside = self.0.keys().filter(|path| path.parent() == Some(folder));
         inside.filter_map(|path| Some(path.file_name()?.to_str()?.to_string())).collect()
@@ -82,6 +127,7 @@ impl Files for Memory {
 }
 
 /// Other files, in which a text stands for one of them: what is being edited and was not saved.
+#[derive(Debug)]
 pub struct Overlay<'a> {
     under: &'a dyn Files,
     identity: PathBuf,
@@ -107,9 +153,34 @@ impl Files for Overlay<'_> {
         self.under.identity(path)
     }
 
+    fn is_file(&self, path: &Path) -> bool {
+        self.under.is_file(path)
+    }
+
+    fn is_folder(&self, path: &Path) -> bool {
+        self.under.is_folder(path)
+    }
+
+    fn matching<'b>(&'b self, pattern: &str) -> Result<Box<dyn Iterator<Item = PathBuf> + 'b>, PatternError> {
+        self.under.matching(pattern)
+    }
+
     fn names(&self, folder: &Path) -> Vec<String> {
         self.under.names(folder)
     }
+}
+
+/// Without `.` and without `..` after a name: in memory there are no links.
+fn straightened(pattern: &str) -> String {
+    let mut parts: Vec<&str> = Vec::new();
+    for part in pattern.split('/') {
+        match (part, parts.last()) {
+            (".", _) => {}
+            ("..", Some(&last)) if !matches!(last, "" | "..") => _ = parts.pop(),
+            _ => parts.push(part),
+        }
+    }
+    parts.join("/")
 }
 
 fn bounded(text: &str, most: u64) -> Result<Vec<u8>, ReadError> {

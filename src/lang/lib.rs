@@ -206,7 +206,7 @@ fn load_with(path: &Path, mut files: Texts) -> Result<Loaded, Failure> {
                 format!("`{}` is neither a scenario file nor a suite", path.display()),
             )
             .label("unknown kind of file")
-            .hint(match path.is_dir() {
+            .hint(match files.texts().is_folder(path) {
                 true => format!("it is a folder; name the files in it: `{}`", path.join("*.scn").display()),
                 false => {
                     "scenario files end in `.scn`, suites in `.suite`, and both may be `.yaml`".to_string()

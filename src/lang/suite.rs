@@ -263,9 +263,10 @@ fn open_all(
 ) -> Vec<(FileId, Span)> {
     let mut opened: Vec<(FileId, Span)> = Vec::new();
     let mut seen: HashSet<FileId> = HashSet::new();
+    let texts = files.texts();
     for (pattern, span) in patterns {
         let full = pattern_path(path, pattern);
-        let paths = match glob::glob(&full) {
+        let paths = match texts.matching(&full) {
             Ok(paths) => paths,
             Err(error) => {
                 report.push(
@@ -283,8 +284,8 @@ fn open_all(
         let mut matched = 0;
         let mut others: Vec<PathBuf> = Vec::new();
         // Folders count as well: `/**` would go through all there are.
-        for (place, found) in paths.filter_map(Result::ok).enumerate() {
-            let is_file = found.is_file();
+        for (place, found) in paths.enumerate() {
+            let is_file = texts.is_file(&found);
             matched += usize::from(is_file);
             if place >= MOST_FILES {
                 report.push(

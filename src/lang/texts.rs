@@ -104,6 +104,11 @@ impl<'f> Texts<'f> {
         Self { overrides: Overrides::new(set), ..self }
     }
 
+    /// Where they are read.
+    pub fn texts(&self) -> &'f dyn files::Files {
+        self.texts
+    }
+
     pub fn tree(&self, file: FileId) -> &Tree {
         &self.files[file.0 as usize].tree
     }

@@ -132,7 +132,7 @@ fn condition(
         (by_name(name, subjects, subject, places, report)?, Some(name))
     } else if let Some(path) = node.path() {
         let saved = places.beside(path.span(), &path.value());
-        if !Path::new(&saved).is_file() {
+        if !places.files.texts().is_file(Path::new(&saved)) {
             report.push(
                 Diagnostic::new(
                     Code::UnreadableFile,

@@ -1,7 +1,6 @@
 //! What blocks are about: scenarios, what a search found in one, sets of cases.
 
 use std::collections::HashMap;
-use std::path::Path;
 
 use super::Places;
 use super::criterion::Cast;
@@ -12,7 +11,6 @@ use crate::source::Span;
 use crate::syntax::ast;
 use crate::texts::NameDefinition;
 use crate::value::Binding;
-use files::read_kind;
 use scenario::registry::Registry;
 use scenario::{
     CaseSet, Declaration, Evaluate, Part, RangeValues, Reference, Registered, SampleSize, Scenario, Search,
@@ -128,7 +126,7 @@ impl<'a> Subjects<'a> {
             CaseSet::Search(name) | CaseSet::Bests(name) => self.found_by(self.searches.find(name)?, places),
             CaseSet::Scenario(name) | CaseSet::Sample { scenario: name, .. } => self.known(name, places),
             CaseSet::Saved(path) => {
-                let mut subject = self.known(&saved_scenario(path)?, places)?;
+                let mut subject = self.known(&saved_scenario(path, places)?, places)?;
                 // Which values were saved is not looked into.
                 subject.varied.values_mut().for_each(|binding| binding.varied = None);
                 Some(subject)
@@ -193,7 +191,7 @@ pub fn case_set<'a>(
     let set = said_set(node, subjects, places, report)?;
     let subject = match &set {
         CaseSet::Saved(path) => {
-            let scenario = saved_scenario(path)?;
+            let scenario = saved_scenario(path, places)?;
             subjects.scenario(node.span(), &scenario, &[], places, report)?;
             subjects.of(&set, places)?
         }
@@ -210,7 +208,7 @@ fn said_set(
 ) -> Option<CaseSet> {
     if let Some(path) = node.path() {
         let saved = places.beside(path.span(), &path.value());
-        if saved_scenario(&saved).is_none() {
+        if saved_scenario(&saved, places).is_none() {
             report.push(
                 Diagnostic::new(
                     Code::UnreadableFile,
@@ -280,8 +278,9 @@ pub fn unknown_search(name: ast::Name, subjects: &Subjects) -> Diagnostic {
 }
 
 /// The scenario that the first case of a saved set is of.
-fn saved_scenario(path: &str) -> Option<String> {
-    let set: serde_json::Value = serde_json::from_str(&read_kind(Path::new(path), &["json"]).ok()?).ok()?;
+fn saved_scenario(path: &str, places: &Places) -> Option<String> {
+    let text = places.files.text_of(path, &["json"]).ok()?;
+    let set: serde_json::Value = serde_json::from_str(&text).ok()?;
     Some(set["cases"][0]["scenario"].as_str()?.to_string())
 }
 

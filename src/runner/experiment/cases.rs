@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::{Context, EarlierResults, ExperimentError, overrides};
 use crate::plan;
+use files::Files;
 use numbers::random::Stream;
 use numbers::random::derive_seed;
 use results::{SavedCase, SavedSet};
@@ -25,9 +26,9 @@ impl CaseFile {
     }
 
     /// A set that was written before. [`ExperimentError::CaseFile`] if the file cannot be read or is none.
-    pub fn read(path: &Path) -> Result<SavedSet, ExperimentError> {
+    pub fn read(path: &Path, files: &dyn Files) -> Result<SavedSet, ExperimentError> {
         let failed = |reason: String| ExperimentError::CaseFile { path: path.to_owned(), reason };
-        let text = files::read_kind(path, &["json"]).map_err(|error| failed(error.to_string()))?;
+        let text = files.read_text(path, &["json"]).map_err(|error| failed(error.to_string()))?;
         serde_json::from_str(&text).map_err(|error| failed(error.to_string()))
     }
 }
@@ -96,7 +97,7 @@ impl Context<'_> {
                 stream.draw(&mut cases, count);
                 (scenario, cases)
             }
-            CaseSet::Saved(path) => (path, CaseFile::read(Path::new(path))?.cases),
+            CaseSet::Saved(path) => (path, CaseFile::read(Path::new(path), &*self.files)?.cases),
         };
         if cases.is_empty() { Err(ExperimentError::EmptySet(from.clone())) } else { Ok(cases) }
     }

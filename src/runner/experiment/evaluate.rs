@@ -286,7 +286,7 @@ impl Context<'_> {
                 })
             }
             ParameterSet::Saved(path) => {
-                let saved = ParameterFile::read(Path::new(path))?;
+                let saved = ParameterFile::read(Path::new(path), &*self.files)?;
                 Ok(Ok(Setup { caveat: saved.caveat, ..Setup::of(saved.parameters) }))
             }
         }

@@ -26,6 +26,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::plan::PlanError;
 use crate::run::{Executor, MeasuredMetrics, RunError, Stop};
+use files::{Disk, Files};
 use results::Requests;
 use scenario::registry::Registry;
 use scenario::{Scenario, Suite};
@@ -49,6 +50,8 @@ pub struct Context<'a> {
     pub measured: Arc<MeasuredMetrics>,
     /// What makes the runs.
     pub executor: &'a dyn Executor,
+    /// Where what blocks refer to is read: saved cases and parameters.
+    pub files: Arc<dyn Files>,
     /// Where journals are kept; `None` keeps none.
     pub journals: Option<PathBuf>,
     /// Looked at before every run.
@@ -82,6 +85,7 @@ impl<'a> Context<'a> {
             suite,
             measured: MeasuredMetrics::new(requests),
             executor,
+            files: Arc::new(Disk),
             journals: None,
             stop: Stop::default(),
             notices: Mutex::default(),

@@ -5,6 +5,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::{ExperimentError, overrides};
+use files::Files;
 use results::TuneResult;
 use scenario::{Suite, Target, Tune, Value};
 
@@ -46,9 +47,9 @@ impl ParameterFile {
     }
 
     /// What was written before. [`ExperimentError::ParameterFile`] if the file cannot be read or is none.
-    pub fn read(path: &Path) -> Result<Self, ExperimentError> {
+    pub fn read(path: &Path, files: &dyn Files) -> Result<Self, ExperimentError> {
         let failed = |reason: String| ExperimentError::ParameterFile { path: path.to_owned(), reason };
-        let text = files::read_kind(path, &["json"]).map_err(|error| failed(error.to_string()))?;
+        let text = files.read_text(path, &["json"]).map_err(|error| failed(error.to_string()))?;
         serde_json::from_str(&text).map_err(|error| failed(error.to_string()))
     }
 }

@@ -6,6 +6,7 @@ mod notice;
 mod open;
 
 use std::path::Path;
+use std::sync::Arc;
 
 pub use claims::examine_claims;
 pub use examine::{examine, examine_edited};
@@ -24,6 +25,7 @@ use scenario::registry::Registry;
 pub struct Project {
     suites: Vec<PlannedSuite>,
     registry: Registry,
+    files: Arc<dyn Files>,
     notices: Vec<Notice>,
 }
 
@@ -66,7 +68,11 @@ impl Project {
     ///
     /// # Errors
     /// Everything that is wrong, with the place of each in its file.
-    pub fn open(path: impl AsRef<Path>, registry: &Registry, files: &dyn Files) -> Result<Self, Problems> {
+    pub fn open(
+        path: impl AsRef<Path>,
+        registry: &Registry,
+        files: &(impl Files + Clone + 'static),
+    ) -> Result<Self, Problems> {
         Self::open_all([path], &ProjectOptions::default(), registry, files)
     }
 
@@ -78,13 +84,15 @@ impl Project {
         paths: impl IntoIterator<Item = P>,
         options: &ProjectOptions,
         registry: &Registry,
-        files: &dyn Files,
+        files: &(impl Files + Clone + 'static),
     ) -> Result<Self, Problems> {
         let mut notices = Vec::new();
         let opened = |path: P| open::open(path.as_ref(), options, registry, files, &mut notices);
         let suites: Vec<Option<PlannedSuite>> = paths.into_iter().map(opened).collect();
         match suites.into_iter().collect() {
-            Some(suites) => Ok(Self { suites, registry: registry.clone(), notices }),
+            Some(suites) => {
+                Ok(Self { suites, registry: registry.clone(), files: Arc::new(files.clone()), notices })
+            }
             None => Err(Problems(notices)),
         }
     }
@@ -97,6 +105,11 @@ impl Project {
     /// What they may name.
     pub fn registry(&self) -> &Registry {
         &self.registry
+    }
+
+    /// Where its files are: what blocks and gates refer to is read when they are run.
+    pub fn files(&self) -> &Arc<dyn Files> {
+        &self.files
     }
 
     /// Warnings and notes: what there is to say, though it can be run.

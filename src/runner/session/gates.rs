@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::shared::Runner;
 use crate::baseline::{measured_metrics, record};
 use crate::run::{BatchError, Panicked};
+use files::Files;
 use results::judge::baseline::{Baseline, Incompatible};
 use results::judge::gate::judge_gate;
 use results::{
@@ -24,7 +25,8 @@ pub fn judge_gates<'a>(runner: &Runner<'a>, reports: &mut [SuiteReport], lenient
         }
         assert!(report.summary.is_none(), "a suite with gates has every trial");
         let identity = runner.identity(suite);
-        let refusals: Vec<_> = gates.iter().map(|gate| other_runs(gate, &identity.set)).collect();
+        let refusals: Vec<_> =
+            gates.iter().map(|gate| other_runs(gate, &identity.set, runner.files())).collect();
         // Runs that a trial did not need itself are made up for only where something is compared.
         let measured = refusals.contains(&None).then(|| {
             let trials: Vec<_> = report.trials.iter().collect();
@@ -43,11 +45,12 @@ pub fn judge_gates<'a>(runner: &Runner<'a>, reports: &mut [SuiteReport], lenient
 }
 
 /// Values that were set make other runs, whatever their names: those of the gate's baseline only if it has the same.
-fn other_runs(gate: &Gate, set: &[String]) -> Option<Refusal> {
+fn other_runs(gate: &Gate, set: &[String], files: &dyn Files) -> Option<Refusal> {
     if set.is_empty() {
         return None;
     }
-    let base = Baseline::read_named(Path::new(&gate.baseline)).ok().filter(|base| !base.has_set(set))?;
+    let base =
+        Baseline::read_named(Path::new(&gate.baseline), files).ok().filter(|base| !base.has_set(set))?;
     let its_own = match &base.set[..] {
         [] => String::new(),
         its_own => format!(", which were run with {}", its_own.join(", ")),
@@ -73,7 +76,7 @@ pub fn judge_one_gate<'a>(
     let state = match measured {
         Ok(candidate) => {
             let suite = &runner.suites()[suite].suite;
-            state(gate, candidate, &identity, suite, lenient)
+            state(gate, candidate, &identity, suite, lenient, runner.files())
         }
         Err(why) => GateState::NotJudged(why.clone()),
     };
@@ -137,10 +140,11 @@ fn state(
     identity: &SuiteIdentity,
     suite: &Suite,
     lenient: bool,
+    files: &dyn Files,
 ) -> GateState {
     let path = Path::new(&gate.baseline);
     let record = record_command(&identity.file, &identity.set, path);
-    let judged = match Baseline::read_named(path) {
+    let judged = match Baseline::read_named(path, files) {
         Ok(base) => judge_gate(gate, &base, candidate, lenient),
         Err(error) => {
             let (message, help) = (error.to_string(), error.hint(&record));

@@ -141,8 +141,9 @@ impl<'a> Session<'a> {
                 &threads
             }
         };
-        let mut runner =
-            Runner::new(self.project.suites(), executor, self.project.registry()).stopped_by(&self.stop);
+        let mut runner = Runner::new(self.project.suites(), executor, self.project.registry())
+            .reading(self.project.files())
+            .stopped_by(&self.stop);
         if let Some(folder) = &self.journals {
             runner = runner.journals(folder.clone());
         }
@@ -220,5 +221,37 @@ scenario walk {
         assert_eq!(run("15 s", &Selection::named("a/walk")).unwrap().overall(), Overall::Passed);
         assert!(run("15 s", &Selection::named("a/wal")).is_err());
         assert!(run("15 s", &Selection::marked(vec![])).is_err());
+    }
+
+    /// The disk has none of these files, so that reading one there would be an error.
+    #[test]
+    fn what_blocks_and_gates_refer_to_comes_from_where_the_project_comes_from() {
+        let suite = "\
+use \"a.scn\"
+suite walks {
+  scenarios \"a.scn\"
+  evaluate both { on walk; with default, \"tuned.json\" as tuned; measure mean(time_lost) }
+  gate unchanged { baseline \"base.json\"; no metric worse by more than 1 % with 95 % confidence }
+}
+";
+        let files = Memory::default().with("a.scn", SCENARIO.replace("START", "15 s").as_str());
+        let files = files.with("a.suite", suite);
+        let said = |files: &Memory| {
+            let project =
+                Project::open("a.suite", &standard(), files).unwrap_or_else(|error| panic!("{error}"));
+            let session = Session::new(&project).executor(Threads::new(1));
+            let results = session.run(&Selection::all(), &mut Unheard).unwrap();
+            assert_ne!(results.overall(), Overall::Passed);
+            let report = &results.suites[0];
+            format!("{:?} {:?}", report.blocks[0].state, report.gates[0].state)
+        };
+        let files = files.with("tuned.json", "{");
+        let missing = said(&files);
+        assert!(
+            missing.contains("EOF while parsing") && missing.contains("there is no baseline"),
+            "{missing}"
+        );
+        let malformed = said(&files.with("base.json", "{}"));
+        assert!(malformed.contains("missing field `baseline`"), "{malformed}");
     }
 }

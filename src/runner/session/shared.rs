@@ -13,6 +13,7 @@ use crate::run::{
     Executor, Job, JobPlace, MeasuredMetrics, Panicked, Ran, RunBatch, RunError, Sequences, Stop, Wanted,
     departures, run_sequences,
 };
+use files::{Disk, Files};
 use results::{
     BlockReport, BlockState, Cut, RecordedReport, RecordedState, Requests, Skip, SuiteIdentity, TrialReport,
     TrialState, UnitReport,
@@ -33,6 +34,7 @@ pub struct Runner<'a> {
     /// Every metric that anything in any of the suites asks for: all runs are measured alike.
     measured: Arc<MeasuredMetrics>,
     registry: Registry,
+    files: Arc<dyn Files>,
     stop: Stop,
     watch: Option<&'a RunWatch<'a>>,
 }
@@ -49,12 +51,19 @@ impl<'a> Runner<'a> {
         let measured = MeasuredMetrics::new(requests);
         contexts.iter_mut().for_each(|context| context.measured = measured.clone());
         let (registry, stop) = (registry.clone(), Stop::default());
-        Self { suites, executor, contexts, measured, registry, stop, watch: None }
+        Self { suites, executor, contexts, measured, registry, files: Arc::new(Disk), stop, watch: None }
     }
 
     /// With a folder where searches and tunes keep what they have evaluated.
     pub fn journals(mut self, folder: PathBuf) -> Self {
         self.contexts.iter_mut().for_each(|context| context.journals = Some(folder.clone()));
+        self
+    }
+
+    /// With files other than those of the disk, in which blocks and gates find what they refer to.
+    pub fn reading(mut self, files: &Arc<dyn Files>) -> Self {
+        self.contexts.iter_mut().for_each(|context| context.files = files.clone());
+        self.files = files.clone();
         self
     }
 
@@ -74,6 +83,11 @@ impl<'a> Runner<'a> {
     /// What the suites may name.
     pub fn registry(&self) -> &Registry {
         &self.registry
+    }
+
+    /// Where what blocks and gates refer to is read.
+    pub fn files(&self) -> &dyn Files {
+        &*self.files
     }
 
     /// What is measured in every run, in the order of the outcomes' metrics.

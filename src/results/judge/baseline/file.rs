@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::{Baseline, Parts, RecordedMetric, RecordedTrial, TestedVehicle};
+use files::{Files, ReadError};
 
 /// Version of the layout; raised when a reader would have to change.
 const LAYOUT: u64 = 2;
@@ -72,13 +73,8 @@ impl Baseline {
     ///
     /// # Errors
     /// As [`Self::read`].
-    pub fn read_named(path: &Path) -> Result<Self, BaselineError> {
-        match files::check_kind(path, &["json"]) {
-            Err(error) if !error.is_missing() => {
-                Err(BaselineError::Unreadable { path: path.to_owned(), reason: error.to_string() })
-            }
-            _ => Self::read(path),
-        }
+    pub fn read_named(path: &Path, files: &dyn Files) -> Result<Self, BaselineError> {
+        Self::of(path, files.read_text(path, &["json"]))
     }
 
     /// Whether the file is a baseline of version 0.1, which has no checksums.
@@ -92,7 +88,11 @@ impl Baseline {
     /// # Errors
     /// If there is none, or if it is not as it was written.
     pub fn read(path: &Path) -> Result<Self, BaselineError> {
-        let text = files::read_text(path).map_err(|error| match error {
+        Self::of(path, files::read_text(path))
+    }
+
+    fn of(path: &Path, text: Result<String, ReadError>) -> Result<Self, BaselineError> {
+        let text = text.map_err(|error| match error {
             error if error.is_missing() => BaselineError::Missing { path: path.to_owned() },
             error => BaselineError::Unreadable { path: path.to_owned(), reason: error.to_string() },
         })?;

@@ -82,7 +82,7 @@ fn tuned_parameters_round_trip_as_a_condition() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("braking.json");
     std::fs::write(&path, saved.write()).unwrap();
-    assert_eq!(ParameterFile::read(&path).unwrap(), saved);
+    assert_eq!(ParameterFile::read(&path, &files::Disk).unwrap(), saved);
     let runs = |results: &EarlierResults| {
         let runs = &results.evaluate("final").unwrap().conditions[1].runs;
         runs.iter().map(|run| run.outcome.fingerprint).collect::<Vec<_>>()

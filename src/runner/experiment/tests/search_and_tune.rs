@@ -120,7 +120,7 @@ fn sets_of_cases_round_trip_and_can_be_tuned_on() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("low_pet.json");
     std::fs::write(&path, CaseFile::write(&found.kept)).unwrap();
-    assert_eq!(CaseFile::read(&path).unwrap(), found.kept);
+    assert_eq!(CaseFile::read(&path, &files::Disk).unwrap(), found.kept);
     suite.tunes[0].on = CaseSet::Saved(path.to_string_lossy().into_owned());
     let context = Context::new(&suite, threads(), &standard());
     let again = run_tune(&context, &suite.tunes[0], &EarlierResults::default(), &Silent).unwrap();
