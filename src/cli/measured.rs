@@ -65,7 +65,7 @@ fn run_plan(plan: &Plan, requests: &Requests, title: &str, stop: &Stop) -> Resul
     bar.finish_and_clear();
     made.map_err(|error| match error {
         BatchError::Stopped => Exit::Interrupted,
-        error @ BatchError::Run { .. } => could_not_run(&error),
+        error => could_not_run(&error),
     })?;
     let trials: Vec<_> = trials.iter().map(|(trial, outcomes)| (trial, &outcomes[..])).collect();
     Ok(record(plan, &trials, requests))

@@ -105,7 +105,11 @@ impl CaseArguments {
 /// Says on stderr why a run has no outcome; how the program ends then.
 pub fn could_not_run(error: &BatchError) -> Exit {
     writeln!(stderr(), "error: {error}");
-    let BatchError::Run { error, .. } = error else { return Exit::Interrupted };
+    let error = match error {
+        BatchError::Run { error, .. } => error,
+        BatchError::Stopped => return Exit::Interrupted,
+        _ => return Exit::Failed,
+    };
     if !error.had_begun() {
         return Exit::Scenario;
     }

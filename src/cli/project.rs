@@ -63,7 +63,7 @@ pub fn may_be_replaced(path: &Path, suite: &str) -> Result<(), Exit> {
         Err(BaselineError::Missing { .. }) => return Ok(()),
         Err(BaselineError::OtherLayout { found, .. }) => format!("is a baseline of another layout, {found}"),
         Err(BaselineError::Malformed { .. }) => "is no baseline, or a damaged one".to_string(),
-        Err(error @ BaselineError::Unreadable { .. }) => format!("may be no baseline: {error}"),
+        Err(error) => format!("may be no baseline: {error}"),
     };
     writeln!(stderr(), "error: {} {what}; it is not replaced", path.display());
     writeln!(stderr(), "help: `--force` replaces it, `--out PATH` writes elsewhere");

@@ -235,7 +235,7 @@ fn verify(text: &str, shrunk: &Shrunk, path: &Path, registry: &Registry) -> Resu
         let case = planned.trials().next().map(|trial| trial.cases.first()).ok_or("it has no run")?;
         outcome(&case, &shrunk.requests).map_err(|error| match error {
             BatchError::Run { error, .. } => error.to_string(),
-            BatchError::Stopped => error.to_string(),
+            error => error.to_string(),
         })
     };
     let why = match again() {

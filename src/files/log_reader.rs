@@ -38,6 +38,7 @@ pub struct Header {
 
 /// Why a log cannot be used. All but the first leave it as it is.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum LogError {
     /// The system refuses to open, write or lock it.
     #[error("{}: {error}", path.display())]

@@ -13,6 +13,7 @@ pub const LARGEST: u64 = 64 << 20;
 
 /// Why a file is not read. The path is not named: whoever asked for it says what it is to them.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum ReadError {
     /// It is not there, or the system does not give it.
     #[error(transparent)]

@@ -22,7 +22,7 @@ pub fn write(path: &Path, content: impl AsRef<[u8]>) -> io::Result<()> {
     file.commit()
 }
 
-/// As [`write`], but never replaces a file.
+/// As [`write()`], but never replaces a file.
 ///
 /// # Errors
 /// [`io::ErrorKind::AlreadyExists`] if there is something.

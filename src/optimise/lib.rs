@@ -52,6 +52,7 @@ pub use space::{Coordinate, LARGEST_DIMENSION_COUNT, Point, Range, SearchDimensi
 
 /// What can go wrong in the optimiser. Bad numbers told by evaluations are not among it: they count as undefined.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum Error {
     /// The space or a point has a wrong number of dimensions, or two of one name.
     #[error("{0}")]

@@ -14,7 +14,7 @@ pub struct Recording {
     pub case: Case,
     /// What happened in it, in the order of time.
     pub events: Vec<TimelineEvent>,
-    /// s; steps of about [`INTERVAL`] and the very end.
+    /// s; steps of about 0.1 s and the very end.
     #[serde(with = "places::times")]
     pub times: Vec<f64>,
     /// Per road user, vehicles first, one per time; `None` before it appears.

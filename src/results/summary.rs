@@ -24,6 +24,7 @@ pub struct SuiteSummary {
 /// A scenario's trials in numbers: all of them, whether they are held or not.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct ScenarioSummary {
+    /// Its name.
     pub scenario: String,
     /// How many trials stand how. They are all that there are.
     pub standings: Vec<StandingCount>,
@@ -47,9 +48,11 @@ pub struct ScenarioSummary {
 /// How many trials stand so.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StandingCount {
+    /// How they stand.
     pub standing: Standing,
     /// Why they were skipped, if they were.
     pub skip: Option<Skip>,
+    /// How many there are.
     pub trials: usize,
 }
 
@@ -58,12 +61,14 @@ pub struct StandingCount {
 pub struct AppliedCriteria {
     /// The first trial that has them, by its place in the suite; their bounds are its own.
     pub first: usize,
+    /// In the order in which they are declared.
     pub criteria: Vec<Criterion>,
 }
 
 /// The run that came nearest to speaking against a criterion.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct NearestRun {
+    /// In canonical words.
     pub criterion: String,
     /// Where the criterion is found first: the trial's place in the suite, and the finding's in the trial.
     pub first: (usize, usize),

@@ -210,6 +210,7 @@ impl ChoiceOption {
 
 /// Why a setting does not fit its declaration.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum SettingError {
     /// Nothing is declared under the name.
     #[error("`{owner}` has no parameter `{name}`")]

@@ -74,6 +74,7 @@ pub enum KnownDistribution<'a> {
 
 /// Why nothing can be drawn.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum DistributionError {
     /// A number of it has no value.
     #[error("{0}")]

@@ -48,7 +48,7 @@ pub struct ControllerContext<'a> {
     pub world: &'a World,
     /// The vehicle's place among the names of its kind, by which it draws.
     pub rank: usize,
-    /// The run's seed, for [`sim::random::stream`].
+    /// The run's seed, for `sim::random::stream`.
     pub seed: u64,
 }
 
@@ -150,7 +150,7 @@ pub struct PedestrianContext<'a> {
     pub world: &'a World,
     /// The pedestrian's place among the names of its kind, by which it draws.
     pub rank: usize,
-    /// The run's seed, for [`sim::random::stream`].
+    /// The run's seed, for `sim::random::stream`.
     pub seed: u64,
 }
 

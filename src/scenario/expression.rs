@@ -44,6 +44,7 @@ pub enum BinaryOperator {
 
 /// Why an expression has no value in a case.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum EvaluationError {
     /// It names a variation that the case has no value of.
     #[error("`{0}` has no value here")]

@@ -31,7 +31,7 @@ pub struct Metric {
 pub struct Meters(Arc<dyn Any + Send + Sync>);
 
 impl Meters {
-    /// What [`Self::get`] gives out again. See [`sim::measure::meters`], which makes all that there are.
+    /// What [`Self::get`] gives out again. See `sim::measure::meters`, which makes all that there are.
     pub fn new<T: Any + Send + Sync>(build: T) -> Self {
         Self(Arc::new(build))
     }

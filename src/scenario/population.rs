@@ -71,6 +71,7 @@ enum JsonForm {
 
 /// What is wrong with a population, and where.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum PopulationError {
     /// The file cannot be read.
     #[error("cannot read the population {}: {error}", file.display())]

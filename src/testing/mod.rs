@@ -47,6 +47,7 @@ use scenario::registry::Registry;
 
 /// Why there are no tests.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum TestingError {
     /// A pattern is not one that files can be matched with.
     #[error("`{pattern}` is no pattern of files: {reason}")]

@@ -561,17 +561,15 @@ fn distribution(
     };
     // What depends on other variations is checked when they are known.
     if let Err(error) = distribution.known(&Default::default())
-        && let Some(hint) = match &error {
-            DistributionError::Reversed => Some("write the smaller value first"),
-            DistributionError::NegativeSpread => Some("give a standard deviation of at least 0"),
-            DistributionError::Evaluation(_) => None,
-        }
+        && !matches!(error, DistributionError::Evaluation(_))
     {
-        report.push(
-            Diagnostic::new(Code::BadDistribution, node.span(), error.to_string())
-                .label("cannot be drawn from")
-                .hint(hint),
-        );
+        let found = Diagnostic::new(Code::BadDistribution, node.span(), error.to_string())
+            .label("cannot be drawn from");
+        report.push(match error {
+            DistributionError::Reversed => found.hint("write the smaller value first"),
+            DistributionError::NegativeSpread => found.hint("give a standard deviation of at least 0"),
+            _ => found,
+        });
         return None;
     }
     Some((kind?, distribution))

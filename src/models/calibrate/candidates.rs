@@ -97,6 +97,7 @@ pub struct Candidates {
 
 /// Why there are no candidates.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum CandidateError {
     /// A range names no parameter.
     #[error("there is no parameter `{0}`")]

@@ -88,6 +88,7 @@ pub fn published_criteria() -> Vec<RetentionCriterion> {
 
 /// Why criteria cannot be used.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum CriteriaError {
     /// The file cannot be read.
     #[error("cannot read the criteria {}: {error}", file.display())]

@@ -32,6 +32,7 @@ struct Judged {
 
 /// What is wrong with a journal.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum JournalError {
     /// It cannot be read or written, is in use, damaged, or the journal of something else.
     #[error("journal {0}")]

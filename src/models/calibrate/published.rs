@@ -17,6 +17,7 @@ pub const PUBLISHED_SHARE: f64 = 1091.0 / 5000.0;
 
 /// Why there are no published candidates.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum PublishedError {
     /// The file of individuals.
     #[error(transparent)]

@@ -151,6 +151,7 @@ pub fn calibrate(
 
 /// Why a calibration stopped.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum CalibrateError {
     /// The candidates.
     #[error(transparent)]

@@ -33,7 +33,7 @@ const TEMPLATES: [(&str, &str); 8] = [
     ("comparisons.html", include_str!("comparisons.html")),
 ];
 
-/// The page. `recordings` are runs of [`choose_runs`], recorded again.
+/// The page. `recordings` are runs of [`results::choose_runs`], recorded again.
 ///
 /// # Panics
 /// If the results do not hold every trial.

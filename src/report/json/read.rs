@@ -28,6 +28,7 @@ const LARGEST: u64 = 2 << 30;
 
 /// Why a file is not taken for results.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum ResultsError {
     /// The file cannot be read, or is too large.
     #[error(transparent)]

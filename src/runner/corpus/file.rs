@@ -14,6 +14,7 @@ use scenario::{Assignment, Value};
 
 /// Why there are no records.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum CorpusError {
     /// The file cannot be read, or is too large.
     #[error("cannot read {}: {source}", path.display())]

@@ -10,6 +10,7 @@ use scenario::{Case, Criterion, PopulationShare, Suite, World};
 
 /// Why a recorded run cannot be run any more.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum Stale {
     /// Its scenario is gone, or has another name.
     #[error("there is no scenario `{0}` any more")]

@@ -127,6 +127,7 @@ impl BlockProgress for Silent {
 
 /// Why an experiment has no result.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum ExperimentError {
     /// A block names a scenario that the suite has not.
     #[error("there is no scenario called `{0}`")]

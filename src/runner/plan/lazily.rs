@@ -113,6 +113,7 @@ impl ScenarioPlan {
         self.0.combinations.count()
     }
 
+    /// Whether there is no trial.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

@@ -19,8 +19,8 @@ use scenario::{
 };
 
 pub use individuals::{label as people_label, select as select_people};
-pub use lazily::{Cases, PlannedTrial, plan_scenario};
-pub(crate) use lazily::{Outline, ScenarioPlan, outline, probe_scenario};
+pub use lazily::{Cases, PlannedTrial, ScenarioPlan, plan_scenario};
+pub(crate) use lazily::{Outline, outline, probe_scenario};
 pub use standalone::standalone;
 pub(crate) use variation::expand as combinations;
 

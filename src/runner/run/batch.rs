@@ -16,6 +16,7 @@ use scenario::Case;
 
 /// Why there are no outcomes.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum BatchError {
     /// A run could not be made, or not to its end.
     #[error("{key}: {error}")]

@@ -8,6 +8,7 @@ use sim::{ControllerError, Driven, Driver, Fault, ModelError, RoadUsers, StatedB
 
 /// Why a case cannot be run, or not to its end.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum RunError {
     /// A world names a model that no registry has.
     #[error("there is no {kind} called `{name}`")]

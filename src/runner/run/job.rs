@@ -84,6 +84,7 @@ pub struct Ran {
 
 /// Why a run did not come to its end.
 #[derive(Debug)]
+#[non_exhaustive]
 pub enum JobFailure {
     /// A model or a controller does not go on.
     Error(RunError),

@@ -71,12 +71,16 @@ enum SpanOf<'a> {
 /// Of which kind a unit is.
 #[derive(Debug, Clone, Copy)]
 pub enum UnitKind<'u> {
+    /// A run that failed in an earlier session.
     Recorded,
-    /// With its place among the trials of its suite.
+    /// A trial, which is not worked out.
     Trial {
+        /// What its scenario plans.
         scenario: &'u ScenarioPlan,
+        /// Among the trials of its suite, counted from 0.
         place: usize,
     },
+    /// A search, a tune, an evaluation or a statement.
     Block(&'u Arc<Block>),
 }
 
@@ -88,10 +92,12 @@ impl<'a> Units<'a> {
         }
     }
 
+    /// How many there are.
     pub fn len(&self) -> usize {
         self.len
     }
 
+    /// Whether there is nothing to be done.
     pub fn is_empty(&self) -> bool {
         self.len == 0
     }
@@ -115,6 +121,7 @@ impl<'a> Units<'a> {
         Unit { suite: *suite, key, work, needs }
     }
 
+    /// All of them in order, each worked out when it is asked for.
     pub fn iter(&self) -> impl Iterator<Item = Unit<'a>> {
         (0..self.len).map(|index| self.get(index))
     }
@@ -138,6 +145,7 @@ impl<'a> Units<'a> {
         self.span(index).suite
     }
 
+    /// Of which kind the unit with this index is, without working it out.
     pub fn kind(&self, index: usize) -> UnitKind<'_> {
         let Span { first, of, .. } = self.span(index);
         match of {

@@ -21,6 +21,7 @@ pub use knob::{Knob, KnobPlace};
 
 /// Why there is nothing to shrink.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum ShrinkError {
     /// The case cannot be planned.
     #[error("{0}")]

@@ -6,6 +6,7 @@ use thiserror::Error;
 /// and states numbers of the scenario, it happens to one run at one moment and is in the controller's own words.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error("{message}")]
+#[non_exhaustive]
 pub struct ControllerError {
     /// What keeps it from deciding, in a sentence without a full stop.
     pub message: String,

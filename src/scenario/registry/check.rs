@@ -8,6 +8,7 @@ use crate::{AggregateWord, Declaration, Metric, MetricKind, MetricRange, Paramet
 
 /// Why a registry does not take something in.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[non_exhaustive]
 pub enum RegistryError {
     /// A name stands for one entry of a kind.
     #[error("there is a {kind} called `{name}` already")]

@@ -1,6 +1,6 @@
 //! What scenarios may name: pedestrian models, controllers, dynamics, perception and metrics, as one value.
 //!
-//! A registry is made once, by [`models::standard`] or by adding to it, and handed to whoever reads names:
+//! A registry is made once, by `models::standard` or by adding to it, and handed to whoever reads names:
 //! checker, editor, documentation. What was checked holds the entries themselves.
 
 mod check;

@@ -78,6 +78,7 @@ pub struct ReferenceRuns {
 
 /// Why the reference cannot be used.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum HikerError {
     /// The file cannot be read.
     #[error("cannot read {}: {error}", file.display())]

@@ -364,7 +364,7 @@ impl Parameters {
         })
     }
 
-    /// The parameters in `settings`, which were resolved against [`PARAMETERS`].
+    /// The parameters in `settings`, which were resolved against the model's declaration.
     pub fn from_settings(settings: &Settings) -> Self {
         let mut parameters = Self::default();
         for (name, value) in &settings.0 {

@@ -67,7 +67,7 @@ pub struct AfterAction {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Phases {
     /// First samples of the phases achieve, wait, regain, and one past the last of regain. Entries beyond
-    /// [`Self::last`] mean nothing.
+    /// the last phase mean nothing.
     pub starts: [usize; 4],
     /// How many phases are integrated: 0 for none, 1 for the action alone, 4 for all up to regaining speed.
     pub integrated: usize,

@@ -68,6 +68,7 @@ const CONTRADICTIONS: [(&str, &str, &str); 4] = [
 
 /// Why a name is not that of a variant.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum VariantError {
     /// A part of the name is no assumption.
     Unknown {

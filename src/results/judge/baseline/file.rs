@@ -20,6 +20,7 @@ const UNCHECKED: u64 = 1;
 
 /// Why a baseline cannot be read.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum BaselineError {
     /// There is no such file; record one first.
     #[error("there is no baseline {}", path.display())]
