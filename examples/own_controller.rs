@@ -45,7 +45,7 @@ fn registry() -> Result<Registry, Box<dyn Error>> {
     Ok(standard().with_controller(patient.chance(Chance::Never))?)
 }
 
-pub fn table() -> Result<String, Box<dyn Error>> {
+pub(crate) fn table() -> Result<String, Box<dyn Error>> {
     own::tables("examples/own_controller.scn", &registry()?)
 }
 

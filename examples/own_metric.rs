@@ -48,7 +48,7 @@ fn registry() -> Result<Registry, Box<dyn Error>> {
     Ok(standard().with_metric(slow_time)?)
 }
 
-pub fn table() -> Result<String, Box<dyn Error>> {
+pub(crate) fn table() -> Result<String, Box<dyn Error>> {
     own::tables("examples/own_metric.scn", &registry()?)
 }
 

@@ -43,7 +43,7 @@ fn registry() -> Result<Registry, Box<dyn Error>> {
     Ok(standard().with_pedestrian(shy.chance(Chance::Never))?)
 }
 
-pub fn table() -> Result<String, Box<dyn Error>> {
+pub(crate) fn table() -> Result<String, Box<dyn Error>> {
     own::tables("examples/own_pedestrian.scn", &registry()?)
 }
 

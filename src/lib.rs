@@ -1,8 +1,7 @@
 //! Testing automated-vehicle controllers against pedestrians who behave like people.
 //!
 //! A [`Project`] is what files say, a [`Session`] runs it, [`Results`] are what came of it, and every function of [`report`] makes
-//! something of them to be read. What files may name is a [`Registry`](registry::Registry): [`models::standard`] has all that ships,
-//! and a controller, pedestrian or metric of one's own is added to it (`examples/own_controller.rs` and its like).
+//! something of them to be read.
 //!
 //! ```
 //! use scenario_runner::results::{Overall, Unheard};
@@ -30,9 +29,77 @@
 //! # }
 //! ```
 //!
-//! A file that is wrong gives [`project::Problems`] with the place of each; a run that cannot be made is an *error* of its trial and
-//! never passed; what was not run has not passed either. A run is a pure function of its case: whichever
-//! [`Executor`](run::Executor) makes it, on however many threads, every bit is the same.
+//! A green result says that every run was made that was to be made, and that every criterion that applies is fulfilled. A file that
+//! is wrong gives [`Problems`](project::Problems) with the place of each; a run that cannot be made is an *error* of its trial and
+//! never passed; what was not run has not passed either, and where nothing was selected there is a [`SessionError`].
+//!
+//! # Where to go on
+//!
+//! | to | |
+//! |---|---|
+//! | test a controller of one's own | [a model of one's own](#a-model-of-ones-own), [`sim::Controller`] |
+//! | know what scenarios may name | [`models::standard`], [`registry::Registry`] |
+//! | choose what runs | [`Selection`] |
+//! | set values that files do not say | [`ProjectOptions`] |
+//! | look into results | [`results`]: trials with their outcomes, findings, blocks, gates |
+//! | write JUnit, HTML, JSON, CSV, TAP or Markdown | [`report`] |
+//! | follow a session while it runs | [`results::Reporter`], [`report::Terminal`] |
+//! | make runs elsewhere than on this machine's cores | [`run::Executor`] |
+//! | stop a session | [`run::Stop`] |
+//! | run suites as tests of `cargo test` | [`testing`] |
+//! | extend the program with models of one's own | [`cli::main`] |
+//!
+//! # A model of one's own
+//!
+//! What files may name is a value, a [`Registry`](registry::Registry). [`models::standard`] has all that ships, and a controller,
+//! pedestrian, perception or metric of one's own is added to it: what it declares is all that checker, completion, tunes and
+//! reports need to know of it.
+//!
+//! ```
+//! use scenario_runner::models::standard;
+//! use scenario_runner::registry::{Registry, RegistryError};
+//! use scenario_runner::scenario::{Chance, CommandKind, ControllerModel, Declaration, Dimension};
+//! use scenario_runner::sim::{Command, Controller, ControllerError, Observation, Schedule};
+//!
+//! /// Brakes as soon as anybody is seen.
+//! struct Timid {
+//!     deceleration: f64,
+//! }
+//!
+//! impl Controller for Timid {
+//!     fn schedule(&self) -> Schedule {
+//!         Schedule::every(0.05)
+//!     }
+//!
+//!     fn act(&mut self, seen: &Observation) -> Result<Command, ControllerError> {
+//!         let wanted = if seen.pedestrians.is_empty() { seen.cruise_speed - seen.ego.speed } else { -self.deceleration };
+//!         Ok(Command::Acceleration(wanted.clamp(-self.deceleration, self.deceleration)))
+//!     }
+//! }
+//!
+//! fn registry() -> Result<Registry, RegistryError> {
+//!     let declaration = Declaration::new("timid", "Brakes as soon as anybody is seen.")
+//!         .source("the documentation of scenario-runner")
+//!         .number("deceleration", Dimension::ACCELERATION, 3.0, (0.5, 9.0), "How hard it brakes.");
+//!     let timid = ControllerModel::new(declaration, CommandKind::Acceleration, |context| {
+//!         Ok(Box::new(Timid { deceleration: context.settings.number("deceleration") }))
+//!     });
+//!     standard().with_controller(timid.chance(Chance::Never))
+//! }
+//!
+//! assert!(registry()?.controllers().get("timid").is_some());
+//! # Ok::<(), RegistryError>(())
+//! ```
+//!
+//! `examples/own_controller.rs`, `own_pedestrian.rs` and `own_metric.rs` run and tune such entries. A program that is the command
+//! line with them is `fn main() -> ExitCode { scenario_runner::cli::main(&registry) }`.
+//!
+//! # What can be relied on
+//!
+//! A run is a pure function of its [`Case`](scenario::Case): whichever [`Executor`](run::Executor) makes it, on however many
+//! threads, every bit is the same. All data are in SI units and the world's frame, unless a field says otherwise; units exist in
+//! files and reports alone. What a metric is undefined for is `None`, never a number. Errors are enums that may grow; data are plain
+//! structs that may be taken apart.
 
 // What `clippy.toml` bans is banned from what is shipped; tests may use it.
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
@@ -42,13 +109,37 @@
 pub mod cli;
 pub mod testing;
 
-pub use files::{Disk, Files, Memory};
+pub use files::{Disk, Files, Memory, ReadError};
 pub use models;
 pub use report;
 pub use results;
 pub use results::Results;
 pub use runner::project::{Project, ProjectOptions};
-pub use runner::session::{Selection, Session};
+pub use runner::session::{Selection, Session, SessionError};
 pub use scenario;
 pub use scenario::registry;
 pub use sim;
+
+/// What [`Project`] speaks of: what is to be said of its files, and what is planned of them.
+pub mod project {
+    pub use lang::{
+        Code, Diagnostic, Failure, Label, Location, Override, Severity, Source, SourceId, Sources, Span,
+        Style,
+    };
+    pub use runner::plan::{Cases, Plan, PlanError, PlannedTrial, ScenarioPlan};
+    pub use runner::project::{Notice, NoticeLevel, PlannedSuite, Problems};
+}
+
+/// What [`Session`] speaks of: its units, and whoever watches their runs.
+pub mod session {
+    pub use runner::session::{RunWatch, Unit, UnitKind, Units, Work, units};
+}
+
+/// Where runs are made: an [`Executor`](run::Executor) takes jobs and gives back what came of each. [`Threads`](run::Threads) is the
+/// one that ships.
+pub mod run {
+    pub use runner::run::{
+        Done, Executor, FreeFlows, Job, JobFailure, JobPlace, MeasuredMetrics, Panicked, Ran, Round,
+        RunError, Stop, Threads, Wanted,
+    };
+}
