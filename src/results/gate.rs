@@ -100,7 +100,7 @@ impl GateReport {
 pub struct GateVerdict {
     /// As the suite calls it.
     pub gate: String,
-    /// The worst of its checks.
+    /// Failed where a check regressed, inconclusive where a rule could not have failed and something changed, passed otherwise.
     pub verdict: Verdict,
     /// In the order of rules, metrics and scenarios.
     pub checks: Vec<Check>,

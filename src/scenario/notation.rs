@@ -12,7 +12,7 @@ pub struct Notation {
     pub symbol: Symbol,
     /// Larger than 0.
     pub numerator: f64,
-    /// Larger than 0; the two are kept apart because `1 / 3.6` has no exact binary form.
+    /// Larger than 0; the two are kept apart because most units are exact as a fraction and are then rounded once.
     pub denominator: f64,
 }
 

@@ -260,17 +260,17 @@ pub struct Budget {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SearchMethod {
-    /// A Gaussian process with constraints of its own; see `docs/optimisation.md`.
+    /// Surrogates that are Gaussian processes, each constraint with one of its own; see `docs/optimisation.md`.
     Bayesian,
     /// Infeasible evaluations as one large constant, as the founding paper does.
     GpMinimizeLike,
     /// Independent uniform points.
     Random,
-    /// One Latin hypercube over the whole budget.
+    /// One Latin hypercube of the whole budget.
     LatinHypercube,
     /// Scrambled Sobol points.
     Sobol,
-    /// A grid over the space.
+    /// A regular grid of as many points as the budget allows.
     Grid,
 }
 
