@@ -468,8 +468,20 @@ fn variations_choose_what_drives_and_walks() {
 }
 
 /// Codes that need a file no repository should hold, or values from the command line (`tests/set.rs`).
-const TESTED_ELSEWHERE: [Code; 5] =
-    [Code::NotUtf8, Code::FileTooLarge, Code::TooManyFiles, Code::UnknownSetting, Code::SetAside];
+const TESTED_ELSEWHERE: [Code; 11] = [
+    Code::NotUtf8,
+    Code::FileTooLarge,
+    Code::TooManyFiles,
+    Code::UnknownSetting,
+    Code::SetAside,
+    // By programs that run: tests/under_test.rs.
+    Code::NotAllowed,
+    Code::CannotStart,
+    Code::NoHello,
+    Code::Disagreement,
+    Code::KnowsMore,
+    Code::Undeterministic,
+];
 
 #[test]
 fn every_code_is_tested() {

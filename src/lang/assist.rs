@@ -112,7 +112,8 @@ pub fn definition(
         }
         Word::Name(_) if ast::RoadChoice::cast(parent).is_some() => names.roads.get(name)?.span,
         Word::Name(_) | Word::Reference(_) => local_definition(&around, name)
-            .or_else(|| files.scope(file).names.get(name).map(|binding| binding.span))?,
+            .or_else(|| files.scope(file).names.get(name).map(|binding| binding.span))
+            .or_else(|| names.controllers.get(name).map(|own| own.span))?,
         Word::Unit(_) | Word::SettingName(_) => return None,
     };
     Some((span, files.sources))

@@ -351,7 +351,41 @@ codes! {
     BadFilterPattern = "E1003", "what stands in the brackets of a predicate is malformed",
         "A pattern is text, or text after a mark: `=` the whole name, `~` a part of it, `#` a glob with `*` and `?`; or a \
          regular expression between two `/`. `variation` takes a name with a value: `variation(tta >= 10 s)`.";
+    // Controllers of one's own
+    NoProgram = "E1101", "a controller has no program that could be started",
+        "`controller NAME { … }` of a file declares a program that decides: `command \"python3\", \"my_av.py\"` says which, each \
+         word in quotes of its own and read by no shell, and `environment \"NAME=VALUE\"` what it finds there.";
+    BuiltInName = "E1103", "a controller is called like one that ships",
+        "The name of a controller is how scenarios, reports and baselines tell it. `scenario-runner models` lists those that \
+         ship; a declared one needs another name.";
+    WrongParameter = "E1104", "a parameter of a controller is declared wrongly",
+        "A parameter has a default, and with it a kind: a number with unit and range (`= 5 m in 1 m .. 30 m`, `= 20 in whole \
+         5 .. 80`), a word with its options (`= normal in [cautious, normal]`), `true` or `false`, or a text in quotes. The \
+         default lies in the range, which `check` holds settings against and `tune` searches.";
+    NotAllowed = "E1105", "a program may not be run yet",
+        "Scenario files may name programs, but none is run before its user has allowed that: files from others must not \
+         execute anything by being run. Read what would run, then `scenario-runner allow FILE`, once for each declaration and \
+         again when its command, folder or environment changes; or `--allow-run=NAME` for this time, or \
+         `SCENARIO_RUNNER_ALLOW_RUN=NAME` where nobody is asked. Allowing a program allows everything that it does.";
+    CannotStart = "E1106", "a program cannot be started",
+        "The first word of `command` is looked up on PATH, or relative to `folder` if it contains a separator. It must be a file \
+         that may be executed, and the folder must be there.";
+    NoHello = "E1107", "a program does not say hello",
+        "A program reads a line of JSON that begins with `{\"hello\"` and answers with one, in the time that `starts within` says; \
+         what it prints before is taken for log. docs/under_test.md describes the protocol, and `scenario-runner try` tells \
+         step by step what a program does.";
+    Disagreement = "E1108", "file and program disagree",
+        "A program may say in its hello what it gives and which parameters it has. Then every parameter that the file declares \
+         must be among them, of the same kind and dimension, with a range that the program's own contains.";
     // Warnings
+    KnowsMore = "W1101", "a program knows more than the file",
+        "The program says that it has parameters that the file does not declare. They keep whatever value the program gives \
+         them; declare them to set, vary or tune them.";
+    Undeterministic = "W1102", "a controller is not deterministic",
+        "The same run, asked of another process of the same program, came out differently. Then a failing run may not be seen \
+         again, and a difference between two versions may be chance. Usual causes: the time of day, an unseeded random number, \
+         an order of threads or of a hash table. Seed by the `seed` of each run and read `time` from the request; \
+         `nondeterministic` in the declaration says that it is known.";
     IdlePredicate = "W1001", "a part of a filter matches nothing",
         "No trial of what is loaded is what this predicate asks for. Perhaps a name is misspelt, or a file is missing on \
          the command line.";

@@ -67,11 +67,13 @@ pub fn complete(
     if writing.is_some() {
         statement.pop();
     }
+    let registry = &declared::with_declared(path, &without_line(text, before.len()), registry, texts);
     let owner = open.last().map_or(&[] as &[&str], Vec::as_slice);
     let first_two = |index| owner.get(index).copied().unwrap_or_default();
-    if let Some(declaration) =
-        declared::named(first_two(0), first_two(1), registry).filter(|_| owner.len() < 3)
-    {
+    if let Some(declaration) = declared::named(first_two(0), first_two(1), registry).filter(|_| {
+        // A controller that a file declares is a block of statements there.
+        owner.len() < 3 && (open.len() > 1 || first_two(0) != "controller")
+    }) {
         return setting(&declaration, &statement);
     }
     let block = block_of(owner);

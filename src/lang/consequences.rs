@@ -11,7 +11,8 @@ use super::syntax::{Node, words as table};
 use super::texts::Texts;
 
 /// Codes about names that are not there.
-const UNKNOWN: [Code; 9] = [
+const UNKNOWN: [Code; 10] = [
+    Code::UnknownController,
     Code::UnknownName,
     Code::UnknownRoad,
     Code::UnknownVehicle,
@@ -67,6 +68,10 @@ pub fn remove(files: &Texts, report: &mut Vec<Diagnostic>) {
             names.extend(block.children().filter(|child| child.is_bad()).filter_map(|bad| named(block, bad)));
         }
     }
+    // Controllers that are declared wrongly.
+    names.extend(
+        files.ids().flat_map(|file| files.tree(file).file().controllers()).map(|own| own.name().text()),
+    );
     if !names.is_empty() {
         report.retain(|found| {
             !UNKNOWN.contains(&found.code) || !names.contains(files.sources.text(found.span()))

@@ -38,6 +38,7 @@ use std::path::Path;
 pub use assist::{definition, hover};
 pub use codes::Code;
 pub use complete::{Completion, complete};
+pub use declared::with_declared;
 pub use diagnostic::{Diagnostic, Label, Severity, nearest};
 pub use excerpt::Excerpt;
 pub use overrides::Override;
@@ -52,7 +53,7 @@ pub use yaml::schema as yaml_schema;
 
 use ::files::{Files, Overlay};
 use scenario::registry::Registry;
-use scenario::{Dimension, Expression, Notation, Origin, Suite, Value};
+use scenario::{ControllerModel, Dimension, Expression, Notation, Origin, Reference, Suite, Value};
 use syntax::ast::{self, View};
 use texts::Texts;
 use value::{Binding, Typed, ValueKind};
@@ -134,6 +135,24 @@ pub fn named_values(path: &Path, registry: &Registry, texts: &dyn Files) -> Resu
 /// Reads and checks a `.suite` file, or a `.scn` file as a suite named after it with seed [`DEFAULT_SEED`].
 pub fn load(path: &Path, registry: &Registry, texts: &dyn Files) -> Result<Loaded, Failure> {
     load_with(path, Texts::new(registry, texts))
+}
+
+/// The controllers that a file declares or brings along, by the order in which they are declared.
+pub fn controllers(
+    path: &Path,
+    registry: &Registry,
+    texts: &dyn Files,
+) -> Result<Vec<Reference<ControllerModel>>, Failure> {
+    let (mut files, mut report) = (Texts::new(registry, texts), Vec::new());
+    files.open(path, None, &mut report);
+    if texts::has_errors(&report) {
+        report.iter_mut().flat_map(|one| &mut one.labels).for_each(|label| {
+            label.span = files.sources.resolve(label.span);
+        });
+        return Err(Failure { diagnostics: report, sources: files.sources });
+    }
+    let own = files.registry.controllers().iter().filter(|known| known.program.is_some());
+    Ok(own.map(Reference::from).collect())
 }
 
 /// As [`load`], with values that are set from outside, in this file and all it uses.
@@ -235,7 +254,9 @@ fn load_with(path: &Path, mut files: Texts) -> Result<Loaded, Failure> {
     }
     let mut set: Vec<String> = files.overrides.all().iter().map(ToString::to_string).collect();
     set.sort();
-    let suite = suite.map(|suite| Suite { set, notations: notations::of(&suite), ..suite });
+    let own = files.registry.controllers().iter().filter(|known| known.program.is_some());
+    let controllers = own.map(Reference::from).collect();
+    let suite = suite.map(|suite| Suite { set, controllers, notations: notations::of(&suite), ..suite });
     let sources = files.sources;
     match suite {
         Some(suite) if !failed => Ok(Loaded { suite, warnings: report, sources }),

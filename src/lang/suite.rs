@@ -105,6 +105,7 @@ fn bare(files: &Texts, file: FileId, path: &Path, report: &mut Vec<Diagnostic>) 
         evaluates: blocks.evaluates,
         statements: blocks.statements,
         gates: Vec::new(),
+        controllers: Vec::new(),
         notations: Vec::new(),
         origin: files.sources.origin(Span::beginning(root.span().source)),
     })
@@ -234,6 +235,7 @@ fn declared(files: &mut Texts, file: FileId, path: &Path, report: &mut Vec<Diagn
         evaluates: blocks.evaluates,
         statements: blocks.statements,
         gates: gates.into_iter().flatten().collect(),
+        controllers: Vec::new(),
         notations: Vec::new(),
         origin: files.sources.origin(name.span()),
     })

@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
+use super::check;
 use super::codes::Code;
 use super::diagnostic::{Diagnostic, Severity};
 use super::overrides::{self, Edit, Override, Overrides};
@@ -40,6 +41,8 @@ pub struct NameDefinition {
 #[derive(Debug, Default)]
 pub struct Names {
     pub roads: HashMap<String, NameDefinition>,
+    /// Controllers of one's own.
+    pub controllers: HashMap<String, NameDefinition>,
     /// Scenarios and templates.
     pub scenarios: HashMap<String, NameDefinition>,
     /// Searches, tunes, evaluates and statements.
@@ -305,6 +308,9 @@ impl<'f> Texts<'f> {
             let Some(node) = ast::Defining::cast(node) else { continue };
             let (name, table, what) = match node {
                 ast::Defining::RoadDefinition(road) => (road.name(), &mut names.roads, "road"),
+                ast::Defining::ControllerDefinition(own) => {
+                    (own.name(), &mut names.controllers, "controller")
+                }
                 ast::Defining::Scenario(scenario) => (scenario.name(), &mut names.scenarios, "scenario"),
                 ast::Defining::Search(search) => (search.name(), &mut names.blocks, "search"),
                 ast::Defining::Tune(tune) => (tune.name(), &mut names.blocks, "tune"),
@@ -318,7 +324,46 @@ impl<'f> Texts<'f> {
             define(*node, name, file, table, what, report);
         }
         self.files.push(File { tree, names, scope });
+        self.declare_controllers(file, report);
         file
+    }
+
+    /// Makes the controllers that a file declares known beside those that ship.
+    fn declare_controllers(&mut self, file: FileId, report: &mut Vec<Diagnostic>) {
+        let places = check::Places { files: self };
+        let mut registry = self.registry.clone();
+        for node in self.tree(file).file().controllers() {
+            let name = node.name();
+            let is_first =
+                self.names(file).controllers.get(name.text()).is_some_and(|one| one.span == name.span());
+            let Some(model) = check::controller(node, &registry, self.scope(file), &places, report) else {
+                continue;
+            };
+            // Of two in one file that is said already.
+            let known = registry.controllers().get(name.text()).and_then(|known| known.program.as_ref());
+            if let Some(known) = known.filter(|_| is_first) {
+                report.push(
+                    Diagnostic::new(
+                        Code::DuplicateName,
+                        name.span(),
+                        format!("there is another controller `{}`", name.text()),
+                    )
+                    .label("declared again")
+                    .note(format!("declared first in {}:{}", known.origin.file, known.origin.line))
+                    .hint("rename one of them: reports and baselines tell controllers by their names"),
+                );
+            } else if is_first {
+                match registry.clone().with_controller(model) {
+                    Ok(more) => registry = more,
+                    Err(error) => report.push(
+                        Diagnostic::new(Code::WrongParameter, name.span(), error.to_string())
+                            .label("declared wrongly")
+                            .hint("change the name or the value"),
+                    ),
+                }
+            }
+        }
+        self.registry = registry;
     }
 
     /// Makes the names of `used` known; one and the same definition may arrive over several ways.
@@ -342,6 +387,7 @@ impl<'f> Texts<'f> {
         };
         for (table, more) in [
             (&mut names.roads, &from.names.roads),
+            (&mut names.controllers, &from.names.controllers),
             (&mut names.scenarios, &from.names.scenarios),
             (&mut names.blocks, &from.names.blocks),
         ] {

@@ -4,7 +4,8 @@ use std::fmt;
 use std::sync::Arc;
 
 use nalgebra::Vector2;
-use serde::{Deserialize, Serialize};
+use serde::ser::SerializeStruct;
+use serde::{Deserialize, Serialize, Serializer};
 
 use super::{
     ControllerModel, DynamicsModel, PedestrianModel, PerceptionModel, Reference, Registered, Road,
@@ -77,7 +78,9 @@ pub struct World {
 }
 
 /// A registered model, controller, dynamics or perception with every declared parameter resolved.
-#[derive(Serialize, Deserialize)]
+///
+/// Written down with what runs, where a file declares that: it is part of what the run is.
+#[derive(Deserialize)]
 #[serde(bound = "")]
 pub struct ModelSetup<T> {
     /// The entry of the registry.
@@ -94,6 +97,19 @@ impl<T: Registered> ModelSetup<T> {
     /// The first setting that does not fit what the entry declares.
     pub fn resolved(entry: &Arc<T>, given: &Settings) -> Result<Self, SettingError> {
         Ok(Self { settings: entry.declaration().resolve(given)?, model: entry.into() })
+    }
+}
+
+impl<T: Registered> Serialize for ModelSetup<T> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let runs = self.model.known().and_then(Registered::runs);
+        let mut fields = serializer.serialize_struct("ModelSetup", 2 + usize::from(runs.is_some()))?;
+        fields.serialize_field("name", &self.model)?;
+        fields.serialize_field("settings", &self.settings)?;
+        if let Some(runs) = &runs {
+            fields.serialize_field("runs", runs)?;
+        }
+        fields.end()
     }
 }
 

@@ -46,6 +46,9 @@ pub struct Suite {
     /// In the order in which they are declared.
     #[serde(default)]
     pub gates: Vec<Gate>,
+    /// Those that its files declare, by name: programs that decide.
+    #[serde(skip)]
+    pub controllers: Vec<Reference<ControllerModel>>,
     /// The unit in which it compares a metric to something, the first where there are several; metrics that it compares in SI
     /// units are not there. For messages and reports only.
     #[serde(skip)]

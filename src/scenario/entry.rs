@@ -4,7 +4,10 @@ use std::fmt;
 use std::sync::Arc;
 
 use super::agent::{Controller, Dynamics, ModelError, Pedestrian, Perception, Schedule};
-use super::{Chance, Declaration, PedestrianSetup, Reference, Registered, Settings, VehicleSetup, World};
+use super::{
+    Chance, Declaration, DeclaredProgram, PedestrianSetup, Reference, Registered, Settings, VehicleSetup,
+    World,
+};
 
 /// Builds a controller for a run.
 pub type BuildController =
@@ -35,6 +38,8 @@ pub struct ControllerModel {
     pub chance: Chance,
     /// Makes one for a run.
     pub build: BuildController,
+    /// The program that decides, of one that was declared in a file: it is not built, but asked.
+    pub program: Option<Arc<DeclaredProgram>>,
 }
 
 /// What a controller is built from.
@@ -70,6 +75,16 @@ impl ControllerModel {
             gives,
             chance: Chance::Always,
             build: Arc::new(build),
+            program: None,
+        }
+    }
+
+    /// One that a program is asked for.
+    pub fn of_program(declaration: Declaration, program: DeclaredProgram) -> Self {
+        let refusal = "it is a program, which is asked and not built";
+        Self {
+            program: Some(Arc::new(program.clone())),
+            ..Self::new(declaration, program.gives.command(), move |_| Err(ModelError::new(refusal)))
         }
     }
 
@@ -175,11 +190,12 @@ impl PedestrianModel {
 }
 
 macro_rules! registered {
-    ($($model:ty),*) => {$(
+    ($($model:ty $({ $runs:item })?),*) => {$(
         impl Registered for $model {
             fn declaration(&self) -> &Declaration {
                 &self.declaration
             }
+            $($runs)?
         }
 
         impl fmt::Debug for $model {
@@ -190,4 +206,13 @@ macro_rules! registered {
     )*};
 }
 
-registered!(ControllerModel, DynamicsModel, PerceptionModel, PedestrianModel);
+registered!(
+    ControllerModel {
+        fn runs(&self) -> Option<String> {
+            self.program.as_ref().map(|program| program.identity())
+        }
+    },
+    DynamicsModel,
+    PerceptionModel,
+    PedestrianModel
+);

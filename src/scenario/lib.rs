@@ -32,6 +32,7 @@ mod notation;
 mod optimisation;
 mod path;
 pub mod population;
+mod program;
 mod reference;
 pub mod registry;
 mod road;
@@ -75,6 +76,7 @@ pub use optimisation::{
     SearchRange, ShownIn, Target, Tune,
 };
 pub use path::Path;
+pub use program::{Answer, DeclaredProgram, Delay};
 pub use reference::{Reference, Registered};
 pub use road::{Body, Crossing, CrossingKind, Direction, Lane, Road, Side};
 pub use statement::{

@@ -45,3 +45,12 @@ pub const GOAL: Limit = limit(Dimension::LENGTH, -10.0, 100.0);
 pub const APPEARS_AT: Limit = limit(Dimension::TIME, 0.0, 3600.0);
 /// Time to arrival of a vehicle at which a pedestrian appears.
 pub const APPEARS_WHEN: Limit = limit(Dimension::TIME, 0.0, 600.0);
+
+/// Between two decisions of a program.
+pub const PERIOD: Limit = limit(Dimension::TIME, 0.001, 60.0);
+/// From what a program sees to what is done about it.
+pub const DELAY: Limit = limit(Dimension::TIME, 0.0, 60.0);
+/// Free driving of a program before the start.
+pub const SETTLES: Limit = limit(Dimension::TIME, 0.0, 600.0);
+/// In which a program must have started or answered.
+pub const WALL_TIME: Limit = limit(Dimension::TIME, 0.001, 3600.0);

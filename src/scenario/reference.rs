@@ -11,6 +11,11 @@ use super::Declaration;
 pub trait Registered {
     /// What it declares; registries hold it under the declared name.
     fn declaration(&self) -> &Declaration;
+
+    /// What runs, of something that a file declares: its name alone does not say what it is.
+    fn runs(&self) -> Option<String> {
+        None
+    }
 }
 
 /// An entry of a registry. References to entries of one name are equal, and serialise as that name.

@@ -360,7 +360,9 @@ impl<W: Write> Server<'_, W> {
         let parameters: HoverParams = serde_json::from_value(parameters)?;
         let (text, offset) = self.place(&parameters.text_document_position_params);
         let (tree, _) = Tree::parse(Sources::default().add("", ""), text.into());
-        let hover = lang::hover(&tree, offset, self.registry).map(|(span, value)| Hover {
+        let uri = &parameters.text_document_position_params.text_document.uri;
+        let registry = lang::with_declared(&path_of(uri).unwrap_or_default(), text, self.registry, &Disk);
+        let hover = lang::hover(&tree, offset, &registry).map(|(span, value)| Hover {
             contents: HoverContents::Markup(MarkupContent { kind: MarkupKind::Markdown, value }),
             range: Some(range_of(text, span)),
         });

@@ -4,6 +4,7 @@ mod block;
 mod book;
 mod claim;
 mod confidence;
+mod controller;
 mod criterion;
 mod evaluate;
 mod experiment;
@@ -30,6 +31,7 @@ use ::scenario::Origin;
 
 pub use block::reject_repeats;
 use book::Book;
+pub use controller::controller;
 pub use criterion::{Cast, set_aside};
 pub use evaluate::evaluate;
 pub use experiment::{search, tune};

@@ -28,7 +28,8 @@ pub fn vehicle(
     }
     let what = format!("vehicle `{}`", name.text());
     let controller = match last(layers, |block| block.controller().map(ast::Named::Controller)) {
-        Some(said) => named(said, &controllers(places), places, report),
+        Some(said) => named(said, &controllers(places), places, report)
+            .filter(|found| is_visible(found, places, report)),
         None => {
             missing::<ast::Controller>(layers, name.span(), &what, report);
             None
@@ -114,6 +115,28 @@ fn controllers<'a>(places: &'a Places) -> model::ModelKind<'a, ControllerModel> 
         there_is_no: "there is no controller",
         all: places.files.registry.controllers(),
     }
+}
+
+/// Whether a controller that some file declares is one that the file sees which names it; those that a variation lists may come
+/// from wherever that stands.
+fn is_visible(named: &Named<ControllerModel>, places: &Places, report: &mut Vec<Diagnostic>) -> bool {
+    let own = named.found.first().and_then(|found| found.program.as_ref());
+    let Some(program) = own.filter(|_| named.model.varied_by.is_none()) else { return true };
+    let files = places.files;
+    let file = files.ids().find(|file| files.tree(*file).source == named.span.source);
+    if file.is_none_or(|file| files.names(file).controllers.contains_key(&program.name)) {
+        return true;
+    }
+    report.push(
+        Diagnostic::new(
+            Code::UnknownController,
+            named.span,
+            format!("this file knows no controller `{}`", program.name),
+        )
+        .label("declared in a file that this one does not use")
+        .hint(format!("add `use` with the path to {}", program.file)),
+    );
+    false
 }
 
 fn all_dynamics<'a>(places: &'a Places) -> model::ModelKind<'a, DynamicsModel> {

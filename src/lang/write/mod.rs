@@ -5,6 +5,7 @@
 
 mod words;
 
+use std::collections::BTreeSet;
 use std::fmt::Write;
 
 use super::check::{DEFAULT_GOAL, Defaults};
@@ -27,6 +28,9 @@ pub fn write_scenario(scenario: &Scenario, expect: &[String], remarks: &[String]
     for remark in remarks {
         out.line(format!("# {remark}").trim_end());
     }
+    let programs = scenario.vehicles.iter().filter_map(|car| car.controller.first.known()?.program.as_ref());
+    let files: BTreeSet<&str> = programs.map(|program| program.file.as_str()).collect();
+    files.iter().for_each(|file| out.line(&format!("use {}", quoted(file))));
     out.open(&format!("scenario {}", scenario.name));
     if let Some(doc) = &scenario.doc {
         out.line(&quoted(doc));

@@ -103,6 +103,22 @@ fn value(statement: &StatementEntry, registry: &Registry) -> Value {
         })),
         YamlShape::Rows => mapping_of(&one_or_several(&words())),
         YamlShape::Parameters => mapping_of(&json!({ "type": ["string", "number", "boolean", "null"] })),
+        YamlShape::Texts => one_or_several(&json!({ "type": "string" })),
+        YamlShape::OwnParameters => mapping_of(&json!({
+            "anyOf": [
+                words(),
+                {
+                    "type": "object",
+                    "properties": {
+                        "default": words(),
+                        "text": { "type": "string" },
+                        "in": one_or_several(&words()),
+                        "doc": { "type": "string" },
+                    },
+                    "additionalProperties": false,
+                },
+            ],
+        })),
         YamlShape::Base => json!({ "type": "string" }),
     }
 }

@@ -188,6 +188,19 @@ impl Writer<'_> {
                     self.said(name, keyword, |writer| writer.quoted(item));
                 }
             }
+            YamlShape::Texts => self.said(name, keyword, |writer| {
+                for (index, item) in Self::each(value).iter().enumerate() {
+                    if index > 0 {
+                        writer.text.push_str(", ");
+                    }
+                    writer.quoted(item);
+                }
+            }),
+            YamlShape::OwnParameters => {
+                for (parameter, value) in self.fields(value, &format!("`{key}`")) {
+                    self.said(name, keyword, |writer| writer.own_parameter(parameter, value));
+                }
+            }
             YamlShape::Commas => self.said(name, keyword, |writer| writer.separated(value)),
             YamlShape::Named => {
                 let Some(kind) = statement.opens else { return };
@@ -363,6 +376,41 @@ impl Writer<'_> {
                 }
                 _ => {}
             }
+        }
+    }
+
+    /// A default alone, or `{ default: 5 m, in: 1 m .. 30 m, doc: … }`; in place of `default`, `text` is one that is in quotes.
+    fn own_parameter(&mut self, name: &Yaml, value: &Yaml) {
+        self.name(name);
+        self.text.push_str(" = ");
+        let Content::Mapping(fields) = &value.value else { return self.words(value) };
+        let field = |wanted: &str| fields.iter().find(|(key, _)| key.scalar() == Some(wanted));
+        let known = |(key, _): &(Yaml, Yaml)| matches!(key.scalar(), Some("default" | "text" | "in" | "doc"));
+        match (field("default"), field("text")) {
+            (Some((_, default)), None) if fields.iter().all(known) => self.words(default),
+            (None, Some((_, text))) if fields.iter().all(known) => self.quoted(text),
+            _ => {
+                return self.wrong(
+                    value,
+                    "a parameter is made of `default` or `text`, `in` and `doc`",
+                    "write `{ default: 5 m, in: 1 m .. 30 m, doc: … }`",
+                );
+            }
+        }
+        if let Some((_, values)) = field("in") {
+            self.text.push_str(" in ");
+            match &values.value {
+                Content::List(_) => {
+                    self.text.push('[');
+                    self.separated(values);
+                    self.text.push(']');
+                }
+                _ => self.words(values),
+            }
+        }
+        if let Some((_, doc)) = field("doc") {
+            self.text.push(' ');
+            self.quoted(doc);
         }
     }
 

@@ -119,6 +119,16 @@ fn write(statement: &StatementEntry, statements: &[Node], depth: usize, out: &mu
                 _ => line(depth, &format!("{key}: {}", flow_list(texts.into_iter())), out),
             }
         }
+        YamlShape::Texts => {
+            let texts = statements.iter().flat_map(|node| node.parts::<ast::Text>()).map(ast::Text::value);
+            line(depth, &format!("{key}: {}", flow_list(texts)), out);
+        }
+        YamlShape::OwnParameters => {
+            line(depth, &format!("{key}:"), out);
+            for parameter in statements.iter().copied().filter_map(ast::OwnParameter::cast) {
+                line(depth + 1, &format!("{}: {}", parameter.name().text(), own_parameter(parameter)), out);
+            }
+        }
         YamlShape::Commas => {
             let parts = statements.iter().flat_map(|node| node.parts::<ast::Listed>());
             line(depth, &format!("{key}: {}", flow_list(parts.map(|part| phrase(*part)))), out);
@@ -226,6 +236,24 @@ fn write(statement: &StatementEntry, statements: &[Node], depth: usize, out: &mu
         }
         YamlShape::Base | YamlShape::Parameters => {}
     }
+}
+
+/// `{ default: 5 m, in: 1 m .. 30 m, doc: "…" }`, where a default in quotes is a `text`.
+fn own_parameter(node: ast::OwnParameter) -> String {
+    let (default, text) = (node.default(), |text: &str| serde_json::Value::from(text).to_string());
+    let mut parts = vec![match (default.parts::<ast::Text>().next(), default.terms().count()) {
+        (Some(quoted), 1) => format!("text: {}", text(&quoted.value())),
+        _ => format!("default: {}", scalar(&phrase(*default))),
+    }];
+    if let Some(values) = node.values() {
+        let words = phrase(*values);
+        parts.push(match values.list() {
+            Some(list) => format!("in: {}", flow_list(list.values().map(|value| phrase(*value)))),
+            None => format!("in: {}", scalar(words.strip_prefix("in ").unwrap_or(&words))),
+        });
+    }
+    parts.extend(node.doc().map(|doc| format!("doc: {}", text(&doc.value()))));
+    format!("{{ {} }}", parts.join(", "))
 }
 
 /// A block that says nothing is still a block.

@@ -110,6 +110,7 @@ macro_rules! choices {
 
 mod criterion;
 mod experiment;
+mod program;
 mod road_user;
 mod scenario;
 mod suite;
@@ -119,6 +120,7 @@ mod value;
 
 pub use criterion::*;
 pub use experiment::*;
+pub use program::*;
 pub use road_user::*;
 pub use scenario::*;
 pub use suite::*;

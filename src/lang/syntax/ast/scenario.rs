@@ -2,8 +2,8 @@
 
 use super::super::tree::Tree;
 use super::{
-    Block, Evaluate, Expect, Expression, Integer, List, Name, Pedestrian, Search, Settings, Statement, Suite,
-    Text, Tune, Vehicle,
+    Block, ControllerDefinition, Evaluate, Expect, Expression, Integer, List, Name, Pedestrian, Search,
+    Settings, Statement, Suite, Text, Tune, Vehicle,
 };
 #[cfg(test)]
 use super::{Holds, Made};
@@ -14,6 +14,7 @@ views! {
         uses: [UseFile],
         bindings: [Binding],
         roads: [RoadDefinition],
+        controllers: [ControllerDefinition],
         scenarios: [Scenario],
         blocks: [Block],
         suites: [Suite],
@@ -112,7 +113,7 @@ views! {
 
 choices! {
     /// What gives names to a whole file.
-    Defining = Binding | RoadDefinition | Scenario | Search | Tune | Evaluate | Statement;
+    Defining = Binding | RoadDefinition | ControllerDefinition | Scenario | Search | Tune | Evaluate | Statement;
     /// What gives a name that is known in a scenario only, or in its file.
     Local = Binding | Parameter | Pedestrian | Varied | Vehicle;
     /// What scenarios stand in, themselves included.

@@ -3,14 +3,22 @@
 use std::collections::BTreeSet;
 
 use super::super::grammar::Grammar;
-use super::{Holds, Made, criterion, experiment, road_user, scenario, suite, value};
+use super::{Holds, Made, criterion, experiment, program, road_user, scenario, suite, value};
 use ::scenario::AGGREGATES;
 
 fn made() -> Vec<&'static Made> {
-    [criterion::MADE, experiment::MADE, road_user::MADE, scenario::MADE, suite::MADE, value::MADE]
-        .into_iter()
-        .flatten()
-        .collect()
+    [
+        criterion::MADE,
+        experiment::MADE,
+        program::MADE,
+        road_user::MADE,
+        scenario::MADE,
+        suite::MADE,
+        value::MADE,
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
 }
 
 /// The rules of a view or choice.

@@ -2,6 +2,7 @@
 //! hover, JSON Schema, the writer and the page of reference take it from here.
 
 mod experiments;
+mod programs;
 #[cfg(test)]
 mod tests;
 mod world;
@@ -55,6 +56,8 @@ pub enum YamlShape {
     Commas,
     /// `"text"`; a list makes one statement an item.
     Text,
+    /// `"text", "text"`
+    Texts,
     /// A mapping of names to the blocks that it opens: `name { … }`
     Named,
     /// A name, or a block in place: `road NAME`, `road { … }`
@@ -87,6 +90,8 @@ pub enum YamlShape {
     Base,
     /// The parameters of a template.
     Parameters,
+    /// A mapping of names to defaults, or to `{ default: 5 m, in: 1 m .. 30 m, doc: … }`: `parameter name = 5 m in 1 m .. 30 m "…"`
+    OwnParameters,
 }
 
 /// A kind of block.
@@ -94,6 +99,7 @@ pub enum YamlShape {
 pub enum BlockKind {
     File,
     Road,
+    Controller,
     Scenario,
     Vehicle,
     Pedestrian,
@@ -121,9 +127,10 @@ pub struct BlockEntry {
 
 impl BlockKind {
     /// The file first.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::File,
         Self::Road,
+        Self::Controller,
         Self::Scenario,
         Self::Vehicle,
         Self::Pedestrian,
@@ -141,6 +148,7 @@ impl BlockKind {
         match self {
             Self::File => &world::FILE,
             Self::Road => &world::ROAD,
+            Self::Controller => &programs::CONTROLLER,
             Self::Scenario => &world::SCENARIO_BLOCK,
             Self::Vehicle => &world::VEHICLE,
             Self::Pedestrian => &world::PEDESTRIAN,

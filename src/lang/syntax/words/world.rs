@@ -110,6 +110,16 @@ pub static FILE: BlockEntry = BlockEntry {
             .names()
             .repeats(),
         statement(
+            "controller",
+            Rule::controller_definition,
+            "controller NAME { … }",
+            "A controller of one's own: a program that decides.",
+        )
+        .key("controllers", YamlShape::Named)
+        .opens(BlockKind::Controller)
+        .names()
+        .repeats(),
+        statement(
             "define",
             Rule::define,
             "define NAME(delay = 2 s) { … }` or `define NAME : BASE { … }",

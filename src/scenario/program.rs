@@ -1,0 +1,161 @@
+//! A controller of somebody's own: a program that decides, declared beside the scenarios that it is tested in.
+
+use std::fmt::Write;
+
+use super::{CommandKind, Origin};
+
+/// A program that decides for vehicles: what is started, what it gives, and in which time.
+///
+/// Whoever reads a declaration starts nothing; whether it may be started at all is not said here.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DeclaredProgram {
+    /// By which scenarios name it.
+    pub name: String,
+    /// The words of its command: the first is looked up, no shell reads any.
+    pub command: Vec<String>,
+    /// Where it is started, as it is said, relative to the folder of [`Self::file`].
+    pub folder: String,
+    /// Names and values, in the order of the names.
+    pub environment: Vec<(String, String)>,
+    /// What it decides.
+    pub gives: Answer,
+    /// Time between two decisions, s; `None`: every simulation step.
+    pub period: Option<f64>,
+    /// From what it sees to what is done about it.
+    pub delay: Delay,
+    /// Time in free flow before the start, s.
+    pub settles: f64,
+    /// Wall time until it has said hello, and until it is ready for runs, s.
+    pub starts_within: f64,
+    /// Wall time of an answer for each run of a request, s.
+    pub answers_within: f64,
+    /// How many processes there may be at once; `None`: as many as there are threads.
+    pub processes: Option<u32>,
+    /// It is known that the same run may come out differently.
+    pub is_nondeterministic: bool,
+    /// The file that declares it, as it was named.
+    pub file: String,
+    /// Of its name.
+    pub origin: Origin,
+    /// Of its parameters, by name: what to point at where file and program disagree.
+    pub parameters: Vec<(String, Origin)>,
+}
+
+/// What a program answers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Answer {
+    /// m/s²
+    Acceleration,
+    /// Throttle and brake, each 0..1.
+    Pedals,
+    /// A speed to be reached.
+    Speed,
+    /// Speeds at times from now on.
+    SpeedPlan,
+}
+
+/// Time between what a program sees and what is done about it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Delay {
+    /// s
+    Fixed(f64),
+    /// The wall time that the answer took.
+    Measured,
+}
+
+impl Answer {
+    /// Every one.
+    pub const ALL: [Self; 4] = [Self::Acceleration, Self::Pedals, Self::Speed, Self::SpeedPlan];
+
+    /// As the language and the protocol say it.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Acceleration => "acceleration",
+            Self::Pedals => "pedals",
+            Self::Speed => "speed",
+            Self::SpeedPlan => "speed_plan",
+        }
+    }
+
+    /// What its vehicle is told.
+    pub fn command(self) -> CommandKind {
+        match self {
+            Self::Pedals => CommandKind::Pedals,
+            Self::Acceleration | Self::Speed | Self::SpeedPlan => CommandKind::Acceleration,
+        }
+    }
+}
+
+impl DeclaredProgram {
+    /// Whether wall time or the program itself may make the same run come out differently.
+    pub fn may_differ(&self) -> bool {
+        self.is_nondeterministic || self.delay == Delay::Measured
+    }
+
+    /// The words of its command as somebody would type them.
+    pub fn typed(&self) -> String {
+        self.command.iter().map(|word| shown(word)).collect::<Vec<_>>().join(" ")
+    }
+
+    /// What runs and how its decisions are taken: two declarations that say the same here drive alike.
+    pub fn identity(&self) -> String {
+        let mut text = self.typed();
+        let mut say =
+            |part: std::fmt::Arguments| text.write_fmt(part).expect("writing to a string cannot fail");
+        say(format_args!(" in {}", shown(&self.folder)));
+        for (name, value) in &self.environment {
+            say(format_args!(", {}", shown(&format!("{name}={value}"))));
+        }
+        say(format_args!(", gives {}", self.gives.word()));
+        if let Some(period) = self.period {
+            say(format_args!(", every {period} s"));
+        }
+        match self.delay {
+            Delay::Fixed(0.0) => {}
+            Delay::Fixed(delay) => say(format_args!(", after {delay} s")),
+            Delay::Measured => say(format_args!(", after what an answer takes")),
+        }
+        if self.settles > 0.0 {
+            say(format_args!(", settled for {} s", self.settles));
+        }
+        text
+    }
+}
+
+/// A word that reads as one.
+fn shown(word: &str) -> String {
+    let plain = |c: char| c.is_alphanumeric() || "_-./=:,+@%".contains(c);
+    if !word.is_empty() && word.chars().all(plain) { word.to_string() } else { format!("{word:?}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_runs_and_how_is_its_identity() {
+        let program = DeclaredProgram {
+            name: "my_av".into(),
+            command: vec!["python3".into(), "my av.py".into()],
+            folder: "..".into(),
+            environment: vec![("A".into(), "b".into())],
+            gives: Answer::Acceleration,
+            period: Some(0.1),
+            delay: Delay::Fixed(0.05),
+            settles: 0.0,
+            starts_within: 30.0,
+            answers_within: 10.0,
+            processes: None,
+            is_nondeterministic: false,
+            file: "a.scn".into(),
+            origin: Origin::default(),
+            parameters: Vec::new(),
+        };
+        assert_eq!(
+            program.identity(),
+            "python3 \"my av.py\" in .., A=b, gives acceleration, every 0.1 s, after 0.05 s"
+        );
+        let limits = DeclaredProgram { answers_within: 1.0, file: "b.scn".into(), ..program.clone() };
+        assert_eq!(limits.identity(), program.identity());
+    }
+}
