@@ -1,5 +1,8 @@
 //! The control loop of one vehicle: when it is due, what it sees, what it was told to do, and how it settles before the run.
 
+use std::collections::VecDeque;
+
+use super::order::{Order, SpeedPlan};
 use super::road_users::{Driven, Driver};
 use scenario::agent::{
     Command, ControllerError, EgoState, Longitudinal, Mode, Observation, RoadView, Schedule, SeenPedestrian,
@@ -18,8 +21,10 @@ pub(super) struct Control {
     observation: Observation,
     /// What perception leaves of it, if there is any.
     view: Option<Observation>,
-    /// What the vehicle does until the next decision.
-    pub command: Command,
+    /// What the vehicle does until the next decision takes effect.
+    held: Held,
+    /// What was decided for later, with the moments (s) from which on it holds, in the order of the decisions.
+    later: VecDeque<(f64, Held)>,
     schedule: Schedule,
     decisions: u64,
     /// Moment of the next decision, s.
@@ -27,6 +32,17 @@ pub(super) struct Control {
     /// Whether somebody outside is to decide now.
     pub waits: bool,
     settling: Settling,
+}
+
+/// What a vehicle does meanwhile.
+#[derive(Debug, Clone)]
+enum Held {
+    Command(Command),
+    /// Speeds from the moment `begun` (s) on.
+    Plan {
+        plan: Box<SpeedPlan>,
+        begun: f64,
+    },
 }
 
 /// A vehicle in free flow before time 0.
@@ -69,7 +85,8 @@ impl Control {
         Self {
             observation: observed(),
             view: driven.perception.is_some().then(observed),
-            command: Command::Acceleration(0.0),
+            held: Held::Command(Command::Acceleration(0.0)),
+            later: VecDeque::new(),
             schedule: driven.driver.schedule(),
             decisions: 0,
             next: 0.0,
@@ -88,9 +105,26 @@ impl Control {
         time >= self.next - TIME_TOLERANCE
     }
 
-    /// The moment of its next decision if it lies before `end` (s), which is where the next step asks by itself.
+    /// The moment of its next decision, or at which one takes effect, if it lies before `end` (s), which is where the next
+    /// step asks by itself.
     pub fn due_before(&self, end: f64) -> Option<f64> {
-        (self.next < end - TIME_TOLERANCE).then_some(self.next)
+        let next = self.later.iter().map(|(moment, _)| *moment).fold(self.next, f64::min);
+        (next < end - TIME_TOLERANCE).then_some(next)
+    }
+
+    /// Lets what was decided for `time` (s) take effect. A later decision holds whatever an earlier one still had in store.
+    pub fn take_effect(&mut self, time: f64) {
+        while let Some(last) = self.later.iter().rposition(|(moment, _)| *moment <= time + TIME_TOLERANCE) {
+            self.held = self.later.drain(..=last).next_back().expect("it has a last one").1;
+        }
+    }
+
+    /// What a vehicle with that speed (m/s) is told at `time` (s).
+    pub fn command_at(&self, time: f64, speed: f64) -> Command {
+        match &self.held {
+            Held::Command(command) => *command,
+            Held::Plan { plan, begun } => Command::Acceleration(plan.acceleration(time - begun, speed)),
+        }
     }
 
     /// What whoever decides is shown.
@@ -122,9 +156,30 @@ impl Control {
             return Err(ControllerError::new(format!("no vehicle can follow its command: {command:?}")));
         }
         self.waits = false;
-        self.command = command;
+        self.later.clear();
+        self.held = Held::Command(command);
         self.count_from(self.decisions + 1);
         Ok(())
+    }
+
+    /// Takes a decision that is taken at `time` (s) and holds from `delay` (s) later on until the next one does.
+    pub fn take_later(&mut self, order: Order, time: f64, delay: f64) -> Result<(), ControllerError> {
+        let held = match order {
+            Order::Command(command) if delay <= 0.0 => return self.take(command),
+            Order::Command(command) if command.is_finite() => Held::Command(command),
+            Order::Command(command) => return self.take(command),
+            Order::Plan(plan) => Held::Plan { plan, begun: time + delay },
+        };
+        self.waits = false;
+        self.later.push_back((time + delay, held));
+        self.take_effect(time);
+        self.count_from(self.decisions + 1);
+        Ok(())
+    }
+
+    /// The moment of the decision that is waited for, s; counted from the start of settling while it settles.
+    pub fn moment(&self) -> f64 {
+        self.next
     }
 
     fn count_from(&mut self, decisions: u64) {
@@ -158,17 +213,23 @@ impl Control {
             let begin = index as f64 * step;
             if !self.settling.begun {
                 self.settling.begun = true;
+                self.take_effect(begin);
                 if self.is_due(begin) {
                     self.decide_far_away((index as f64 - steps as f64) * step, driven)?;
                 }
             } else if let Some(moment) = self.due_before((index + 1) as f64 * step) {
+                let command = self.command_at(begin + self.settling.driven, self.settling.motion.speed);
                 let Settling { motion, driven: done, .. } = &mut self.settling;
-                driven.dynamics.advance(motion, self.command, moment - begin - *done);
+                driven.dynamics.advance(motion, command, moment - begin - *done);
                 *done = moment - begin;
-                self.decide_far_away(moment - steps as f64 * step, driven)?;
+                self.take_effect(moment);
+                if self.is_due(moment) {
+                    self.decide_far_away(moment - steps as f64 * step, driven)?;
+                }
             } else {
+                let command = self.command_at(begin + self.settling.driven, self.settling.motion.speed);
                 let Settling { motion, driven: done, .. } = &mut self.settling;
-                driven.dynamics.advance(motion, self.command, step - *done);
+                driven.dynamics.advance(motion, command, step - *done);
                 (self.settling.index, self.settling.begun, self.settling.driven) = (index + 1, false, 0.0);
             }
         }
@@ -176,6 +237,17 @@ impl Control {
             return Ok(None);
         }
         self.count_from(0);
+        // What was decided while settling holds on: its moments are counted from the start from now on.
+        let settled = steps as f64 * step;
+        self.later.iter_mut().for_each(|(moment, _)| *moment -= settled);
+        if let Held::Plan { begun, .. } = &mut self.held {
+            *begun -= settled;
+        }
+        for (_, held) in &mut self.later {
+            if let Held::Plan { begun, .. } = held {
+                *begun -= settled;
+            }
+        }
         Ok(Some(Longitudinal { travelled: 0.0, ..self.settling.motion }))
     }
 

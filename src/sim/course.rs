@@ -8,6 +8,7 @@ use thiserror::Error;
 use super::contact::{Contacts, Solid};
 use super::control::{Control, TIME_TOLERANCE};
 use super::observer::{Ending, Observer, Step, StopReason};
+use super::order::Order;
 use super::road_users::RoadUsers;
 use super::start::{placed, waiting_outside, way};
 use scenario::agent::{
@@ -193,6 +194,34 @@ impl Course {
         Ok(())
     }
 
+    /// As [`Self::decide`], for `delay` s later on: what was decided before holds until then. Of two decisions the later one holds
+    /// from its own moment on.
+    ///
+    /// # Errors
+    /// As [`Self::decide`].
+    ///
+    /// # Panics
+    /// As [`Self::decide`].
+    pub fn decide_later(
+        &mut self,
+        vehicle: usize,
+        order: Order,
+        delay: f64,
+        mode: Mode,
+    ) -> Result<(), Fault> {
+        assert!(self.controls[vehicle].waits, "vehicle {vehicle} is not asked");
+        let control = &mut self.controls[vehicle];
+        let moment = control.moment();
+        if let Err(error) = control.take_later(order, moment, delay) {
+            return Err(self.fault(vehicle, error));
+        }
+        self.waiting -= 1;
+        if !matches!(self.stage, Stage::Settle) {
+            self.vehicle_modes[vehicle] = mode;
+        }
+        Ok(())
+    }
+
     /// Ends the run since whoever decides for a vehicle cannot.
     pub fn fault(&mut self, vehicle: usize, error: ControllerError) -> Fault {
         let time = self.controls[vehicle].shown().time;
@@ -247,6 +276,7 @@ impl Course {
     fn ask_vehicles(&mut self, time: f64, between: bool) -> Result<(), Fault> {
         let state = if between { &self.between } else { &self.now };
         for (vehicle, control) in self.controls.iter_mut().enumerate() {
+            control.take_effect(time);
             if control.is_due(time) {
                 let driven = &mut self.users.vehicles[vehicle];
                 match control.decide(driven, time, vehicle, state, &self.world.road) {
@@ -288,7 +318,7 @@ impl Course {
         let end = (self.index + 1) as f64 * step;
         let next = self.controls.iter().filter_map(|control| control.due_before(end)).reduce(f64::min);
         if let Some(moment) = next {
-            self.drive_on(moment - time - driven);
+            self.drive_on(time + driven, moment - time - driven);
             let driven = moment - time;
             self.walk(driven);
             self.between.vehicles.clone_from(&self.next.vehicles);
@@ -296,7 +326,7 @@ impl Course {
             self.stage = Stage::Drive(driven);
             return self.ask_vehicles(moment, true);
         }
-        self.drive_on(step - driven);
+        self.drive_on(time + driven, step - driven);
         if driven > 0.0 {
             for (before, after) in self.now.vehicles.iter().zip(&mut self.next.vehicles) {
                 after.motion.acceleration = (after.motion.speed - before.motion.speed) / step;
@@ -354,10 +384,12 @@ impl Course {
         self.index as f64 * self.world.step
     }
 
-    fn drive_on(&mut self, duration: f64) {
+    /// Moves the vehicles on by `duration` (s) from `time` (s).
+    fn drive_on(&mut self, time: f64, duration: f64) {
         let controlled = self.controls.iter().zip(&mut self.users.vehicles);
         for (state, (control, driven)) in self.next.vehicles.iter_mut().zip(controlled) {
-            driven.dynamics.advance(&mut state.motion, control.command, duration);
+            let command = control.command_at(time, state.motion.speed);
+            driven.dynamics.advance(&mut state.motion, command, duration);
         }
     }
 

@@ -25,6 +25,7 @@ pub mod fixture;
 pub mod geometry;
 pub mod measure;
 mod observer;
+mod order;
 pub mod random;
 mod road_users;
 pub mod script;
@@ -36,6 +37,7 @@ pub use contact::{Contacts, Solid, Touch};
 pub use course::{Course, Fault, Progress, has_arrived, has_crossed, longest_run, simulate};
 pub use fingerprint::Fingerprint;
 pub use observer::{Ending, Observer, Step, StopReason};
+pub use order::{LONGEST_PLAN, Order, SpeedPlan, SpeedPlanError, toward};
 pub use road_users::{Driven, Driver, RoadUsers};
 pub use scenario::agent::{
     Command, Controller, ControllerError, Dynamics, EgoState, Longitudinal, Mode, ModelError, Motion,

@@ -1,8 +1,8 @@
 //! Runs with simple road users, whoever decides for them.
 
 use super::*;
-use crate::fixture;
 use crate::road_users::{Driven, Driver};
+use crate::{SpeedPlan, fixture};
 use scenario::agent::{Controller, Dynamics, Longitudinal, Pedestrian, Schedule};
 use scenario::{Direction, VehicleReference, VehicleStart};
 
@@ -231,4 +231,80 @@ fn a_course_waits_until_all_who_are_asked_have_decided() {
 fn a_course_may_go_from_thread_to_thread() {
     fn is_send<T: Send>() {}
     is_send::<Course>();
+}
+
+/// Does what it is told.
+struct Obeying;
+
+impl Dynamics for Obeying {
+    fn advance(&mut self, motion: &mut Longitudinal, command: Command, step: f64) {
+        let Command::Acceleration(acceleration) = command else {
+            unreachable!("only accelerations are given")
+        };
+        motion.acceleration = acceleration;
+        motion.speed += acceleration * step;
+        motion.travelled += motion.speed * step;
+    }
+}
+
+#[derive(Default)]
+struct Accelerations(Vec<(f64, f64)>);
+
+impl Observer for Accelerations {
+    fn observe(&mut self, step: &Step) {
+        let acceleration = (step.after.vehicles[0].motion.acceleration * 1e6).round() / 1e6;
+        if self.0.last().is_none_or(|(_, last)| *last != acceleration) {
+            self.0.push((step.time, acceleration));
+        }
+    }
+}
+
+/// The accelerations of a run, where they change, whose decisions (counted from 0) are `order` and take effect `delay` s later.
+fn delayed(
+    settling: f64,
+    delay: impl Fn(usize) -> f64,
+    order: impl Fn(usize) -> Order,
+    decisions: usize,
+) -> Vec<(f64, f64)> {
+    let world = Arc::new(world(10.0, VehicleStart::Distance(50.0), Appearance::At(0.0)));
+    let mut users = users(Box::new(Coasting), 0.0);
+    users.vehicles[0] =
+        Driven { driver: outside(0.1, settling), perception: None, dynamics: Box::new(Obeying) };
+    let (mut course, mut seen) = (Course::start(world, users), Accelerations::default());
+    for decision in 0..decisions {
+        assert_eq!(course.next(&mut seen), Ok(Progress::Waits));
+        course.decide_later(0, order(decision), delay(decision), Mode::NONE).unwrap();
+    }
+    course.next(&mut seen).unwrap();
+    seen.0
+}
+
+fn accelerate(decision: usize) -> Order {
+    Order::Command(Command::Acceleration((decision as f64 + 1.0) / 100.0))
+}
+
+#[test]
+fn a_decision_takes_effect_after_its_delay_and_holds_until_the_next_one_does() {
+    let rounded = |seen: Vec<(f64, f64)>| -> Vec<(f64, f64)> {
+        seen.into_iter().map(|(time, value)| ((time * 1e3).round(), value)).collect()
+    };
+    let at_once = rounded(delayed(0.0, |_| 0.0, accelerate, 4));
+    assert_eq!(at_once, [(0.0, 0.01), (100.0, 0.02), (200.0, 0.03), (300.0, 0.04)]);
+    // Longer than the period: until the first takes effect, nothing was decided.
+    let late = rounded(delayed(0.0, |_| 0.15, accelerate, 4));
+    assert_eq!(late, [(0.0, 0.0), (150.0, 0.01), (250.0, 0.02), (350.0, 0.03)]);
+    // What was decided while settling holds on until the first decision of the run takes effect.
+    let settled = rounded(delayed(0.2, |_| 0.05, accelerate, 4));
+    assert_eq!(settled, [(0.0, 0.02), (50.0, 0.03), (150.0, 0.04)]);
+    // Of two the later decision counts, however long the earlier one still takes.
+    let overtaken = |decision| if decision == 0 { 0.35 } else { 0.0 };
+    assert_eq!(rounded(delayed(0.0, overtaken, accelerate, 4))[..2], [(0.0, 0.0), (100.0, 0.02)]);
+}
+
+#[test]
+fn a_plan_is_followed_from_when_it_takes_effect() {
+    let plan = |_| Order::Plan(Box::new(SpeedPlan::new(vec![(0.0, 10.0), (1.0, 9.0)]).unwrap()));
+    let seen = delayed(0.0, |_| 0.05, plan, 1);
+    assert_eq!((seen[0], seen[1].0), ((0.0, 0.0), 0.05));
+    assert!((seen[1].1 + 1.0).abs() < 1e-9, "{seen:?}");
 }
