@@ -29,16 +29,16 @@ static CASES: LazyLock<Vec<Case>> = LazyLock::new(|| {
 });
 
 /// Everything that can be told of a run.
-struct Told<'w> {
+struct Told {
     measurement: Measurement,
     fingerprint: Fingerprint,
     trace: Trace,
-    timeline: Timeline<'w>,
+    timeline: Timeline,
     ended: Option<(Ending, Snapshot)>,
 }
 
-impl<'w> Told<'w> {
-    fn new(world: &'w World, requests: &Requests, speeds: &[f64]) -> Self {
+impl Told {
+    fn new(world: &Arc<World>, requests: &Requests, speeds: &[f64]) -> Self {
         let flows = FreeFlows::default().of(world).unwrap();
         Self {
             measurement: Measurement::new(world, requests.as_slice(), &flows, speeds),
@@ -56,7 +56,7 @@ impl<'w> Told<'w> {
     }
 }
 
-impl Observer for Told<'_> {
+impl Observer for Told {
     fn begin(&mut self, start: &Snapshot) {
         self.measurement.begin(start);
         self.fingerprint.begin(start);
@@ -81,16 +81,16 @@ impl Observer for Told<'_> {
 }
 
 /// A run whose vehicles are driven from outside by the controllers that its case names.
-struct Outside<'w> {
+struct Outside {
     course: Course,
     drivers: Vec<Option<Box<dyn Controller>>>,
-    told: Told<'w>,
+    told: Told,
     decisions: usize,
 }
 
-impl<'w> Outside<'w> {
+impl Outside {
     /// `which` vehicles are driven from outside, bit by bit; `None` where the models do not take the case.
-    fn new(world: &'w Arc<World>, seed: u64, requests: &Requests, which: u32) -> Option<Self> {
+    fn new(world: &Arc<World>, seed: u64, requests: &Requests, which: u32) -> Option<Self> {
         let mut users = road_users(world, seed).ok()?;
         let speeds: Vec<f64> = users.pedestrians.iter().map(|one| one.free_speed()).collect();
         let take = |(index, driven): (usize, &mut sim::Driven)| {

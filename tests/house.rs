@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 /// The packages and which of them each may know, in the order in which they stand on each other. Cargo keeps the arrows: what is not in
 /// a manifest cannot be imported.
-const PACKAGES: [(&str, &[&str]); 12] = [
+const PACKAGES: [(&str, &[&str]); 13] = [
     ("grammar", &[]),
     ("numbers", &[]),
     ("files", &[]),
@@ -20,9 +20,24 @@ const PACKAGES: [(&str, &[&str]); 12] = [
     ("results", &["numbers", "files", "optimise", "scenario", "sim"]),
     ("models", &["numbers", "files", "scenario", "sim"]),
     ("lang", &["grammar", "files", "scenario"]),
-    ("runner", &["numbers", "files", "optimise", "scenario", "sim", "results", "lang"]),
+    ("under_test", &["files", "scenario", "sim"]),
+    ("runner", &["numbers", "files", "optimise", "scenario", "sim", "under_test", "results", "lang"]),
     ("report", &["numbers", "files", "optimise", "scenario", "sim", "results", "lang"]),
-    (FRONT, &["numbers", "files", "scenario", "sim", "results", "models", "lang", "runner", "report"]),
+    (
+        FRONT,
+        &[
+            "numbers",
+            "files",
+            "scenario",
+            "sim",
+            "under_test",
+            "results",
+            "models",
+            "lang",
+            "runner",
+            "report",
+        ],
+    ),
 ];
 
 /// The package at the top: the front door, the program and suites as tests.

@@ -1,5 +1,7 @@
 //! The event timeline of one run: what happened, when and to whom.
 
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
 
 use super::contact::Solid;
@@ -71,8 +73,8 @@ pub enum Happening {
 
 /// Records the events of a run.
 #[derive(Debug)]
-pub struct Timeline<'a> {
-    world: &'a World,
+pub struct Timeline {
+    world: Arc<World>,
     events: Vec<TimelineEvent>,
     pedestrian_modes: Vec<Mode>,
     vehicle_modes: Vec<Mode>,
@@ -84,12 +86,12 @@ pub struct Timeline<'a> {
 /// Below this a road user stands, m/s.
 const STANDING: f64 = 0.01;
 
-impl<'a> Timeline<'a> {
+impl Timeline {
     /// Of a run of this world that has not begun.
-    pub fn new(world: &'a World) -> Self {
+    pub fn new(world: &Arc<World>) -> Self {
         let (cars, people) = (world.vehicles.len(), world.pedestrians.len());
         Self {
-            world,
+            world: world.clone(),
             events: Vec::new(),
             pedestrian_modes: vec![Mode::NONE; people],
             vehicle_modes: vec![Mode::NONE; cars],
@@ -110,7 +112,7 @@ impl<'a> Timeline<'a> {
     }
 
     fn follow_vehicle(&mut self, step: &Step, index: usize) {
-        let world = self.world;
+        let world = self.world.clone();
         let name = &world.vehicles[index].name;
         let (before, after) = (&step.before.vehicles[index].motion, &step.after.vehicles[index].motion);
         let mode = &step.vehicle_modes[index];
@@ -142,7 +144,7 @@ impl<'a> Timeline<'a> {
     }
 
     fn follow_pedestrian(&mut self, step: &Step, index: usize) {
-        let world = self.world;
+        let world = self.world.clone();
         let name = &world.pedestrians[index].name;
         let (before, after) = (&step.before.pedestrians[index], &step.after.pedestrians[index]);
         let mode = &step.pedestrian_modes[index];
@@ -181,18 +183,19 @@ impl<'a> Timeline<'a> {
                 (car @ Solid::Vehicle(_), person @ Solid::Pedestrian(_)) => (person, car),
                 other => other,
             };
-            let (with, relative_speed) = (with.name(self.world).to_string(), touch.relative_speed);
+            let (with, relative_speed) = (with.name(&self.world).to_string(), touch.relative_speed);
             let what = if touch.is_collision() {
                 Happening::Collides { with, relative_speed }
             } else {
                 Happening::Touches { with, relative_speed }
             };
-            self.add(step.time + touch.moment, who.name(self.world), what);
+            let world = self.world.clone();
+            self.add(step.time + touch.moment, who.name(&world), what);
         }
     }
 }
 
-impl Observer for Timeline<'_> {
+impl Observer for Timeline {
     fn observe(&mut self, step: &Step) {
         for index in 0..self.world.vehicles.len() {
             self.follow_vehicle(step, index);
@@ -201,7 +204,7 @@ impl Observer for Timeline<'_> {
             if step.before.pedestrians[index].present {
                 if !self.appeared[index] {
                     self.appeared[index] = true;
-                    self.add(step.time, &self.world.pedestrians[index].name, Happening::Appears);
+                    self.add(step.time, &self.world.clone().pedestrians[index].name, Happening::Appears);
                 }
                 self.follow_pedestrian(step, index);
             }

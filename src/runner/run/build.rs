@@ -3,8 +3,10 @@
 use thiserror::Error;
 
 use numbers::random::ranks;
-use scenario::{ControllerContext, Dimension, PedestrianContext, Reference, Scenario, World, show};
-use sim::{ControllerError, Driven, Driver, Fault, ModelError, RoadUsers, StatedBy};
+use scenario::{
+    ControllerContext, DeclaredProgram, Dimension, PedestrianContext, Reference, Scenario, World, show,
+};
+use sim::{ControllerError, Driven, Driver, Fault, ModelError, RoadUsers, Schedule, StatedBy};
 
 /// Why a case cannot be run, or not to its end.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -89,6 +91,12 @@ fn resolved<'a, T>(reference: &'a Reference<T>, kind: &'static str) -> Result<&'
     reference.known().ok_or_else(unknown)
 }
 
+/// A program decides at moments of its own, or at every step.
+fn outside(program: &DeclaredProgram, world: &World) -> Driver {
+    let schedule = Schedule::every(program.period.unwrap_or(world.step));
+    Driver::Outside { schedule, settling_time: program.settles }
+}
+
 /// Builds every road user of `world` for the run with seed `seed`.
 pub fn road_users(world: &World, seed: u64) -> Result<RoadUsers, RunError> {
     let named = |who: &str| {
@@ -105,7 +113,10 @@ pub fn road_users(world: &World, seed: u64) -> Result<RoadUsers, RunError> {
             let dynamics = resolved(&setup.dynamics.model, "vehicle dynamics")?;
             let context =
                 ControllerContext { settings: &setup.controller.settings, setup, world, rank, seed };
-            let driver = Driver::Inside((model.build)(&context).map_err(named(&setup.name))?);
+            let driver = match &model.program {
+                Some(program) => outside(program, world),
+                None => Driver::Inside((model.build)(&context).map_err(named(&setup.name))?),
+            };
             let perception = setup.sees.as_ref().map(|sees| {
                 let perception = resolved(&sees.model, "perception")?;
                 (perception.build)(&sees.settings, &context, driver.schedule()).map_err(named(&setup.name))

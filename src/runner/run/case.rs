@@ -1,17 +1,12 @@
 //! One case from start to outcome.
 
-use std::sync::Arc;
-use std::time::Instant;
-
-use super::build::{RunError, road_users};
-use super::cut_off::cut_off;
+use super::build::RunError;
+use super::case_run::RunningCase;
 use super::free_flow::FreeFlows;
-use super::name::shared;
 use super::panic::in_case;
-use results::{ByMetric, Critical, CutOff, Outcome, Requests};
-use scenario::{Case, World};
-use sim::measure::{Measurement, Reading};
-use sim::{Ending, Fingerprint, Observer, Snapshot, Step, StopReason, simulate};
+use results::{Outcome, Requests};
+use scenario::Case;
+use sim::{ControllerError, Observer, Progress, Step};
 
 /// Runs one case and reads the requested metrics off it. `watcher` sees every step and changes nothing.
 ///
@@ -34,59 +29,25 @@ fn run(
     free_flows: &FreeFlows,
     watcher: &mut dyn Observer,
 ) -> Result<Outcome, RunError> {
-    let begun = Instant::now();
-    let users = road_users(&case.world, case.seed)?;
-    let free_speeds: Vec<f64> = users.pedestrians.iter().map(|pedestrian| pedestrian.free_speed()).collect();
     let flows = free_flows.of(&case.world)?;
-    let mut observers = Observers {
-        measurement: Measurement::new(&case.world, requests.as_slice(), &flows, &free_speeds),
-        fingerprint: Fingerprint::default(),
-        last: None,
-        watcher,
+    let mut run = RunningCase::start(case, requests, &flows)?;
+    let fault = match run.go_on(watcher) {
+        Ok(Progress::Ended(_)) => return Ok(run.outcome(case)),
+        Ok(Progress::Waits) => {
+            let waiting = run.course().asked().next().map_or(0, |(vehicle, _)| vehicle);
+            run.course().fault(waiting, nobody_asked())
+        }
+        Err(fault) => fault,
     };
-    let ending = simulate(&case.world, users, &mut observers)
-        .map_err(|fault| RunError::of_fault(&case.world, fault, false))?;
-    let readings = observers.measurement.readings();
-    let too_early = observers.last.as_ref().filter(|_| ending.reason != StopReason::Completed);
-    let cut_off = too_early.map(|last| cut_off(&case.world, last, &observers.measurement, &readings));
-    let pedestrians = names(case.world.pedestrians.iter().map(|one| &one.name));
-    let vehicles = names(case.world.vehicles.iter().map(|car| &car.name));
-    Ok(Outcome {
-        key: case.key.clone(),
-        seed: case.seed,
-        individuals: case.individuals.clone(),
-        ending,
-        metrics: readings.iter().map(|reading| reading.worst?.value).collect(),
-        critical: critical(&case.world, &vehicles, &pedestrians, &readings),
-        presences: pedestrians.into_iter().zip(observers.measurement.presences()).collect(),
-        cut_off: cut_off.filter(|cut_off| *cut_off != CutOff::default()).map(Box::new),
-        fingerprint: observers.fingerprint.value(),
-        wall_time: begun.elapsed(),
-    })
+    Err(RunError::of_fault(&case.world, fault, false))
 }
 
-fn names<'a>(names: impl Iterator<Item = &'a String>) -> Vec<Arc<str>> {
-    names.map(|name| shared(name)).collect()
-}
-
-/// When and for whom the readings are what they are.
-fn critical(
-    world: &World,
-    vehicles: &[Arc<str>],
-    pedestrians: &[Arc<str>],
-    readings: &[Reading],
-) -> ByMetric<Critical> {
-    let of = |reading: &Reading| {
-        let worst = reading.worst?;
-        Some(Critical {
-            time: worst.instant,
-            vehicle: worst.vehicle.map(|index| vehicles[index].clone()),
-            pedestrian: worst.pedestrian.map(|index| pedestrians[index].clone()),
-            other: worst.other.map(|other| shared(other.name(world))),
-        })
-        .filter(|critical| *critical != Critical::default())
-    };
-    readings.iter().map(of).collect()
+/// Of a vehicle that a program drives, where no program may be started.
+pub(super) fn nobody_asked() -> ControllerError {
+    ControllerError::with_hint(
+        "its controller is a program, and nobody here starts one",
+        "make its runs with `Threads::attending` a yard of programs",
+    )
 }
 
 /// Sees nothing: for runs of which only the outcome matters.
@@ -94,32 +55,4 @@ pub struct Unwatched;
 
 impl Observer for Unwatched {
     fn observe(&mut self, _step: &Step) {}
-}
-
-struct Observers<'a> {
-    measurement: Measurement,
-    fingerprint: Fingerprint,
-    last: Option<Snapshot>,
-    watcher: &'a mut dyn Observer,
-}
-
-impl Observer for Observers<'_> {
-    fn begin(&mut self, start: &Snapshot) {
-        self.measurement.begin(start);
-        self.fingerprint.begin(start);
-        self.watcher.begin(start);
-    }
-
-    fn observe(&mut self, step: &Step) {
-        self.measurement.observe(step);
-        self.fingerprint.observe(step);
-        self.watcher.observe(step);
-    }
-
-    fn end(&mut self, ending: &Ending, last: &Snapshot) {
-        self.measurement.end(ending, last);
-        self.fingerprint.end(ending, last);
-        self.watcher.end(ending, last);
-        self.last = Some(last.clone());
-    }
 }

@@ -1,6 +1,6 @@
 //! Where runs are made: an executor takes jobs, makes them wherever it likes, and gives back what came of each.
 
-use super::job::{Done, Job};
+use super::job::{Done, Job, JobPlace};
 
 /// Makes runs. What they come to depends on neither when nor where they are made, so that executors differ in time only.
 pub trait Executor: Sync {
@@ -28,6 +28,12 @@ pub trait Round: Send {
 
     /// Takes what came of one of them.
     fn done(&mut self, done: Done);
+
+    /// Whether somebody still waits for a run that was given: of one that takes long this may be asked meanwhile.
+    fn is_wanted(&mut self, place: JobPlace) -> bool {
+        let _ = place;
+        true
+    }
 }
 
 impl dyn Executor + '_ {

@@ -6,9 +6,10 @@ use std::sync::{Arc, Mutex};
 use sha2::{Digest, Sha256};
 
 use super::build::{RunError, road_users};
+use super::case::nobody_asked;
 use scenario::World;
 use sim::measure::FreeFlow;
-use sim::{Observer, Step, simulate};
+use sim::{Course, Observer, Progress, Step};
 
 /// So many are known at a time: every trial of a million may have a start of its own, and those of one start follow each other.
 const MOST_KNOWN: usize = 1 << 14;
@@ -23,23 +24,45 @@ pub struct FreeFlows {
 impl FreeFlows {
     /// What each vehicle of `world` does when no pedestrian appears.
     pub fn of(&self, world: &World) -> Result<Arc<Vec<FreeFlow>>, RunError> {
+        // Two threads may both simulate the same free flow; they find the same.
+        let mut run = match self.begin(world)? {
+            Begun::Known(flows) => return Ok(flows),
+            Begun::Run(run) => run,
+        };
+        match run.go_on()? {
+            Progress::Ended(_) => Ok(self.keep(*run)),
+            Progress::Waits => {
+                let waiting = run.course().asked().next().map_or(0, |(vehicle, _)| vehicle);
+                let fault = run.course().fault(waiting, nobody_asked());
+                Err(RunError::of_fault(&run.world, fault, true))
+            }
+        }
+    }
+
+    /// As [`Self::of`], where somebody outside may have to decide.
+    pub(super) fn begin(&self, world: &World) -> Result<Begun, RunError> {
         let mut empty = world.clone();
         empty.pedestrians.clear();
         empty.road = empty.road.unnamed();
         let text = serde_json::to_vec(&empty).expect("plain data serialises");
         let hash: [u8; 32] = Sha256::digest(text).into();
         if let Some(found) = self.lock().get(&hash) {
-            return Ok(found.clone());
+            return Ok(Begun::Known(found.clone()));
         }
-        // Two threads may both simulate the same free flow; they find the same.
-        let flows = Arc::new(drive(&Arc::new(empty))?);
+        FreeFlowRun::start(hash, empty).map(|run| Begun::Run(Box::new(run)))
+    }
+
+    /// Keeps what a run that has come to its end found.
+    pub(super) fn keep(&self, run: FreeFlowRun) -> Arc<Vec<FreeFlow>> {
+        let missing = FreeFlow { finish_time: None, finish_speed: 0.0 };
+        let flows = run.finishes.flows.into_iter().map(|flow| flow.unwrap_or(missing)).collect();
+        let flows = Arc::new(flows);
         let mut known = self.lock();
         if known.len() >= MOST_KNOWN {
             known.clear();
         }
-        known.insert(hash, flows.clone());
-        drop(known);
-        Ok(flows)
+        known.insert(run.hash, Arc::clone(&flows));
+        flows
     }
 
     fn lock(&self) -> std::sync::MutexGuard<'_, HashMap<[u8; 32], Arc<Vec<FreeFlow>>>> {
@@ -48,14 +71,47 @@ impl FreeFlows {
 }
 
 /// Free flow has no chance in it but a controller's own, so any seed does: the same one for all.
-const SEED: u64 = 0;
+pub(super) const SEED: u64 = 0;
 
-fn drive(world: &Arc<World>) -> Result<Vec<FreeFlow>, RunError> {
-    let users = road_users(world, SEED)?;
-    let mut finishes = Finishes { line: world.finish, flows: vec![None; world.vehicles.len()] };
-    simulate(world, users, &mut finishes).map_err(|fault| RunError::of_fault(world, fault, true))?;
-    let missing = FreeFlow { finish_time: None, finish_speed: 0.0 };
-    Ok(finishes.flows.into_iter().map(|flow| flow.unwrap_or(missing)).collect())
+/// A free flow that is known, or has to be driven.
+pub(super) enum Begun {
+    Known(Arc<Vec<FreeFlow>>),
+    Run(Box<FreeFlowRun>),
+}
+
+/// A free flow under way, which waits wherever somebody outside decides.
+pub(super) struct FreeFlowRun {
+    hash: [u8; 32],
+    pub world: Arc<World>,
+    course: Course,
+    finishes: Finishes,
+}
+
+impl FreeFlowRun {
+    fn start(hash: [u8; 32], empty: World) -> Result<Self, RunError> {
+        let world = Arc::new(empty);
+        let users = road_users(&world, SEED)?;
+        let finishes = Finishes { line: world.finish, flows: vec![None; world.vehicles.len()] };
+        Ok(Self { hash, course: Course::start(world.clone(), users), world, finishes })
+    }
+
+    /// What tells it from others.
+    pub fn hash(&self) -> [u8; 32] {
+        self.hash
+    }
+
+    pub fn go_on(&mut self) -> Result<Progress, RunError> {
+        self.course.next(&mut self.finishes).map_err(|fault| RunError::of_fault(&self.world, fault, true))
+    }
+
+    pub fn seen(&self) -> &Course {
+        &self.course
+    }
+
+    /// Where somebody outside decides.
+    pub fn course(&mut self) -> &mut Course {
+        &mut self.course
+    }
 }
 
 struct Finishes {

@@ -7,7 +7,7 @@ use super::case::{Unwatched, run_case};
 use super::free_flow::FreeFlows;
 use super::panic::Panicked;
 use results::{Outcome, Requests};
-use scenario::Case;
+use scenario::{Case, DeclaredProgram};
 use sim::{Ending, Observer, Snapshot, Step, Timeline, TimelineEvent, Trace};
 
 /// What is read off runs, with what runs from the same start share.
@@ -97,21 +97,10 @@ impl Job {
     pub fn run(self) -> Done {
         let Self { place, case, measured, wanted } = self;
         let MeasuredMetrics { requests, free_flows } = &*measured;
-        let run = || match wanted {
-            Wanted::Outcome => {
-                let outcome = run_case(&case, requests, free_flows, &mut Unwatched)?;
-                Ok(Ran { outcome, trace: Trace::default(), events: Vec::new() })
-            }
-            Wanted::Trace => {
-                let mut trace = Trace::default();
-                let outcome = run_case(&case, requests, free_flows, &mut trace)?;
-                Ok(Ran { outcome, trace, events: Vec::new() })
-            }
-            Wanted::TraceAndEvents => {
-                let mut both = Both { timeline: Timeline::new(&case.world), trace: Trace::default() };
-                let outcome = run_case(&case, requests, free_flows, &mut both)?;
-                Ok(Ran { outcome, trace: both.trace, events: both.timeline.into_events() })
-            }
+        let mut watcher = Watcher::new(wanted, &case);
+        let run = || {
+            let outcome = run_case(&case, requests, free_flows, &mut watcher)?;
+            Ok(watcher.ran(outcome))
         };
         let result = match Panicked::catch(run) {
             Ok(ran) => ran.map_err(JobFailure::Error),
@@ -119,26 +108,86 @@ impl Job {
         };
         Done { place, case, result }
     }
+
+    /// The programs that decide in it, in the order of their names.
+    pub(super) fn programs(&self) -> Vec<Arc<DeclaredProgram>> {
+        programs(&self.case)
+    }
 }
 
-struct Both<'a> {
-    timeline: Timeline<'a>,
-    trace: Trace,
+/// The programs that decide in the run of a case, in the order of their names.
+pub fn programs(case: &Case) -> Vec<Arc<DeclaredProgram>> {
+    let models = case.world.vehicles.iter().filter_map(|car| car.controller.model.known());
+    let mut programs: Vec<_> = models.filter_map(|model| model.program.clone()).collect();
+    programs.sort_by(|one, other| (&one.name, &one.file).cmp(&(&other.name, &other.file)));
+    programs.dedup();
+    programs
 }
 
-impl Observer for Both<'_> {
+/// What to say of a run that went differently when it was repeated; nothing where a program says that it may.
+pub fn went_differently(case: &Case) -> Option<String> {
+    let (key, programs) = (&case.key, programs(case));
+    if programs.is_empty() {
+        return Some(format!("{key} went differently when it was repeated: please report this"));
+    }
+    if programs.iter().any(|program| program.may_differ()) {
+        return None;
+    }
+    let names: Vec<_> = programs.iter().map(|program| format!("`{}`", program.name)).collect();
+    Some(format!(
+        "{key} went differently when it was repeated: {} is not deterministic (W1102); `nondeterministic` in its \
+         declaration says that this is known",
+        names.join(" or ")
+    ))
+}
+
+/// Sees what is wanted of a run besides its outcome.
+pub(super) enum Watcher {
+    Nothing(Unwatched),
+    Trace(Trace),
+    Both(Box<Timeline>, Trace),
+}
+
+impl Watcher {
+    pub fn new(wanted: Wanted, case: &Case) -> Self {
+        match wanted {
+            Wanted::Outcome => Self::Nothing(Unwatched),
+            Wanted::Trace => Self::Trace(Trace::default()),
+            Wanted::TraceAndEvents => Self::Both(Box::new(Timeline::new(&case.world)), Trace::default()),
+        }
+    }
+
+    /// What was wanted of a run with that outcome.
+    pub fn ran(self, outcome: Outcome) -> Ran {
+        match self {
+            Self::Nothing(_) => Ran { outcome, trace: Trace::default(), events: Vec::new() },
+            Self::Trace(trace) => Ran { outcome, trace, events: Vec::new() },
+            Self::Both(timeline, trace) => Ran { outcome, trace, events: timeline.into_events() },
+        }
+    }
+
+    fn each(&mut self, tell: impl Fn(&mut dyn Observer)) {
+        match self {
+            Self::Nothing(nobody) => tell(nobody),
+            Self::Trace(trace) => tell(trace),
+            Self::Both(timeline, trace) => {
+                tell(&mut **timeline);
+                tell(trace);
+            }
+        }
+    }
+}
+
+impl Observer for Watcher {
     fn begin(&mut self, start: &Snapshot) {
-        self.timeline.begin(start);
-        self.trace.begin(start);
+        self.each(|one| one.begin(start));
     }
 
     fn observe(&mut self, step: &Step) {
-        self.timeline.observe(step);
-        self.trace.observe(step);
+        self.each(|one| one.observe(step));
     }
 
     fn end(&mut self, ending: &Ending, last: &Snapshot) {
-        self.timeline.end(ending, last);
-        self.trace.end(ending, last);
+        self.each(|one| one.end(ending, last));
     }
 }

@@ -1,8 +1,11 @@
 //! Executing cases: road users built from registered models, metrics read off, on whatever an executor runs them on.
 
+mod attended;
+mod attended_run;
 mod batch;
 mod build;
 mod case;
+mod case_run;
 mod chance;
 mod cut_off;
 mod departure;
@@ -27,7 +30,7 @@ pub use departure::departures;
 pub(crate) use departure::{Departing, departing};
 pub use executor::{Executor, Round};
 pub use free_flow::FreeFlows;
-pub use job::{Done, Job, JobFailure, JobPlace, MeasuredMetrics, Ran, Wanted};
+pub use job::{Done, Job, JobFailure, JobPlace, MeasuredMetrics, Ran, Wanted, programs, went_differently};
 pub use panic::{Panicked, note_places};
 pub(crate) use rehearsal::{Obstacle, Stage, rehearse, rehearse_trials};
 pub(crate) use sequence::{Sequence, Sequences, run_sequences};

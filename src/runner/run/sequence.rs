@@ -135,4 +135,14 @@ impl<S: Sequences> Round for SideBySide<'_, S> {
             self.close(sequence);
         }
     }
+    fn is_wanted(&mut self, place: JobPlace) -> bool {
+        let Some(open) = self.open.get_mut(&place.sequence).filter(|_| !self.stop.is_requested()) else {
+            return false;
+        };
+        let is_over = open.one.between(open.taken).is_break();
+        if is_over {
+            self.close(place.sequence);
+        }
+        !is_over
+    }
 }

@@ -1,19 +1,22 @@
 //! Runs made on threads of this process.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use rayon::{Scope, ThreadPool, ThreadPoolBuilder};
 
+use super::attended::{Desk, attend};
 use super::executor::{Executor, Round};
-use super::job::Job;
+use super::job::{Done, Job, JobPlace};
+use under_test::Yard;
 
 /// So many threads, whatever is run on them side by side.
-#[derive(Debug)]
 pub struct Threads {
     pool: ThreadPool,
     /// Rounds and other work that want threads now.
     wanting: AtomicUsize,
+    /// Where programs are that decide in runs.
+    yard: Option<Arc<Yard>>,
 }
 
 impl Threads {
@@ -24,7 +27,7 @@ impl Threads {
     pub fn new(threads: usize) -> Self {
         let threads = threads.max(1);
         match ThreadPoolBuilder::new().num_threads(threads).build() {
-            Ok(pool) => Self { pool, wanting: AtomicUsize::new(0) },
+            Ok(pool) => Self { pool, wanting: AtomicUsize::new(0), yard: None },
             Err(error) if threads == 1 => panic!("no thread can be started: {error}"),
             // Results do not depend on how many there are.
             Err(_) => Self::new(threads / 2),
@@ -34,6 +37,11 @@ impl Threads {
     /// One for each core.
     pub fn all() -> Self {
         Self::new(std::thread::available_parallelism().map_or(1, usize::from))
+    }
+
+    /// The same, which asks the programs of a yard in runs in which programs decide; without one such runs are errors.
+    pub fn attending(self, yard: Arc<Yard>) -> Self {
+        Self { yard: Some(yard), ..self }
     }
 
     /// How many threads a round may have while others want some, too.
@@ -101,6 +109,12 @@ impl<'c, 'r: 'c> Call<'c, 'r> {
     /// Makes a run, and then others, until there are no more or others are to have the thread.
     fn work(self, mut job: Job, scope: &Scope<'c>) {
         loop {
+            let asked = self.threads.yard.as_deref().map(|yard| (yard, job.programs()));
+            if let Some((yard, programs)) = asked.filter(|(_, programs)| !programs.is_empty()) {
+                attend(yard, programs, job, &mut CallDesk { call: self, scope });
+                self.lock().running -= 1;
+                return;
+            }
             let done = job.run();
             let mut turn = self.lock();
             // Should whoever is told panic, this thread is not at work any more.
@@ -114,5 +128,31 @@ impl<'c, 'r: 'c> Call<'c, 'r> {
             self.fill(&mut turn, scope);
             job = next;
         }
+    }
+}
+
+/// Where a thread that asks programs in many runs gets and leaves them.
+struct CallDesk<'s, 'c, 'r, 'p> {
+    call: Call<'c, 'r>,
+    scope: &'p Scope<'s>,
+}
+
+impl<'c, 'r: 'c> Desk for CallDesk<'c, 'c, 'r, '_> {
+    fn next(&mut self) -> Option<Job> {
+        let mut turn = self.call.lock();
+        // Others want threads: those that it has are enough.
+        if turn.running > self.call.threads.share() { None } else { turn.round.next() }
+    }
+
+    fn done(&mut self, done: Done) {
+        let mut turn = self.call.lock();
+        turn.running -= 1;
+        turn.round.done(done);
+        turn.running += 1;
+        self.call.fill(&mut turn, self.scope);
+    }
+
+    fn is_wanted(&mut self, place: JobPlace) -> bool {
+        self.call.lock().round.is_wanted(place)
     }
 }

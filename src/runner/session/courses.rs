@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::collections::HashSet;
 
 use super::shared::Runner;
-use crate::run::{BatchError, RunBatch, Stop, Wanted};
+use crate::run::{BatchError, RunBatch, Stop, Wanted, went_differently};
 use results::{Chosen, Outcome, Recording, SuiteReport, choose_runs};
 use scenario::Case;
 
@@ -32,12 +32,12 @@ pub fn courses(runner: &Runner, reports: &[SuiteReport]) -> Result<Vec<(Chosen, 
     let made = batch.each(chosen.len(), Wanted::TraceAndEvents, case, |case, ran| {
         let chosen = &chosen[recordings.len()];
         if ran.outcome.fingerprint != outcomes[chosen.key.as_str()].1.fingerprint {
-            differs.get_or_insert_with(|| case.key.clone());
+            differs = differs.take().or_else(|| went_differently(&case));
         }
         recordings.push((chosen.clone(), Recording::new(&case, &ran.trace, ran.events)));
     });
     match (differs, made) {
-        (Some(key), _) => Err(format!("{key} went differently when it was repeated: please report this")),
+        (Some(reason), _) => Err(reason),
         (None, Err(BatchError::Run { error, .. })) => Err(error.to_string()),
         (None, Err(error)) => Err(error.to_string()),
         (None, Ok(())) => Ok(recordings),

@@ -1,0 +1,137 @@
+//! A case under way: its road users, whatever is read off, and the free flow that it is measured against.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use super::build::{RunError, road_users};
+use super::cut_off::cut_off;
+use super::name::shared;
+use results::{ByMetric, Critical, CutOff, Outcome, Requests};
+use scenario::{Case, World};
+use sim::measure::{FreeFlow, Measurement, Reading};
+use sim::{Course, Ending, Fault, Fingerprint, Observer, Progress, Snapshot, Step, StopReason};
+
+/// A case under way, which waits wherever somebody outside decides.
+pub struct RunningCase {
+    course: Course,
+    seen: Seen,
+    begun: Instant,
+    ended: Option<Ending>,
+}
+
+/// What is read off a run.
+struct Seen {
+    measurement: Measurement,
+    fingerprint: Fingerprint,
+    last: Option<Snapshot>,
+}
+
+impl RunningCase {
+    /// The run of a case before its first decision, measured against these free flows.
+    pub fn start(case: &Case, requests: &Requests, flows: &[FreeFlow]) -> Result<Self, RunError> {
+        let begun = Instant::now();
+        let users = road_users(&case.world, case.seed)?;
+        let free_speeds: Vec<f64> =
+            users.pedestrians.iter().map(|pedestrian| pedestrian.free_speed()).collect();
+        let seen = Seen {
+            measurement: Measurement::new(&case.world, requests.as_slice(), flows, &free_speeds),
+            fingerprint: Fingerprint::default(),
+            last: None,
+        };
+        Ok(Self { course: Course::start(case.world.clone(), users), seen, begun, ended: None })
+    }
+
+    /// Goes on until somebody outside has to decide, or to the end; `watcher` sees every step and changes nothing.
+    pub fn go_on(&mut self, watcher: &mut dyn Observer) -> Result<Progress, Fault> {
+        let progress = self.course.next(&mut Both { seen: &mut self.seen, watcher })?;
+        if let Progress::Ended(ending) = progress {
+            self.ended = Some(ending);
+        }
+        Ok(progress)
+    }
+
+    pub fn seen_course(&self) -> &Course {
+        &self.course
+    }
+
+    /// Where somebody outside decides.
+    pub fn course(&mut self) -> &mut Course {
+        &mut self.course
+    }
+
+    /// What came of it.
+    ///
+    /// # Panics
+    /// If it has not come to its end.
+    pub fn outcome(self, case: &Case) -> Outcome {
+        let Self { seen, begun, ended, .. } = self;
+        let ending = ended.expect("it has come to its end");
+        let readings = seen.measurement.readings();
+        let too_early = seen.last.as_ref().filter(|_| ending.reason != StopReason::Completed);
+        let cut_off = too_early.map(|last| cut_off(&case.world, last, &seen.measurement, &readings));
+        let pedestrians = names(case.world.pedestrians.iter().map(|one| &one.name));
+        let vehicles = names(case.world.vehicles.iter().map(|car| &car.name));
+        Outcome {
+            key: case.key.clone(),
+            seed: case.seed,
+            individuals: case.individuals.clone(),
+            ending,
+            metrics: readings.iter().map(|reading| reading.worst?.value).collect(),
+            critical: critical(&case.world, &vehicles, &pedestrians, &readings),
+            presences: pedestrians.into_iter().zip(seen.measurement.presences()).collect(),
+            cut_off: cut_off.filter(|cut_off| *cut_off != CutOff::default()).map(Box::new),
+            fingerprint: seen.fingerprint.value(),
+            wall_time: begun.elapsed(),
+        }
+    }
+}
+
+fn names<'a>(names: impl Iterator<Item = &'a String>) -> Vec<Arc<str>> {
+    names.map(|name| shared(name)).collect()
+}
+
+/// When and for whom the readings are what they are.
+fn critical(
+    world: &World,
+    vehicles: &[Arc<str>],
+    pedestrians: &[Arc<str>],
+    readings: &[Reading],
+) -> ByMetric<Critical> {
+    let of = |reading: &Reading| {
+        let worst = reading.worst?;
+        Some(Critical {
+            time: worst.instant,
+            vehicle: worst.vehicle.map(|index| vehicles[index].clone()),
+            pedestrian: worst.pedestrian.map(|index| pedestrians[index].clone()),
+            other: worst.other.map(|other| shared(other.name(world))),
+        })
+        .filter(|critical| *critical != Critical::default())
+    };
+    readings.iter().map(of).collect()
+}
+
+struct Both<'a> {
+    seen: &'a mut Seen,
+    watcher: &'a mut dyn Observer,
+}
+
+impl Observer for Both<'_> {
+    fn begin(&mut self, start: &Snapshot) {
+        self.seen.measurement.begin(start);
+        self.seen.fingerprint.begin(start);
+        self.watcher.begin(start);
+    }
+
+    fn observe(&mut self, step: &Step) {
+        self.seen.measurement.observe(step);
+        self.seen.fingerprint.observe(step);
+        self.watcher.observe(step);
+    }
+
+    fn end(&mut self, ending: &Ending, last: &Snapshot) {
+        self.seen.measurement.end(ending, last);
+        self.seen.fingerprint.end(ending, last);
+        self.watcher.end(ending, last);
+        self.seen.last = Some(last.clone());
+    }
+}

@@ -1,0 +1,70 @@
+//! Where a program is: its first word on PATH, or below its folder.
+
+use std::env;
+use std::path::{Path, PathBuf};
+
+use super::start::{StartError, StartProblem};
+use scenario::DeclaredProgram;
+
+/// Where a program is started.
+pub fn folder(program: &DeclaredProgram) -> PathBuf {
+    let beside = Path::new(&program.file).parent().unwrap_or(Path::new(""));
+    let folder = beside.join(&program.folder);
+    if folder.as_os_str().is_empty() { PathBuf::from(".") } else { folder }
+}
+
+/// The file that is started.
+///
+/// # Errors
+/// If it is not there, or nothing that could be started.
+pub fn executable(program: &DeclaredProgram) -> Result<PathBuf, StartError> {
+    let word = program.command.first().map_or("", String::as_str);
+    let folder = folder(program);
+    let cannot =
+        |message: String, hint: &str| StartError::new(StartProblem::CannotStart, program, message, hint);
+    if !folder.is_dir() {
+        let message = format!("`{}` is started in {}, which is no folder", program.name, folder.display());
+        return Err(cannot(message, "`folder` is relative to the file that says it"));
+    }
+    if word.contains(['/', std::path::MAIN_SEPARATOR]) {
+        let path = folder.join(word);
+        if !path.is_file() {
+            return Err(cannot(
+                format!("`{word}`: there is no file {}", path.display()),
+                "a command with a separator is looked up relative to `folder`",
+            ));
+        }
+        if !may_be_executed(&path) {
+            return Err(cannot(
+                format!("`{word}`: {} may not be executed", path.display()),
+                "make it executable, or name what runs it first: `command \"python3\", \"my_av.py\"`",
+            ));
+        }
+        // Whoever starts it stands in the folder.
+        return Ok(std::path::absolute(&path).unwrap_or(path));
+    }
+    let own = program.environment.iter().find(|(name, _)| name == "PATH").map(|(_, value)| value.into());
+    let places = own.or_else(|| env::var_os("PATH")).unwrap_or_default();
+    let endings: &[&str] = if cfg!(windows) { &["", ".exe", ".bat", ".cmd"] } else { &[""] };
+    env::split_paths(&places)
+        .flat_map(|place| endings.iter().map(move |ending| place.join(format!("{word}{ending}"))))
+        .find(|path| path.is_file() && may_be_executed(path))
+        .map(|path| std::path::absolute(&path).unwrap_or(path))
+        .ok_or_else(|| {
+            cannot(
+                format!("`{word}`: not found on PATH"),
+                "a file beside the scenarios needs a separator: `command \"./my_av\"`",
+            )
+        })
+}
+
+#[cfg(unix)]
+fn may_be_executed(path: &Path) -> bool {
+    use std::os::unix::fs::PermissionsExt;
+    path.metadata().is_ok_and(|metadata| metadata.permissions().mode() & 0o111 != 0)
+}
+
+#[cfg(not(unix))]
+fn may_be_executed(_path: &Path) -> bool {
+    true
+}

@@ -1,0 +1,432 @@
+//! What is said to a program and what it answers, as lines of JSON or as rows of doubles.
+
+use serde_json::{Map, Value as Json, json};
+
+use super::fault::{FaultKind, ProgramFault, quoted};
+use scenario::{Answer, CrossingKind, ParameterKind, Settings, Shape, Value, VehicleSetup, World};
+use sim::{Command, Mode, Observation, Order, SpeedPlan, toward};
+
+/// Columns of the rows of runs.
+pub const RUNS: [&str; 16] = [
+    "slot",
+    "time",
+    "new",
+    "cruise_speed",
+    "distance_to_crossing",
+    "speed",
+    "acceleration",
+    "length",
+    "width",
+    "lane_width",
+    "speed_limit",
+    "crossing_width",
+    "pedestrian_priority",
+    "signal",
+    "right_kerb",
+    "left_kerb",
+];
+
+/// Columns of the rows of pedestrians.
+pub const PEDESTRIANS: [&str; 10] = ["row", "id", "x", "y", "vx", "vy", "ax", "ay", "length", "width"];
+
+/// Columns of the rows of vehicles.
+pub const VEHICLES: [&str; 8] = ["row", "id", "x", "y", "vx", "vy", "length", "width"];
+
+/// More than a line or frame of a program's answer may have, bytes.
+pub const LONGEST: usize = 1 << 20;
+
+/// Points of a speed plan in rows of doubles.
+const PLAN_POINTS: usize = 16;
+
+/// A run that is to be opened.
+pub struct Opened<'a> {
+    /// By which it is spoken of until it is closed.
+    pub slot: usize,
+    /// Below 2^53, and of nothing that tells which run it is.
+    pub seed: u64,
+    /// The vehicle that is driven.
+    pub setup: &'a VehicleSetup,
+    /// Where that is.
+    pub world: &'a World,
+}
+
+/// A decision that is asked for.
+#[derive(Clone, Copy)]
+pub struct DueDecision<'a> {
+    /// Of its run.
+    pub slot: usize,
+    /// Whether it is the first of its run.
+    pub is_new: bool,
+    /// What is seen from the vehicle.
+    pub seen: &'a Observation,
+    /// Until the next decision, s.
+    pub period: f64,
+    /// At a signal: whether vehicles have green.
+    pub signal: Option<bool>,
+}
+
+/// What was decided.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Decision {
+    /// What the vehicle is to do.
+    pub order: Order,
+    /// What the program is up to.
+    pub mode: Mode,
+}
+
+/// What came of one of several that were asked for.
+pub type Answered = Result<Decision, ProgramFault>;
+
+/// Runs to be opened, as JSON.
+pub fn open(runs: &[Opened]) -> Json {
+    json!({ "open": runs.iter().map(opened).collect::<Vec<_>>() })
+}
+
+fn opened(run: &Opened) -> Json {
+    let Opened { slot, seed, setup, world } = run;
+    let (road, path) = (&world.road, world.road.path(setup.lane));
+    let declared = setup.controller.model.declaration();
+    let whole = |name: &str| {
+        declared
+            .and_then(|declared| declared.parameter(name))
+            .is_some_and(|parameter| matches!(parameter.kind, ParameterKind::Whole { .. }))
+    };
+    let own = road.lanes[setup.lane].direction;
+    let lanes: Vec<Json> = (0..road.lanes.len())
+        .map(|lane| {
+            let y = path.from_world(road.path(lane).point(0.0)).y;
+            json!({"y": y, "direction": if road.lanes[lane].direction == own { 1 } else { -1 }})
+        })
+        .collect();
+    let boxes: Vec<Json> = road
+        .boxes
+        .iter()
+        .map(|body| {
+            let place = path.from_world([body.x, body.y].into());
+            json!({"x": place.x, "y": place.y, "length": body.length, "width": body.width})
+        })
+        .collect();
+    let kind = match road.crossing.kind {
+        CrossingKind::Zebra => "zebra",
+        CrossingKind::Unmarked => "unmarked",
+        CrossingKind::Signalised { .. } => "signalised",
+    };
+    let (right, left) = path.kerbs(road);
+    json!({
+        "slot": slot,
+        "seed": seed,
+        "step": world.step,
+        "parameters": parameters(&setup.controller.settings, whole),
+        "cruise_speed": setup.speed,
+        "vehicle": {"length": setup.length, "width": setup.width},
+        "road": {
+            "lane_width": road.lane_width,
+            "speed_limit": road.speed_limit,
+            "lanes": lanes,
+            "crossing": {"kind": kind, "width": road.crossing.width, "x": 0.0},
+            "kerbs": {"right": right, "left": left},
+            "boxes": boxes,
+        },
+    })
+}
+
+fn parameters(settings: &Settings, whole: impl Fn(&str) -> bool) -> Json {
+    let value = |name: &str, value: &Value| match value {
+        Value::Flag(flag) => json!(flag),
+        Value::Number(number) if whole(name) => json!(*number as i64),
+        Value::Number(number) => json!(number),
+        Value::Word(word) => json!(word),
+    };
+    Json::Object(settings.0.iter().map(|(name, one)| (name.clone(), value(name, one))).collect())
+}
+
+fn extents(shape: Shape) -> (f64, f64) {
+    match shape {
+        Shape::Disc { radius } => (2.0 * radius, 2.0 * radius),
+        Shape::Rectangle { length, width } => (length, width),
+    }
+}
+
+/// Decisions to be taken, as JSON.
+pub fn step(asked: &[DueDecision]) -> Json {
+    json!({ "step": asked.iter().map(scene).collect::<Vec<_>>() })
+}
+
+fn scene(asked: &DueDecision) -> Json {
+    let DueDecision { slot, is_new, seen, signal, period: _ } = asked;
+    let Observation { time, ego, cruise_speed, road, pedestrians, vehicles } = *seen;
+    let mut view = Map::new();
+    for (name, value) in [
+        ("lane_width", json!(road.lane_width)),
+        ("speed_limit", json!(road.speed_limit)),
+        ("crossing_width", json!(road.crossing_width)),
+        ("pedestrian_priority", json!(road.pedestrian_priority)),
+        ("right_kerb", json!(road.right_kerb)),
+        ("left_kerb", json!(road.left_kerb)),
+    ] {
+        view.insert(name.into(), value);
+    }
+    if let Some(green) = signal {
+        view.insert("signal".into(), json!(green));
+    }
+    let people: Vec<Json> = pedestrians
+        .iter()
+        .map(|one| {
+            let (length, width) = extents(one.shape);
+            json!({
+                "id": one.id, "x": one.position.x, "y": one.position.y, "vx": one.velocity.x, "vy": one.velocity.y,
+                "ax": one.acceleration.x, "ay": one.acceleration.y, "length": length, "width": width,
+            })
+        })
+        .collect();
+    let cars: Vec<Json> = vehicles
+        .iter()
+        .map(|one| {
+            json!({
+                "id": one.id, "x": one.position.x, "y": one.position.y, "vx": one.velocity.x, "vy": one.velocity.y,
+                "length": one.length, "width": one.width,
+            })
+        })
+        .collect();
+    json!({
+        "slot": slot, "time": time, "new": is_new, "cruise_speed": cruise_speed,
+        "ego": {
+            "distance_to_crossing": ego.distance_to_crossing, "speed": ego.speed, "acceleration": ego.acceleration,
+            "length": ego.length, "width": ego.width,
+        },
+        "road": view, "pedestrians": people, "vehicles": cars,
+    })
+}
+
+/// A frame of text.
+pub fn text_frame(text: &str, into: &mut Vec<u8>) {
+    into.clear();
+    words(&[text.len() as u32 + 4, 0], into);
+    into.extend_from_slice(text.as_bytes());
+}
+
+fn words(numbers: &[u32], into: &mut Vec<u8>) {
+    numbers.iter().for_each(|number| into.extend_from_slice(&number.to_le_bytes()));
+}
+
+/// Decisions to be taken, as a frame of rows.
+pub fn step_frame(asked: &[DueDecision], into: &mut Vec<u8>) {
+    let pedestrians: usize = asked.iter().map(|one| one.seen.pedestrians.len()).sum();
+    let vehicles: usize = asked.iter().map(|one| one.seen.vehicles.len()).sum();
+    let doubles = asked.len() * RUNS.len() + pedestrians * PEDESTRIANS.len() + vehicles * VEHICLES.len();
+    into.clear();
+    let counts = [asked.len() as u32, pedestrians as u32, vehicles as u32];
+    words(&[28 + 8 * doubles as u32, 1, counts[0], counts[1], counts[2], 0, 0, 0], into);
+    let mut row =
+        |values: &[f64]| values.iter().for_each(|value| into.extend_from_slice(&value.to_le_bytes()));
+    let flag = |flag: bool| if flag { 1.0 } else { 0.0 };
+    for DueDecision { slot, is_new, seen, signal, period: _ } in asked {
+        let (ego, road) = (&seen.ego, &seen.road);
+        row(&[
+            *slot as f64,
+            seen.time,
+            flag(*is_new),
+            seen.cruise_speed,
+            ego.distance_to_crossing,
+            ego.speed,
+            ego.acceleration,
+            ego.length,
+            ego.width,
+            road.lane_width,
+            road.speed_limit,
+            road.crossing_width,
+            flag(road.pedestrian_priority),
+            signal.map_or(f64::NAN, flag),
+            road.right_kerb,
+            road.left_kerb,
+        ]);
+    }
+    for (index, one) in asked.iter().enumerate() {
+        for seen in &one.seen.pedestrians {
+            let ((length, width), at) = (extents(seen.shape), seen.position);
+            let (velocity, acceleration) = (seen.velocity, seen.acceleration);
+            row(&[
+                index as f64,
+                seen.id as f64,
+                at.x,
+                at.y,
+                velocity.x,
+                velocity.y,
+                acceleration.x,
+                acceleration.y,
+                length,
+                width,
+            ]);
+        }
+    }
+    for (index, one) in asked.iter().enumerate() {
+        for seen in &one.seen.vehicles {
+            let (at, velocity) = (seen.position, seen.velocity);
+            row(&[index as f64, seen.id as f64, at.x, at.y, velocity.x, velocity.y, seen.length, seen.width]);
+        }
+    }
+}
+
+/// What a program answers: decisions in the order in which they were asked for, or which runs it cannot decide in.
+pub enum Reply {
+    Decided(Vec<Answered>),
+    /// Slots, and why.
+    Refused(Vec<(usize, String)>),
+}
+
+fn garbage(message: impl Into<String>) -> ProgramFault {
+    ProgramFault::new(FaultKind::Garbage, message)
+}
+
+/// The runs that a text says cannot be decided in, if it says that.
+pub fn refused(value: &Json) -> Option<Vec<(usize, String)>> {
+    let listed = value.get("error").or_else(|| value.get("failed"))?.as_array()?;
+    let one = |error: &Json| {
+        let slot = usize::try_from(error.get("slot")?.as_u64()?).ok()?;
+        let message = error.get("message").and_then(Json::as_str).unwrap_or("no reason is given");
+        Some((slot, message.to_string()))
+    };
+    listed.iter().map(one).collect()
+}
+
+/// A line of JSON as an answer to `asked`.
+pub fn read_line(line: &[u8], gives: Answer, asked: &[DueDecision]) -> Result<Reply, ProgramFault> {
+    let value: Json =
+        serde_json::from_slice(line).map_err(|_| garbage(format!("{} is no JSON", quoted(line))))?;
+    if let Some(slots) = refused(&value) {
+        return Ok(Reply::Refused(slots));
+    }
+    let Some(answers) = value.get("answer").and_then(Json::as_array) else {
+        return Err(garbage(format!("{} is no answer", quoted(line))));
+    };
+    if answers.len() != asked.len() {
+        return Err(garbage(format!("it answered for {} runs, asked for {}", answers.len(), asked.len())));
+    }
+    let number = |answer: &Json, name: &str| match answer.get(name) {
+        Some(value) => {
+            value.as_f64().ok_or_else(|| bad_value(format!("`{name}` is {value}, which is no number")))
+        }
+        None => Err(garbage(format!("an answer has no `{name}`: {}", quoted(answer.to_string().as_bytes())))),
+    };
+    let decision = |(answer, asked): (&Json, &DueDecision)| {
+        let order = match gives {
+            Answer::Acceleration => acceleration(number(answer, "acceleration")?),
+            Answer::Pedals => pedals(number(answer, "throttle")?, number(answer, "brake")?),
+            Answer::Speed => speed(number(answer, "speed")?, asked),
+            Answer::SpeedPlan => {
+                let points = answer.get("speed_plan").and_then(Json::as_array);
+                let points = points.ok_or_else(|| garbage("an answer has no `speed_plan`"))?;
+                let point = |point: &Json| match point.as_array().map(Vec::as_slice) {
+                    Some([time, speed]) => Some((time.as_f64()?, speed.as_f64()?)),
+                    _ => None,
+                };
+                let points: Option<Vec<_>> = points.iter().map(point).collect();
+                plan(points.ok_or_else(|| bad_value("a point of a plan is no pair of numbers"))?)
+            }
+        }?;
+        let mode = answer.get("mode").and_then(Json::as_str).unwrap_or_default();
+        Ok(Decision { order, mode: Mode::from(mode.to_string()) })
+    };
+    each(answers.iter().zip(asked).map(decision))
+}
+
+/// What is no value ends its run; what is no answer ends the process.
+fn each(all: impl Iterator<Item = Answered>) -> Result<Reply, ProgramFault> {
+    let one = |answer: Answered| match answer {
+        Err(fault) if fault.kind.is_final() => Err(fault),
+        other => Ok(other),
+    };
+    all.map(one).collect::<Result<_, _>>().map(Reply::Decided)
+}
+
+/// A frame (without its length) as an answer to `asked`.
+pub fn read_frame(
+    frame: &[u8],
+    gives: Answer,
+    asked: &[DueDecision],
+    modes: &[Mode],
+) -> Result<Reply, ProgramFault> {
+    let word = |index: usize| {
+        frame
+            .get(4 * index..4 * index + 4)
+            .map(|bytes| u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]))
+    };
+    match word(0) {
+        Some(0) => {
+            let value = serde_json::from_slice(&frame[4..]).ok();
+            let slots = value.as_ref().and_then(refused);
+            return slots
+                .map(Reply::Refused)
+                .ok_or_else(|| garbage(format!("{} is no answer", quoted(&frame[4..]))));
+        }
+        Some(2) => {}
+        _ => return Err(garbage(format!("{} is no frame of an answer", quoted(frame)))),
+    }
+    let own = match gives {
+        Answer::Acceleration | Answer::Speed => 1,
+        Answer::Pedals => 2,
+        Answer::SpeedPlan => 2 * PLAN_POINTS,
+    };
+    let (runs, columns) = (word(1).unwrap_or(0) as usize, word(2).unwrap_or(0) as usize);
+    if runs != asked.len() || !(own..=own + 1).contains(&columns) || frame.len() != 12 + 8 * runs * columns {
+        return Err(garbage(format!(
+            "a frame of {} bytes with {runs} rows of {columns} columns, where {} rows of {} were due",
+            frame.len(),
+            asked.len(),
+            own + 1
+        )));
+    }
+    let double = |bytes: &[u8]| {
+        f64::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3], bytes[4], bytes[5], bytes[6], bytes[7]])
+    };
+    let decision = |(row, asked): (&[u8], &DueDecision)| {
+        let value = |column: usize| double(&row[8 * column..8 * column + 8]);
+        let order = match gives {
+            Answer::Acceleration => acceleration(value(0)),
+            Answer::Pedals => pedals(value(0), value(1)),
+            Answer::Speed => speed(value(0), asked),
+            Answer::SpeedPlan => {
+                let points = (0..PLAN_POINTS).map(|point| (value(2 * point), value(2 * point + 1)));
+                plan(points.take_while(|(time, speed)| !(time.is_nan() && speed.is_nan())).collect())
+            }
+        }?;
+        let mode = if columns > own { value(own) } else { -1.0 };
+        let known = (mode >= 0.0).then(|| modes.get(mode as usize)).flatten();
+        Ok(Decision { order, mode: known.cloned().unwrap_or(Mode::NONE) })
+    };
+    each(frame[12..].chunks_exact(8 * columns.max(1)).zip(asked).map(decision))
+}
+
+fn bad_value(message: impl Into<String>) -> ProgramFault {
+    ProgramFault::new(FaultKind::BadValue, message)
+}
+
+fn acceleration(value: f64) -> Result<Order, ProgramFault> {
+    if value.is_finite() && value.abs() <= 50.0 {
+        Ok(Order::Command(Command::Acceleration(value)))
+    } else {
+        Err(bad_value(format!("an acceleration of {value} m/s², outside -50 .. 50 m/s²")))
+    }
+}
+
+fn pedals(throttle: f64, brake: f64) -> Result<Order, ProgramFault> {
+    if (0.0..=1.0).contains(&throttle) && (0.0..=1.0).contains(&brake) {
+        Ok(Order::Command(Command::Pedals { throttle, brake }))
+    } else {
+        Err(bad_value(format!("throttle {throttle} and brake {brake}, outside 0 .. 1")))
+    }
+}
+
+fn speed(value: f64, asked: &DueDecision) -> Result<Order, ProgramFault> {
+    if (0.0..=100.0).contains(&value) {
+        let acceleration = toward(value, asked.seen.ego.speed, asked.period);
+        Ok(Order::Command(Command::Acceleration(acceleration)))
+    } else {
+        Err(bad_value(format!("a speed of {value} m/s, outside 0 .. 100 m/s")))
+    }
+}
+
+fn plan(points: Vec<(f64, f64)>) -> Result<Order, ProgramFault> {
+    let plan = SpeedPlan::new(points).map_err(|error| bad_value(error.to_string()))?;
+    Ok(Order::Plan(Box::new(plan)))
+}

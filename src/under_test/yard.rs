@@ -1,0 +1,306 @@
+//! The processes of programs: as many as may run at once, lent to whoever makes runs and kept for the next.
+
+use std::collections::HashMap;
+use std::path::PathBuf;
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+
+use super::fault::{FaultKind, ProgramFault};
+use super::log::ProgramLog;
+use super::permission::Permission;
+use super::process::Process;
+use super::start::StartError;
+use super::watchdog::Watchdog;
+use scenario::DeclaredProgram;
+
+/// Processes of a program in a row that ended before a run did, after which it is given up; so many for each that there is.
+const PATIENCE: u32 = 3;
+
+/// Where the processes of programs are.
+pub struct Yard {
+    permission: Permission,
+    /// How many processes a program has at once, unless it wants fewer.
+    threads: usize,
+    logs: Option<PathBuf>,
+    supervisor: Option<PathBuf>,
+    watchdog: Watchdog,
+    stalls: Mutex<HashMap<String, Stall>>,
+    freed: Condvar,
+}
+
+/// The processes of one program.
+#[derive(Default)]
+struct Stall {
+    idle: Vec<Process>,
+    /// Lent, or being started.
+    out: usize,
+    /// How many were started.
+    started: usize,
+    /// Processes that ended since a run came to its end.
+    in_vain: u32,
+    given_up: Option<ProgramFault>,
+}
+
+impl Yard {
+    /// One that starts what it may, at most so many processes of a program at once.
+    pub fn new(permission: Permission, threads: usize) -> Self {
+        Self {
+            permission,
+            threads: threads.max(1),
+            logs: None,
+            supervisor: None,
+            watchdog: Watchdog::default(),
+            stalls: Mutex::default(),
+            freed: Condvar::new(),
+        }
+    }
+
+    /// The same, which keeps what programs write in files of this folder.
+    pub fn logs(self, folder: impl Into<PathBuf>) -> Self {
+        Self { logs: Some(folder.into()), ..self }
+    }
+
+    /// The same, with this executable (ours: see [`supervise`](super::supervise)) between it and each program, so that nothing is
+    /// left of a program even if this process is ended from one moment to the next.
+    pub fn supervised_by(self, executable: impl Into<PathBuf>) -> Self {
+        Self { supervisor: Some(executable.into()), ..self }
+    }
+
+    fn lock(&self) -> MutexGuard<'_, HashMap<String, Stall>> {
+        self.stalls.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Starts a program that is not running yet, and keeps it for its first run; what it says of itself.
+    ///
+    /// # Errors
+    /// If it may not be started, or does not start.
+    pub fn prepare(&self, program: &Arc<DeclaredProgram>) -> Result<Prepared, StartError> {
+        let process = self.start(program)?;
+        let prepared = Prepared { hello: process.hello().clone() };
+        let mut stalls = self.lock();
+        let stall = stalls.entry(key(program)).or_default();
+        stall.idle.push(process);
+        Ok(prepared)
+    }
+
+    /// Starts a process besides those that are lent.
+    ///
+    /// # Errors
+    /// If it may not be started, or does not start.
+    pub fn start(&self, program: &Arc<DeclaredProgram>) -> Result<Process, StartError> {
+        self.permission.check(program)?;
+        let number = {
+            let mut stalls = self.lock();
+            let stall = stalls.entry(key(program)).or_default();
+            stall.started += 1;
+            stall.started
+        };
+        let log = self.logs.as_ref().map(|folder| folder.join(format!("{}-{number}.log", program.name)));
+        Process::start(program, &self.watchdog, self.supervisor.as_deref(), ProgramLog::new(log))
+    }
+
+    /// A process of each of these programs, which are in the order of their names; waits until there is one.
+    ///
+    /// # Errors
+    /// If one of them cannot be started or has been given up.
+    pub fn team(&self, programs: &[Arc<DeclaredProgram>]) -> Result<Team<'_>, (usize, ProgramFault)> {
+        let mut team = Team { yard: self, members: Vec::with_capacity(programs.len()) };
+        for (index, program) in programs.iter().enumerate() {
+            let process = self.lend(program).map_err(|fault| (index, fault))?;
+            team.members.push(Member { program: program.clone(), process: Some(process) });
+        }
+        Ok(team)
+    }
+
+    /// A process of a program; waits until one may be had.
+    fn lend(&self, program: &Arc<DeclaredProgram>) -> Result<Process, ProgramFault> {
+        let most = program.processes.map_or(self.threads, |most| self.threads.min(most as usize)).max(1);
+        let key = key(program);
+        let mut stalls = self.lock();
+        loop {
+            let stall = stalls.entry(key.clone()).or_default();
+            if let Some(fault) = &stall.given_up {
+                return Err(fault.clone());
+            }
+            if let Some(process) = stall.idle.pop() {
+                stall.out += 1;
+                return Ok(process);
+            }
+            if stall.out < most {
+                stall.out += 1;
+                break;
+            }
+            stalls = self.freed.wait(stalls).unwrap_or_else(PoisonError::into_inner);
+        }
+        drop(stalls);
+        let started = self.start_or_give_up(program);
+        if started.is_err() {
+            self.give_back(program, None);
+        }
+        started
+    }
+
+    /// Starts a process; a program that does not start is not tried again.
+    fn start_or_give_up(&self, program: &Arc<DeclaredProgram>) -> Result<Process, ProgramFault> {
+        let given_up = self.lock().get(&key(program)).and_then(|stall| stall.given_up.clone());
+        if let Some(fault) = given_up {
+            return Err(fault);
+        }
+        self.start(program).map_err(|error| {
+            let fault = ProgramFault {
+                last_words: error.notes,
+                ..ProgramFault::new(FaultKind::Exited, error.message)
+            };
+            self.lock().entry(key(program)).or_default().given_up = Some(fault.clone());
+            fault
+        })
+    }
+
+    /// Takes note of a process that has ended.
+    fn mourn(&self, program: &DeclaredProgram) -> Result<(), ProgramFault> {
+        let mut stalls = self.lock();
+        let stall = stalls.entry(key(program)).or_default();
+        stall.in_vain += 1;
+        let patience = PATIENCE * u32::try_from(stall.out.max(1)).unwrap_or(u32::MAX / PATIENCE);
+        if stall.in_vain >= patience && stall.given_up.is_none() {
+            let message =
+                format!("given up: {} processes ended one after the other before a run did", stall.in_vain);
+            stall.given_up = Some(ProgramFault::new(FaultKind::Exited, message));
+        }
+        stall.given_up.clone().map_or(Ok(()), Err)
+    }
+
+    fn give_back(&self, program: &DeclaredProgram, process: Option<Process>) {
+        let mut stalls = self.lock();
+        let stall = stalls.entry(key(program)).or_default();
+        stall.out -= 1;
+        let ended = match process {
+            Some(process) if !process.has_ended() => {
+                stall.idle.push(process);
+                None
+            }
+            other => other,
+        };
+        drop(stalls);
+        self.freed.notify_all();
+        if ended.is_some() {
+            // What that means is said when the next one is wanted.
+            let _ = self.mourn(program);
+        }
+    }
+}
+
+/// What tells a program from others, though they have one name.
+fn key(program: &DeclaredProgram) -> String {
+    format!("{}\0{}\0{}", program.name, program.file, program.identity())
+}
+
+/// A program that has said hello.
+pub struct Prepared {
+    /// What it said.
+    pub hello: super::Hello,
+}
+
+/// A process of each of some programs, which goes back to its yard.
+pub struct Team<'y> {
+    yard: &'y Yard,
+    members: Vec<Member>,
+}
+
+struct Member {
+    program: Arc<DeclaredProgram>,
+    process: Option<Process>,
+}
+
+impl Team<'_> {
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.members.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.members.is_empty()
+    }
+
+    /// One of the programs.
+    pub fn program(&self, index: usize) -> &Arc<DeclaredProgram> {
+        &self.members[index].program
+    }
+
+    /// The process, started anew if the one before is gone.
+    ///
+    /// # Errors
+    /// If it cannot be started, or has been given up.
+    pub fn process(&mut self, index: usize) -> Result<&mut Process, ProgramFault> {
+        let Member { program, process } = &mut self.members[index];
+        if process.as_ref().is_some_and(Process::has_ended) {
+            *process = None;
+            self.yard.mourn(program)?;
+        }
+        if process.is_none() {
+            *process = Some(self.yard.start_or_give_up(program)?);
+        }
+        Ok(process.as_mut().expect("it was just started"))
+    }
+
+    /// Has the next run begin with a process that has seen none.
+    pub fn renew(&mut self, index: usize) {
+        let member = &mut self.members[index];
+        if member.process.as_ref().is_some_and(|process| !process.has_ended()) {
+            member.process = None;
+        }
+    }
+
+    /// Whether it is there and can be asked.
+    pub fn is_there(&self, index: usize) -> bool {
+        self.members[index].process.as_ref().is_some_and(|process| !process.has_ended())
+    }
+
+    /// How many runs all of them take at once.
+    pub fn runs_at_once(&self) -> usize {
+        let each = self.members.iter().filter_map(|member| member.process.as_ref());
+        each.map(|process| process.hello().runs_at_once).min().unwrap_or(1)
+    }
+
+    /// A run of all of them came to its end.
+    pub fn finished(&self) {
+        let mut stalls = self.yard.lock();
+        for member in &self.members {
+            stalls.entry(key(&member.program)).or_default().in_vain = 0;
+        }
+    }
+}
+
+impl Drop for Team<'_> {
+    fn drop(&mut self) {
+        for Member { program, process } in self.members.drain(..) {
+            self.yard.give_back(&program, process);
+        }
+    }
+}
+
+#[cfg(test)]
+pub mod tests {
+    use scenario::{Answer, DeclaredProgram, Delay, Origin};
+
+    /// A program that is this command.
+    pub fn program(command: &str) -> DeclaredProgram {
+        DeclaredProgram {
+            name: "own".into(),
+            command: command.split(' ').map(str::to_string).collect(),
+            folder: String::new(),
+            environment: Vec::new(),
+            gives: Answer::Acceleration,
+            period: None,
+            delay: Delay::Fixed(0.0),
+            settles: 0.0,
+            starts_within: 30.0,
+            answers_within: 10.0,
+            processes: None,
+            is_nondeterministic: false,
+            file: "a.scn".into(),
+            origin: Origin::default(),
+            parameters: Vec::new(),
+        }
+    }
+}
