@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 
 use super::interrupt::stop_on_interrupt;
+use super::programs::ProgramArguments;
 use super::set::SetArguments;
 use super::{Exit, measured, parameters};
 use report::console::{stderr, stdout};
@@ -58,6 +59,9 @@ pub struct CompareArguments {
 
     #[command(flatten)]
     set: SetArguments,
+
+    #[command(flatten)]
+    programs: ProgramArguments,
 
     /// Leave out trials that the base lacks, instead of refusing to compare.
     #[arg(long)]
@@ -155,13 +159,14 @@ impl Side {
         title: &str,
         registry: &Registry,
         stop: &Stop,
+        programs: &ProgramArguments,
     ) -> Result<Baseline, Exit> {
         let Some(suite) = &self.suite else {
             return measured::read_baseline(Path::new(&self.file), registry);
         };
         let mut requests = measured_metrics(suite, registry);
         gates.iter().for_each(|gate| measured::include_gate(&mut requests, gate));
-        measured::run_suite(suite, &requests, title, stop)
+        measured::run_suite(suite, &requests, title, stop, programs)
     }
 }
 
@@ -172,8 +177,8 @@ fn judged(
 ) -> Result<Vec<(GateVerdict, Option<String>)>, Exit> {
     let (base, candidate) = sides(arguments, registry)?;
     let gates = gates(arguments, &base, &candidate)?;
-    let before = base.baseline(&gates, "base", registry, stop)?;
-    let after = candidate.baseline(&gates, "candidate", registry, stop)?;
+    let before = base.baseline(&gates, "base", registry, stop, &arguments.programs)?;
+    let after = candidate.baseline(&gates, "candidate", registry, stop, &arguments.programs)?;
     let refuse = |reasons: Vec<Incompatible>| {
         writeln!(stderr(), "error: {} and {} cannot be compared", base.file, candidate.file);
         for reason in &reasons {

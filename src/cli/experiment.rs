@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::interrupt::stop_on_interrupt;
+use super::programs::ProgramArguments;
 use super::set::SetArguments;
 use super::{Exit, load, shows_progress, store};
 use report::console::{stderr, stdout};
@@ -30,6 +31,9 @@ pub struct ExperimentArguments {
 
     #[command(flatten)]
     set: SetArguments,
+
+    #[command(flatten)]
+    programs: ProgramArguments,
 
     /// Write the result for use elsewhere: a search its kept cases, a tune its parameters. Under a name that ends in `.json`
     /// an `evaluate` block takes them as a condition (`with "tuned.json"`), under another they are definitions that a
@@ -77,7 +81,15 @@ fn run(arguments: &ExperimentArguments, kind: &'static str, registry: &Registry)
     if let Err(exit) = store::prepare(&arguments.journal) {
         return exit;
     }
-    let session = Session::new(&project).journals(&arguments.journal).stopped_by(&stop).courses(false);
+    let threads = match arguments.programs.threads(None, suites.iter().map(|one| &one.suite)) {
+        Ok(threads) => threads,
+        Err(exit) => return exit,
+    };
+    let session = Session::new(&project)
+        .executor(threads)
+        .journals(&arguments.journal)
+        .stopped_by(&stop)
+        .courses(false);
     let mut watcher = Terminal::quiet(shows_progress(arguments.no_progress).then(Live::new));
     let results =
         session.run_units(&units, &Selection::marked(asked), &mut watcher).expect("a block is selected");

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::one_case::could_not_run;
+use super::programs::ProgramArguments;
 use super::set::SetArguments;
 use super::{Exit, load};
 use report::console::stderr;
@@ -43,19 +44,32 @@ pub fn include_gate(requests: &mut Requests, gate: &Gate) {
 ///
 /// # Errors
 /// [`Exit::Interrupted`], of which nothing is said yet; of everything else stderr has been told.
-pub fn run_suite(suite: &Suite, requests: &Requests, title: &str, stop: &Stop) -> Result<Baseline, Exit> {
+pub fn run_suite(
+    suite: &Suite,
+    requests: &Requests,
+    title: &str,
+    stop: &Stop,
+    programs: &ProgramArguments,
+) -> Result<Baseline, Exit> {
+    let threads = programs.threads(None, [suite])?;
     let plan = plan::plan(suite).map_err(|errors| {
         load::show(plan_notices(errors), false);
         Exit::Scenario
     })?;
-    run_plan(&plan, requests, title, stop)
+    run_plan(&plan, requests, title, stop, &threads)
 }
 
-fn run_plan(plan: &Plan, requests: &Requests, title: &str, stop: &Stop) -> Result<Baseline, Exit> {
+fn run_plan(
+    plan: &Plan,
+    requests: &Requests,
+    title: &str,
+    stop: &Stop,
+    threads: &Threads,
+) -> Result<Baseline, Exit> {
     let runs = plan.scenarios().iter().map(|one| one.len() * one.runs()).sum::<usize>();
     let bar = bar(title, runs as u64);
-    let (threads, measured) = (Threads::all(), MeasuredMetrics::new(requests.clone()));
-    let batch = RunBatch { executor: &threads, measured: &measured, stop };
+    let measured = MeasuredMetrics::new(requests.clone());
+    let batch = RunBatch { executor: threads, measured: &measured, stop };
     let mut trials = Vec::with_capacity(plan.len());
     let made = plan.trials().try_for_each(|trial| {
         let outcomes = batch.outcomes(trial.cases.iter(), || bar.inc(1))?;

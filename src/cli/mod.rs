@@ -1,5 +1,6 @@
 //! The command line: one file a subcommand.
 
+mod allow;
 mod baseline;
 mod bug;
 mod calibrate;
@@ -22,6 +23,7 @@ mod models;
 mod number;
 mod one_case;
 mod parameters;
+mod programs;
 mod project;
 mod replay;
 mod report;
@@ -43,6 +45,7 @@ pub use exit::Exit;
 use ::report::console::{stderr, stdout};
 use runner::run::note_places;
 use scenario::registry::Registry;
+use under_test::supervise;
 
 /// Tests automated-vehicle controllers against pedestrians who behave like people.
 ///
@@ -69,7 +72,7 @@ enum Command {
     /// Write a commented starter project that runs: scenarios, suites, CI.
     Init(init::InitArguments),
     /// Run suites and scenarios; the default when no command is named.
-    Run(run::RunArguments),
+    Run(Box<run::RunArguments>),
     /// Look for errors in suites and scenarios without running anything.
     Check(check::CheckArguments),
     /// Bring scenario files into the one style.
@@ -102,6 +105,17 @@ enum Command {
     Replay(replay::ReplayArguments),
     /// Write a failing run as a small scenario file of its own, moved towards nominal values.
     Shrink(shrink::ShrinkArguments),
+    /// Let the programs of controllers that files declare run.
+    Allow(allow::AllowArguments),
+    /// Runs a program as long as the process of that number is there.
+    #[command(hide = true)]
+    Supervise {
+        runner: u32,
+        #[arg(long, value_name = "NAME=VALUE")]
+        set: Vec<String>,
+        #[arg(last = true)]
+        command: Vec<String>,
+    },
     /// Show the help of a command, or `help filter` for the language of filter expressions.
     Help(help::HelpArguments),
 }
@@ -118,8 +132,11 @@ fn shows_progress(unwanted: bool) -> bool {
 /// `registry`.
 pub fn main(registry: &Registry) -> ExitCode {
     note_places();
-    let exit =
-        guarded(|| Cli::try_parse().map_or_else(|error| misunderstood(&error), |cli| obey(cli, registry)));
+    let parsed = Cli::try_parse();
+    if let Ok(Cli { command: Some(Command::Supervise { runner, set, command }), .. }) = &parsed {
+        return supervise(*runner, set, command);
+    }
+    let exit = guarded(|| parsed.map_or_else(|error| misunderstood(&error), |cli| obey(cli, registry)));
     all_said(exit).into()
 }
 
@@ -149,7 +166,7 @@ fn obey(cli: Cli, registry: &Registry) -> Exit {
     match cli.command {
         None => run::run(cli.run, registry),
         Some(Command::Init(arguments)) => init::init(&arguments),
-        Some(Command::Run(arguments)) => run::run(arguments, registry),
+        Some(Command::Run(arguments)) => run::run(*arguments, registry),
         Some(Command::Check(arguments)) => check::check(&arguments, registry),
         Some(Command::Fmt(arguments)) => format::format(&arguments),
         Some(Command::Convert(arguments)) => convert::convert(&arguments),
@@ -166,6 +183,8 @@ fn obey(cli: Cli, registry: &Registry) -> Exit {
         Some(Command::Validate(arguments)) => validate::run(&arguments),
         Some(Command::Replay(arguments)) => replay::replay(&arguments, registry),
         Some(Command::Shrink(arguments)) => shrink::shrink(&arguments, registry),
+        Some(Command::Allow(arguments)) => allow::allow(&arguments, registry),
+        Some(Command::Supervise { .. }) => Exit::Usage,
         Some(Command::Help(arguments)) => help::help(&arguments),
     }
 }

@@ -6,6 +6,7 @@ use clap::Args;
 
 use super::Exit;
 use super::load;
+use super::programs::ProgramArguments;
 use super::set::SetArguments;
 use report::console::stderr;
 use runner::corpus;
@@ -30,6 +31,9 @@ pub struct CaseArguments {
 
     #[command(flatten)]
     set: SetArguments,
+
+    #[command(flatten)]
+    pub programs: ProgramArguments,
 }
 
 /// The run that was asked for.

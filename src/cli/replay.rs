@@ -12,7 +12,7 @@ use report::console::{stderr, stdout};
 use report::{ReplayIntroduction, case_values, render_replay, replay_reasons, write_trace};
 use results::Requests;
 use runner::corpus::{case_hash, corpus_path};
-use runner::run::{MeasuredMetrics, Ran, RunBatch, Stop, Threads, Wanted};
+use runner::run::{MeasuredMetrics, Ran, RunBatch, Stop, Wanted, went_differently};
 use scenario::registry::Registry;
 
 #[derive(Debug, Args)]
@@ -32,7 +32,7 @@ pub struct ReplayArguments {
 pub fn replay(arguments: &ReplayArguments, registry: &Registry) -> Exit {
     let replayed = arguments.case.load("replay", registry).and_then(|project| {
         let found = arguments.case.find(project.suites())?;
-        Ok(replay_case(arguments, &found, registry))
+        replay_case(arguments, &found, registry)
     });
     replayed.unwrap_or_else(|exit| exit)
 }
@@ -46,12 +46,16 @@ struct Expected {
     source: String,
 }
 
-fn replay_case(arguments: &ReplayArguments, found: &FoundCase, registry: &Registry) -> Exit {
+fn replay_case(arguments: &ReplayArguments, found: &FoundCase, registry: &Registry) -> Result<Exit, Exit> {
     let FoundCase { suite, case, .. } = found;
     let mut requests = Requests::defaults(registry);
     suite.plan.trials().for_each(|trial| requests.include(&trial.criteria));
     requests.include(&found.criteria);
-    let (threads, measured, stop) = (Threads::new(1), MeasuredMetrics::new(requests), Stop::default());
+    let (threads, measured, stop) = (
+        arguments.case.programs.threads(Some(1), [&suite.suite])?,
+        MeasuredMetrics::new(requests),
+        Stop::default(),
+    );
     let batch = RunBatch { executor: &threads, measured: &measured, stop: &stop };
     let runs = batch
         .one(case, Wanted::TraceAndEvents)
@@ -59,7 +63,7 @@ fn replay_case(arguments: &ReplayArguments, found: &FoundCase, registry: &Regist
     let (Ran { outcome, trace, events }, again) = match runs {
         Ok(runs) => runs,
         Err(error) => {
-            return could_not_run(&error);
+            return Ok(could_not_run(&error));
         }
     };
     let requests = &measured.requests;
@@ -76,12 +80,16 @@ fn replay_case(arguments: &ReplayArguments, found: &FoundCase, registry: &Regist
         });
         if let Err(error) = written {
             writeln!(stderr(), "error: cannot write {}: {error}", path.display());
-            return Exit::Output;
+            return Ok(Exit::Output);
         }
     }
     if again.fingerprint != outcome.fingerprint {
-        writeln!(stderr(), "error: it went differently when it was repeated: please report this");
-        return Exit::Failed;
+        if let Some(reason) = went_differently(case) {
+            writeln!(stderr(), "error: {reason}");
+            return Ok(Exit::Failed);
+        }
+        writeln!(stdout(), "  run twice: not the same, as its controller says of itself");
+        return Ok(Exit::Success);
     }
     let fingerprint = hexadecimal(outcome.fingerprint);
     match expected(arguments, found) {
@@ -101,10 +109,10 @@ fn replay_case(arguments: &ReplayArguments, found: &FoundCase, registry: &Regist
                 stderr(),
                 "help: the files, the seed or the version of scenario-runner have changed since"
             );
-            return Exit::Failed;
+            return Ok(Exit::Failed);
         }
     }
-    Exit::Success
+    Ok(Exit::Success)
 }
 
 /// What is known of the run: what the user says, what was recorded, or what the last session saw.

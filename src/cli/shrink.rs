@@ -66,15 +66,22 @@ pub struct ShrinkArguments {
 pub fn shrink(arguments: &ShrinkArguments, registry: &Registry) -> Exit {
     let result = arguments.case.load("shrink", registry).and_then(|project| {
         let found = arguments.case.find(project.suites())?;
-        let criterion = choose(arguments, &found, registry)?;
-        shrink_found(arguments, &found, &criterion, registry)
+        // Each run decides which is next.
+        let threads = arguments.case.programs.threads(Some(1), [&found.suite.suite])?;
+        let criterion = choose(arguments, &found, registry, &threads)?;
+        shrink_found(arguments, &found, &criterion, registry, &threads)
     });
     result.unwrap_or_else(|exit| exit)
 }
 
 /// The criterion that was asked for, if the run speaks against it; else the first such, those that one run decides before
 /// those about many.
-fn choose(arguments: &ShrinkArguments, found: &FoundCase, registry: &Registry) -> Result<PerRun, Exit> {
+fn choose(
+    arguments: &ShrinkArguments,
+    found: &FoundCase,
+    registry: &Registry,
+    threads: &Threads,
+) -> Result<PerRun, Exit> {
     let key = &arguments.case.key;
     let mut criteria: Vec<PerRun> = found.criteria.iter().filter_map(per_run).collect();
     if let Some(words) = &arguments.criterion {
@@ -88,7 +95,7 @@ fn choose(arguments: &ShrinkArguments, found: &FoundCase, registry: &Registry) -
     }
     let mut requests = Requests::defaults(registry);
     requests.include(&found.criteria);
-    let outcome = run(&found.case, &requests)?;
+    let outcome = run(&found.case, &requests, threads)?;
     let holds = |one: &PerRun| one.standing(&outcome, &requests).holds;
     let (held, mut failed): (Vec<_>, Vec<_>) = criteria.into_iter().partition(holds);
     failed.sort_by_key(|one| !one.decisive);
@@ -114,6 +121,7 @@ fn shrink_found(
     found: &FoundCase,
     criterion: &PerRun,
     registry: &Registry,
+    threads: &Threads,
 ) -> Result<Exit, Exit> {
     let FoundCase { suite, case, .. } = found;
     let declared = suite.suite.scenarios.iter().find(|scenario| scenario.name == case.scenario);
@@ -130,15 +138,13 @@ fn shrink_found(
         key: case.key.clone(),
         seed: case.seed,
     };
-    // Each run decides which is next.
-    let threads = Threads::new(1);
     let shrunk = if arguments.as_is {
-        unmoved(place, criterion, registry, &threads)
+        unmoved(place, criterion, registry, threads)
     } else {
         let stop = stop_on_interrupt();
         let bar = progress_bar(shows_progress(arguments.no_progress));
         let told = |runs: usize, what: &str| bar.set_message(format!("{runs} runs, moving {what}"));
-        let shrunk = shrink_case(place, criterion, registry, &threads, &stop, &mut { told });
+        let shrunk = shrink_case(place, criterion, registry, threads, &stop, &mut { told });
         bar.finish_and_clear();
         shrunk
     };
@@ -156,7 +162,7 @@ fn shrink_found(
         writeln!(stderr(), "error: {}: {error}", case.key);
         Exit::Scenario
     })?;
-    verify(&text, &shrunk, &path, registry)?;
+    verify(&text, &shrunk, &path, registry, threads)?;
     // It may have come there while the case was shrinking.
     may_be_written(&path, arguments.force)?;
     let written = if path.exists() { files::write(&path, &text) } else { files::create_new(&path, &text) };
@@ -212,19 +218,24 @@ fn progress_bar(shown: bool) -> ProgressBar {
     ProgressBar::with_draw_target(None, target).with_style(style)
 }
 
-fn run(case: &Case, requests: &Requests) -> Result<Outcome, Exit> {
-    outcome(case, requests).map_err(|error| could_not_run(&error))
+fn run(case: &Case, requests: &Requests, threads: &Threads) -> Result<Outcome, Exit> {
+    outcome(case, requests, threads).map_err(|error| could_not_run(&error))
 }
 
-fn outcome(case: &Case, requests: &Requests) -> Result<Outcome, BatchError> {
-    let (threads, measured, stop) =
-        (Threads::new(1), MeasuredMetrics::new(requests.clone()), Stop::default());
-    let batch = RunBatch { executor: &threads, measured: &measured, stop: &stop };
+fn outcome(case: &Case, requests: &Requests, threads: &Threads) -> Result<Outcome, BatchError> {
+    let (measured, stop) = (MeasuredMetrics::new(requests.clone()), Stop::default());
+    let batch = RunBatch { executor: threads, measured: &measured, stop: &stop };
     batch.one(case, Wanted::Outcome).map(|ran| ran.outcome)
 }
 
 /// Reads the file again and runs it: it has to be the same run.
-fn verify(text: &str, shrunk: &Shrunk, path: &Path, registry: &Registry) -> Result<(), Exit> {
+fn verify(
+    text: &str,
+    shrunk: &Shrunk,
+    path: &Path,
+    registry: &Registry,
+    threads: &Threads,
+) -> Result<(), Exit> {
     let again = || -> Result<Outcome, String> {
         // A device has no ending that says what is in it.
         let named = if path.exists() && !path.is_file() { Path::new("shrunk.scn") } else { path };
@@ -233,7 +244,7 @@ fn verify(text: &str, shrunk: &Shrunk, path: &Path, registry: &Registry) -> Resu
         let scenario = loaded.suite.scenarios.first().ok_or("it has no scenario")?;
         let planned = plan::plan_scenario(&loaded.suite, scenario).map_err(|error| error.to_string())?;
         let case = planned.trials().next().map(|trial| trial.cases.first()).ok_or("it has no run")?;
-        outcome(&case, &shrunk.requests).map_err(|error| match error {
+        outcome(&case, &shrunk.requests, threads).map_err(|error| match error {
             BatchError::Run { error, .. } => error.to_string(),
             error => error.to_string(),
         })

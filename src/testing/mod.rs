@@ -40,10 +40,11 @@ use report::{explain, render_gate_report};
 use results::{Skip, Standing, UnitReport, Verdict};
 use runner::experiment::Silent;
 use runner::project::{Project, ProjectOptions};
-use runner::run::Threads;
+use runner::run::{Executor, Threads};
 use runner::session::{self, Unit, Usable, Work, gate_key, judge_one_gate, measured_trials};
 use scenario::Gate;
 use scenario::registry::Registry;
+use under_test::{Allowed, Permission, Yard};
 
 /// Why there are no tests.
 #[derive(Debug, Error)]
@@ -106,13 +107,26 @@ impl Suites {
     /// # Errors
     /// If a pattern names no file or a file has errors.
     pub fn load(patterns: &[&str], registry: &Registry) -> Result<Self, TestingError> {
+        Self::load_allowing(patterns, registry, &[])
+    }
+
+    /// As [`Self::load`]; the programs of declared controllers of these names may run, besides those that the user or the
+    /// environment allows.
+    ///
+    /// # Errors
+    /// As [`Self::load`].
+    pub fn load_allowing(
+        patterns: &[&str],
+        registry: &Registry,
+        programs: &[&str],
+    ) -> Result<Self, TestingError> {
         let files = files(patterns)?;
         let opened = Project::open_all(&files, &ProjectOptions::default(), registry, &Disk);
         let notices = opened.as_ref().map_or_else(|problems| &problems.0[..], Project::notices);
         notices.iter().for_each(|notice| stderr().styled(&notice.render(Style::default())));
         let project = opened.map_err(|_| TestingError::Invalid)?;
         // Tests own what they need and live as long as the process.
-        Ok(Self(Arc::new(Tested::new(Box::leak(Box::new(project))))))
+        Ok(Self(Arc::new(Tested::new(Box::leak(Box::new(project)), programs))))
     }
 
     /// The units and gates of the files that the patterns name, as [`trials`] gives them.
@@ -200,11 +214,18 @@ struct Done {
 }
 
 impl Tested {
-    fn new(project: &'static Project) -> Self {
+    fn new(project: &'static Project, programs: &[&str]) -> Self {
         let (suites, registry) = (project.suites(), project.registry());
         let units: Vec<_> = session::units(suites).iter().collect();
         let done = units.iter().map(|_| OnceLock::new()).collect();
-        let threads = Box::leak(Box::new(Threads::all()));
+        let threads = Threads::all();
+        let mut permission = Permission::default().of_environment().named(programs.iter().copied());
+        if let Ok(allowed) = Allowed::place().and_then(Allowed::read) {
+            permission = permission.listed(&allowed);
+        }
+        // What may not be run is an error of each test that needs it.
+        let yard = Yard::new(permission, threads.parallelism());
+        let threads = Box::leak(Box::new(threads.attending(Arc::new(yard))));
         Self { session: session::Runner::new(suites, threads, registry), units, done }
     }
 

@@ -17,6 +17,7 @@ use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
 
 use super::interrupt::stop_on_interrupt;
+use super::programs::ProgramArguments;
 use super::set::SetArguments;
 use super::{Exit, filter, load, measured, number, store};
 use files::escape::terminal_line;
@@ -24,7 +25,6 @@ use lang::filter::Show;
 use report::console::{Output, stderr, stdout};
 use report::{Live, StatusLevel, Terminal, render_gates};
 use results::{Overall, SuiteReport};
-use runner::run::Threads;
 use runner::session::{self, Selection, Session, Units};
 use scenario::registry::Registry;
 
@@ -66,6 +66,9 @@ pub struct RunArguments {
 
     #[command(flatten)]
     set: SetArguments,
+
+    #[command(flatten)]
+    programs: ProgramArguments,
 
     /// Where a search or tune that is cut off leaves its journal, from which the same command goes on.
     #[arg(long, value_name = "DIR", default_value = super::JOURNAL)]
@@ -269,7 +272,11 @@ pub fn run(arguments: RunArguments, registry: &Registry) -> Exit {
         writeln!(stderr(), "error: cannot create the folder {}: {error}", folder.display());
         return Exit::Output;
     }
-    let threads = arguments.test_threads.map_or_else(Threads::all, Threads::new);
+    let threads =
+        match arguments.programs.threads(arguments.test_threads, suites.iter().map(|one| &one.suite)) {
+            Ok(threads) => threads,
+            Err(exit) => return exit,
+        };
     let stop = stop_on_interrupt();
     if let Err(exit) = store::prepare(&arguments.journal) {
         return exit;

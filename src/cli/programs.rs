@@ -1,0 +1,130 @@
+//! `--allow-run`: threads that make runs, and ask the programs in which users' own controllers are.
+
+use std::env;
+use std::path::Path;
+use std::sync::Arc;
+
+use clap::Args;
+
+use super::{Exit, store};
+use lang::{Code, Excerpt};
+use report::console::stderr;
+use runner::run::Threads;
+use scenario::{ControllerModel, DeclaredProgram, Reference, Suite};
+use under_test::{Allowed, KnowsMore, Permission, StartError, StartProblem, Yard};
+
+#[derive(Debug, Clone, Default, Args)]
+pub struct ProgramArguments {
+    /// Let the programs of controllers that files declare run this once: those of these names, or all. `scenario-runner
+    /// allow FILE` lets them run until what runs is changed. Whatever they do is then allowed.
+    #[arg(long, value_name = "NAME,…", num_args = 0..=1, require_equals = true, value_delimiter = ',', default_missing_value = "")]
+    allow_run: Option<Vec<String>>,
+}
+
+impl ProgramArguments {
+    /// What the user allows, here, in the environment, or once and for all.
+    fn permission(&self) -> Result<Permission, Exit> {
+        let allowed = Allowed::place().and_then(Allowed::read).map_err(|error| {
+            writeln!(stderr(), "error: {error}");
+            Exit::Usage
+        })?;
+        let permission = Permission::default().of_environment().listed(&allowed);
+        Ok(match self.allow_run.as_deref() {
+            None => permission,
+            Some(names) if names.iter().all(String::is_empty) => permission.all(),
+            Some(names) => permission.named(names.iter().map(|name| name.trim().to_string())),
+        })
+    }
+
+    /// So many threads (one for each core if nothing is said) to make runs of these suites. The programs that decide in them
+    /// are started; if one may not or does not, nothing is run, and stderr is told.
+    pub fn threads<'s>(
+        &self,
+        threads: Option<usize>,
+        suites: impl IntoIterator<Item = &'s Suite>,
+    ) -> Result<Threads, Exit> {
+        let made = threads.map_or_else(Threads::all, Threads::new);
+        let mut models: Vec<&Reference<ControllerModel>> = Vec::new();
+        for model in suites.into_iter().flat_map(of_suite) {
+            if !models.contains(&model) {
+                models.push(model);
+            }
+        }
+        if models.is_empty() {
+            return Ok(made);
+        }
+        let permission = self.permission()?;
+        let programs: Vec<(&ControllerModel, &Arc<DeclaredProgram>)> = models
+            .iter()
+            .filter_map(|model| Some((model.known()?, model.known()?.program.as_ref()?)))
+            .collect();
+        let forbidden = programs.iter().filter_map(|(_, program)| permission.check(program).err());
+        say_all(&forbidden.collect::<Vec<_>>())?;
+        let yard = yard(permission, runner::run::Executor::parallelism(&made))?;
+        let mut wrong = Vec::new();
+        for (model, program) in programs {
+            match yard.prepare(program) {
+                Ok(prepared) => {
+                    wrong.extend(prepared.hello.disagreements(program, &model.declaration));
+                    prepared.hello.more(&model.declaration).iter().for_each(|more| warn(program, more));
+                }
+                Err(error) => wrong.push(error),
+            }
+        }
+        say_all(&wrong)?;
+        Ok(made.attending(Arc::new(yard)))
+    }
+}
+
+/// A yard of this program, with the logs of other programs where it keeps what nobody commits.
+pub fn yard(permission: Permission, threads: usize) -> Result<Yard, Exit> {
+    let logs = Path::new(store::FOLDER).join("controllers");
+    store::prepare(&logs)?;
+    let yard = Yard::new(permission, threads);
+    let yard = if files::make_folder(&logs).is_ok() { yard.logs(logs) } else { yard };
+    Ok(match env::current_exe() {
+        Ok(own) if cfg!(unix) => yard.supervised_by(own),
+        _ => yard,
+    })
+}
+
+/// The controllers of a suite in whose place a program decides.
+fn of_suite(suite: &Suite) -> impl Iterator<Item = &Reference<ControllerModel>> {
+    let scenarios = suite.scenarios.iter().chain(&suite.supporting);
+    let named = scenarios.flat_map(|scenario| &scenario.vehicles).flat_map(|car| car.controller.all());
+    named.filter(|model| model.known().is_some_and(|known| known.program.is_some()))
+}
+
+/// Says what is wrong, if anything is.
+fn say_all(errors: &[StartError]) -> Result<(), Exit> {
+    for error in errors {
+        let code = match error.problem {
+            StartProblem::NotAllowed => Code::NotAllowed,
+            StartProblem::CannotStart => Code::CannotStart,
+            StartProblem::NoHello => Code::NoHello,
+            StartProblem::Disagreement => Code::Disagreement,
+        };
+        let title = format!("{code}: {}", error.message);
+        let excerpt = Excerpt {
+            title: &title,
+            origin: &error.origin,
+            label: "",
+            notes: &error.notes,
+            help: Some(&error.hint),
+        };
+        stderr().styled(&format!("{}\n\n", excerpt.render(stderr().takes_colour())));
+    }
+    if errors.is_empty() { Ok(()) } else { Err(Exit::Scenario) }
+}
+
+fn warn(program: &DeclaredProgram, more: &KnowsMore) {
+    let code = Code::KnowsMore;
+    let values = if more.values.is_empty() { String::new() } else { format!(" ({})", more.values) };
+    writeln!(
+        stderr(),
+        "warning: {code}: the program of `{}` also has `{}`{values}; declare it in {} to set or vary it",
+        program.name,
+        more.name,
+        program.file
+    );
+}
