@@ -8,7 +8,7 @@ use scenario::agent::{
     Command, ControllerError, EgoState, Longitudinal, Mode, Observation, RoadView, Schedule, SeenPedestrian,
     SeenVehicle, Snapshot,
 };
-use scenario::{Road, VehicleSetup, World};
+use scenario::{CommandKind, Road, VehicleSetup, World};
 
 /// Absorbs the rounding of sums and products when times are compared, s.
 pub(super) const TIME_TOLERANCE: f64 = 1e-9;
@@ -26,6 +26,8 @@ pub(super) struct Control {
     /// What was decided for later, with the moments (s) from which on it holds, in the order of the decisions.
     later: VecDeque<(f64, Held)>,
     schedule: Schedule,
+    /// What its controller is declared to give, where that is known.
+    gives: Option<CommandKind>,
     decisions: u64,
     /// Moment of the next decision, s.
     next: f64,
@@ -88,6 +90,7 @@ impl Control {
             held: Held::Command(Command::Acceleration(0.0)),
             later: VecDeque::new(),
             schedule: driven.driver.schedule(),
+            gives: setup.controller.model.entry().map(|controller| controller.gives),
             decisions: 0,
             next: 0.0,
             waits: false,
@@ -152,29 +155,27 @@ impl Control {
 
     /// Takes a decision, which holds until the next.
     pub fn take(&mut self, command: Command) -> Result<(), ControllerError> {
-        if !command.is_finite() {
-            return Err(ControllerError::new(format!("no vehicle can follow its command: {command:?}")));
-        }
+        self.check(command)?;
         self.waits = false;
         self.later.clear();
         self.held = Held::Command(command);
-        self.count_from(self.decisions + 1);
-        Ok(())
+        self.count_from(self.decisions + 1)
     }
 
     /// Takes a decision that is taken at `time` (s) and holds from `delay` (s) later on until the next one does.
     pub fn take_later(&mut self, order: Order, time: f64, delay: f64) -> Result<(), ControllerError> {
         let held = match order {
             Order::Command(command) if delay <= 0.0 => return self.take(command),
-            Order::Command(command) if command.is_finite() => Held::Command(command),
-            Order::Command(command) => return self.take(command),
+            Order::Command(command) => {
+                self.check(command)?;
+                Held::Command(command)
+            }
             Order::Plan(plan) => Held::Plan { plan, begun: time + delay },
         };
         self.waits = false;
         self.later.push_back((time + delay, held));
         self.take_effect(time);
-        self.count_from(self.decisions + 1);
-        Ok(())
+        self.count_from(self.decisions + 1)
     }
 
     /// The moment of the decision that is waited for, s; counted from the start of settling while it settles.
@@ -182,9 +183,30 @@ impl Control {
         self.next
     }
 
-    fn count_from(&mut self, decisions: u64) {
+    /// Whether the vehicle can follow a command: a number, and of the kind that its dynamics were chosen for.
+    fn check(&self, command: Command) -> Result<(), ControllerError> {
+        if !command.is_finite() {
+            return Err(ControllerError::new(format!("no vehicle can follow its command: {command:?}")));
+        }
+        match self.gives {
+            Some(kind) if kind != command.kind() => {
+                Err(ControllerError::new(format!("it is declared to give {kind:?}, and gives {command:?}")))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Without an end nobody else would get a turn.
+    fn count_from(&mut self, decisions: u64) -> Result<(), ControllerError> {
+        let last = std::mem::replace(&mut self.next, self.schedule.moment(decisions));
         self.decisions = decisions;
-        self.next = self.schedule.moment(decisions);
+        if self.next.is_nan() || decisions > 0 && last >= self.next {
+            return Err(ControllerError::new(format!(
+                "its next decision is at {} s, as the last one",
+                self.next
+            )));
+        }
+        Ok(())
     }
 
     /// Asks at `time` (s), everybody being where `now` says.
@@ -236,7 +258,7 @@ impl Control {
         if self.waits {
             return Ok(None);
         }
-        self.count_from(0);
+        self.count_from(0)?;
         // What was decided while settling holds on: its moments are counted from the start from now on.
         let settled = steps as f64 * step;
         self.later.iter_mut().for_each(|(moment, _)| *moment -= settled);

@@ -56,7 +56,9 @@ impl<'a> Runner<'a> {
 
     /// With a folder where searches and tunes keep what they have evaluated.
     pub fn journals(mut self, folder: PathBuf) -> Self {
-        self.contexts.iter_mut().for_each(|context| context.journals = Some(folder.clone()));
+        // What a program has decided is no evaluation to go on from: the program may be another by then.
+        let lasting = self.contexts.iter_mut().filter(|context| context.suite.controllers.is_empty());
+        lasting.for_each(|context| context.journals = Some(folder.clone()));
         self
     }
 

@@ -9,7 +9,7 @@ mod state;
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
-use super::{Position, Road, Shape};
+use super::{CommandKind, Position, Road, Shape};
 
 pub use controller_error::ControllerError;
 pub use mode::Mode;
@@ -197,6 +197,14 @@ pub enum Command {
 }
 
 impl Command {
+    /// Which kind of command it is.
+    pub fn kind(self) -> CommandKind {
+        match self {
+            Self::Pedals { .. } => CommandKind::Pedals,
+            Self::Acceleration(_) => CommandKind::Acceleration,
+        }
+    }
+
     /// Whether a vehicle can follow it.
     pub fn is_finite(self) -> bool {
         match self {

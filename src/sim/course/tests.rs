@@ -3,8 +3,10 @@
 use super::*;
 use crate::road_users::{Driven, Driver};
 use crate::{SpeedPlan, fixture};
-use scenario::agent::{Controller, Dynamics, Longitudinal, Pedestrian, Schedule};
-use scenario::{Direction, VehicleReference, VehicleStart};
+use scenario::agent::{Controller, Dynamics, Longitudinal, ModelError, Pedestrian, Schedule};
+use scenario::{
+    CommandKind, ControllerContext, ControllerModel, Declaration, Direction, VehicleReference, VehicleStart,
+};
 
 struct Stroller(f64);
 
@@ -189,6 +191,46 @@ fn a_command_that_no_vehicle_can_follow_is_a_fault() {
         assert!((fault.time - 0.1).abs() < 1e-9, "{fault}");
         assert_eq!((course.asked().count(), course.next(&mut last)), (0, Err(fault)));
     }
+}
+
+/// Decides at moments that do not go on, or always at the same, as a period of `NaN` and of 0 s say.
+struct Stuck(f64);
+
+impl Controller for Stuck {
+    fn schedule(&self) -> Schedule {
+        Schedule::every(self.0)
+    }
+
+    fn act(&mut self, _: &Observation) -> Result<Command, ControllerError> {
+        Ok(Command::Acceleration(0.0))
+    }
+}
+
+#[test]
+fn who_never_decides_again_is_a_fault_and_no_endless_run() {
+    let world = Arc::new(world(10.0, VehicleStart::Distance(30.0), Appearance::At(0.0)));
+    for period in [0.0, f64::NAN, -1.0] {
+        let fault = simulate(&world, users(Box::new(Stuck(period)), 1.0), &mut Last::default()).unwrap_err();
+        assert!(fault.error.to_string().contains("as the last one"), "{period}: {fault:?}");
+    }
+}
+
+#[test]
+fn what_a_controller_gives_is_what_it_is_declared_to_give() {
+    let build = |_: &ControllerContext| Err(ModelError::new("never built"));
+    let declared = ControllerModel::new(Declaration::new("own", ""), CommandKind::Acceleration, build);
+    let mut world = world(10.0, VehicleStart::Distance(50.0), Appearance::At(0.0));
+    world.vehicles[0].controller.model = (&Arc::new(declared)).into();
+    let given = |command| {
+        let mut users = users(Box::new(Coasting), 0.0);
+        users.vehicles[0].driver = outside(0.1, 0.0);
+        let mut course = Course::start(Arc::new(world.clone()), users);
+        assert_eq!(course.next(&mut Last::default()), Ok(Progress::Waits));
+        course.decide(0, command, Mode::NONE)
+    };
+    assert!(given(Command::Acceleration(1.0)).is_ok());
+    let fault = given(Command::Pedals { throttle: 0.2, brake: 0.0 }).unwrap_err();
+    assert!(fault.to_string().contains("declared to give Acceleration"), "{fault}");
 }
 
 #[test]
