@@ -1,5 +1,5 @@
 //! Executors change nothing: trials, searches, tunes, evaluations, gates and shrinking come to the same, byte for byte, on any
-//! number of threads and in any order of completion.
+//! number of threads, in any order of completion, and through bytes as to and from other processes; errors and panics, too.
 
 use std::fs;
 use std::path::Path;
@@ -10,12 +10,49 @@ use results::judge::per_run;
 use results::{TrialState, Unheard, Verdict};
 use runner::plan::plan;
 use runner::project::PlannedSuite;
-use runner::run::{Executor, Shuffled, Stop, Threads};
+use runner::run::{Executor, Serialised, Shuffled, Stop, Threads, note_places};
 use runner::session::{Orders, Runner, judge_gates, measured_trials, units};
 use runner::shrink::{KnobPlace, shrink};
+use scenario::registry::Registry;
+use scenario::{Chance, CommandKind, ControllerModel, Declaration, Dimension, Parameter};
 use serde_json::Value;
+use sim::{Command, Controller, ControllerError, Observation, Schedule};
 
-/// Trials of fixed and of open length, what builds on them and on each other, and a gate.
+/// Keeps its speed until it cannot decide any more.
+struct Frail {
+    /// s
+    from: f64,
+    panics: bool,
+}
+
+impl Controller for Frail {
+    fn schedule(&self) -> Schedule {
+        Schedule::every(0.1)
+    }
+
+    fn act(&mut self, seen: &Observation) -> Result<Command, ControllerError> {
+        let over = seen.time >= self.from;
+        assert!(!(over && self.panics), "nothing is left at {} s", seen.time);
+        match over {
+            true => Err(ControllerError::with_hint("lane is None", "give it a map")),
+            false => Ok(Command::Acceleration(0.0)),
+        }
+    }
+}
+
+fn registry() -> Registry {
+    let declaration = Declaration::new("frail", "Cannot decide from some time on.")
+        .source("a test")
+        .number("from", Dimension::TIME, 1000.0, (0.0, 1000.0), "When it cannot decide any more.")
+        .with(Parameter::flag("panics", false, "Whether that is a bug.", "a test"));
+    let frail = ControllerModel::new(declaration, CommandKind::Acceleration, |context| {
+        let (from, panics) = (context.settings.number("from"), context.settings.flag("panics"));
+        Ok(Box::new(Frail { from, panics }))
+    });
+    standard().with_controller(frail.chance(Chance::Never)).expect("a controller more")
+}
+
+/// Trials of fixed and of open length, such as err, panic or are refused, what builds on them and on each other, and a gate.
 const SUITE: &str = r#"suite everything {
   seed 20261122
   scenario walker {
@@ -41,6 +78,34 @@ const SUITE: &str = r#"suite everything {
     vary tta in [3 s, 12 s]
     runs 20 .. 300
     expect { rate(pet > 0.1 s) >= 50 % with 95 % confidence; rate(pet > 2 s) <= 50 % with 95 % confidence }
+  }
+  scenario errs {
+    road { lane_width 4 m; speed_limit 30 km/h; crossing zebra }
+    vehicle av { controller frail { from: moment }; speed 30 km/h; start 50 m before crossing }
+    pedestrian walker { model scripted; start 2 m from kerb; appears at 1 s }
+    vary moment in [0.35 s, 2 s, 1000 s]
+    repeat 3
+    expect { no collision }
+  }
+  scenario panics {
+    road { lane_width 4 m; speed_limit 30 km/h; crossing zebra }
+    vehicle av { controller frail { from: moment, panics: true }; speed 30 km/h; start 50 m before crossing }
+    pedestrian walker { model scripted; start 2 m from kerb; appears at 1 s }
+    vary moment in [0.35 s, 2 s, 1000 s]
+    repeat 3
+    expect { no collision }
+  }
+  scenario refused {
+    road { lane_width 4 m; speed_limit 30 km/h; crossing zebra }
+    vehicle av { controller constant_speed; speed 30 km/h; start 50 m before crossing }
+    pedestrian walker {
+      model jaywalker { stop_time_min: least, stop_time_max: 300 ms }
+      start 2 m from kerb
+      appears at 1 s
+    }
+    vary least in [200 ms, 400 ms]
+    repeat 3
+    expect { no collision }
   }
   gate braking {
     baseline "everything.json"
@@ -75,7 +140,7 @@ statement slower {
 
 fn prepared(folder: &Path) -> [PlannedSuite; 1] {
     let path = folder.join("everything.suite");
-    let suite = lang::load(&path, &standard(), &Disk)
+    let suite = lang::load(&path, &registry(), &Disk)
         .unwrap_or_else(|failure| panic!("{}", failure.render(lang::Style::default())))
         .suite;
     let plan = plan(&suite).unwrap();
@@ -97,7 +162,7 @@ fn timeless(value: &mut Value) {
 /// Everything that the suite comes to, and what its first failing run shrinks to.
 fn run_by(executor: &dyn Executor, folder: &Path) -> (String, String) {
     let suites = prepared(folder);
-    let session = Runner::new(&suites, executor, &standard()).journals(folder.join("journal"));
+    let session = Runner::new(&suites, executor, &registry()).journals(folder.join("journal"));
     let units = units(&suites);
     let chosen = vec![true; units.len()];
     let orders = Orders { chosen: &chosen, max_failures: None, every_trial: true };
@@ -124,7 +189,7 @@ fn run_by(executor: &dyn Executor, folder: &Path) -> (String, String) {
         seed: outcome.seed,
     };
     let criterion = per_run(&trial.trial.criteria[at]).expect("a single run may speak against it");
-    let shrunk = shrink(place, &criterion, &standard(), executor, &Stop::default(), &mut |_, _| ()).unwrap();
+    let shrunk = shrink(place, &criterion, &registry(), executor, &Stop::default(), &mut |_, _| ()).unwrap();
     let shrunk = format!("{:?} {:?} {:x}", shrunk.moves, shrunk.left_out, shrunk.outcome.fingerprint);
     let mut all = serde_json::to_value(&reports).unwrap();
     timeless(&mut all);
@@ -136,6 +201,7 @@ fn executors_change_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let text = SUITE.replace("\"everything.json\"", &format!("{:?}", folder.path().join("everything.json")));
     fs::write(folder.path().join("everything.suite"), text).unwrap();
+    note_places();
     let (alone, shrunk) = run_by(&Threads::new(1), folder.path());
     assert!(!shrunk.starts_with("[]"), "something is moved: {shrunk}");
     for word in
@@ -143,14 +209,21 @@ fn executors_change_nothing() {
     {
         assert!(alone.contains(word), "there is no {word} in the results");
     }
-    let executors: Vec<(String, Box<dyn Executor>)> = [2, 5]
-        .map(|threads| (format!("{threads} threads"), Box::new(Threads::new(threads)) as Box<dyn Executor>))
-        .into_iter()
-        .chain(
-            (0..3)
-                .map(|seed| (format!("order {seed}"), Box::new(Shuffled::seeded(seed)) as Box<dyn Executor>)),
-        )
-        .collect();
+    for words in [
+        "`av` cannot decide at 2 s: lane is None",
+        "nothing is left at 2 s",
+        "is above `stop_time_max` (300 ms)",
+    ] {
+        assert!(alone.contains(words), "nothing says {words:?} in the results");
+    }
+    let threads =
+        |threads| (format!("{threads} threads"), Box::new(Threads::new(threads)) as Box<dyn Executor>);
+    let shuffled = |seed| (format!("order {seed}"), Box::new(Shuffled::seeded(seed)) as Box<dyn Executor>);
+    let serialised: [(String, Box<dyn Executor>); 2] = [
+        ("bytes".into(), Box::new(Serialised::new(Threads::new(2), registry()))),
+        ("bytes in another order".into(), Box::new(Serialised::new(Shuffled::seeded(3), registry()))),
+    ];
+    let executors = [2, 5].map(threads).into_iter().chain((0..3).map(shuffled)).chain(serialised);
     for (name, executor) in executors {
         let (all, same) = run_by(&*executor, folder.path());
         let differing = alone.lines().zip(all.lines()).find(|(left, right)| left != right);

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use scenario::registry::Registry;
+use scenario::registry::{Registry, UnknownEntry};
 use scenario::{Criterion, MetricReference};
 
 /// The metrics that are read off every run of a suite: each with its defaults, and what criteria ask for besides.
@@ -40,6 +40,15 @@ impl Requests {
     /// In the order of the values of every outcome.
     pub fn iter(&self) -> impl Iterator<Item = &MetricReference> {
         self.0.iter()
+    }
+
+    /// The same, with all metrics resolved: of those that were read, only the names are known.
+    ///
+    /// # Errors
+    /// The first metric that the registry does not have.
+    pub fn resolved(mut self, registry: &Registry) -> Result<Self, UnknownEntry> {
+        self.0.iter_mut().try_for_each(|request| registry.resolve_metric(request))?;
+        Ok(self)
     }
 
     /// In the order of the values of every outcome.

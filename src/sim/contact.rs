@@ -1,13 +1,15 @@
 //! Who touches whom: every two bodies of a world, and the moments within a step at which their footprints touch.
 
 use nalgebra::Vector2;
+use serde::{Deserialize, Serialize};
 
 use super::geometry::Footprint;
 use scenario::agent::{Snapshot, velocity_inside};
 use scenario::{Body, World};
 
 /// A body by its index among its kind.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Solid {
     /// By its index in [`World::vehicles`].
     Vehicle(usize),

@@ -1,13 +1,14 @@
 //! The recorded course of a run, for those who ask for it.
 
 use nalgebra::Vector2;
+use serde::{Deserialize, Serialize};
 
 use super::contact::Solid;
 use super::observer::{Observer, Step};
 use scenario::agent::{Mode, Motion, Snapshot};
 
 /// One road user at one time.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Sample {
     /// s
     pub time: f64,
@@ -24,7 +25,8 @@ pub struct Sample {
 }
 
 /// What makes a sample more than one of many.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum TraceMark {
     /// It is the first of its road user, who was nowhere before.
     Appears,
@@ -36,7 +38,7 @@ pub enum TraceMark {
 
 /// Records every state of every road user that is present: after every step, and at every moment inside one at which two
 /// bodies begin to touch. The last is that of the moment at which the run ends.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Trace {
     /// In the order of time, and at one time in the order of the world, vehicles first.
     pub samples: Vec<Sample>,

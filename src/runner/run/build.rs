@@ -1,22 +1,25 @@
 //! Road users from their setups: registered models brought to life.
 
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use numbers::random::ranks;
+use scenario::registry::EntryKind;
 use scenario::{
     ControllerContext, DeclaredProgram, Dimension, PedestrianContext, Reference, Scenario, World, show,
 };
 use sim::{ControllerError, Driven, Driver, Fault, ModelError, RoadUsers, Schedule, StatedBy};
 
 /// Why a case cannot be run, or not to its end.
-#[derive(Debug, Clone, PartialEq, Error)]
+#[derive(Debug, Clone, PartialEq, Error, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum RunError {
     /// A world names a model that no registry has.
     #[error("there is no {kind} called `{name}`")]
     Unknown {
-        /// Such as `controller`.
-        kind: &'static str,
+        /// What it should be.
+        kind: EntryKind,
         /// What is named.
         name: String,
     },
@@ -54,7 +57,7 @@ impl RunError {
     pub fn told(&self, scenario: &Scenario) -> String {
         let Self::Model { who, error } = self else { return self.to_string() };
         let notation = |name: String| scenario.written.get(&name).and_then(|written| written.notation);
-        let written = |of: StatedBy| match of {
+        let written = |of: &StatedBy| match of {
             StatedBy::Setting(name) => {
                 ["model", "controller"].into_iter().find_map(|part| notation(format!("{who}.{part}.{name}")))
             }
@@ -86,7 +89,7 @@ impl RunError {
 }
 
 /// What a reference stands for.
-fn resolved<'a, T>(reference: &'a Reference<T>, kind: &'static str) -> Result<&'a T, RunError> {
+fn resolved<'a, T>(reference: &'a Reference<T>, kind: EntryKind) -> Result<&'a T, RunError> {
     let unknown = || RunError::Unknown { kind, name: reference.to_string() };
     reference.known().ok_or_else(unknown)
 }
@@ -109,8 +112,8 @@ pub fn road_users(world: &World, seed: u64) -> Result<RoadUsers, RunError> {
         .iter()
         .zip(ranks(&names))
         .map(|(setup, rank)| {
-            let model = resolved(&setup.controller.model, "controller")?;
-            let dynamics = resolved(&setup.dynamics.model, "vehicle dynamics")?;
+            let model = resolved(&setup.controller.model, EntryKind::Controller)?;
+            let dynamics = resolved(&setup.dynamics.model, EntryKind::VehicleDynamics)?;
             let context =
                 ControllerContext { settings: &setup.controller.settings, setup, world, rank, seed };
             let driver = match &model.program {
@@ -118,7 +121,7 @@ pub fn road_users(world: &World, seed: u64) -> Result<RoadUsers, RunError> {
                 None => Driver::Inside((model.build)(&context).map_err(named(&setup.name))?),
             };
             let perception = setup.sees.as_ref().map(|sees| {
-                let perception = resolved(&sees.model, "perception")?;
+                let perception = resolved(&sees.model, EntryKind::Perception)?;
                 (perception.build)(&sees.settings, &context, driver.schedule()).map_err(named(&setup.name))
             });
             Ok(Driven {
@@ -134,7 +137,7 @@ pub fn road_users(world: &World, seed: u64) -> Result<RoadUsers, RunError> {
         .iter()
         .zip(ranks(&names))
         .map(|(setup, rank)| {
-            let model = resolved(&setup.model.model, "pedestrian model")?;
+            let model = resolved(&setup.model.model, EntryKind::PedestrianModel)?;
             let context = PedestrianContext { settings: &setup.model.settings, setup, world, rank, seed };
             (model.build)(&context).map_err(named(&setup.name))
         })

@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use serde::{Deserialize, Serialize};
+
 use super::build::RunError;
 use super::case::{Unwatched, run_case};
 use super::free_flow::FreeFlows;
@@ -11,11 +13,12 @@ use scenario::{Case, DeclaredProgram};
 use sim::{Ending, Observer, Snapshot, Step, Timeline, TimelineEvent, Trace};
 
 /// What is read off runs, with what runs from the same start share.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, Serialize, Deserialize)]
 pub struct MeasuredMetrics {
     /// The metrics, in the order of every outcome's values.
     pub requests: Requests,
-    /// Worked out again wherever they are not known: they only save time.
+    /// Worked out again wherever they are not known: they only save time, and are not written down.
+    #[serde(skip)]
     pub free_flows: FreeFlows,
 }
 
@@ -26,8 +29,16 @@ impl MeasuredMetrics {
     }
 }
 
+/// What was asked for: what is known besides makes no difference.
+impl PartialEq for MeasuredMetrics {
+    fn eq(&self, other: &Self) -> bool {
+        self.requests == other.requests
+    }
+}
+
 /// What is wanted of a run besides its outcome.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Wanted {
     /// Nothing more.
     #[default]
@@ -39,7 +50,7 @@ pub enum Wanted {
 }
 
 /// Where in its [`Round`](super::Round) a run belongs, to whoever asked for it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Serialize, Deserialize)]
 pub struct JobPlace {
     /// Which of the sequences of runs that are made side by side.
     pub sequence: usize,
@@ -47,8 +58,8 @@ pub struct JobPlace {
     pub run: usize,
 }
 
-/// A run to be made: plain data, so that it may be made on any thread, or by another process.
-#[derive(Debug, Clone)]
+/// A run to be made: plain data, so that it may be made on any thread, or by another process. See [`Job::to_bytes`].
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Job {
     /// Handed back with what comes of the job.
     pub place: JobPlace,
@@ -61,7 +72,7 @@ pub struct Job {
 }
 
 /// What came of a job.
-#[derive(Debug)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Done {
     /// That of the job.
     pub place: JobPlace,
@@ -72,7 +83,7 @@ pub struct Done {
 }
 
 /// What came of a run that came to its end.
-#[derive(Debug)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Ran {
     /// What the run came to.
     pub outcome: Outcome,
@@ -83,7 +94,8 @@ pub struct Ran {
 }
 
 /// Why a run did not come to its end.
-#[derive(Debug)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum JobFailure {
     /// A model or a controller does not go on.

@@ -5,8 +5,10 @@ use std::cell::RefCell;
 use std::fmt::{self, Display, Formatter};
 use std::panic::{self, AssertUnwindSafe, catch_unwind, resume_unwind};
 
+use serde::{Deserialize, Serialize};
+
 /// A panic, with what is needed to find the bug.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Panicked {
     /// The key of the run in which it happened, if in one.
     pub case: Option<String>,

@@ -9,6 +9,7 @@ use std::{iter, thread};
 
 use super::*;
 use results::{Outcome, Requests};
+use scenario::registry::EntryKind;
 use scenario::{Case, Direction, Road, World};
 use sim::{Ending, StopReason, Trace};
 
@@ -218,7 +219,7 @@ fn outcome(case: &Case) -> Outcome {
 }
 
 fn unknown(name: usize) -> JobFailure {
-    JobFailure::Error(RunError::Unknown { kind: "controller", name: name.to_string() })
+    JobFailure::Error(RunError::Unknown { kind: EntryKind::Controller, name: name.to_string() })
 }
 
 /// The keys of 100 runs that were taken in, and how that ended.

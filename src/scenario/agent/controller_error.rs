@@ -1,10 +1,11 @@
 //! Why a controller cannot decide in a run that has begun.
 
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 /// Why a controller cannot decide. Unlike a [`ModelError`](super::ModelError), which refuses a case before anything moves
 /// and states numbers of the scenario, it happens to one run at one moment and is in the controller's own words.
-#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[derive(Debug, Clone, PartialEq, Eq, Error, Serialize, Deserialize)]
 #[error("{message}")]
 #[non_exhaustive]
 pub struct ControllerError {

@@ -4,6 +4,7 @@ use std::collections::HashSet;
 
 use thiserror::Error;
 
+use super::EntryKind;
 use crate::{AggregateWord, Declaration, Metric, MetricKind, MetricRange, ParameterKind};
 
 /// Why a registry does not take something in.
@@ -14,7 +15,7 @@ pub enum RegistryError {
     #[error("there is a {kind} called `{name}` already")]
     Duplicate {
         /// Such as `controller`.
-        kind: &'static str,
+        kind: EntryKind,
         /// The name that two entries declare.
         name: String,
     },

@@ -4,6 +4,8 @@
 //! checker, editor, documentation. What was checked holds the entries themselves.
 
 mod check;
+mod kind;
+mod resolve;
 mod table;
 
 use std::fmt;
@@ -15,6 +17,8 @@ use crate::{
 };
 
 pub use check::{RESERVED, RegistryError};
+pub use kind::EntryKind;
+pub use resolve::UnknownEntry;
 pub use table::Table;
 
 /// Everything that scenarios may name. Cheap to clone.
@@ -57,7 +61,7 @@ impl Registry {
     /// # Errors
     /// If there is one of its name already, or its declaration is not one that scenarios can speak of; as below.
     pub fn with_pedestrian(mut self, model: PedestrianModel) -> Result<Self, RegistryError> {
-        self.pedestrians.add("pedestrian model", model)?;
+        self.pedestrians.add(EntryKind::PedestrianModel, model)?;
         Ok(self)
     }
 
@@ -80,7 +84,7 @@ impl Registry {
             });
         }
         model.default_dynamics = Reference::from(dynamics);
-        self.controllers.add("controller", model)?;
+        self.controllers.add(EntryKind::Controller, model)?;
         Ok(self)
     }
 
@@ -89,7 +93,7 @@ impl Registry {
     /// # Errors
     /// As [`Self::with_pedestrian`].
     pub fn with_dynamics(mut self, model: DynamicsModel) -> Result<Self, RegistryError> {
-        self.dynamics.add("vehicle dynamics", model)?;
+        self.dynamics.add(EntryKind::VehicleDynamics, model)?;
         Ok(self)
     }
 
@@ -99,7 +103,7 @@ impl Registry {
     /// As [`Self::with_pedestrian`].
     pub fn with_metric(mut self, metric: Metric) -> Result<Self, RegistryError> {
         check::metric(&metric)?;
-        self.metrics.add("metric", metric)?;
+        self.metrics.add(EntryKind::Metric, metric)?;
         Ok(self)
     }
 

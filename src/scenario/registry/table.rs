@@ -3,6 +3,7 @@
 use std::slice;
 use std::sync::Arc;
 
+use super::EntryKind;
 use super::check::{self, RegistryError};
 use crate::{Declaration, Registered};
 
@@ -13,7 +14,7 @@ pub struct Table<T> {
 
 impl<T: Registered> Table<T> {
     /// Adds an entry under the name that it declares; `kind` is what errors call it.
-    pub(super) fn add(&mut self, kind: &'static str, entry: T) -> Result<(), RegistryError> {
+    pub(super) fn add(&mut self, kind: EntryKind, entry: T) -> Result<(), RegistryError> {
         check::declaration(entry.declaration())?;
         let name = &*entry.declaration().name;
         if self.get(name).is_some() {

@@ -89,7 +89,7 @@ impl Person {
         if steps < 1.0 || (steps * step / dt - 1.0).abs() > 1e-6 {
             return Err(ModelError::stating(
                 "`commotions` decides every {}, which is no multiple of the simulation step of {}",
-                [time(dt, StatedBy::Setting("dt")), time(step, StatedBy::Step)],
+                [time(dt, StatedBy::Setting("dt".into())), time(step, StatedBy::Step)],
                 "let `dt` be a multiple of the simulation step",
             ));
         }
@@ -101,16 +101,16 @@ impl Person {
             if uses && value < dt {
                 return Err(ModelError::stating(
                     &format!("`{name}` of `commotions` is {{}}, shorter than its time step `dt` of {{}}"),
-                    [time(value, StatedBy::Setting(name)), time(dt, StatedBy::Setting("dt"))],
+                    [time(value, StatedBy::Setting(name.into())), time(dt, StatedBy::Setting("dt".into()))],
                     format!("let `{name}` be at least as long as `dt`"),
                 ));
             }
         }
         if variant.looming && parameters.looming_full <= parameters.looming_onset {
-            let rate = |value, name| Stated {
+            let rate = |value, name: &'static str| Stated {
                 value,
                 dimension: Dimension::ANGULAR_SPEED,
-                of: StatedBy::Setting(name),
+                of: StatedBy::Setting(name.into()),
             };
             return Err(ModelError::stating(
                 "`thetaDot_1` of `commotions` is {}, not above `thetaDot_0` of {}",

@@ -434,7 +434,11 @@ impl Triggers {
 pub fn stop_times(settings: &Settings) -> Result<(f64, f64), ModelError> {
     let (low, high) = (settings.number("stop_time_min"), settings.number("stop_time_max"));
     if low > high {
-        let stated = |value, name| Stated { value, dimension: Dimension::TIME, of: StatedBy::Setting(name) };
+        let stated = |value, name: &'static str| Stated {
+            value,
+            dimension: Dimension::TIME,
+            of: StatedBy::Setting(name.into()),
+        };
         return Err(ModelError::stating(
             "`stop_time_min` of `jaywalker` ({}) is above `stop_time_max` ({})",
             [stated(low, "stop_time_min"), stated(high, "stop_time_max")],

@@ -45,7 +45,11 @@ fn build(context: &ControllerContext) -> Result<Box<dyn Controller>, ModelError>
     if period < shortest {
         let calls = ["control_period", "vehicle_period"];
         let longer = calls.into_iter().find(|name| settings.number(name) == shortest).unwrap_or(calls[0]);
-        let stated = |value, name| Stated { value, dimension: Dimension::TIME, of: StatedBy::Setting(name) };
+        let stated = |value, name: &'static str| Stated {
+            value,
+            dimension: Dimension::TIME,
+            of: StatedBy::Setting(name.into()),
+        };
         return Err(ModelError::stating(
             "`planning_period` of `autoware` is {}, but its calls are {} apart",
             [stated(period, "planning_period"), stated(shortest, longer)],
