@@ -165,17 +165,18 @@ impl ScenarioPlan {
     }
 
     /// All of them, of which no two have one name.
-    fn outlines(&self) -> impl Iterator<Item = Result<Outline, PlanError>> {
-        let scenario = self.scenario();
+    fn outlines(&self) -> impl Iterator<Item = Result<Outline, PlanError>> + use<> {
+        let plan = self.clone();
         let mut keys: HashSet<[u8; 16]> = HashSet::new();
         (0..self.len()).map(move |index| {
-            let variation = self.0.combinations.get(index)?;
-            let key = self.key(&variation);
+            let variation = plan.0.combinations.get(index)?;
+            let key = plan.key(&variation);
             if !keys.insert(digest([key.as_str()].into_iter())) {
+                let scenario = plan.scenario();
                 let message = format!("scenario `{}` has two trials named `{key}`", scenario.name);
                 return Err(PlanError::new(&scenario.origin, message).with_hint("list every value once"));
             }
-            self.outline_of(key, variation)
+            plan.outline_of(key, variation)
         })
     }
 
@@ -339,12 +340,15 @@ impl Planned {
     }
 }
 
-/// The trials of one scenario in a suite, one after the other, without working out their worlds.
+/// The trials of one scenario in a suite, each worked out when it is asked for, without its worlds.
 ///
 /// # Errors
 /// If it cannot be planned at all. What is wrong with a trial comes in its place.
-pub fn outline(suite: &Suite, scenario: &Scenario) -> Result<Vec<Outline>, PlanError> {
-    ScenarioPlan::new(suite, scenario)?.outlines().collect()
+pub fn outline(
+    suite: &Suite,
+    scenario: &Scenario,
+) -> Result<impl Iterator<Item = Result<Outline, PlanError>> + use<>, PlanError> {
+    Ok(ScenarioPlan::new(suite, scenario)?.outlines())
 }
 
 /// The trials of one scenario in a suite, each of which is possible.

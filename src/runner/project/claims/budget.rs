@@ -2,13 +2,14 @@
 
 use std::collections::HashSet;
 
-use crate::plan::{self, Outline};
+use super::trials::{ByFinding, TrialsAbout};
+use crate::plan::{self, PlanError};
 use crate::run::drawing;
 use lang::{Code, Diagnostic, Sources, Span};
 use numbers::inference::{self, ConfidenceSequence};
 use results::Verdict;
 use results::judge::{Bounds, decide};
-use scenario::{Aggregate, Claim, Criterion, Origin, People, Relation, Scenario, Suite, constant};
+use scenario::{Aggregate, Claim, Criterion, Origin, People, Relation, Rounds, Scenario, Suite, constant};
 
 /// What it takes for a claim to pass.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -101,135 +102,145 @@ fn all_alike_need(share: f64, confidence: f64, bounds: Bounds) -> Option<u64> {
 /// whose `when` holds in no trial, as warnings. What keeps a scenario from being planned is left to planning.
 pub fn examine_criteria(suite: &Suite, sources: &Sources) -> Vec<Diagnostic> {
     let mut found = Vec::new();
-    let mut applying: HashSet<&Origin> = HashSet::new();
-    let outlines: Vec<(&Scenario, Vec<Outline>)> = suite
-        .scenarios
-        .iter()
-        .filter(|scenario| scenario.runs.is_some() || scenario.criteria.iter().any(depends_on_trials))
-        .filter_map(|scenario| Some((scenario, plan::outline(suite, scenario).ok()?)))
-        .collect();
-    for (scenario, trials) in &outlines {
-        let mut said: Vec<(&Criterion, Needed, Vec<&Outline>)> = Vec::new();
-        let without_chance = without_chance(suite, scenario);
-        let people = plan::select_people(suite.seed, scenario).map_or(1, |people| people.len());
-        let mut certain: Vec<(&Criterion, Vec<&Outline>)> = Vec::new();
-        for trial in trials {
-            for criterion in &trial.criteria {
-                applying.insert(&criterion.origin);
-                let all_people = criterion.reach.people == Some(People::All);
-                if criterion.claim.confidence().is_some()
-                    && !all_people
-                    && without_chance.contains(&trial.key)
-                {
-                    match certain.iter_mut().find(|(known, _)| known.origin == criterion.origin) {
-                        Some((_, trials)) => trials.push(trial),
-                        None => certain.push((criterion, vec![trial])),
-                    }
-                    continue;
-                }
-                let bounds = match trial.rounds {
-                    Some(_) => Bounds::Sequential,
-                    // Each run of another person, whose shares are bounded by betting unless there is one run each.
-                    None if all_people && trial.runs > people => Bounds::People(&[]),
-                    None => Bounds::Fixed,
-                };
-                let Some(needed) = runs_needed(criterion, bounds) else { continue };
-                let units = if all_people { people } else { trial.runs };
-                if matches!(needed, Needed::Runs(needed) if needed <= units as u64) {
-                    continue;
-                }
-                let same = said.iter_mut().find(|(known, known_needed, _)| {
-                    known.origin == criterion.origin && *known_needed == needed
-                });
-                match same {
-                    Some((_, _, trials)) => trials.push(trial),
-                    None => said.push((criterion, needed, vec![trial])),
-                }
-            }
+    let mut bare = Vec::new();
+    let mut undecided = Vec::new();
+    let mut idle: Vec<&Criterion> = Vec::new();
+    let mut applying: HashSet<Origin> = HashSet::new();
+    let asks =
+        |scenario: &&Scenario| scenario.runs.is_some() || scenario.criteria.iter().any(depends_on_trials);
+    for scenario in suite.scenarios.iter().filter(asks) {
+        let Ok(examined) = examine_trials(suite, scenario) else { continue };
+        undecided.extend(nothing_to_decide(scenario, &examined, sources));
+        bare.extend(nothing_claimed(scenario, &examined, sources));
+        idle.extend(scenario.criteria.iter().filter(|criterion| !criterion.when.is_empty()));
+        let ExaminedTrials { trials, runs, rounds, people, certain, short, applying: here, .. } = examined;
+        applying.extend(here);
+        for (criterion, about) in certain {
+            let diagnostic = leaves_nothing_to_chance(scenario, &criterion, people, sources);
+            found.push(about.note(diagnostic, scenario, trials));
         }
-        for (criterion, trials_without) in certain {
-            found.push(leaves_nothing_to_chance(
-                scenario,
-                criterion,
-                &trials_without,
-                trials.len(),
-                people,
-                sources,
-            ));
-        }
-        for (criterion, needed, short) in said {
-            let units = (criterion.reach.people == Some(People::All)).then_some(people);
-            if let (Some(people), Needed::Runs(needed)) = (units, needed) {
-                found.push(too_few_people(
-                    scenario,
-                    criterion,
-                    needed,
-                    people,
-                    &short,
-                    trials.len(),
-                    sources,
-                ));
-                continue;
-            }
-            found.push(never_passes(scenario, criterion, needed, &short, trials.len(), sources));
+        for ((criterion, needed), about) in short {
+            let diagnostic = match needed {
+                Needed::Runs(needed) if criterion.reach.people == Some(People::All) => {
+                    too_few_people(&criterion, needed, people, sources)
+                }
+                needed => never_passes(scenario, &criterion, needed, runs, rounds, sources),
+            };
+            found.push(about.note(diagnostic, scenario, trials));
         }
     }
-    for (scenario, trials) in &outlines {
-        let decides = |criterion: &Criterion| criterion.claim.confidence().is_some();
-        if let Some(budget) = &scenario.runs
-            && !trials.iter().flat_map(|trial| &trial.criteria).any(decides)
-        {
-            let message = format!(
-                "no criterion of scenario `{}` has a confidence, so there are always {} runs",
-                scenario.name,
-                trials.first().and_then(|trial| trial.rounds).map_or(0, |rounds| rounds.least),
-            );
+    found.extend(undecided);
+    found.extend(bare);
+    let mut said: HashSet<&Origin> = HashSet::new();
+    for criterion in idle {
+        if !applying.contains(&criterion.origin) && said.insert(&criterion.origin) {
+            let message = "this applies to none of the values drawn";
             found.push(
-                at(Code::NothingToDecide, &budget.origin, message, sources)
-                    .label("nothing to decide")
-                    .hint("say `repeat`, or give a criterion a confidence: `with 95 % confidence`"),
-            );
-        }
-    }
-    for (scenario, trials) in &outlines {
-        found.extend(nothing_claimed(scenario, trials, sources));
-    }
-    let mut idle: HashSet<&Origin> = HashSet::new();
-    for (scenario, _) in &outlines {
-        for criterion in scenario.criteria.iter().filter(|criterion| !criterion.when.is_empty()) {
-            if !applying.contains(&criterion.origin) && idle.insert(&criterion.origin) {
-                found.push(
-                    at(
-                        Code::NeverSampled,
-                        &criterion.origin,
-                        "this applies to none of the values drawn",
-                        sources,
-                    )
+                at(Code::NeverSampled, &criterion.origin, message, sources)
                     .label("never checked")
                     .note(format!("with seed {}", suite.seed))
                     .hint("draw more values, or let its `when` hold for more of them"),
-                );
-            }
+            );
         }
     }
     found
 }
 
-/// A scenario with criteria, none of which applies to some of its trials.
-fn nothing_claimed(scenario: &Scenario, trials: &[Outline], sources: &Sources) -> Option<Diagnostic> {
-    let bare: Vec<&Outline> = trials.iter().filter(|trial| trial.criteria.is_empty()).collect();
-    if scenario.criteria.is_empty() || bare.is_empty() {
-        return None;
+/// What is asked of a scenario's trials, in a size that does not depend on how many they are.
+#[derive(Default)]
+struct ExaminedTrials {
+    trials: usize,
+    /// Of each trial, all that there may be.
+    runs: usize,
+    /// Of each trial.
+    rounds: Option<Rounds>,
+    /// How many groups of people walk.
+    people: usize,
+    /// What states a confidence where nothing is left to chance.
+    certain: ByFinding<Criterion>,
+    /// What has too few runs to pass.
+    short: ByFinding<(Criterion, Needed)>,
+    /// The trials to which no criterion applies.
+    bare: Option<TrialsAbout>,
+    /// Whether some criterion decides how many runs there are.
+    decides: bool,
+    /// The criteria that apply to some trial.
+    applying: HashSet<Origin>,
+}
+
+fn examine_trials(suite: &Suite, scenario: &Scenario) -> Result<ExaminedTrials, PlanError> {
+    let outlines = plan::outline(suite, scenario)?;
+    let without_chance = without_chance(suite, scenario);
+    let people = plan::select_people(suite.seed, scenario).map_or(1, |people| people.len());
+    let mut found = ExaminedTrials { people, ..Default::default() };
+    for trial in outlines {
+        let trial = trial?;
+        found.trials += 1;
+        (found.runs, found.rounds) = (trial.runs, trial.rounds);
+        if trial.criteria.is_empty() {
+            TrialsAbout::add(&mut found.bare, &trial);
+        }
+        for criterion in &trial.criteria {
+            if !found.applying.contains(&criterion.origin) {
+                found.applying.insert(criterion.origin.clone());
+            }
+            let decides = criterion.claim.confidence().is_some();
+            found.decides |= decides;
+            let all_people = criterion.reach.people == Some(People::All);
+            if decides && !all_people && without_chance.contains(&trial.key) {
+                let same = |known: &Criterion| known.origin == criterion.origin;
+                found.certain.add(&trial, same, || criterion.clone());
+                continue;
+            }
+            let bounds = match trial.rounds {
+                Some(_) => Bounds::Sequential,
+                // Each run of another person, whose shares are bounded by betting unless there is one run each.
+                None if all_people && trial.runs > people => Bounds::People(&[]),
+                None => Bounds::Fixed,
+            };
+            let Some(needed) = runs_needed(criterion, bounds) else { continue };
+            let units = if all_people { people } else { trial.runs };
+            if matches!(needed, Needed::Runs(needed) if needed <= units as u64) {
+                continue;
+            }
+            let same = |known: &(Criterion, Needed)| known.0.origin == criterion.origin && known.1 == needed;
+            found.short.add(&trial, same, || (criterion.clone(), needed));
+        }
     }
-    let of = match trials.len() {
+    Ok(found)
+}
+
+/// A budget of runs that nothing decides about.
+fn nothing_to_decide(
+    scenario: &Scenario,
+    examined: &ExaminedTrials,
+    sources: &Sources,
+) -> Option<Diagnostic> {
+    let budget = scenario.runs.as_ref().filter(|_| !examined.decides)?;
+    let message = format!(
+        "no criterion of scenario `{}` has a confidence, so there are always {} runs",
+        scenario.name,
+        examined.rounds.map_or(0, |rounds| rounds.least),
+    );
+    Some(
+        at(Code::NothingToDecide, &budget.origin, message, sources)
+            .label("nothing to decide")
+            .hint("say `repeat`, or give a criterion a confidence: `with 95 % confidence`"),
+    )
+}
+
+/// A scenario with criteria, none of which applies to some of its trials.
+fn nothing_claimed(scenario: &Scenario, examined: &ExaminedTrials, sources: &Sources) -> Option<Diagnostic> {
+    let bare = examined.bare.as_ref().filter(|_| !scenario.criteria.is_empty())?;
+    let of = match examined.trials {
         1 => "the only trial".to_string(),
-        all => format!("{} of {all} trials", bare.len()),
+        all => format!("{} of {all} trials", bare.count()),
     };
     let message = format!("no criterion applies to {of} of scenario `{}`", scenario.name);
     let diagnostic = at(Code::NothingClaimed, &scenario.origin, message, sources)
         .label("run, but not judged")
         .hint("add a criterion without `when`, such as `no collision`, or leave these values out");
-    Some(in_trials(diagnostic, scenario, &bare, trials.len()))
+    Some(bare.note(diagnostic, scenario, examined.trials))
 }
 
 /// Whether it takes the trials to know if a criterion can pass or applies.
@@ -251,8 +262,6 @@ fn without_chance(suite: &Suite, scenario: &Scenario) -> HashSet<String> {
 fn leaves_nothing_to_chance(
     scenario: &Scenario,
     criterion: &Criterion,
-    without: &[&Outline],
-    trials: usize,
     people: usize,
     sources: &Sources,
 ) -> Diagnostic {
@@ -266,42 +275,29 @@ fn leaves_nothing_to_chance(
             scenario.name
         )
     };
-    let diagnostic = at(Code::WithoutChance, &criterion.origin, message, sources)
-        .label("nothing to be sure of")
-        .hint(hint);
-    in_trials(diagnostic, scenario, without, trials)
+    at(Code::WithoutChance, &criterion.origin, message, sources).label("nothing to be sure of").hint(hint)
 }
 
-fn too_few_people(
-    scenario: &Scenario,
-    criterion: &Criterion,
-    needed: u64,
-    people: usize,
-    short: &[&Outline],
-    trials: usize,
-    sources: &Sources,
-) -> Diagnostic {
+fn too_few_people(criterion: &Criterion, needed: u64, people: usize, sources: &Sources) -> Diagnostic {
     let message = format!("`{}` needs at least {needed} people; this trial has {people}", criterion.text);
-    let diagnostic = at(Code::TooFewRuns, &criterion.origin, message, sources)
+    at(Code::TooFewRuns, &criterion.origin, message, sources)
         .label("can never pass")
-        .hint("take more `individuals`, or claim less, or at less confidence");
-    in_trials(diagnostic, scenario, short, trials)
+        .hint("take more `individuals`, or claim less, or at less confidence")
 }
 
 fn never_passes(
     scenario: &Scenario,
     criterion: &Criterion,
     needed: Needed,
-    short: &[&Outline],
-    trials: usize,
+    runs: usize,
+    rounds: Option<Rounds>,
     sources: &Sources,
 ) -> Diagnostic {
     let text = &criterion.text;
-    let runs = short[0].runs;
     let counted = |count: u64| if count == 1 { "1 run".to_string() } else { format!("{count} runs") };
-    let diagnostic = match needed {
+    match needed {
         Needed::Runs(needed) => {
-            let (has, enough) = match (&scenario.runs, short[0].rounds) {
+            let (has, enough) = match (&scenario.runs, rounds) {
                 (Some(budget), Some(rounds)) => {
                     let most = needed.div_ceil(rounds.size as u64) * rounds.size as u64;
                     (format!("at most {runs}"), format!("runs {} .. {most}", budget.least))
@@ -325,25 +321,6 @@ fn never_passes(
         )
         .label("can never pass")
         .hint("claim a little less, such as 99 % instead of 100 %, or leave out the confidence"),
-    };
-    in_trials(diagnostic, scenario, short, trials)
-}
-
-/// With the trials that it is about, of so many in all.
-pub(super) fn in_trials(
-    diagnostic: Diagnostic,
-    scenario: &Scenario,
-    about: &[&Outline],
-    trials: usize,
-) -> Diagnostic {
-    match about {
-        [only] => diagnostic.note(format!("in {}", only.key)),
-        all if all.len() == trials => {
-            diagnostic.note(format!("in each of the {trials} trials of scenario `{}`", scenario.name))
-        }
-        [first, _] => diagnostic.note(format!("in {} and one more trial", first.key)),
-        [first, others @ ..] => diagnostic.note(format!("in {} and {} more trials", first.key, others.len())),
-        [] => diagnostic,
     }
 }
 

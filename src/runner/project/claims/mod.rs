@@ -3,6 +3,7 @@
 mod budget;
 mod lanes;
 mod single;
+mod trials;
 mod trivial;
 
 use lang::{Diagnostic, Sources};

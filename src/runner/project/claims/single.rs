@@ -1,7 +1,8 @@
 //! Claims about many runs that are asked of one run at a time, because every draw of a variation is a trial of its own.
 
-use super::budget::{at, in_trials};
-use crate::plan::{self, Outline};
+use super::budget::at;
+use super::trials::{ByFinding, TrialsAbout};
+use crate::plan::{self, PlanError};
 use lang::{Code, Diagnostic, Sources};
 use scenario::{Aggregate, Claim, Criterion, Relation, Scenario, Suite, Variation, constant};
 
@@ -31,35 +32,47 @@ fn is_about_many(criterion: &Criterion) -> bool {
 }
 
 fn of_scenario(suite: &Suite, scenario: &Scenario, sources: &Sources) -> Vec<Diagnostic> {
-    let trials = plan::outline(suite, scenario).unwrap_or_default();
-    let mut said: Vec<(&Criterion, Vec<&Outline>)> = Vec::new();
-    for trial in &trials {
-        for criterion in trial.criteria.iter().filter(|one| is_yes_or_no(one, trial.runs)) {
-            let same = |(known, _): &&mut (&Criterion, Vec<&Outline>)| {
-                (&known.origin, &known.text) == (&criterion.origin, &criterion.text)
-            };
-            match said.iter_mut().find(same) {
-                Some((_, trials)) => trials.push(trial),
-                None => said.push((criterion, vec![trial])),
-            }
-        }
-    }
-    let finding = |(criterion, about): (&Criterion, Vec<&Outline>)| {
-        let each = match about[0].runs {
-            1 => "one run".to_string(),
-            runs => format!("{runs} runs"),
-        };
+    let Ok(YesOrNo { said, trials, runs }) = yes_or_no(suite, scenario) else { return Vec::new() };
+    let each = match runs {
+        1 => "one run".to_string(),
+        runs => format!("{runs} runs"),
+    };
+    let finding = |(criterion, about): (Criterion, TrialsAbout)| {
         let message = format!("`{}` is asked of {each} at a time", criterion.text);
         let diagnostic = at(Code::OneRunEach, &criterion.origin, message, sources)
             .label("yes or no in each trial")
-            .note(means(criterion, about[0].runs))
+            .note(means(&criterion, runs))
             .hint(format!(
                 "say what has to hold in every run, or give every trial many runs: `repeat 100` in scenario `{}`",
                 scenario.name
             ));
-        in_trials(diagnostic, scenario, &about, trials.len())
+        about.note(diagnostic, scenario, trials)
     };
     said.into_iter().map(finding).collect()
+}
+
+/// What of a scenario's criteria comes to yes or no in its trials.
+#[derive(Default)]
+struct YesOrNo {
+    said: ByFinding<Criterion>,
+    /// How many there are in all.
+    trials: usize,
+    /// Of each trial.
+    runs: usize,
+}
+
+fn yes_or_no(suite: &Suite, scenario: &Scenario) -> Result<YesOrNo, PlanError> {
+    let mut found = YesOrNo::default();
+    for trial in plan::outline(suite, scenario)? {
+        let trial = trial?;
+        (found.trials, found.runs) = (found.trials + 1, trial.runs);
+        for criterion in trial.criteria.iter().filter(|one| is_yes_or_no(one, trial.runs)) {
+            let same =
+                |known: &Criterion| (&known.origin, &known.text) == (&criterion.origin, &criterion.text);
+            found.said.add(&trial, same, || criterion.clone());
+        }
+    }
+    Ok(found)
 }
 
 /// Whether only two things can come of it that make a difference: of one run anything, of several a share that all runs have

@@ -1,9 +1,10 @@
 //! Criteria that cannot fail or can never pass, found before anything runs.
 
 use std::collections::BTreeMap;
+use std::mem::discriminant;
 
 use super::budget::at;
-use crate::plan;
+use crate::plan::{self, PlanError};
 use lang::{Code, Diagnostic, Sources};
 use results::judge::{Possible, possible};
 use scenario::{Criterion, Expression, Scenario, Suite, Value};
@@ -40,20 +41,47 @@ fn of_scenario<'s>(suite: &Suite, scenario: &'s Scenario) -> Vec<(&'s Criterion,
         }
         Some(criterion)
     };
-    let depends = scenario.criteria.iter().any(|criterion| known(criterion).is_none());
-    let trials = if depends { plan::outline(suite, scenario).unwrap_or_default() } else { Vec::new() };
-    let of = |criterion: &'s Criterion| {
-        if let Some(known) = known(criterion) {
-            return Some((criterion, possible(&known, runs)));
-        }
-        let applying = trials.iter().flat_map(|trial| &trial.criteria);
-        let same = applying.filter(|one| (&one.origin, &one.text) == (&criterion.origin, &criterion.text));
-        let mut powers = same.map(|known| possible(known, runs));
-        let first = powers.next()?;
-        let agree = powers.all(|other| std::mem::discriminant(&other) == std::mem::discriminant(&first));
-        Some((criterion, if agree { first } else { Possible::Both }))
+    let known: Vec<_> = scenario.criteria.iter().map(known).collect();
+    let in_trials = match known.contains(&None) {
+        true => in_trials(suite, scenario, &known, runs).unwrap_or_default(),
+        false => Vec::new(),
     };
-    scenario.criteria.iter().filter_map(of).collect()
+    let of = |(index, criterion): (usize, &'s Criterion)| {
+        let possible = match &known[index] {
+            Some(known) => possible(known, runs),
+            None => in_trials.get(index)?.clone()?,
+        };
+        Some((criterion, possible))
+    };
+    scenario.criteria.iter().enumerate().filter_map(of).collect()
+}
+
+/// What can come of each criterion that is not `known` in the trials that it applies to; `None` where it applies to none.
+fn in_trials(
+    suite: &Suite,
+    scenario: &Scenario,
+    known: &[Option<Criterion>],
+    runs: usize,
+) -> Result<Vec<Option<Possible>>, PlanError> {
+    let mut found: Vec<Option<Possible>> = vec![None; scenario.criteria.len()];
+    for trial in plan::outline(suite, scenario)? {
+        for applying in &trial?.criteria {
+            let declared = scenario.criteria.iter().zip(known).zip(&mut found);
+            let same = declared.filter(|((one, known), _)| {
+                known.is_none() && (&one.origin, &one.text) == (&applying.origin, &applying.text)
+            });
+            // Where trials do not agree there is nothing more to find out.
+            for (_, found) in same.filter(|(_, found)| **found != Some(Possible::Both)) {
+                let here = possible(applying, runs);
+                *found = Some(match found.take() {
+                    Some(first) if discriminant(&first) != discriminant(&here) => Possible::Both,
+                    Some(first) => first,
+                    None => here,
+                });
+            }
+        }
+    }
+    Ok(found)
 }
 
 fn finding(criterion: &Criterion, possible: Possible, sources: &Sources) -> Option<Diagnostic> {
