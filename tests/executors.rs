@@ -52,7 +52,7 @@ fn registry() -> Registry {
     standard().with_controller(frail.chance(Chance::Never)).expect("a controller more")
 }
 
-/// Trials of fixed and of open length, such as err, panic or are refused, what builds on them and on each other, and a gate.
+/// Trials of fixed and of open length, what builds on them and on each other, and a gate.
 const SUITE: &str = r#"suite everything {
   seed 20261122
   scenario walker {
@@ -78,34 +78,6 @@ const SUITE: &str = r#"suite everything {
     vary tta in [3 s, 12 s]
     runs 20 .. 300
     expect { rate(pet > 0.1 s) >= 50 % with 95 % confidence; rate(pet > 2 s) <= 50 % with 95 % confidence }
-  }
-  scenario errs {
-    road { lane_width 4 m; speed_limit 30 km/h; crossing zebra }
-    vehicle av { controller frail { from: moment }; speed 30 km/h; start 50 m before crossing }
-    pedestrian walker { model scripted; start 2 m from kerb; appears at 1 s }
-    vary moment in [0.35 s, 2 s, 1000 s]
-    repeat 3
-    expect { no collision }
-  }
-  scenario panics {
-    road { lane_width 4 m; speed_limit 30 km/h; crossing zebra }
-    vehicle av { controller frail { from: moment, panics: true }; speed 30 km/h; start 50 m before crossing }
-    pedestrian walker { model scripted; start 2 m from kerb; appears at 1 s }
-    vary moment in [0.35 s, 2 s, 1000 s]
-    repeat 3
-    expect { no collision }
-  }
-  scenario refused {
-    road { lane_width 4 m; speed_limit 30 km/h; crossing zebra }
-    vehicle av { controller constant_speed; speed 30 km/h; start 50 m before crossing }
-    pedestrian walker {
-      model jaywalker { stop_time_min: least, stop_time_max: 300 ms }
-      start 2 m from kerb
-      appears at 1 s
-    }
-    vary least in [200 ms, 400 ms]
-    repeat 3
-    expect { no collision }
   }
   gate braking {
     baseline "everything.json"
@@ -138,13 +110,48 @@ statement slower {
 }
 "#;
 
-fn prepared(folder: &Path) -> [PlannedSuite; 1] {
-    let path = folder.join("everything.suite");
-    let suite = lang::load(&path, &registry(), &Disk)
-        .unwrap_or_else(|failure| panic!("{}", failure.render(lang::Style::default())))
-        .suite;
-    let plan = plan(&suite).unwrap();
-    [PlannedSuite { file: "everything.suite".into(), suite, plan, recorded: Vec::new() }]
+/// Trials that err or panic at some moment, and such as no run begins of.
+const BROKEN: &str = r#"suite broken {
+  seed 20261123
+  scenario errs {
+    road { lane_width 4 m; speed_limit 30 km/h; crossing zebra }
+    vehicle av { controller frail { from: moment }; speed 30 km/h; start 50 m before crossing }
+    pedestrian walker { model scripted; start 2 m from kerb; appears at 1 s }
+    vary moment in [0.35 s, 2 s, 1000 s]
+    repeat 3
+    expect { no collision }
+  }
+  scenario panics {
+    road { lane_width 4 m; speed_limit 30 km/h; crossing zebra }
+    vehicle av { controller frail { from: moment, panics: true }; speed 30 km/h; start 50 m before crossing }
+    pedestrian walker { model scripted; start 2 m from kerb; appears at 1 s }
+    vary moment in [0.35 s, 2 s, 1000 s]
+    repeat 3
+    expect { no collision }
+  }
+  scenario refused {
+    road { lane_width 4 m; speed_limit 30 km/h; crossing zebra }
+    vehicle av { controller constant_speed; speed 30 km/h; start 50 m before crossing }
+    pedestrian walker {
+      model jaywalker { stop_time_min: least, stop_time_max: 300 ms }
+      start 2 m from kerb
+      appears at 1 s
+    }
+    vary least in [200 ms, 400 ms]
+    repeat 3
+    expect { no collision }
+  }
+}
+"#;
+
+fn prepared(folder: &Path) -> [PlannedSuite; 2] {
+    ["everything.suite", "broken.suite"].map(|file| {
+        let suite = lang::load(&folder.join(file), &registry(), &Disk)
+            .unwrap_or_else(|failure| panic!("{}", failure.render(lang::Style::default())))
+            .suite;
+        let plan = plan(&suite).unwrap();
+        PlannedSuite { file: file.into(), suite, plan, recorded: Vec::new() }
+    })
 }
 
 /// Without what depends on the clock.
@@ -201,6 +208,7 @@ fn executors_change_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let text = SUITE.replace("\"everything.json\"", &format!("{:?}", folder.path().join("everything.json")));
     fs::write(folder.path().join("everything.suite"), text).unwrap();
+    fs::write(folder.path().join("broken.suite"), BROKEN).unwrap();
     note_places();
     let (alone, shrunk) = run_by(&Threads::new(1), folder.path());
     assert!(!shrunk.starts_with("[]"), "something is moved: {shrunk}");

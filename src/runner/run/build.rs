@@ -89,7 +89,7 @@ impl RunError {
 }
 
 /// What a reference stands for.
-fn resolved<'a, T>(reference: &'a Reference<T>, kind: EntryKind) -> Result<&'a T, RunError> {
+fn resolved<T>(reference: &Reference<T>, kind: EntryKind) -> Result<&T, RunError> {
     let unknown = || RunError::Unknown { kind, name: reference.to_string() };
     reference.known().ok_or_else(unknown)
 }

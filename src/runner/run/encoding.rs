@@ -234,14 +234,15 @@ mod tests {
 
     #[test]
     fn what_no_registry_has_is_refused() {
+        type Change = fn(&mut Case);
         let unknown =
             |kind, name: &str| Err(DecodingError::Unknown(UnknownEntry { kind, name: name.into() }));
-        let refused = |change: fn(&mut Case)| {
+        let refused = |change: Change| {
             let mut job = job();
             change(&mut job.case);
             Job::from_bytes(&job.to_bytes(), &standard()).map(|_| ())
         };
-        let names: [(EntryKind, fn(&mut Case)); 3] = [
+        let names: [(EntryKind, Change); 3] = [
             (EntryKind::Controller, |case| vehicle(case).controller.model = Reference::unresolved("gone")),
             (EntryKind::VehicleDynamics, |case| vehicle(case).dynamics.model = Reference::unresolved("gone")),
             (EntryKind::PedestrianModel, |case| {
