@@ -79,7 +79,7 @@ impl ControllerModel {
         }
     }
 
-    /// One that a program is asked for.
+    /// One that a program is asked for. It is told a seed and nobody knows whether it draws from it, so it is taken to.
     pub fn of_program(declaration: Declaration, program: DeclaredProgram) -> Self {
         let refusal = "it is a program, which is asked and not built";
         Self {

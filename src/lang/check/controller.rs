@@ -11,8 +11,8 @@ use crate::syntax::ast;
 use crate::value::{self, NameScope, Typed, ValueKind};
 use scenario::registry::{RESERVED, Registry};
 use scenario::{
-    Answer, Chance, ChoiceOption, ControllerModel, Declaration, DeclaredProgram, Delay, Dimension,
-    Expression, Parameter, TextError, Value, limits,
+    Answer, ChoiceOption, ControllerModel, Declaration, DeclaredProgram, Delay, Dimension, Expression,
+    Parameter, TextError, Value, limits,
 };
 
 /// Where parameters of declared controllers come from.
@@ -113,8 +113,7 @@ pub fn controller(
     let source = format!("`{}`, declared in {}", program.typed(), program.file);
     let declaration =
         Declaration::new(name.text().to_string(), summary).source(source).parameters(parameters?);
-    let chance = if program.may_differ() { Chance::Always } else { Chance::Never };
-    let model = ControllerModel::of_program(declaration, program).chance(chance);
+    let model = ControllerModel::of_program(declaration, program);
     Some(match dynamics? {
         Some(named) => model.driving(&named),
         None => model,
