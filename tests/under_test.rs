@@ -153,7 +153,7 @@ fn two_vehicles_and_perception() -> Outcome {
 }
 
 /// What a program does, its kind of fault, and words that are said of it.
-const MISDEEDS: [(&str, &str, &str); 12] = [
+const MISBEHAVIOURS: [(&str, &str, &str); 12] = [
     ("crash", "exited", "it ended with exit code 1"),
     ("abort", "exited", "it was ended by signal 6 (SIGABRT)"),
     ("exit_0", "exited", "it ended with exit code 0"),
@@ -168,7 +168,7 @@ const MISDEEDS: [(&str, &str, &str); 12] = [
     ("refuses_to_open", "refused", "no such weights"),
 ];
 
-fn a_misdeed_is_an_error_in_every_report(kind: &str, fault: &str, words: &str) -> Outcome {
+fn a_misbehaviour_is_an_error_in_every_report(kind: &str, fault: &str, words: &str) -> Outcome {
     let text = scenario(&format!("kind={kind}"), "answers within 1 s");
     let text = text.replace("later in [0 s, 0.2 s]", "later in [0 s]");
     let folder = in_folder(&text);
@@ -405,9 +405,9 @@ fn main() -> ExitCode {
         Ok("runner") => return cli::main(&standard()),
         _ => {}
     }
-    let misdeeds = MISDEEDS.iter().map(|(kind, fault, words)| {
-        Trial::test(format!("a_misdeed_is_an_error_in_every_report::{kind}"), move || {
-            a_misdeed_is_an_error_in_every_report(kind, fault, words)
+    let misbehaviours = MISBEHAVIOURS.iter().map(|(kind, fault, words)| {
+        Trial::test(format!("a_misbehaviour_is_an_error_in_every_report::{kind}"), move || {
+            a_misbehaviour_is_an_error_in_every_report(kind, fault, words)
         })
     });
     macro_rules! tests {
@@ -426,7 +426,7 @@ fn main() -> ExitCode {
         what_always_fails_is_given_up,
         tune_finds_the_best_of_a_program,
     ];
-    trials.extend(misdeeds);
+    trials.extend(misbehaviours);
     #[cfg(target_os = "linux")]
     trials.extend(tests![nothing_is_left_of_a_program_when_the_runner_is_killed]);
     libtest_mimic::run(&Arguments::from_args(), trials).exit_code()

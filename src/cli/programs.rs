@@ -11,7 +11,7 @@ use lang::{Code, Excerpt};
 use report::console::stderr;
 use runner::run::Threads;
 use scenario::{ControllerModel, DeclaredProgram, Reference, Suite};
-use under_test::{Allowed, KnowsMore, Permission, StartError, StartProblem, Yard};
+use under_test::{Allowed, KnowsMore, Permission, ProcessPool, StartError, StartProblem};
 
 #[derive(Debug, Clone, Default, Args)]
 pub struct ProgramArguments {
@@ -60,10 +60,10 @@ impl ProgramArguments {
             .collect();
         let forbidden = programs.iter().filter_map(|(_, program)| permission.check(program).err());
         say_all(&forbidden.collect::<Vec<_>>())?;
-        let yard = yard(permission, runner::run::Executor::parallelism(&made))?;
+        let pool = pool(permission, runner::run::Executor::parallelism(&made))?;
         let mut wrong = Vec::new();
         for (model, program) in programs {
-            match yard.prepare(program) {
+            match pool.prepare(program) {
                 Ok(prepared) => {
                     wrong.extend(prepared.hello.disagreements(program, &model.declaration));
                     prepared.hello.more(&model.declaration).iter().for_each(|more| warn(program, more));
@@ -72,19 +72,19 @@ impl ProgramArguments {
             }
         }
         say_all(&wrong)?;
-        Ok(made.attending(Arc::new(yard)))
+        Ok(made.with_processes(Arc::new(pool)))
     }
 }
 
-/// A yard of this program, with the logs of other programs where it keeps what nobody commits.
-pub fn yard(permission: Permission, threads: usize) -> Result<Yard, Exit> {
+/// A pool of this program, with the logs of other programs where it keeps what nobody commits.
+pub fn pool(permission: Permission, threads: usize) -> Result<ProcessPool, Exit> {
     let logs = Path::new(store::FOLDER).join("controllers");
     store::prepare(&logs)?;
-    let yard = Yard::new(permission, threads);
-    let yard = if files::make_folder(&logs).is_ok() { yard.logs(logs) } else { yard };
+    let pool = ProcessPool::new(permission, threads);
+    let pool = if files::make_folder(&logs).is_ok() { pool.logs(logs) } else { pool };
     Ok(match env::current_exe() {
-        Ok(own) if cfg!(unix) => yard.supervised_by(own),
-        _ => yard,
+        Ok(own) if cfg!(unix) => pool.supervised_by(own),
+        _ => pool,
     })
 }
 

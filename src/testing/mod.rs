@@ -44,7 +44,7 @@ use runner::run::{Executor, Threads};
 use runner::session::{self, Unit, Usable, Work, gate_key, judge_one_gate, measured_trials};
 use scenario::Gate;
 use scenario::registry::Registry;
-use under_test::{Allowed, Permission, Yard};
+use under_test::{Allowed, Permission, ProcessPool};
 
 /// Why there are no tests.
 #[derive(Debug, Error)]
@@ -224,8 +224,8 @@ impl Tested {
             permission = permission.listed(&allowed);
         }
         // What may not be run is an error of each test that needs it.
-        let yard = Yard::new(permission, threads.parallelism());
-        let threads = Box::leak(Box::new(threads.attending(Arc::new(yard))));
+        let pool = ProcessPool::new(permission, threads.parallelism());
+        let threads = Box::leak(Box::new(threads.with_processes(Arc::new(pool))));
         Self { session: session::Runner::new(suites, threads, registry), units, done }
     }
 

@@ -1,4 +1,4 @@
-//! What a program does that it must not, with its last words.
+//! What a program does that it must not, with the end of its log.
 
 use std::fmt::{self, Display, Formatter};
 use std::path::PathBuf;
@@ -12,8 +12,8 @@ pub struct ProgramFault {
     pub kind: FaultKind,
     /// What happened, in a few words.
     pub message: String,
-    /// The last lines that it wrote.
-    pub last_words: Vec<String>,
+    /// The last lines of its log.
+    pub log_tail: Vec<String>,
     /// Where all of them are.
     pub log: Option<PathBuf>,
 }
@@ -61,9 +61,9 @@ impl Display for FaultKind {
 }
 
 impl ProgramFault {
-    /// One without last words.
+    /// One without a log.
     pub fn new(kind: FaultKind, message: impl Into<String>) -> Self {
-        Self { kind, message: message.into(), last_words: Vec::new(), log: None }
+        Self { kind, message: message.into(), log_tail: Vec::new(), log: None }
     }
 
     /// As what keeps a controller from deciding.
@@ -72,14 +72,14 @@ impl ProgramFault {
     }
 }
 
-/// Kind and message in the first line, then its last words.
+/// Kind and message in the first line, then the end of its log.
 impl Display for ProgramFault {
     fn fmt(&self, out: &mut Formatter) -> fmt::Result {
-        let Self { kind, message, last_words, log } = self;
+        let Self { kind, message, log_tail, log } = self;
         write!(out, "{kind}: {}", one_line(message))?;
-        if !last_words.is_empty() {
-            write!(out, "\nlast words:")?;
-            for line in last_words {
+        if !log_tail.is_empty() {
+            write!(out, "\nend of its log:")?;
+            for line in log_tail {
                 write!(out, "\n  | {}", one_line(line))?;
             }
         }

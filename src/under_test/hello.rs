@@ -76,7 +76,7 @@ pub(super) struct Said {
 }
 
 /// What the runner says first.
-pub fn greeting(program: &DeclaredProgram) -> Json {
+pub fn own_hello(program: &DeclaredProgram) -> Json {
     json!({"hello": {
         "protocol": PROTOCOL,
         "runner": env!("CARGO_PKG_VERSION"),
@@ -260,7 +260,7 @@ mod tests {
     fn said(parameters: &str) -> Vec<String> {
         let line = format!(r#"{{"hello":{{"protocol":1,"parameters":[{parameters}]}}}}"#);
         let hello = read(&line).unwrap();
-        let program = super::super::yard::tests::program("true");
+        let program = super::super::pool::tests::program("true");
         hello.disagreements(&program, &declaration()).iter().map(ToString::to_string).collect()
     }
 

@@ -1,6 +1,6 @@
 //! Users' own controllers: programs that decide for vehicles, started, asked and watched as child processes.
 //!
-//! [`Yard`] holds the processes of the programs that may be started, [`Process`] is one that has said hello, and
+//! [`ProcessPool`] holds the processes of the programs that may be started, [`Process`] is one that has said hello, and
 //! `wire` is what is said to it. What a program does that it must not is a [`ProgramFault`]. Nothing here knows what runs are for.
 
 // What `clippy.toml` bans is banned from what is shipped; tests may use it.
@@ -13,18 +13,18 @@ mod hello;
 mod log;
 mod lookup;
 mod permission;
+mod pool;
 mod process;
 mod start;
 mod supervise;
 mod watchdog;
 mod wire;
-mod yard;
 
 pub use fault::{FaultKind, ProgramFault};
 pub use hello::{Hello, KnowsMore};
 pub use permission::{ALLOW_RUN, Allowed, AllowedError, Permission};
+pub use pool::{AcquiredProcesses, Prepared, ProcessPool};
 pub use process::{Failed, Process};
 pub use start::{StartError, StartProblem};
 pub use supervise::supervise;
 pub use wire::{Answered, Decision, DueDecision, Opened};
-pub use yard::{Prepared, Team, Yard};

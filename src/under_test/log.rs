@@ -1,4 +1,4 @@
-//! What a program writes besides its answers: its last words in memory, all of it in a file.
+//! What a program writes besides its answers: the end of its log in memory, all of it in a file.
 
 use std::collections::VecDeque;
 use std::io::Read;
@@ -9,7 +9,7 @@ use std::time::Duration;
 /// Kept in memory, bytes.
 const TAIL: usize = 64 << 10;
 
-/// Written to the file, bytes.
+/// LogState to the file, bytes.
 const MOST: usize = 16 << 20;
 
 /// Lines that a fault quotes.
@@ -19,12 +19,12 @@ const LAST: usize = 20;
 #[derive(Debug)]
 pub struct ProgramLog {
     path: Option<PathBuf>,
-    kept: Mutex<Kept>,
+    state: Mutex<LogState>,
     ended: Condvar,
 }
 
 #[derive(Debug, Default)]
-struct Kept {
+struct LogState {
     tail: VecDeque<u8>,
     written: usize,
     has_ended: bool,
@@ -34,7 +34,7 @@ impl ProgramLog {
     /// One whose text goes to the file, too; what stood there is replaced.
     pub fn new(path: Option<PathBuf>) -> Self {
         let path = path.filter(|path| files::write(path, "").is_ok());
-        Self { path, kept: Mutex::default(), ended: Condvar::new() }
+        Self { path, state: Mutex::default(), ended: Condvar::new() }
     }
 
     pub fn path(&self) -> Option<&Path> {
@@ -42,15 +42,15 @@ impl ProgramLog {
     }
 
     pub fn add(&self, bytes: &[u8]) {
-        let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
-        kept.tail.extend(bytes);
-        let too_much = kept.tail.len().saturating_sub(TAIL);
-        kept.tail.drain(..too_much);
-        let room = MOST.saturating_sub(kept.written).min(bytes.len());
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        state.tail.extend(bytes);
+        let too_much = state.tail.len().saturating_sub(TAIL);
+        state.tail.drain(..too_much);
+        let room = MOST.saturating_sub(state.written).min(bytes.len());
         if let Some(path) = self.path.as_ref().filter(|_| room > 0) {
             // A log that cannot be written is no reason to end a run; what is quoted is in memory.
             let _ = files::append_text(path, &String::from_utf8_lossy(&bytes[..room]));
-            kept.written += room;
+            state.written += room;
         }
     }
 
@@ -60,18 +60,18 @@ impl ProgramLog {
         while let Ok(read @ 1..) = from.read(&mut buffer) {
             self.add(&buffer[..read]);
         }
-        self.kept.lock().unwrap_or_else(PoisonError::into_inner).has_ended = true;
+        self.state.lock().unwrap_or_else(PoisonError::into_inner).has_ended = true;
         self.ended.notify_all();
     }
 
     /// The last lines; of a process that has ended, all that it wrote comes first.
     pub fn last_lines(&self, has_ended: bool) -> Vec<String> {
-        let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
-        if has_ended && !kept.has_ended {
-            let wait = self.ended.wait_timeout_while(kept, Duration::from_secs(1), |kept| !kept.has_ended);
-            kept = wait.unwrap_or_else(PoisonError::into_inner).0;
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        if has_ended && !state.has_ended {
+            let wait = self.ended.wait_timeout_while(state, Duration::from_secs(1), |state| !state.has_ended);
+            state = wait.unwrap_or_else(PoisonError::into_inner).0;
         }
-        let text = String::from_utf8_lossy(kept.tail.make_contiguous()).into_owned();
+        let text = String::from_utf8_lossy(state.tail.make_contiguous()).into_owned();
         let lines: Vec<&str> = text.lines().collect();
         lines[lines.len().saturating_sub(LAST)..].iter().map(ToString::to_string).collect()
     }

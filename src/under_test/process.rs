@@ -21,10 +21,10 @@ use scenario::DeclaredProgram;
 use sim::Mode;
 
 /// Lines that a program may print before its hello.
-const CHATTER: usize = 100;
+const MOST_LINES_BEFORE_HELLO: usize = 100;
 
 /// In which a program that is told goodbye ends by itself.
-const GOODBYE: Duration = Duration::from_secs(2);
+const TIME_TO_EXIT: Duration = Duration::from_secs(2);
 
 /// What numeric libraries and interpreters find unless a declaration says otherwise: the same run is the same run, and as
 /// many processes as there are threads do not each want all of them.
@@ -106,7 +106,7 @@ impl Process {
             let log = log.clone();
             let reading = thread::Builder::new().name(format!("log of {}", program.name));
             if let Err(error) = reading.spawn(move || log.drain(stderr)) {
-                watched.bury();
+                watched.end_and_wait();
                 return Err(cannot(error));
             }
         }
@@ -131,16 +131,16 @@ impl Process {
             request: Vec::new(),
             answer: Vec::new(),
         };
-        process.greet()?;
+        process.exchange_hello()?;
         Ok(process)
     }
 
-    fn greet(&mut self) -> Result<(), StartError> {
+    fn exchange_hello(&mut self) -> Result<(), StartError> {
         let limit = Duration::from_secs_f64(self.program.starts_within);
-        let mut greeting = hello::greeting(&self.program).to_string();
-        greeting.push('\n');
+        let mut own_hello = hello::own_hello(&self.program).to_string();
+        own_hello.push('\n');
         self.watched.set_deadline(Some(Instant::now() + limit));
-        let said = self.write(greeting.as_bytes()).and_then(|()| self.read_hello());
+        let said = self.write(own_hello.as_bytes()).and_then(|()| self.read_hello());
         self.watched.set_deadline(None);
         match said {
             Ok(Ok(hello)) => {
@@ -172,7 +172,7 @@ impl Process {
 
     /// The hello, or what is wrong with what was said instead.
     fn read_hello(&mut self) -> io::Result<Result<Hello, String>> {
-        for _ in 0..=CHATTER {
+        for _ in 0..=MOST_LINES_BEFORE_HELLO {
             if let Err(message) = self.read_line()? {
                 return Ok(Err(message));
             }
@@ -181,7 +181,10 @@ impl Process {
             }
             self.log.add(&self.answer);
         }
-        Ok(Err(format!("it printed more than {CHATTER} lines, the last of them {}", quoted(&self.answer))))
+        Ok(Err(format!(
+            "it printed more than {MOST_LINES_BEFORE_HELLO} lines, the last of them {}",
+            quoted(&self.answer)
+        )))
     }
 
     /// What it is a process of.
@@ -227,9 +230,7 @@ impl Process {
         match ready.filter(is_whole) {
             Some((_, failed)) => Ok(failed
                 .into_iter()
-                .map(|(slot, message)| {
-                    (slot, self.with_words(ProgramFault::new(FaultKind::Refused, message)))
-                })
+                .map(|(slot, message)| (slot, self.with_log(ProgramFault::new(FaultKind::Refused, message))))
                 .collect()),
             None => {
                 let fault = ProgramFault::new(
@@ -254,7 +255,7 @@ impl Process {
             match self.ask(&some)? {
                 Reply::Decided(decided) => {
                     for (index, answer) in left.drain(..).zip(decided) {
-                        answers[index] = Some(answer.map_err(|fault| self.with_words(fault)));
+                        answers[index] = Some(answer.map_err(|fault| self.with_log(fault)));
                     }
                 }
                 Reply::Refused(slots) => {
@@ -265,7 +266,7 @@ impl Process {
                             return true;
                         };
                         let fault = ProgramFault::new(FaultKind::Refused, message.clone());
-                        answers[*index] = Some(Err(self.with_words(fault)));
+                        answers[*index] = Some(Err(self.with_log(fault)));
                         false
                     });
                     if left.len() == before {
@@ -417,18 +418,18 @@ impl Process {
     /// A fault after which it is not asked any more.
     fn gone(&mut self, fault: ProgramFault) -> ProgramFault {
         self.end();
-        self.with_words(fault)
+        self.with_log(fault)
     }
 
-    fn with_words(&self, fault: ProgramFault) -> ProgramFault {
-        let last_words = self.log.last_lines(self.has_ended);
-        ProgramFault { last_words, log: self.log.path().map(Path::to_path_buf), ..fault }
+    fn with_log(&self, fault: ProgramFault) -> ProgramFault {
+        let log_tail = self.log.last_lines(self.has_ended);
+        ProgramFault { log_tail, log: self.log.path().map(Path::to_path_buf), ..fault }
     }
 
     fn end(&mut self) {
         self.has_ended = true;
         self.stdin = None;
-        self.watched.bury();
+        self.watched.end_and_wait();
     }
 }
 
@@ -450,11 +451,11 @@ impl Drop for Process {
     fn drop(&mut self) {
         if !self.has_ended {
             self.say(&json!({"bye": {}}));
-            self.watched.set_deadline(Some(Instant::now() + GOODBYE));
+            self.watched.set_deadline(Some(Instant::now() + TIME_TO_EXIT));
             // Who does not listen any more is ended all the same.
             let _ = self.send();
             self.stdin = None;
-            self.watched.wait(GOODBYE);
+            self.watched.wait(TIME_TO_EXIT);
             self.end();
         }
     }

@@ -13,7 +13,7 @@ pub struct StartError {
     pub message: String,
     /// What to do about it.
     pub hint: String,
-    /// Its last words and what else there is to know.
+    /// The end of its log and what else there is to know.
     pub notes: Vec<String>,
     /// The declaration, or the parameter in it, that is meant.
     pub origin: Box<Origin>,

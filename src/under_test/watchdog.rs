@@ -7,25 +7,25 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// How often is looked. A deadline is wall time, of which nothing depends but whether there is a fault.
-const LOOK: Duration = Duration::from_millis(50);
+/// How often deadlines are checked. A deadline is wall time, of which nothing depends but whether there is a fault.
+const CHECK_INTERVAL: Duration = Duration::from_millis(50);
 
 /// A child with a deadline.
 #[derive(Debug)]
 pub struct Watched {
-    child: Mutex<Kept>,
+    child: Mutex<WatchedChild>,
     deadline: Mutex<Option<Instant>>,
     expired: AtomicBool,
 }
 
 /// A child, and how it ended once somebody has waited for it: from then on its number may be another's.
 #[derive(Debug)]
-struct Kept {
+struct WatchedChild {
     child: Child,
     ended: Option<ExitStatus>,
 }
 
-/// Looks after children, as long as it is there.
+/// Watches children, as long as it is there.
 #[derive(Debug, Default)]
 pub struct Watchdog {
     children: Arc<Mutex<Vec<Weak<Watched>>>>,
@@ -37,10 +37,10 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 impl Watchdog {
-    /// Looks after a child from now on, which leads a group of its own.
+    /// Watches a child from now on, which leads a group of its own.
     pub fn watch(&self, child: Child) -> io::Result<Arc<Watched>> {
         let watched = Arc::new(Watched {
-            child: Mutex::new(Kept { child, ended: None }),
+            child: Mutex::new(WatchedChild { child, ended: None }),
             deadline: Mutex::new(None),
             expired: AtomicBool::new(false),
         });
@@ -48,19 +48,19 @@ impl Watchdog {
         let mut runs = lock(&self.runs);
         if !*runs {
             let children = Arc::downgrade(&self.children);
-            let look = move || {
+            let check = move || {
                 while let Some(children) = children.upgrade() {
                     let all: Vec<Arc<Watched>> = {
                         let mut all = lock(&children);
                         all.retain(|child| child.strong_count() > 0);
                         all.iter().filter_map(Weak::upgrade).collect()
                     };
-                    all.iter().for_each(|child| child.look());
+                    all.iter().for_each(|child| child.check());
                     drop((all, children));
-                    thread::sleep(LOOK);
+                    thread::sleep(CHECK_INTERVAL);
                 }
             };
-            if let Err(error) = thread::Builder::new().name("watchdog".into()).spawn(look) {
+            if let Err(error) = thread::Builder::new().name("watchdog".into()).spawn(check) {
                 watched.kill();
                 return Err(error);
             }
@@ -81,7 +81,7 @@ impl Watched {
         self.expired.load(Ordering::Acquire)
     }
 
-    fn look(&self) {
+    fn check(&self) {
         let Some(deadline) = *lock(&self.deadline) else { return };
         if Instant::now() >= deadline {
             self.expired.store(true, Ordering::Release);
@@ -101,11 +101,11 @@ impl Watched {
     pub fn wait(&self, time: Duration) -> Option<ExitStatus> {
         let until = Instant::now() + time;
         loop {
-            let mut kept = lock(&self.child);
-            if kept.has_ended() {
-                return kept.bury();
+            let mut child = lock(&self.child);
+            if child.has_ended() {
+                return child.end_and_wait();
             }
-            drop(kept);
+            drop(child);
             if Instant::now() >= until {
                 return None;
             }
@@ -114,12 +114,12 @@ impl Watched {
     }
 
     /// Ends it if it is still there, so that nothing of it stays.
-    pub fn bury(&self) -> Option<ExitStatus> {
-        lock(&self.child).bury()
+    pub fn end_and_wait(&self) -> Option<ExitStatus> {
+        lock(&self.child).end_and_wait()
     }
 }
 
-impl Kept {
+impl WatchedChild {
     fn has_ended(&mut self) -> bool {
         self.ended.is_some() || has_ended(&mut self.child)
     }
@@ -132,7 +132,7 @@ impl Kept {
         }
     }
 
-    fn bury(&mut self) -> Option<ExitStatus> {
+    fn end_and_wait(&mut self) -> Option<ExitStatus> {
         self.kill();
         if self.ended.is_none() {
             self.ended = self.child.wait().ok();

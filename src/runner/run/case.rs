@@ -46,7 +46,7 @@ fn run(
 pub(super) fn nobody_asked() -> ControllerError {
     ControllerError::with_hint(
         "its controller is a program, and nobody here starts one",
-        "make its runs with `Threads::attending` a yard of programs",
+        "make its runs with `Threads::with_processes` and a pool of programs",
     )
 }
 

@@ -1,7 +1,5 @@
 //! Executing cases: road users built from registered models, metrics read off, on whatever an executor runs them on.
 
-mod attended;
-mod attended_run;
 mod batch;
 mod build;
 mod case;
@@ -13,8 +11,10 @@ mod encoding;
 mod executor;
 mod free_flow;
 mod job;
+mod lockstep;
 mod name;
 mod panic;
+mod program_run;
 mod rehearsal;
 mod sequence;
 mod serialised;

@@ -5,10 +5,10 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use rayon::{Scope, ThreadPool, ThreadPoolBuilder};
 
-use super::attended::{Desk, attend};
 use super::executor::{Executor, Round};
 use super::job::{Done, Job, JobPlace};
-use under_test::Yard;
+use super::lockstep::{JobSource, run_with_programs};
+use under_test::ProcessPool;
 
 /// So many threads, whatever is run on them side by side.
 pub struct Threads {
@@ -16,7 +16,7 @@ pub struct Threads {
     /// Rounds and other work that want threads now.
     wanting: AtomicUsize,
     /// Where programs are that decide in runs.
-    yard: Option<Arc<Yard>>,
+    processes: Option<Arc<ProcessPool>>,
 }
 
 impl Threads {
@@ -27,7 +27,7 @@ impl Threads {
     pub fn new(threads: usize) -> Self {
         let threads = threads.max(1);
         match ThreadPoolBuilder::new().num_threads(threads).build() {
-            Ok(pool) => Self { pool, wanting: AtomicUsize::new(0), yard: None },
+            Ok(pool) => Self { pool, wanting: AtomicUsize::new(0), processes: None },
             Err(error) if threads == 1 => panic!("no thread can be started: {error}"),
             // Results do not depend on how many there are.
             Err(_) => Self::new(threads / 2),
@@ -39,9 +39,9 @@ impl Threads {
         Self::new(std::thread::available_parallelism().map_or(1, usize::from))
     }
 
-    /// The same, which asks the programs of a yard in runs in which programs decide; without one such runs are errors.
-    pub fn attending(self, yard: Arc<Yard>) -> Self {
-        Self { yard: Some(yard), ..self }
+    /// The same, which asks the programs of a pool in runs in which programs decide; without one such runs are errors.
+    pub fn with_processes(self, pool: Arc<ProcessPool>) -> Self {
+        Self { processes: Some(pool), ..self }
     }
 
     /// How many threads a round may have while others want some, too.
@@ -109,9 +109,9 @@ impl<'c, 'r: 'c> Call<'c, 'r> {
     /// Makes a run, and then others, until there are no more or others are to have the thread.
     fn work(self, mut job: Job, scope: &Scope<'c>) {
         loop {
-            let asked = self.threads.yard.as_deref().map(|yard| (yard, job.programs()));
-            if let Some((yard, programs)) = asked.filter(|(_, programs)| !programs.is_empty()) {
-                attend(yard, programs, job, &mut CallDesk { call: self, scope });
+            let asked = self.threads.processes.as_deref().map(|pool| (pool, job.programs()));
+            if let Some((pool, programs)) = asked.filter(|(_, programs)| !programs.is_empty()) {
+                run_with_programs(pool, programs, job, &mut CallJobs { call: self, scope });
                 self.lock().running -= 1;
                 return;
             }
@@ -132,12 +132,12 @@ impl<'c, 'r: 'c> Call<'c, 'r> {
 }
 
 /// Where a thread that asks programs in many runs gets and leaves them.
-struct CallDesk<'s, 'c, 'r, 'p> {
+struct CallJobs<'s, 'c, 'r, 'p> {
     call: Call<'c, 'r>,
     scope: &'p Scope<'s>,
 }
 
-impl<'c, 'r: 'c> Desk for CallDesk<'c, 'c, 'r, '_> {
+impl<'c, 'r: 'c> JobSource for CallJobs<'c, 'c, 'r, '_> {
     fn next(&mut self) -> Option<Job> {
         let mut turn = self.call.lock();
         // Others want threads: those that it has are enough.

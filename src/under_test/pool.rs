@@ -1,4 +1,4 @@
-//! The processes of programs: as many as may run at once, lent to whoever makes runs and kept for the next.
+//! The processes of programs: as many as may run at once, in use by whoever makes runs and kept for the next.
 
 use std::collections::HashMap;
 use std::path::PathBuf;
@@ -13,34 +13,34 @@ use super::watchdog::Watchdog;
 use scenario::DeclaredProgram;
 
 /// Processes of a program in a row that ended before a run did, after which it is given up; so many for each that there is.
-const PATIENCE: u32 = 3;
+const MOST_FAILED_PROCESSES: u32 = 3;
 
 /// Where the processes of programs are.
-pub struct Yard {
+pub struct ProcessPool {
     permission: Permission,
     /// How many processes a program has at once, unless it wants fewer.
     threads: usize,
     logs: Option<PathBuf>,
     supervisor: Option<PathBuf>,
     watchdog: Watchdog,
-    stalls: Mutex<HashMap<String, Stall>>,
-    freed: Condvar,
+    programs: Mutex<HashMap<String, ProgramProcesses>>,
+    released: Condvar,
 }
 
 /// The processes of one program.
 #[derive(Default)]
-struct Stall {
+struct ProgramProcesses {
     idle: Vec<Process>,
-    /// Lent, or being started.
-    out: usize,
+    /// In use, or being started.
+    in_use: usize,
     /// How many were started.
     started: usize,
     /// Processes that ended since a run came to its end.
-    in_vain: u32,
+    failed: u32,
     given_up: Option<ProgramFault>,
 }
 
-impl Yard {
+impl ProcessPool {
     /// One that starts what it may, at most so many processes of a program at once.
     pub fn new(permission: Permission, threads: usize) -> Self {
         Self {
@@ -49,8 +49,8 @@ impl Yard {
             logs: None,
             supervisor: None,
             watchdog: Watchdog::default(),
-            stalls: Mutex::default(),
-            freed: Condvar::new(),
+            programs: Mutex::default(),
+            released: Condvar::new(),
         }
     }
 
@@ -65,8 +65,8 @@ impl Yard {
         Self { supervisor: Some(executable.into()), ..self }
     }
 
-    fn lock(&self) -> MutexGuard<'_, HashMap<String, Stall>> {
-        self.stalls.lock().unwrap_or_else(PoisonError::into_inner)
+    fn lock(&self) -> MutexGuard<'_, HashMap<String, ProgramProcesses>> {
+        self.programs.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Starts a program that is not running yet, and keeps it for its first run; what it says of itself.
@@ -76,23 +76,23 @@ impl Yard {
     pub fn prepare(&self, program: &Arc<DeclaredProgram>) -> Result<Prepared, StartError> {
         let process = self.start(program)?;
         let prepared = Prepared { hello: process.hello().clone() };
-        let mut stalls = self.lock();
-        let stall = stalls.entry(key(program)).or_default();
-        stall.idle.push(process);
+        let mut programs = self.lock();
+        let processes = programs.entry(key(program)).or_default();
+        processes.idle.push(process);
         Ok(prepared)
     }
 
-    /// Starts a process besides those that are lent.
+    /// Starts a process besides those that are in use.
     ///
     /// # Errors
     /// If it may not be started, or does not start.
     pub fn start(&self, program: &Arc<DeclaredProgram>) -> Result<Process, StartError> {
         self.permission.check(program)?;
         let number = {
-            let mut stalls = self.lock();
-            let stall = stalls.entry(key(program)).or_default();
-            stall.started += 1;
-            stall.started
+            let mut programs = self.lock();
+            let processes = programs.entry(key(program)).or_default();
+            processes.started += 1;
+            processes.started
         };
         let log = self.logs.as_ref().map(|folder| folder.join(format!("{}-{number}.log", program.name)));
         Process::start(program, &self.watchdog, self.supervisor.as_deref(), ProgramLog::new(log))
@@ -102,89 +102,93 @@ impl Yard {
     ///
     /// # Errors
     /// If one of them cannot be started or has been given up.
-    pub fn team(&self, programs: &[Arc<DeclaredProgram>]) -> Result<Team<'_>, (usize, ProgramFault)> {
-        let mut team = Team { yard: self, members: Vec::with_capacity(programs.len()) };
+    pub fn acquire(
+        &self,
+        programs: &[Arc<DeclaredProgram>],
+    ) -> Result<AcquiredProcesses<'_>, (usize, ProgramFault)> {
+        let mut processes = AcquiredProcesses { pool: self, members: Vec::with_capacity(programs.len()) };
         for (index, program) in programs.iter().enumerate() {
-            let process = self.lend(program).map_err(|fault| (index, fault))?;
-            team.members.push(Member { program: program.clone(), process: Some(process) });
+            let process = self.acquire_one(program).map_err(|fault| (index, fault))?;
+            processes.members.push(Member { program: program.clone(), process: Some(process) });
         }
-        Ok(team)
+        Ok(processes)
     }
 
     /// A process of a program; waits until one may be had.
-    fn lend(&self, program: &Arc<DeclaredProgram>) -> Result<Process, ProgramFault> {
+    fn acquire_one(&self, program: &Arc<DeclaredProgram>) -> Result<Process, ProgramFault> {
         let most = program.processes.map_or(self.threads, |most| self.threads.min(most as usize)).max(1);
         let key = key(program);
-        let mut stalls = self.lock();
+        let mut programs = self.lock();
         loop {
-            let stall = stalls.entry(key.clone()).or_default();
-            if let Some(fault) = &stall.given_up {
+            let processes = programs.entry(key.clone()).or_default();
+            if let Some(fault) = &processes.given_up {
                 return Err(fault.clone());
             }
-            if let Some(process) = stall.idle.pop() {
-                stall.out += 1;
+            if let Some(process) = processes.idle.pop() {
+                processes.in_use += 1;
                 return Ok(process);
             }
-            if stall.out < most {
-                stall.out += 1;
+            if processes.in_use < most {
+                processes.in_use += 1;
                 break;
             }
-            stalls = self.freed.wait(stalls).unwrap_or_else(PoisonError::into_inner);
+            programs = self.released.wait(programs).unwrap_or_else(PoisonError::into_inner);
         }
-        drop(stalls);
+        drop(programs);
         let started = self.start_or_give_up(program);
         if started.is_err() {
-            self.give_back(program, None);
+            self.release(program, None);
         }
         started
     }
 
     /// Starts a process; a program that does not start is not tried again.
     fn start_or_give_up(&self, program: &Arc<DeclaredProgram>) -> Result<Process, ProgramFault> {
-        let given_up = self.lock().get(&key(program)).and_then(|stall| stall.given_up.clone());
+        let given_up = self.lock().get(&key(program)).and_then(|processes| processes.given_up.clone());
         if let Some(fault) = given_up {
             return Err(fault);
         }
         self.start(program).map_err(|error| {
-            let fault = ProgramFault {
-                last_words: error.notes,
-                ..ProgramFault::new(FaultKind::Exited, error.message)
-            };
+            let fault =
+                ProgramFault { log_tail: error.notes, ..ProgramFault::new(FaultKind::Exited, error.message) };
             self.lock().entry(key(program)).or_default().given_up = Some(fault.clone());
             fault
         })
     }
 
     /// Takes note of a process that has ended.
-    fn mourn(&self, program: &DeclaredProgram) -> Result<(), ProgramFault> {
-        let mut stalls = self.lock();
-        let stall = stalls.entry(key(program)).or_default();
-        stall.in_vain += 1;
-        let patience = PATIENCE * u32::try_from(stall.out.max(1)).unwrap_or(u32::MAX / PATIENCE);
-        if stall.in_vain >= patience && stall.given_up.is_none() {
-            let message =
-                format!("given up: {} processes ended one after the other before a run did", stall.in_vain);
-            stall.given_up = Some(ProgramFault::new(FaultKind::Exited, message));
+    fn note_failed(&self, program: &DeclaredProgram) -> Result<(), ProgramFault> {
+        let mut programs = self.lock();
+        let processes = programs.entry(key(program)).or_default();
+        processes.failed += 1;
+        let most = MOST_FAILED_PROCESSES
+            * u32::try_from(processes.in_use.max(1)).unwrap_or(u32::MAX / MOST_FAILED_PROCESSES);
+        if processes.failed >= most && processes.given_up.is_none() {
+            let message = format!(
+                "given up: {} processes ended one after the other before a run did",
+                processes.failed
+            );
+            processes.given_up = Some(ProgramFault::new(FaultKind::Exited, message));
         }
-        stall.given_up.clone().map_or(Ok(()), Err)
+        processes.given_up.clone().map_or(Ok(()), Err)
     }
 
-    fn give_back(&self, program: &DeclaredProgram, process: Option<Process>) {
-        let mut stalls = self.lock();
-        let stall = stalls.entry(key(program)).or_default();
-        stall.out -= 1;
+    fn release(&self, program: &DeclaredProgram, process: Option<Process>) {
+        let mut programs = self.lock();
+        let processes = programs.entry(key(program)).or_default();
+        processes.in_use -= 1;
         let ended = match process {
             Some(process) if !process.has_ended() => {
-                stall.idle.push(process);
+                processes.idle.push(process);
                 None
             }
             other => other,
         };
-        drop(stalls);
-        self.freed.notify_all();
+        drop(programs);
+        self.released.notify_all();
         if ended.is_some() {
             // What that means is said when the next one is wanted.
-            let _ = self.mourn(program);
+            let _ = self.note_failed(program);
         }
     }
 }
@@ -200,9 +204,9 @@ pub struct Prepared {
     pub hello: super::Hello,
 }
 
-/// A process of each of some programs, which goes back to its yard.
-pub struct Team<'y> {
-    yard: &'y Yard,
+/// A process of each of some programs, which goes back to its pool.
+pub struct AcquiredProcesses<'y> {
+    pool: &'y ProcessPool,
     members: Vec<Member>,
 }
 
@@ -211,7 +215,7 @@ struct Member {
     process: Option<Process>,
 }
 
-impl Team<'_> {
+impl AcquiredProcesses<'_> {
     /// How many there are.
     pub fn len(&self) -> usize {
         self.members.len()
@@ -235,16 +239,16 @@ impl Team<'_> {
         let Member { program, process } = &mut self.members[index];
         if process.as_ref().is_some_and(Process::has_ended) {
             *process = None;
-            self.yard.mourn(program)?;
+            self.pool.note_failed(program)?;
         }
         if process.is_none() {
-            *process = Some(self.yard.start_or_give_up(program)?);
+            *process = Some(self.pool.start_or_give_up(program)?);
         }
         Ok(process.as_mut().expect("it was just started"))
     }
 
     /// Has the next run begin with a process that has seen none.
-    pub fn renew(&mut self, index: usize) {
+    pub fn replace(&mut self, index: usize) {
         let member = &mut self.members[index];
         if member.process.as_ref().is_some_and(|process| !process.has_ended()) {
             member.process = None;
@@ -264,17 +268,17 @@ impl Team<'_> {
 
     /// A run of all of them came to its end.
     pub fn finished(&self) {
-        let mut stalls = self.yard.lock();
+        let mut programs = self.pool.lock();
         for member in &self.members {
-            stalls.entry(key(&member.program)).or_default().in_vain = 0;
+            programs.entry(key(&member.program)).or_default().failed = 0;
         }
     }
 }
 
-impl Drop for Team<'_> {
+impl Drop for AcquiredProcesses<'_> {
     fn drop(&mut self) {
         for Member { program, process } in self.members.drain(..) {
-            self.yard.give_back(&program, process);
+            self.pool.release(&program, process);
         }
     }
 }

@@ -12,10 +12,10 @@ use numbers::random::ranks;
 use scenario::{CrossingKind, DeclaredProgram, Delay, World};
 use sim::random::{Agent, Purpose, stream};
 use sim::{Course, Fault, Progress, StopReason};
-use under_test::{Answered, Decision, DueDecision, FaultKind, Opened, ProgramFault, Team};
+use under_test::{AcquiredProcesses, Answered, Decision, DueDecision, FaultKind, Opened, ProgramFault};
 
 /// A run under way.
-pub struct AttendedRun {
+pub struct ProgramRun {
     job: Job,
     watcher: Watcher,
     stage: Stage,
@@ -47,9 +47,9 @@ enum Stage {
 
 /// What came of beginning a run.
 pub enum Begun {
-    Run(Box<AttendedRun>),
+    Run(Box<ProgramRun>),
     /// It waits for a free flow that is under way.
-    Parked(Job),
+    WaitsForFlow(Job),
     Done(Box<Done>),
 }
 
@@ -112,9 +112,9 @@ impl StageEnd {
     }
 }
 
-impl AttendedRun {
+impl ProgramRun {
     /// Begins a run, or its free flow; one that another run drives already is waited for.
-    pub fn begin(job: Job, team: &Team, flows: &HashSet<[u8; 32]>) -> Begun {
+    pub fn begin(job: Job, processes: &AcquiredProcesses, flows: &HashSet<[u8; 32]>) -> Begun {
         let begun = Panicked::catch(|| {
             in_case(&job.case.key, || match job.measured.free_flows.begin(&job.case.world)? {
                 BegunFlow::Run(run) if flows.contains(&run.hash()) => Ok(None),
@@ -125,17 +125,17 @@ impl AttendedRun {
         });
         let stage = match begun {
             Ok(Ok(Some(stage))) => stage,
-            Ok(Ok(None)) => return Begun::Parked(job),
+            Ok(Ok(None)) => return Begun::WaitsForFlow(job),
             Ok(Err(error)) => return Begun::Done(Box::new(failed(job, JobFailure::Error(error)))),
             Err(panicked) => return Begun::Done(Box::new(failed(job, JobFailure::Panicked(panicked)))),
         };
         let watcher = Watcher::new(job.wanted, &job.case);
         let mut run = Self { watcher, stage, drivers: Vec::new(), is_new: true, job };
-        run.drivers = run.drivers_of(team);
+        run.drivers = run.drivers_of(processes);
         Begun::Run(Box::new(run))
     }
 
-    fn drivers_of(&self, team: &Team) -> Vec<Driver> {
+    fn drivers_of(&self, processes: &AcquiredProcesses) -> Vec<Driver> {
         let world = &self.job.case.world;
         let names: Vec<&str> = world.vehicles.iter().map(|car| car.name.as_str()).collect();
         let seed = self.seed();
@@ -144,7 +144,7 @@ impl AttendedRun {
             let program = world.vehicles[vehicle].controller.model.known()?.program.as_ref()?;
             Some(Driver {
                 vehicle,
-                program: (0..team.len()).find(|index| team.program(*index) == program)?,
+                program: (0..processes.len()).find(|index| processes.program(*index) == program)?,
                 slot: 0,
                 // Of nothing that tells which run it is, and a whole number in JSON.
                 seed: stream(seed, Agent::Vehicle(rank), Purpose::Trait).bits() >> 11,
@@ -375,7 +375,7 @@ impl AttendedRun {
         StageEnd::Failed("abandoned", JobFailure::Error(RunError::of_fault(self.world(), fault, is_flow)))
     }
 
-    /// StageEnds it since the program of a vehicle did not do its part.
+    /// Ends it since the program of a vehicle did not do its part.
     pub fn fault(&mut self, vehicle: usize, fault: ProgramFault) -> StageEnd {
         match self.course().map(|course| course.fault(vehicle, fault.into_error())) {
             Some(fault) => self.faulted(fault),
@@ -396,7 +396,7 @@ impl AttendedRun {
         self.fault(vehicle, fault)
     }
 
-    /// StageEnds a run that has not begun.
+    /// Ends a run that has not begun.
     pub fn fault_all(mut self, fault: ProgramFault) -> Done {
         let end = self.fault_of(0, fault);
         self.done(end)

@@ -8,16 +8,16 @@ use std::mem;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::attended_run::{AttendedRun, Begun, SlotRequest, StageEnds};
 use super::job::{Done, Job, JobPlace};
+use super::program_run::{Begun, ProgramRun, SlotRequest, StageEnds};
 use scenario::{DeclaredProgram, Delay};
-use under_test::{FaultKind, ProgramFault, Team, Yard};
+use under_test::{AcquiredProcesses, FaultKind, ProcessPool, ProgramFault};
 
 /// Between two looks at whether runs are still wanted.
-const LOOK: Duration = Duration::from_millis(100);
+const CHECK_INTERVAL: Duration = Duration::from_millis(100);
 
 /// Where runs come from, and where they go.
-pub trait Desk {
+pub trait JobSource {
     /// A run that may be made now.
     fn next(&mut self) -> Option<Job>;
 
@@ -29,58 +29,63 @@ pub trait Desk {
 }
 
 /// Makes the run and others, as long as there are any, together with those that the same programs decide in.
-pub fn attend(yard: &Yard, programs: Vec<Arc<DeclaredProgram>>, first: Job, desk: &mut dyn Desk) {
+pub fn run_with_programs(
+    pool: &ProcessPool,
+    programs: Vec<Arc<DeclaredProgram>>,
+    first: Job,
+    jobs: &mut dyn JobSource,
+) {
     let mut next = Some((programs, first));
     while let Some((programs, first)) = next.take() {
-        match yard.team(&programs) {
-            Ok(team) => next = Lockstep::new(team, desk).run(first),
-            Err((index, fault)) => desk.done(refused(first, &programs[index], fault)),
+        match pool.acquire(&programs) {
+            Ok(processes) => next = Lockstep::new(processes, jobs).run(first),
+            Err((index, fault)) => jobs.done(refused(first, &programs[index], fault)),
         }
         if next.is_none() {
-            next = desk.next().and_then(|job| alone_if_inside(job, desk));
+            next = jobs.next().and_then(|job| alone_if_inside(job, jobs));
         }
     }
 }
 
 /// A run in which no program decides is made at once; of others, with their programs.
-fn alone_if_inside(job: Job, desk: &mut dyn Desk) -> Option<(Vec<Arc<DeclaredProgram>>, Job)> {
+fn alone_if_inside(job: Job, jobs: &mut dyn JobSource) -> Option<(Vec<Arc<DeclaredProgram>>, Job)> {
     let mut next = Some(job);
     while let Some(job) = next {
         let programs = job.programs();
         if !programs.is_empty() {
             return Some((programs, job));
         }
-        desk.done(job.run());
-        next = desk.next();
+        jobs.done(job.run());
+        next = jobs.next();
     }
     None
 }
 
 /// A run that never began, since a program is not there.
 fn refused(job: Job, program: &DeclaredProgram, fault: ProgramFault) -> Done {
-    AttendedRun::refused(job, program, fault)
+    ProgramRun::refused(job, program, fault)
 }
 
 /// Runs that go on together.
 struct Lockstep<'y, 'd> {
-    team: Team<'y>,
-    desk: &'d mut dyn Desk,
-    runs: Vec<AttendedRun>,
+    processes: AcquiredProcesses<'y>,
+    jobs: &'d mut dyn JobSource,
+    runs: Vec<ProgramRun>,
     /// Slots that are free, for each program.
     free: Vec<Vec<usize>>,
     /// Slots that are to be closed, for each program, with how their runs ended.
     closing: Vec<Vec<(usize, &'static str)>>,
     /// Runs that wait for a free flow that is under way.
-    parked: VecDeque<Job>,
+    waiting_for_flow: VecDeque<Job>,
     flows: HashSet<[u8; 32]>,
     /// Runs that are made again alone, and what became of those that were.
-    suspects: VecDeque<Suspect>,
-    cleared: Vec<(Suspect, Done)>,
-    looked: Instant,
+    retries: VecDeque<Retry>,
+    retried: Vec<(Retry, Done)>,
+    checked: Instant,
 }
 
 /// A run that was under way when a program failed.
-struct Suspect {
+struct Retry {
     job: Job,
     /// Whether it was asked for in the request that failed.
     was_asked: bool,
@@ -88,32 +93,32 @@ struct Suspect {
 }
 
 impl<'y, 'd> Lockstep<'y, 'd> {
-    fn new(team: Team<'y>, desk: &'d mut dyn Desk) -> Self {
-        let programs = team.len();
+    fn new(processes: AcquiredProcesses<'y>, jobs: &'d mut dyn JobSource) -> Self {
+        let programs = processes.len();
         Self {
-            team,
-            desk,
+            processes,
+            jobs,
             runs: Vec::new(),
             free: vec![Vec::new(); programs],
             closing: vec![Vec::new(); programs],
-            parked: VecDeque::new(),
+            waiting_for_flow: VecDeque::new(),
             flows: HashSet::new(),
-            suspects: VecDeque::new(),
-            cleared: Vec::new(),
-            looked: Instant::now(),
+            retries: VecDeque::new(),
+            retried: Vec::new(),
+            checked: Instant::now(),
         }
     }
 
     /// Makes runs until there is none in which these programs decide; the next one in which others do.
     fn run(mut self, first: Job) -> Option<(Vec<Arc<DeclaredProgram>>, Job)> {
         let programs: Vec<Arc<DeclaredProgram>> =
-            (0..self.team.len()).map(|index| self.team.program(index).clone()).collect();
+            (0..self.processes.len()).map(|index| self.processes.program(index).clone()).collect();
         let mut other = None;
         let mut waiting = VecDeque::from([first]);
         let is_measured = programs.iter().any(|program| program.delay == Delay::Measured);
-        let most = if is_measured { 1 } else { self.team.runs_at_once() };
+        let most = if is_measured { 1 } else { self.processes.runs_at_once() };
         for (index, free) in self.free.iter_mut().enumerate() {
-            let known = self.team.process(index).map_or(1, |process| process.hello().runs_at_once);
+            let known = self.processes.process(index).map_or(1, |process| process.hello().runs_at_once);
             *free = (0..known).rev().collect();
         }
         loop {
@@ -127,14 +132,14 @@ impl<'y, 'd> Lockstep<'y, 'd> {
             self.close();
             self.open();
             self.go_on();
-            self.look();
+            self.check_wanted();
         }
         self.close();
         other
     }
 
     fn is_idle(&self) -> bool {
-        self.suspects.is_empty() && self.cleared.is_empty() && self.parked.is_empty()
+        self.retries.is_empty() && self.retried.is_empty() && self.waiting_for_flow.is_empty()
     }
 
     /// Begins runs as long as there is room.
@@ -145,22 +150,22 @@ impl<'y, 'd> Lockstep<'y, 'd> {
         waiting: &mut VecDeque<Job>,
         other: &mut Option<(Vec<Arc<DeclaredProgram>>, Job)>,
     ) {
-        if !self.suspects.is_empty() || !self.cleared.is_empty() {
+        if !self.retries.is_empty() || !self.retried.is_empty() {
             if self.runs.is_empty() {
-                self.admit_suspect();
+                self.admit_retry();
             }
             return;
         }
         while self.runs.len() < most.max(1) {
-            let unparked = if self.flows.is_empty() { self.parked.pop_front() } else { None };
-            let Some(job) = unparked.or_else(|| waiting.pop_front()) else {
-                if other.is_some() || self.parked.len() >= most {
+            let flow_is_known = if self.flows.is_empty() { self.waiting_for_flow.pop_front() } else { None };
+            let Some(job) = flow_is_known.or_else(|| waiting.pop_front()) else {
+                if other.is_some() || self.waiting_for_flow.len() >= most {
                     return;
                 }
-                let Some(job) = self.desk.next() else { return };
+                let Some(job) = self.jobs.next() else { return };
                 let own = job.programs();
                 match own.is_empty() {
-                    true => self.desk.done(job.run()),
+                    true => self.jobs.done(job.run()),
                     false if own == programs => waiting.push_back(job),
                     false => {
                         *other = Some((own, job));
@@ -178,7 +183,7 @@ impl<'y, 'd> Lockstep<'y, 'd> {
 
     /// Begins a run; gives it back if there are no slots for it now.
     fn begin(&mut self, job: Job) -> Option<Job> {
-        match AttendedRun::begin(job, &self.team, &self.flows) {
+        match ProgramRun::begin(job, &self.processes, &self.flows) {
             Begun::Run(mut run) => {
                 if !run.take_slots(&mut self.free) {
                     // With nobody else there, there will never be more.
@@ -194,8 +199,8 @@ impl<'y, 'd> Lockstep<'y, 'd> {
                 self.runs.push(*run);
                 None
             }
-            Begun::Parked(job) => {
-                self.parked.push_back(job);
+            Begun::WaitsForFlow(job) => {
+                self.waiting_for_flow.push_back(job);
                 None
             }
             Begun::Done(done) => {
@@ -206,14 +211,14 @@ impl<'y, 'd> Lockstep<'y, 'd> {
     }
 
     /// Begins the next run that is made again alone; if there are no more, tells what became of them.
-    fn admit_suspect(&mut self) {
-        if let Some(suspect) = self.suspects.front() {
-            let job = suspect.job.clone();
-            if !self.desk.is_wanted(job.place) {
-                self.suspects.pop_front();
+    fn admit_retry(&mut self) {
+        if let Some(retry) = self.retries.front() {
+            let job = retry.job.clone();
+            if !self.jobs.is_wanted(job.place) {
+                self.retries.pop_front();
                 return;
             }
-            (0..self.team.len()).for_each(|index| self.team.renew(index));
+            (0..self.processes.len()).for_each(|index| self.processes.replace(index));
             self.closing.iter_mut().for_each(Vec::clear);
             // Alone, it waits for nobody's free flow.
             self.flows.clear();
@@ -221,14 +226,14 @@ impl<'y, 'd> Lockstep<'y, 'd> {
             debug_assert!(left.is_none(), "alone, a run has all slots");
             return;
         }
-        let cleared = mem::take(&mut self.cleared);
-        let somebody = cleared.iter().any(|(_, done)| done.result.is_err());
-        for (Suspect { job, was_asked, fault }, done) in cleared {
-            let together = !somebody && was_asked;
-            self.desk.done(if together {
+        let retried = mem::take(&mut self.retried);
+        let any_alone = retried.iter().any(|(_, done)| done.result.is_err());
+        for (Retry { job, was_asked, fault }, done) in retried {
+            let together = !any_alone && was_asked;
+            self.jobs.done(if together {
                 let message =
                     format!("with many runs at once it failed ({}), with each alone it did not", fault.kind);
-                AttendedRun::failed_together(
+                ProgramRun::failed_together(
                     job,
                     ProgramFault { kind: FaultKind::OnlyTogether, message, ..fault },
                 )
@@ -240,20 +245,20 @@ impl<'y, 'd> Lockstep<'y, 'd> {
 
     /// Tells what became of a run; of one that is made again alone, once all of them are.
     fn done(&mut self, done: Done) {
-        match self.suspects.pop_front() {
-            Some(suspect) => self.cleared.push((suspect, done)),
-            None => self.desk.done(done),
+        match self.retries.pop_front() {
+            Some(retry) => self.retried.push((retry, done)),
+            None => self.jobs.done(done),
         }
     }
 
     /// Tells programs of runs that are over.
     fn close(&mut self) {
-        for index in 0..self.team.len() {
+        for index in 0..self.processes.len() {
             let closing = mem::take(&mut self.closing[index]);
-            if closing.is_empty() || !self.team.is_there(index) {
+            if closing.is_empty() || !self.processes.is_there(index) {
                 continue;
             }
-            let told = self.team.process(index).and_then(|process| process.close(&closing));
+            let told = self.processes.process(index).and_then(|process| process.close(&closing));
             if let Err(fault) = told {
                 self.fail(index, &[], fault);
             }
@@ -262,7 +267,7 @@ impl<'y, 'd> Lockstep<'y, 'd> {
 
     /// Has programs prepare the runs that are new.
     fn open(&mut self) {
-        for index in 0..self.team.len() {
+        for index in 0..self.processes.len() {
             let new: Vec<usize> = (0..self.runs.len()).filter(|run| self.runs[*run].is_new()).collect();
             let requests: Vec<SlotRequest> =
                 new.iter().flat_map(|run| self.runs[*run].opening(*run, index)).collect();
@@ -271,7 +276,7 @@ impl<'y, 'd> Lockstep<'y, 'd> {
             }
             let opened: Vec<_> =
                 requests.iter().map(|request| self.runs[request.run].opened(request)).collect();
-            let answer = self.team.process(index).and_then(|process| process.open(&opened));
+            let answer = self.processes.process(index).and_then(|process| process.open(&opened));
             match answer {
                 Ok(refused) => {
                     let mut ended = StageEnds::default();
@@ -288,7 +293,7 @@ impl<'y, 'd> Lockstep<'y, 'd> {
                 }
             }
         }
-        self.runs.iter_mut().for_each(AttendedRun::is_open);
+        self.runs.iter_mut().for_each(ProgramRun::is_open);
     }
 
     /// Has every run go on to where programs decide, and asks them.
@@ -300,7 +305,7 @@ impl<'y, 'd> Lockstep<'y, 'd> {
             }
         }
         self.end(ended);
-        for index in 0..self.team.len() {
+        for index in 0..self.processes.len() {
             let runs = self.runs.iter().enumerate().filter(|(_, run)| !run.is_new());
             let requests: Vec<SlotRequest> = runs.flat_map(|(run, one)| one.asking(run, index)).collect();
             if requests.is_empty() {
@@ -308,7 +313,7 @@ impl<'y, 'd> Lockstep<'y, 'd> {
             }
             let asked: Vec<_> =
                 requests.iter().map(|request| self.runs[request.run].asked(request)).collect();
-            let answer = self.team.process(index).and_then(|process| process.decide(&asked));
+            let answer = self.processes.process(index).and_then(|process| process.decide(&asked));
             match answer {
                 Ok((answers, time)) => {
                     let mut ended = StageEnds::default();
@@ -348,7 +353,7 @@ impl<'y, 'd> Lockstep<'y, 'd> {
                     let run = self.runs.swap_remove(index);
                     run.free_slots(&mut self.free);
                     if end.is_finished() {
-                        self.team.finished();
+                        self.processes.finished();
                     }
                     let done = run.done(end);
                     self.done(done);
@@ -360,7 +365,7 @@ impl<'y, 'd> Lockstep<'y, 'd> {
     /// A process is gone: the run that it was asked for alone has that fault, of several each is made again alone.
     fn fail(&mut self, program: usize, asked: &[usize], fault: ProgramFault) {
         self.closing[program].clear();
-        if let ([_], true) = (self.runs.as_slice(), asked.contains(&0) || !self.suspects.is_empty()) {
+        if let ([_], true) = (self.runs.as_slice(), asked.contains(&0) || !self.retries.is_empty()) {
             let mut ended = StageEnds::default();
             ended.add(0, self.runs[0].fault_of(program, fault));
             return self.end(ended);
@@ -370,21 +375,21 @@ impl<'y, 'd> Lockstep<'y, 'd> {
             run.close("abandoned", &mut self.closing);
             run.free_slots(&mut self.free);
             let was_asked = asked.contains(&index);
-            self.suspects.push_back(Suspect { job: run.into_job(), was_asked, fault: fault.clone() });
+            self.retries.push_back(Retry { job: run.into_job(), was_asked, fault: fault.clone() });
         }
         self.closing[program].clear();
         self.flows.clear();
     }
 
     /// Now and then, leaves off what nobody waits for any more.
-    fn look(&mut self) {
-        if self.looked.elapsed() < LOOK {
+    fn check_wanted(&mut self) {
+        if self.checked.elapsed() < CHECK_INTERVAL {
             return;
         }
-        self.looked = Instant::now();
-        let desk = &mut *self.desk;
+        self.checked = Instant::now();
+        let jobs = &mut *self.jobs;
         let unwanted: Vec<usize> =
-            (0..self.runs.len()).filter(|run| !desk.is_wanted(self.runs[*run].place())).collect();
+            (0..self.runs.len()).filter(|run| !jobs.is_wanted(self.runs[*run].place())).collect();
         for index in unwanted.into_iter().rev() {
             let mut run = self.runs.swap_remove(index);
             run.close("abandoned", &mut self.closing);
@@ -392,7 +397,7 @@ impl<'y, 'd> Lockstep<'y, 'd> {
                 self.flows.remove(&flow);
             }
             run.free_slots(&mut self.free);
-            self.suspects.pop_front();
+            self.retries.pop_front();
         }
     }
 }
