@@ -26,6 +26,9 @@ const MOST_LINES_BEFORE_HELLO: usize = 100;
 /// In which a program that is told goodbye ends by itself.
 const TIME_TO_EXIT: Duration = Duration::from_secs(2);
 
+/// In which a program finds under which name it is tested, and so that it is.
+const NAME: &str = "SCENARIO_RUNNER_CONTROLLER";
+
 /// What numeric libraries and interpreters find unless a declaration says otherwise: the same run is the same run, and as
 /// many processes as there are threads do not each want all of them.
 const ENVIRONMENT: [(&str, &str); 7] = [
@@ -74,7 +77,7 @@ impl Process {
             StartError::new(StartProblem::CannotStart, program, message, "try the command by hand")
         };
         let declared = program.environment.iter().map(|(name, value)| (name.as_str(), value.as_str()));
-        let environment = ENVIRONMENT.into_iter().chain(declared);
+        let environment = ENVIRONMENT.into_iter().chain([(NAME, program.name.as_str())]).chain(declared);
         let mut command = match supervisor {
             Some(supervisor) => {
                 let mut command = Command::new(supervisor);

@@ -1,0 +1,189 @@
+"""What a controller is told: the scene of a decision and the run that begins, in SI units."""
+
+from typing import Any, Dict, List, NamedTuple, Optional
+
+NAN = float("nan")
+
+
+class Pedestrian(NamedTuple):
+    """Somebody on foot. x is ahead of the ego's centre, y to the left of the middle of its lane; velocities are over ground."""
+
+    row: int
+    id: int
+    x: float
+    y: float
+    vx: float
+    vy: float
+    ax: float
+    ay: float
+    length: float
+    width: float
+
+
+class Vehicle(NamedTuple):
+    """Another vehicle, in the same frame."""
+
+    row: int
+    id: int
+    x: float
+    y: float
+    vx: float
+    vy: float
+    length: float
+    width: float
+
+
+class Seen(NamedTuple):
+    """The scene of one decision. What is not there is NaN."""
+
+    slot: int
+    time: float
+    """s; negative while the vehicle drives freely before the run begins."""
+    new: bool
+    """Whether this is the run's first decision."""
+    cruise_speed: float
+    distance_to_crossing: float
+    """From the ego's centre to the middle of the crossing, m; negative behind it."""
+    speed: float
+    acceleration: float
+    length: float
+    width: float
+    lane_width: float
+    speed_limit: float
+    crossing_width: float
+    pedestrian_priority: bool
+    signal: Optional[bool]
+    """Whether vehicles have green; None where there is no signal."""
+    right_kerb: float
+    left_kerb: float
+    pedestrians: List[Pedestrian]
+    vehicles: List[Vehicle]
+
+
+class Lane(NamedTuple):
+    """A lane: y of its middle, and 1 if it is driven in the ego's direction, else -1."""
+
+    y: float
+    direction: int
+
+
+class Box(NamedTuple):
+    """Something that hides and blocks, such as a parked car."""
+
+    x: float
+    y: float
+    length: float
+    width: float
+
+
+class Road(NamedTuple):
+    """The street. x is along the ego's lane from the middle of the crossing, y to the left of the lane's middle."""
+
+    lane_width: float
+    speed_limit: float
+    lanes: List[Lane]
+    crossing: str
+    """`zebra`, `unmarked` or `signalised`."""
+    crossing_width: float
+    right_kerb: float
+    left_kerb: float
+    boxes: List[Box]
+
+
+class Run(NamedTuple):
+    """A run that begins."""
+
+    slot: int
+    seed: int
+    """For whoever draws numbers; it tells nothing of which run it is."""
+    step: float
+    """Of the simulation, s."""
+    cruise_speed: float
+    length: float
+    """Of the ego."""
+    width: float
+    road: Road
+    parameters: Dict[str, Any]
+    message: Dict[str, Any]
+    """All that the runner said, as it said it."""
+
+
+def run_of(message):
+    """An opened run, of its JSON."""
+    road, vehicle = message.get("road", {}), message.get("vehicle", {})
+    crossing, kerbs = road.get("crossing", {}), road.get("kerbs", {})
+    number = lambda of, name: of.get(name, NAN)
+    return Run(
+        slot=message["slot"],
+        seed=message.get("seed", 0),
+        step=number(message, "step"),
+        cruise_speed=number(message, "cruise_speed"),
+        length=number(vehicle, "length"),
+        width=number(vehicle, "width"),
+        road=Road(
+            lane_width=number(road, "lane_width"),
+            speed_limit=number(road, "speed_limit"),
+            lanes=[Lane(lane["y"], lane["direction"]) for lane in road.get("lanes", [])],
+            crossing=crossing.get("kind", ""),
+            crossing_width=number(crossing, "width"),
+            right_kerb=number(kerbs, "right"),
+            left_kerb=number(kerbs, "left"),
+            boxes=[Box(*(box[name] for name in Box._fields)) for box in road.get("boxes", [])],
+        ),
+        parameters=message.get("parameters", {}),
+        message=message,
+    )
+
+
+RUN_COLUMNS = Seen._fields[:-2]
+PEDESTRIAN_COLUMNS = Pedestrian._fields
+VEHICLE_COLUMNS = Vehicle._fields
+
+_EGO = ("distance_to_crossing", "speed", "acceleration", "length", "width")
+_VALUE = {True: 1.0, False: 0.0, None: NAN}
+
+
+def rows_of(scenes):
+    """Rows of runs, pedestrians and vehicles of a request in JSON, as they would come in frames."""
+    runs, pedestrians, vehicles = [], [], []
+    for row, scene in enumerate(scenes):
+        ego, road = scene.get("ego", {}), scene.get("road", {})
+        values = []
+        for name in RUN_COLUMNS:
+            of = ego if name in _EGO else scene if name in ("slot", "time", "new", "cruise_speed") else road
+            value = of.get(name)
+            values.append(_VALUE[value] if value is None or isinstance(value, bool) else value)
+        runs.append(values)
+        for one in scene.get("pedestrians", ()):
+            pedestrians.append([row] + [one.get(name, NAN) for name in PEDESTRIAN_COLUMNS[1:]])
+        for one in scene.get("vehicles", ()):
+            vehicles.append([row] + [one.get(name, NAN) for name in VEHICLE_COLUMNS[1:]])
+    return runs, pedestrians, vehicles
+
+
+def scenes_of(runs, pedestrians, vehicles):
+    """The scene of each run, of rows of numbers."""
+    people = [[] for _ in runs]
+    for values in pedestrians:
+        row = int(values[0])
+        people[row].append(Pedestrian(row, int(values[1]), *values[2:]))
+    cars = [[] for _ in runs]
+    for values in vehicles:
+        row = int(values[0])
+        cars[row].append(Vehicle(row, int(values[1]), *values[2:]))
+    return [_scene(values, people[row], cars[row]) for row, values in enumerate(runs)]
+
+
+def _scene(values, pedestrians, vehicles):
+    signal = values[13]
+    return Seen(
+        int(values[0]),
+        values[1],
+        values[2] == 1.0,
+        *values[3:12],
+        values[12] == 1.0,
+        None if signal != signal else signal == 1.0,
+        *values[14:16],
+        pedestrians,
+        vehicles,
+    )

@@ -1,0 +1,230 @@
+"""Controllers of one run and of many, in both encodings."""
+
+import contextlib
+import io
+import math
+import unittest
+
+from conversation import COLUMNS, run, scene, talk
+from scenario_runner_av import Controller, VectorController, parameter
+
+
+class Brake(Controller):
+    """Brakes for whoever is near."""
+
+    modes = ("cruise", "brake")
+    gap = parameter(20.0, "m", low=1, high=30)
+
+    def step(self, seen):
+        near = any(0 < one.x < self.gap for one in seen.pedestrians)
+        self.mode = "brake" if near else "cruise"
+        return -3.0 if near else seen.cruise_speed - seen.speed
+
+
+def opened(*slots, **parameters):
+    return {"open": [run(slot, **parameters) for slot in slots]}
+
+
+SCENES = {"step": [scene(3, people=[(50.0, 0.0), (10.0, 1.0)]), scene(1), scene(0, 7.5, [(-4.0, 0.0)])]}
+
+
+class Conversation(unittest.TestCase):
+    def test_both_encodings_say_the_same(self):
+        hello, answers = talk(Brake, [opened(0, 1, 3, gap=20.0), SCENES])
+        self.assertEqual((hello["protocol"], hello["name"], hello["encoding"], hello["gives"]), (1, "brake", "json", ["acceleration"]))
+        self.assertEqual(hello["parameters"], [{"name": "gap", "default": 20.0, "unit": "m", "low": 1, "high": 30}])
+        said = [{"acceleration": -3.0, "mode": "brake"}, {"acceleration": 3.0, "mode": "cruise"}, {"acceleration": 0.5, "mode": "cruise"}]
+        self.assertEqual(answers, [{"ready": [0, 1, 3]}, {"answer": said}])
+        hello, answers = talk(Brake, [opened(0, 1, 3, gap=20.0), SCENES], "f64")
+        self.assertEqual(hello["encoding"], "f64")
+        self.assertEqual(answers, [{"ready": [0, 1, 3]}, [[-3.0, 1.0], [3.0, 0.0], [0.5, 0.0]]])
+
+    def test_parameters_are_those_of_the_run(self):
+        _, answers = talk(Brake, [{"open": [run(0, gap=5.0), run(1, gap=20.0)]}, {"step": [scene(slot, people=[(10.0, 0.0)]) for slot in (0, 1)]}])
+        self.assertEqual([one["acceleration"] for one in answers[1]["answer"]], [3.0, -3.0])
+        self.assertEqual(Brake().gap, 20.0)
+
+    def test_columns_that_are_not_known_are_left_out(self):
+        more = {name: ["later", *reversed(known), "still_later"] for name, known in COLUMNS.items()}
+        for encoding in ("f64", "json"):
+            known, other = (talk(Brake, [opened(0, 1, 3, gap=20.0), SCENES], encoding, columns=columns)[1] for columns in (COLUMNS, more))
+            self.assertEqual(known, other)
+
+    def test_what_is_seen(self):
+        seen = []
+
+        class Looks(Controller):
+            def start(self, run):
+                seen.append(run)
+
+            def step(self, scene):
+                seen.append(scene)
+                return 0
+
+        for encoding in ("f64", "json"):
+            seen.clear()
+            talk(Looks, [opened(2), {"step": [scene(2, 5.5, [(1.0, 2.0)], signal=False), scene(2)]}], encoding)
+            run_, first, second = seen
+            self.assertEqual((run_.slot, run_.road.crossing, run_.road.boxes[0].length), (2, "zebra", 3.0))
+            self.assertEqual((first.slot, first.speed, first.new, first.pedestrian_priority), (2, 5.5, False, True))
+            self.assertIs(first.signal, False)
+            self.assertIsNone(second.signal)
+            self.assertEqual((first.pedestrians[0].y, first.vehicles[0].vx, first.left_kerb), (2.0, -8.0, 2.0))
+            self.assertEqual(second.pedestrians, [])
+
+    def test_a_slot_is_used_again_by_another_instance(self):
+        class Counts(Controller):
+            steps = 0
+
+            def step(self, seen):
+                self.steps += 1
+                return self.steps
+
+        step = {"step": [scene(0)]}
+        close = {"close": [{"slot": 0, "reason": "completed"}]}
+        _, answers = talk(Counts, [opened(0), step, step, close, opened(0), step])
+        self.assertEqual([one["answer"][0]["acceleration"] for one in answers if "answer" in one], [1.0, 2.0, 1.0])
+
+    def test_an_exception_is_an_error_of_its_run_and_nobody_decides_twice(self):
+        class Fails(Controller):
+            steps = 0
+
+            def step(self, seen):
+                if seen.slot == 1:
+                    raise ValueError('lane is "None"')
+                self.steps += 1
+                return self.steps
+
+        asked = [scene(0), scene(1), scene(2)]
+        again = [scene(0), scene(2)]
+        later = [scene(0, time=1.1), scene(2, time=1.1)]
+        for encoding in ("json", "f64"):
+            with contextlib.redirect_stderr(io.StringIO()) as log:
+                _, answers = talk(Fails, [opened(0, 1, 2), {"step": asked}, {"step": again}, {"step": later}], encoding)
+            self.assertIn("Traceback", log.getvalue())
+            self.assertIn("raise ValueError", log.getvalue())
+            self.assertEqual(answers[1], {"error": [{"slot": 1, "message": 'ValueError: lane is "None"'}]})
+            values = [row[0] for row in answers[2] + answers[3]] if encoding == "f64" else [
+                one["acceleration"] for answer in answers[2:] for one in answer["answer"]
+            ]
+            self.assertEqual(values, [1.0, 1.0, 2.0, 2.0])
+
+    def test_what_cannot_begin_is_refused(self):
+        class Fails(Controller):
+            def start(self, run):
+                if run.slot == 1:
+                    raise OSError("no such weights")
+
+        with contextlib.redirect_stderr(io.StringIO()):
+            _, answers = talk(Fails, [opened(0, 1)])
+        self.assertEqual(answers, [{"ready": [0], "failed": [{"slot": 1, "message": "OSError: no such weights"}]}])
+
+    def test_what_is_no_number_is_an_error_and_what_is_not_finite_the_runners_to_refuse(self):
+        for value, kind in ((None, "TypeError"), ((1, 2), "TypeError"), ("fast", "ValueError")):
+            class Gives(Controller):
+                def step(self, seen):
+                    return value
+
+            with contextlib.redirect_stderr(io.StringIO()):
+                _, answers = talk(Gives, [opened(0), {"step": [scene(0)]}], "f64")
+            self.assertIn(kind, answers[1]["error"][0]["message"])
+
+        class NotFinite(Controller):
+            def step(self, seen):
+                return math.nan
+
+        self.assertEqual(talk(NotFinite, [opened(0), {"step": [scene(0)]}])[1][1], {"answer": [{"acceleration": None}]})
+        self.assertTrue(math.isnan(talk(NotFinite, [opened(0), {"step": [scene(0)]}], "f64")[1][1][0][0]))
+
+    def test_a_mode_that_was_not_announced_is_an_error(self):
+        class Sleeps(Controller):
+            modes = ("cruise",)
+
+            def step(self, seen):
+                self.mode = "sleep"
+                return 0
+
+        with contextlib.redirect_stderr(io.StringIO()):
+            _, answers = talk(Sleeps, [opened(0), {"step": [scene(0)]}])
+        self.assertIn("'sleep' is none of `modes`", answers[1]["error"][0]["message"])
+
+    def test_everything_that_may_be_given(self):
+        for gives, value, text, row in (
+            ("pedals", (0.25, 0), {"throttle": 0.25, "brake": 0.0}, [0.25, 0.0]),
+            ("speed", 4, {"speed": 4.0}, [4.0]),
+            ("speed_plan", [(1, 5), (2, 6)], {"speed_plan": [[1.0, 5.0], [2.0, 6.0]]}, [1.0, 5.0, 2.0, 6.0]),
+        ):
+            class Drives(Controller):
+                def step(self, seen):
+                    return value
+
+            Drives.gives = gives
+            self.assertEqual(talk(Drives, [opened(0), {"step": [scene(0)]}])[1][1], {"answer": [text]})
+            given = talk(Drives, [opened(0), {"step": [scene(0)]}], "f64")[1][1][0]
+            self.assertEqual(len(given), 33 if gives == "speed_plan" else len(row) + 1)
+            self.assertEqual((given[: len(row)], given[-1]), (row, -1.0))
+            self.assertTrue(all(map(math.isnan, given[len(row) : -1])))
+
+    def test_another_protocol_is_not_spoken(self):
+        self.assertEqual(talk(Brake, [{"bye": {}}, opened(0)])[1], [])
+
+
+class VectorBrake(VectorController):
+    modes = ("cruise", "brake")
+    gap = parameter(20.0, "m", low=1, high=30)
+
+    def step(self, batch):
+        people = batch.pedestrians
+        near = people.any((0 < people.x) & (people.x < self.gap[batch.slot][people.row]))
+        batch.mode = near * 1
+        return [-3.0 if one else wanted - speed for one, wanted, speed in zip(near, batch.cruise_speed, batch.speed)]
+
+
+class Vectors(unittest.TestCase):
+    def test_arrays_decide_as_objects_do(self):
+        requests = [{"open": [run(0, gap=20.0), run(1, gap=5.0), run(3, gap=20.0)]}, SCENES, {"step": [scene(1, people=[(10.0, 0.0)])]}]
+        for encoding in ("json", "f64"):
+            self.assertEqual(talk(VectorBrake, requests, encoding)[1], talk(Brake, requests, encoding)[1])
+
+    def test_reductions_are_of_ones_own_people(self):
+        found = []
+
+        class Looks(VectorController):
+            def step(self, batch):
+                found.append((list(batch.pedestrians.least(batch.pedestrians.x)), list(batch.pedestrians.any(batch.pedestrians.y > 0.5))))
+                return batch.speed
+
+        talk(Looks, [opened(0, 1, 3), SCENES])
+        self.assertEqual(found, [([10.0, math.inf, -4.0], [True, False, False])])
+
+    def test_an_exception_with_many_runs_ends_the_process_and_with_one_is_its_error(self):
+        class Fails(VectorController):
+            def step(self, batch):
+                raise ValueError("no lane")
+
+        with self.assertRaises(ValueError):
+            talk(Fails, [opened(0, 1), {"step": [scene(0), scene(1)]}])
+        with contextlib.redirect_stderr(io.StringIO()):
+            _, answers = talk(Fails, [opened(0), {"step": [scene(0)]}])
+        self.assertEqual(answers[1], {"error": [{"slot": 0, "message": "ValueError: no lane"}]})
+
+    def test_a_wrong_shape_is_an_error(self):
+        class Short(VectorController):
+            def step(self, batch):
+                return 1.0
+
+        with self.assertRaisesRegex(ValueError, "shape"):
+            talk(Short, [opened(0, 1), {"step": [scene(0), scene(1)]}], "f64")
+
+    def test_plans_may_be_shorter(self):
+        class Plans(VectorController):
+            gives = "speed_plan"
+
+            def step(self, batch):
+                return [[1.0, 5.0, 2.0, 6.0]]
+
+        self.assertEqual(talk(Plans, [opened(0), {"step": [scene(0)]}])[1][1], {"answer": [{"speed_plan": [[1.0, 5.0], [2.0, 6.0]]}]})
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,194 @@
+//! Frames of doubles.
+
+use std::io::{self, ErrorKind, Read};
+
+use serde_json::Value;
+
+use crate::{About, Answer, Command, Gives, Other, Seen, PLAN_POINTS};
+
+const RUNS: [&str; 16] = [
+    "slot",
+    "time",
+    "new",
+    "cruise_speed",
+    "distance_to_crossing",
+    "speed",
+    "acceleration",
+    "length",
+    "width",
+    "lane_width",
+    "speed_limit",
+    "crossing_width",
+    "pedestrian_priority",
+    "signal",
+    "right_kerb",
+    "left_kerb",
+];
+const OTHERS: [&str; 10] = ["row", "id", "x", "y", "vx", "vy", "ax", "ay", "length", "width"];
+
+/// The next frame without its length; whether there is one.
+pub fn read(from: &mut impl Read, frame: &mut Vec<u8>) -> io::Result<bool> {
+    let mut length = [0; 4];
+    match from.read_exact(&mut length) {
+        Err(error) if error.kind() == ErrorKind::UnexpectedEof => return Ok(false),
+        other => other?,
+    }
+    frame.resize(u32::from_le_bytes(length) as usize, 0);
+    from.read_exact(frame)?;
+    Ok(true)
+}
+
+/// A word of a frame.
+pub fn word(frame: &[u8], index: usize) -> u32 {
+    let bytes = frame.get(4 * index..4 * index + 4).unwrap_or(&[0; 4]);
+    u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]])
+}
+
+/// Makes a frame of a text.
+pub fn text(value: &Value, into: &mut Vec<u8>) {
+    let text = value.to_string();
+    into.clear();
+    into.extend((text.len() as u32 + 4).to_le_bytes());
+    into.extend([0; 4]);
+    into.extend(text.bytes());
+}
+
+/// Makes a frame of answers.
+pub fn rows<'a>(rows: impl Iterator<Item = &'a Vec<f64>>, into: &mut Vec<u8>) {
+    into.clear();
+    into.extend([0; 16]);
+    let (mut count, mut columns) = (0_u32, 0_u32);
+    for row in rows {
+        (count, columns) = (count + 1, row.len() as u32);
+        row.iter().for_each(|value| into.extend(value.to_le_bytes()));
+    }
+    for (index, value) in [into.len() as u32 - 4, 2, count, columns].into_iter().enumerate() {
+        into[4 * index..4 * index + 4].copy_from_slice(&value.to_le_bytes());
+    }
+}
+
+/// The row of an answer: its values, then the index of its mode.
+pub fn row(about: &About, answer: &Answer) -> Result<Vec<f64>, String> {
+    let mut row = match (&answer.command, about.gives) {
+        (Command::Acceleration(value), Gives::Acceleration) | (Command::Speed(value), Gives::Speed) => {
+            vec![*value]
+        }
+        (Command::Pedals { throttle, brake }, Gives::Pedals) => vec![*throttle, *brake],
+        (Command::SpeedPlan(points), Gives::SpeedPlan) if points.len() <= PLAN_POINTS => {
+            let mut row: Vec<f64> = points.iter().flat_map(|(time, speed)| [*time, *speed]).collect();
+            row.resize(2 * PLAN_POINTS, f64::NAN);
+            row
+        }
+        (Command::SpeedPlan(points), Gives::SpeedPlan) => {
+            return Err(format!("a plan of {} points; there may be {PLAN_POINTS}", points.len()))
+        }
+        (command, gives) => return Err(format!("it answered {command:?}, but says that it gives {gives:?}")),
+    };
+    if answer.mode.is_some_and(|mode| mode >= about.modes.len()) {
+        return Err(format!("mode {:?} of {}", answer.mode, about.modes.len()));
+    }
+    row.push(answer.mode.map_or(-1.0, |mode| mode as f64));
+    Ok(row)
+}
+
+/// Where the columns that are known here stand in the runner's rows, whatever else it has.
+pub struct Tables {
+    runs: Table,
+    pedestrians: Table,
+    vehicles: Table,
+}
+
+struct Table {
+    width: usize,
+    places: Vec<Option<usize>>,
+}
+
+impl Table {
+    fn of(columns: &Value, known: &[&str]) -> Self {
+        let said: Vec<&str> = columns.as_array().into_iter().flatten().filter_map(Value::as_str).collect();
+        let places = known.iter().map(|name| said.iter().position(|one| one == name)).collect();
+        Self { width: said.len(), places }
+    }
+
+    fn row<'f>(&'f self, rows: &'f [u8], index: usize) -> impl Fn(usize) -> f64 + 'f {
+        move |column| {
+            let Some(place) = self.places[column] else { return f64::NAN };
+            let at = 8 * (index * self.width + place);
+            let mut bytes = [0; 8];
+            bytes.copy_from_slice(&rows[at..at + 8]);
+            f64::from_le_bytes(bytes)
+        }
+    }
+}
+
+impl Tables {
+    pub fn of(columns: &Value) -> Self {
+        Self {
+            runs: Table::of(&columns["runs"], &RUNS),
+            pedestrians: Table::of(&columns["pedestrians"], &OTHERS),
+            vehicles: Table::of(&columns["vehicles"], &OTHERS),
+        }
+    }
+
+    /// The scenes of a frame of runs.
+    pub fn scenes(&self, frame: &[u8]) -> io::Result<Vec<Seen>> {
+        let counts = [1, 2, 3].map(|index| word(frame, index) as usize);
+        let sizes = [&self.runs, &self.pedestrians, &self.vehicles];
+        let sizes: Vec<usize> =
+            sizes.iter().zip(counts).map(|(table, count)| 8 * table.width * count).collect();
+        if frame.len() != 28 + sizes.iter().sum::<usize>() {
+            return Err(io::Error::new(ErrorKind::InvalidData, "a frame is not as long as it says"));
+        }
+        let (runs, others) = frame[28..].split_at(sizes[0]);
+        let (pedestrians, vehicles) = others.split_at(sizes[1]);
+        let mut scenes: Vec<Seen> = (0..counts[0]).map(|index| scene(self.runs.row(runs, index))).collect();
+        for index in 0..counts[1] {
+            let (row, one) = other(self.pedestrians.row(pedestrians, index));
+            scenes[row].pedestrians.push(one);
+        }
+        for index in 0..counts[2] {
+            let (row, one) = other(self.vehicles.row(vehicles, index));
+            scenes[row].vehicles.push(one);
+        }
+        Ok(scenes)
+    }
+}
+
+fn scene(value: impl Fn(usize) -> f64) -> Seen {
+    Seen {
+        slot: value(0) as usize,
+        time: value(1),
+        is_new: value(2) == 1.0,
+        cruise_speed: value(3),
+        distance_to_crossing: value(4),
+        speed: value(5),
+        acceleration: value(6),
+        length: value(7),
+        width: value(8),
+        lane_width: value(9),
+        speed_limit: value(10),
+        crossing_width: value(11),
+        pedestrian_priority: value(12) == 1.0,
+        signal: (!value(13).is_nan()).then(|| value(13) == 1.0),
+        right_kerb: value(14),
+        left_kerb: value(15),
+        pedestrians: Vec::new(),
+        vehicles: Vec::new(),
+    }
+}
+
+/// Its run's place in the frame, and what it is.
+fn other(value: impl Fn(usize) -> f64) -> (usize, Other) {
+    let one = Other {
+        id: value(1) as u64,
+        x: value(2),
+        y: value(3),
+        vx: value(4),
+        vy: value(5),
+        ax: value(6),
+        ay: value(7),
+        length: value(8),
+        width: value(9),
+    };
+    (value(0) as usize, one)
+}
