@@ -10,7 +10,7 @@ use files::Disk;
 use lang::{self, Style};
 use report::console::{stderr, stdout};
 use scenario::registry::Registry;
-use scenario::{DeclaredProgram, Reference};
+use scenario::{DeclaredProgram, ProgramKind, Reference};
 use under_test::{Allowed, AllowedError};
 
 #[derive(Debug, Args)]
@@ -82,7 +82,9 @@ fn allow_file(file: &str, revoke: bool, allowed: &mut Allowed, registry: &Regist
             return Err(Exit::Usage);
         }
         show(&program);
-        allowed.add(&program);
+        if program.is_process() {
+            allowed.add(&program);
+        }
     }
     Ok(())
 }
@@ -102,8 +104,18 @@ fn declared(file: &str, registry: &Registry) -> Result<Vec<DeclaredProgram>, Exi
 
 /// What would run, word by word.
 fn show(program: &DeclaredProgram) {
+    let ProgramKind::Command(words) = &program.kind else {
+        writeln!(
+            stdout(),
+            "{} ({}:{}) is a module and needs no permission",
+            program.name,
+            program.file,
+            program.origin.line
+        );
+        return;
+    };
     writeln!(stdout(), "{} ({}:{}) may run", program.name, program.file, program.origin.line);
-    program.command.iter().for_each(|word| writeln!(stdout(), "  {word:?}"));
+    words.iter().for_each(|word| writeln!(stdout(), "  {word:?}"));
     let folder = if program.folder.is_empty() { "the folder of that file" } else { &program.folder };
     writeln!(stdout(), "  in {folder}");
     program.environment.iter().for_each(|(name, value)| writeln!(stdout(), "  with {name}={value:?}"));

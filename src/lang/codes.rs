@@ -354,7 +354,10 @@ codes! {
     // Controllers of one's own
     NoProgram = "E1101", "a controller has no program that could be started",
         "`controller NAME { … }` of a file declares a program that decides: `command \"python3\", \"my_av.py\"` says which, each \
-         word in quotes of its own and read by no shell, and `environment \"NAME=VALUE\"` what it finds there.";
+         word in quotes of its own and read by no shell, or `wasm \"brakes.wasm\"` a WebAssembly module, and `environment \"NAME=VALUE\"` what it finds there.";
+    TwoPrograms = "E1102", "a controller has two programs",
+        "A controller is decided for by one program: a `command`, which is a process, or `wasm`, a module. Declare two controllers \
+         to compare two programs.";
     BuiltInName = "E1103", "a controller is called like one that ships",
         "The name of a controller is how scenarios, reports and baselines tell it. `scenario-runner models` lists those that \
          ship; a declared one needs another name.";

@@ -76,7 +76,7 @@ pub use optimisation::{
     SearchRange, ShownIn, Target, Tune,
 };
 pub use path::Path;
-pub use program::{Answer, DeclaredProgram, Delay};
+pub use program::{Answer, DeclaredProgram, Delay, ProgramKind};
 pub use reference::{Reference, Registered};
 pub use road::{Body, Crossing, CrossingKind, Direction, Lane, Road, Side};
 pub use statement::{

@@ -11,8 +11,8 @@ use super::{CommandKind, Origin};
 pub struct DeclaredProgram {
     /// By which scenarios name it.
     pub name: String,
-    /// The words of its command: the first is looked up, no shell reads any.
-    pub command: Vec<String>,
+    /// What decides.
+    pub kind: ProgramKind,
     /// Where it is started, as it is said, relative to the folder of [`Self::file`].
     pub folder: String,
     /// Names and values, in the order of the names.
@@ -39,6 +39,15 @@ pub struct DeclaredProgram {
     pub origin: Origin,
     /// Of its parameters, by name: what to point at where file and program disagree.
     pub parameters: Vec<(String, Origin)>,
+}
+
+/// What decides, and how it is reached.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum ProgramKind {
+    /// A process of its own. The words of its command: the first is looked up, no shell reads any.
+    Command(Vec<String>),
+    /// A WebAssembly module, in a file relative to the folder of [`DeclaredProgram::file`]. It can do nothing but decide.
+    Wasm(String),
 }
 
 /// What a program answers.
@@ -92,9 +101,17 @@ impl DeclaredProgram {
         self.is_nondeterministic || self.delay == Delay::Measured
     }
 
-    /// The words of its command as somebody would type them.
+    /// The words of its command, or what else decides, as somebody would type them.
     pub fn typed(&self) -> String {
-        self.command.iter().map(|word| shown(word)).collect::<Vec<_>>().join(" ")
+        match &self.kind {
+            ProgramKind::Command(words) => words.iter().map(|word| shown(word)).collect::<Vec<_>>().join(" "),
+            ProgramKind::Wasm(file) => format!("wasm {}", shown(file)),
+        }
+    }
+
+    /// Whether it is a process, which may do anything that its user may.
+    pub fn is_process(&self) -> bool {
+        matches!(self.kind, ProgramKind::Command(_))
     }
 
     /// What runs and how its decisions are taken: two declarations that say the same here drive alike.
@@ -102,7 +119,9 @@ impl DeclaredProgram {
         let mut text = self.typed();
         let mut say =
             |part: std::fmt::Arguments| text.write_fmt(part).expect("writing to a string cannot fail");
-        say(format_args!(" in {}", shown(&self.folder)));
+        if self.is_process() {
+            say(format_args!(" in {}", shown(&self.folder)));
+        }
         for (name, value) in &self.environment {
             say(format_args!(", {}", shown(&format!("{name}={value}"))));
         }
@@ -136,7 +155,7 @@ mod tests {
     fn what_runs_and_how_is_its_identity() {
         let program = DeclaredProgram {
             name: "my_av".into(),
-            command: vec!["python3".into(), "my av.py".into()],
+            kind: ProgramKind::Command(vec!["python3".into(), "my av.py".into()]),
             folder: "..".into(),
             environment: vec![("A".into(), "b".into())],
             gives: Answer::Acceleration,
@@ -157,5 +176,7 @@ mod tests {
         );
         let limits = DeclaredProgram { answers_within: 1.0, file: "b.scn".into(), ..program.clone() };
         assert_eq!(limits.identity(), program.identity());
+        let module = DeclaredProgram { kind: ProgramKind::Wasm("brakes.wasm".into()), ..program };
+        assert!(module.identity().starts_with("wasm brakes.wasm, A=b, gives"), "{}", module.identity());
     }
 }

@@ -4,12 +4,16 @@ use std::env;
 use std::path::{Path, PathBuf};
 
 use super::start::{StartError, StartProblem};
-use scenario::DeclaredProgram;
+use scenario::{DeclaredProgram, ProgramKind};
+
+/// Where the file is that declares a program.
+pub fn beside(program: &DeclaredProgram) -> &Path {
+    Path::new(&program.file).parent().unwrap_or(Path::new(""))
+}
 
 /// Where a program is started.
 pub fn folder(program: &DeclaredProgram) -> PathBuf {
-    let beside = Path::new(&program.file).parent().unwrap_or(Path::new(""));
-    let folder = beside.join(&program.folder);
+    let folder = beside(program).join(&program.folder);
     if folder.as_os_str().is_empty() { PathBuf::from(".") } else { folder }
 }
 
@@ -18,7 +22,8 @@ pub fn folder(program: &DeclaredProgram) -> PathBuf {
 /// # Errors
 /// If it is not there, or nothing that could be started.
 pub fn executable(program: &DeclaredProgram) -> Result<PathBuf, StartError> {
-    let word = program.command.first().map_or("", String::as_str);
+    let ProgramKind::Command(words) = &program.kind else { unreachable!("only commands are looked up") };
+    let word = words.first().map_or("", String::as_str);
     let folder = folder(program);
     let cannot =
         |message: String, hint: &str| StartError::new(StartProblem::CannotStart, program, message, hint);

@@ -9,7 +9,7 @@ use sha2::{Digest, Sha256};
 use thiserror::Error;
 
 use super::start::{StartError, StartProblem};
-use scenario::DeclaredProgram;
+use scenario::{DeclaredProgram, ProgramKind};
 
 /// Names programs that may be started, with commas between them, where nobody is asked.
 pub const ALLOW_RUN: &str = "SCENARIO_RUNNER_ALLOW_RUN";
@@ -48,7 +48,11 @@ impl Permission {
 
     /// Whether a program may be started.
     pub fn allows(&self, program: &DeclaredProgram) -> bool {
-        self.all || self.names.contains(&program.name) || self.hashes.contains(&hash(program))
+        // A module can do nothing but decide.
+        !program.is_process()
+            || self.all
+            || self.names.contains(&program.name)
+            || self.hashes.contains(&hash(program))
     }
 
     /// Whether a program may be started.
@@ -79,10 +83,14 @@ pub fn hash(program: &DeclaredProgram) -> String {
     let file =
         path.canonicalize().or_else(|_| std::path::absolute(path)).unwrap_or_else(|_| path.to_path_buf());
     let environment: BTreeMap<_, _> = program.environment.iter().cloned().collect();
+    let words = match &program.kind {
+        ProgramKind::Command(words) => words.clone(),
+        ProgramKind::Wasm(file) => vec!["wasm".into(), file.clone()],
+    };
     let what = json!({
         "file": file.to_string_lossy(),
         "name": program.name,
-        "command": program.command,
+        "command": words,
         "folder": program.folder,
         "environment": environment,
     });

@@ -12,7 +12,7 @@ use crate::value::{self, NameScope, Typed, ValueKind};
 use scenario::registry::{RESERVED, Registry};
 use scenario::{
     Answer, ChoiceOption, ControllerModel, Declaration, DeclaredProgram, Delay, Dimension, Expression,
-    Parameter, TextError, Value, limits,
+    Parameter, ProgramKind, TextError, Value, limits,
 };
 
 /// Where parameters of declared controllers come from.
@@ -53,7 +53,7 @@ pub fn controller(
                 .hint("choose another name: reports and baselines tell controllers by it"),
         );
     }
-    let command = command(name, block, report);
+    let kind = kind(name, block, report);
     let environment = environment(block, report);
     let folder = block.folder().map(|said| said.path().value());
     let gives = match block.gives() {
@@ -91,7 +91,7 @@ pub fn controller(
     let is_measured = block.delay().is_some_and(ast::Delay::is_measured);
     let program = DeclaredProgram {
         name: name.text().to_string(),
-        command: command?,
+        kind: kind?,
         folder: folder.unwrap_or_default(),
         environment: environment?,
         gives,
@@ -132,21 +132,62 @@ fn unstartable(span: Span, message: impl Into<String>, hint: &str) -> Diagnostic
     Diagnostic::new(Code::NoProgram, span, message).label("cannot be started like this").hint(hint)
 }
 
-fn command(
-    name: ast::Name,
-    block: ast::ControllerBlock,
-    report: &mut Vec<Diagnostic>,
-) -> Option<Vec<String>> {
-    let Some(said) = block.command() else {
-        if !block.has_bad() {
+/// What decides: one of the statements that say it.
+fn kind(name: ast::Name, block: ast::ControllerBlock, report: &mut Vec<Diagnostic>) -> Option<ProgramKind> {
+    match (block.command(), block.wasm()) {
+        (Some(said), None) => command(said, report).map(ProgramKind::Command),
+        (None, Some(said)) => module(said, block, report).map(ProgramKind::Wasm),
+        (Some(_), Some(second)) => {
+            let message = format!("`{}` says `command` and `wasm`", name.text());
             report.push(
-                Diagnostic::new(Code::NoProgram, name.span(), format!("`{}` says no `command`", name.text()))
-                    .label("has no program")
-                    .hint("say what decides, word by word: `command \"python3\", \"my_av.py\"`"),
+                Diagnostic::new(Code::TwoPrograms, second.span(), message)
+                    .label("a second program")
+                    .hint("keep the one that decides"),
             );
+            None
         }
-        return None;
-    };
+        (None, None) => {
+            if !block.has_bad() {
+                let message = format!("`{}` says no `command` and no `wasm`", name.text());
+                report.push(
+                    Diagnostic::new(Code::NoProgram, name.span(), message)
+                        .label("has no program")
+                        .hint("say what decides, word by word: `command \"python3\", \"my_av.py\"`"),
+                );
+            }
+            None
+        }
+    }
+}
+
+/// The file of a module, to which nothing may be said that is about processes.
+fn module(said: ast::Wasm, block: ast::ControllerBlock, report: &mut Vec<Diagnostic>) -> Option<String> {
+    let before = report.len();
+    let of_processes = [
+        ("folder", block.folder().map(|said| said.span())),
+        ("environment", block.environment().map(|said| said.span())),
+        ("starts within", block.starts_within().map(|said| said.span())),
+        ("answers within", block.answers_within().map(|said| said.span())),
+        ("delay measured", block.delay().filter(|said| said.is_measured()).map(|said| said.span())),
+    ];
+    for (words, span) in of_processes {
+        if let Some(span) = span {
+            let hint = "a module has no clock, no files and no environment: what it may do is counted in instructions";
+            report.push(unstartable(
+                span,
+                format!("`{words}` is about processes, and a module is none"),
+                hint,
+            ));
+        }
+    }
+    let file = said.path().value();
+    if file.trim().is_empty() || file.contains('\0') {
+        report.push(unstartable(said.path().span(), "no file is named", "write `wasm \"brakes.wasm\"`"));
+    }
+    (report.len() == before).then_some(file)
+}
+
+fn command(said: ast::Command, report: &mut Vec<Diagnostic>) -> Option<Vec<String>> {
     let words: Vec<String> = said.words().map(ast::Text::value).collect();
     let hint = "write each word of the command in quotes of its own: `command \"python3\", \"my_av.py\"`";
     if words.first().is_none_or(|first| first.trim().is_empty()) {

@@ -11,6 +11,7 @@ views! {
     ControllerBlock = controller_block {
         doc: (Doc),
         command: (Command),
+        wasm: (Wasm),
         folder: (Folder),
         environment: (Environment),
         gives: (Gives),
@@ -26,6 +27,8 @@ views! {
     }
     /// `command "python3", "-m", "my_av"`
     Command = command { words: [Text] }
+    /// `wasm "FILE"`
+    Wasm = wasm { path: Text }
     Folder = folder { path: Text }
     /// `environment "NAME=VALUE", …`
     Environment = environment { pairs: [Text] }

@@ -18,6 +18,13 @@ pub static CONTROLLER: BlockEntry = BlockEntry {
         )
         .key("command", YamlShape::Texts),
         statement(
+            "wasm",
+            Rule::wasm,
+            "wasm \"brakes.wasm\"",
+            "The WebAssembly module that decides, in place of a `command`: it is given nothing but what its vehicle sees, and needs no permission.",
+        )
+        .key("wasm", YamlShape::Text),
+        statement(
             "folder",
             Rule::folder,
             "folder \"..\"",
