@@ -4,6 +4,9 @@
 
 #[path = "under_test/child.rs"]
 mod child;
+#[cfg(feature = "wasm")]
+#[path = "under_test/modules.rs"]
+mod modules;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -427,6 +430,15 @@ fn main() -> ExitCode {
         tune_finds_the_best_of_a_program,
     ];
     trials.extend(misbehaviours);
+    #[cfg(feature = "wasm")]
+    {
+        use modules::*;
+        trials.extend(tests![
+            a_module_decides_as_its_native_twin,
+            what_a_module_must_not_is_an_error_of_the_run,
+            what_is_no_module_is_said_before_anything_runs,
+        ]);
+    }
     #[cfg(target_os = "linux")]
     trials.extend(tests![nothing_is_left_of_a_program_when_the_runner_is_killed]);
     libtest_mimic::run(&Arguments::from_args(), trials).exit_code()

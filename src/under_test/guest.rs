@@ -3,10 +3,9 @@
 //! It is given no imports: no clock, no files, no random numbers. What it may take is counted in instructions and memory, so that the
 //! same frames have the same answers everywhere, and in how many instances it runs changes nothing.
 
-use std::path::PathBuf;
-
 use wasmi::{
-    Config, Engine, Error, Instance, Memory, Module, Store, StoreLimits, StoreLimitsBuilder, TrapCode, TypedFunc,
+    Config, Engine, Error, Instance, Memory, Module, Store, StoreLimits, StoreLimitsBuilder, TrapCode,
+    TypedFunc,
 };
 
 use super::fault::{FaultKind, ProgramFault, one_line};
@@ -53,19 +52,26 @@ impl Guest {
         let engine = Engine::new(&config);
         let module = Module::new(&engine, &bytes).map_err(|error| {
             let hint = "a core module as compilers write it (`.wasm`), or its text (`.wat`)";
-            cannot(format!("{} is no WebAssembly module: {}", path.display(), one_line(&error.to_string())), hint)
+            cannot(
+                format!("{} is no WebAssembly module: {}", path.display(), one_line(&error.to_string())),
+                hint,
+            )
         })?;
         if let Some(import) = module.imports().next() {
             let message = format!("it imports `{}.{}`, and nothing is given", import.module(), import.name());
             let hint = "build it for a target without a system, such as wasm32-unknown-unknown";
             return Err(cannot(message, hint));
         }
-        let limits = StoreLimitsBuilder::new().memory_size(MEMORY).table_elements(100_000).memories(1).build();
+        let limits =
+            StoreLimitsBuilder::new().memory_size(MEMORY).table_elements(100_000).memories(1).build();
         let mut store = Store::new(&engine, limits);
         store.limiter(|limits| limits);
         let begun = store.set_fuel(FUEL).and_then(|()| Instance::new(&mut store, &module, &[]));
         let instance = begun.map_err(|error| {
-            cannot(format!("it does not begin: {}", what_happened(&error, 1).message), "see docs/under_test.md")
+            cannot(
+                format!("it does not begin: {}", what_happened(&error, 1).message),
+                "see docs/under_test.md",
+            )
         })?;
         let lacks = |what: &str| {
             let hint = "it exports `memory`, `buffer(bytes: i32) -> i32` and `frame(length: i32) -> i32`: see docs/under_test.md";
@@ -85,7 +91,12 @@ impl Guest {
     ///
     /// # Errors
     /// If it traps, takes too much, or answers with no frame. The instance is then not called again.
-    pub fn exchange(&mut self, request: &[u8], runs: usize, answer: &mut Vec<u8>) -> Result<(), ProgramFault> {
+    pub fn exchange(
+        &mut self,
+        request: &[u8],
+        runs: usize,
+        answer: &mut Vec<u8>,
+    ) -> Result<(), ProgramFault> {
         let place = self.call(request, runs)?;
         let garbage = |message: String| ProgramFault::new(FaultKind::Garbage, message);
         let memory = self.memory.data(&self.store);
@@ -113,14 +124,18 @@ impl Guest {
     fn call(&mut self, request: &[u8], runs: usize) -> Result<usize, ProgramFault> {
         let failed = |error: Error| what_happened(&error, runs);
         let length = i32::try_from(request.len()).map_err(|_| {
-            ProgramFault::new(FaultKind::Garbage, format!("a request of {} bytes has no place in it", request.len()))
+            ProgramFault::new(
+                FaultKind::Garbage,
+                format!("a request of {} bytes has no place in it", request.len()),
+            )
         })?;
         self.store.set_fuel(FUEL.saturating_mul(runs.max(1) as u64)).map_err(failed)?;
         let place = self.buffer.call(&mut self.store, length).map_err(failed)?;
         // Places are unsigned; WebAssembly's numbers have no sign of their own.
         let place = place as u32 as usize;
         self.memory.write(&mut self.store, place, request).map_err(|_| {
-            let message = format!("its buffer of {length} bytes is at {place}, where it has not that much memory");
+            let message =
+                format!("its buffer of {length} bytes is at {place}, where it has not that much memory");
             ProgramFault::new(FaultKind::Garbage, message)
         })?;
         let answer = self.frame.call(&mut self.store, length).map_err(failed)?;

@@ -8,7 +8,13 @@
 // Their failing is a panic: a closed pipe would end the program with the code of a bug.
 #![deny(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro)]
 
+mod child;
 mod fault;
+#[cfg(feature = "wasm")]
+mod guest;
+#[cfg(not(feature = "wasm"))]
+#[path = "no_guest.rs"]
+mod guest;
 mod hello;
 mod log;
 mod lookup;

@@ -4,7 +4,7 @@ use std::env;
 use std::path::{Path, PathBuf};
 
 use super::start::{StartError, StartProblem};
-use scenario::{DeclaredProgram, ProgramKind};
+use scenario::DeclaredProgram;
 
 /// Where the file is that declares a program.
 pub fn beside(program: &DeclaredProgram) -> &Path {
@@ -17,13 +17,11 @@ pub fn folder(program: &DeclaredProgram) -> PathBuf {
     if folder.as_os_str().is_empty() { PathBuf::from(".") } else { folder }
 }
 
-/// The file that is started.
+/// The file that is started by the first word of a command.
 ///
 /// # Errors
 /// If it is not there, or nothing that could be started.
-pub fn executable(program: &DeclaredProgram) -> Result<PathBuf, StartError> {
-    let ProgramKind::Command(words) = &program.kind else { unreachable!("only commands are looked up") };
-    let word = words.first().map_or("", String::as_str);
+pub fn executable(program: &DeclaredProgram, word: &str) -> Result<PathBuf, StartError> {
     let folder = folder(program);
     let cannot =
         |message: String, hint: &str| StartError::new(StartProblem::CannotStart, program, message, hint);

@@ -285,13 +285,13 @@ impl Drop for AcquiredProcesses<'_> {
 
 #[cfg(test)]
 pub mod tests {
-    use scenario::{Answer, DeclaredProgram, Delay, Origin};
+    use scenario::{Answer, DeclaredProgram, Delay, Origin, ProgramKind};
 
     /// A program that is this command.
     pub fn program(command: &str) -> DeclaredProgram {
         DeclaredProgram {
             name: "own".into(),
-            command: command.split(' ').map(str::to_string).collect(),
+            kind: ProgramKind::Command(command.split(' ').map(str::to_string).collect()),
             folder: String::new(),
             environment: Vec::new(),
             gives: Answer::Acceleration,
