@@ -12,12 +12,11 @@ mod child;
 mod fault;
 #[cfg(feature = "wasm")]
 mod guest;
-#[cfg(not(feature = "wasm"))]
-#[path = "no_guest.rs"]
-mod guest;
 mod hello;
 mod log;
 mod lookup;
+#[cfg(not(feature = "wasm"))]
+mod no_guest;
 mod permission;
 mod pool;
 mod process;

@@ -7,9 +7,9 @@ use super::start::{StartError, StartProblem};
 use scenario::DeclaredProgram;
 
 /// There is none.
-pub struct Guest(Infallible);
+pub struct NoGuest(Infallible);
 
-impl Guest {
+impl NoGuest {
     /// # Errors
     /// Always.
     pub fn start(program: &DeclaredProgram, file: &str) -> Result<Self, StartError> {

@@ -9,9 +9,12 @@ use serde_json::{Value as Json, json};
 
 use super::child::Child;
 use super::fault::{FaultKind, ProgramFault, one_line, quoted};
+#[cfg(feature = "wasm")]
 use super::guest::Guest;
 use super::hello::{self, Encoding, Hello};
 use super::log::ProgramLog;
+#[cfg(not(feature = "wasm"))]
+use super::no_guest::NoGuest as Guest;
 use super::start::{StartError, StartProblem};
 use super::watchdog::Watchdog;
 use super::wire::{self, Answered, DueDecision, Opened, Reply};
