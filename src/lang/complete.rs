@@ -7,7 +7,6 @@ use std::collections::HashSet;
 use std::path::Path;
 
 use super::assist::path_to;
-use super::check::DISTRIBUTIONS;
 use super::declared;
 use super::syntax::ast::{self, View};
 use super::syntax::words::{self, BlockEntry, BlockKind};
@@ -16,7 +15,7 @@ use super::texts::{FileId, Texts};
 use super::units;
 use files::{self, Overlay};
 use scenario::registry::{Registry, Table};
-use scenario::{AGGREGATES, AggregateWord, Declaration, ParameterKind, Registered, Scope};
+use scenario::{AGGREGATES, AggregateWord, DISTRIBUTIONS, Declaration, ParameterKind, Registered, Scope};
 
 /// A word that could stand somewhere.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -161,7 +160,7 @@ impl Place<'_> {
                     }
                 }
                 Next::Distribution => {
-                    found.extend(DISTRIBUTIONS.iter().map(|name| proposal(name, "A distribution.")));
+                    found.extend(DISTRIBUTIONS.iter().map(|known| proposal(known.word, "A distribution.")));
                 }
                 Next::Keyword(word) => found.push(proposal(&word, "")),
                 Next::Sign => {}

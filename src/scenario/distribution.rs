@@ -1,7 +1,10 @@
-//! What sampled variations draw from: distributions whose numbers may depend on other variations.
+//! What sampled variations draw from: distributions whose numbers may depend on other variations, and all that has to be known of
+//! each.
 
 use std::collections::BTreeMap;
 
+use numbers::distributions::normal::Normal;
+use numbers::summary::median_of;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -38,6 +41,63 @@ pub enum Distribution {
     },
     /// One of these, all equally likely.
     Choice(Vec<VariedValue>),
+}
+
+/// How scenarios call a distribution, and what they give it.
+#[derive(Debug, Clone, Copy)]
+pub struct DistributionWord {
+    /// Such as `uniform`.
+    pub word: &'static str,
+    /// What stands in its parentheses.
+    pub of: DistributionOf,
+}
+
+/// What a distribution is made of.
+#[derive(Debug, Clone, Copy)]
+pub enum DistributionOf {
+    /// Numbers of one dimension: what each is, and the distribution of so many.
+    Numbers(&'static [&'static str], fn(Vec<Expression>) -> Option<Distribution>),
+    /// Any number of values of one kind.
+    Values(fn(Vec<VariedValue>) -> Distribution),
+}
+
+/// Every distribution there is.
+pub const DISTRIBUTIONS: [DistributionWord; 4] = {
+    use DistributionOf::{Numbers, Values};
+    const fn word(word: &'static str, of: DistributionOf) -> DistributionWord {
+        DistributionWord { word, of }
+    }
+    [
+        word(
+            "uniform",
+            Numbers(&["low", "high"], |numbers| {
+                let [low, high] = numbers.try_into().ok()?;
+                Some(Distribution::Uniform { low, high })
+            }),
+        ),
+        word(
+            "normal",
+            Numbers(&["mean", "standard deviation"], |numbers| {
+                let [mean, standard_deviation] = numbers.try_into().ok()?;
+                Some(Distribution::Normal { mean, standard_deviation })
+            }),
+        ),
+        word(
+            "truncated_normal",
+            Numbers(&["mean", "standard deviation", "low", "high"], |numbers| {
+                let [mean, standard_deviation, low, high] = numbers.try_into().ok()?;
+                Some(Distribution::TruncatedNormal { mean, standard_deviation, low, high })
+            }),
+        ),
+        word("choice", Values(Distribution::Choice)),
+    ]
+};
+
+impl DistributionWord {
+    /// The distribution of that word.
+    pub fn find(word: &str) -> Option<&'static Self> {
+        DISTRIBUTIONS.iter().find(|known| known.word == word)
+    }
 }
 
 /// A distribution with all of its numbers; a spread of 0 makes it a constant.
@@ -85,6 +145,59 @@ pub enum DistributionError {
     /// It would be narrower than a constant.
     #[error("the standard deviation is below 0")]
     NegativeSpread,
+}
+
+impl DistributionError {
+    /// What to do about it, where that is known.
+    pub fn hint(&self) -> Option<&'static str> {
+        match self {
+            Self::Evaluation(_) => None,
+            Self::Reversed => Some("write the smaller value first"),
+            Self::NegativeSpread => Some("give a standard deviation of at least 0"),
+        }
+    }
+}
+
+/// A value of a distribution.
+#[derive(Debug, Clone, PartialEq)]
+pub enum DrawnValue<'a> {
+    /// SI units.
+    Number(f64),
+    /// One of those that were listed.
+    Listed(&'a VariedValue),
+}
+
+impl<'a> KnownDistribution<'a> {
+    /// The value below which `share` of it lies; of a list, the one at that share.
+    pub fn quantile(&self, share: f64) -> DrawnValue<'a> {
+        DrawnValue::Number(match *self {
+            Self::Uniform { low, high } => low + (high - low) * share,
+            Self::Normal { mean, standard_deviation } => Normal { mean, standard_deviation }.quantile(share),
+            Self::TruncatedNormal { mean, standard_deviation: 0.0, low, high } => mean.clamp(low, high),
+            Self::TruncatedNormal { mean, standard_deviation, low, high } => {
+                Normal { mean, standard_deviation }.quantile_within(share, low, high)
+            }
+            Self::Choice(options) => {
+                let index = (share * options.len() as f64) as usize;
+                return DrawnValue::Listed(&options[index.min(options.len() - 1)]);
+            }
+        })
+    }
+
+    /// The number that stands for all of it, and what that is; `None` of what is no number.
+    pub fn nominal(&self) -> Option<(f64, &'static str)> {
+        match *self {
+            Self::Uniform { low, high } => Some((low + (high - low) / 2.0, "the middle of its range")),
+            Self::Normal { mean, .. } => Some((mean, "its mean")),
+            Self::TruncatedNormal { mean, low, high, .. } => {
+                Some((mean.clamp(low, high), "its most likely value"))
+            }
+            Self::Choice(options) => {
+                let numbers: Option<Vec<f64>> = options.iter().map(|one| one.value.as_number()).collect();
+                Some((median_of(&numbers?)?, "the middle of its values"))
+            }
+        }
+    }
 }
 
 impl Distribution {

@@ -41,7 +41,7 @@ mod symbol;
 mod trial;
 mod value;
 
-pub use aggregate::{AGGREGATES, Aggregate, AggregateOf, AggregateWord};
+pub use aggregate::{AGGREGATES, Aggregate, AggregateBounds, AggregateOf, AggregateResponse, AggregateWord};
 pub use block::Block;
 pub use case::{
     Appearance, Assignment, Case, Individual, ModelSetup, PedestrianSetup, Position, Shape, VehicleReference,
@@ -61,7 +61,10 @@ pub use declared::{
     PopulationShare, RunBudget, Samples, SamplingScheme, Scenario, Suite, Variation, VariedValue, Vehicle,
 };
 pub use dimension::Dimension;
-pub use distribution::{Distribution, DistributionError, KnownDistribution};
+pub use distribution::{
+    DISTRIBUTIONS, Distribution, DistributionError, DistributionOf, DistributionWord, DrawnValue,
+    KnownDistribution,
+};
 pub use entry::{
     BuildController, BuildDynamics, BuildPedestrian, BuildPerception, CommandKind, ControllerContext,
     ControllerModel, DynamicsModel, PedestrianContext, PedestrianModel, PerceptionModel,

@@ -306,12 +306,7 @@ fn aggregate_word(aggregate: &Aggregate) -> String {
     match aggregate {
         Aggregate::Rate(_) => "rate(…)".to_string(),
         Aggregate::Count(_) => "count(…)".to_string(),
-        Aggregate::Mean(metric)
-        | Aggregate::Median(metric)
-        | Aggregate::Min(metric)
-        | Aggregate::Max(metric)
-        | Aggregate::Std(metric)
-        | Aggregate::Quantile(_, metric) => metric.name().to_string(),
+        of_values => of_values.metric().name().to_string(),
     }
 }
 

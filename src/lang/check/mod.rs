@@ -41,7 +41,6 @@ pub use road::{crossings, obstacle};
 pub use scenario::{Defaults, SuiteCriteria, defined_road, scenario};
 pub use statement::statement;
 pub use subject::{Checked, Subjects};
-pub use variation::DISTRIBUTIONS;
 
 /// Where things were said.
 #[derive(Clone, Copy)]

@@ -7,7 +7,7 @@ use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
 use crate::syntax::ast;
-use scenario::{Aggregate, Claim, Criterion, People, RunBudget};
+use scenario::{AggregateBounds, Claim, Criterion, People, RunBudget};
 
 /// More runs of one thing are taken for a mistake.
 const MOST_RUNS: u32 = 1_000_000;
@@ -85,7 +85,10 @@ fn refuse_all_people(criteria: &[(Span, Criterion)], report: &mut Vec<Diagnostic
 fn refuse_means(criteria: &[(Span, Criterion)], report: &mut Vec<Diagnostic>) {
     for (span, criterion) in criteria {
         let Claim::Aggregate { aggregate, confidence: Some(_), .. } = &criterion.claim else { continue };
-        let Aggregate::Mean(metric) = aggregate else { continue };
+        if aggregate.bounds() != AggregateBounds::Mean {
+            continue;
+        }
+        let metric = aggregate.metric();
         if metric.known().is_some_and(|known| known.limits(&metric.settings, 1.0).is_some()) {
             continue;
         }

@@ -11,12 +11,9 @@ use crate::syntax::ast;
 use crate::units;
 use crate::value::{self, Binding, NameScope, Typed, ValueKind};
 use scenario::{
-    Dimension, Distribution, DistributionError, Notation, Samples, SamplingScheme, Value, Variation,
-    VariedValue, significant,
+    DISTRIBUTIONS, Dimension, Distribution, DistributionError, DistributionOf, DistributionWord, Notation,
+    Samples, SamplingScheme, Value, Variation, VariedValue, significant,
 };
-
-/// What values can be drawn from.
-pub const DISTRIBUTIONS: [&str; 4] = ["uniform", "normal", "truncated_normal", "choice"];
 
 /// More values than this in one variation are taken for a mistake.
 const MOST_VALUES: usize = 1_000_000;
@@ -500,38 +497,38 @@ fn distribution(
 ) -> Option<(Written, Distribution)> {
     let name = node.name();
     let count = node.values().count();
-    let mut bad = |message: String, hint: &str| {
+    let Some(entry) = DistributionWord::find(name.text()) else {
+        let unknown = name.text();
         report.push(
-            Diagnostic::new(Code::BadDistribution, node.span(), message)
-                .label("cannot be drawn from")
-                .hint(hint),
+            Diagnostic::new(
+                Code::BadDistribution,
+                name.span(),
+                format!("there is no distribution `{unknown}`"),
+            )
+            .label("unknown")
+            .suggest(unknown, DISTRIBUTIONS.map(|known| known.word)),
         );
-        None
+        return None;
     };
-    let wanted = match name.text() {
-        "choice" => {
+    let (wanted, of) = match entry.of {
+        DistributionOf::Values(of) => {
             let (kind, values) = values(node.span(), node.values(), scope, report)?;
-            return Some((kind, Distribution::Choice(values)));
+            return Some((kind, of(values)));
         }
-        "uniform" => "low, high",
-        "normal" => "mean, standard deviation",
-        "truncated_normal" => "mean, standard deviation, low, high",
-        unknown => {
-            report.push(
-                Diagnostic::new(
-                    Code::BadDistribution,
-                    name.span(),
-                    format!("there is no distribution `{unknown}`"),
-                )
-                .label("unknown")
-                .suggest(unknown, DISTRIBUTIONS),
-            );
-            return None;
-        }
+        DistributionOf::Numbers(wanted, of) => (wanted, of),
     };
-    if count != wanted.split(", ").count() {
-        let message = format!("`{}` takes {wanted}, but got {count} values", name.text());
-        return bad(message, &format!("write `{}({wanted})`", name.text()));
+    if count != wanted.len() {
+        let wanted = wanted.join(", ");
+        report.push(
+            Diagnostic::new(
+                Code::BadDistribution,
+                node.span(),
+                format!("`{}` takes {wanted}, but got {count} values", name.text()),
+            )
+            .label("cannot be drawn from")
+            .hint(format!("write `{}({wanted})`", name.text())),
+        );
+        return None;
     }
     let scope = &NameScope { outer: Some(scope), names: known.clone() };
     let mut numbers = Vec::new();
@@ -547,28 +544,16 @@ fn distribution(
         }
         numbers.push(typed.expression);
     }
-    let mut numbers = numbers.into_iter();
-    let mut number = || numbers.next();
-    let distribution = match name.text() {
-        "uniform" => Distribution::Uniform { low: number()?, high: number()? },
-        "normal" => Distribution::Normal { mean: number()?, standard_deviation: number()? },
-        _ => Distribution::TruncatedNormal {
-            mean: number()?,
-            standard_deviation: number()?,
-            low: number()?,
-            high: number()?,
-        },
-    };
+    let distribution = of(numbers)?;
     // What depends on other variations is checked when they are known.
     if let Err(error) = distribution.known(&Default::default())
         && !matches!(error, DistributionError::Evaluation(_))
     {
         let found = Diagnostic::new(Code::BadDistribution, node.span(), error.to_string())
             .label("cannot be drawn from");
-        report.push(match error {
-            DistributionError::Reversed => found.hint("write the smaller value first"),
-            DistributionError::NegativeSpread => found.hint("give a standard deviation of at least 0"),
-            _ => found,
+        report.push(match error.hint() {
+            Some(hint) => found.hint(hint),
+            None => found,
         });
         return None;
     }

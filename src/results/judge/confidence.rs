@@ -2,7 +2,7 @@
 
 use crate::Verdict;
 use numbers::inference::{self, ConfidenceSequence, IndependentUnit, Interval};
-use scenario::{Aggregate, Relation};
+use scenario::{Aggregate, AggregateBounds, Relation};
 
 /// How bounds are taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -43,11 +43,10 @@ impl Bounds<'_> {
         confidence: f64,
         seed: u64,
     ) -> Option<Interval> {
-        match aggregate {
-            Aggregate::Mean(_) => self.of_mean(values, limits, confidence, seed),
-            Aggregate::Median(_) => Some(self.of_quantile(0.5, values, confidence)),
-            Aggregate::Quantile(level, _) => Some(self.of_quantile(*level, values, confidence)),
-            _ => None,
+        match aggregate.bounds() {
+            AggregateBounds::Mean => self.of_mean(values, limits, confidence, seed),
+            AggregateBounds::Quantile(level) => Some(self.of_quantile(level, values, confidence)),
+            AggregateBounds::Share | AggregateBounds::Unknown { .. } => None,
         }
     }
 

@@ -6,10 +6,9 @@ use super::nearest::nearest;
 use super::seen::Seen;
 use super::vacuity;
 use crate::{Finding, FindingMeasure, Horizon, Outcome, Regarding, Requests, TrialVerdict, Verdict};
-use numbers::summary;
 use scenario::{
-    Aggregate, Claim, Comparison, Criterion, Individual, MetricReference, People, Relation, WhenUndefined,
-    constant,
+    Aggregate, AggregateBounds, AggregateResponse, Claim, Comparison, Criterion, Individual, MetricReference,
+    People, Relation, WhenUndefined, constant,
 };
 
 /// Judges one trial. `requests` says which metric is where in the outcomes.
@@ -119,19 +118,9 @@ fn found(criterion: &Criterion, evidence: &Evidence) -> Finding {
                     let finding = exactly(finding, *relation, 1.0, comparison, evidence);
                     with_worst_of_rate(finding, comparison, *relation, &held, evidence)
                 }
-                Aggregate::Mean(_)
-                | Aggregate::Median(_)
-                | Aggregate::Min(_)
-                | Aggregate::Max(_)
-                | Aggregate::Std(_)
-                | Aggregate::Quantile(..) => of_values(
-                    criterion,
-                    aggregate,
-                    (*relation, bound),
-                    *confidence,
-                    *when_undefined,
-                    evidence,
-                ),
+                of_each => {
+                    of_values(criterion, of_each, (*relation, bound), *confidence, *when_undefined, evidence)
+                }
             }
         }
     }
@@ -154,12 +143,12 @@ fn of_values(
     let counted: Vec<Option<f64>> = seen.iter().map(|one| one.worst(metric, relation)).collect();
     let worst: Vec<f64> = counted.iter().copied().flatten().collect();
     let held = Held { count: seen.iter().filter(|one| one.is_value()).count(), against: Vec::new(), seen };
-    let by_rank = !matches!(aggregate, Aggregate::Mean(_) | Aggregate::Std(_));
-    let known = by_rank || worst.iter().all(|value| value.is_finite());
+    let response = aggregate.response();
+    let known = response == AggregateResponse::Ranked || worst.iter().all(|value| value.is_finite());
     // Which of the values that are possible is the worst for a spread, nobody knows.
     let undecided = held.cut_off() > 0
         && (matches!(relation, Relation::Equal | Relation::NotEqual)
-            || matches!(aggregate, Aggregate::Std(_)));
+            || response == AggregateResponse::Spread);
     let observed = if known {
         aggregate_of(aggregate, worst)
     } else {
@@ -171,7 +160,7 @@ fn of_values(
         let limits = criterion.reach.limits;
         let interval =
             known.then(|| evidence.bounds.of_values(aggregate, &counted, limits, confidence, seed)).flatten();
-        finding.approximate = matches!(aggregate, Aggregate::Mean(_)) && limits.is_none();
+        finding.approximate = aggregate.bounds() == AggregateBounds::Mean && limits.is_none();
         finding.interval = interval.map(|interval| (interval.low, interval.high));
         finding.verdict =
             interval.map_or(Verdict::Inconclusive, |interval| confidence::decide(relation, interval, bound));
@@ -281,7 +270,12 @@ pub fn aggregate_against(
         Aggregate::Rate(_) if outcomes.is_empty() => None,
         Aggregate::Rate(comparison) => Some(holds(comparison) / outcomes.len() as f64),
         Aggregate::Count(comparison) => Some(holds(comparison)),
-        Aggregate::Std(metric) if seen(metric, &evidence).iter().any(|one| one.is_open()) => None,
+        of_values
+            if of_values.response() == AggregateResponse::Spread
+                && seen(of_values.metric(), &evidence).iter().any(|one| one.is_open()) =>
+        {
+            None
+        }
         of_values => {
             let counted = counted(of_values.metric(), relation, outcomes, requests);
             aggregate_of(of_values, counted.into_iter().flatten().collect())
@@ -432,15 +426,5 @@ fn values(metric: &MetricReference, outcomes: &[Outcome], requests: &Requests) -
 pub(super) fn aggregate_of(aggregate: &Aggregate, mut values: Vec<f64>) -> Option<f64> {
     // Sorted, so that sums do not depend on the order of the runs.
     values.sort_by(f64::total_cmp);
-    match aggregate {
-        Aggregate::Mean(_) => summary::mean(&values),
-        Aggregate::Median(_) => summary::median(&values),
-        Aggregate::Min(_) => values.first().copied(),
-        Aggregate::Max(_) => values.last().copied(),
-        Aggregate::Std(_) => summary::std(&values),
-        Aggregate::Quantile(level, _) => summary::quantile(&values, *level),
-        Aggregate::Rate(_) | Aggregate::Count(_) => {
-            unreachable!("rates and counts are not aggregates of values")
-        }
-    }
+    aggregate.of_sorted(&values)
 }

@@ -1,6 +1,8 @@
 //! What a criterion over many runs says of a single one.
 
-use scenario::{Absence, Aggregate, Claim, Comparison, Criterion, Relation, WhenUndefined};
+use scenario::{
+    Absence, Aggregate, AggregateResponse, Claim, Comparison, Criterion, Relation, WhenUndefined,
+};
 
 /// A criterion as it bears on one run.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,16 +29,9 @@ pub fn per_run(criterion: &Criterion) -> Option<PerRun> {
                     (comparison.clone(), false)
                 }
                 Aggregate::Rate(comparison) | Aggregate::Count(comparison) => (negated(comparison), false),
-                Aggregate::Mean(metric)
-                | Aggregate::Median(metric)
-                | Aggregate::Quantile(_, metric)
-                | Aggregate::Min(metric)
-                | Aggregate::Max(metric) => {
-                    let decisive = match aggregate {
-                        Aggregate::Min(_) => upward,
-                        Aggregate::Max(_) => !upward,
-                        _ => false,
-                    };
+                of_values if of_values.response() == AggregateResponse::Spread => return None,
+                of_values => {
+                    let metric = of_values.metric();
                     let comparison = Comparison {
                         metric: metric.clone(),
                         relation: *relation,
@@ -48,9 +43,8 @@ pub fn per_run(criterion: &Criterion) -> Option<PerRun> {
                             _ => WhenUndefined::Passes,
                         },
                     };
-                    (comparison, decisive)
+                    (comparison, of_values.is_broken_by_one(upward))
                 }
-                Aggregate::Std(_) => return None,
             }
         }
     };

@@ -3,8 +3,8 @@
 use super::criteria::bounded_above;
 use super::seen::{Seen, holds_undefined};
 use scenario::{
-    Absence, Aggregate, Claim, Comparison, Criterion, MetricKind, MetricRange, MetricReference, Relation,
-    Scope, WhenUndefined, constant, significant,
+    Absence, Aggregate, AggregateResponse, Claim, Comparison, Criterion, MetricKind, MetricRange,
+    MetricReference, Relation, Scope, WhenUndefined, constant, significant,
 };
 use sim::measure::Open;
 
@@ -169,7 +169,7 @@ impl<'c> Limits<'c> {
         bound: f64,
         when_undefined: WhenUndefined,
     ) -> Possible {
-        if let Aggregate::Std(_) = aggregate {
+        if aggregate.response() == AggregateResponse::Spread {
             let why = "a spread is never below 0".to_string();
             return match between(relation, bound, (0.0, f64::INFINITY)) {
                 (true, true) => Possible::Both,

@@ -5,7 +5,7 @@ use super::horizon::cut_off_of;
 use super::seen::Seen;
 use crate::Outcome;
 use crate::Requests;
-use scenario::{Aggregate, Comparison, MetricReference, Relation};
+use scenario::{Aggregate, AggregateResponse, Comparison, MetricReference, Relation};
 use scenario::{MetricKind, MetricRange, Worst};
 use sim::measure::Open;
 
@@ -113,7 +113,9 @@ pub fn span_of(
         _ if open_runs(reference, outcomes, requests).is_empty() => {
             aggregate_against(wanted, counting, outcomes, requests).map(ValueSpan::point)
         }
-        Aggregate::Std(_) => Some(ValueSpan { low: 0.0, high: f64::INFINITY }),
+        spread if spread.response() == AggregateResponse::Spread => {
+            Some(ValueSpan { low: 0.0, high: f64::INFINITY })
+        }
         of_values => of_quantity(of_values, counting, outcomes, requests),
     }
 }

@@ -6,11 +6,8 @@ use sha2::{Digest, Sha256};
 
 use super::Variables;
 use numbers::design::{SOBOL_CELL, latin_hypercube, sobol_point, uniform};
-use numbers::distributions::normal::Normal;
 use numbers::random::Stream;
-use scenario::{
-    Assignment, DistributionError, KnownDistribution, Samples, SamplingScheme, Value, significant,
-};
+use scenario::{Assignment, DistributionError, DrawnValue, Samples, SamplingScheme, Value, significant};
 
 /// The samples of a variation: where each lies in the design, and how many before it read the same. What they are is worked
 /// out again for whoever asks, so that a million take little memory.
@@ -79,7 +76,12 @@ fn row(
     for (index, name) in names.iter().enumerate() {
         let distribution = samples.distributions[index].known(known);
         let distribution = distribution.map_err(|error| (name.clone(), error))?;
-        let (value, label) = quantile(&distribution, point[index], &samples.units[index]);
+        let (value, label) = match distribution.quantile(point[index]) {
+            DrawnValue::Number(number) => {
+                (Value::Number(number), format!("{}{}", significant(number, 5), samples.units[index]))
+            }
+            DrawnValue::Listed(option) => (option.value.clone(), option.label.clone()),
+        };
         known.insert(name.clone(), value.clone());
         row.push(Assignment { name: name.clone(), label, value });
     }
@@ -111,26 +113,6 @@ fn design(scheme: SamplingScheme, count: usize, dimensions: usize, seed: u64) ->
             points.map(inside).collect()
         }
     }
-}
-
-fn quantile(distribution: &KnownDistribution, share: f64, unit: &str) -> (Value, String) {
-    let number = match *distribution {
-        KnownDistribution::Uniform { low, high } => low + (high - low) * share,
-        KnownDistribution::Normal { mean, standard_deviation } => {
-            Normal { mean, standard_deviation }.quantile(share)
-        }
-        KnownDistribution::TruncatedNormal { mean, standard_deviation: 0.0, low, high } => {
-            mean.clamp(low, high)
-        }
-        KnownDistribution::TruncatedNormal { mean, standard_deviation, low, high } => {
-            Normal { mean, standard_deviation }.quantile_within(share, low, high)
-        }
-        KnownDistribution::Choice(options) => {
-            let option = &options[((share * options.len() as f64) as usize).min(options.len() - 1)];
-            return (option.value.clone(), option.label.clone());
-        }
-    };
-    (Value::Number(number), format!("{}{unit}", significant(number, 5)))
 }
 
 #[cfg(test)]

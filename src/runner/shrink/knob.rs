@@ -1,7 +1,6 @@
 //! What of a case can be moved, and where it is declared to be: its nominal value.
 
 use crate::plan::{PlanError, Variables, concrete_case, variables};
-use numbers::summary::median_of;
 use scenario::{
     Assignment, Case, Dimension, Individual, KnownDistribution, ParameterKind, Scenario, Value, Variation,
     VariedValue,
@@ -127,25 +126,13 @@ pub fn knobs(place: &KnobPlace) -> Vec<Knob> {
 /// The middle of what a variation gives a name, and what that is.
 fn nominal(variation: &Variation, name: &str, values: &Variables) -> Option<(f64, &'static str)> {
     let index = variation.names().iter().position(|varied| varied == name)?;
-    let of_list = |values: Vec<&VariedValue>| {
-        let numbers: Option<Vec<f64>> = values.iter().map(|one| one.value.as_number()).collect();
-        Some((median_of(&numbers?)?, "the middle of its values"))
-    };
     match variation {
         Variation::Grid { names, rows } if names.len() == 1 => {
-            of_list(rows.iter().map(|row| &row[0]).collect())
+            let values: Vec<VariedValue> = rows.iter().map(|row| row[0].clone()).collect();
+            KnownDistribution::Choice(&values).nominal()
         }
         Variation::Grid { .. } => None,
-        Variation::Sampled { samples, .. } => match samples.distributions[index].known(values).ok()? {
-            KnownDistribution::Uniform { low, high } => {
-                Some((low + (high - low) / 2.0, "the middle of its range"))
-            }
-            KnownDistribution::Normal { mean, .. } => Some((mean, "its mean")),
-            KnownDistribution::TruncatedNormal { mean, low, high, .. } => {
-                Some((mean.clamp(low, high), "its most likely value"))
-            }
-            KnownDistribution::Choice(options) => of_list(options.iter().collect()),
-        },
+        Variation::Sampled { samples, .. } => samples.distributions[index].known(values).ok()?.nominal(),
     }
 }
 

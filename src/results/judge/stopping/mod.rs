@@ -14,7 +14,8 @@ use super::seen::Seen;
 use crate::{Finding, Outcome, Reason, Requests, RunsTaken, TrialVerdict, Verdict};
 use numbers::inference::{ConfidenceSequence, IndependentUnit, MeanWatch, ShareDecision};
 use scenario::{
-    Aggregate, Claim, Comparison, Criterion, MetricReference, Relation, Trial, WhenUndefined, constant,
+    Aggregate, AggregateBounds, Claim, Comparison, Criterion, MetricReference, Relation, Trial,
+    WhenUndefined, constant,
 };
 
 /// Follows the outcomes of a trial to see when they are enough.
@@ -147,13 +148,14 @@ impl Test {
                         let share = constant(bound);
                         About::Share(Share::new(comparison.clone(), (unknown, None), share, confidence))
                     }
-                    Aggregate::Median(_) => quantile(0.5),
-                    Aggregate::Quantile(level, _) => quantile(*level),
-                    Aggregate::Mean(metric) => {
-                        let watch = MeanWatch::new(constant(bound), criterion.reach.limits?, confidence);
-                        About::Mean(Box::new(watch), metric.clone(), claimed)
-                    }
-                    _ => return None,
+                    of_values => match of_values.bounds() {
+                        AggregateBounds::Quantile(level) => quantile(level),
+                        AggregateBounds::Mean => {
+                            let watch = MeanWatch::new(constant(bound), criterion.reach.limits?, confidence);
+                            About::Mean(Box::new(watch), of_values.metric().clone(), claimed)
+                        }
+                        AggregateBounds::Share | AggregateBounds::Unknown { .. } => return None,
+                    },
                 }
             }
         };
