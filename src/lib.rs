@@ -139,7 +139,7 @@ pub mod session {
 /// one that ships.
 pub mod run {
     pub use runner::run::{
-        Done, Executor, FreeFlows, Job, JobFailure, JobPlace, MeasuredMetrics, Panicked, Ran, Round,
-        RunError, Stop, Threads, Wanted,
+        DecodingError, Done, EncodedBy, Executor, FreeFlows, Job, JobFailure, JobPlace, MeasuredMetrics,
+        Panicked, Ran, Round, RunError, Stop, Threads, Wanted,
     };
 }

@@ -3,9 +3,14 @@
 //! The bytes are MessagePack with names of fields: it carries every number to its last bit, infinite ones and those that are
 //! none included, and programs in any language read it. What a world or a request names is written as that name, and whoever
 //! reads it has a registry that knows it.
+//!
+//! They begin with their layout and with the version of the program: what another layout or version wrote is refused by name, since
+//! a run is a pure function of its case for one version alone.
 
-use serde::Serialize;
+use std::fmt;
+
 use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::job::{Done, Job, MeasuredMetrics};
@@ -23,9 +28,45 @@ pub enum DecodingError {
         /// In the words of the decoder.
         message: String,
     },
+    /// Whoever wrote them is not the program that reads them.
+    #[error("these bytes are a {what} of {found}, and this is {here}")]
+    OtherProgram {
+        /// What they are, such as `job`.
+        what: &'static str,
+        /// Who wrote them.
+        found: EncodedBy,
+        /// Who reads them.
+        here: EncodedBy,
+    },
     /// Whoever wrote them has entries that whoever reads them lacks.
     #[error(transparent)]
     Unknown(#[from] UnknownEntry),
+}
+
+/// Who wrote bytes, which stands at their beginning.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct EncodedBy {
+    /// Of the bytes, whatever the program; a change of what they hold makes it one larger.
+    pub layout: u32,
+    /// Of the program.
+    pub version: String,
+}
+
+impl EncodedBy {
+    /// The layout of these bytes.
+    const LAYOUT: u32 = 1;
+
+    /// This program.
+    pub fn here() -> Self {
+        Self { layout: Self::LAYOUT, version: env!("CARGO_PKG_VERSION").to_string() }
+    }
+}
+
+impl fmt::Display for EncodedBy {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(out, "scenario-runner {} (layout {})", self.version, self.layout)
+    }
 }
 
 impl Job {
@@ -78,12 +119,23 @@ impl Done {
 }
 
 fn encoded(data: &impl Serialize) -> Vec<u8> {
-    rmp_serde::to_vec_named(data).expect("plain data is encoded, and memory takes it")
+    encoded_by(&EncodedBy::here(), data)
+}
+
+fn encoded_by(writer: &EncodedBy, data: &impl Serialize) -> Vec<u8> {
+    let mut bytes = rmp_serde::to_vec_named(writer).expect("plain data is encoded, and memory takes it");
+    rmp_serde::encode::write_named(&mut bytes, data).expect("plain data is encoded, and memory takes it");
+    bytes
 }
 
 fn decoded<T: DeserializeOwned>(what: &'static str, bytes: &[u8]) -> Result<T, DecodingError> {
     let malformed = |message: String| DecodingError::Malformed { what, message };
     let mut rest = bytes;
+    let found: EncodedBy = rmp_serde::from_read(&mut rest).map_err(|error| malformed(error.to_string()))?;
+    let here = EncodedBy::here();
+    if found != here {
+        return Err(DecodingError::OtherProgram { what, found, here });
+    }
     let data = rmp_serde::from_read(&mut rest).map_err(|error| malformed(error.to_string()))?;
     match rest.len() {
         0 => Ok(data),
@@ -280,5 +332,36 @@ mod tests {
         let twice = [bytes.as_slice(), &bytes[..]].concat();
         assert_eq!(read(&twice), format!("these bytes are no job: {} bytes follow it", bytes.len()));
         assert!(Done::from_bytes(&bytes, &standard()).is_err());
+    }
+
+    /// What it means for a run, nobody knows of another version; so it is refused before anything else of it is read.
+    #[test]
+    fn what_another_program_wrote_is_refused_by_name() {
+        let here = EncodedBy::here();
+        let told = |writer: &EncodedBy, data: &[u8]| {
+            let bytes = [&rmp_serde::to_vec_named(writer).unwrap(), data].concat();
+            Job::from_bytes(&bytes, &standard()).map(|_| ()).unwrap_err().to_string()
+        };
+        let job = rmp_serde::to_vec_named(&job()).unwrap();
+        let newer = EncodedBy { version: "77.0.0".into(), ..here.clone() };
+        let wanted =
+            format!("these bytes are a job of scenario-runner 77.0.0 (layout 1), and this is {here}");
+        assert_eq!((told(&newer, &job), told(&newer, b"whatever")), (wanted.clone(), wanted));
+        let laid_out = told(&EncodedBy { layout: 2, ..here.clone() }, &job);
+        assert!(laid_out.contains(&format!("scenario-runner {} (layout 2)", here.version)), "{laid_out}");
+        // What was written before that stood there.
+        let read = Job::from_bytes(&job, &standard()).map(|_| ()).unwrap_err();
+        assert!(matches!(read, DecodingError::Malformed { what: "job", .. }), "{read}");
+        // A result of this program is no job of it either.
+        let done = Done {
+            place: JobPlace::default(),
+            case: self::job().case,
+            result: Err(JobFailure::Panicked(Panicked { case: None, message: "a".into(), place: None })),
+        };
+        assert!(matches!(
+            Job::from_bytes(&done.to_bytes(), &standard()),
+            Err(DecodingError::Malformed { .. })
+        ));
+        assert!(Done::from_bytes(&done.to_bytes(), &standard()).is_ok());
     }
 }

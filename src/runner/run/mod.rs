@@ -30,7 +30,7 @@ pub use case::{Unwatched, run_case};
 pub use chance::drawing;
 pub use departure::departures;
 pub(crate) use departure::{Departing, departing};
-pub use encoding::DecodingError;
+pub use encoding::{DecodingError, EncodedBy};
 pub use executor::{Executor, Round};
 pub use free_flow::FreeFlows;
 pub use job::{Done, Job, JobFailure, JobPlace, MeasuredMetrics, Ran, Wanted, programs, went_differently};
