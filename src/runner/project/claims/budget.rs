@@ -9,7 +9,9 @@ use lang::{Code, Diagnostic, Sources, Span};
 use numbers::inference::{self, ConfidenceSequence};
 use results::Verdict;
 use results::judge::{Bounds, decide};
-use scenario::{Aggregate, Claim, Criterion, Origin, People, Relation, Rounds, Scenario, Suite, constant};
+use scenario::{
+    AggregateBounds, Claim, Criterion, Origin, People, Relation, Rounds, Scenario, Suite, constant,
+};
 
 /// What it takes for a claim to pass.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -21,7 +23,7 @@ enum Needed {
 }
 
 /// The fewest runs with which a claim with stated confidence can pass, however well they go; `None` for a claim
-/// without confidence, and for spreads, whose intervals know no such number.
+/// without confidence.
 ///
 /// It asks the same bounds as the verdict does, so that both always agree.
 fn runs_needed(criterion: &Criterion, bounds: Bounds) -> Option<Needed> {
@@ -31,17 +33,15 @@ fn runs_needed(criterion: &Criterion, bounds: Bounds) -> Option<Needed> {
         }
         Claim::Aggregate { aggregate, relation, bound, confidence, .. } => {
             let confidence = (*confidence)?;
-            match aggregate {
-                Aggregate::Rate(_) => share_needs(*relation, constant(bound), confidence, bounds),
-                Aggregate::Median(_) => quantile_needs(*relation, 0.5, confidence, bounds),
-                Aggregate::Quantile(level, _) => quantile_needs(*relation, *level, confidence, bounds),
-                Aggregate::Mean(_) => match criterion.reach.limits {
+            match aggregate.bounds() {
+                AggregateBounds::Share => share_needs(*relation, constant(bound), confidence, bounds),
+                AggregateBounds::Quantile(level) => quantile_needs(*relation, level, confidence, bounds),
+                AggregateBounds::Mean => match criterion.reach.limits {
                     Some(limits) => mean_needs(*relation, constant(bound), limits, confidence),
                     // One value has no spread, and with it no interval of its mean.
                     None => Some(2),
                 },
-                Aggregate::Std(_) => return None,
-                Aggregate::Min(_) | Aggregate::Max(_) | Aggregate::Count(_) => None,
+                AggregateBounds::Unknown { .. } => None,
             }
         }
     };

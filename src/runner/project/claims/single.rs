@@ -26,7 +26,8 @@ fn is_about_many(criterion: &Criterion) -> bool {
     match &criterion.claim {
         Claim::Runs { share, .. } => share.is_some_and(|share| share > 0.0 && share < 1.0),
         Claim::Aggregate { aggregate, .. } => {
-            !matches!(aggregate, Aggregate::Min(_) | Aggregate::Max(_) | Aggregate::Count(_))
+            let extreme = aggregate.is_broken_by_one(true) || aggregate.is_broken_by_one(false);
+            !(extreme || matches!(aggregate, Aggregate::Count(_)))
         }
     }
 }
