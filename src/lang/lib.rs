@@ -36,6 +36,7 @@ mod yaml;
 use std::path::Path;
 
 pub use assist::{definition, hover};
+pub use check::write_scenario;
 pub use codes::Code;
 pub use complete::{Completion, complete};
 pub use declared::with_declared;
@@ -48,7 +49,7 @@ pub use suite::DEFAULT_SEED;
 pub use syntax::{Tree, format};
 pub use texts::LARGEST_FILE;
 pub use units::{UNITS, UnitEntry};
-pub use write::{quantity, write_comparison, write_scenario};
+pub use write::{quantity, write_comparison};
 pub use yaml::schema as yaml_schema;
 
 use ::files::{Files, Overlay};

@@ -36,9 +36,8 @@ pub use criterion::{Cast, set_aside};
 pub use evaluate::evaluate;
 pub use experiment::{search, tune};
 pub use gate::gate;
-pub use pedestrian::DEFAULT_GOAL;
 pub use road::{crossings, obstacle};
-pub use scenario::{Defaults, SuiteCriteria, defined_road, scenario};
+pub use scenario::{SuiteCriteria, defined_road, scenario, write_scenario};
 pub use statement::statement;
 pub use subject::{Checked, Subjects};
 

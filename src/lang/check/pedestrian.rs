@@ -12,13 +12,14 @@ use crate::settings::repeated;
 use crate::source::Span;
 use crate::syntax::{Node, ast};
 use crate::value::{self, Typed};
+use crate::write::{Lines, constant, is_name, model_text, number_of, quoted};
 use scenario::{
     BinaryOperator, DeclaredAppearance, DeclaredPedestrian, DeclaredShape, Dimension, Expression,
     Individuals, PedestrianModel, PopulationShare, Road, Side, Value, VehicleReference, limits, show,
 };
 
 /// How far beyond the opposite kerb a pedestrian walks unless something else is said, m.
-pub const DEFAULT_GOAL: f64 = 2.0;
+const DEFAULT_GOAL: f64 = 2.0;
 
 /// The pedestrian that `layers` describe together, the last having the last word.
 pub fn pedestrian(
@@ -347,4 +348,51 @@ pub fn unknown_vehicle(name: ast::Name, vehicles: &[&str]) -> Diagnostic {
     )
     .label("unknown vehicle")
     .suggest(name.text(), vehicles.iter().copied())
+}
+
+/// The block that says it, whose values are all constants.
+pub fn write_pedestrian(person: &DeclaredPedestrian, out: &mut Lines) {
+    let length = |expression| constant(expression, Dimension::LENGTH);
+    out.open(&format!("pedestrian {}", person.name));
+    out.line(&format!("model {}", model_text(&person.model)));
+    if let Some(Individuals { selection, population, .. }) = &person.individuals {
+        let population = if is_name(population) { population.clone() } else { quoted(population) };
+        out.line(&match selection {
+            PopulationShare::All => format!("individuals all of {population}"),
+            PopulationShare::Count(count) => format!("individuals {count} of {population}"),
+            PopulationShare::Number(number) => format!("individual {number} of {population}"),
+        });
+    }
+    match &person.shape {
+        None => {}
+        Some(DeclaredShape::Disc { radius }) => out.line(&format!("radius {}", length(radius))),
+        Some(DeclaredShape::Rectangle { length: long, width }) => {
+            out.line(&format!("size {} x {}", length(long), length(width)));
+        }
+    }
+    if person.side == Side::Far {
+        out.line("from far side");
+    }
+    out.line(&format!("start {} from lane centre", length(&person.start_from_lane_centre)));
+    if number_of(&person.along) != 0.0 {
+        out.line(&format!("along {}", length(&person.along)));
+    }
+    if number_of(&person.goal_beyond_kerb) != DEFAULT_GOAL {
+        out.line(&format!("goal {} beyond kerb", length(&person.goal_beyond_kerb)));
+    }
+    match &person.appears {
+        DeclaredAppearance::At(time) if number_of(time) == 0.0 => {}
+        DeclaredAppearance::At(time) => {
+            out.line(&format!("appears at {}", constant(time, Dimension::TIME)));
+        }
+        DeclaredAppearance::TimeToArrival { vehicle, reference, time } => {
+            let part = match reference {
+                VehicleReference::Centre => "",
+                VehicleReference::Front => ".front",
+            };
+            let time = constant(time, Dimension::TIME);
+            out.line(&format!("appears when time_to_arrival({vehicle}{part}) = {time}"));
+        }
+    }
+    out.close();
 }

@@ -7,6 +7,7 @@ use crate::settings;
 use crate::source::Span;
 use crate::syntax::ast;
 use crate::value::{self, NameScope, Typed, ValueKind};
+use crate::write::{Lines, quantity};
 use scenario::{
     Body, Crossing, CrossingKind, Declaration, Dimension, Direction, Expression, Lane, Parameter, Road,
     Settings, Value, limits,
@@ -259,4 +260,48 @@ pub fn constants(
         }
     }
     (report.len() == before).then_some(constants)
+}
+
+/// The block that says it.
+pub fn write_road(road: &Road, out: &mut Lines) {
+    out.open("road");
+    let directions: Vec<_> = road
+        .lanes
+        .iter()
+        .map(|lane| match lane.direction {
+            Direction::Forward => "forward",
+            Direction::Backward => "backward",
+        })
+        .collect();
+    if directions != ["forward"] {
+        out.line(&format!("lanes {}", directions.join(", ")));
+    }
+    out.line(&format!("lane_width {}", quantity(road.lane_width, Dimension::LENGTH)));
+    out.line(&format!("speed_limit {}", quantity(road.speed_limit, Dimension::SPEED)));
+    if !road.kerbs {
+        out.line("no kerbs");
+    }
+    let width = quantity(road.crossing.width, Dimension::LENGTH);
+    out.line(&match road.crossing.kind {
+        CrossingKind::Zebra => format!("crossing zebra {{ width: {width} }}"),
+        CrossingKind::Unmarked => format!("crossing unmarked {{ width: {width} }}"),
+        CrossingKind::Signalised { cycle, pedestrian_green_from, pedestrian_green } => format!(
+            "crossing signalised {{ width: {width}, cycle: {}, pedestrian_green: {}, pedestrian_green_from: {} }}",
+            quantity(cycle, Dimension::TIME),
+            quantity(pedestrian_green, Dimension::TIME),
+            quantity(pedestrian_green_from, Dimension::TIME),
+        ),
+    });
+    for (index, body) in road.boxes.iter().enumerate() {
+        let metres = |value| quantity(value, Dimension::LENGTH);
+        let name = if body.name.is_empty() { format!("box_{}", index + 1) } else { body.name.clone() };
+        out.line(&format!(
+            "box {name} {{ along: {}, across: {}, length: {}, width: {} }}",
+            metres(body.x),
+            metres(body.y),
+            metres(body.length),
+            metres(body.width),
+        ));
+    }
+    out.close();
 }

@@ -1,12 +1,12 @@
 //! `scenario NAME { … }`
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
 
 use super::block::{Layer, Said, last, missing, reject_repeats};
 use super::criterion::{Cast, From, criterion};
-use super::pedestrian::pedestrian;
-use super::road::road;
-use super::vehicle::{check_starts, vehicle};
+use super::pedestrian::{pedestrian, write_pedestrian};
+use super::road::{road, write_road};
+use super::vehicle::{check_starts, vehicle, write_vehicle};
 use super::{Book, Places, runs, variation};
 use crate::codes::Code;
 use crate::diagnostic::{Diagnostic, nearest};
@@ -15,10 +15,11 @@ use crate::syntax::View;
 use crate::syntax::ast;
 use crate::texts::{NameDefinition, Names};
 use crate::value::{self, Binding, NameScope, Typed, ValueKind};
+use crate::write::{Lines, quantity, quoted};
 use scenario::limits::Limit;
 use scenario::{
-    Criterion, DeclaredAppearance, DeclaredPedestrian, Expression, Individuals, PopulationShare, Road,
-    Scenario, Variation, Vehicle, limits,
+    Criterion, DeclaredAppearance, DeclaredPedestrian, Dimension, Expression, Individuals, PopulationShare,
+    Road, Scenario, Variation, Vehicle, limits,
 };
 
 /// What a scenario is that does not say otherwise.
@@ -26,11 +27,11 @@ pub struct Defaults;
 
 impl Defaults {
     /// s
-    pub const STEP: f64 = 0.025;
+    const STEP: f64 = 0.025;
     /// s
-    pub const HORIZON: f64 = 60.0;
+    const HORIZON: f64 = 60.0;
     /// m
-    pub const FINISH: f64 = 100.0;
+    const FINISH: f64 = 100.0;
     pub const REPEAT: u32 = 1;
 }
 
@@ -505,4 +506,57 @@ fn used_variables<'a>(
     let people = pedestrians.iter().map(|pedestrian| pedestrian.model.varied_by.as_deref());
     let chosen = cars.chain(people).flatten();
     expressions.into_iter().flat_map(Expression::variables).chain(chosen).collect()
+}
+
+/// The text of a scenario without variations, in the one style. `expect` are criteria in the language's words, which
+/// stand in place of the scenario's own; `remarks` are comments above it.
+///
+/// # Panics
+/// If a value depends on a variation.
+pub fn write_scenario(scenario: &Scenario, expect: &[String], remarks: &[String]) -> String {
+    assert!(scenario.variations.is_empty(), "variations are put in before a scenario is written");
+    let mut out = Lines::default();
+    for remark in remarks {
+        out.line(format!("# {remark}").trim_end());
+    }
+    let programs = scenario.vehicles.iter().filter_map(|car| car.controller.first.known()?.program.as_ref());
+    let files: BTreeSet<&str> = programs.map(|program| program.file.as_str()).collect();
+    files.iter().for_each(|file| out.line(&format!("use {}", quoted(file))));
+    out.open(&format!("scenario {}", scenario.name));
+    if let Some(doc) = &scenario.doc {
+        out.line(&quoted(doc));
+    }
+    if !scenario.tags.is_empty() {
+        out.line(&format!("tags {}", scenario.tags.join(", ")));
+    }
+    write_road(&scenario.road, &mut out);
+    if scenario.step != Defaults::STEP {
+        out.line(&format!("step {}", quantity(scenario.step, Dimension::TIME)));
+    }
+    if scenario.horizon != Defaults::HORIZON {
+        out.line(&format!("horizon {}", quantity(scenario.horizon, Dimension::TIME)));
+    }
+    if scenario.finish != Defaults::FINISH {
+        out.line(&format!("finish {}", quantity(scenario.finish, Dimension::LENGTH)));
+    }
+    if scenario.end_on_collision {
+        out.line("end on collision");
+    }
+    match &scenario.runs {
+        Some(runs) => out.line(&format!("runs {} .. {}", runs.least, runs.most)),
+        None if scenario.repeat != Defaults::REPEAT => out.line(&format!("repeat {}", scenario.repeat)),
+        None => {}
+    }
+    if let Some(seed) = scenario.seed {
+        out.line(&format!("seed {seed}"));
+    }
+    scenario.vehicles.iter().for_each(|car| write_vehicle(car, &mut out));
+    scenario.pedestrians.iter().for_each(|person| write_pedestrian(person, &mut out));
+    if !expect.is_empty() {
+        out.open("expect");
+        expect.iter().for_each(|criterion| out.line(criterion));
+        out.close();
+    }
+    out.close();
+    out.text
 }

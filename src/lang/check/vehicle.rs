@@ -9,6 +9,7 @@ use crate::settings::{self, not_whole};
 use crate::source::Span;
 use crate::syntax::ast;
 use crate::value::{self, Typed, ValueKind};
+use crate::write::{Lines, constant, model_text, settings_text};
 use scenario::{
     CommandKind, ControllerModel, DeclaredVehicleStart, Dimension, DynamicsModel, Model, Reference, Road,
     Vehicle, limits,
@@ -287,4 +288,34 @@ pub fn check_starts(
             );
         }
     }
+}
+
+/// The block that says it, whose values are all constants.
+pub fn write_vehicle(car: &Vehicle, out: &mut Lines) {
+    let length = |expression| constant(expression, Dimension::LENGTH);
+    out.open(&format!("vehicle {}", car.name));
+    out.line(&format!("controller {}", model_text(&car.controller)));
+    if let Some(chosen) = &car.dynamics {
+        out.line(&format!("dynamics {}", model_text(chosen)));
+    }
+    if let Some((long, wide)) = &car.size {
+        out.line(&format!("size {} x {}", length(long), length(wide)));
+    }
+    out.line(&format!("speed {}", constant(&car.speed, Dimension::SPEED)));
+    if car.lane != 0 {
+        out.line(&format!("lane {}", car.lane));
+    }
+    match &car.start {
+        DeclaredVehicleStart::Automatic => {}
+        DeclaredVehicleStart::Distance(distance) => {
+            out.line(&format!("start {} before crossing", length(distance)));
+        }
+        DeclaredVehicleStart::TimeToArrival(time) => {
+            out.line(&format!("start {} before crossing", constant(time, Dimension::TIME)));
+        }
+    }
+    if let Some(sees) = &car.sees {
+        out.line(&format!("sees {{ {} }}", settings_text(sees)));
+    }
+    out.close();
 }

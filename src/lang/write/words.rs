@@ -52,22 +52,22 @@ fn metric_text(reference: &MetricReference) -> String {
 }
 
 /// A name with its settings, if there are any.
-pub(super) fn model<T: Registered>(model: &Model<T>) -> String {
+pub fn model_text<T: Registered>(model: &Model<T>) -> String {
     if model.settings.is_empty() {
         model.first.to_string()
     } else {
-        format!("{} {{ {} }}", model.first, settings(model))
+        format!("{} {{ {} }}", model.first, settings_text(model))
     }
 }
 
-pub(super) fn settings<T: Registered>(model: &Model<T>) -> String {
+pub fn settings_text<T: Registered>(model: &Model<T>) -> String {
     let declaration = model.first.declaration();
     let said = model.settings.iter().map(|(name, value)| setting(declaration, name, value_of(value)));
     said.collect::<Vec<_>>().join(", ")
 }
 
 /// `name: value` with the unit that the declaration asks for.
-pub(super) fn setting(declaration: Option<&Declaration>, name: &str, value: &Value) -> String {
+fn setting(declaration: Option<&Declaration>, name: &str, value: &Value) -> String {
     let kind = declaration.and_then(|known| known.parameter(name)).map(|parameter| &parameter.kind);
     let text = match (value, kind) {
         (Value::Number(number), Some(ParameterKind::Number { dimension, .. })) => {
@@ -81,18 +81,18 @@ pub(super) fn setting(declaration: Option<&Declaration>, name: &str, value: &Val
     format!("{name}: {text}")
 }
 
-pub(super) fn value_of(expression: &Expression) -> &Value {
+fn value_of(expression: &Expression) -> &Value {
     match expression {
         Expression::Constant(value) => value,
         other => panic!("variations are put in before a scenario is written, but this is left: {other:?}"),
     }
 }
 
-pub(super) fn number_of(expression: &Expression) -> f64 {
+pub fn number_of(expression: &Expression) -> f64 {
     value_of(expression).as_number().expect("the checker found a number here")
 }
 
-pub(super) fn constant(expression: &Expression, dimension: Dimension) -> String {
+pub fn constant(expression: &Expression, dimension: Dimension) -> String {
     quantity(number_of(expression), dimension)
 }
 
@@ -118,13 +118,13 @@ pub fn quantity(si: f64, dimension: Dimension) -> String {
 }
 
 /// Whether a word can stand without quotes.
-pub(super) fn is_name(word: &str) -> bool {
+pub fn is_name(word: &str) -> bool {
     let mut letters = word.chars();
     letters.next().is_some_and(|first| first.is_ascii_alphabetic() || first == '_')
         && letters.all(|letter| letter.is_ascii_alphanumeric() || letter == '_')
 }
 
-pub(super) fn quoted(text: &str) -> String {
+pub fn quoted(text: &str) -> String {
     format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\"").replace(['\n', '\r'], " "))
 }
 
