@@ -266,11 +266,12 @@ fn a_name_stands_for_one_type() {
 fn nothing_is_registered_globally() {
     // Of these there is one a process: its standard streams, and a thread's own notes. What the language consists of is
     // compiled in with its grammar.
-    const CONSTANT: [&str; 5] = [
+    const CONSTANT: [&str; 6] = [
         "report/console.rs",
         "runner/run/panic.rs",
         "runner/run/name.rs",
         "lang/units.rs",
+        "lang/syntax/ast/",
         "lang/syntax/words/",
     ];
     let mut broken = Vec::new();

@@ -1,5 +1,6 @@
 //! Criteria: metrics, what sums them up, and what they are compared to.
 
+use super::super::words::{BlockEntry, BlockKind, StatementEntry, YamlShape, statement};
 use super::{Expression, Name, Named, Settings};
 #[cfg(test)]
 use super::{Holds, Made};
@@ -85,3 +86,22 @@ impl Relation<'_> {
         }
     }
 }
+
+pub(super) const EXPECT: StatementEntry =
+    statement("expect", Rule::expect, "expect { no collision }", "Criteria that runs must meet.")
+        .key("expect", YamlShape::Statements)
+        .opens(BlockKind::Expect);
+
+pub static EXPECT_BLOCK: BlockEntry = BlockEntry {
+    kind: BlockKind::Expect,
+    rule: Rule::expect_block,
+    name: "`expect`",
+    heads: &[],
+    statements: &[statement(
+        "",
+        Rule::criterion,
+        "no collision`, `pet >= 1.5 s in 80 % of runs` or `mean(time_lost) <= 3 s",
+        "A criterion.",
+    )
+    .repeats()],
+};

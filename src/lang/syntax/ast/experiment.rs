@@ -1,9 +1,11 @@
 //! Searches, tunes, evaluates and statements.
 
+use super::super::words::{BlockEntry, BlockKind, StatementEntry, YamlShape, statement};
 use super::{
     Aggregate, Condition, Doc, Expression, Individuals, Integer, List, Metric, Name, Quantity, Reference,
     Relation, Repeat, SettingName, Text, Undefined, When,
 };
+use super::{DOC, INDIVIDUAL, INDIVIDUALS, REPEAT};
 #[cfg(test)]
 use super::{Holds, Made};
 use super::{Node, Rule, View};
@@ -160,3 +162,204 @@ impl<'t> Block<'t> {
         }
     }
 }
+
+pub(super) const SEARCH: StatementEntry = statement(
+    "search",
+    Rule::search,
+    "search NAME { … }",
+    "Looks for the values at which a metric is worst.",
+)
+.key("searches", YamlShape::Named)
+.opens(BlockKind::Search)
+.names();
+
+pub(super) const TUNE: StatementEntry =
+    statement("tune", Rule::tune, "tune NAME { … }", "Looks for the best controller parameters.")
+        .key("tunes", YamlShape::Named)
+        .opens(BlockKind::Tune)
+        .names();
+
+pub(super) const EVALUATE: StatementEntry = statement(
+    "evaluate",
+    Rule::evaluate,
+    "evaluate NAME { … }",
+    "Compares parameter sets on the same cases.",
+)
+.key("evaluates", YamlShape::Named)
+.opens(BlockKind::Evaluate)
+.names();
+
+pub(super) const STATEMENT: StatementEntry = statement(
+    "statement",
+    Rule::statement,
+    "statement NAME { … }",
+    "What a source says, held against the results.",
+)
+.key("statements", YamlShape::Named)
+.opens(BlockKind::Statement)
+.names();
+
+pub(super) const SOURCE: StatementEntry =
+    statement("source", Rule::source, "source \"Wang et al., Table 1\"", "Where reported numbers come from.")
+        .key("source", YamlShape::Text);
+
+pub(super) const FRESH_SEEDS: StatementEntry = statement(
+    "repeat",
+    Rule::fresh_seeds,
+    "repeat 20 with fresh seeds",
+    "Runs every case this often, none with the seed it was found with.",
+)
+.key("repeat", YamlShape::Words);
+
+pub(super) const ON: StatementEntry = statement("on", Rule::on_cases, "on low_pet`, `on all of low_pet`, `on 50 of zebra_walk`, `on as many of zebra_walk as low_pet` or `on \"cases.json\"", "The cases: what a search kept, the best case of everybody, a scenario, some of its cases, or a saved set.").key("on", YamlShape::Cases);
+
+pub(super) const BUDGET: StatementEntry = statement(
+    "budget",
+    Rule::budget,
+    "budget 60 evaluations, 15 random first",
+    "How many evaluations, how many of them to begin with, and by which method.",
+)
+.key("budget", YamlShape::Words);
+
+pub(super) const OVER: StatementEntry = statement(
+    "over",
+    Rule::over,
+    "over tta in 6 s .. 18 s",
+    "What is searched: a variation, or a parameter such as `av.controller.braking_distance`.",
+)
+.key("over", YamlShape::Values);
+
+pub(super) const MAXIMISE: StatementEntry =
+    statement("maximise", Rule::objective, "maximise rate(gap_accepted)", "What is to be large.")
+        .key("maximise", YamlShape::Words);
+
+pub(super) const MINIMISE: StatementEntry =
+    statement("minimise", Rule::objective, "minimise mean(time_lost)", "What is to be small.")
+        .key("minimise", YamlShape::Words);
+
+pub static SEARCH_BLOCK: BlockEntry = BlockEntry {
+    kind: BlockKind::Search,
+    rule: Rule::search_block,
+    name: "a `search`",
+    heads: &[DOC],
+    statements: &[
+        statement("in", Rule::search_in, "in zebra_walk", "The scenario that is searched.")
+            .key("in", YamlShape::Words)
+            .needed("scenario", "in SCENARIO"),
+        INDIVIDUALS,
+        INDIVIDUAL,
+        statement(
+            "together",
+            Rule::together,
+            "together",
+            "One search over all individuals instead of one for each.",
+        )
+        .key("together", YamlShape::Flag),
+        MINIMISE.needed("objective", "minimise pet"),
+        MAXIMISE,
+        OVER.needed("range", "over tta in 6 s .. 18 s").repeats(),
+        BUDGET.needed("budget", "budget 60 evaluations, 15 random first"),
+        REPEAT,
+        statement(
+            "keep",
+            Rule::keep,
+            "keep pet < 1.5 s",
+            "Which of the worst cases belong to the set that the search makes.",
+        )
+        .key("keep", YamlShape::Words),
+    ],
+};
+
+pub static TUNE_BLOCK: BlockEntry = BlockEntry {
+    kind: BlockKind::Tune,
+    rule: Rule::tune_block,
+    name: "a `tune`",
+    heads: &[DOC],
+    statements: &[
+        ON.needed("cases", "on SCENARIO"),
+        OVER.needed("range", "over tta in 6 s .. 18 s").repeats(),
+        MINIMISE.needed("objective", "minimise mean(time_lost)").repeats(),
+        MAXIMISE.repeats(),
+        statement(
+            "subject to",
+            Rule::constraints,
+            "subject to pet >= 1.5 s, no collision",
+            "What must hold in every run.",
+        )
+        .key("subject_to", YamlShape::Commas)
+        .repeats(),
+        BUDGET.needed("budget", "budget 60 evaluations, 15 random first"),
+        FRESH_SEEDS,
+        statement(
+            "stop early",
+            Rule::stop_early,
+            "stop early",
+            "Gives a candidate up at its first violation.",
+        )
+        .key("stop_early", YamlShape::Flag),
+        statement(
+            "otherwise",
+            Rule::otherwise,
+            "otherwise fewest violations",
+            "Where no candidate keeps every constraint, takes the one that breaks them in the fewest runs.",
+        )
+        .key("otherwise", YamlShape::Words),
+        statement(
+            "compare with default",
+            Rule::compare,
+            "compare with default",
+            "Adds a table of before and after.",
+        )
+        .key("compare_with_default", YamlShape::Flag),
+    ],
+};
+
+pub static EVALUATE_BLOCK: BlockEntry = BlockEntry { kind: BlockKind::Evaluate, rule: Rule::evaluate_block, name: "an `evaluate`", heads: &[DOC], statements: &[
+ON.needed("cases", "on SCENARIO"),
+statement("with", Rule::conditions, "with default, braking, \"tuned.json\" as saved, { av.controller.braking_distance: 10 m } as ten", "The conditions: what is declared, what a tune chose, another scenario, a saved set or parameters in place; \
+                 the first is what the others are compared with.").key("with", YamlShape::Conditions).needed("conditions", "with default, TUNE"),
+FRESH_SEEDS,
+statement("measure", Rule::measures, "measure mean(pet), rate(collision)", "The columns of the table.").key("measure", YamlShape::Commas),
+SOURCE,
+statement("reported", Rule::reported_row, "reported default: 2.5 s, 3 %", "What a source has for a condition, a value for each measure.").key("reported", YamlShape::Rows).repeats(),
+]};
+
+pub static STATEMENT_BLOCK: BlockEntry = BlockEntry {
+    kind: BlockKind::Statement,
+    rule: Rule::statement_block,
+    name: "a `statement`",
+    heads: &[DOC],
+    statements: &[
+        SOURCE,
+        statement(
+            "reported",
+            Rule::reported,
+            "reported \"about 10 % at 6 s\"",
+            "The numbers of the source, in words.",
+        )
+        .key("reported", YamlShape::Text),
+        statement(
+            "claim",
+            Rule::claim,
+            "claim mean(pet) of low_pet < 1.5 s`, `claim rate(gap_accepted) of zebra_walk rises with tta` or \
+                 `claim mean(pet) of final.tuned > mean(pet) of final.default",
+            "What must hold in the results for the statement to be reproduced.",
+        )
+        .key("claims", YamlShape::Lines)
+        .repeats(),
+        statement(
+            "differs",
+            Rule::differs,
+            "differs \"the reason\"",
+            "It is known not to be reproduced, for this reason.",
+        )
+        .key("differs", YamlShape::Text),
+        statement(
+            "not comparable",
+            Rule::not_comparable,
+            "not comparable \"the reason\"",
+            "It cannot be compared, for this reason.",
+        )
+        .key("not_comparable", YamlShape::Text),
+    ],
+};

@@ -1,5 +1,7 @@
 //! Controllers of one's own.
 
+use super::super::words::{BlockEntry, BlockKind, YamlShape, statement};
+use super::DOC;
 use super::{Doc, Expression, Integer, List, Name, Text};
 #[cfg(test)]
 use super::{Holds, Made};
@@ -48,3 +50,106 @@ views! {
     /// `in LOW .. HIGH`, `in whole LOW .. HIGH` or `in [A, B]`
     OwnValues = own_values { list: (List), is_whole: {kw_whole}, bounds: [Expression] }
 }
+
+pub static CONTROLLER: BlockEntry = BlockEntry {
+    kind: BlockKind::Controller,
+    rule: Rule::controller_block,
+    name: "a `controller`",
+    heads: &[DOC],
+    statements: &[
+        statement(
+            "command",
+            Rule::command,
+            "command \"python3\", \"-m\", \"my_av\"",
+            "The program that decides, word by word; no shell reads them.",
+        )
+        .key("command", YamlShape::Texts),
+        statement(
+            "wasm",
+            Rule::wasm,
+            "wasm \"brakes.wasm\"",
+            "The WebAssembly module that decides, in place of a `command`: it is given nothing but what its vehicle sees, and needs no permission.",
+        )
+        .key("wasm", YamlShape::Text),
+        statement(
+            "folder",
+            Rule::folder,
+            "folder \"..\"",
+            "Where the program is started; the folder of this file if not said.",
+        )
+        .key("folder", YamlShape::Text),
+        statement(
+            "environment",
+            Rule::environment,
+            "environment \"MY_AV_MODEL=v3.onnx\", \"OMP_NUM_THREADS=1\"",
+            "What the program finds in its environment besides what is always there.",
+        )
+        .key("environment", YamlShape::Texts),
+        statement(
+            "gives",
+            Rule::gives,
+            "gives acceleration",
+            "What it decides: `acceleration`, `pedals`, `speed` or `speed_plan`; `acceleration` if not said.",
+        )
+        .key("gives", YamlShape::Words),
+        statement("dynamics", Rule::driven, "dynamics delay_lag", "The dynamics of vehicles that say none.")
+            .key("dynamics", YamlShape::Words),
+        statement(
+            "period",
+            Rule::period,
+            "period 100 ms",
+            "Time between two decisions; every simulation step if not said.",
+        )
+        .key("period", YamlShape::Words),
+        statement(
+            "delay",
+            Rule::delay,
+            "delay 50 ms` or `delay measured",
+            "From what is seen to what is done about it; none if not said, and with `measured` what the answer took.",
+        )
+        .key("delay", YamlShape::Words),
+        statement(
+            "settles within",
+            Rule::settles,
+            "settles within 2 s",
+            "Free driving before the start; none if not said.",
+        )
+        .key("settles", YamlShape::Words),
+        statement(
+            "starts within",
+            Rule::starts_within,
+            "starts within 30 s",
+            "Wall time in which the program must say hello, and get ready for runs; 30 s if not said.",
+        )
+        .key("starts", YamlShape::Words),
+        statement(
+            "answers within",
+            Rule::answers_within,
+            "answers within 1 s",
+            "Wall time in which it must answer, for each run of a request; 10 s if not said.",
+        )
+        .key("answers", YamlShape::Words),
+        statement(
+            "at most",
+            Rule::processes,
+            "at most 2 processes",
+            "How many processes of it may run at once; as many as there are threads if not said.",
+        )
+        .key("at_most", YamlShape::Words),
+        statement(
+            "nondeterministic",
+            Rule::nondeterministic,
+            "nondeterministic",
+            "It is known that the same run may come out differently.",
+        )
+        .key("nondeterministic", YamlShape::Flag),
+        statement(
+            "parameter",
+            Rule::own_parameter,
+            "parameter gap = 5 m in 1 m .. 30 m \"Gap to whoever crosses.\"`, `parameter profile = normal in [cautious, normal]` or `parameter horizon = 20 in whole 5 .. 80",
+            "A parameter with its default, its range or options, and what it is.",
+        )
+        .key("parameters", YamlShape::OwnParameters)
+        .repeats(),
+    ],
+};

@@ -1,5 +1,6 @@
 //! Vehicles and pedestrians.
 
+use super::super::words::{BlockEntry, BlockKind, StatementEntry, YamlShape, statement};
 use super::{
     Argument, Binding, Crossing, Expression, Integer, Name, Obstacle, Parameter, Scenario, Settings, Text,
     Varied, VaryTogether,
@@ -115,3 +116,131 @@ impl<'t> Named<'t> {
         }
     }
 }
+
+pub(super) const SIZE: StatementEntry =
+    statement("size", Rule::size, "size 4.5 m x 1.8 m", "Length and width of the footprint.")
+        .key("size", YamlShape::Words);
+
+pub(super) const INDIVIDUALS: StatementEntry = statement(
+    "individuals",
+    Rule::individuals,
+    "individuals 5 of standard",
+    "Takes parameters from people of a population.",
+)
+.key("individuals", YamlShape::Words);
+
+pub(super) const INDIVIDUAL: StatementEntry = statement(
+    "individual",
+    Rule::individual,
+    "individual 17 of standard",
+    "Takes the parameters of one person of a population.",
+)
+.key("individual", YamlShape::Words);
+
+pub static VEHICLE: BlockEntry = BlockEntry {
+    kind: BlockKind::Vehicle,
+    rule: Rule::vehicle_block,
+    name: "a `vehicle`",
+    heads: &[],
+    statements: &[
+        statement(
+            "controller",
+            Rule::controller,
+            "controller carla_behavior { profile: normal }",
+            "What drives it, with settings.",
+        )
+        .key("controller", YamlShape::Model)
+        .needed("controller", "controller carla_behavior")
+        .set_where_said(),
+        statement(
+            "dynamics",
+            Rule::dynamics,
+            "dynamics prius",
+            "How it answers to the controller's commands.",
+        )
+        .key("dynamics", YamlShape::Model)
+        .set_where_said(),
+        statement(
+            "sees",
+            Rule::sees,
+            "sees { range: 60 m }",
+            "What its controller perceives; without it, everything.",
+        )
+        .key("sees", YamlShape::Settings),
+        SIZE.set("size ", ""),
+        statement("speed", Rule::speed, "speed 30 km/h", "The steady cruise that it starts in.")
+            .key("speed", YamlShape::Words)
+            .needed("speed", "speed 30 km/h")
+            .set("speed ", ""),
+        statement("lane", Rule::lane, "lane 0", "Its lane, counted from the near side.")
+            .key("lane", YamlShape::Words)
+            .set("lane ", ""),
+        statement(
+            "start",
+            Rule::vehicle_start,
+            "start 80 m before crossing` or `start 6 s before crossing",
+            "Where it starts; without it, as far out as pedestrians need it.",
+        )
+        .key("start", YamlShape::Words)
+        .set("start ", " before crossing"),
+    ],
+};
+
+pub static PEDESTRIAN: BlockEntry = BlockEntry {
+    kind: BlockKind::Pedestrian,
+    rule: Rule::pedestrian_block,
+    name: "a `pedestrian`",
+    heads: &[],
+    statements: &[
+        statement(
+            "model",
+            Rule::model,
+            "model scripted { speed: 1.4 m/s }",
+            "How it behaves, with settings.",
+        )
+        .key("model", YamlShape::Model)
+        .needed("model", "model carla_walker")
+        .set_where_said(),
+        INDIVIDUALS,
+        INDIVIDUAL,
+        SIZE.set_instead_of(Rule::radius, "size "),
+        statement("radius", Rule::radius, "radius 0.25 m", "Radius of a round footprint.")
+            .key("radius", YamlShape::Words)
+            .set_instead_of(Rule::size, "radius "),
+        statement("from", Rule::side, "from far side", "The side of the road that it comes from.")
+            .key("from", YamlShape::Words),
+        statement(
+            "start",
+            Rule::pedestrian_start,
+            "start 2 m from kerb` or `start 4 m from lane centre",
+            "Where it stands at first.",
+        )
+        .key("start", YamlShape::Words)
+        .needed("start", "start 2 m from kerb")
+        .set_where_said(),
+        statement(
+            "along",
+            Rule::along,
+            "along 1 m",
+            "Its place along the road; 0 is the middle of the crossing.",
+        )
+        .key("along", YamlShape::Words)
+        .set("along ", ""),
+        statement(
+            "goal",
+            Rule::goal,
+            "goal 2 m beyond kerb",
+            "Where it wants to go, beyond the opposite kerb.",
+        )
+        .key("goal", YamlShape::Words)
+        .set("goal ", " beyond kerb"),
+        statement(
+            "appears",
+            Rule::appears,
+            "appears at 2 s` or `appears when time_to_arrival(av) = 6 s",
+            "When it enters the world.",
+        )
+        .key("appears", YamlShape::Words)
+        .set_where_said(),
+    ],
+};

@@ -1,10 +1,12 @@
 //! Files, roads, scenarios and what they vary.
 
 use super::super::tree::Tree;
+use super::super::words::{BlockEntry, BlockKind, StatementEntry, YamlShape, statement};
 use super::{
     Block, ControllerDefinition, Evaluate, Expect, Expression, Integer, List, Name, Pedestrian, Search,
     Settings, Statement, Suite, Text, Tune, Vehicle,
 };
+use super::{EVALUATE, EXPECT, SEARCH, STATEMENT, TUNE};
 #[cfg(test)]
 use super::{Holds, Made};
 use super::{Node, Rule, View};
@@ -140,3 +142,170 @@ impl<'t> Variation<'t> {
         alone.into_iter().chain(together.into_iter().flatten()).map(|varied| varied.name())
     }
 }
+
+/// What a block is about, in quotes at its beginning.
+pub(super) const DOC: StatementEntry =
+    statement("", Rule::doc, "\"What it is about.\"", "What it is about.").key("doc", YamlShape::Text);
+
+pub(super) const EXTENDS: StatementEntry = statement(
+    "",
+    Rule::base,
+    ": BASE(delay: 2 s)",
+    "The scenario or template that it builds on, with arguments: `base(delay: 2 s)`.",
+)
+.key("extends", YamlShape::Base);
+
+pub(super) const PARAMETERS: StatementEntry =
+    statement("", Rule::parameters, "(delay = 2 s)", "The parameters of a template with their defaults.")
+        .key("parameters", YamlShape::Parameters);
+
+pub(super) const LET: StatementEntry =
+    statement("let", Rule::binding, "let pace = 1.4 m/s", "Gives a value a name.")
+        .key("let", YamlShape::Bindings)
+        .names();
+
+pub(super) const SCENARIO: StatementEntry = statement(
+    "scenario",
+    Rule::scenario,
+    "scenario NAME { … }` or `scenario NAME : BASE { … }",
+    "A situation to simulate, possibly built on another.",
+)
+.key("scenarios", YamlShape::Named)
+.opens(BlockKind::Scenario)
+.names();
+
+pub(super) const TAGS: StatementEntry =
+    statement("tags", Rule::tags, "tags paper, zebra", "Words to select scenarios by.")
+        .key("tags", YamlShape::Commas);
+
+pub(super) const REPEAT: StatementEntry =
+    statement("repeat", Rule::repeat, "repeat 4", "How often everything is run, with different seeds.")
+        .key("repeat", YamlShape::Words);
+
+pub static FILE: BlockEntry = BlockEntry {
+    kind: BlockKind::File,
+    rule: Rule::file,
+    name: "a file",
+    heads: &[],
+    statements: &[
+        statement(
+            "use",
+            Rule::use_file,
+            "use \"../roads/town01.scn\"",
+            "Makes the names of another file known.",
+        )
+        .key("use", YamlShape::Text)
+        .repeats(),
+        LET.repeats(),
+        statement("road", Rule::road_definition, "road NAME { … }", "A road that scenarios can name.")
+            .key("roads", YamlShape::Named)
+            .opens(BlockKind::Road)
+            .names()
+            .repeats(),
+        statement(
+            "controller",
+            Rule::controller_definition,
+            "controller NAME { … }",
+            "A controller of one's own: a program that decides.",
+        )
+        .key("controllers", YamlShape::Named)
+        .opens(BlockKind::Controller)
+        .names()
+        .repeats(),
+        statement(
+            "define",
+            Rule::define,
+            "define NAME(delay = 2 s) { … }` or `define NAME : BASE { … }",
+            "A scenario with parameters to build others on.",
+        )
+        .key("templates", YamlShape::Named)
+        .opens(BlockKind::Scenario)
+        .names()
+        .repeats(),
+        SCENARIO.repeats(),
+        SEARCH.repeats(),
+        TUNE.repeats(),
+        EVALUATE.repeats(),
+        STATEMENT.repeats(),
+        statement("suite", Rule::suite, "suite NAME { … }", "Scenarios that are run together.")
+            .key("suite", YamlShape::Named)
+            .opens(BlockKind::Suite)
+            .repeats(),
+    ],
+};
+
+pub static ROAD: BlockEntry = BlockEntry {
+    kind: BlockKind::Road,
+    rule: Rule::road_block,
+    name: "a `road`",
+    heads: &[],
+    statements: &[
+        statement(
+            "lanes",
+            Rule::lanes,
+            "lanes forward, backward",
+            "The lanes from the near side to the far side, or their number.",
+        )
+        .key("lanes", YamlShape::Commas),
+        statement("lane_width", Rule::lane_width, "lane_width 3.5 m", "Width of every lane.")
+            .key("lane_width", YamlShape::Words)
+            .needed("lane width", "lane_width 3.5 m"),
+        statement("speed_limit", Rule::speed_limit, "speed_limit 30 km/h", "The speed limit.")
+            .key("speed_limit", YamlShape::Words)
+            .needed("speed limit", "speed_limit 30 km/h"),
+        statement("no kerbs", Rule::no_kerbs, "no kerbs", "Carriageway and pavement are on one level.")
+            .key("kerbs", YamlShape::NotFlag),
+        statement(
+            "crossing",
+            Rule::crossing,
+            "crossing zebra { width: 4 m }",
+            "`zebra`, `unmarked` or `signalised`; its middle is the origin of all places.",
+        )
+        .key("crossing", YamlShape::Model)
+        .needed("crossing", "crossing zebra { width: 4 m }"),
+        statement(
+            "box",
+            Rule::obstacle,
+            "box van { along: -12 m, across: -2.5 m, length: 5 m, width: 2 m }",
+            "Something that blocks the view and the way.",
+        )
+        .key("boxes", YamlShape::NamedSettings)
+        .repeats(),
+        statement(
+            "parked",
+            Rule::obstacle,
+            "parked car { along: -12 m, across: -2.5 m, length: 4.5 m, width: 1.8 m }",
+            "A parked vehicle, which blocks the view and the way.",
+        )
+        .key("parked", YamlShape::NamedSettings)
+        .repeats(),
+    ],
+};
+
+pub static SCENARIO_BLOCK: BlockEntry = BlockEntry { kind: BlockKind::Scenario, rule: Rule::scenario_block, name: "a `scenario`", heads: &[DOC, EXTENDS, PARAMETERS], statements: &[
+TAGS.repeats(),
+statement("road", Rule::road_choice, "road NAME` or `road { … }", "Where it happens.").key("road", YamlShape::NameOrBlock).opens(BlockKind::Road).needed("road", "road NAME` or `road { … }"),
+LET.repeats(),
+statement("vehicle", Rule::vehicle, "vehicle NAME { … }", "A vehicle with its controller.").key("vehicles", YamlShape::Named).opens(BlockKind::Vehicle).names().repeats(),
+statement("pedestrian", Rule::pedestrian, "pedestrian NAME { … }", "A pedestrian with its model.").key("pedestrians", YamlShape::Named).opens(BlockKind::Pedestrian).names().repeats(),
+statement("vary", Rule::vary, "vary tta in [6 s, 10 s]`, `vary tta in 6 s .. 18 s step 4 s` or `vary tta in uniform(6 s, 18 s) 100 times", "A name that takes several values; every combination of all `vary` lines is run.").key("vary", YamlShape::Values).names().repeats(),
+statement("vary together", Rule::vary_together, "vary together { a in [1 s, 2 s]; b in [3 m, 4 m] }", "Names whose values go together.").key("vary_together", YamlShape::Together).opens(BlockKind::Together).names().repeats(),
+REPEAT.set_instead_of(Rule::runs, "repeat "),
+statement("runs", Rule::runs, "runs 50 .. 2000", "Runs are added until every criterion with confidence is decided; at least and at most so many.").key("runs", YamlShape::Words),
+statement("seed", Rule::seed, "seed 417", "The seed of the first run of each trial itself, whatever the suite's seed; others follow from it.").key("seed", YamlShape::Words).set("seed ", ""),
+statement("step", Rule::step, "step 25 ms", "The simulation step.").key("step", YamlShape::Words).set("step ", ""),
+statement("horizon", Rule::horizon, "horizon 60 s", "Simulated time after which a run ends.").key("horizon", YamlShape::Words).set("horizon ", ""),
+statement("finish", Rule::finish, "finish 100 m", "Distance of the finish line behind the crossing.").key("finish", YamlShape::Words).set("finish ", ""),
+statement("end on collision", Rule::end_on_collision, "end on collision", "Ends a run at a collision.").key("end_on_collision", YamlShape::Flag),
+EXPECT.repeats(),
+]};
+
+pub static TOGETHER: BlockEntry = BlockEntry {
+    kind: BlockKind::Together,
+    rule: Rule::together_block,
+    name: "`vary together`",
+    heads: &[],
+    statements: &[
+        statement("", Rule::varied, "tta in [6 s, 10 s]", "One of the names that vary together.").repeats()
+    ],
+};

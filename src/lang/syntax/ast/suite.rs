@@ -1,6 +1,8 @@
 //! Suites and gates.
 
+use super::super::words::{BlockEntry, BlockKind, YamlShape, statement};
 use super::{Block, Confidence, Doc, Expect, Expression, Metric, Name, Scenario, Seed, Tags, Text};
+use super::{DOC, EVALUATE, EXPECT, SCENARIO, SEARCH, STATEMENT, TAGS, TUNE};
 #[cfg(test)]
 use super::{Holds, Made};
 use super::{Node, Rule, View};
@@ -38,3 +40,60 @@ views! {
     /// `by more than 5 %`
     GateTolerance = gate_tolerance { bound: Expression }
 }
+
+pub static SUITE: BlockEntry = BlockEntry {
+    kind: BlockKind::Suite,
+    rule: Rule::suite_block,
+    name: "a `suite`",
+    heads: &[DOC],
+    statements: &[
+        TAGS.repeats(),
+        statement(
+            "scenarios",
+            Rule::suite_files,
+            "scenarios \"../scenarios/zebra/*.scn\"",
+            "Files whose scenarios belong to the suite.",
+        )
+        .key("files", YamlShape::Text)
+        .repeats(),
+        statement("seed", Rule::seed, "seed 20261121", "What all randomness is derived from.")
+            .key("seed", YamlShape::Words),
+        statement("time_limit", Rule::time_limit, "time_limit 10 s per case", "Wall-clock limit.")
+            .key("time_limit", YamlShape::Words),
+        EXPECT.repeats(),
+        SCENARIO.repeats(),
+        SEARCH.repeats(),
+        TUNE.repeats(),
+        EVALUATE.repeats(),
+        STATEMENT.repeats(),
+        statement(
+            "gate",
+            Rule::gate,
+            "gate braking { baseline \"zebra.json\"; no metric worse by more than 5 % with 95 % confidence }",
+            "What may not get worse than a baseline.",
+        )
+        .key("gates", YamlShape::Named)
+        .opens(BlockKind::Gate)
+        .repeats(),
+    ],
+};
+
+pub static GATE: BlockEntry = BlockEntry {
+    kind: BlockKind::Gate,
+    rule: Rule::gate_block,
+    name: "a `gate`",
+    heads: &[DOC],
+    statements: &[
+        statement("baseline", Rule::baseline, "baseline \"zebra.json\"", "The file to compare with.")
+            .key("baseline", YamlShape::Text)
+            .needed("baseline", "baseline \"zebra.json\""),
+        statement(
+            "",
+            Rule::gate_rule,
+            "no metric worse by more than 5 % with 95 % confidence` or `pet not worse by more than 0.2 s",
+            "What may not get worse.",
+        )
+        .key("rules", YamlShape::Statements)
+        .repeats(),
+    ],
+};

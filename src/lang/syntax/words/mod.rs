@@ -1,13 +1,10 @@
 //! The statements of the language: one entry for each, and all that is known of it. The grammar's tests, checker, YAML, completion,
-//! hover, JSON Schema, the writer and the page of reference take it from here.
+//! hover, JSON Schema and the page of reference take it from here. An entry stands beside the views of its block, in `ast`.
 
-mod experiments;
-mod programs;
 #[cfg(test)]
 mod tests;
-mod world;
 
-use super::ast::View;
+use super::ast::{self, View};
 use super::tree::{Node, Rule};
 
 /// A statement of a block.
@@ -117,11 +114,11 @@ pub enum BlockKind {
 #[derive(Debug)]
 pub struct BlockEntry {
     pub kind: BlockKind,
-    rule: Rule,
+    pub(super) rule: Rule,
     /// With an article: "a `vehicle`".
     pub name: &'static str,
     /// What stands before its statements without a word of its own.
-    heads: &'static [StatementEntry],
+    pub(super) heads: &'static [StatementEntry],
     pub statements: &'static [StatementEntry],
 }
 
@@ -146,20 +143,20 @@ impl BlockKind {
 
     pub fn block(self) -> &'static BlockEntry {
         match self {
-            Self::File => &world::FILE,
-            Self::Road => &world::ROAD,
-            Self::Controller => &programs::CONTROLLER,
-            Self::Scenario => &world::SCENARIO_BLOCK,
-            Self::Vehicle => &world::VEHICLE,
-            Self::Pedestrian => &world::PEDESTRIAN,
-            Self::Expect => &world::EXPECT_BLOCK,
-            Self::Together => &world::TOGETHER,
-            Self::Suite => &experiments::SUITE,
-            Self::Gate => &experiments::GATE,
-            Self::Search => &experiments::SEARCH_BLOCK,
-            Self::Tune => &experiments::TUNE_BLOCK,
-            Self::Evaluate => &experiments::EVALUATE_BLOCK,
-            Self::Statement => &experiments::STATEMENT_BLOCK,
+            Self::File => &ast::FILE,
+            Self::Road => &ast::ROAD,
+            Self::Controller => &ast::CONTROLLER,
+            Self::Scenario => &ast::SCENARIO_BLOCK,
+            Self::Vehicle => &ast::VEHICLE,
+            Self::Pedestrian => &ast::PEDESTRIAN,
+            Self::Expect => &ast::EXPECT_BLOCK,
+            Self::Together => &ast::TOGETHER,
+            Self::Suite => &ast::SUITE,
+            Self::Gate => &ast::GATE,
+            Self::Search => &ast::SEARCH_BLOCK,
+            Self::Tune => &ast::TUNE_BLOCK,
+            Self::Evaluate => &ast::EVALUATE_BLOCK,
+            Self::Statement => &ast::STATEMENT_BLOCK,
         }
     }
 
@@ -286,7 +283,7 @@ pub static GIVEN: StatementEntry = statement(
 );
 
 /// A statement that stands once in a block and has no key in YAML.
-const fn statement(
+pub(super) const fn statement(
     words: &'static str,
     rule: Rule,
     usage: &'static str,
@@ -308,39 +305,39 @@ const fn statement(
 }
 
 impl StatementEntry {
-    const fn key(self, key: &'static str, shape: YamlShape) -> Self {
+    pub(super) const fn key(self, key: &'static str, shape: YamlShape) -> Self {
         Self { key, shape, ..self }
     }
 
-    const fn repeats(self) -> Self {
+    pub(super) const fn repeats(self) -> Self {
         Self { repeats: true, ..self }
     }
 
-    const fn opens(self, block: BlockKind) -> Self {
+    pub(super) const fn opens(self, block: BlockKind) -> Self {
         Self { opens: Some(block), ..self }
     }
 
-    const fn names(self) -> Self {
+    pub(super) const fn names(self) -> Self {
         Self { names: true, ..self }
     }
 
     /// What a block that needs it and does not have it lacks, with an example.
-    const fn needed(self, lacks: &'static str, example: &'static str) -> Self {
+    pub(super) const fn needed(self, lacks: &'static str, example: &'static str) -> Self {
         Self { missing: Some((lacks, example)), ..self }
     }
 
     /// Takes its value from outside, between these words where nothing is said.
-    const fn set(self, before: &'static str, after: &'static str) -> Self {
+    pub(super) const fn set(self, before: &'static str, after: &'static str) -> Self {
         Self { set: Some(Set { around: Some((before, after)), instead_of: None }), ..self }
     }
 
     /// As [`Self::set`], in place of another statement too.
-    const fn set_instead_of(self, other: Rule, before: &'static str) -> Self {
+    pub(super) const fn set_instead_of(self, other: Rule, before: &'static str) -> Self {
         Self { set: Some(Set { around: Some((before, "")), instead_of: Some(other) }), ..self }
     }
 
     /// Takes its value from outside where it is said.
-    const fn set_where_said(self) -> Self {
+    pub(super) const fn set_where_said(self) -> Self {
         Self { set: Some(Set { around: None, instead_of: None }), ..self }
     }
 }
