@@ -588,20 +588,6 @@ fn the_schema_in_the_repository_is_current() {
 }
 
 #[test]
-fn editors_highlight_every_keyword() {
-    let grammar = std::fs::read_to_string("grammar/scn.pest").unwrap();
-    let highlighting = std::fs::read_to_string("editors/vscode/syntaxes/scn.tmLanguage.json").unwrap();
-    let words: BTreeSet<&str> = highlighting
-        .split(|c: char| !c.is_ascii_alphanumeric() && c != '_')
-        .map(|word| word.trim_start_matches('b'))
-        .collect();
-    let keywords =
-        grammar.lines().filter_map(|line| line.strip_prefix("kw_")).filter_map(|line| line.split('"').nth(1));
-    let missing: Vec<_> = keywords.filter(|word| !words.contains(word.trim_start_matches('b'))).collect();
-    assert!(missing.is_empty(), "not in editors/vscode/syntaxes/scn.tmLanguage.json: {missing:?}");
-}
-
-#[test]
 fn a_file_for_others_to_use_may_be_checked_but_not_run() {
     let path = folder("support/street.scn");
     assert!(lang::examine(&path, &standard(), &Disk).found.is_empty());

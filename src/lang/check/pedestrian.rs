@@ -12,7 +12,7 @@ use crate::settings::repeated;
 use crate::source::Span;
 use crate::syntax::{Node, ast};
 use crate::value::{self, Typed};
-use crate::write::{Lines, constant, is_name, model_text, number_of, quoted};
+use crate::write::{BlockText, constant, is_name, model_text, number_of, quoted};
 use scenario::{
     BinaryOperator, DeclaredAppearance, DeclaredPedestrian, DeclaredShape, Dimension, Expression,
     Individuals, PedestrianModel, PopulationShare, Road, Side, Value, VehicleReference, limits, show,
@@ -351,7 +351,7 @@ pub fn unknown_vehicle(name: ast::Name, vehicles: &[&str]) -> Diagnostic {
 }
 
 /// The block that says it, whose values are all constants.
-pub fn write_pedestrian(person: &DeclaredPedestrian, out: &mut Lines) {
+pub fn write_pedestrian(person: &DeclaredPedestrian, out: &mut BlockText) {
     let length = |expression| constant(expression, Dimension::LENGTH);
     out.open(&format!("pedestrian {}", person.name));
     out.line(&format!("model {}", model_text(&person.model)));

@@ -7,7 +7,7 @@ use crate::settings;
 use crate::source::Span;
 use crate::syntax::ast;
 use crate::value::{self, NameScope, Typed, ValueKind};
-use crate::write::{Lines, quantity};
+use crate::write::{BlockText, quantity};
 use scenario::{
     Body, Crossing, CrossingKind, Declaration, Dimension, Direction, Expression, Lane, Parameter, Road,
     Settings, Value, limits,
@@ -263,7 +263,7 @@ pub fn constants(
 }
 
 /// The block that says it.
-pub fn write_road(road: &Road, out: &mut Lines) {
+pub fn write_road(road: &Road, out: &mut BlockText) {
     out.open("road");
     let directions: Vec<_> = road
         .lanes

@@ -15,7 +15,7 @@ use crate::syntax::View;
 use crate::syntax::ast;
 use crate::texts::{NameDefinition, Names};
 use crate::value::{self, Binding, NameScope, Typed, ValueKind};
-use crate::write::{Lines, quantity, quoted};
+use crate::write::{BlockText, quantity, quoted};
 use scenario::limits::Limit;
 use scenario::{
     Criterion, DeclaredAppearance, DeclaredPedestrian, Dimension, Expression, Individuals, PopulationShare,
@@ -515,7 +515,7 @@ fn used_variables<'a>(
 /// If a value depends on a variation.
 pub fn write_scenario(scenario: &Scenario, expect: &[String], remarks: &[String]) -> String {
     assert!(scenario.variations.is_empty(), "variations are put in before a scenario is written");
-    let mut out = Lines::default();
+    let mut out = BlockText::default();
     for remark in remarks {
         out.line(format!("# {remark}").trim_end());
     }

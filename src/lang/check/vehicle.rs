@@ -9,7 +9,7 @@ use crate::settings::{self, not_whole};
 use crate::source::Span;
 use crate::syntax::ast;
 use crate::value::{self, Typed, ValueKind};
-use crate::write::{Lines, constant, model_text, settings_text};
+use crate::write::{BlockText, constant, model_text, settings_text};
 use scenario::{
     CommandKind, ControllerModel, DeclaredVehicleStart, Dimension, DynamicsModel, Model, Reference, Road,
     Vehicle, limits,
@@ -291,7 +291,7 @@ pub fn check_starts(
 }
 
 /// The block that says it, whose values are all constants.
-pub fn write_vehicle(car: &Vehicle, out: &mut Lines) {
+pub fn write_vehicle(car: &Vehicle, out: &mut BlockText) {
     let length = |expression| constant(expression, Dimension::LENGTH);
     out.open(&format!("vehicle {}", car.name));
     out.line(&format!("controller {}", model_text(&car.controller)));

@@ -85,6 +85,46 @@ fn its_key_is_in_the_schema() {
     }
 }
 
+/// `UPDATE_DOCS=1` adds what is missing to the words that editors colour; what they have besides is theirs.
+#[test]
+fn editors_colour_its_words_and_all_others() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../editors/vscode/syntaxes/scn.tmLanguage.json");
+    let mut colours = std::fs::read_to_string(path).unwrap();
+    let keywords = grammar::scn::TEXT.lines().filter_map(|line| line.strip_prefix("kw_")?.split('"').nth(1));
+    // Which list a word belongs to is said by one that is there.
+    let lists: [(&str, Vec<&str>); 4] = [
+        ("speed", words::all().map(StatementEntry::word).filter(|word| !word.is_empty()).collect()),
+        ("mean", scenario::AGGREGATES.iter().map(|known| known.word).collect()),
+        ("km/h", UNITS.iter().map(|unit| unit.symbol).collect()),
+        ("evaluations", keywords.collect()),
+    ];
+    let written = |word: &str| word.replace('^', r"\\^");
+    let mut missing = Vec::new();
+    for (beside, wanted) in lists {
+        for word in wanted {
+            let is_listed = |word: &str| {
+                let ends = ["|", ")", "(?="];
+                ["|", "("]
+                    .iter()
+                    .any(|start| ends.iter().any(|end| colours.contains(&format!("{start}{word}{end}"))))
+            };
+            if !is_listed(&written(word)) {
+                let beside = format!("|{beside}|");
+                colours = colours.replacen(&beside, &format!("{beside}{}|", written(word)), 1);
+                missing.push(word);
+            }
+        }
+    }
+    if std::env::var_os("UPDATE_DOCS").is_some() {
+        std::fs::write(path, colours).unwrap();
+    } else {
+        assert!(
+            missing.is_empty(),
+            "editors do not colour {missing:?}; run the tests once with UPDATE_DOCS=1"
+        );
+    }
+}
+
 #[test]
 fn it_is_completed_and_hovered() {
     for (block, statement, text) in examples().filter(|(_, statement, _)| !statement.words.is_empty()) {

@@ -13,14 +13,14 @@ pub use words::{
     constant, is_name, model_text, number_of, quantity, quoted, settings_text, write_comparison,
 };
 
-/// Lines of blocks in blocks.
+/// BlockText of blocks in blocks.
 #[derive(Default)]
-pub struct Lines {
+pub struct BlockText {
     pub text: String,
     depth: usize,
 }
 
-impl Lines {
+impl BlockText {
     pub fn line(&mut self, line: &str) {
         writeln!(self.text, "{}{line}", "  ".repeat(self.depth)).expect("writing to a string cannot fail");
     }
