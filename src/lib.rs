@@ -132,7 +132,7 @@ pub mod project {
 
 /// What [`Session`] speaks of: its units, and whoever watches their runs.
 pub mod session {
-    pub use runner::session::{RunWatch, Unit, UnitKind, Units, Work, units};
+    pub use runner::session::{OnDemand, RunWatch, Unit, UnitKind, Units, Work, gate_key, units};
 }
 
 /// Where runs are made: an [`Executor`](run::Executor) takes jobs and gives back what came of each. [`Threads`](run::Threads) is the

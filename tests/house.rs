@@ -311,6 +311,72 @@ fn the_language_and_the_runner_know_no_disk() {
     complain(broken);
 }
 
+/// Suites as tests are what any Rust program could make of the front door: of what stands below they use no more than that offers.
+#[test]
+fn suites_as_tests_use_the_front_door() {
+    // Who may start programs is not decided through the front door yet.
+    const BESIDES: [&str; 3] = ["under_test::Allowed", "under_test::Permission", "under_test::ProcessPool"];
+    // Packages that the front door offers as a whole.
+    const WHOLE: [&str; 5] = ["models", "report", "results", "scenario", "sim"];
+    let offered = used(&sources().iter().find(|source| source.path == Path::new("lib.rs")).unwrap().code);
+    assert!(offered.contains("runner::session::Session"), "the front door was not read: {offered:?}");
+    assert!(WHOLE.iter().all(|package| offered.contains(*package)));
+    let mut broken = Vec::new();
+    for Source { path, code, .. } in sources().into_iter().filter(|source| source.room == "testing") {
+        for name in used(&code) {
+            let package = name.split("::").next().unwrap();
+            let is_ours = PACKAGES.iter().any(|(known, _)| *known == package);
+            // Helpers for numbers are no part of what is run.
+            let free = WHOLE.contains(&package) || BESIDES.contains(&name.as_str()) || package == "numbers";
+            if is_ours && !free && !offered.contains(&name) {
+                broken.push(format!("{}: `{name}` is not offered by the front door", path.display()));
+            }
+        }
+    }
+    complain(broken);
+}
+
+/// Every name that `use` gives, as its whole path.
+fn used(code: &str) -> BTreeSet<String> {
+    fn flatten(before: &str, tree: &str, found: &mut BTreeSet<String>) {
+        let tree = tree.trim();
+        let Some((path, group)) = tree.split_once('{') else {
+            let name = tree.split(" as ").next().unwrap().trim();
+            let whole = format!("{before}{name}");
+            found.insert(whole.trim_end_matches("::self").to_string());
+            return;
+        };
+        let before = format!("{before}{path}");
+        let (mut depth, mut start) = (0, 0);
+        let group = group.strip_suffix('}').expect("a group ends");
+        for (at, one) in group.char_indices().chain([(group.len(), ',')]) {
+            match one {
+                '{' => depth += 1,
+                '}' => depth -= 1,
+                ',' if depth == 0 => {
+                    if !group[start..at].trim().is_empty() {
+                        flatten(&before, &group[start..at], found);
+                    }
+                    start = at + 1;
+                }
+                _ => {}
+            }
+        }
+    }
+    let mut found = BTreeSet::new();
+    for statement in code.split(';') {
+        let begun = statement.trim_start().rsplit('\n').map(str::trim_start).enumerate();
+        let lines: Vec<&str> = begun.map(|(_, line)| line).collect();
+        let Some(at) = lines.iter().position(|line| line.starts_with("use ") || line.starts_with("pub use "))
+        else {
+            continue;
+        };
+        let whole: String = lines[..=at].iter().rev().copied().collect();
+        flatten("", whole.trim_start_matches("pub ").trim_start_matches("use "), &mut found);
+    }
+    found
+}
+
 /// Otherwise the rules above would hold of nothing.
 #[test]
 fn the_rooms_are_those_of_the_sources() {
@@ -338,6 +404,13 @@ fn places_and_manifests_are_read_as_cargo_does() {
     assert_eq!(of("main.rs"), (FRONT.to_string(), FRONT.to_string()));
     let manifest = "[package]\nname = \"x\"\n\n[dependencies]\nsim.workspace = true\nserde = \"1\"\n\n[dev-dependencies]\nmodels.workspace = true\n";
     assert_eq!(known_packages(manifest).into_iter().collect::<Vec<_>>(), ["sim"]);
+}
+
+#[test]
+fn uses_are_read_as_the_compiler_does() {
+    let code =
+        "pub mod a {\n    pub use x::{\n        B, c::{self, D as E},\n    };\n}\nuse y;\nlet z = 1;\n";
+    assert_eq!(used(code).into_iter().collect::<Vec<_>>(), ["x::B", "x::c", "x::c::D", "y"]);
 }
 
 #[test]

@@ -27,7 +27,7 @@ mod fingerprints;
 
 use std::path::Path;
 use std::process::ExitCode;
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 use libtest_mimic::{Arguments, Failed, Trial};
 use thiserror::Error;
@@ -37,11 +37,10 @@ use fingerprints::{compare, lines, path, recording};
 use lang::Style;
 use report::console::stderr;
 use report::{explain, render_gate_report};
-use results::{Skip, Standing, UnitReport, Verdict};
-use runner::experiment::Silent;
+use results::{Skip, Standing, Verdict};
 use runner::project::{Project, ProjectOptions};
 use runner::run::{Executor, Threads};
-use runner::session::{self, Unit, Usable, Work, gate_key, judge_one_gate, measured_trials};
+use runner::session::{OnDemand, gate_key};
 use scenario::Gate;
 use scenario::registry::Registry;
 use under_test::{Allowed, Permission, ProcessPool};
@@ -135,14 +134,15 @@ impl Suites {
     /// If a pattern names no file that was loaded.
     pub fn tests(&self, patterns: &[&str]) -> Result<Vec<Trial>, TestingError> {
         let chosen = self.chosen(patterns)?;
-        let units = self.0.units.iter().enumerate().filter(|(_, unit)| chosen.contains(&unit.suite)).map(
-            |(index, unit)| {
-                let tested = Arc::clone(&self.0);
-                Trial::test(unit.key.to_string(), move || tested.judge(index))
-            },
-        );
+        let units =
+            self.0.session.units().iter().enumerate().filter(|(_, unit)| chosen.contains(&unit.suite)).map(
+                |(index, unit)| {
+                    let tested = Arc::clone(&self.0);
+                    Trial::test(unit.key.to_string(), move || tested.judge(index))
+                },
+            );
         let gates = chosen.iter().flat_map(|&suite| {
-            let suite_of = &self.0.session.suites()[suite].suite;
+            let suite_of = &self.0.project.suites()[suite].suite;
             suite_of.gates.iter().map(move |gate| {
                 let tested = Arc::clone(&self.0);
                 Trial::test(gate_key(&suite_of.name, gate), move || tested.judge_gate(suite, gate))
@@ -160,7 +160,7 @@ impl Suites {
     pub fn fingerprints(&self, patterns: &[&str], folder: &Path) -> Result<Vec<Trial>, TestingError> {
         let test = |suite: usize| {
             let tested = Arc::clone(&self.0);
-            let file = &self.0.session.suites()[suite].file;
+            let file = &self.0.project.suites()[suite].file;
             let kept = path(folder, file);
             let unknown = !recording() && kept.parent().is_none_or(|folder| !folder.exists());
             Trial::test(format!("fingerprints of {file}"), move || tested.compare_fingerprints(suite, &kept))
@@ -172,7 +172,7 @@ impl Suites {
     /// Indices of the suites that the patterns name, in the order in which they were loaded.
     fn chosen(&self, patterns: &[&str]) -> Result<Vec<usize>, TestingError> {
         let wanted = files(patterns)?;
-        let suites = self.0.session.suites();
+        let suites = self.0.project.suites();
         if let Some(unknown) = wanted.iter().find(|file| suites.iter().all(|suite| suite.file != **file)) {
             return Err(TestingError::NotLoaded(unknown.clone()));
         }
@@ -201,23 +201,14 @@ fn files(patterns: &[&str]) -> Result<Vec<String>, TestingError> {
     Ok(files)
 }
 
-/// All units, each run when somebody first asks for it.
+/// What tests share.
 struct Tested {
-    session: session::Runner<'static>,
-    units: Vec<Unit<'static>>,
-    done: Vec<OnceLock<Done>>,
-}
-
-struct Done {
-    report: UnitReport,
-    kept: Option<Arc<Usable>>,
+    project: &'static Project,
+    session: OnDemand<'static>,
 }
 
 impl Tested {
     fn new(project: &'static Project, programs: &[&str]) -> Self {
-        let (suites, registry) = (project.suites(), project.registry());
-        let units: Vec<_> = session::units(suites).iter().collect();
-        let done = units.iter().map(|_| OnceLock::new()).collect();
         let threads = Threads::all();
         let mut permission = Permission::default().of_environment().named(programs.iter().copied());
         if let Ok(allowed) = Allowed::place().and_then(Allowed::read) {
@@ -226,32 +217,23 @@ impl Tested {
         // What may not be run is an error of each test that needs it.
         let pool = ProcessPool::new(permission, threads.parallelism());
         let threads = Box::leak(Box::new(threads.with_processes(Arc::new(pool))));
-        Self { session: session::Runner::new(suites, threads, registry), units, done }
+        Self { project, session: OnDemand::new(project, threads) }
     }
 
     fn judge(&self, index: usize) -> Result<(), Failed> {
-        let report = &self.done(index).report;
+        let report = self.session.report(index);
         match report.standing() {
             Standing::NotJudged | Standing::Judged(Verdict::Passed) => Ok(()),
             Standing::Skipped => Err(report.skip().map(Skip::to_string).unwrap_or_default().into()),
             Standing::Judged(_) | Standing::NotFinished(_) | Standing::Errored => {
-                let suite = self.session.identity(self.units[index].suite);
+                let suite = self.session.identity(self.session.units()[index].suite);
                 Err(explain(&suite, report, false).into())
             }
         }
     }
 
-    fn judge_gate(&self, suite: usize, gate: &'static Gate) -> Result<(), Failed> {
-        let of_suite = self.units.iter().enumerate().filter(|(_, unit)| unit.suite == suite);
-        let trials: Vec<_> = of_suite
-            .filter(|(_, unit)| matches!(unit.work, Work::Trial(_)))
-            .filter_map(|(index, _)| match &self.done(index).report {
-                UnitReport::Trial(trial) => Some(trial),
-                UnitReport::Recorded(_) | UnitReport::Block(_) => None,
-            })
-            .collect();
-        let measured = measured_trials(&self.session, suite, &trials);
-        let report = judge_one_gate(&self.session, suite, gate, measured.as_ref(), false);
+    fn judge_gate(&self, suite: usize, gate: &Gate) -> Result<(), Failed> {
+        let report = self.session.gate(suite, gate);
         match report.standing() {
             Standing::Judged(Verdict::Passed) => Ok(()),
             _ => Err(render_gate_report(&self.session.identity(suite), &report, false).into()),
@@ -259,35 +241,9 @@ impl Tested {
     }
 
     fn compare_fingerprints(&self, suite: usize, kept: &Path) -> Result<(), Failed> {
-        let of_suite = self.units.iter().enumerate().filter(|(_, unit)| unit.suite == suite);
-        let reports = of_suite.map(|(index, _)| &self.done(index).report);
-        let found = lines(reports, self.session.requests(), self.session.registry())?;
+        let reports = self.session.reports(suite);
+        let found = lines(reports, self.session.requests(), self.project.registry())?;
         Ok(compare(kept, &found)?)
-    }
-
-    /// What became of a unit, which is run now if it was not before. Units need only those before them, so nobody waits
-    /// for himself.
-    fn done(&self, index: usize) -> &Done {
-        self.done[index].get_or_init(|| {
-            let report = self.run(index);
-            let kept = Usable::of(&self.units[index].work, &report).map(Arc::new);
-            Done { report, kept }
-        })
-    }
-
-    fn run(&self, index: usize) -> UnitReport {
-        let unit = &self.units[index];
-        let mut kept = Vec::new();
-        for need in &unit.needs {
-            match &self.done(*need).kept {
-                Some(one) => kept.push(Arc::clone(one)),
-                None => {
-                    let skip = Skip::needs(&self.units[*need].key, self.done(*need).report.standing());
-                    return self.session.skipped(unit, skip);
-                }
-            }
-        }
-        self.session.run_unit(unit, &Usable::gather(kept), &Silent)
     }
 }
 
