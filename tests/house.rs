@@ -365,8 +365,7 @@ fn used(code: &str) -> BTreeSet<String> {
     }
     let mut found = BTreeSet::new();
     for statement in code.split(';') {
-        let begun = statement.trim_start().rsplit('\n').map(str::trim_start).enumerate();
-        let lines: Vec<&str> = begun.map(|(_, line)| line).collect();
+        let lines: Vec<&str> = statement.trim_start().rsplit('\n').map(str::trim_start).collect();
         let Some(at) = lines.iter().position(|line| line.starts_with("use ") || line.starts_with("pub use "))
         else {
             continue;

@@ -13,7 +13,7 @@ pub use words::{
     constant, is_name, model_text, number_of, quantity, quoted, settings_text, write_comparison,
 };
 
-/// BlockText of blocks in blocks.
+/// Lines of blocks in blocks.
 #[derive(Default)]
 pub struct BlockText {
     pub text: String,
