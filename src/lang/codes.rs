@@ -3,8 +3,16 @@
 use std::borrow::Cow;
 use std::fmt;
 
-use super::diagnostic::Severity;
 use super::units;
+
+/// How much a finding matters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Severity {
+    /// Nothing can be run until it is gone.
+    Error,
+    /// It can be run, though it may not be what was meant.
+    Warning,
+}
 
 macro_rules! codes {
     ($($name:ident = $code:literal, $title:literal, $explanation:expr;)*) => {

@@ -1,19 +1,10 @@
 //! What is wrong with a text, as data.
 
-use super::codes::Code;
+use super::codes::{Code, Severity};
 use super::source::Span;
 
 /// More findings than this are of no use to anybody and are not listed.
 pub const MOST_FINDINGS: usize = 1000;
-
-/// How much a finding matters.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Severity {
-    /// Nothing can be run until it is gone.
-    Error,
-    /// It can be run, though it may not be what was meant.
-    Warning,
-}
 
 /// A place with words about it.
 #[derive(Debug, Clone, PartialEq, Eq)]

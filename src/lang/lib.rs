@@ -37,10 +37,10 @@ use std::path::Path;
 
 pub use assist::{definition, hover};
 pub use check::write_scenario;
-pub use codes::Code;
+pub use codes::{Code, Severity};
 pub use complete::{Completion, complete};
 pub use declared::with_declared;
-pub use diagnostic::{Diagnostic, Label, Severity, nearest};
+pub use diagnostic::{Diagnostic, Label, nearest};
 pub use excerpt::Excerpt;
 pub use overrides::Override;
 pub use render::{Style, count, render, render_all};

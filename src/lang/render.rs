@@ -2,7 +2,8 @@
 
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 
-use super::diagnostic::{Diagnostic, Label, Severity};
+use super::codes::Severity;
+use super::diagnostic::{Diagnostic, Label};
 use super::source::{SourceId, Sources};
 use files::escape::{terminal, terminal_line, terminal_same_bytes};
 

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use super::blocks::{Gathered, gather};
 use super::check::{self, Places};
-use super::codes::Code;
-use super::diagnostic::{Diagnostic, Severity};
+use super::codes::{Code, Severity};
+use super::diagnostic::Diagnostic;
 use super::source::Span;
 use super::syntax::ast;
 use super::texts::{FileId, NameDefinition, Texts, join};

@@ -6,8 +6,8 @@ use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
 use super::check;
-use super::codes::Code;
-use super::diagnostic::{Diagnostic, Severity};
+use super::codes::{Code, Severity};
+use super::diagnostic::Diagnostic;
 use super::overrides::{self, Edit, Override, Overrides};
 use super::source::{SourceId, Sources, Span};
 use super::suite::{self, FileKind};

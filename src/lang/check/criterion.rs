@@ -2,30 +2,17 @@
 
 use super::Places;
 use super::confidence::refuse_confidence;
-use super::metric::{example, kind_name, metric_reference};
+use super::metric::{Cast, example, kind_name, metric_reference};
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
 use crate::settings::{self, repeated};
 use crate::syntax;
 use crate::syntax::ast::{self, View};
 use crate::value::{self, NameScope, ValueKind};
-use scenario::registry::Table;
 use scenario::{
-    Aggregate, AggregateOf, AggregateWord, Claim, Comparison, Criterion, Dimension, Expression, Metric,
-    MetricKind, People, Reach, Relation, Value, VariationCondition, WhenUndefined,
+    Aggregate, AggregateOf, AggregateWord, Claim, Comparison, Criterion, Dimension, Expression, MetricKind,
+    People, Reach, Relation, Value, VariationCondition, WhenUndefined,
 };
-
-/// Who is in the scenario that a criterion is about.
-pub struct Cast<'a> {
-    pub vehicles: Vec<&'a str>,
-    pub pedestrians: Vec<&'a str>,
-    /// Of the road.
-    pub boxes: Vec<&'a str>,
-    /// Whether people are taken from a population, and if so whether there are several.
-    pub individuals: Option<bool>,
-    /// What can be measured.
-    pub metrics: &'a Table<Metric>,
-}
 
 /// Where criteria come from: one of a suite leaves out scenarios that do not vary what its `when` is about.
 #[derive(Clone, Copy, PartialEq, Eq)]

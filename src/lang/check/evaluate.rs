@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::Places;
 use super::block::{Layer, missing, reject_repeats};
-use super::experiment::{SummedUp, Takes, bound_in, reject_unmeant, summed_up, target};
+use super::experiment::{SummedUp, Takes, bound_in, fresh_seeds, reject_unmeant, summed_up, target};
 use super::subject::{StatementSubject, Subjects, case_set};
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
@@ -109,14 +109,6 @@ pub fn evaluate(
         given_in,
         origin: places.origin(name.span()),
     })
-}
-
-/// How often every case runs under fresh seeds; 0 if the block does not say so.
-pub fn fresh_seeds(said: Option<ast::FreshSeeds>, report: &mut Vec<Diagnostic>) -> Option<u32> {
-    match said {
-        Some(said) => super::count(said.count(), 1, 100_000, "the number of fresh seeds", report),
-        None => Some(0),
-    }
 }
 
 fn condition(

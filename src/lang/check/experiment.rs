@@ -6,8 +6,8 @@ use std::collections::HashMap;
 
 use super::Places;
 use super::block::{Layer, Said, missing, reject_repeats};
-use super::criterion::{self, Cast};
-use super::metric;
+use super::criterion;
+use super::metric::{self, Cast};
 use super::pedestrian::individuals;
 use super::subject::{StatementSubject, Subjects, case_set, declarations};
 use crate::codes::Code;
@@ -122,7 +122,7 @@ pub fn tune(
     let over = ranges(&layers, block.over(), (name.span(), &what), &subject, scope, places, report);
     let over = over.filter(|_| only_parameters(block, report));
     let budget = budget(&layers, block.budget(), name, &what, report);
-    let fresh = super::evaluate::fresh_seeds(block.fresh_seeds(), report);
+    let fresh = fresh_seeds(block.fresh_seeds(), report);
     let fallback = fewest_violations(block, report);
     let constraints: Vec<Comparison> = constraints.into_iter().collect::<Option<_>>()?;
     let mut objectives: Vec<Objective> =
@@ -646,4 +646,12 @@ pub fn target(
     let target =
         Target::Setting { road_user: name.text().to_string(), part, parameter: parameter.text().to_string() };
     Some((target, takes?))
+}
+
+/// How often every case runs under fresh seeds; 0 if the block does not say so.
+pub fn fresh_seeds(said: Option<ast::FreshSeeds>, report: &mut Vec<Diagnostic>) -> Option<u32> {
+    match said {
+        Some(said) => super::count(said.count(), 1, 100_000, "the number of fresh seeds", report),
+        None => Some(0),
+    }
 }

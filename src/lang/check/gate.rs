@@ -2,7 +2,8 @@
 
 use super::Places;
 use super::block::{Layer, missing, reject_repeats};
-use super::criterion::{self, Cast};
+use super::criterion;
+use super::metric::Cast;
 use super::metric::metric_reference;
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;

@@ -2,14 +2,26 @@
 
 use std::sync::Arc;
 
-use super::criterion::Cast;
 use super::pedestrian::unknown_vehicle;
 use super::road::constants;
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
 use crate::syntax::ast;
 use crate::value::{NameScope, ValueKind};
+use scenario::registry::Table;
 use scenario::{AggregateWord, Metric, MetricKind, MetricReference, Scope as Measured};
+
+/// Who is in the scenario that a criterion is about.
+pub struct Cast<'a> {
+    pub vehicles: Vec<&'a str>,
+    pub pedestrians: Vec<&'a str>,
+    /// Of the road.
+    pub boxes: Vec<&'a str>,
+    /// Whether people are taken from a population, and if so whether there are several.
+    pub individuals: Option<bool>,
+    /// What can be measured.
+    pub metrics: &'a Table<Metric>,
+}
 
 pub fn kind_name(metric: &Metric) -> String {
     match &metric.kind {

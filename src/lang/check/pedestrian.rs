@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::block::{Layer, Said, last, missing, reject_repeats};
+use super::defaults::Defaults;
 use super::model::{ModelKind, named};
 use super::vehicle::size;
 use super::{Book, Places};
@@ -17,9 +18,6 @@ use scenario::{
     BinaryOperator, DeclaredAppearance, DeclaredPedestrian, DeclaredShape, Dimension, Expression,
     Individuals, PedestrianModel, PopulationShare, Road, Side, Value, VehicleReference, limits, show,
 };
-
-/// How far beyond the opposite kerb a pedestrian walks unless something else is said, m.
-const DEFAULT_GOAL: f64 = 2.0;
 
 /// The pedestrian that `layers` describe together, the last having the last word.
 pub fn pedestrian(
@@ -79,7 +77,7 @@ pub fn pedestrian(
     let said = last(layers, |block| block.along().map(ast::Along::value));
     let along = length(said, 0.0, limits::ALONG, "along", what);
     let said = last(layers, |block| block.goal().map(ast::Goal::value));
-    let goal = length(said, DEFAULT_GOAL, limits::GOAL, "goal", "the goal of a pedestrian");
+    let goal = length(said, Defaults::GOAL, limits::GOAL, "goal", "the goal of a pedestrian");
     let appears = match last(layers, ast::PedestrianBlock::appears) {
         Some(said) => appears(said, vehicles, report).map(|(appears, typed)| {
             written.statement(name.text(), "appears", Some(&typed), places);
@@ -377,7 +375,7 @@ pub fn write_pedestrian(person: &DeclaredPedestrian, out: &mut BlockText) {
     if number_of(&person.along) != 0.0 {
         out.line(&format!("along {}", length(&person.along)));
     }
-    if number_of(&person.goal_beyond_kerb) != DEFAULT_GOAL {
+    if number_of(&person.goal_beyond_kerb) != Defaults::GOAL {
         out.line(&format!("goal {} beyond kerb", length(&person.goal_beyond_kerb)));
     }
     match &person.appears {

@@ -2,7 +2,7 @@
 
 use super::Places;
 use super::block::{Layer, last};
-use super::scenario::Defaults;
+use super::defaults::Defaults;
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;

@@ -3,7 +3,9 @@
 use std::collections::{BTreeSet, HashMap, HashSet};
 
 use super::block::{Layer, Said, last, missing, reject_repeats};
-use super::criterion::{Cast, From, criterion};
+use super::criterion::{From, criterion};
+use super::defaults::Defaults;
+use super::metric::Cast;
 use super::pedestrian::{pedestrian, write_pedestrian};
 use super::road::{road, write_road};
 use super::vehicle::{check_starts, vehicle, write_vehicle};
@@ -21,19 +23,6 @@ use scenario::{
     Criterion, DeclaredAppearance, DeclaredPedestrian, Dimension, Expression, Individuals, PopulationShare,
     Road, Scenario, Variation, Vehicle, limits,
 };
-
-/// What a scenario is that does not say otherwise.
-pub struct Defaults;
-
-impl Defaults {
-    /// s
-    const STEP: f64 = 0.025;
-    /// s
-    const HORIZON: f64 = 60.0;
-    /// m
-    const FINISH: f64 = 100.0;
-    pub const REPEAT: u32 = 1;
-}
 
 /// Criteria that a suite adds to its scenarios, with the names that its file can see.
 #[derive(Clone, Copy)]

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::Places;
-use super::criterion::Cast;
+use super::metric::Cast;
 use super::scenario::surroundings;
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
