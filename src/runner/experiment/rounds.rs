@@ -3,7 +3,10 @@
 
 use std::collections::VecDeque;
 use std::ops::ControlFlow;
+use std::panic::resume_unwind;
 use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread;
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -79,46 +82,94 @@ pub trait EvaluateRound: Sync {
 
 /// Runs all optimisers to their ends.
 ///
+/// One half goes a round after the other beside the other half: while the last run of a round keeps its own half waiting, there is
+/// work of the other.
+///
 /// # Errors
-/// The first in their order, and that of their proposals: a later run tries it again.
+/// The first in their order of the first round in which there is one, and that of their proposals: a later run tries it again.
+///
+/// # Panics
+/// As a run that did.
 pub fn optimise(
     context: &Context,
     all: &mut [Optimisation],
     evaluate: &dyn EvaluateRound,
 ) -> Result<(), ExperimentError> {
-    loop {
-        let plan = |(index, one): (usize, &mut Optimisation)| -> Result<Vec<_>, ExperimentError> {
-            let planned = |(proposal, known): (Proposal, Option<Evaluation>)| {
-                let cases = if known.is_some() { Vec::new() } else { evaluate.cases(index, &proposal)? };
-                let evaluated = known.map(Ok);
-                Ok(Proposed { index, proposal, cases, outcomes: Vec::new(), evaluated, evaluate, context })
-            };
-            one.ask()?.into_iter().map(planned).collect()
-        };
-        let proposed = context.executor.think(|| {
-            all.par_iter_mut().enumerate().map(plan).collect::<Vec<Result<Vec<Proposed>, ExperimentError>>>()
-        });
-        let proposed = proposed.into_iter().collect::<Result<Vec<_>, _>>()?;
-        let mut round =
-            Round { waiting: proposed.into_iter().flatten().collect(), all, evaluated: Vec::new() };
-        if round.waiting.is_empty() {
-            return Ok(());
+    let middle = all.len().div_ceil(2);
+    let (first, second) = all.split_at_mut(middle);
+    let failed = AtomicUsize::new(usize::MAX);
+    let rounds = |half: &mut [Optimisation], offset: usize| {
+        let mut number = 0;
+        loop {
+            // What fails in an earlier round comes first, whichever half is there sooner.
+            if number > failed.load(Ordering::Relaxed) {
+                return Ok(());
+            }
+            match round(context, half, offset, evaluate) {
+                Ok(true) => number += 1,
+                Ok(false) => return Ok(()),
+                Err(error) => {
+                    failed.fetch_min(number, Ordering::Relaxed);
+                    return Err((number, error));
+                }
+            }
         }
-        run_sequences(context.executor, &mut round, &context.stop);
-        let Round { waiting, mut evaluated, .. } = round;
-        evaluated.extend(waiting);
-        evaluated.sort_by_key(|one| (one.index, one.proposal.id));
-        for one in evaluated {
-            let evaluation = one.evaluated.unwrap_or(Err(ExperimentError::Stopped))?;
-            all[one.index].optimiser.tell(one.proposal.id, evaluation)?;
-        }
+    };
+    let (first, second) = if second.is_empty() {
+        (rounds(first, 0), Ok(()))
+    } else {
+        thread::scope(|scope| {
+            let beside = scope.spawn(|| rounds(second, middle));
+            let first = rounds(first, 0);
+            (first, beside.join().unwrap_or_else(|panicked| resume_unwind(panicked)))
+        })
+    };
+    match (first, second) {
+        (Err((one, error)), Err((other, _))) if one <= other => Err(error),
+        (_, Err((_, error))) | (Err((_, error)), Ok(())) => Err(error),
+        (Ok(()), Ok(())) => Ok(()),
     }
+}
+
+/// Makes the next round of some optimisers, the first of which has the index `offset`; whether there was one.
+fn round(
+    context: &Context,
+    some: &mut [Optimisation],
+    offset: usize,
+    evaluate: &dyn EvaluateRound,
+) -> Result<bool, ExperimentError> {
+    let plan = |(place, one): (usize, &mut Optimisation)| -> Result<Vec<_>, ExperimentError> {
+        let planned = |(proposal, known): (Proposal, Option<Evaluation>)| {
+            let cases =
+                if known.is_some() { Vec::new() } else { evaluate.cases(offset + place, &proposal)? };
+            let evaluated = known.map(Ok);
+            Ok(Proposed { place, proposal, cases, outcomes: Vec::new(), evaluated, evaluate, context })
+        };
+        one.ask()?.into_iter().map(planned).collect()
+    };
+    let proposed = context.executor.think(|| {
+        some.par_iter_mut().enumerate().map(plan).collect::<Vec<Result<Vec<Proposed>, ExperimentError>>>()
+    });
+    let proposed = proposed.into_iter().collect::<Result<Vec<_>, _>>()?;
+    let mut round = Round { waiting: proposed.into_iter().flatten().collect(), some, evaluated: Vec::new() };
+    if round.waiting.is_empty() {
+        return Ok(false);
+    }
+    run_sequences(context.executor, &mut round, &context.stop);
+    let Round { waiting, mut evaluated, .. } = round;
+    evaluated.extend(waiting);
+    evaluated.sort_by_key(|one| (one.place, one.proposal.id));
+    for one in evaluated {
+        let evaluation = one.evaluated.unwrap_or(Err(ExperimentError::Stopped))?;
+        some[one.place].optimiser.tell(one.proposal.id, evaluation)?;
+    }
+    Ok(true)
 }
 
 /// A proposal under evaluation.
 struct Proposed<'r> {
-    /// Of its optimisation.
-    index: usize,
+    /// Of its optimisation among those of the round.
+    place: usize,
     proposal: Proposal,
     cases: Vec<Case>,
     outcomes: Vec<Outcome>,
@@ -144,7 +195,7 @@ impl Sequence for Proposed<'_> {
                 self.evaluated = Some(Err(ExperimentError::Run { key: done.case.key, error }));
                 return ControlFlow::Break(());
             }
-            Err(JobFailure::Panicked(panicked)) => std::panic::resume_unwind(Box::new(panicked)),
+            Err(JobFailure::Panicked(panicked)) => resume_unwind(Box::new(panicked)),
         }
         if self.evaluate.is_enough(&self.outcomes) || self.outcomes.len() == self.cases.len() {
             let abandoned = self.outcomes.len() < self.cases.len();
@@ -161,7 +212,7 @@ impl Sequence for Proposed<'_> {
 
 struct Round<'r, 'o> {
     waiting: VecDeque<Proposed<'r>>,
-    all: &'o mut [Optimisation],
+    some: &'o mut [Optimisation],
     evaluated: Vec<Proposed<'r>>,
 }
 
@@ -175,7 +226,7 @@ impl<'r> Sequences for Round<'r, '_> {
     fn close(&mut self, mut one: Proposed<'r>, _: usize) {
         // What was recalled is neither recorded nor told again, nor is what was given up.
         if let (Some(Ok(evaluation)), false) = (&one.evaluated, one.cases.is_empty()) {
-            let Optimisation { optimiser, record, .. } = &mut self.all[one.index];
+            let Optimisation { optimiser, record, .. } = &mut self.some[one.place];
             // NaN has no JSON: what is recorded is what will be told, so that a resumed run is told the same.
             let checked = evaluation.clone().checked(optimiser.definition()).and_then(|evaluation| {
                 let journal = record.journal();

@@ -1,6 +1,7 @@
 //! Blocks over real simulations, small ones.
 
 mod evaluate;
+mod rounds;
 mod search_and_tune;
 mod statement;
 mod survivors;
