@@ -78,8 +78,17 @@ fn hold(suite: &str, ends_with: i32) {
     let results = place("json");
     let mut arguments = vec!["report", results.as_str()];
     arguments.extend(files.iter().flat_map(|(option, path)| [option.as_str(), path.as_str()]));
+    let shown = |text: &str| -> Vec<String> {
+        // What is only said of what begins, and to GitHub.
+        let begins = |line: &&str| line.trim_start().starts_with("Starting") || line.starts_with("::");
+        let lines = text.lines().filter(|line| !begins(line)).map(|line| settled(line.trim_end()));
+        lines.filter(|line| !line.is_empty()).collect()
+    };
+    let first = shown(&stdout(&output));
     let output = scenario_runner(root, &arguments);
     assert_eq!(code(&output), ends_with, "{}", stderr(&output));
+    assert!(first.iter().any(|line| line.contains("Summary")), "{first:#?}");
+    assert_eq!(shown(&stdout(&output)), first, "{suite}: the terminal shows something else");
     for kind in FILES {
         let (first, second) = (fs::read(place(kind)).unwrap(), fs::read(again(kind)).unwrap());
         assert!(first == second, "{suite}: the {kind} report made of the results is another one");

@@ -7,13 +7,13 @@ use clap::Args;
 use super::Exit;
 use super::run::{Colour, exit, output};
 use report::console::{stderr, stdout};
-use report::{read_results, render_gates, render_tables};
+use report::{StatusLevel, Terminal, read_results, render_gates};
 use scenario::registry::Registry;
 
 /// Makes reports of results that a run wrote with `--json`. Nothing is run.
 ///
 /// The reports are those that the run itself would have written, byte for byte, and the exit code is the one that it
-/// earned by its verdicts. Results of version 0.1 have neither courses nor criteria, so their pages have fewer pictures;
+/// earned by its verdicts. The terminal shows what it showed at its end: a line a unit, what did not pass and the summary. Results of version 0.1 have neither courses nor criteria, so their pages have fewer pictures;
 /// those with searches, tunes or other blocks have to be run again.
 #[derive(Debug, Args)]
 pub struct ReportArguments {
@@ -44,9 +44,7 @@ pub fn report(arguments: &ReportArguments, registry: &Registry) -> Exit {
         }
     };
     let colour = arguments.color.wanted(stdout());
-    for suite in &results.suites {
-        stdout().styled(&render_tables(suite, &results.requests, colour));
-    }
+    Terminal::new(StatusLevel::Pass, colour, None).tell_results(&results);
     stdout().styled(&render_gates(&results.suites, colour));
     // The run has told GitHub already.
     let complaints = output::write(&arguments.output, &results, false);

@@ -13,7 +13,8 @@ use super::failure::explain;
 use super::wording::{remark, trial_warnings};
 use crate::console::{Output, stdout};
 use results::{
-    CutBy, Evaluations, Event, Reporter, Standing, Stopping, SuiteIdentity, UnitReport, Verdict, Workload,
+    CutBy, Evaluations, Event, Reporter, Results, Standing, Stopping, SuiteIdentity, UnitReport, Verdict,
+    Workload,
 };
 
 pub use live::Live;
@@ -104,6 +105,22 @@ impl Terminal {
             running: BTreeMap::new(),
             bad: Vec::new(),
         }
+    }
+
+    /// What it shows of a session that is over: a line a unit, what did not pass, tables and the summary.
+    pub fn tell_results(&mut self, results: &Results) {
+        for suite in &results.suites {
+            let recorded = suite.recorded.iter().cloned().map(UnitReport::Recorded);
+            let trials = suite.trials.iter().cloned().map(UnitReport::Trial);
+            let blocks = suite.blocks.iter().cloned().map(UnitReport::Block);
+            for (unit, report) in recorded.chain(trials).chain(blocks).enumerate() {
+                self.finish(unit, &suite.identity, &report);
+            }
+        }
+        // Suites of a session are run side by side.
+        let elapsed = results.suites.iter().map(|suite| suite.wall_time).max().unwrap_or_default();
+        self.end(&results.suites, &results.requests, elapsed);
+        self.write();
     }
 
     fn say(&mut self, line: &str) {
