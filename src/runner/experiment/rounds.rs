@@ -110,7 +110,7 @@ pub fn optimise(
                 Ok(false) => return Ok(()),
                 Err(error) => {
                     failed.fetch_min(number, Ordering::Relaxed);
-                    return Err((number, error));
+                    return Err((number, Box::new(error)));
                 }
             }
         }
@@ -125,8 +125,8 @@ pub fn optimise(
         })
     };
     match (first, second) {
-        (Err((one, error)), Err((other, _))) if one <= other => Err(error),
-        (_, Err((_, error))) | (Err((_, error)), Ok(())) => Err(error),
+        (Err((one, error)), Err((other, _))) if one <= other => Err(*error),
+        (_, Err((_, error))) | (Err((_, error)), Ok(())) => Err(*error),
         (Ok(()), Ok(())) => Ok(()),
     }
 }
