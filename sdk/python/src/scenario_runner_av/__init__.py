@@ -20,6 +20,7 @@ if _os.environ.get("SCENARIO_RUNNER_CONTROLLER"):
 
 from ._controller import Controller, VectorController
 from ._parameter import parameter
+from ._results import Results, RunFailed, results, run
 from ._seen import Box, Lane, Pedestrian, Run, Seen, Vehicle
 from ._serve import serve
 
@@ -30,10 +31,14 @@ __all__ = [
     "Controller",
     "Lane",
     "Pedestrian",
+    "Results",
     "Run",
+    "RunFailed",
     "Seen",
     "Vehicle",
     "VectorController",
     "parameter",
+    "results",
+    "run",
     "serve",
 ]

@@ -1,0 +1,112 @@
+"""Suites run from Python, and what they came to as rows."""
+
+import json
+import os
+import shutil
+import subprocess
+import sysconfig
+import tempfile
+
+LAYOUT = 2
+_INFINITE = {"inf": float("inf"), "-inf": float("-inf")}
+
+
+class RunFailed(Exception):
+    """Nothing came of it: a file with errors, a program that may not run, nothing selected. `exit_code` says which."""
+
+    def __init__(self, exit_code, said):
+        super().__init__(f"scenario-runner ended with exit code {exit_code}\n{said}")
+        self.exit_code = exit_code
+        self.said = said
+
+
+class Results:
+    """What suites came to: `runs` and `trials` are lists of rows (flat dicts), for `pandas.DataFrame(…)` or `polars.DataFrame(…)`.
+
+    `report` is all that the runner wrote, `exit_code` how it ended (0: everything passed; None: read from a file), `said` its texts.
+    """
+
+    def __init__(self, report, exit_code=None, said=""):
+        if report.get("layout") != LAYOUT:
+            raise ValueError(f"results of layout {report.get('layout')}; this package reads {LAYOUT}")
+        self.report, self.exit_code, self.said = report, exit_code, said
+
+    @property
+    def passed(self):
+        """Whether every trial passed, and there is one."""
+        trials = self.trials
+        return bool(trials) and all(trial["verdict"] == "passed" for trial in trials) and self.exit_code in (0, None)
+
+    @property
+    def trials(self):
+        """A row for each trial: suite, scenario, key, verdict, runs, then its variations."""
+        rows = []
+        for suite, trial in self._trials():
+            row = {"suite": suite["suite"], "scenario": trial["scenario"], "trial": trial["key"], "verdict": trial["verdict"]}
+            row["runs"] = len(trial["runs"])
+            row.update(_variation(trial))
+            rows.append(row)
+        return rows
+
+    @property
+    def runs(self):
+        """A row for each run that came to its end: where it belongs, variations, seed, how it ended, its metrics (None: undefined)."""
+        rows = []
+        for suite, trial in self._trials():
+            for run in trial["runs"]:
+                row = {"suite": suite["suite"], "scenario": trial["scenario"], "trial": trial["key"], "run": run["key"]}
+                row.update(_variation(trial))
+                row["seed"] = int(run["seed"])
+                row["ending"] = run["ending"]["reason"]
+                row["ending_time"] = _number(run["ending"]["time"])
+                row.update((name, _number(value)) for name, value in run["metrics"].items())
+                row["fingerprint"] = run["fingerprint"]
+                rows.append(row)
+        # Tables want the same columns in every row.
+        columns = dict.fromkeys(name for row in rows for name in row)
+        return [{name: row.get(name) for name in columns} for row in rows]
+
+    def _trials(self):
+        return ((suite, trial) for suite in self.report["suites"] for trial in suite["trials"])
+
+
+def _number(value):
+    return _INFINITE.get(value, value) if isinstance(value, str) else value
+
+
+def _variation(trial):
+    return {f"variation_{name}": _number(value) for name, value in trial["variation"].items()}
+
+
+def results(path):
+    """The results that `--json` wrote into a file."""
+    with open(path, encoding="utf-8") as file:
+        return Results(json.load(file))
+
+
+def runner():
+    """Where the runner is: what SCENARIO_RUNNER names, beside this Python, or on PATH."""
+    named = os.environ.get("SCENARIO_RUNNER")
+    beside = shutil.which("scenario-runner", path=sysconfig.get_path("scripts"))
+    found = named or beside or shutil.which("scenario-runner")
+    if not found:
+        raise FileNotFoundError("there is no scenario-runner beside this Python nor on PATH; SCENARIO_RUNNER may name it")
+    return found
+
+
+def run(*words, allow_run=(), options=()):
+    """Runs suites and scenarios, named as on the command line, and gives their `Results`, also of those that fail.
+
+    `allow_run` names the declared controllers whose programs may run this once. Raises `RunFailed` where nothing came of it.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "results.json")
+        command = [runner(), *map(os.fspath, words), "--no-progress", f"--json={path}", *options]
+        if allow_run:
+            command.append(f"--allow-run={','.join([allow_run] if isinstance(allow_run, str) else allow_run)}")
+        done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, encoding="utf-8", errors="replace")
+        said = done.stdout + done.stderr
+        if not os.path.exists(path):
+            raise RunFailed(done.returncode, said)
+        with open(path, encoding="utf-8") as file:
+            return Results(json.load(file), done.returncode, said)
