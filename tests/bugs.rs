@@ -128,7 +128,8 @@ fn a_panic_in_a_trial_is_an_error_of_it_and_the_others_finish() {
     let session = Runner::new(&suites, &threads, &standard()).watched_by(&watch);
     for (key, state) in run_all(&mut Unheard, &session) {
         match state {
-            TrialState::Errored(message) if key == *broken => {
+            TrialState::Errored(error) if key == *broken => {
+                let message = error.message;
                 assert!(message.starts_with(&format!("{key}: scenario-runner ")), "{message}");
                 assert!(message.contains("watched too closely"), "{message}");
             }

@@ -404,7 +404,7 @@ scenario all {
             claim => panic!("{claim:?}"),
         })
         .collect();
-    let written = lang::write_scenario(&before, &expect, &["All of it.".to_string()]);
+    let written = lang::write_scenario(&before, &expect, &["All of it.".to_string()], Path::new(""));
     let after = read(&written).suite.scenarios.remove(0);
     assert_eq!(without_places(&before), without_places(&after), "{written}");
     let source = lang::Sources::default().add("all.scn", "");

@@ -10,7 +10,7 @@ use super::programs::ProgramArguments;
 use super::set::SetArguments;
 use super::{Exit, load, shows_progress, store};
 use report::console::{stderr, stdout};
-use report::{Live, Terminal, render_block, tuned_parameters};
+use report::{Live, Terminal, render_block, render_controllers, tuned_parameters};
 use results::{BlockReport, BlockResult, BlockState, set_options};
 use runner::experiment::{CaseFile, ParameterFile};
 use runner::session::{self, Selection, Session, UnitKind, Units};
@@ -97,6 +97,7 @@ fn run(arguments: &ExperimentArguments, kind: &'static str, registry: &Registry)
     let done = reports.iter().flat_map(|report| &report.blocks);
     let shown: Vec<_> = done.clone().filter_map(BlockReport::result).map(render_block).collect();
     write!(stdout(), "{}", shown.join("\n"));
+    stderr().styled(&render_controllers(reports, colour));
     if stop.is_requested() {
         let folder = arguments.journal.display();
         writeln!(stderr(), "interrupted: what was evaluated is kept in {folder}");
@@ -167,8 +168,8 @@ fn unknown(arguments: &ExperimentArguments, units: &Units, kind: &str) -> Exit {
 
 fn error(report: &BlockReport) -> Option<String> {
     match &report.state {
-        BlockState::Errored(message) => {
-            Some(format!("{} {}: {message}", report.block.kind(), report.block.name()))
+        BlockState::Errored(error) => {
+            Some(format!("{} {}: {error}", report.block.kind(), report.block.name()))
         }
         BlockState::Finished(_) | BlockState::NotFinished(_) | BlockState::Skipped(_) => None,
     }

@@ -11,7 +11,7 @@ use super::{Exit, load};
 use report::console::stderr;
 use results::judge::baseline::Baseline;
 use results::{Requests, record_command};
-use runner::baseline::record;
+use runner::baseline::{program_titles, record};
 use runner::plan::{self, Plan};
 use runner::project::plan_notices;
 use runner::run::{BatchError, MeasuredMetrics, RunBatch, Stop, Threads};
@@ -56,7 +56,8 @@ pub fn run_suite(
         load::show(plan_notices(errors), false);
         Exit::Scenario
     })?;
-    run_plan(&plan, requests, title, stop, &threads)
+    let measured = run_plan(&plan, requests, title, stop, &threads)?;
+    Ok(Baseline { programs: program_titles(&threads, suite), ..measured })
 }
 
 fn run_plan(

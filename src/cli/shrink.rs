@@ -158,7 +158,8 @@ fn shrink_found(
         seed: suite.plan.seed,
         set: suite.suite.set.clone(),
     };
-    let text = shrunk_file(&shrunk, criterion, &identity).map_err(|error| {
+    let folder = path.parent().filter(|one| !one.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let text = shrunk_file(&shrunk, criterion, &identity, folder).map_err(|error| {
         writeln!(stderr(), "error: {}: {error}", case.key);
         Exit::Scenario
     })?;

@@ -1,5 +1,7 @@
 //! A shrunk case in words, and as a scenario file.
 
+use std::path::Path;
+
 use lang::{self, UNITS, UnitEntry};
 use report::{run_words, with_unit};
 use results::SuiteIdentity;
@@ -16,11 +18,16 @@ pub fn render_shrunk(shrunk: &Shrunk, criterion: &PerRun) -> String {
     story(shrunk, criterion).into_iter().map(|line| line + "\n").collect()
 }
 
-/// The scenario file, with where it comes from as a comment.
+/// The scenario file that will lie in `folder`, with where it comes from as a comment.
 ///
 /// # Errors
 /// If a value cannot be evaluated.
-pub fn shrunk_file(shrunk: &Shrunk, criterion: &PerRun, suite: &SuiteIdentity) -> Result<String, PlanError> {
+pub fn shrunk_file(
+    shrunk: &Shrunk,
+    criterion: &PerRun,
+    suite: &SuiteIdentity,
+    folder: &Path,
+) -> Result<String, PlanError> {
     let place = &shrunk.place;
     let mut scenario = plan::standalone(&place.scenario, &place.variation, &place.individuals, place.seed)?;
     scenario.name += "_shrunk";
@@ -33,7 +40,7 @@ pub fn shrunk_file(shrunk: &Shrunk, criterion: &PerRun, suite: &SuiteIdentity) -
         String::new(),
     ];
     remarks.extend(story(shrunk, criterion));
-    Ok(lang::write_scenario(&scenario, &[lang::write_comparison(comparison)], &remarks))
+    Ok(lang::write_scenario(&scenario, &[lang::write_comparison(comparison)], &remarks, folder))
 }
 
 fn story(shrunk: &Shrunk, criterion: &PerRun) -> Vec<String> {

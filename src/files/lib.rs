@@ -14,6 +14,7 @@ mod in_place;
 mod log;
 mod log_reader;
 mod read;
+mod relative;
 mod source;
 mod temporary;
 #[cfg(test)]
@@ -26,5 +27,6 @@ pub use log_reader::{Header, LARGEST_RECORD, LogError, LogFormat, LogReader};
 pub use read::{
     LARGEST, Lines, ReadError, check_kind, read_bytes, read_kind, read_standard_input, read_text,
 };
+pub use relative::relative;
 pub use source::{Disk, Files, Memory, Overlay, PatternError};
 pub use whole::{WholeFile, check_target, create_new, make_folder, remove, write};

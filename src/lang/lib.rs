@@ -144,6 +144,16 @@ pub fn controllers(
     registry: &Registry,
     texts: &dyn Files,
 ) -> Result<Vec<Reference<ControllerModel>>, Failure> {
+    let known = with_controllers(path, registry, texts)?;
+    let own = known.controllers().iter().filter(|known| known.program.is_some());
+    Ok(own.map(Reference::from).collect())
+}
+
+/// What is registered, with the controllers that a file declares or brings along.
+///
+/// # Errors
+/// If the file, or one that it uses, does not read.
+pub fn with_controllers(path: &Path, registry: &Registry, texts: &dyn Files) -> Result<Registry, Failure> {
     let (mut files, mut report) = (Texts::new(registry, texts), Vec::new());
     files.open(path, None, &mut report);
     if texts::has_errors(&report) {
@@ -152,8 +162,7 @@ pub fn controllers(
         });
         return Err(Failure { diagnostics: report, sources: files.sources });
     }
-    let own = files.registry.controllers().iter().filter(|known| known.program.is_some());
-    Ok(own.map(Reference::from).collect())
+    Ok(files.registry)
 }
 
 /// As [`load`], with values that are set from outside, in this file and all it uses.

@@ -24,6 +24,9 @@ pub enum Form {
 /// Suite, seed, version, what is tested, and every metric's mean per trial.
 pub fn render_baseline(baseline: &Baseline, form: Form) -> String {
     let mut text = heading(baseline, form);
+    for (name, title) in &baseline.programs {
+        line(&mut text, form, &format!("controller {name}: {title}"));
+    }
     for (index, vehicles) in baseline.vehicles.iter().enumerate() {
         for vehicle in vehicles {
             let drives = format!("{} on {}", vehicle.controller.model, vehicle.dynamics.model);

@@ -17,8 +17,8 @@ pub fn explain(suite: &SuiteIdentity, report: &UnitReport, colour: bool) -> Stri
         TrialState::NotFinished(cut) if cut.by() == CutBy::TimeLimit => {
             paint("error: ", AnsiColor::Red.on_default().bold(), colour) + &cut.explained()
         }
-        TrialState::Errored(message) => {
-            paint("error: ", AnsiColor::Red.on_default().bold(), colour) + &terminal(message)
+        TrialState::Errored(error) => {
+            paint("error: ", AnsiColor::Red.on_default().bold(), colour) + &terminal(&error.message)
         }
         state => render_failure(suite, state, colour),
     };
@@ -33,7 +33,7 @@ pub fn explain(suite: &SuiteIdentity, report: &UnitReport, colour: bool) -> Stri
 pub fn render_failure(suite: &SuiteIdentity, state: &TrialState, colour: bool) -> String {
     match state {
         TrialState::Skipped(reason) => terminal(&reason.to_string()),
-        TrialState::Errored(message) => terminal(message),
+        TrialState::Errored(error) => terminal(&error.message),
         TrialState::NotFinished(cut) => terminal(&cut.explained()),
         TrialState::Judged(judged) => {
             let bad = judged.findings.iter().filter(|finding| finding.verdict != Verdict::Passed);
@@ -51,7 +51,7 @@ pub fn render_block_failure(suite: &SuiteIdentity, report: &BlockReport, colour:
     let title = match &report.state {
         BlockState::Skipped(reason) => return terminal(&reason.to_string()),
         BlockState::NotFinished(cut) => return terminal(&cut.explained()),
-        BlockState::Errored(message) => format!("{block} could not be run: {message}"),
+        BlockState::Errored(error) => format!("{block} could not be run: {error}"),
         BlockState::Finished(result) => match result.failure() {
             Some(reason) => format!("{block} failed: {reason}"),
             None => return String::new(),

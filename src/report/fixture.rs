@@ -105,7 +105,10 @@ impl Session {
     pub fn report(&self) -> SuiteReport {
         let count = self.trials.len();
         let state = |(index, trial): (usize, &PlannedTrial)| match count - index {
-            2 => (Vec::new(), TrialState::Errored(format!("{}: time limit of 10 s exceeded", trial.key))),
+            2 => (
+                Vec::new(),
+                TrialState::Errored(format!("{}: time limit of 10 s exceeded", trial.key).into()),
+            ),
             1 => (Vec::new(), TrialState::Skipped(Skip::Stopped(Stopping::MaxFail(2)))),
             _ => {
                 let outcomes = self.outcomes(trial);
@@ -144,6 +147,7 @@ impl Session {
             recorded: self.reruns(),
             trials: trials.collect(),
             summary: None,
+            controllers: Vec::new(),
             blocks: self.blocks(),
             gates: gate::reports(&self.gate),
             interrupted: false,
@@ -193,6 +197,7 @@ impl Session {
         let ran = |least: f64, same_case| {
             let outcome = outcome.clone();
             RecordedState::Ran(Box::new(Rerun {
+                may_differ: false,
                 judged: judged(least),
                 outcome,
                 same_case,
@@ -221,7 +226,7 @@ impl Session {
         let states = [
             (search.clone(), BlockState::Finished(Box::new(BlockResult::Search(found(&self.search))))),
             (tune.clone(), BlockState::Finished(Box::new(BlockResult::Tune(tuned(&self.tune))))),
-            (search, BlockState::Errored(error)),
+            (search, BlockState::Errored(error.into())),
             (tune, BlockState::Skipped(reason)),
         ];
         let mut reports = Vec::new();

@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use super::controllers;
 use super::experiment::render_block;
 use super::failure::{render_block_failure, render_failure, render_finding};
 use super::figures::short_name;
@@ -19,7 +20,7 @@ use files::escape::{
 };
 use results::{
     BlockReport, BlockState, CutBy, GateReport, GateState, NotJudged, RecordedReport, Requests, Results,
-    Standing, SuiteReport, TrialReport, TrialState, Verdict,
+    Standing, SuiteReport, TrialReport, TrialState, UnitError, Verdict,
 };
 use scenario::Origin;
 
@@ -69,9 +70,10 @@ pub fn annotations(results: &Results, repository: &Repository) -> String {
                     let origin = origin.cloned().unwrap_or_else(|| beginning(report));
                     add("error", origin, "not finished".to_string(), format!("{key}: {}", cut.explained()));
                 }
-                TrialState::Errored(message) => {
+                TrialState::Errored(error) => {
                     let origin = origin.cloned().unwrap_or_else(|| beginning(report));
-                    add("error", origin, "could not run".to_string(), message);
+                    let (origin, title) = blamed(&error, origin);
+                    add("error", origin, title, error.message);
                 }
                 TrialState::Judged(judged) => {
                     for finding in judged.findings.iter().filter(|one| one.vacuous.is_some()) {
@@ -101,11 +103,16 @@ pub fn annotations(results: &Results, repository: &Repository) -> String {
             add("warning", trial.trial.origin.clone(), title, format!("{}: {said}", trial.trial.key));
         }
     }
+    for tested in reports.iter().flat_map(|report| &report.controllers) {
+        if let Some(said) = tested.nondeterminism() {
+            add("warning", tested.declared.clone(), "not deterministic".to_string(), said);
+        }
+    }
     for (report, block) in reports.iter().flat_map(|one| one.blocks.iter().map(move |block| (one, block))) {
         let title = format!("{} {}", block.block.kind(), block.block.name());
         let (said, what) = match &block.state {
             BlockState::Skipped(_) | BlockState::NotFinished(_) => continue,
-            BlockState::Errored(message) => ("could not run", message.clone()),
+            BlockState::Errored(error) => ("could not run", error.message.clone()),
             BlockState::Finished(result) => match result.failure() {
                 Some(reason) => ("failed", reason),
                 None => continue,
@@ -152,6 +159,17 @@ pub fn annotations(results: &Results, repository: &Repository) -> String {
         .expect("writing to a string cannot fail");
     }
     text
+}
+
+/// Where to point at for what could not be run, and what to call it: the declaration of a program that is to blame.
+fn blamed(error: &UnitError, otherwise: Origin) -> (Origin, String) {
+    let program = error.faults.first().map(|one| &one.fault).filter(|fault| fault.declared.line > 0);
+    match program {
+        Some(fault) => {
+            ((*fault.declared).clone(), format!("controller {}: {}", fault.controller, fault.kind))
+        }
+        None => (otherwise, "could not run".to_string()),
+    }
 }
 
 /// Where a suite is said to have failed of which no line is to blame.
@@ -212,7 +230,7 @@ fn suite_summary(text: &mut String, report: &SuiteReport, requests: &Requests) {
     let gates = report.gates.iter().map(GateReport::standing);
     let standings: Vec<_> = recorded.chain(trials).chain(blocks).chain(gates).collect();
     let count = |wanted| standings.iter().filter(|standing| **standing == wanted).count();
-    let runs: usize = report.trials.iter().map(|trial| trial.outcomes.len()).sum();
+    let runs: usize = report.trials.iter().map(TrialReport::made).sum();
     let counts = [
         (count(Standing::Judged(Verdict::Passed)), "✅ passed"),
         (count(Standing::Judged(Verdict::Failed)), "❌ failed"),
@@ -242,6 +260,12 @@ fn suite_summary(text: &mut String, report: &SuiteReport, requests: &Requests) {
         report.wall_time.as_secs_f64(),
         markdown(&report.program.version),
     ));
+    for tested in &report.controllers {
+        let warning = tested.nondeterminism().map(|said| format!("⚠ {said}"));
+        for said in controllers::in_words(tested).into_iter().chain(warning) {
+            line(format!("{}\n", markdown(&said)));
+        }
+    }
     let summary = report.summary();
     for (name, trials) in report.scenarios() {
         let numbers: Vec<_> = summary.scenarios.iter().filter(|one| one.scenario == name).collect();

@@ -8,6 +8,7 @@ use std::io::{self, Write};
 use std::time::Duration;
 
 use self::document::{Counts, JunitReport, Problem, TestCase, TestOutcome, TestSuite};
+use super::controllers;
 use super::digest::{Digest, written_unit};
 use super::experiment::render_block;
 use super::failure::{render_block_failure, render_failure};
@@ -16,9 +17,9 @@ use super::wording::{in_words, interruption, nothing_claimed, recorded_remark, s
 use super::{Repository, need_every_trial};
 use results::{
     BlockReport, BlockResult, BlockState, Cut, CutBy, GateReport, GateState, NotJudged, RecordedReport,
-    Requests, Results, SuiteReport, TrialReport, TrialState, Verdict,
+    RecordedState, Requests, Results, SuiteReport, TrialReport, TrialState, UnitError, Verdict,
 };
-use scenario::Origin;
+use scenario::{FaultKind, Origin};
 
 /// Writes the report as an XML document, a testcase at a time. A failed criterion is a failure; a trial that could not run
 /// is an error. Every testcase says where it stands, in `file` and `line`, from the root of the repository on.
@@ -104,6 +105,10 @@ fn suite_properties(report: &SuiteReport) -> Vec<(String, String)> {
     ];
     if report.interrupted {
         properties.push(("interrupted".to_string(), interruption(report)));
+    }
+    for tested in &report.controllers {
+        let said = [("controller", controllers::in_words(tested)), ("warning", tested.nondeterminism())];
+        properties.extend(said.into_iter().filter_map(|(name, said)| Some((name.to_string(), said?))));
     }
     properties.extend(report.identity.set.iter().map(|set| ("set".to_string(), set.clone())));
     properties
@@ -201,7 +206,8 @@ fn trial_case(report: &SuiteReport, trial: &TrialReport, requests: &Requests) ->
     };
     let mut case = TestCase::new(&trial.trial.key, problem);
     case.property("seed", &report.identity.seed.to_string());
-    case.property("runs", &trial.outcomes.len().to_string());
+    case.property("runs", &trial.made().to_string());
+    case.errors = trial.error().and_then(log_tail);
     if let Some(stopped) = trial.stopping() {
         case.property("stopping", &stopping(stopped));
     }
@@ -226,7 +232,7 @@ fn problem(report: &SuiteReport, state: &TrialState) -> Option<Problem> {
     Some(match state {
         TrialState::Skipped(reason) => Problem::skipped(&reason.to_string()),
         TrialState::NotFinished(cut) => not_finished(cut),
-        TrialState::Errored(message) => Problem::new("error", first_line(message), message.clone()),
+        TrialState::Errored(error) => errored(error, error.message.clone()),
         TrialState::Judged(judged) if judged.verdict == Verdict::Passed => return None,
         TrialState::Judged(judged) => {
             let failing = judged.findings.iter().filter(|finding| finding.verdict != Verdict::Passed);
@@ -237,9 +243,32 @@ fn problem(report: &SuiteReport, state: &TrialState) -> Option<Problem> {
     })
 }
 
+/// What could not be run to its end; one that a program is to blame for is of a type of its own.
+fn errored(error: &UnitError, text: String) -> Problem {
+    let kind = error.faults.first().map_or("error", |one| match one.fault.kind {
+        FaultKind::Exited => "controller-exited",
+        FaultKind::Timeout => "controller-timeout",
+        FaultKind::Garbage => "controller-garbage",
+        FaultKind::BadValue => "controller-bad_value",
+        FaultKind::Refused => "controller-refused",
+        FaultKind::OnlyTogether => "controller-only_together",
+    });
+    Problem::new(kind, error.first_line(), text)
+}
+
+/// The end of a program's log, if it is to blame.
+fn log_tail(error: &UnitError) -> Option<String> {
+    let fault = &error.faults.first()?.fault;
+    (!fault.log_tail.is_empty()).then(|| fault.log_tail.join("\n"))
+}
+
 /// A run that failed before: what was recorded of it and what is to be said now stand in properties.
 fn recorded_case(report: &SuiteReport, recorded: &RecordedReport) -> TestCase {
     let mut case = TestCase::new(&recorded.key, problem(report, &recorded.trial_state()));
+    case.errors = match &recorded.state {
+        RecordedState::Errored(error) => log_tail(error),
+        _ => None,
+    };
     case.property("seed", &recorded.recorded.seed.to_string());
     case.property("recorded", &recorded.recorded.against.join("; "));
     let remark = recorded_remark(recorded);
@@ -279,7 +308,7 @@ fn block_case(report: &SuiteReport, block: &BlockReport) -> TestCase {
     let problem = match (&block.state, block.result().and_then(BlockResult::failure)) {
         (BlockState::Skipped(reason), _) => Some(Problem::skipped(&reason.to_string())),
         (BlockState::NotFinished(cut), _) => Some(not_finished(cut)),
-        (BlockState::Errored(message), _) => Some(Problem::new("error", first_line(message), text())),
+        (BlockState::Errored(error), _) => Some(errored(error, text())),
         (BlockState::Finished(_), Some(reason)) => Some(Problem::new(block.block.kind(), &reason, text())),
         (BlockState::Finished(_), None) => None,
     };
@@ -287,6 +316,10 @@ fn block_case(report: &SuiteReport, block: &BlockReport) -> TestCase {
     case.property("seed", &report.identity.seed.to_string());
     case.property("replay", &report.identity.block_command(&block.key));
     case.output = block.result().map(render_block);
+    case.errors = match &block.state {
+        BlockState::Errored(error) => log_tail(error),
+        _ => None,
+    };
     case
 }
 

@@ -9,6 +9,7 @@ mod baseline;
 mod chart;
 mod columns;
 pub mod console;
+mod controllers;
 mod csv;
 #[cfg(test)]
 mod cut_off_tests;
@@ -51,6 +52,7 @@ mod variable;
 mod wording;
 
 pub use baseline::{Form, render_baseline, render_difference};
+pub use controllers::render_controllers;
 pub use csv::write_csv;
 pub use evaluation::render_evaluate;
 pub use experiment::{render_block, render_tune, tuned_parameters};
@@ -64,7 +66,7 @@ pub use github::{annotations, step_summary};
 pub use html::to_html;
 pub use json::{ResultsError, read_results, write_json};
 pub use junit::write_junit;
-pub use models::{render_model, render_models};
+pub use models::{render_declared, render_model, render_models};
 pub use pages::{ModelPage, model_pages};
 pub use replay::{ReplayIntroduction, case_values, render_replay, replay_reasons};
 pub use repository::Repository;

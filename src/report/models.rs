@@ -4,8 +4,9 @@ use std::fmt::Write;
 use std::sync::Arc;
 
 use super::format::with_unit;
+use files::escape::terminal;
 use scenario::registry::Registry;
-use scenario::{Declaration, Dimension, Metric, MetricKind, Parameter, ParameterKind};
+use scenario::{ControllerModel, Declaration, Dimension, Metric, MetricKind, Parameter, ParameterKind};
 
 /// One line each.
 pub fn render_models(registry: &Registry) -> String {
@@ -33,6 +34,13 @@ pub fn render_model(name: &str, registry: &Registry) -> Option<String> {
         .map(|(kind, one)| render_declaration(kind, one) + &render_range(registry.metrics().get(&one.name)))
         .collect();
     (!found.is_empty()).then(|| found.join("\n"))
+}
+
+/// Where a controller that is a program is declared, and what would run; empty for what ships.
+pub fn render_declared(model: &ControllerModel) -> String {
+    let Some(program) = &model.program else { return String::new() };
+    let place = format!("{}:{}", program.file, program.origin.line);
+    terminal(&format!("{} is declared in {place} and runs {}\n", program.name, program.typed()))
 }
 
 /// Between what limits a metric lies; nothing for anything else.

@@ -42,7 +42,7 @@ pub fn each_row<E>(
     for recorded in &report.recorded {
         let (verdict, what) = match &recorded.state {
             RecordedState::Ran(rerun) => (Some(rerun.judged.verdict), What::Run(&rerun.outcome)),
-            RecordedState::Errored(message) => (None, What::Nothing(ERRORED, message.clone())),
+            RecordedState::Errored(error) => (None, What::Nothing(ERRORED, error.message.clone())),
             RecordedState::Skipped(Skip::NotSelected) => continue,
             RecordedState::Skipped(skip) => (None, What::Nothing(NOT_RUN, skip.to_string())),
         };
@@ -53,13 +53,20 @@ pub fn each_row<E>(
     for trial in &report.trials {
         let criteria: Vec<PerRun> = trial.trial.criteria.iter().filter_map(per_run).collect();
         let of = |what| of_trial(suite, trial, what);
-        for outcome in &trial.outcomes {
+        let finished = trial.error().map_or(&[][..], |error| &error.finished);
+        for outcome in trial.outcomes.iter().chain(finished) {
             row(&of(What::Run(outcome)), &criteria)?;
+        }
+        if let Some(error) = trial.error().filter(|error| !error.faults.is_empty()) {
+            for fault in &error.faults {
+                row(&of(What::Nothing(ERRORED, fault.in_words())), &criteria)?;
+            }
+            continue;
         }
         let nothing = match &trial.state {
             TrialState::Skipped(Skip::NotSelected) => continue,
             TrialState::Skipped(skip) => What::Nothing(NOT_RUN, skip.to_string()),
-            TrialState::Errored(message) => What::Nothing(ERRORED, message.clone()),
+            TrialState::Errored(error) => What::Nothing(ERRORED, error.message.clone()),
             TrialState::NotFinished(cut) => What::Nothing("not finished", cut.to_string()),
             TrialState::Judged(_) => continue,
         };

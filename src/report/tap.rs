@@ -4,6 +4,7 @@ use std::fmt::Write;
 use std::io;
 use std::time::Duration;
 
+use super::controllers;
 use super::experiment::render_block;
 use super::failure::{render_block_failure, render_failure};
 use super::gate::render_gate_report;
@@ -37,6 +38,12 @@ pub fn write_tap(results: &Results, out: &mut dyn io::Write) -> io::Result<()> {
             terminal_line(&identity.file),
             terminal_line(&identity.seed_words())
         )?;
+        for tested in &report.controllers {
+            let warning = tested.nondeterminism().map(|said| format!("warning: {said}"));
+            for said in controllers::in_words(tested).into_iter().chain(warning) {
+                writeln!(points.out, "# {}", terminal_line(&said))?;
+            }
+        }
         for recorded in &report.recorded {
             let (state, time) = (&recorded.trial_state(), recorded.wall_time);
             let warnings = warnings(state);
@@ -44,7 +51,7 @@ pub fn write_tap(results: &Results, out: &mut dyn io::Write) -> io::Result<()> {
             points.put(|text, number| point.write(text, number, report))?;
         }
         for trial in &report.trials {
-            let (runs, time) = (trial.outcomes.len(), trial.wall_time);
+            let (runs, time) = (trial.made(), trial.wall_time);
             let (key, warnings) = (&trial.trial.key, trial_warnings(trial));
             let (state, unjudged) = (&trial.state, trial.claims_nothing());
             let point = Point { key, state, runs, time, warnings, unjudged };
@@ -114,6 +121,13 @@ impl Point<'_> {
         line(text, "  ---");
         if !passed {
             field(text, "severity", severity);
+        }
+        if let TrialState::Errored(error) = self.state
+            && let Some(first) = error.faults.first()
+        {
+            field(text, "fault", first.fault.kind);
+            field(text, "faults", error.faults.len());
+            field(text, "replay", yaml_quoted(&report.identity.replay_command(&first.run)));
         }
         field(text, "runs", self.runs);
         if let TrialState::Judged(TrialVerdict { stopping: Some(stopped), .. }) = self.state {

@@ -248,7 +248,12 @@ pub fn recorded_remark(recorded: &RecordedReport) -> String {
         RecordedState::Errored(_) => return String::new(),
     };
     let against: Vec<_> = rerun.against.iter().map(|one| format!("`{}`", one.criterion)).collect();
-    let changed = if rerun.same_case { "" } else { " (the case has changed since)" };
+    let changed = match (rerun.same_case, rerun.may_differ) {
+        (true, false) => "",
+        (false, false) => " (the case has changed since)",
+        (true, true) => " (it may not come out the same again: its controller is not deterministic)",
+        (false, true) => " (the case has changed since, and its controller is not deterministic)",
+    };
     match rerun.judged.verdict {
         Verdict::Passed if against.is_empty() => format!(": does not fail any more{changed}"),
         Verdict::Passed => format!(": still speaks against {}{changed}", against.join(", ")),

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::cut::Cut;
 use super::skip::Skip;
 use super::standing::Standing;
+use super::unit_error::UnitError;
 use super::{EvaluateResult, SearchResult, StatementResult, TuneResult};
 use crate::Verdict;
 use scenario::Block;
@@ -31,8 +32,8 @@ pub struct BlockReport {
 pub enum BlockState {
     /// It came to a result, which may still [fail](BlockResult::failure).
     Finished(Box<BlockResult>),
-    /// Could not be run to its end; the message says why.
-    Errored(String),
+    /// Could not be run to its end.
+    Errored(UnitError),
     /// Begun, and cut off.
     NotFinished(Cut),
     /// Nobody tried to run it.

@@ -10,6 +10,7 @@
 mod block;
 mod cases;
 mod chosen;
+mod controller;
 mod cut;
 mod evaluate;
 mod event;
@@ -32,6 +33,7 @@ mod suite;
 mod summary;
 mod trial;
 mod tune;
+mod unit_error;
 mod verdict;
 
 /// Everything that became of a session. Every report is a function of it.
@@ -48,6 +50,7 @@ pub struct Results {
 pub use block::{BlockReport, BlockResult, BlockState};
 pub use cases::{CaseRun, MetricSummary, SavedCase, SavedSet};
 pub use chosen::{Chosen, choose_runs};
+pub use controller::{AnswerTimes, DifferingRun, TestedController};
 pub use cut::{Cut, CutBy};
 pub use evaluate::{ConditionResult, Difference, EvaluateResult, ParameterValue};
 pub use event::{Evaluations, Event, Reporter, Stopping, Unheard, UnitReport, Workload};
@@ -72,4 +75,5 @@ pub use summary::{
 };
 pub use trial::{CourseOfRun, Horizon, Reason, RunsTaken, Stranded, TrialReport, TrialState, TrialVerdict};
 pub use tune::{BeforeAndAfter, Candidate, TuneResult, Violations};
+pub use unit_error::{RunFault, UnitError};
 pub use verdict::Verdict;

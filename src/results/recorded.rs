@@ -10,6 +10,7 @@ use super::outcome::Outcome;
 use super::skip::Skip;
 use super::standing::Standing;
 use super::trial::{TrialState, TrialVerdict};
+use super::unit_error::UnitError;
 use crate::Verdict;
 use numbers::json;
 use scenario::Assignment;
@@ -67,8 +68,8 @@ pub struct RecordedReport {
 pub enum RecordedState {
     /// It was run to its end.
     Ran(Box<Rerun>),
-    /// Could not be run to its end; the message says why.
-    Errored(String),
+    /// Could not be run to its end.
+    Errored(UnitError),
     /// Nobody tried to run it.
     Skipped(Skip),
 }
@@ -84,6 +85,9 @@ pub struct Rerun {
     pub judged: TrialVerdict,
     /// Criteria over many runs that it still speaks against; their trials decide.
     pub against: Vec<Finding>,
+    /// Whether it may come out differently the next time, since a program that decides in it is not deterministic.
+    #[serde(default)]
+    pub may_differ: bool,
 }
 
 impl RecordedReport {
@@ -111,7 +115,10 @@ impl RecordedReport {
     /// Whether there is no more reason to keep it: it speaks against nothing, or it cannot be run any more.
     pub fn is_obsolete(&self) -> bool {
         match &self.state {
-            RecordedState::Ran(rerun) => rerun.judged.verdict == Verdict::Passed && rerun.against.is_empty(),
+            RecordedState::Ran(rerun) => {
+                // What passes by chance may fail again.
+                rerun.judged.verdict == Verdict::Passed && rerun.against.is_empty() && !rerun.may_differ
+            }
             RecordedState::Skipped(skip) => matches!(skip, Skip::Stale(_)),
             RecordedState::Errored(_) => false,
         }

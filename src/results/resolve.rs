@@ -47,6 +47,7 @@ fn of_suite(suite: &mut SuiteReport, resolve: Resolve) {
         blocks,
         gates,
         interrupted: _,
+        controllers: _,
     } = suite;
     for report in recorded {
         if let RecordedState::Ran(rerun) = &mut report.state {

@@ -7,6 +7,7 @@ use std::time::{Duration, SystemTime};
 use serde::{Deserialize, Serialize};
 
 use super::block::BlockReport;
+use super::controller::TestedController;
 use super::gate::GateReport;
 use super::recorded::RecordedReport;
 use super::skip::Skip;
@@ -109,6 +110,9 @@ pub struct SuiteReport {
     pub summary: Option<SuiteSummary>,
     /// The suite's blocks, each after what it builds on.
     pub blocks: Vec<BlockReport>,
+    /// Its controllers that are programs under test, in the order of their names.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub controllers: Vec<TestedController>,
     /// The suite's gates; empty until all of its trials are judged.
     pub gates: Vec<GateReport>,
     /// Whether somebody interrupted it before all that was to be done was done.

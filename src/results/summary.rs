@@ -139,7 +139,7 @@ impl ScenarioSummary {
         if trial.skipped() {
             return None;
         }
-        self.runs += trial.outcomes.len();
+        self.runs += trial.made();
         if self.varied.is_empty() {
             self.varied = trial.trial.variation.iter().map(|one| one.name.clone()).collect();
         }

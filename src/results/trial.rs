@@ -10,6 +10,7 @@ use super::finding::Finding;
 use super::outcome::{OnCourse, Outcome};
 use super::skip::Skip;
 use super::standing::Standing;
+use super::unit_error::UnitError;
 use crate::Verdict;
 use scenario::Trial;
 
@@ -106,8 +107,8 @@ pub struct TrialReport {
 pub enum TrialState {
     /// All of its runs were made.
     Judged(TrialVerdict),
-    /// Could not be run to its end; the message says why.
-    Errored(String),
+    /// Could not be run to its end.
+    Errored(UnitError),
     /// Begun, and cut off.
     NotFinished(Cut),
     /// Nobody tried to run it.
@@ -128,6 +129,19 @@ impl TrialReport {
         match &self.state {
             TrialState::Judged(judged) => judged.stopping.as_ref(),
             TrialState::Errored(_) | TrialState::NotFinished(_) | TrialState::Skipped(_) => None,
+        }
+    }
+
+    /// How many runs were made, be it in vain.
+    pub fn made(&self) -> usize {
+        self.error().map_or(self.outcomes.len(), UnitError::made)
+    }
+
+    /// Why it could not be run to its end, if it could not.
+    pub fn error(&self) -> Option<&UnitError> {
+        match &self.state {
+            TrialState::Errored(error) => Some(error),
+            _ => None,
         }
     }
 

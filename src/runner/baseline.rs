@@ -1,15 +1,18 @@
 //! Baselines from outcomes.
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
 use crate::plan::{Plan, PlannedTrial};
-use crate::run::{departures, drawing};
+use crate::run::{Executor, departures, drawing};
 use results::judge::baseline::{Baseline, Parts, RecordedMetric, RecordedTrial, TestedVehicle};
 use results::{Outcome, Requests};
 use scenario::registry::Registry;
 use scenario::{
-    ANOTHER_MODEL, Case, MetricKind, MetricReference, PedestrianSetup, Suite, VehicleSetup, World,
+    ANOTHER_MODEL, Case, DeclaredProgram, MetricKind, MetricReference, PedestrianSetup, Suite, VehicleSetup,
+    World,
 };
 
 /// Digits of a value that are kept: enough for any comparison, and short enough to read.
@@ -53,10 +56,25 @@ pub fn record(plan: &Plan, trials: &[(&PlannedTrial, &[Outcome])], requests: &Re
         set: plan.set.clone(),
         tool: env!("CARGO_PKG_VERSION").to_string(),
         populations: plan.populations.clone(),
+        programs: BTreeMap::new(),
         metrics: requests.iter().map(metric).collect(),
         vehicles,
         trials: recorded,
     }
+}
+
+/// What the programs under test of a suite say of themselves, by what its files call them.
+pub fn program_titles(executor: &dyn Executor, suite: &Suite) -> BTreeMap<String, String> {
+    let scenarios = suite.scenarios.iter().chain(&suite.supporting);
+    let models: Vec<_> =
+        scenarios.flat_map(|one| &one.vehicles).flat_map(|car| car.controller.all()).collect();
+    let is_named = |program: &DeclaredProgram| {
+        let programs = models.iter().filter_map(|model| model.known()?.program.as_deref());
+        programs.into_iter().any(|named| named == program)
+    };
+    let uses = executor.program_uses().into_iter();
+    let said = uses.filter(|one| !one.title.is_empty() && is_named(&one.program));
+    said.map(|one| (one.program.name.clone(), one.title)).collect()
 }
 
 /// Every metric that is kept of a suite's runs: those there are, and what its criteria and gates are about.

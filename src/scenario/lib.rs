@@ -33,6 +33,7 @@ mod optimisation;
 mod path;
 pub mod population;
 mod program;
+mod program_fault;
 mod reference;
 pub mod registry;
 mod road;
@@ -80,6 +81,7 @@ pub use optimisation::{
 };
 pub use path::Path;
 pub use program::{Answer, DeclaredProgram, Delay, ProgramKind};
+pub use program_fault::{FaultKind, ProgramFault};
 pub use reference::{Reference, Registered};
 pub use road::{Body, Crossing, CrossingKind, Direction, Lane, Road, Side};
 pub use statement::{

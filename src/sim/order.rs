@@ -13,6 +13,17 @@ pub enum Order {
     Plan(Box<SpeedPlan>),
 }
 
+impl Order {
+    /// Its numbers: an acceleration (m/s²); or throttle and brake; or times (s) and speeds (m/s) of a plan.
+    pub fn values(&self) -> Vec<f64> {
+        match self {
+            Self::Command(Command::Acceleration(acceleration)) => vec![*acceleration],
+            Self::Command(Command::Pedals { throttle, brake }) => vec![*throttle, *brake],
+            Self::Plan(plan) => plan.0.iter().flat_map(|(time, speed)| [*time, *speed]).collect(),
+        }
+    }
+}
+
 /// The most points that a plan has.
 pub const LONGEST_PLAN: usize = 16;
 

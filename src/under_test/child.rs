@@ -7,15 +7,16 @@ use std::sync::Arc;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::fault::{FaultKind, ProgramFault, quoted};
 use super::hello::Encoding;
 use super::log::ProgramLog;
 use super::lookup;
+use super::quote::quoted;
 use super::start::{StartError, StartProblem};
 use super::supervise::BY_SIGNAL;
 use super::watchdog::{Watchdog, Watched};
 use super::wire;
 use scenario::DeclaredProgram;
+use scenario::{FaultKind, ProgramFault};
 
 /// Lines that a program may print before its hello.
 const MOST_LINES_BEFORE_HELLO: usize = 100;

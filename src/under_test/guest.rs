@@ -8,11 +8,12 @@ use wasmi::{
     TypedFunc,
 };
 
-use super::fault::{FaultKind, ProgramFault, one_line};
 use super::lookup;
+use super::quote::one_line;
 use super::start::{StartError, StartProblem};
 use super::wire;
 use scenario::DeclaredProgram;
+use scenario::{FaultKind, ProgramFault};
 
 /// Instructions that it may take for the answer to each run of a request, as the interpreter counts them.
 pub const FUEL: u64 = 100_000_000;

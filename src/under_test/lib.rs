@@ -8,8 +8,8 @@
 // Their failing is a panic: a closed pipe would end the program with the code of a bug.
 #![deny(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro)]
 
+mod answer_times;
 mod child;
-mod fault;
 #[cfg(feature = "wasm")]
 mod guest;
 mod hello;
@@ -20,16 +20,18 @@ mod no_guest;
 mod permission;
 mod pool;
 mod process;
+mod quote;
 mod start;
 mod supervise;
 mod watchdog;
 mod wire;
 
-pub use fault::{FaultKind, ProgramFault};
+pub use answer_times::AnswerClock;
 pub use hello::{Hello, KnowsMore};
 pub use permission::{ALLOW_RUN, Allowed, AllowedError, Permission};
-pub use pool::{AcquiredProcesses, Prepared, ProcessPool};
+pub use pool::{AcquiredProcesses, Prepared, ProcessPool, ProgramUse};
 pub use process::{Failed, Process};
+pub use scenario::{FaultKind, ProgramFault};
 pub use start::{StartError, StartProblem};
 pub use supervise::supervise;
 pub use wire::{Answered, Decision, DueDecision, Opened};

@@ -2,9 +2,9 @@
 
 use std::convert::Infallible;
 
-use super::fault::ProgramFault;
 use super::start::{StartError, StartProblem};
 use scenario::DeclaredProgram;
+use scenario::ProgramFault;
 
 /// There is none.
 pub struct NoGuest(Infallible);

@@ -3,14 +3,16 @@
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
-use super::fault::{FaultKind, ProgramFault};
+use super::answer_times::AnswerClock;
 use super::log::ProgramLog;
 use super::permission::Permission;
 use super::process::Process;
-use super::start::StartError;
+use super::start::{StartError, StartProblem};
 use super::watchdog::Watchdog;
 use scenario::DeclaredProgram;
+use scenario::{FaultKind, ProgramFault};
 
 /// Processes of a program in a row that ended before a run did, after which it is given up; so many for each that there is.
 const MOST_FAILED_PROCESSES: u32 = 3;
@@ -38,6 +40,20 @@ struct ProgramProcesses {
     /// Processes that ended since a run came to its end.
     failed: u32,
     given_up: Option<ProgramFault>,
+    /// Names and versions that its processes have said, of which there should be one.
+    titles: Vec<String>,
+    program: Option<Arc<DeclaredProgram>>,
+    answers: AnswerClock,
+}
+
+/// What a program was used for.
+pub struct ProgramUse {
+    /// As it is declared.
+    pub program: Arc<DeclaredProgram>,
+    /// Name and version as it says them; several if it was changed meanwhile.
+    pub title: String,
+    /// How long its answers took.
+    pub answers: AnswerClock,
 }
 
 impl ProcessPool {
@@ -95,7 +111,35 @@ impl ProcessPool {
             processes.started
         };
         let log = self.logs.as_ref().map(|folder| folder.join(format!("{}-{number}.log", program.name)));
-        Process::start(program, &self.watchdog, self.supervisor.as_deref(), ProgramLog::new(log))
+        let process =
+            Process::start(program, &self.watchdog, self.supervisor.as_deref(), ProgramLog::new(log))?;
+        let title = process.hello().title();
+        let mut programs = self.lock();
+        let processes = programs.entry(key(program)).or_default();
+        processes.program.get_or_insert_with(|| program.clone());
+        if !title.is_empty() && !processes.titles.contains(&title) {
+            processes.titles.push(title);
+        }
+        drop(programs);
+        Ok(process)
+    }
+
+    /// What each of the programs was used for, in the order of their names.
+    pub fn uses(&self) -> Vec<ProgramUse> {
+        let programs = self.lock();
+        let each = programs.values().filter_map(|processes| {
+            let program = processes.program.clone()?;
+            Some(ProgramUse {
+                program,
+                title: processes.titles.join(" / "),
+                answers: processes.answers.clone(),
+            })
+        });
+        let mut uses: Vec<ProgramUse> = each.collect();
+        uses.sort_by(|one, other| {
+            (&one.program.name, &one.program.file).cmp(&(&other.program.name, &other.program.file))
+        });
+        uses
     }
 
     /// A process of each of these programs, which are in the order of their names; waits until there is one.
@@ -109,7 +153,11 @@ impl ProcessPool {
         let mut processes = AcquiredProcesses { pool: self, members: Vec::with_capacity(programs.len()) };
         for (index, program) in programs.iter().enumerate() {
             let process = self.acquire_one(program).map_err(|fault| (index, fault))?;
-            processes.members.push(Member { program: program.clone(), process: Some(process) });
+            processes.members.push(Member {
+                program: program.clone(),
+                answers: AnswerClock::default(),
+                process: Some(process),
+            });
         }
         Ok(processes)
     }
@@ -142,18 +190,28 @@ impl ProcessPool {
         started
     }
 
-    /// Starts a process; a program that does not start is not tried again.
+    /// Starts a process. A program that does not say hello counts as one that has ended; what cannot be started at all is not tried
+    /// again.
     fn start_or_give_up(&self, program: &Arc<DeclaredProgram>) -> Result<Process, ProgramFault> {
-        let given_up = self.lock().get(&key(program)).and_then(|processes| processes.given_up.clone());
-        if let Some(fault) = given_up {
-            return Err(fault);
+        loop {
+            let given_up = self.lock().get(&key(program)).and_then(|processes| processes.given_up.clone());
+            if let Some(fault) = given_up {
+                return Err(fault);
+            }
+            let error = match self.start(program) {
+                Ok(process) => return Ok(process),
+                Err(error) => error,
+            };
+            let is_over = error.problem != StartProblem::NoHello || self.note_failed(program).is_err();
+            if is_over {
+                let fault = ProgramFault {
+                    log_tail: error.notes,
+                    ..ProgramFault::new(FaultKind::Exited, error.message)
+                };
+                self.lock().entry(key(program)).or_default().given_up = Some(fault.clone());
+                return Err(fault);
+            }
         }
-        self.start(program).map_err(|error| {
-            let fault =
-                ProgramFault { log_tail: error.notes, ..ProgramFault::new(FaultKind::Exited, error.message) };
-            self.lock().entry(key(program)).or_default().given_up = Some(fault.clone());
-            fault
-        })
     }
 
     /// Takes note of a process that has ended.
@@ -212,6 +270,7 @@ pub struct AcquiredProcesses<'y> {
 
 struct Member {
     program: Arc<DeclaredProgram>,
+    answers: AnswerClock,
     process: Option<Process>,
 }
 
@@ -236,7 +295,7 @@ impl AcquiredProcesses<'_> {
     /// # Errors
     /// If it cannot be started, or has been given up.
     pub fn process(&mut self, index: usize) -> Result<&mut Process, ProgramFault> {
-        let Member { program, process } = &mut self.members[index];
+        let Member { program, process, .. } = &mut self.members[index];
         if process.as_ref().is_some_and(Process::has_ended) {
             *process = None;
             self.pool.note_failed(program)?;
@@ -245,6 +304,11 @@ impl AcquiredProcesses<'_> {
             *process = Some(self.pool.start_or_give_up(program)?);
         }
         Ok(process.as_mut().expect("it was just started"))
+    }
+
+    /// Takes note of how long an answer took; see [`AnswerClock::note`].
+    pub fn note_answer(&mut self, index: usize, time: Duration, runs: usize, late: usize) {
+        self.members[index].answers.note(time, runs, late);
     }
 
     /// Has the next run begin with a process that has seen none.
@@ -277,7 +341,8 @@ impl AcquiredProcesses<'_> {
 
 impl Drop for AcquiredProcesses<'_> {
     fn drop(&mut self) {
-        for Member { program, process } in self.members.drain(..) {
+        for Member { program, answers, process } in self.members.drain(..) {
+            self.pool.lock().entry(key(&program)).or_default().answers.add(&answers);
             self.pool.release(&program, process);
         }
     }

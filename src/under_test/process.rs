@@ -8,17 +8,17 @@ use std::time::{Duration, Instant};
 use serde_json::{Value as Json, json};
 
 use super::child::Child;
-use super::fault::{FaultKind, ProgramFault, one_line, quoted};
 #[cfg(feature = "wasm")]
 use super::guest::Guest;
 use super::hello::{self, Encoding, Hello};
 use super::log::ProgramLog;
 #[cfg(not(feature = "wasm"))]
 use super::no_guest::NoGuest as Guest;
+use super::quote::{log_line, quoted};
 use super::start::{StartError, StartProblem};
 use super::watchdog::Watchdog;
 use super::wire::{self, Answered, DueDecision, Opened, Reply};
-use scenario::{DeclaredProgram, ProgramKind};
+use scenario::{DeclaredProgram, FaultKind, ProgramFault, ProgramKind};
 use sim::Mode;
 
 /// A process, or an instance of a module, that has said hello.
@@ -112,7 +112,7 @@ impl Process {
         let message = format!("`{}` does not say hello: {message}", program.name);
         let hint = "the program reads a line that begins with `{\"hello\"` and answers with one: see docs/under_test.md";
         let lines = self.last_lines();
-        let notes = lines.iter().map(|line| format!("it wrote: {}", one_line(line))).collect();
+        let notes = lines.iter().map(|line| format!("it wrote: {line}")).collect();
         StartError::new(StartProblem::NoHello, program, message, hint).with_notes(notes)
     }
 
@@ -273,7 +273,7 @@ impl Process {
 
     fn with_log(&self, fault: ProgramFault) -> ProgramFault {
         let log = match &self.channel {
-            Channel::Child(child) => child.log().path().map(Path::to_path_buf),
+            Channel::Child(child) => child.log().path().map(|path| path.display().to_string()),
             Channel::Guest(_) => None,
         };
         ProgramFault { log_tail: self.last_lines(), log, ..fault }
@@ -282,7 +282,9 @@ impl Process {
     /// What it wrote last besides its answers; a module cannot write.
     fn last_lines(&self) -> Vec<String> {
         match &self.channel {
-            Channel::Child(child) => child.log().last_lines(self.has_ended),
+            Channel::Child(child) => {
+                child.log().last_lines(self.has_ended).iter().map(|line| log_line(line)).collect()
+            }
             Channel::Guest(_) => Vec::new(),
         }
     }

@@ -11,7 +11,7 @@ pub fn supervise(runner: u32, environment: &[String], command: &[String]) -> Exi
     use std::thread;
     use std::time::Duration;
 
-    use rustix::process::{Signal, getpid, kill_process_group};
+    use rustix::process::{Resource, Rlimit, Signal, getpid, kill_process_group, setrlimit};
 
     let Some((program, arguments)) = command.split_first() else { return ExitCode::from(CANNOT_START) };
     let look = move || {
@@ -21,6 +21,8 @@ pub fn supervise(runner: u32, environment: &[String], command: &[String]) -> Exi
         // It leads its group.
         let _ = kill_process_group(getpid(), Signal::KILL);
     };
+    // A crash is told of by its signal; what a program had in memory is not to fill the disk. All other limits are the runner's.
+    let _ = setrlimit(Resource::Core, Rlimit { current: Some(0), maximum: Some(0) });
     if thread::Builder::new().spawn(look).is_err() {
         return ExitCode::from(CANNOT_START);
     }

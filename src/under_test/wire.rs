@@ -2,8 +2,9 @@
 
 use serde_json::{Map, Value as Json, json};
 
-use super::fault::{FaultKind, ProgramFault, quoted};
+use super::quote::quoted;
 use scenario::{Answer, CrossingKind, ParameterKind, Settings, Shape, Value, VehicleSetup, World};
+use scenario::{FaultKind, ProgramFault};
 use sim::{Command, Mode, Observation, Order, SpeedPlan, toward};
 
 /// Columns of the rows of runs.

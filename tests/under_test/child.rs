@@ -26,6 +26,11 @@ fn argument(name: &str, default: &str) -> String {
         .unwrap_or_else(|| default.into())
 }
 
+/// As it says of itself; another one where a file beside it has one.
+fn version() -> String {
+    std::fs::read_to_string("version").unwrap_or_else(|_| argument("version", "1.0"))
+}
+
 /// Rests for good.
 fn hang() -> ! {
     loop {
@@ -55,6 +60,15 @@ pub fn run() -> ! {
             eprintln!("no such weights: v3.onnx");
             process::exit(3)
         }
+        #[cfg(unix)]
+        "ignores_sigterm" => {
+            use std::os::unix::process::CommandExt;
+            // What is ignored stays ignored.
+            let own = env::current_exe().unwrap();
+            let script = "trap '' TERM; exec \"$0\" kind=hang";
+            let error = process::Command::new("sh").args(["-c", script]).arg(own).exec();
+            panic!("{error}")
+        }
         "flood" => (0..20_000).for_each(|line| eprintln!("{line} {}", "log ".repeat(20))),
         _ => {}
     }
@@ -71,7 +85,7 @@ pub fn run() -> ! {
         parameters[0]["high"] = json!(20);
     }
     let hello = json!({"hello": {
-        "protocol": protocol, "name": "tested", "version": argument("version", "1.0"), "encoding": child.encoding,
+        "protocol": protocol, "name": "tested", "version": version(), "encoding": child.encoding,
         "runs_at_once": child.at_once, "gives": [child.gives], "modes": ["cruise", "brake"], "parameters": parameters,
     }});
     // `hello` comes first, whatever the order of keys.
@@ -232,6 +246,10 @@ impl Child {
             _ if self.kind == "nan" => vec![f64::NAN],
             _ if self.kind == "huge" => vec![51.0],
             _ if self.kind == "clock" => vec![clock()],
+            _ if self.kind == "clock_a_bit" => vec![clock() / 1e3],
+            _ if self.kind == "sometimes" && std::path::Path::new("worse").exists() => vec![-2.5],
+            _ if self.kind == "sometimes" || self.kind == "gentle" => vec![-0.5],
+            _ if self.kind == "counts" => vec![-1e-6 * self.steps as f64],
             // The farther from 12.5 m, the less.
             _ if self.kind == "tuned" => vec![-((self.gaps[seen.slot] - 12.5) / 10.0).powi(2) / 10.0],
             _ => vec![if seen.near { brakes } else { 0.5 * (seen.cruise - seen.speed) }],
@@ -246,7 +264,9 @@ impl Child {
         let bad = seen.iter().find(|one| self.crashes[one.slot] && one.time >= 0.5);
         match self.kind.as_str() {
             "crash" if late => {
-                eprintln!("Traceback: lane is None");
+                eprintln!(
+                    "Traceback (most recent call last):\n  File \"av.py\", line 3, in step\n    lane.width\nTraceback: lane is None"
+                );
                 process::exit(1)
             }
             "abort" if late => process::abort(),
@@ -259,9 +279,30 @@ impl Child {
                 while io::stdout().write_all(&line).is_ok() {}
                 hang()
             }
-            "deaf" if late => {
-                // Never reads again, though asked for much.
+            "segfault" if late => {
+                // The first one is taken for an overflow of the stack, which it is not.
+                let script = "kill -SEGV $0; sleep 0.05; kill -SEGV $0";
+                let own = process::id().to_string();
+                process::Command::new("sh").args(["-c", script, &own]).status().unwrap();
                 hang()
+            }
+            "forks" if late => {
+                for number in 1_u32.. {
+                    let own = env::current_exe().unwrap();
+                    let mut more = process::Command::new(own);
+                    more.args(["kind=silent"]).env("TESTS_UNDER_TEST", "child").stdin(process::Stdio::null());
+                    // Without end, but not without pause: others use this machine.
+                    std::mem::forget(more.spawn());
+                    if number == 10 {
+                        eprintln!("{number} processes and still forking");
+                    }
+                    thread::sleep(Duration::from_millis(50));
+                }
+                hang()
+            }
+            "slow" => {
+                thread::sleep(Duration::from_millis(200));
+                None
             }
             "grandchild" if late => {
                 // It keeps the pipes, and does not end.

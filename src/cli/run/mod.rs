@@ -23,8 +23,9 @@ use super::{Exit, filter, load, measured, number, store};
 use files::escape::terminal_line;
 use lang::filter::Show;
 use report::console::{Output, stderr, stdout};
-use report::{Live, StatusLevel, Terminal, render_gates};
+use report::{Live, StatusLevel, Terminal, render_controllers, render_gates};
 use results::{Overall, SuiteReport};
+use runner::run::VerifyRuns;
 use runner::session::{self, Selection, Session, Units};
 use scenario::registry::Registry;
 
@@ -69,6 +70,11 @@ pub struct RunArguments {
 
     #[command(flatten)]
     programs: ProgramArguments,
+
+    /// Which runs in which programs decide are made a second time, alone in another process, to see whether they come out the same. They
+    /// count nowhere.
+    #[arg(long, value_enum, value_name = "WHICH", default_value_t = Verified::Some)]
+    verify_runs: Verified,
 
     /// Where a search or tune that is cut off leaves its journal, from which the same command goes on.
     #[arg(long, value_name = "DIR", default_value = super::JOURNAL)]
@@ -131,6 +137,27 @@ enum NoTests {
     Warn,
     /// Nothing.
     Pass,
+}
+
+/// Which runs are made twice.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Verified {
+    /// None.
+    None,
+    /// The first of each scenario, every 200th, and those that failed before.
+    Some,
+    /// Every one.
+    All,
+}
+
+impl From<Verified> for VerifyRuns {
+    fn from(verified: Verified) -> Self {
+        match verified {
+            Verified::None => Self::None,
+            Verified::Some => Self::Some,
+            Verified::All => Self::All,
+        }
+    }
 }
 
 /// What a build may not rest on.
@@ -287,6 +314,7 @@ pub fn run(arguments: RunArguments, registry: &Registry) -> Exit {
         .executor(threads)
         .journals(&arguments.journal)
         .stopped_by(&stop)
+        .verify_runs(arguments.verify_runs.into())
         .lenient_gates(arguments.baseline_lenient)
         .courses(arguments.output.draw_runs())
         .every_trial(arguments.output.need_every_trial(in_github_actions()));
@@ -305,6 +333,7 @@ pub fn run(arguments: RunArguments, registry: &Registry) -> Exit {
         error.results()
     });
     let reports = &results.suites;
+    stdout().styled(&render_controllers(reports, colour));
     stdout().styled(&render_gates(reports, colour));
     complaints.extend(watcher.as_ref().map(watch::Traces::finish).unwrap_or_default());
     complaints.extend(output::write(&arguments.output, &results, in_github_actions()));

@@ -1,6 +1,7 @@
 //! `scenario NAME { … }`
 
 use std::collections::{BTreeSet, HashMap, HashSet};
+use std::path::Path;
 
 use super::block::{Layer, Said, last, missing, reject_repeats};
 use super::criterion::{From, criterion};
@@ -498,11 +499,11 @@ fn used_variables<'a>(
 }
 
 /// The text of a scenario without variations, in the one style. `expect` are criteria in the language's words, which
-/// stand in place of the scenario's own; `remarks` are comments above it.
+/// stand in place of the scenario's own; `remarks` are comments above it. What it uses is named from `folder`, in which it will lie.
 ///
 /// # Panics
 /// If a value depends on a variation.
-pub fn write_scenario(scenario: &Scenario, expect: &[String], remarks: &[String]) -> String {
+pub fn write_scenario(scenario: &Scenario, expect: &[String], remarks: &[String], folder: &Path) -> String {
     assert!(scenario.variations.is_empty(), "variations are put in before a scenario is written");
     let mut out = BlockText::default();
     for remark in remarks {
@@ -510,7 +511,10 @@ pub fn write_scenario(scenario: &Scenario, expect: &[String], remarks: &[String]
     }
     let programs = scenario.vehicles.iter().filter_map(|car| car.controller.first.known()?.program.as_ref());
     let files: BTreeSet<&str> = programs.map(|program| program.file.as_str()).collect();
-    files.iter().for_each(|file| out.line(&format!("use {}", quoted(file))));
+    for file in files {
+        let named = ::files::relative(Path::new(file), folder).display().to_string().replace('\\', "/");
+        out.line(&format!("use {}", quoted(&named)));
+    }
     out.open(&format!("scenario {}", scenario.name));
     if let Some(doc) = &scenario.doc {
         out.line(&quoted(doc));

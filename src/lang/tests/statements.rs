@@ -265,7 +265,7 @@ fn it_is_written_so_that_it_is_read_back() {
             for usage in statement.usages().filter(|usage| !usage.contains('…')) {
                 let (scenario, said) = meaning(&with(kind, &unusual(usage)));
                 assert_ne!(said, plain, "`{usage}` changes nothing");
-                let written = write_scenario(&scenario, &[], &[]);
+                let written = write_scenario(&scenario, &[], &[], std::path::Path::new(""));
                 assert_eq!(meaning(&written).1, said, "{written}");
             }
         }

@@ -63,7 +63,7 @@ impl BlockSection {
     fn fill(&mut self, report: &SuiteReport, block: &BlockReport) {
         let result = match &block.state {
             BlockState::Finished(result) => result.as_ref(),
-            BlockState::Errored(message) => return self.summary = message.clone(),
+            BlockState::Errored(error) => return self.summary = error.message.clone(),
             BlockState::NotFinished(cut) => return self.summary = cut.to_string(),
             BlockState::Skipped(reason) => return self.summary = reason.to_string(),
         };

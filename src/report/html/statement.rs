@@ -67,9 +67,9 @@ impl Statements {
                 BlockResult::Statement(result) => result,
                 _ => return,
             },
-            BlockState::Errored(message) => {
+            BlockState::Errored(error) => {
                 self.unknown += 1;
-                return self.rows.push(Row::unknown(report, doc, "could not be looked at", message));
+                return self.rows.push(Row::unknown(report, doc, "could not be looked at", &error.message));
             }
             BlockState::NotFinished(cut) => {
                 self.unknown += 1;

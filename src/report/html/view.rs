@@ -9,6 +9,7 @@ use super::embed::embed;
 use super::figure::HtmlFigure;
 use super::statement::Statements;
 use super::{block, gate};
+use crate::controllers;
 use crate::digest::written_unit;
 use crate::failure::render_failure;
 use crate::figures::{figures, short_name};
@@ -20,7 +21,7 @@ use crate::wording::{
 };
 use results::{
     BlockReport, BlockState, Chosen, Finding, FindingMeasure, GateReport, GateState, Program, Recording,
-    Requests, Skip, SuiteReport, TrialReport, TrialState, Verdict,
+    Requests, Skip, SuiteReport, TestedController, TrialReport, TrialState, Verdict,
 };
 use scenario::MetricReference;
 
@@ -76,6 +77,9 @@ struct Suite {
     seed: String,
     seconds: String,
     counts: Counts,
+    /// Which programs were tested, and how fast they answered.
+    controllers: Vec<String>,
+    warnings: Vec<String>,
     statements: Option<Statements>,
     scenarios: Vec<Scenario>,
     figures: Vec<HtmlFigure>,
@@ -236,7 +240,7 @@ impl Counts {
     fn add(&mut self, trial: &TrialReport) {
         self.all += 1;
         self.trials += 1;
-        self.runs += trial.outcomes.len();
+        self.runs += trial.made();
         *match (&trial.state, trial.verdict()) {
             (TrialState::Skipped(_), _) => &mut self.skipped,
             (TrialState::NotFinished(_), _) => &mut self.not_finished,
@@ -275,6 +279,8 @@ fn suite<'r>(
         seed: report.identity.seed_words().trim_start_matches("seed ").to_string(),
         seconds: format!("{:.2}", report.wall_time.as_secs_f64()),
         counts,
+        controllers: report.controllers.iter().filter_map(controllers::in_words).collect(),
+        warnings: report.controllers.iter().filter_map(TestedController::nondeterminism).collect(),
         statements: Statements::new(report),
         scenarios: all_scenarios(report, &columns, animated),
         figures: figures(report, requests, drawn).into_iter().map(HtmlFigure::from).collect(),
@@ -417,7 +423,7 @@ fn trial(
         key: trial.trial.key.clone(),
         name: if name.is_empty() { "all runs".into() } else { name },
         doc: String::new(),
-        runs: trial.outcomes.len(),
+        runs: trial.made(),
         stopping: trial.stopping().map(stopping),
         warnings: trial_warnings(trial),
         state,
@@ -466,6 +472,9 @@ fn failure(
         if !commands.iter().any(|known| known.key == run.key) {
             commands.push(command(report, &run.key, animated));
         }
+    }
+    if let Some(first) = trial.error().and_then(|error| error.faults.first()) {
+        commands.push(command(report, &first.run, animated));
     }
     Some(Failure { text: render_failure(&report.identity, &trial.state, false), commands })
 }

@@ -168,6 +168,7 @@ impl Suite {
             recorded: self.recorded.into_iter().map(|one| one.report(requests)).collect::<Result<_, _>>()?,
             trials: self.trials.into_iter().map(|one| one.report(requests)).collect::<Result<_, _>>()?,
             summary: None,
+            controllers: Vec::new(),
             blocks: Vec::new(),
             gates: self.gates.into_iter().map(GateOfSuite::report).collect::<Result<_, _>>()?,
             interrupted: self.interrupted,
@@ -180,7 +181,7 @@ impl RecordedRun {
         let wall_time = seconds(&self.key, self.wall_time_s)?;
         let mut seed = 0;
         let state = match (self.verdict.as_str(), self.run, self.message) {
-            ("error", None, Some(message)) => RecordedState::Errored(message),
+            ("error", None, Some(message)) => RecordedState::Errored(message.into()),
             ("skipped", None, Some(message)) => RecordedState::Skipped(skip(&message)),
             (verdict, Some(run), _) => {
                 seed = run.seed;
@@ -188,6 +189,7 @@ impl RecordedRun {
                 let said = serde_json::from_value(verdict.into())?;
                 let (own, against) = self.findings.into_iter().partition(|finding| finding.verdict <= said);
                 RecordedState::Ran(Box::new(Rerun {
+                    may_differ: false,
                     outcome: run.outcome(requests)?,
                     same_case: self.same_case,
                     judged: judged(&self.key, verdict, own, None, None)?,
@@ -229,7 +231,7 @@ impl TrialOfSuite {
         let runs = self.runs.into_iter().map(|run| run.outcome(requests));
         let outcomes = runs.collect::<Result<_, _>>()?;
         let state = match (self.verdict.as_str(), self.message) {
-            ("error", Some(message)) => TrialState::Errored(message),
+            ("error", Some(message)) => TrialState::Errored(message.into()),
             ("skipped", Some(message)) => TrialState::Skipped(skip(&message)),
             ("not_finished", Some(message)) => {
                 TrialState::NotFinished(cut(&trial.key, self.cut_by, message)?)

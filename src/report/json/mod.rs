@@ -3,7 +3,7 @@
 use numbers::json;
 use results::{
     BlockReport, BlockState, GateReport, GateState, Horizon, Outcome, Program, RecordedReport, RecordedState,
-    Requests, SuiteReport, TrialReport, TrialState,
+    Requests, RunFault, SuiteReport, TrialReport, TrialState, UnitError,
 };
 mod first_layout;
 mod read;
@@ -127,6 +127,9 @@ fn suite_object<'v>(report: &'v SuiteReport, requests: &'v Requests) -> Object<'
         "interrupted": report.interrupted,
         "record": { "started": plain(&report.started), "program": plain(&report.program) },
     }));
+    if !report.controllers.is_empty() {
+        own.insert("controllers".into(), plain(&report.controllers));
+    }
     if !report.identity.set.is_empty() {
         own.insert("set".into(), json!(report.identity.set));
     }
@@ -191,9 +194,9 @@ fn trial_object<'v>(report: &'v TrialReport, requests: &'v Requests) -> Object<'
                 fields.insert("stopping".into(), plain(stopping));
             }
         }
-        TrialState::Errored(message) => {
+        TrialState::Errored(error) => {
             fields.insert("verdict".into(), "error".into());
-            fields.insert("message".into(), message.as_str().into());
+            insert_error(&mut fields, error);
         }
         TrialState::NotFinished(cut) => {
             fields.insert("verdict".into(), "not_finished".into());
@@ -207,7 +210,31 @@ fn trial_object<'v>(report: &'v TrialReport, requests: &'v Requests) -> Object<'
             fields["record"]["skip"] = plain(reason);
         }
     }
-    Object { members: fields, lists: vec![("runs", list(&report.outcomes, run))], objects }
+    let runs = report.error().map_or(&report.outcomes, |error| &error.finished);
+    Object { members: fields, lists: vec![("runs", list(runs, run))], objects }
+}
+
+/// Why a unit could not be run to its end, with the runs that programs kept from theirs.
+fn insert_error(fields: &mut Map<String, Value>, error: &UnitError) {
+    fields.insert("message".into(), error.message.as_str().into());
+    if !error.faults.is_empty() {
+        let fault = |one: &RunFault| {
+            json!({
+                "run": one.run,
+                "vehicle": one.vehicle,
+                "controller": one.fault.controller,
+                "declared": plain(&one.fault.declared),
+                "fault": {
+                    "kind": one.fault.kind,
+                    "time": one.time,
+                    "message": one.fault.message,
+                    "log": one.fault.log,
+                    "log_tail": one.fault.log_tail,
+                },
+            })
+        };
+        fields.insert("faults".into(), error.faults.iter().map(fault).collect());
+    }
 }
 
 fn horizon_object(horizon: &Horizon) -> Object<'_> {
@@ -240,7 +267,10 @@ fn recorded_value(report: &RecordedReport, requests: &Requests) -> Value {
             fields.insert("run".into(), outcome_value(&rerun.outcome, requests));
             (plain(&rerun.judged.verdict), None)
         }
-        RecordedState::Errored(message) => ("error".into(), Some(message.clone())),
+        RecordedState::Errored(error) => {
+            insert_error(fields, error);
+            ("error".into(), None)
+        }
         RecordedState::Skipped(reason) => ("skipped".into(), Some(reason.to_string())),
     };
     fields.insert("verdict".into(), verdict);
@@ -295,7 +325,10 @@ fn block_value(report: &BlockReport) -> Value {
             let failure = result.failure();
             (if failure.is_some() { "failed" } else { "passed" }, failure)
         }
-        BlockState::Errored(message) => ("error", Some(message.clone())),
+        BlockState::Errored(error) => {
+            insert_error(fields, error);
+            ("error", None)
+        }
         BlockState::NotFinished(cut) => {
             fields.insert("cut_by".into(), plain(&cut.by()));
             fields["record"]["cut"] = plain(cut);
@@ -349,8 +382,8 @@ mod tests {
     use super::*;
     use crate::fixture::{Session, evaluation, statement};
     use crate::schema::violations;
-    use results::{BlockResult, Conclusion};
-    use scenario::DeclaredStanding;
+    use results::{AnswerTimes, BlockResult, Conclusion, DifferingRun, TestedController};
+    use scenario::{DeclaredStanding, FaultKind, ProgramFault};
 
     fn text(results: &Results) -> String {
         let mut text = Vec::new();
@@ -394,6 +427,40 @@ mod tests {
             (&json!([null, 1.5]), &json!([0.5, null]))
         );
         assert_eq!(violations(&schema(), &results), Vec::<String>::new());
+    }
+
+    #[test]
+    fn what_is_known_of_programs_is_what_the_schema_says_and_is_read_back() {
+        let session = Session::new();
+        let mut report = session.report();
+        let fault = ProgramFault {
+            controller: "own".into(),
+            log_tail: vec!["  lane.width".into()],
+            log: Some("own-1.log".into()),
+            ..ProgramFault::new(FaultKind::Timeout, "no answer within 1 s")
+        };
+        let fault = RunFault { run: "zebra/a/rep=2".into(), vehicle: "av".into(), time: 0.5, fault };
+        let finished = std::mem::take(&mut report.trials[0].outcomes);
+        let error = UnitError::of_faults(vec![fault.clone()], &["all of it".into()], finished);
+        assert!(error.message.starts_with("1 of 7 runs ended in a fault (timeout)\n"), "{error}");
+        report.trials[0].state = TrialState::Errored(error);
+        report.blocks[0].state =
+            BlockState::Errored(UnitError { faults: vec![fault], ..UnitError::from("no".to_string()) });
+        report.controllers = vec![TestedController {
+            name: "own".into(),
+            program: "tested 1.0".into(),
+            answers: Some(AnswerTimes { answers: 7, median: 0.1, percentile_99: 0.2, worst: 0.3, late: 0.5 }),
+            second_runs: 1,
+            differing: vec![DifferingRun { run: "zebra/a/rep=1".into(), difference: "at 1 s".into() }],
+            ..TestedController::default()
+        }];
+        let results = session.results(report);
+        let text = text(&results);
+        assert_eq!(violations(&schema(), &serde_json::from_str(&text).unwrap()), Vec::<String>::new());
+        let read = super::read::results_of(text.as_bytes(), &models::standard()).unwrap();
+        assert_eq!(read.suites[0].trials[0].state, results.suites[0].trials[0].state);
+        assert_eq!(read.suites[0].blocks[0].state, results.suites[0].blocks[0].state);
+        assert_eq!(read.suites[0].controllers, results.suites[0].controllers);
     }
 
     #[test]

@@ -15,11 +15,11 @@ use numbers::json;
 use results::{
     BlockReport, BlockResult, BlockState, ByMetric, Chosen, Critical, Cut, CutOff, Finding, GateReport,
     GateState, GateVerdict, Horizon, NotJudged, Outcome, Program, Recorded, RecordedReport, RecordedState,
-    Recording, Refusal, Requests, Results, RunsTaken, Skip, SuiteIdentity, SuiteReport, TrialReport,
-    TrialState, TrialVerdict, UnknownMetric, Verdict,
+    Recording, Refusal, Requests, Results, RunFault, RunsTaken, Skip, SuiteIdentity, SuiteReport,
+    TestedController, TrialReport, TrialState, TrialVerdict, UnitError, UnknownMetric, Verdict,
 };
 use scenario::registry::Registry;
-use scenario::{Block, Gate, Individual, Trial};
+use scenario::{Block, FaultKind, Gate, Individual, Origin, ProgramFault, Trial};
 use sim::Ending;
 use sim::measure::{Open, Presence};
 
@@ -100,6 +100,8 @@ struct Suite {
     wall_time_s: f64,
     interrupted: bool,
     record: SuiteRecord,
+    #[serde(default)]
+    controllers: Vec<TestedController>,
     recorded: Vec<RecordedRun>,
     trials: Vec<TrialOfSuite>,
     blocks: Vec<BlockOfSuite>,
@@ -138,6 +140,8 @@ struct TrialOfSuite {
     stopping: Option<RunsTaken>,
     #[serde(default)]
     horizon: Option<Horizon>,
+    #[serde(default)]
+    faults: Vec<FaultOfRun>,
     runs: Vec<Run>,
     record: TrialRecord,
 }
@@ -187,6 +191,8 @@ struct BlockOfSuite {
     wall_time_s: f64,
     #[serde(default)]
     result: Option<Box<BlockResult>>,
+    #[serde(default)]
+    faults: Vec<FaultOfRun>,
     record: BlockRecord,
 }
 
@@ -236,6 +242,7 @@ impl Suite {
             recorded: self.recorded.into_iter().map(RecordedRun::report).collect::<Result<_, _>>()?,
             trials: self.trials.into_iter().map(|one| one.report(requests)).collect::<Result<_, _>>()?,
             summary: None,
+            controllers: self.controllers,
             blocks: self.blocks.into_iter().map(BlockOfSuite::report).collect::<Result<_, _>>()?,
             gates: self.gates.into_iter().map(GateOfSuite::report).collect::<Result<_, _>>()?,
             interrupted: self.interrupted,
@@ -255,9 +262,13 @@ impl TrialOfSuite {
     fn report(self, requests: &Requests) -> Result<TrialReport, ResultsError> {
         let TrialRecord { trial, departures, cut, skip } = self.record;
         let runs = self.runs.into_iter().map(|run| run.outcome(requests));
-        let outcomes: Vec<Outcome> = runs.collect::<Result<_, _>>()?;
+        let mut outcomes: Vec<Outcome> = runs.collect::<Result<_, _>>()?;
         let state = match (self.verdict.as_str(), self.message, cut, skip) {
-            ("error", Some(message), None, None) => TrialState::Errored(message),
+            ("error", Some(message), None, None) => {
+                let faults = faults(self.faults);
+                let finished = std::mem::take(&mut outcomes);
+                TrialState::Errored(UnitError { message, faults, finished })
+            }
             ("not_finished", _, Some(cut), None) => TrialState::NotFinished(cut),
             ("skipped", _, None, Some(skip)) => TrialState::Skipped(skip),
             (verdict, None, None, None) => {
@@ -328,6 +339,34 @@ impl Run {
     }
 }
 
+/// A run that a program kept from its end, as it is written.
+#[derive(Deserialize)]
+struct FaultOfRun {
+    run: String,
+    vehicle: String,
+    controller: String,
+    declared: Box<Origin>,
+    fault: FaultInWords,
+}
+
+#[derive(Deserialize)]
+struct FaultInWords {
+    kind: FaultKind,
+    time: f64,
+    message: String,
+    log: Option<String>,
+    log_tail: Vec<String>,
+}
+
+fn faults(written: Vec<FaultOfRun>) -> Vec<RunFault> {
+    let fault = |FaultOfRun { run, vehicle, controller, declared, fault }: FaultOfRun| {
+        let FaultInWords { kind, time, message, log, log_tail } = fault;
+        let fault = ProgramFault { kind, message, controller, declared, log_tail, log };
+        RunFault { run, vehicle, time, fault }
+    };
+    written.into_iter().map(fault).collect()
+}
+
 impl BlockOfSuite {
     fn report(self) -> Result<BlockReport, ResultsError> {
         let BlockRecord { block, cut, skip } = self.record;
@@ -340,7 +379,9 @@ impl BlockOfSuite {
                 }
                 BlockState::Finished(result)
             }
-            ("error", None, Some(message), None, None) => BlockState::Errored(message),
+            ("error", None, Some(message), None, None) => {
+                BlockState::Errored(UnitError { message, faults: faults(self.faults), finished: Vec::new() })
+            }
             ("not_finished", None, _, Some(cut), None) => BlockState::NotFinished(cut),
             ("skipped", None, _, None, Some(skip)) => BlockState::Skipped(skip),
             _ => return Err(contradiction(&self.key, format!("`{verdict}` without its reason"))),

@@ -61,6 +61,8 @@ pub struct TestCase {
     properties: Vec<(String, String)>,
     problem: Option<Problem>,
     pub output: Option<String>,
+    /// What a program under test wrote to its standard error.
+    pub errors: Option<String>,
 }
 
 impl TestCase {
@@ -142,7 +144,11 @@ impl<W: Write> JunitReport<W> {
             attribute(&mut tag, "file", file);
             attribute(&mut tag, "line", &line.to_string());
         }
-        if case.properties.is_empty() && case.problem.is_none() && case.output.is_none() {
+        if case.properties.is_empty()
+            && case.problem.is_none()
+            && case.output.is_none()
+            && case.errors.is_none()
+        {
             return self.0.write_event(Event::Empty(tag));
         }
         self.0.write_event(Event::Start(tag))?;
@@ -152,6 +158,9 @@ impl<W: Write> JunitReport<W> {
         }
         if let Some(output) = &case.output {
             self.text(BytesStart::new("system-out"), output)?;
+        }
+        if let Some(errors) = &case.errors {
+            self.text(BytesStart::new("system-err"), errors)?;
         }
         self.close("testcase")
     }

@@ -153,7 +153,7 @@ impl Terminal {
             && trial.stopping().is_some()
         {
             // Those that it did not take will not come any more.
-            self.tally.outline.runs -= trial.trial.runs - trial.outcomes.len();
+            self.tally.outline.runs -= trial.trial.runs - trial.made();
         }
         let standing = report.standing();
         self.tally.failures += usize::from(standing.is_failure());

@@ -25,9 +25,9 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::plan::PlanError;
-use crate::run::{Executor, MeasuredMetrics, RunError, Stop};
+use crate::run::{Executor, FirstRuns, MeasuredMetrics, RunError, Stop, VerifyRuns};
 use files::{Disk, Files};
-use results::Requests;
+use results::{Requests, RunFault};
 use scenario::registry::Registry;
 use scenario::{Scenario, Suite};
 use thiserror::Error;
@@ -56,6 +56,8 @@ pub struct Context<'a> {
     pub journals: Option<PathBuf>,
     /// Looked at before every run.
     pub stop: Stop,
+    /// Which of the runs in which programs decide are made a second time.
+    pub first_runs: FirstRuns,
     /// What to tell whoever runs it, such as that the end of a journal was cut off.
     pub notices: Mutex<Vec<String>>,
 }
@@ -88,6 +90,7 @@ impl<'a> Context<'a> {
             files: Arc::new(Disk),
             journals: None,
             stop: Stop::default(),
+            first_runs: FirstRuns::new(VerifyRuns::None),
             notices: Mutex::default(),
         }
     }
@@ -167,12 +170,14 @@ pub enum ExperimentError {
     #[error(transparent)]
     Plan(#[from] PlanError),
     /// A run could not be made, or not to its end.
-    #[error("{}", of_run(key, error))]
+    #[error("{}{}", of_run(key, error), with_values(values))]
     Run {
+        /// The values under evaluation, such as `av.controller.gap = 5m`; empty where none are looked for.
+        values: String,
         /// The run's key.
         key: String,
         /// Why.
-        error: RunError,
+        error: Box<RunError>,
     },
     /// The optimiser refuses what it was asked, or its journal.
     #[error(transparent)]
@@ -184,7 +189,20 @@ fn of_run(key: &str, error: &RunError) -> String {
     if error.had_begun() { format!("{key}: {error}") } else { error.to_string() }
 }
 
+/// What was tried when that happened.
+fn with_values(values: &str) -> String {
+    if values.is_empty() { String::new() } else { format!("\nevaluated: {values}") }
+}
+
 impl ExperimentError {
+    /// The run that a program kept from its end, if that is what it is about.
+    pub fn run_fault(&self) -> Option<RunFault> {
+        match self {
+            Self::Run { key, error, .. } => error.run_fault(key),
+            _ => None,
+        }
+    }
+
     /// What to do about it, where that is known.
     pub fn hint(&self) -> Option<String> {
         match self {

@@ -41,6 +41,13 @@ pub fn assignments(ranges: &[SearchRange], point: &[optimise::Coordinate]) -> Ve
     fixed.collect()
 }
 
+/// All that a point fixes: `av.controller.gap = 5m, late = 0.3s`.
+pub fn in_words(ranges: &[SearchRange], point: &[optimise::Coordinate]) -> String {
+    let each = ranges.iter().zip(point);
+    let said = each.map(|(range, chosen)| format!("{} = {chosen}{}", range.target, range.unit));
+    said.collect::<Vec<_>>().join(", ")
+}
+
 /// The settings that a point fixes.
 pub fn settings(ranges: &[SearchRange], point: &[optimise::Coordinate]) -> Vec<(Target, Value)> {
     let fixed = ranges.iter().zip(point).filter(|(range, _)| matches!(range.target, Target::Setting { .. }));

@@ -13,7 +13,7 @@ use serde::Serialize;
 
 use super::journal::Record;
 use super::{Context, ExperimentError};
-use crate::run::{Done, Job, JobFailure, JobPlace, Sequence, Sequences, Wanted, run_sequences};
+use crate::run::{Done, Job, JobFailure, JobPlace, Sequence, Sequences, run_sequences};
 use optimise::{Definition, Evaluation, Optimiser, Proposal};
 use results::Outcome;
 use scenario::Case;
@@ -61,6 +61,12 @@ impl Optimisation {
 pub trait EvaluateRound: Sync {
     /// The runs that a proposal of the optimisation with this index takes.
     fn cases(&self, optimisation: usize, proposal: &Proposal) -> Result<Vec<Case>, ExperimentError>;
+
+    /// What a proposal tries, in words; empty where nobody says.
+    fn values(&self, proposal: &Proposal) -> String {
+        let _ = proposal;
+        String::new()
+    }
 
     /// Whether these first outcomes say enough, so that the rest of the runs is not needed.
     fn is_enough(&self, outcomes: &[Outcome]) -> bool {
@@ -143,7 +149,10 @@ fn round(
             let cases =
                 if known.is_some() { Vec::new() } else { evaluate.cases(offset + place, &proposal)? };
             let evaluated = known.map(Ok);
-            Ok(Proposed { place, proposal, cases, outcomes: Vec::new(), evaluated, evaluate, context })
+            // The first of a block is made twice, whatever people it is of.
+            let number = proposal.id as usize * cases.len() + usize::from(offset + place > 0);
+            let outcomes = Vec::new();
+            Ok(Proposed { place, proposal, cases, outcomes, number, evaluated, evaluate, context })
         };
         one.ask()?.into_iter().map(planned).collect()
     };
@@ -173,6 +182,8 @@ struct Proposed<'r> {
     proposal: Proposal,
     cases: Vec<Case>,
     outcomes: Vec<Outcome>,
+    /// Of its first run among those of the block.
+    number: usize,
     evaluated: Option<Result<Evaluation, ExperimentError>>,
     evaluate: &'r dyn EvaluateRound,
     context: &'r Context<'r>,
@@ -185,14 +196,21 @@ impl Sequence for Proposed<'_> {
 
     fn job(&mut self, place: JobPlace) -> Job {
         let (case, measured) = (self.cases[place.run].clone(), self.context.measured.clone());
-        Job { place, case, measured, wanted: Wanted::Outcome }
+        let wanted = self.context.first_runs.wanted(self.number + place.run, &case);
+        Job { place, case, measured, wanted, alone: false }
     }
 
     fn take(&mut self, done: Done) -> ControlFlow<()> {
         match done.result {
-            Ok(ran) => self.outcomes.push(ran.outcome),
+            Ok(mut ran) => {
+                if self.context.first_runs.takes(self.number + self.outcomes.len(), &done.case) {
+                    self.context.first_runs.keep(&done.case, &mut ran);
+                }
+                self.outcomes.push(ran.outcome);
+            }
             Err(JobFailure::Error(error)) => {
-                self.evaluated = Some(Err(ExperimentError::Run { key: done.case.key, error }));
+                let (values, key) = (self.evaluate.values(&self.proposal), done.case.key);
+                self.evaluated = Some(Err(ExperimentError::Run { values, key, error: Box::new(error) }));
                 return ControlFlow::Break(());
             }
             Err(JobFailure::Panicked(panicked)) => resume_unwind(Box::new(panicked)),

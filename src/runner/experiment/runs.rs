@@ -14,7 +14,7 @@ impl Context<'_> {
     pub(super) fn run_all(&self, cases: &[Case]) -> Result<Vec<Outcome>, ExperimentError> {
         let batch = RunBatch { executor: self.executor, measured: &self.measured, stop: &self.stop };
         batch.outcomes(cases.iter().cloned(), || ()).map_err(|error| match error {
-            BatchError::Run { key, error } => ExperimentError::Run { key, error },
+            BatchError::Run { key, error } => ExperimentError::Run { values: String::new(), key, error },
             BatchError::Stopped => ExperimentError::Stopped,
         })
     }

@@ -160,6 +160,10 @@ impl EvaluateRound for Groups<'_> {
         under.cases(&key, group, &proposal.point, under.search.runs)
     }
 
+    fn values(&self, proposal: &Proposal) -> String {
+        overrides::in_words(&self.under.search.over, &proposal.point)
+    }
+
     fn evaluation(&self, outcomes: &[Outcome], _: bool) -> Evaluation {
         let (value, noise_variance) = self.under.objective(outcomes);
         Evaluation {

@@ -46,6 +46,10 @@ impl EvaluateRound for Under<'_> {
         self.runs_with(&overrides::settings(&self.tune.over, &proposal.point), false)
     }
 
+    fn values(&self, proposal: &Proposal) -> String {
+        overrides::in_words(&self.tune.over, &proposal.point)
+    }
+
     /// Algorithm 1 of the founding paper: the cases one after the other, and the first violation ends the candidate.
     fn is_enough(&self, outcomes: &[Outcome]) -> bool {
         let ends_early = self.tune.early_stop && !self.tune.constraints.is_empty();

@@ -24,7 +24,7 @@ pub enum BatchError {
         /// The run's key.
         key: String,
         /// Why.
-        error: RunError,
+        error: Box<RunError>,
     },
     /// Somebody wished it.
     #[error("interrupted")]
@@ -62,7 +62,7 @@ impl RunBatch<'_> {
         let mut only = Only { one: Some(one), begun: false, taken: 0 };
         run_sequences(executor, &mut only, stop);
         match only.one.and_then(|one| one.failed) {
-            Some((key, JobFailure::Error(error))) => Err(BatchError::Run { key, error }),
+            Some((key, JobFailure::Error(error))) => Err(BatchError::Run { key, error: Box::new(error) }),
             Some((_, JobFailure::Panicked(panicked))) => resume_unwind(Box::new(panicked)),
             None if only.taken < runs => Err(BatchError::Stopped),
             None => Ok(()),
@@ -122,7 +122,13 @@ impl<C: FnMut(usize) -> Case + Send, T: FnMut(Case, Ran) + Send> Sequence for On
     }
 
     fn job(&mut self, place: JobPlace) -> Job {
-        Job { place, case: (self.case)(place.run), measured: self.measured.clone(), wanted: self.wanted }
+        Job {
+            place,
+            case: (self.case)(place.run),
+            measured: self.measured.clone(),
+            wanted: self.wanted,
+            alone: false,
+        }
     }
 
     fn take(&mut self, done: Done) -> ControlFlow<()> {

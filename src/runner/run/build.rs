@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use numbers::random::ranks;
+use results::RunFault;
 use scenario::registry::EntryKind;
 use scenario::{
     ControllerContext, DeclaredProgram, Dimension, PedestrianContext, Reference, Scenario, World, show,
@@ -73,6 +74,17 @@ impl RunError {
             Self::Unknown { .. } => None,
             Self::Model { error, .. } => error.hint.as_deref(),
             Self::Controller { error, .. } => error.hint.as_deref(),
+        }
+    }
+
+    /// The run of this key, if a program kept it from its end.
+    pub fn run_fault(&self, key: &str) -> Option<RunFault> {
+        match self {
+            Self::Controller { who, time, error, .. } => {
+                let fault = (**error.fault.as_ref()?).clone();
+                Some(RunFault { run: key.to_string(), vehicle: who.clone(), time: *time, fault })
+            }
+            Self::Unknown { .. } | Self::Model { .. } => None,
         }
     }
 

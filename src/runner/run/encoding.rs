@@ -88,9 +88,10 @@ impl Job {
     /// # Errors
     /// The first name that the registry does not have.
     pub fn resolved(self, registry: &Registry) -> Result<Self, UnknownEntry> {
-        let Self { place, case, measured, wanted } = self;
+        let Self { place, case, measured, wanted, alone } = self;
         let requests = measured.requests.clone().resolved(registry)?;
-        Ok(Self { place, case: case.resolved(registry)?, measured: MeasuredMetrics::new(requests), wanted })
+        let case = case.resolved(registry)?;
+        Ok(Self { place, case, measured: MeasuredMetrics::new(requests), wanted, alone })
     }
 }
 
@@ -176,6 +177,7 @@ mod tests {
             case,
             measured: measured.clone(),
             wanted,
+            alone: false,
         };
         plan(&suite).unwrap().trials().map(|trial| job(trial.cases.first())).collect()
     }

@@ -1,6 +1,7 @@
 //! Where runs are made: an executor takes jobs, makes them wherever it likes, and gives back what came of each.
 
 use super::job::{Done, Job, JobPlace};
+use under_test::ProgramUse;
 
 /// Makes runs. What they come to depends on neither when nor where they are made, so that executors differ in time only.
 pub trait Executor: Sync {
@@ -13,6 +14,11 @@ pub trait Executor: Sync {
 
     /// How many runs it makes at the same time, at least 1: so many things are worth being under way.
     fn parallelism(&self) -> usize;
+
+    /// What programs under test were used for up to now; none where no programs are asked.
+    fn program_uses(&self) -> Vec<ProgramUse> {
+        Vec::new()
+    }
 
     /// Does `work` that is no run, such as finding the next proposals of searches, where rayon's current pool is what it may
     /// take of this machine.

@@ -43,7 +43,9 @@ pub enum Wanted {
     /// Nothing more.
     #[default]
     Outcome,
-    /// And where everybody was at every step.
+    /// And what programs decided.
+    Decisions,
+    /// And what programs decided, and where everybody was at every step.
     Trace,
     /// And what happened.
     TraceAndEvents,
@@ -69,6 +71,9 @@ pub struct Job {
     pub measured: Arc<MeasuredMetrics>,
     /// What is told of it besides the outcome.
     pub wanted: Wanted,
+    /// Whether programs decide in no other run at the same time, in a process that has not made this run.
+    #[serde(default)]
+    pub alone: bool,
 }
 
 /// What came of a job.
@@ -91,6 +96,20 @@ pub struct Ran {
     pub trace: Trace,
     /// In the order of time.
     pub events: Vec<TimelineEvent>,
+    /// What programs decided, in the order of time.
+    #[serde(default)]
+    pub decisions: Vec<LoggedDecision>,
+}
+
+/// What a program decided for a vehicle.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LoggedDecision {
+    /// Its place among the vehicles of the world.
+    pub vehicle: usize,
+    /// On what was seen then, s.
+    pub time: f64,
+    /// An acceleration (m/s²); or throttle and brake; or times (s) and speeds (m/s) of a plan.
+    pub values: Vec<f64>,
 }
 
 /// Why a run did not come to its end.
@@ -107,7 +126,7 @@ pub enum JobFailure {
 impl Job {
     /// Makes the run. The outcome is the same whatever else is wanted.
     pub fn run(self) -> Done {
-        let Self { place, case, measured, wanted } = self;
+        let Self { place, case, measured, wanted, alone: _ } = self;
         let MeasuredMetrics { requests, free_flows } = &*measured;
         let mut watcher = Watcher::new(wanted, &case);
         let run = || {
@@ -136,19 +155,31 @@ pub fn programs(case: &Case) -> Vec<Arc<DeclaredProgram>> {
     programs
 }
 
-/// What to say of a run that went differently when it was repeated; nothing where a program says that it may.
-pub fn went_differently(case: &Case) -> Option<String> {
+/// What to say of a run that went differently when it was repeated.
+pub enum WentDifferently {
+    /// No program decides in it: a bug of ours.
+    Bug(String),
+    /// A program that decides in it is not deterministic.
+    Program(String),
+    /// A program that decides in it says that of itself.
+    Known,
+}
+
+/// What is to blame for a run that went differently when it was repeated.
+pub fn went_differently(case: &Case) -> WentDifferently {
     let (key, programs) = (&case.key, programs(case));
     if programs.is_empty() {
-        return Some(format!("{key} went differently when it was repeated: please report this"));
+        return WentDifferently::Bug(format!(
+            "{key} went differently when it was repeated: please report this"
+        ));
     }
     if programs.iter().any(|program| program.may_differ()) {
-        return None;
+        return WentDifferently::Known;
     }
     let names: Vec<_> = programs.iter().map(|program| format!("`{}`", program.name)).collect();
-    Some(format!(
-        "{key} went differently when it was repeated: {} is not deterministic (W1102); `nondeterministic` in its \
-         declaration says that this is known",
+    WentDifferently::Program(format!(
+        "W1102: {key} went differently when it was repeated: {} is not deterministic; `nondeterministic` in its declaration says \
+         that this is known",
         names.join(" or ")
     ))
 }
@@ -163,7 +194,7 @@ pub(super) enum Watcher {
 impl Watcher {
     pub fn new(wanted: Wanted, case: &Case) -> Self {
         match wanted {
-            Wanted::Outcome => Self::Nothing(Unwatched),
+            Wanted::Outcome | Wanted::Decisions => Self::Nothing(Unwatched),
             Wanted::Trace => Self::Trace(Trace::default()),
             Wanted::TraceAndEvents => Self::Both(Box::new(Timeline::new(&case.world)), Trace::default()),
         }
@@ -172,9 +203,13 @@ impl Watcher {
     /// What was wanted of a run with that outcome.
     pub fn ran(self, outcome: Outcome) -> Ran {
         match self {
-            Self::Nothing(_) => Ran { outcome, trace: Trace::default(), events: Vec::new() },
-            Self::Trace(trace) => Ran { outcome, trace, events: Vec::new() },
-            Self::Both(timeline, trace) => Ran { outcome, trace, events: timeline.into_events() },
+            Self::Nothing(_) => {
+                Ran { outcome, trace: Trace::default(), events: Vec::new(), decisions: Vec::new() }
+            }
+            Self::Trace(trace) => Ran { outcome, trace, events: Vec::new(), decisions: Vec::new() },
+            Self::Both(timeline, trace) => {
+                Ran { outcome, trace, events: timeline.into_events(), decisions: Vec::new() }
+            }
         }
     }
 

@@ -71,6 +71,8 @@ struct Lockstep<'y, 'd> {
     processes: AcquiredProcesses<'y>,
     jobs: &'d mut dyn JobSource,
     runs: Vec<ProgramRun>,
+    /// Whether its runs are made one after the other, in processes that have made none of them.
+    is_alone: bool,
     /// Slots that are free, for each program.
     free: Vec<Vec<usize>>,
     /// Slots that are to be closed, for each program, with how their runs ended.
@@ -99,6 +101,7 @@ impl<'y, 'd> Lockstep<'y, 'd> {
             processes,
             jobs,
             runs: Vec::new(),
+            is_alone: false,
             free: vec![Vec::new(); programs],
             closing: vec![Vec::new(); programs],
             waiting_for_flow: VecDeque::new(),
@@ -114,9 +117,13 @@ impl<'y, 'd> Lockstep<'y, 'd> {
         let programs: Vec<Arc<DeclaredProgram>> =
             (0..self.processes.len()).map(|index| self.processes.program(index).clone()).collect();
         let mut other = None;
-        let mut waiting = VecDeque::from([first]);
         let is_measured = programs.iter().any(|program| program.delay == Delay::Measured);
-        let most = if is_measured { 1 } else { self.processes.runs_at_once() };
+        self.is_alone = first.alone;
+        if self.is_alone {
+            (0..self.processes.len()).for_each(|index| self.processes.replace(index));
+        }
+        let mut waiting = VecDeque::from([first]);
+        let most = if is_measured || self.is_alone { 1 } else { self.processes.runs_at_once() };
         for (index, free) in self.free.iter_mut().enumerate() {
             let known = self.processes.process(index).map_or(1, |process| process.hello().runs_at_once);
             *free = (0..known).rev().collect();
@@ -166,7 +173,7 @@ impl<'y, 'd> Lockstep<'y, 'd> {
                 let own = job.programs();
                 match own.is_empty() {
                     true => self.jobs.done(job.run()),
-                    false if own == programs => waiting.push_back(job),
+                    false if own == programs && job.alone == self.is_alone => waiting.push_back(job),
                     false => {
                         *other = Some((own, job));
                         return;
@@ -316,6 +323,10 @@ impl<'y, 'd> Lockstep<'y, 'd> {
             let answer = self.processes.process(index).and_then(|process| process.decide(&asked));
             match answer {
                 Ok((answers, time)) => {
+                    let each = time.as_secs_f64() / requests.len() as f64;
+                    let is_late = |one: &&SlotRequest| each > self.runs[one.run].period(one);
+                    let late = requests.iter().filter(is_late).count();
+                    self.processes.note_answer(index, time, requests.len(), late);
                     let mut ended = StageEnds::default();
                     for (request, answer) in requests.iter().zip(answers) {
                         if let Some(end) = self.runs[request.run].decide(request, answer, time) {

@@ -9,6 +9,7 @@ mod cut_off;
 mod departure;
 mod encoding;
 mod executor;
+mod first_runs;
 mod free_flow;
 mod job;
 mod lockstep;
@@ -32,8 +33,12 @@ pub use departure::departures;
 pub(crate) use departure::{Departing, departing};
 pub use encoding::{DecodingError, EncodedBy};
 pub use executor::{Executor, Round};
+pub use first_runs::{FirstRun, FirstRuns, VerifyRuns};
 pub use free_flow::FreeFlows;
-pub use job::{Done, Job, JobFailure, JobPlace, MeasuredMetrics, Ran, Wanted, programs, went_differently};
+pub use job::{
+    Done, Job, JobFailure, JobPlace, LoggedDecision, MeasuredMetrics, Ran, Wanted, WentDifferently, programs,
+    went_differently,
+};
 pub use panic::{Panicked, note_places};
 pub(crate) use rehearsal::{Obstacle, Stage, rehearse, rehearse_trials};
 pub(crate) use sequence::{Sequence, Sequences, run_sequences};

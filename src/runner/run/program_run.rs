@@ -6,7 +6,7 @@ use std::time::Duration;
 use super::build::RunError;
 use super::case_run::RunningCase;
 use super::free_flow::{Begun as BegunFlow, FreeFlowRun, SEED};
-use super::job::{Done, Job, JobFailure, JobPlace, Ran, Watcher};
+use super::job::{Done, Job, JobFailure, JobPlace, LoggedDecision, Ran, Wanted, Watcher};
 use super::panic::{Panicked, in_case};
 use numbers::random::ranks;
 use scenario::{CrossingKind, DeclaredProgram, Delay, World};
@@ -18,6 +18,8 @@ use under_test::{AcquiredProcesses, Answered, Decision, DueDecision, FaultKind, 
 pub struct ProgramRun {
     job: Job,
     watcher: Watcher,
+    /// Where they are wanted.
+    decisions: Vec<LoggedDecision>,
     stage: Stage,
     drivers: Vec<Driver>,
     /// Whether programs have not heard of this stage of it yet.
@@ -130,7 +132,7 @@ impl ProgramRun {
             Err(panicked) => return Begun::Done(Box::new(failed(job, JobFailure::Panicked(panicked)))),
         };
         let watcher = Watcher::new(job.wanted, &job.case);
-        let mut run = Self { watcher, stage, drivers: Vec::new(), is_new: true, job };
+        let mut run = Self { watcher, decisions: Vec::new(), stage, drivers: Vec::new(), is_new: true, job };
         run.drivers = run.drivers_of(processes);
         Begun::Run(Box::new(run))
     }
@@ -259,6 +261,11 @@ impl ProgramRun {
             .collect()
     }
 
+    /// Time between two decisions of the vehicle that is asked about, s.
+    pub fn period(&self, request: &SlotRequest) -> f64 {
+        self.drivers[request.driver].period
+    }
+
     /// # Panics
     /// If the vehicle is not asked.
     pub fn asked(&self, request: &SlotRequest) -> DueDecision<'_> {
@@ -312,7 +319,10 @@ impl ProgramRun {
                     std::mem::replace(&mut self.watcher, Watcher::new(self.job.wanted, &self.job.case));
                 let outcome = Panicked::catch(|| in_case(&self.job.case.key, || run.outcome(&self.job.case)));
                 match outcome {
-                    Ok(outcome) => StageEnd::Ran(Box::new(watcher.ran(outcome))),
+                    Ok(outcome) => {
+                        let decisions = std::mem::take(&mut self.decisions);
+                        StageEnd::Ran(Box::new(Ran { decisions, ..watcher.ran(outcome) }))
+                    }
                     Err(panicked) => StageEnd::Failed("abandoned", JobFailure::Panicked(panicked)),
                 }
             }
@@ -366,6 +376,10 @@ impl ProgramRun {
             Delay::Measured => (time.as_secs_f64() / step).ceil() * step,
         };
         let vehicle = request.vehicle;
+        if self.job.wanted != Wanted::Outcome && matches!(self.stage, Stage::Run(_)) {
+            let time = self.asked(request).seen.time;
+            self.decisions.push(LoggedDecision { vehicle, time, values: order.values() });
+        }
         let decided = self.course()?.decide_later(vehicle, order, delay, mode);
         decided.err().map(|fault| self.faulted(fault))
     }
@@ -377,6 +391,11 @@ impl ProgramRun {
 
     /// Ends it since the program of a vehicle did not do its part.
     pub fn fault(&mut self, vehicle: usize, fault: ProgramFault) -> StageEnd {
+        let model = self.world().vehicles[vehicle].controller.model.known();
+        let fault = match model.and_then(|model| model.program.as_deref()) {
+            Some(program) => fault.of(program),
+            None => fault,
+        };
         match self.course().map(|course| course.fault(vehicle, fault.into_error())) {
             Some(fault) => self.faulted(fault),
             None => unreachable!("what is over does not fail"),
@@ -423,7 +442,7 @@ impl ProgramRun {
             who: who.to_string(),
             time: -program.settles,
             free_flow: false,
-            error: fault.into_error(),
+            error: fault.of(program).into_error(),
         };
         failed(job, JobFailure::Error(error))
     }

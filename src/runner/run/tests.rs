@@ -68,7 +68,7 @@ impl Sequence for Counted<'_> {
     fn job(&mut self, place: JobPlace) -> Job {
         self.made.fetch_add(1, Ordering::Relaxed);
         let measured = MeasuredMetrics::new(Requests::default());
-        Job { place, case: case(place.run + 1), measured, wanted: Wanted::Outcome }
+        Job { place, case: case(place.run + 1), measured, wanted: Wanted::Outcome, alone: false }
     }
 
     fn take(&mut self, done: Done) -> ControlFlow<()> {
@@ -198,6 +198,7 @@ impl Round for PlayedRound<'_> {
             outcome: outcome(&done.case),
             trace: Trace::default(),
             events: Vec::new(),
+            decisions: Vec::new(),
         });
         self.round.done(Done { result, ..done });
     }

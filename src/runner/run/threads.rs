@@ -8,7 +8,7 @@ use rayon::{Scope, ThreadPool, ThreadPoolBuilder};
 use super::executor::{Executor, Round};
 use super::job::{Done, Job, JobPlace};
 use super::lockstep::{JobSource, run_with_programs};
-use under_test::ProcessPool;
+use under_test::{ProcessPool, ProgramUse};
 
 /// So many threads, whatever is run on them side by side.
 pub struct Threads {
@@ -72,6 +72,10 @@ impl Executor for Threads {
 
     fn parallelism(&self) -> usize {
         self.pool.current_num_threads()
+    }
+
+    fn program_uses(&self) -> Vec<ProgramUse> {
+        self.processes.as_ref().map_or_else(Vec::new, |pool| pool.uses())
     }
 
     fn host(&self, work: &mut (dyn FnMut() + Send)) {

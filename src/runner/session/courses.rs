@@ -4,12 +4,17 @@ use std::collections::HashMap;
 use std::collections::HashSet;
 
 use super::shared::Runner;
-use crate::run::{BatchError, RunBatch, Stop, Wanted, went_differently};
+use crate::run::{BatchError, RunBatch, Stop, Wanted, WentDifferently, went_differently};
 use results::{Chosen, Outcome, Recording, SuiteReport, choose_runs};
 use scenario::Case;
 
-/// The courses of the runs to draw: they are run again.
-pub fn courses(runner: &Runner, reports: &[SuiteReport]) -> Result<Vec<(Chosen, Recording)>, String> {
+/// The courses of the runs to draw: they are run again. What comes out differently is another run than was judged, and is not drawn; where a
+/// program may have decided otherwise, `notices` says so.
+pub fn courses(
+    runner: &Runner,
+    reports: &[SuiteReport],
+    notices: &mut Vec<String>,
+) -> Result<Vec<(Chosen, Recording)>, String> {
     let chosen: Vec<Chosen> = reports.iter().flat_map(choose_runs).collect();
     let wanted: HashSet<&str> = chosen.iter().map(|chosen| chosen.key.as_str()).collect();
     let outcomes: HashMap<&str, (Case, &Outcome)> = reports
@@ -25,19 +30,32 @@ pub fn courses(runner: &Runner, reports: &[SuiteReport]) -> Result<Vec<(Chosen, 
         })
         .collect();
     let mut recordings = Vec::with_capacity(chosen.len());
-    let mut differs = None;
+    let (mut differs, mut made) = (None, 0);
     let case = |index: usize| outcomes[chosen[index].key.as_str()].0.clone();
     // Also of a session that was interrupted: what there is of it is drawn.
     let batch = RunBatch { stop: &Stop::default(), ..runner.batch() };
-    let made = batch.each(chosen.len(), Wanted::TraceAndEvents, case, |case, ran| {
-        let chosen = &chosen[recordings.len()];
-        if ran.outcome.fingerprint != outcomes[chosen.key.as_str()].1.fingerprint {
-            differs = differs.take().or_else(|| went_differently(&case));
+    let ended = batch.each(chosen.len(), Wanted::TraceAndEvents, case, |case, ran| {
+        let chosen = &chosen[made];
+        made += 1;
+        if ran.outcome.fingerprint == outcomes[chosen.key.as_str()].1.fingerprint {
+            return recordings.push((chosen.clone(), Recording::new(&case, &ran.trace, ran.events)));
         }
-        recordings.push((chosen.clone(), Recording::new(&case, &ran.trace, ran.events)));
+        let not_drawn = |why: &str| {
+            format!("{} is not drawn: it came out differently when it was repeated{why}", case.key)
+        };
+        match went_differently(&case) {
+            WentDifferently::Bug(reason) => differs = differs.take().or(Some(reason)),
+            WentDifferently::Program(reason) => notices.push(format!("{}\n  {reason}", not_drawn(""))),
+            WentDifferently::Known => notices.push(not_drawn(", as its controller says of itself")),
+        }
     });
-    match (differs, made) {
+    match (differs, ended) {
         (Some(reason), _) => Err(reason),
+        (None, Err(BatchError::Run { error, .. })) if error.run_fault("").is_some() => {
+            notices
+                .push(format!("not all runs are drawn: one ended in a fault when it was repeated: {error}"));
+            Ok(recordings)
+        }
         (None, Err(BatchError::Run { error, .. })) => Err(error.to_string()),
         (None, Err(error)) => Err(error.to_string()),
         (None, Ok(())) => Ok(recordings),

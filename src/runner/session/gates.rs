@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::shared::Runner;
-use crate::baseline::{measured_metrics, record};
+use crate::baseline::{measured_metrics, program_titles, record};
 use crate::run::{BatchError, Panicked};
 use files::Files;
 use results::judge::baseline::{Baseline, Incompatible};
@@ -129,6 +129,7 @@ pub fn measured_trials(
     }
     let trials: Vec<_> = outcomes.iter().map(|(trial, outcomes)| (trial, &outcomes[..])).collect();
     let mut all = record(&prepared.plan, &trials, requests);
+    all.programs = program_titles(runner.executor(), &prepared.suite);
     // Other suites of the session may have asked for more.
     all.keep_metrics(&measured_metrics(&prepared.suite, runner.registry()));
     Ok(all)
@@ -196,7 +197,7 @@ mod tests {
         let whole = measured(&trials);
         trials[0].outcomes.truncate(3);
         assert_eq!(measured(&trials), whole);
-        trials[0].state = TrialState::Errored("no".into());
+        trials[0].state = TrialState::Errored(String::from("no").into());
         let error = measured_trials(&runner, 0, &trials.iter().collect::<Vec<_>>()).unwrap_err();
         assert!(error.to_string().contains("could not be run"), "{error}");
     }

@@ -13,6 +13,7 @@ mod reporting;
 mod schedule;
 mod selection;
 mod shared;
+mod tested_programs;
 mod trials;
 mod unit;
 mod unit_run;

@@ -10,9 +10,10 @@ use super::courses::courses;
 use super::gates::judge_gates;
 use super::selection::Selection;
 use super::shared::{RunWatch, Runner};
+use super::tested_programs::{note_uses, verify};
 use super::unit::{Units, units};
 use crate::project::Project;
-use crate::run::{Executor, Stop, Threads};
+use crate::run::{Executor, Stop, Threads, VerifyRuns};
 use results::{Reporter, Results};
 
 /// What is to be run and how. Results depend on the project alone.
@@ -25,6 +26,7 @@ pub struct Session<'a> {
     lenient: bool,
     courses: bool,
     every_trial: bool,
+    verify: VerifyRuns,
     notices: Mutex<Vec<String>>,
 }
 
@@ -70,6 +72,7 @@ impl<'a> Session<'a> {
             lenient: false,
             courses: true,
             every_trial: true,
+            verify: VerifyRuns::default(),
             notices: Mutex::default(),
         }
     }
@@ -111,6 +114,12 @@ impl<'a> Session<'a> {
         Self { every_trial: every, ..self }
     }
 
+    /// Which of the runs in which programs decide are made a second time, to see whether they come out the same: the first of each
+    /// scenario and every 200th unless this says otherwise.
+    pub fn verify_runs(self, verify: VerifyRuns) -> Self {
+        Self { verify, ..self }
+    }
+
     /// Runs what is selected, and tells `reporter` what happens.
     ///
     /// # Errors
@@ -142,6 +151,7 @@ impl<'a> Session<'a> {
             }
         };
         let mut runner = Runner::new(self.project.suites(), executor, self.project.registry())
+            .verifying(self.verify)
             .reading(self.project.files())
             .stopped_by(&self.stop);
         if let Some(folder) = &self.journals {
@@ -156,11 +166,14 @@ impl<'a> Session<'a> {
             every_trial: self.every_trial || self.courses,
         };
         let mut suites = runner.run(units, &orders, reporter);
+        // Before runs are repeated, which other runs need not wait for.
+        note_uses(executor, &mut suites);
+        verify(&runner, &mut suites);
         judge_gates(&runner, &mut suites, self.lenient);
         self.lock().extend(runner.notices());
         let mut results = Results { requests: runner.requests().clone(), suites, recordings: Vec::new() };
         if self.courses {
-            match courses(&runner, &results.suites) {
+            match courses(&runner, &results.suites, &mut self.lock()) {
                 Ok(recordings) => results.recordings = recordings,
                 Err(reason) => {
                     return Err(SessionError::NotRepeated { reason, results: Box::new(results) });

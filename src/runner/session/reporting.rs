@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::time::{Duration, SystemTime};
 
 use super::shared::Runner;
+use super::tested_programs::tested_controllers;
 use super::trials::KeptTrials;
 use super::unit::{UnitKind, Units};
 use results::{
@@ -206,6 +207,7 @@ impl<'t, 'a> Reporting<'t, 'a> {
             trials,
             summary,
             blocks: Vec::new(),
+            controllers: tested_controllers(&self.runner.suites()[suite].suite),
             gates: Vec::new(),
             interrupted: false,
         }

@@ -10,13 +10,13 @@ use super::unit_run::{RecordedRun, TrialRun, UnitRun};
 use crate::experiment::{BlockProgress, Context, EarlierResults, ExperimentError, run_block};
 use crate::project::PlannedSuite;
 use crate::run::{
-    Executor, Job, JobPlace, MeasuredMetrics, Panicked, Ran, RunBatch, RunError, Sequences, Stop, Wanted,
-    departures, run_sequences,
+    Executor, FirstRuns, Job, JobPlace, MeasuredMetrics, Panicked, Ran, RunBatch, RunError, Sequences, Stop,
+    VerifyRuns, Wanted, departures, run_sequences,
 };
 use files::{Disk, Files};
 use results::{
     BlockReport, BlockState, Cut, RecordedReport, RecordedState, Requests, Skip, SuiteIdentity, TrialReport,
-    TrialState, UnitReport,
+    TrialState, UnitError, UnitReport,
 };
 use scenario::registry::Registry;
 use scenario::{Block, Case};
@@ -59,6 +59,12 @@ impl<'a> Runner<'a> {
         // What a program has decided is no evaluation to go on from: the program may be another by then.
         let lasting = self.contexts.iter_mut().filter(|context| context.suite.controllers.is_empty());
         lasting.for_each(|context| context.journals = Some(folder.clone()));
+        self
+    }
+
+    /// With some of the runs in which programs decide made a second time; without this none is.
+    pub fn verifying(mut self, verify: VerifyRuns) -> Self {
+        self.contexts.iter_mut().for_each(|context| context.first_runs = FirstRuns::new(verify));
         self
     }
 
@@ -136,10 +142,20 @@ impl<'a> Runner<'a> {
         }
     }
 
+    /// The runs of a suite that are made a second time.
+    pub(super) fn first_runs(&self, suite: usize) -> &FirstRuns {
+        &self.contexts[suite].first_runs
+    }
+
+    /// What is measured, with what runs from the same start share.
+    pub(super) fn measured(&self) -> &Arc<MeasuredMetrics> {
+        &self.measured
+    }
+
     /// A run of a unit.
-    pub(super) fn job(&self, place: JobPlace, case: Case) -> Job {
-        let wanted = if self.watch.is_some() { Wanted::Trace } else { Wanted::Outcome };
-        Job { place, case, measured: self.measured.clone(), wanted }
+    pub(super) fn job(&self, place: JobPlace, case: Case, wanted: Wanted) -> Job {
+        let wanted = if self.watch.is_some() { Wanted::Trace } else { wanted };
+        Job { place, case, measured: self.measured.clone(), wanted, alone: false }
     }
 
     /// What is wrong with the run of a case, in the units of the scenario; if it had begun, with how to see it again.
@@ -212,11 +228,15 @@ impl<'a> Runner<'a> {
                     None => "interrupted".to_string(),
                 }))
             }
-            Ok(Err(error)) => BlockState::Errored(match error.hint() {
-                Some(hint) => format!("{error} ({hint})"),
-                None => error.to_string(),
-            }),
-            Err(panicked) => BlockState::Errored(panicked.to_string()),
+            Ok(Err(error)) => {
+                let message = match error.hint() {
+                    Some(hint) => format!("{error} ({hint})"),
+                    None => error.to_string(),
+                };
+                let faults: Vec<_> = error.run_fault().into_iter().collect();
+                BlockState::Errored(UnitError { message, faults, finished: Vec::new() })
+            }
+            Err(panicked) => BlockState::Errored(panicked.to_string().into()),
         };
         let key = block.key(&self.suites[suite].suite.name);
         BlockReport { block: block.clone(), key, state, wall_time: begun.elapsed() }

@@ -7,11 +7,11 @@ use std::time::{Duration, Instant};
 use super::shared::Runner;
 use crate::corpus::{self, case_hash};
 use crate::plan::PlannedTrial;
-use crate::run::{Done, Job, JobFailure, JobPlace, Panicked, Ran, Sequence, departures};
+use crate::run::{Done, Job, JobFailure, JobPlace, Panicked, Ran, Sequence, departures, programs};
 use results::judge::{self, PerRun, judge, per_run};
 use results::{
-    Cut, Outcome, Recorded, RecordedReport, RecordedState, Rerun, Skip, TrialReport, TrialState, UnitReport,
-    Verdict,
+    Cut, Outcome, Recorded, RecordedReport, RecordedState, Rerun, RunFault, Skip, TrialReport, TrialState,
+    UnitError, UnitReport, Verdict,
 };
 use scenario::{Case, Criterion};
 
@@ -40,11 +40,15 @@ impl Sequence for UnitRun<'_, '_> {
     }
 
     fn job(&mut self, place: JobPlace) -> Job {
-        let (runner, case) = match self {
-            Self::Trial(one) => (one.runner, one.trial.cases.get(place.run)),
-            Self::Recorded(one) => (one.runner, one.case.take().expect("it is run once")),
+        let (runner, suite, case, number) = match self {
+            Self::Trial(one) => {
+                (one.runner, one.suite, one.trial.cases.get(place.run), one.number + place.run)
+            }
+            // Each of them is made twice.
+            Self::Recorded(one) => (one.runner, one.suite, one.case.take().expect("it is run once"), 0),
         };
-        runner.job(place, case)
+        let wanted = runner.first_runs(suite).wanted(number, &case);
+        runner.job(place, case, wanted)
     }
 
     fn take(&mut self, done: Done) -> ControlFlow<()> {
@@ -67,6 +71,8 @@ pub struct TrialRun<'s, 'a> {
     runner: &'s Runner<'a>,
     suite: usize,
     trial: PlannedTrial,
+    /// Of its first run among those of its scenario.
+    number: usize,
     begun: Instant,
     time_limit: Option<Duration>,
     watch: judge::Watch<'s>,
@@ -75,6 +81,8 @@ pub struct TrialRun<'s, 'a> {
     enough: bool,
     /// Why it has no verdict.
     broken: Option<TrialState>,
+    /// The runs that programs kept from their ends, each with all that is said of it.
+    faults: Vec<(RunFault, String)>,
     /// Told of every run that was taken in.
     told: Box<dyn FnMut() + Send + 's>,
 }
@@ -89,6 +97,7 @@ impl<'s, 'a> TrialRun<'s, 'a> {
         Self {
             runner,
             suite,
+            number: runner.first_runs(suite).number(&trial.scenario, trial.cases.len()),
             begun: Instant::now(),
             time_limit: runner.suites()[suite].plan.time_limit.map(Duration::from_secs_f64),
             watch: judge::Watch::new(&trial.trial, runner.requests()),
@@ -96,6 +105,7 @@ impl<'s, 'a> TrialRun<'s, 'a> {
             trial,
             enough: false,
             broken: None,
+            faults: Vec::new(),
             told,
         }
     }
@@ -105,8 +115,11 @@ impl<'s, 'a> TrialRun<'s, 'a> {
         let ran = match result {
             Ok(ran) => ran,
             Err(JobFailure::Error(error)) => {
-                let told = self.runner.told(self.suite, &case, &error);
-                return self.breaks(TrialState::Errored(format!("{}: {told}", case.key)));
+                let told = format!("{}: {}", case.key, self.runner.told(self.suite, &case, &error));
+                return match error.run_fault(&case.key) {
+                    Some(fault) => self.faulted(fault, told),
+                    None => self.breaks(TrialState::Errored(told.into())),
+                };
             }
             Err(JobFailure::Panicked(panicked)) => return self.panicked(panicked),
         };
@@ -120,17 +133,37 @@ impl<'s, 'a> TrialRun<'s, 'a> {
 
     /// Whether the runs are enough with this one, of which no more is kept than the criteria need.
     fn see(&mut self, case: &Case, mut ran: Ran) -> bool {
+        let first_runs = self.runner.first_runs(self.suite);
+        if first_runs.takes(self.number + self.outcomes.len() + self.faults.len(), case) {
+            first_runs.keep(case, &mut ran);
+        }
         ran.outcome.forget_unasked(&self.trial.criteria, self.runner.requests());
         self.runner.watched(case, &ran);
         (self.told)();
         self.outcomes.push(ran.outcome);
-        self.enough = self.watch.enough(&self.outcomes).is_some();
+        self.enough = if self.faults.is_empty() {
+            self.watch.enough(&self.outcomes).is_some()
+        } else {
+            self.has_certain_runs()
+        };
         self.enough
+    }
+
+    /// A run that a program kept from its end: the others are made all the same, but none is added to decide what is not judged.
+    fn faulted(&mut self, fault: RunFault, told: String) -> ControlFlow<()> {
+        (self.told)();
+        self.faults.push((fault, told));
+        if self.has_certain_runs() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+
+    /// Whether all runs were made that are made in any case.
+    fn has_certain_runs(&self) -> bool {
+        self.outcomes.len() + self.faults.len() >= self.trial.certain_runs()
     }
 
     fn panicked(&mut self, panicked: Panicked) -> ControlFlow<()> {
         let case = panicked.case.clone().unwrap_or_else(|| self.trial.key.clone());
-        self.breaks(TrialState::Errored(Panicked { case: Some(case), ..panicked }.to_string()))
+        self.breaks(TrialState::Errored(Panicked { case: Some(case), ..panicked }.to_string().into()))
     }
 
     fn breaks(&mut self, why: TrialState) -> ControlFlow<()> {
@@ -146,9 +179,15 @@ impl<'s, 'a> TrialRun<'s, 'a> {
     }
 
     fn report(self, finished: usize) -> TrialReport {
-        let Self { trial, watch, outcomes, enough, broken, begun, .. } = self;
+        let Self { trial, watch, outcomes, enough, broken, faults, begun, .. } = self;
         let runs = trial.cases.len();
         let (outcomes, state) = match broken {
+            Some(why @ TrialState::Errored(_)) => (Vec::new(), why),
+            // Whatever cut it off: it has not passed.
+            _ if !faults.is_empty() => {
+                let (faults, told): (_, Vec<String>) = faults.into_iter().unzip();
+                (Vec::new(), TrialState::Errored(UnitError::of_faults(faults, &told, outcomes)))
+            }
             Some(why) => (Vec::new(), why),
             None if finished < runs && !enough => {
                 (Vec::new(), TrialState::NotFinished(Cut::Trial { finished, runs }))
@@ -195,7 +234,7 @@ impl<'s, 'a> RecordedRun<'s, 'a> {
                 let stale: corpus::Stale = stale;
                 ended(RecordedState::Skipped(Skip::Stale(stale.to_string())))
             }
-            Err(panicked) => ended(RecordedState::Errored(panicked.to_string())),
+            Err(panicked) => ended(RecordedState::Errored(panicked.to_string().into())),
         };
         Self { runner, suite, key: key.to_string(), recorded, criteria, begun, case, ended }
     }
@@ -203,16 +242,24 @@ impl<'s, 'a> RecordedRun<'s, 'a> {
     fn take(&mut self, done: Done) -> ControlFlow<()> {
         self.ended = Some(match done.result {
             Ok(ran) => Panicked::catch(|| self.judged(&done.case, ran))
-                .unwrap_or_else(|panicked| RecordedState::Errored(panicked.to_string())),
+                .unwrap_or_else(|panicked| RecordedState::Errored(panicked.to_string().into())),
             Err(JobFailure::Error(error)) => {
-                RecordedState::Errored(self.runner.told(self.suite, &done.case, &error))
+                let told = self.runner.told(self.suite, &done.case, &error);
+                RecordedState::Errored(match error.run_fault(&done.case.key) {
+                    Some(fault) => UnitError::of_faults(vec![fault], &[told], Vec::new()),
+                    None => told.into(),
+                })
             }
-            Err(JobFailure::Panicked(panicked)) => RecordedState::Errored(panicked.to_string()),
+            Err(JobFailure::Panicked(panicked)) => RecordedState::Errored(panicked.to_string().into()),
         });
         ControlFlow::Break(())
     }
 
-    fn judged(&self, case: &Case, ran: Ran) -> RecordedState {
+    fn judged(&self, case: &Case, mut ran: Ran) -> RecordedState {
+        let first_runs = self.runner.first_runs(self.suite);
+        if first_runs.takes(0, case) {
+            first_runs.keep(case, &mut ran);
+        }
         self.runner.watched(case, &ran);
         let outcome = ran.outcome;
         let (decisive, others): (Vec<_>, Vec<_>) =
@@ -227,6 +274,7 @@ impl<'s, 'a> RecordedRun<'s, 'a> {
             judged: decided,
             against: others.findings.into_iter().filter(|one| one.verdict != Verdict::Passed).collect(),
             outcome,
+            may_differ: programs(case).iter().any(|program| program.may_differ()),
         }))
     }
 

@@ -189,7 +189,7 @@ impl<'t, 'p> Trials<'t, 'p> {
         let batch = RunBatch { executor: self.executor, measured: &self.measured, stop };
         let outcome = match batch.one(&place.case()?, Wanted::Outcome) {
             Ok(ran) => ran.outcome,
-            Err(BatchError::Run { error, .. }) => return Err(error.into()),
+            Err(BatchError::Run { error, .. }) => return Err((*error).into()),
             Err(BatchError::Stopped) => return Err(ShrinkError::Stopped),
         };
         self.runs += 1;

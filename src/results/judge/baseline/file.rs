@@ -146,6 +146,9 @@ impl Baseline {
         if !self.populations.is_empty() {
             line(1, &format!("\"populations\": {},", json(&self.populations)));
         }
+        if !self.programs.is_empty() {
+            line(1, &format!("\"programs\": {},", json(&self.programs)));
+        }
         line(1, "\"metrics\": [");
         for (index, metric) in self.metrics.iter().enumerate() {
             line(2, &(json(metric) + comma(index, self.metrics.len())));
@@ -278,6 +281,8 @@ struct File {
     /// Of files from before it was noted: none.
     #[serde(default)]
     populations: BTreeMap<String, String>,
+    #[serde(default)]
+    programs: BTreeMap<String, String>,
     metrics: Vec<RecordedMetric>,
     vehicles: Vec<Vec<TestedVehicle>>,
     trials: Vec<TrialInFile>,
@@ -326,7 +331,9 @@ impl File {
     }
 
     fn baseline(self) -> Result<Baseline, String> {
-        let Self { suite, seed, set, tool, populations, metrics, vehicles, trials: written, .. } = self;
+        let Self {
+            suite, seed, set, tool, populations, programs, metrics, vehicles, trials: written, ..
+        } = self;
         let mut trials = Vec::with_capacity(written.len());
         for trial in written {
             let key = trial.key.clone();
@@ -340,7 +347,7 @@ impl File {
         if let Some(twice) = trials.windows(2).find(|pair| pair[0].key == pair[1].key) {
             return Err(format!("trial `{}` stands twice", twice[0].key));
         }
-        Ok(Baseline { suite, seed, set, tool, populations, metrics, vehicles, trials })
+        Ok(Baseline { suite, seed, set, tool, populations, programs, metrics, vehicles, trials })
     }
 }
 

@@ -31,6 +31,9 @@ pub struct Baseline {
     pub tool: String,
     /// Digests of everybody in the populations that people were drawn from, by the names of their files.
     pub populations: BTreeMap<String, String>,
+    /// Names and versions that programs under test say of themselves, by what the files call them.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub programs: BTreeMap<String, String>,
     /// What was measured in every run, in the order of each run's values.
     pub metrics: Vec<RecordedMetric>,
     /// The different sets of vehicles that trials have, in the order in which trials first use them.

@@ -9,6 +9,11 @@ use scenario::{Declaration, Dimension, ModelSetup, ParameterKind, Registered, Va
 /// What is tested and differs, once each.
 pub fn changes(pairing: &Pairing) -> Vec<Change> {
     let mut found: Vec<Change> = Vec::new();
+    let (before, after) = (&pairing.base.programs, &pairing.candidate.programs);
+    for (name, title) in after {
+        let changed = before.get(name).filter(|known| *known != title);
+        found.extend(changed.map(|known| Change::Other(format!("{name}: {known} -> {title}"))));
+    }
     for (base, candidate) in &pairing.trials {
         let before = &pairing.base.vehicles[base.vehicles];
         let after = &pairing.candidate.vehicles[candidate.vehicles];

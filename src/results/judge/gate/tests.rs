@@ -54,6 +54,7 @@ fn baseline(
         set: Vec::new(),
         tool: "0".into(),
         populations: BTreeMap::new(),
+        programs: BTreeMap::new(),
         metrics: metrics
             .iter()
             .map(|name| RecordedMetric {
