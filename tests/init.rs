@@ -101,3 +101,42 @@ fn nothing_is_overwritten_and_nothing_half_written() {
     let list = run(folder.path(), &["init", "--list"]);
     assert!(text(&list).contains("README.md") && text(&list).contains("is there already"), "{}", text(&list));
 }
+
+/// What each language needs besides is tried by `sdk/tests/check`.
+#[test]
+fn a_controller_of_ones_own_is_written_in_each_language() {
+    for (language, program) in [
+        ("python", "controllers/my_av.py"),
+        ("c", "controllers/my_av.c"),
+        ("rust", "controllers/my_av/src/main.rs"),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let written = run(folder.path(), &["init", "--controller", language]);
+        assert_eq!(code(&written), 0, "{}", text(&written));
+        assert!(text(&written).contains("scenario-runner allow controllers/my_av.scn"), "{}", text(&written));
+        let mut expected = files(&Path::new("templates/controllers").join(language));
+        for name in &mut expected {
+            *name = name.replace("manifest.toml", "Cargo.toml").replace("gitignore", ".gitignore");
+        }
+        expected.push("scenarios/crossing.scn".to_string());
+        if language == "c" {
+            expected.push("controllers/scenario_runner_av.h".to_string());
+        }
+        expected.sort();
+        assert_eq!(files(folder.path()), expected);
+        let readme = std::fs::read_to_string(folder.path().join("README.md")).unwrap();
+        assert!(readme.contains(program), "{readme}");
+        let checked = run(folder.path(), &["check", "scenarios/crossing.scn", "controllers/my_av.scn"]);
+        assert!(code(&checked) == 0 && text(&checked).contains("no errors"), "{}", text(&checked));
+        let formatted =
+            run(folder.path(), &["fmt", "--check", "scenarios/crossing.scn", "controllers/my_av.scn"]);
+        assert_eq!(code(&formatted), 0, "{}", text(&formatted));
+        let refused = run(folder.path(), &["scenarios/crossing.scn"]);
+        assert!(code(&refused) == 3 && text(&refused).contains("E1105"), "{}", text(&refused));
+        assert_eq!(
+            code(&run(folder.path(), &["init", "--controller", language])),
+            2,
+            "nothing is overwritten"
+        );
+    }
+}

@@ -32,6 +32,7 @@ pub(crate) mod set;
 mod shrink;
 mod shrunk;
 mod store;
+mod try_program;
 mod validate;
 
 use std::env;
@@ -107,6 +108,8 @@ enum Command {
     Shrink(shrink::ShrinkArguments),
     /// Let the programs of controllers that files declare run.
     Allow(allow::AllowArguments),
+    /// Find out whether a program keeps to the protocol, or ask it again what it was asked in a run.
+    Try(try_program::TryArguments),
     /// Runs a program as long as the process of that number is there.
     #[command(hide = true)]
     Supervise {
@@ -184,6 +187,7 @@ fn obey(cli: Cli, registry: &Registry) -> Exit {
         Some(Command::Replay(arguments)) => replay::replay(&arguments, registry),
         Some(Command::Shrink(arguments)) => shrink::shrink(&arguments, registry),
         Some(Command::Allow(arguments)) => allow::allow(&arguments, registry),
+        Some(Command::Try(arguments)) => try_program::try_program(&arguments, registry),
         Some(Command::Supervise { .. }) => Exit::Usage,
         Some(Command::Help(arguments)) => help::help(&arguments),
     }

@@ -11,7 +11,7 @@ use lang::{Code, Excerpt};
 use report::console::stderr;
 use runner::run::Threads;
 use scenario::{ControllerModel, DeclaredProgram, Reference, Suite};
-use under_test::{Allowed, KnowsMore, Permission, ProcessPool, StartError, StartProblem};
+use under_test::{Allowed, KnowsMore, Permission, ProcessPool, StartError, StartProblem, WireRecord};
 
 #[derive(Debug, Clone, Default, Args)]
 pub struct ProgramArguments {
@@ -23,7 +23,7 @@ pub struct ProgramArguments {
 
 impl ProgramArguments {
     /// What the user allows, here, in the environment, or once and for all.
-    fn permission(&self) -> Result<Permission, Exit> {
+    pub fn permission(&self) -> Result<Permission, Exit> {
         let allowed = Allowed::place().and_then(Allowed::read).map_err(|error| {
             writeln!(stderr(), "error: {error}");
             Exit::Usage
@@ -43,6 +43,16 @@ impl ProgramArguments {
         threads: Option<usize>,
         suites: impl IntoIterator<Item = &'s Suite>,
     ) -> Result<Threads, Exit> {
+        self.recording_threads(threads, suites, None).map(|(threads, _)| threads)
+    }
+
+    /// As [`Self::threads`], which write down what is said in one run; with the processes, which have the record.
+    pub fn recording_threads<'s>(
+        &self,
+        threads: Option<usize>,
+        suites: impl IntoIterator<Item = &'s Suite>,
+        record: Option<WireRecord>,
+    ) -> Result<(Threads, Option<Arc<ProcessPool>>), Exit> {
         let made = threads.map_or_else(Threads::all, Threads::new);
         let mut models: Vec<&Reference<ControllerModel>> = Vec::new();
         for model in suites.into_iter().flat_map(of_suite) {
@@ -51,7 +61,7 @@ impl ProgramArguments {
             }
         }
         if models.is_empty() {
-            return Ok(made);
+            return Ok((made, None));
         }
         let permission = self.permission()?;
         let programs: Vec<(&ControllerModel, &Arc<DeclaredProgram>)> = models
@@ -61,6 +71,7 @@ impl ProgramArguments {
         let forbidden = programs.iter().filter_map(|(_, program)| permission.check(program).err());
         say_all(&forbidden.collect::<Vec<_>>())?;
         let pool = pool(permission, runner::run::Executor::parallelism(&made))?;
+        let pool = record.into_iter().fold(pool, ProcessPool::recording);
         let mut wrong = Vec::new();
         for (model, program) in programs {
             match pool.prepare(program) {
@@ -72,7 +83,8 @@ impl ProgramArguments {
             }
         }
         say_all(&wrong)?;
-        Ok(made.with_processes(Arc::new(pool)))
+        let pool = Arc::new(pool);
+        Ok((made.with_processes(pool.clone()), Some(pool)))
     }
 }
 
@@ -96,7 +108,7 @@ fn of_suite(suite: &Suite) -> impl Iterator<Item = &Reference<ControllerModel>> 
 }
 
 /// Says what is wrong, if anything is.
-fn say_all(errors: &[StartError]) -> Result<(), Exit> {
+pub fn say_all(errors: &[StartError]) -> Result<(), Exit> {
     for error in errors {
         let code = match error.problem {
             StartProblem::NotAllowed => Code::NotAllowed,
@@ -117,7 +129,7 @@ fn say_all(errors: &[StartError]) -> Result<(), Exit> {
     if errors.is_empty() { Ok(()) } else { Err(Exit::Scenario) }
 }
 
-fn warn(program: &DeclaredProgram, more: &KnowsMore) {
+pub fn warn(program: &DeclaredProgram, more: &KnowsMore) {
     let code = Code::KnowsMore;
     let values = if more.values.is_empty() { String::new() } else { format!(" ({})", more.values) };
     writeln!(

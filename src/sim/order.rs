@@ -86,6 +86,11 @@ impl SpeedPlan {
         }
     }
 
+    /// Times (s) and speeds (m/s).
+    pub fn points(&self) -> &[(f64, f64)] {
+        &self.0
+    }
+
     /// Speed (m/s) and its slope (m/s²) at a time after its beginning (s).
     fn at(&self, time: f64) -> (f64, f64) {
         let next = self.0.partition_point(|(point, _)| *point <= time);

@@ -169,14 +169,15 @@ impl Child {
         self.within(limit, |child| child.write(request).map(Ok))
     }
 
-    /// Says goodbye, and ends it if it stays.
-    pub fn leave(&mut self, goodbye: &[u8]) {
+    /// Says goodbye, and ends it if it stays; whether it went by itself.
+    pub fn leave(&mut self, goodbye: &[u8]) -> bool {
         self.watched.set_deadline(Some(Instant::now() + TIME_TO_EXIT));
         // Who does not listen any more is ended all the same.
         let _ = self.write(goodbye);
         self.stdin = None;
-        self.watched.wait(TIME_TO_EXIT);
+        let went = self.watched.wait(TIME_TO_EXIT).is_some() && !self.watched.has_expired();
         self.end();
+        went
     }
 
     /// Ends it and all that it has started.

@@ -38,6 +38,16 @@ pub enum Encoding {
     F64,
 }
 
+impl Encoding {
+    /// As programs say it.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Json => "json",
+            Self::F64 => "f64",
+        }
+    }
+}
+
 /// A parameter that the program has and the file does not declare.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct KnowsMore {
@@ -162,6 +172,11 @@ impl Hello {
     pub fn more(&self, declaration: &Declaration) -> Vec<KnowsMore> {
         let more = self.parameters.iter().flatten().filter(|one| declaration.parameter(&one.name).is_none());
         more.map(|one| KnowsMore { name: one.name.clone(), values: one.values() }).collect()
+    }
+
+    /// What it says of a parameter, such as `5 .. 80`; nothing where it says none of its own, or not this one.
+    pub fn values_of(&self, name: &str) -> Option<String> {
+        self.parameters.iter().flatten().find(|one| one.name == name).map(Said::values)
     }
 
     /// As reports say it: name and version.

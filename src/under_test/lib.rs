@@ -10,6 +10,8 @@
 
 mod answer_times;
 mod child;
+mod conformance;
+mod conversation;
 #[cfg(feature = "wasm")]
 mod guest;
 mod hello;
@@ -21,12 +23,16 @@ mod permission;
 mod pool;
 mod process;
 mod quote;
+mod scenes;
 mod start;
 mod supervise;
 mod watchdog;
 mod wire;
+mod wire_record;
 
 pub use answer_times::AnswerClock;
+pub use conformance::{Conformance, TriedTimes, again, conformance};
+pub use conversation::{AnswerDifference, AskedDecision, Conversation, Spoken};
 pub use hello::{Hello, KnowsMore};
 pub use permission::{ALLOW_RUN, Allowed, AllowedError, Permission};
 pub use pool::{AcquiredProcesses, Prepared, ProcessPool, ProgramUse};
@@ -35,3 +41,4 @@ pub use scenario::{FaultKind, ProgramFault};
 pub use start::{StartError, StartProblem};
 pub use supervise::supervise;
 pub use wire::{Answered, Decision, DueDecision, Opened};
+pub use wire_record::{WireRecord, WireRecordError, read_conversations};

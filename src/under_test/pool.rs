@@ -11,6 +11,7 @@ use super::permission::Permission;
 use super::process::Process;
 use super::start::{StartError, StartProblem};
 use super::watchdog::Watchdog;
+use super::wire_record::WireRecord;
 use scenario::DeclaredProgram;
 use scenario::{FaultKind, ProgramFault};
 
@@ -24,6 +25,7 @@ pub struct ProcessPool {
     threads: usize,
     logs: Option<PathBuf>,
     supervisor: Option<PathBuf>,
+    record: Option<WireRecord>,
     watchdog: Watchdog,
     programs: Mutex<HashMap<String, ProgramProcesses>>,
     released: Condvar,
@@ -64,6 +66,7 @@ impl ProcessPool {
             threads: threads.max(1),
             logs: None,
             supervisor: None,
+            record: None,
             watchdog: Watchdog::default(),
             programs: Mutex::default(),
             released: Condvar::new(),
@@ -79,6 +82,16 @@ impl ProcessPool {
     /// left of a program even if this process is ended from one moment to the next.
     pub fn supervised_by(self, executable: impl Into<PathBuf>) -> Self {
         Self { supervisor: Some(executable.into()), ..self }
+    }
+
+    /// The same, which writes down what is said in one run.
+    pub fn recording(self, record: WireRecord) -> Self {
+        Self { record: Some(record), ..self }
+    }
+
+    /// Where what is said in one run is written down.
+    pub fn record(&self) -> Option<&WireRecord> {
+        self.record.as_ref()
     }
 
     fn lock(&self) -> MutexGuard<'_, HashMap<String, ProgramProcesses>> {
@@ -274,7 +287,12 @@ struct Member {
     process: Option<Process>,
 }
 
-impl AcquiredProcesses<'_> {
+impl<'p> AcquiredProcesses<'p> {
+    /// Where what is said in the run of that key is written down, if it is.
+    pub fn record_of(&self, run: &str) -> Option<&'p WireRecord> {
+        self.pool.record.as_ref().filter(|record| run == record.run())
+    }
+
     /// How many there are.
     pub fn len(&self) -> usize {
         self.members.len()

@@ -136,8 +136,18 @@ impl Process {
     /// # Errors
     /// If it does not answer as it must. The process is then gone.
     pub fn open(&mut self, runs: &[Opened]) -> Result<Vec<(usize, ProgramFault)>, Failed> {
-        self.say(&wire::open(runs));
-        self.exchange(Duration::from_secs_f64(self.program.starts_within), runs.len())?;
+        let slots: Vec<usize> = runs.iter().map(|run| run.slot).collect();
+        self.open_as(&wire::open(runs), &slots)
+    }
+
+    /// As [`Self::open`], with what is said of the runs in these slots.
+    pub(super) fn open_as(
+        &mut self,
+        said: &Json,
+        slots: &[usize],
+    ) -> Result<Vec<(usize, ProgramFault)>, Failed> {
+        self.say(said);
+        self.exchange(Duration::from_secs_f64(self.program.starts_within), slots.len())?;
         let text = if self.hello.encoding == Encoding::F64 {
             self.answer.get(4..).unwrap_or(&[])
         } else {
@@ -152,8 +162,7 @@ impl Process {
             Some((slots, failed))
         });
         let is_whole = |(ready, failed): &(Vec<usize>, Vec<(usize, String)>)| {
-            runs.iter()
-                .all(|run| ready.contains(&run.slot) != failed.iter().any(|(slot, _)| *slot == run.slot))
+            slots.iter().all(|one| ready.contains(one) != failed.iter().any(|(slot, _)| slot == one))
         };
         match ready.filter(is_whole) {
             Some((_, failed)) => Ok(failed
@@ -297,16 +306,24 @@ impl Process {
     }
 }
 
-impl Drop for Process {
-    /// Says goodbye, and ends it if it stays.
-    fn drop(&mut self) {
+impl Process {
+    /// Says goodbye, and ends it if it stays; whether it went by itself.
+    pub(super) fn leave(&mut self) -> bool {
         if self.has_ended {
-            return;
+            return true;
         }
+        self.has_ended = true;
         self.say(&json!({"bye": {}}));
         let goodbye = mem::take(&mut self.request);
-        if let Channel::Child(child) = &mut self.channel {
-            child.leave(&goodbye);
+        match &mut self.channel {
+            Channel::Child(child) => child.leave(&goodbye),
+            Channel::Guest(_) => true,
         }
+    }
+}
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        self.leave();
     }
 }

@@ -5,7 +5,9 @@ use serde_json::{Map, Value as Json, json};
 use super::quote::quoted;
 use scenario::{Answer, CrossingKind, ParameterKind, Settings, Shape, Value, VehicleSetup, World};
 use scenario::{FaultKind, ProgramFault};
-use sim::{Command, Mode, Observation, Order, SpeedPlan, toward};
+use sim::{
+    Command, EgoState, Mode, Observation, Order, RoadView, SeenPedestrian, SeenVehicle, SpeedPlan, toward,
+};
 
 /// Columns of the rows of runs.
 pub const RUNS: [&str; 16] = [
@@ -73,6 +75,8 @@ pub struct Decision {
     pub order: Order,
     /// What the program is up to.
     pub mode: Mode,
+    /// The speed that it said, m/s, where the order is what brings the vehicle to one.
+    pub speed: Option<f64>,
 }
 
 /// What came of one of several that were asked for.
@@ -83,7 +87,8 @@ pub fn open(runs: &[Opened]) -> Json {
     json!({ "open": runs.iter().map(opened).collect::<Vec<_>>() })
 }
 
-fn opened(run: &Opened) -> Json {
+/// One of them.
+pub fn opened(run: &Opened) -> Json {
     let Opened { slot, seed, setup, world } = run;
     let (road, path) = (&world.road, world.road.path(setup.lane));
     let declared = setup.controller.model.declaration();
@@ -153,7 +158,8 @@ pub fn step(asked: &[DueDecision]) -> Json {
     json!({ "step": asked.iter().map(scene).collect::<Vec<_>>() })
 }
 
-fn scene(asked: &DueDecision) -> Json {
+/// One of them.
+pub fn scene(asked: &DueDecision) -> Json {
     let DueDecision { slot, is_new, seen, signal, period: _ } = asked;
     let Observation { time, ego, cruise_speed, road, pedestrians, vehicles } = *seen;
     let mut view = Map::new();
@@ -197,6 +203,54 @@ fn scene(asked: &DueDecision) -> Json {
         },
         "road": view, "pedestrians": people, "vehicles": cars,
     })
+}
+
+/// A decision to be taken, of its JSON: what is seen, whether it is the first, and whether vehicles have green.
+pub fn read_scene(scene: &Json) -> Option<(Observation, bool, Option<bool>)> {
+    let number = |of: &Json, name: &str| of.get(name)?.as_f64();
+    let pair = |of: &Json, x: &str, y: &str| Some([number(of, x)?, number(of, y)?].into());
+    let id = |of: &Json| usize::try_from(of.get("id")?.as_u64()?).ok();
+    let (ego, road) = (scene.get("ego")?, scene.get("road")?);
+    let person = |one: &Json| {
+        Some(SeenPedestrian {
+            id: id(one)?,
+            position: pair(one, "x", "y")?,
+            velocity: pair(one, "vx", "vy")?,
+            acceleration: pair(one, "ax", "ay")?,
+            shape: Shape::Rectangle { length: number(one, "length")?, width: number(one, "width")? },
+        })
+    };
+    let vehicle = |one: &Json| {
+        Some(SeenVehicle {
+            id: id(one)?,
+            position: pair(one, "x", "y")?,
+            velocity: pair(one, "vx", "vy")?,
+            length: number(one, "length")?,
+            width: number(one, "width")?,
+        })
+    };
+    let seen = Observation {
+        time: number(scene, "time")?,
+        ego: EgoState {
+            distance_to_crossing: number(ego, "distance_to_crossing")?,
+            speed: number(ego, "speed")?,
+            acceleration: number(ego, "acceleration")?,
+            length: number(ego, "length")?,
+            width: number(ego, "width")?,
+        },
+        cruise_speed: number(scene, "cruise_speed")?,
+        road: RoadView {
+            lane_width: number(road, "lane_width")?,
+            speed_limit: number(road, "speed_limit")?,
+            crossing_width: number(road, "crossing_width")?,
+            pedestrian_priority: road.get("pedestrian_priority")?.as_bool()?,
+            right_kerb: number(road, "right_kerb")?,
+            left_kerb: number(road, "left_kerb")?,
+        },
+        pedestrians: scene.get("pedestrians")?.as_array()?.iter().map(person).collect::<Option<_>>()?,
+        vehicles: scene.get("vehicles")?.as_array()?.iter().map(vehicle).collect::<Option<_>>()?,
+    };
+    Some((seen, scene.get("new")?.as_bool()?, road.get("signal").and_then(Json::as_bool)))
 }
 
 /// A frame of text.
@@ -268,6 +322,23 @@ pub fn step_frame(asked: &[DueDecision], into: &mut Vec<u8>) {
     }
 }
 
+/// An answer as a program would say it in JSON.
+pub fn said(decision: &Decision) -> Json {
+    let mut said = match (&decision.order, decision.speed) {
+        (_, Some(speed)) => json!({ "speed": speed }),
+        (Order::Command(Command::Acceleration(value)), None) => json!({ "acceleration": value }),
+        (Order::Command(Command::Pedals { throttle, brake }), None) => {
+            json!({"throttle": throttle, "brake": brake})
+        }
+        (Order::Plan(plan), None) => json!({ "speed_plan": plan.points() }),
+    };
+    let mode = decision.mode.as_str();
+    if !mode.is_empty() {
+        said["mode"] = json!(mode);
+    }
+    said
+}
+
 /// What a program answers: decisions in the order in which they were asked for, or which runs it cannot decide in.
 pub enum Reply {
     Decided(Vec<Answered>),
@@ -326,7 +397,8 @@ pub fn read_line(line: &[u8], gives: Answer, asked: &[DueDecision]) -> Result<Re
             }
         }?;
         let mode = answer.get("mode").and_then(Json::as_str).unwrap_or_default();
-        Ok(Decision { order, mode: Mode::from(mode.to_string()) })
+        let speed = answer.get("speed").and_then(Json::as_f64).filter(|_| gives == Answer::Speed);
+        Ok(Decision { order, mode: Mode::from(mode.to_string()), speed })
     };
     each(answers.iter().zip(asked).map(decision))
 }
@@ -393,7 +465,8 @@ pub fn read_frame(
         }?;
         let mode = if columns > own { value(own) } else { -1.0 };
         let known = (mode >= 0.0).then(|| modes.get(mode as usize)).flatten();
-        Ok(Decision { order, mode: known.cloned().unwrap_or(Mode::NONE) })
+        let speed = (gives == Answer::Speed).then(|| value(0));
+        Ok(Decision { order, mode: known.cloned().unwrap_or(Mode::NONE), speed })
     };
     each(frame[12..].chunks_exact(8 * columns.max(1)).zip(asked).map(decision))
 }

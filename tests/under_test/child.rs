@@ -98,6 +98,9 @@ pub fn run() -> ! {
                 say(b"\n");
             }
         }
+        if child.kind == "stays" {
+            hang();
+        }
     } else {
         loop {
             let frame = frame(input);
@@ -250,6 +253,8 @@ impl Child {
             _ if self.kind == "sometimes" && std::path::Path::new("worse").exists() => vec![-2.5],
             _ if self.kind == "sometimes" || self.kind == "gentle" => vec![-0.5],
             _ if self.kind == "counts" => vec![-1e-6 * self.steps as f64],
+            _ if self.kind == "by_slot" => vec![-(seen.slot as f64) / 100.0],
+            _ if self.kind == "harder" && seen.near && seen.time >= 0.5 => vec![-3.5],
             // The farther from 12.5 m, the less.
             _ if self.kind == "tuned" => vec![-((self.gaps[seen.slot] - 12.5) / 10.0).powi(2) / 10.0],
             _ => vec![if seen.near { brakes } else { 0.5 * (seen.cruise - seen.speed) }],
@@ -326,6 +331,7 @@ impl Child {
                 Some(json!({ "error": errors }).to_string())
             }
             "crash_some" if bad.is_some() => process::exit(1),
+            "crash_wide" if seen.iter().any(|one| self.gaps[one.slot] > 20.0) => process::exit(1),
             "crash_together" if seen.len() > 1 && late => process::exit(1),
             "flood" => {
                 eprintln!("{}", "thinking ".repeat(2000));

@@ -7,6 +7,7 @@ mod remember;
 mod select;
 pub mod targets;
 mod watch;
+mod wire;
 
 use std::collections::BTreeSet;
 use std::env;
@@ -97,6 +98,11 @@ pub struct RunArguments {
     /// Write the course of every run as CSV into this folder.
     #[arg(long, value_name = "DIR")]
     trace: Option<PathBuf>,
+
+    /// Write what a program is asked and what it says into this file, of the first selected run in which one decides; `try --wire` asks
+    /// it again.
+    #[arg(long, value_name = "PATH")]
+    record_wire: Option<PathBuf>,
 
     /// Which trials and blocks get a line of their own.
     #[arg(long, value_enum, default_value_t = ShownLevel(StatusLevel::Pass))]
@@ -250,7 +256,9 @@ pub fn run(arguments: RunArguments, registry: &Registry) -> Exit {
     let people = scenarios.flat_map(|one| &one.pedestrians).filter_map(|one| one.individuals.as_ref());
     let populations = people.map(|people| people.population.as_str());
     let read: Vec<&str> = baselines.iter().copied().chain(populations).collect();
-    if let Err(complaint) = targets::check(&arguments.output.files(), &read) {
+    let mut written = arguments.output.files();
+    written.extend(arguments.record_wire.as_deref().map(|path| ("--record-wire", path)));
+    if let Err(complaint) = targets::check(&written, &read) {
         writeln!(stderr(), "error: {complaint}");
         writeln!(stderr(), "help: name another file; nothing was run, and nothing was written");
         return Exit::Usage;
@@ -299,11 +307,16 @@ pub fn run(arguments: RunArguments, registry: &Registry) -> Exit {
         writeln!(stderr(), "error: cannot create the folder {}: {error}", folder.display());
         return Exit::Output;
     }
-    let threads =
-        match arguments.programs.threads(arguments.test_threads, suites.iter().map(|one| &one.suite)) {
-            Ok(threads) => threads,
-            Err(exit) => return exit,
-        };
+    let record = match arguments.record_wire.as_ref().map(|_| wire::record(&units, &chosen)).transpose() {
+        Ok(record) => record,
+        Err(exit) => return exit,
+    };
+    let own = suites.iter().map(|one| &one.suite);
+    let (threads, processes) = match arguments.programs.recording_threads(arguments.test_threads, own, record)
+    {
+        Ok(threads) => threads,
+        Err(exit) => return exit,
+    };
     let stop = stop_on_interrupt();
     if let Err(exit) = store::prepare(&arguments.journal) {
         return exit;
@@ -337,6 +350,7 @@ pub fn run(arguments: RunArguments, registry: &Registry) -> Exit {
     stdout().styled(&render_gates(reports, colour));
     complaints.extend(watcher.as_ref().map(watch::Traces::finish).unwrap_or_default());
     complaints.extend(output::write(&arguments.output, &results, in_github_actions()));
+    complaints.extend(wire::write(arguments.record_wire.as_deref(), processes.as_deref()));
     complaints.extend(remember::failures(&arguments.remember, suites, reports, &results.requests));
     last.learn_gates(reports);
     if let Err(error) = last.write() {

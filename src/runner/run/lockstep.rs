@@ -286,6 +286,14 @@ impl<'y, 'd> Lockstep<'y, 'd> {
             let answer = self.processes.process(index).and_then(|process| process.open(&opened));
             match answer {
                 Ok(refused) => {
+                    for (request, opened) in requests.iter().zip(&opened) {
+                        let run = &self.runs[request.run];
+                        if let Some(record) = self.processes.record_of(run.key()) {
+                            let refused = refused.iter().find(|(slot, _)| *slot == request.slot);
+                            let name = run.vehicle_name(request.vehicle);
+                            record.opened(request.vehicle, name, opened, refused.map(|(_, fault)| fault));
+                        }
+                    }
                     let mut ended = StageEnds::default();
                     for (slot, fault) in refused {
                         if let Some(request) = requests.iter().find(|request| request.slot == slot) {
@@ -327,6 +335,11 @@ impl<'y, 'd> Lockstep<'y, 'd> {
                     let is_late = |one: &&SlotRequest| each > self.runs[one.run].period(one);
                     let late = requests.iter().filter(is_late).count();
                     self.processes.note_answer(index, time, requests.len(), late);
+                    for (request, (asked, answer)) in requests.iter().zip(asked.iter().zip(&answers)) {
+                        if let Some(record) = self.processes.record_of(self.runs[request.run].key()) {
+                            record.decided(request.vehicle, asked, Ok(answer));
+                        }
+                    }
                     let mut ended = StageEnds::default();
                     for (request, answer) in requests.iter().zip(answers) {
                         if let Some(end) = self.runs[request.run].decide(request, answer, time) {
@@ -336,6 +349,11 @@ impl<'y, 'd> Lockstep<'y, 'd> {
                     self.end(ended);
                 }
                 Err(fault) => {
+                    for (request, asked) in requests.iter().zip(&asked) {
+                        if let Some(record) = self.processes.record_of(self.runs[request.run].key()) {
+                            record.decided(request.vehicle, asked, Err(&fault));
+                        }
+                    }
                     let asked: Vec<usize> = requests.iter().map(|request| request.run).collect();
                     self.fail(index, &asked, fault);
                 }
@@ -349,6 +367,11 @@ impl<'y, 'd> Lockstep<'y, 'd> {
         for (index, end) in ended.last_first() {
             if let Some(flow) = self.runs[index].flow() {
                 self.flows.remove(&flow);
+            }
+            if end.is_finished()
+                && let Some(record) = self.processes.record_of(self.runs[index].key())
+            {
+                record.closed(end.word());
             }
             self.runs[index].close(end.word(), &mut self.closing);
             match end.next_stage() {

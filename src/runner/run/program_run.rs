@@ -185,6 +185,16 @@ impl ProgramRun {
         }
     }
 
+    /// The key of its run, also while it is its free flow.
+    pub fn key(&self) -> &str {
+        &self.job.case.key
+    }
+
+    /// What a vehicle of it is called.
+    pub fn vehicle_name(&self, vehicle: usize) -> &str {
+        &self.job.case.world.vehicles[vehicle].name
+    }
+
     pub fn place(&self) -> JobPlace {
         self.job.place
     }
@@ -364,7 +374,7 @@ impl ProgramRun {
 
     /// Takes a program's answer, which took `time`; how the run ended if it did.
     pub fn decide(&mut self, request: &SlotRequest, answer: Answered, time: Duration) -> Option<StageEnd> {
-        let Decision { order, mode } = match answer {
+        let Decision { order, mode, speed: _ } = match answer {
             Ok(decision) => decision,
             Err(fault) => return Some(self.fault(request.vehicle, fault)),
         };
