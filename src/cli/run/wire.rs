@@ -12,7 +12,7 @@ use under_test::{ProcessPool, WireRecord};
 pub fn record(units: &Units, chosen: &[bool]) -> Result<WireRecord, Exit> {
     let first =
         units.iter().zip(chosen).filter(|(_, chosen)| **chosen).find_map(|(unit, _)| match &unit.work {
-            Work::Trial(trial) if trial.cases.len() > 0 => {
+            Work::Trial(trial) if !trial.cases.is_empty() => {
                 let case = trial.cases.get(0);
                 (!programs(&case).is_empty()).then_some(case.key)
             }
