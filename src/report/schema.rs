@@ -44,6 +44,10 @@ fn check(root: &Value, schema: &Value, value: &Value, place: &str, found: &mut V
                 value.as_f64().zip(rule.as_f64()).is_some_and(|(value, least)| value < least),
                 format!("{value} is below {rule}"),
             ),
+            "maximum" => say(
+                value.as_f64().zip(rule.as_f64()).is_some_and(|(value, most)| value > most),
+                format!("{value} is above {rule}"),
+            ),
             "minItems" | "maxItems" => {
                 say(beyond(keyword, value.as_array().map(Vec::len), rule), "length".into())
             }
