@@ -81,13 +81,21 @@ pub fn show_apart(numbers: &[(f64, Dimension, Option<Notation>)]) -> Vec<String>
         numbers.iter().map(one).collect()
     };
     let told_apart = |texts: &Vec<String>| {
-        let same =
-            |left: usize, right: usize| texts[left] == texts[right] && numbers[left].0 != numbers[right].0;
+        let bits = |index: usize| numbers[index].0.to_bits();
+        let same = |left: usize, right: usize| texts[left] == texts[right] && bits(left) != bits(right);
         (0..texts.len()).all(|right| (0..right).all(|left| !same(left, right)))
     };
     let few = shown(&digits);
     let more = (5..=17).map(|count| shown(&|number| significant(number, count)));
-    std::iter::once(few.clone()).chain(more).find(told_apart).unwrap_or(few)
+    // Of tiny numbers, of those that differ in their last bit, and of 0 and -0 only all digits tell.
+    let all = std::iter::once_with(|| shown(&all_digits));
+    std::iter::once(few.clone()).chain(more).chain(all).find(told_apart).unwrap_or(few)
+}
+
+/// The shortest text that is read as the same number.
+fn all_digits(number: f64) -> String {
+    let text = format!("{number:?}");
+    text.strip_suffix(".0").unwrap_or(&text).to_string()
 }
 
 /// A number that lies outside a range, both in one unit, which is not shown, with so many digits that it does not look inside.

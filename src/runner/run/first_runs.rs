@@ -152,11 +152,6 @@ fn in_words(one: &LoggedDecision, other: &LoggedDecision) -> String {
             (names(one), names(other))
         }
     };
-    if first == second {
-        // They differ in digits that are not shown elsewhere.
-        let all = |one: &LoggedDecision| one.values.iter().map(f64::to_string).collect::<Vec<_>>().join(" ");
-        return format!("at {time} {}, then {}", all(one), all(other));
-    }
     format!("at {time} {first}, then {second}")
 }
 
@@ -172,7 +167,9 @@ mod tests {
     fn the_first_difference_is_named() {
         let said = |one: &[f64], other: &[f64]| in_words(&decision(one), &decision(other));
         assert_eq!(said(&[-1.2], &[-1.15]), "at 3.2 s -1.2 m/s^2, then -1.15 m/s^2");
-        assert_eq!(said(&[0.1], &[0.1 + 1e-16]), "at 3.2 s 0.1, then 0.1000000000000001");
+        assert_eq!(said(&[0.1], &[0.1 + 1e-16]), "at 3.2 s 0.1 m/s^2, then 0.1000000000000001 m/s^2");
+        assert_eq!(said(&[0.0], &[1e-17]), "at 3.2 s 0 m/s^2, then 1e-17 m/s^2");
+        assert_eq!(said(&[0.0], &[-0.0]), "at 3.2 s 0 m/s^2, then -0 m/s^2");
         assert_eq!(
             said(&[0.2, 0.0], &[0.3, 0.0]),
             "at 3.2 s throttle 0.2 and brake 0, then throttle 0.3 and brake 0"
