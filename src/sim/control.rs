@@ -111,12 +111,23 @@ impl Control {
     /// The moment of its next decision, or at which one takes effect, if it lies before `end` (s), which is where the next
     /// step asks by itself.
     pub fn due_before(&self, end: f64) -> Option<f64> {
-        let next = self.later.iter().map(|(moment, _)| *moment).fold(self.next, f64::min);
+        let mut next = self.next;
+        if !self.later.is_empty() {
+            next = self.later.iter().map(|(moment, _)| *moment).fold(next, f64::min);
+        }
         (next < end - TIME_TOLERANCE).then_some(next)
     }
 
     /// Lets what was decided for `time` (s) take effect. A later decision holds whatever an earlier one still had in store.
     pub fn take_effect(&mut self, time: f64) {
+        if !self.later.is_empty() {
+            self.take_effect_of_later(time);
+        }
+    }
+
+    /// Only those outside decide for later: the others do not pay for them.
+    #[cold]
+    fn take_effect_of_later(&mut self, time: f64) {
         while let Some(last) = self.later.iter().rposition(|(moment, _)| *moment <= time + TIME_TOLERANCE) {
             self.held = self.later.drain(..=last).next_back().expect("it has a last one").1;
         }
@@ -157,7 +168,9 @@ impl Control {
     pub fn take(&mut self, command: Command) -> Result<(), ControllerError> {
         self.check(command)?;
         self.waits = false;
-        self.later.clear();
+        if !self.later.is_empty() {
+            self.later.clear();
+        }
         self.held = Held::Command(command);
         self.count_from(self.decisions + 1)
     }

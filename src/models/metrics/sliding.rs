@@ -44,9 +44,10 @@ impl<const DELAYS: usize> Sliding<DELAYS> {
             let now = next.min(to.0);
             if now > from.0 {
                 let value = if now == to.0 { to.1 } else { between(from, to, now) };
-                let delayed = self.taps.map(|(delay, index)| {
-                    between(self.vertices[index], self.vertices[index + 1], now - delay)
-                });
+                let mut delayed = [0.0; DELAYS];
+                for (delayed, &(delay, index)) in delayed.iter_mut().zip(&self.taps) {
+                    *delayed = between(self.vertices[index], self.vertices[index + 1], now - delay);
+                }
                 visit(now, value, delayed);
             }
             if next >= to.0 {
