@@ -123,8 +123,8 @@ pub use sim;
 /// What [`Project`] speaks of: what is to be said of its files, and what is planned of them.
 pub mod project {
     pub use lang::{
-        Code, Diagnostic, Failure, Label, Location, Override, Severity, Source, SourceId, Sources, Span,
-        Style,
+        Code, Diagnostic, Failure, Label, Location, Override, Replacement, Severity, Source, SourceId,
+        Sources, Span, Style,
     };
     pub use runner::plan::{Cases, Plan, PlanError, PlannedTrial, ScenarioPlan};
     pub use runner::project::{Notice, NoticeLevel, PlannedSuite, Problems};

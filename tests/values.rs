@@ -169,7 +169,8 @@ fn refusal(text: &str, set: &[Override]) -> Result<(), String> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("values.scn");
     std::fs::write(&path, text).unwrap();
-    let loaded = lang::load_set(&path, set, &standard(), &Disk)
+    let outside = lang::Outside { set: set.to_vec(), ..lang::Outside::default() };
+    let loaded = lang::load_otherwise(&path, &outside, &standard(), &Disk)
         .map_err(|failure| failure.render(lang::Style::default()))?;
     let plan = plan::plan(&loaded.suite).map_err(|errors| {
         let PlanError { case, .. } = &errors[0];

@@ -7,7 +7,7 @@ use super::set::SetArguments;
 use files::Disk;
 use lang::Style;
 use report::console::stderr;
-use runner::project::{Notice, Project, ProjectOptions};
+use runner::project::{Notice, Project};
 use scenario::registry::Registry;
 
 /// Whether a word of the command line is meant as a file.
@@ -24,12 +24,12 @@ pub fn load_all(
     colour: bool,
     registry: &Registry,
 ) -> Result<Project, Exit> {
-    let set = set.all().map_err(|name| {
+    let options = set.options().map_err(|name| {
         writeln!(stderr(), "error: `{name}` is set twice");
         writeln!(stderr(), "help: leave out one of the two");
         Exit::Usage
     })?;
-    let options = ProjectOptions::default().seed(seed).set(set);
+    let options = options.seed(seed);
     match Project::open_all(files, &options, registry, &Disk) {
         Ok(project) => {
             show(project.notices().iter().cloned(), colour);

@@ -1,8 +1,11 @@
-//! `--set NAME=VALUE` and `--repeat N`: values for this once, instead of those in the files.
+//! `--set NAME=VALUE`, `--repeat N` and `--controller VEHICLE=NAME`: what is otherwise for this once than in the files.
+
+use std::path::PathBuf;
 
 use clap::Args;
 
-use lang::Override;
+use lang::{Override, Replacement};
+use runner::project::ProjectOptions;
 
 #[derive(Debug, Clone, Default, Args)]
 pub struct SetArguments {
@@ -14,18 +17,33 @@ pub struct SetArguments {
     /// Replaces `repeat` and `runs` of every scenario.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     repeat: Option<u32>,
+
+    /// Puts another controller in the place of that of every vehicle of this name, with its settings and whatever the scenarios say:
+    /// `av=carla_behavior`, `'av=my_av { braking_distance: 8 m }'`; may be repeated. Trials keep their names.
+    #[arg(long, value_name = "VEHICLE=CONTROLLER")]
+    controller: Vec<Replacement>,
+
+    /// Reads a file in which controllers for `--controller` are declared, as if `use` said so; may be repeated.
+    #[arg(long = "use", value_name = "FILE")]
+    uses: Vec<PathBuf>,
 }
 
 impl SetArguments {
     pub fn is_empty(&self) -> bool {
-        self.set.is_empty() && self.repeat.is_none()
+        self.set.is_empty() && self.repeat.is_none() && self.controller.is_empty() && self.uses.is_empty()
     }
 
-    /// Everything that is set.
+    /// All of it.
     ///
     /// # Errors
     /// The name of what is set twice.
-    pub fn all(&self) -> Result<Vec<Override>, String> {
+    pub fn options(&self) -> Result<ProjectOptions, String> {
+        let options = ProjectOptions::default().set(self.values()?);
+        Ok(options.controllers(self.controller.clone()).uses(self.uses.clone()))
+    }
+
+    /// Every value that is set.
+    fn values(&self) -> Result<Vec<Override>, String> {
         let all: Vec<Override> = self.set.iter().cloned().chain(self.repeat.map(Override::repeat)).collect();
         for (index, one) in all.iter().enumerate() {
             if all[..index].iter().any(|other| other.name == one.name) {

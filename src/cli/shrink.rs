@@ -157,6 +157,7 @@ fn shrink_found(
         file: suite.file.clone(),
         seed: suite.plan.seed,
         set: suite.suite.set.clone(),
+        tested: suite.suite.tested.clone(),
     };
     let folder = path.parent().filter(|one| !one.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let text = shrunk_file(&shrunk, criterion, &identity, folder).map_err(|error| {

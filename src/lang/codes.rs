@@ -388,7 +388,15 @@ codes! {
     Disagreement = "E1108", "file and program disagree",
         "A program may say in its hello what it gives and which parameters it has. Then every parameter that the file declares \
          must be among them, of the same kind and dimension, with a range that the program's own contains.";
+    NotTested = "E1111", "a controller cannot be put in the place of another",
+        "`test my_av as av` in a suite, and `--controller av=my_av`, put a controller in the place of that of every vehicle \
+         called `av`. There must be such a vehicle, or nothing would be tested; it is said once for each name; settings stand \
+         with the new controller and not in `--set`; and no variation may choose the controller that is replaced, whose values \
+         stand in the names of trials.";
     // Warnings
+    PartlyTested = "W1103", "a scenario is run without the controller under test",
+        "`test my_av as av` and `--controller av=my_av` are about vehicles called `av`. A scenario without one is run with the \
+         controllers that it names itself, and what comes of it says nothing of `my_av`.";
     KnowsMore = "W1101", "a program knows more than the file",
         "The program says that it has parameters that the file does not declare. They keep whatever value the program gives \
          them; declare them to set, vary or tune them.";

@@ -79,7 +79,7 @@ pub fn complete(
     match statement.as_slice() {
         [] => first_words(block, registry),
         [.., number] if number.starts_with(|c: char| c.is_ascii_digit()) => units(),
-        [word @ ("controller" | "dynamics" | "model" | "crossing")] => {
+        [word @ ("controller" | "test" | "dynamics" | "model" | "crossing")] => {
             let choices = declared::choices(word, registry);
             choices.iter().map(|(name, kind)| proposal(name, &kind.summary)).collect()
         }
@@ -266,7 +266,7 @@ fn named(statement: &[&str], registry: &Registry) -> Option<Named> {
     });
     let call = open.and_then(|open| statement.get(open.checked_sub(1)?)).copied();
     match (statement.first().copied(), call) {
-        (_, Some("time_to_arrival")) => Some(Named::Vehicle),
+        (_, Some("time_to_arrival")) | (Some("test"), None) => Some(Named::Vehicle),
         (_, Some("chosen")) | (Some("over"), None) => Some(Named::Target),
         (_, Some(call)) if AggregateWord::find(call).is_some() => None,
         (_, Some(call))

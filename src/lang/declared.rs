@@ -42,7 +42,7 @@ pub fn named(word: &str, name: &str, registry: &Registry) -> Option<Declaration>
 pub fn choices(word: &str, registry: &Registry) -> Vec<(String, Declaration)> {
     let own = |declaration: &Declaration| (declaration.name.to_string(), declaration.clone());
     match word {
-        "controller" => registry.controllers().declarations().map(own).collect(),
+        "controller" | "test" => registry.controllers().declarations().map(own).collect(),
         "dynamics" => registry.dynamics().declarations().map(own).collect(),
         "model" => registry.pedestrians().declarations().map(own).collect(),
         "crossing" => crossings().map(|(name, declaration)| (name.to_string(), declaration)).into(),

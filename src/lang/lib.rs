@@ -21,6 +21,7 @@ pub mod filter;
 mod notations;
 mod overrides;
 mod render;
+mod replacement;
 mod settings;
 mod source;
 mod suite;
@@ -44,6 +45,7 @@ pub use diagnostic::{Diagnostic, Label, nearest};
 pub use excerpt::Excerpt;
 pub use overrides::Override;
 pub use render::{Style, count, render, render_all};
+pub use replacement::{Outside, Replacement};
 pub use source::{Location, Source, SourceId, Sources, Span};
 pub use suite::DEFAULT_SEED;
 pub use syntax::{Tree, format};
@@ -165,14 +167,14 @@ pub fn with_controllers(path: &Path, registry: &Registry, texts: &dyn Files) -> 
     Ok(files.registry)
 }
 
-/// As [`load`], with values that are set from outside, in this file and all it uses.
-pub fn load_set(
+/// As [`load`], with what the command line says otherwise of this file and all it uses.
+pub fn load_otherwise(
     path: &Path,
-    set: &[Override],
+    outside: &Outside,
     registry: &Registry,
     texts: &dyn Files,
 ) -> Result<Loaded, Failure> {
-    load_with(path, Texts::new(registry, texts).with_set(set))
+    load_with(path, Texts::new(registry, texts).otherwise(outside))
 }
 
 /// The unit of that dimension that a criterion is written with: `km/h` in `impact_speed <= 20 km/h`.
@@ -245,6 +247,7 @@ fn load_with(path: &Path, mut files: Texts) -> Result<Loaded, Failure> {
         return Err(Failure { diagnostics: report, sources: files.sources });
     };
     let file = files.open(path, None, &mut report);
+    files.open_outside(&mut report);
     let suite = file.and_then(|file| suite::suite(&mut files, file, path, kind, &mut report));
     if let Some(file) = file {
         let root = files.tree(file).source;
@@ -262,8 +265,7 @@ fn load_with(path: &Path, mut files: Texts) -> Result<Loaded, Failure> {
     if let Some(last) = report.last_mut().filter(|_| more > 0) {
         last.notes.push(format!("at least {more} more findings are not shown"));
     }
-    let mut set: Vec<String> = files.overrides.all().iter().map(ToString::to_string).collect();
-    set.sort();
+    let set = files.outside.words();
     let own = files.registry.controllers().iter().filter(|known| known.program.is_some());
     let controllers = own.map(Reference::from).collect();
     let suite = suite.map(|suite| Suite { set, controllers, notations: notations::of(&suite), ..suite });

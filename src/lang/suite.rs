@@ -88,6 +88,7 @@ fn bare(files: &Texts, file: FileId, path: &Path, report: &mut Vec<Diagnostic>) 
     let scenarios = check_all(files, &definitions, None, report);
     warn_of_nothing_expected(files, &definitions, &scenarios, &blocks, report);
     let supporting = supporting(files, &blocks, report);
+    let tested = check::tested(&Places { files }, scenarios.iter().chain(&supporting), report);
     check_definitions(files, report);
     definitions.extend(&blocks.supporting);
     let blocks = blocks.check(files, &definitions, [&scenarios, &supporting], report);
@@ -97,6 +98,7 @@ fn bare(files: &Texts, file: FileId, path: &Path, report: &mut Vec<Diagnostic>) 
         doc: None,
         seed: DEFAULT_SEED,
         set: Vec::new(),
+        tested,
         time_limit: None,
         scenarios,
         supporting,
@@ -158,6 +160,7 @@ fn declared(files: &mut Texts, file: FileId, path: &Path, report: &mut Vec<Diagn
         definitions.extend(own);
     }
 
+    files.tests.suite = Some(file);
     let files = &*files;
     let all_files: Vec<FileId> =
         std::iter::once(file).chain(included.iter().map(|(file, _)| *file)).collect();
@@ -193,6 +196,7 @@ fn declared(files: &mut Texts, file: FileId, path: &Path, report: &mut Vec<Diagn
     let mut scenarios = check_all(files, &definitions, Some(added), report);
     warn_of_nothing_expected(files, &definitions, &scenarios, &blocks, report);
     let supporting = supporting(files, &blocks, report);
+    let tested = check::tested(&Places { files }, scenarios.iter().chain(&supporting), report);
     let tags = check::tags(block.tags());
     for scenario in &mut scenarios {
         for tag in &tags {
@@ -224,6 +228,7 @@ fn declared(files: &mut Texts, file: FileId, path: &Path, report: &mut Vec<Diagn
         doc: check::doc(block.doc()),
         seed: seed?,
         set: Vec::new(),
+        tested,
         time_limit: match time_limit {
             Some(limit) => Some(limit?),
             None => None,

@@ -1,14 +1,15 @@
 //! Files that use each other, and the names that each can see.
 
 use std::cell::RefCell;
-use std::collections::HashMap;
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
 use super::check;
 use super::codes::{Code, Severity};
 use super::diagnostic::Diagnostic;
-use super::overrides::{self, Edit, Override, Overrides};
+use super::overrides::{self, Edit, Overrides};
+use super::replacement::Outside;
 use super::source::{SourceId, Sources, Span};
 use super::suite::{self, FileKind};
 use super::syntax::ast::{self, View};
@@ -55,6 +56,19 @@ struct File {
     scope: NameScope<'static>,
 }
 
+/// Controllers in the place of others.
+#[derive(Default)]
+pub struct Tests {
+    /// Those of the command line.
+    outside: Vec<Tree>,
+    /// The names that these know.
+    outside_scope: NameScope<'static>,
+    /// The suite whose statements of that kind hold.
+    pub suite: Option<FileId>,
+    /// What each vehicle would have had, by the vehicle's name; known as scenarios are checked.
+    pub replaced: RefCell<BTreeMap<String, BTreeSet<String>>>,
+}
+
 /// Every file that was read, each once.
 pub struct Texts<'f> {
     /// What they may name.
@@ -67,8 +81,12 @@ pub struct Texts<'f> {
     by_path: HashMap<PathBuf, Option<FileId>>,
     /// The files being read, with the `use` that led to each.
     reading: Vec<(PathBuf, Option<Span>)>,
+    /// What the command line says otherwise.
+    pub outside: Outside,
     /// Values that are set from outside.
     pub overrides: Overrides,
+    /// Controllers in the place of others.
+    pub tests: Tests,
     /// Where they stand in the texts.
     pub set: Vec<Span>,
     /// What stands in files that are no scenarios, by path.
@@ -89,7 +107,9 @@ impl<'f> Texts<'f> {
             files: Vec::new(),
             by_path: HashMap::new(),
             reading: Vec::new(),
+            outside: Outside::default(),
             overrides: Overrides::default(),
+            tests: Tests::default(),
             set: Vec::new(),
             others: RefCell::default(),
             size: 0,
@@ -102,9 +122,41 @@ impl<'f> Texts<'f> {
         Self { largest: LARGEST_WHILE_EDITED, ..self }
     }
 
-    /// The same; in all of them these values will be set.
-    pub fn with_set(self, set: &[Override]) -> Self {
-        Self { overrides: Overrides::new(set), ..self }
+    /// The same, of which the command line says something otherwise.
+    pub fn otherwise(self, outside: &Outside) -> Self {
+        Self { overrides: Overrides::new(&outside.set), outside: outside.clone(), ..self }
+    }
+
+    /// Reads the files that the command line uses, and what controllers it puts in the place of others.
+    pub fn open_outside(&mut self, report: &mut Vec<Diagnostic>) {
+        const NAME: &str = "the command line";
+        let mut names = Names::default();
+        for path in self.outside.uses.clone() {
+            let text = path.display().to_string();
+            let asked = Span::new(self.sources.add(NAME, text.as_str()), 0, text.len());
+            if let Some(used) = self.open(&path, Some(asked), report) {
+                let mut scope = std::mem::take(&mut self.tests.outside_scope);
+                self.import(used, asked, &mut names, &mut scope, report);
+                self.tests.outside_scope = scope;
+            }
+        }
+        for replacement in self.outside.controllers.clone() {
+            let source = self.sources.add(NAME, replacement.to_string());
+            self.tests.outside.extend(replacement.tree().map(|tree| tree.of_source(source)));
+        }
+    }
+
+    /// Every statement that puts a controller in the place of others, with the names that it knows.
+    pub fn tested(&self) -> impl Iterator<Item = (ast::Tested<'_>, &NameScope<'static>)> {
+        let outside = self.tests.outside.iter().filter_map(|tree| ast::Tested::cast(tree.root()));
+        let suite = self.tests.suite.into_iter().flat_map(move |file| {
+            let suite = self.tree(file).file().suites().next();
+            suite
+                .into_iter()
+                .flat_map(|suite| suite.block().tests())
+                .map(move |node| (node, self.scope(file)))
+        });
+        outside.map(|node| (node, &self.tests.outside_scope)).chain(suite)
     }
 
     /// Where they are read.

@@ -140,6 +140,7 @@ impl Session {
                 file: self.file.clone(),
                 seed: u64::MAX,
                 set: Vec::new(),
+                tested: Vec::new(),
             },
             program: Program::this(),
             started: SystemTime::UNIX_EPOCH + Duration::from_secs(1_795_250_000),

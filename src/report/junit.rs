@@ -111,6 +111,7 @@ fn suite_properties(report: &SuiteReport) -> Vec<(String, String)> {
         properties.extend(said.into_iter().filter_map(|(name, said)| Some((name.to_string(), said?))));
     }
     properties.extend(report.identity.set.iter().map(|set| ("set".to_string(), set.clone())));
+    properties.extend(report.identity.tested.iter().map(|one| ("tested".to_string(), one.to_string())));
     properties
 }
 

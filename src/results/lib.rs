@@ -69,7 +69,7 @@ pub use search::{CoursePoint, Found, MetricCourse, SearchResult};
 pub use skip::Skip;
 pub use standing::Standing;
 pub use statement::{ClaimResult, ClaimValues, Conclusion, StatementResult, TrendPoint};
-pub use suite::{Program, SuiteIdentity, SuiteReport, record_command, set_options};
+pub use suite::{Program, SuiteIdentity, SuiteReport, is_use, is_value, record_command, set_options};
 pub use summary::{
     AppliedCriteria, MOST_SHOWN, NearestRun, PassedTrial, ScenarioSummary, StandingCount, SuiteSummary,
 };

@@ -15,6 +15,7 @@ use super::standing::Standing;
 use super::summary::SuiteSummary;
 use super::trial::TrialReport;
 use numbers::json;
+use scenario::TestedInstead;
 
 /// Which suite was run, and how to run it again.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -26,17 +27,23 @@ pub struct SuiteIdentity {
     /// The suite's seed.
     #[serde(with = "json::whole")]
     pub seed: u64,
-    /// What was set on the command line: `av.speed=40km/h`.
+    /// What was otherwise on the command line: `av.speed=40km/h`, `controller av=my_av`, `use controllers/my_av.scn`.
     #[serde(default)]
     pub set: Vec<String>,
+    /// Controllers in the place of those that its scenarios name.
+    #[serde(default)]
+    pub tested: Vec<TestedInstead>,
 }
 
 impl SuiteIdentity {
-    /// `seed 1`, or `seed 1, with av.speed=40km/h` where the runs are not those that the file declares.
+    /// `seed 1`, or `seed 1, with av.speed=40km/h, av: my_av instead of carla_behavior` where the runs are not those that the
+    /// scenarios declare.
     pub fn seed_words(&self) -> String {
-        match &*self.set {
+        let values = self.set.iter().filter(|one| is_value(one)).cloned();
+        let otherwise: Vec<String> = values.chain(self.tested.iter().map(ToString::to_string)).collect();
+        match &otherwise[..] {
             [] => format!("seed {}", self.seed),
-            set => format!("seed {}, with {}", self.seed, set.join(", ")),
+            otherwise => format!("seed {}, with {}", self.seed, otherwise.join(", ")),
         }
     }
 
@@ -52,13 +59,30 @@ impl SuiteIdentity {
     }
 }
 
-/// What to type to set the same values again, with a space before each.
+const CONTROLLER: &str = "controller ";
+const USE: &str = "use ";
+
+/// Whether what was otherwise on the command line is a value, and neither a controller nor where that is declared.
+pub fn is_value(said: &str) -> bool {
+    !said.starts_with(CONTROLLER) && !is_use(said)
+}
+
+/// Whether what was otherwise on the command line is a file that is read besides, on which no run depends.
+pub fn is_use(said: &str) -> bool {
+    said.starts_with(USE)
+}
+
+/// What to type to say the same otherwise again, with a space before each.
 pub fn set_options(set: &[String]) -> String {
-    let option = |one: &String| match one.split_once('=') {
-        Some(("repeat", times)) => format!(" --repeat {times}"),
-        // Within single quotes a shell leaves everything alone but the quote itself.
-        _ => format!(" --set '{}'", one.replace('\'', r"'\''")),
-    };
+    // Within single quotes a shell leaves everything alone but the quote itself.
+    let quoted = |text: &str| format!("'{}'", text.replace('\'', r"'\''"));
+    let option =
+        |one: &String| match (one.strip_prefix(CONTROLLER), one.strip_prefix(USE), one.split_once('=')) {
+            (Some(controller), ..) => format!(" --controller {}", quoted(controller)),
+            (_, Some(file), _) => format!(" --use {}", quoted(file)),
+            (.., Some(("repeat", times))) => format!(" --repeat {times}"),
+            _ => format!(" --set {}", quoted(one)),
+        };
     set.iter().map(option).collect()
 }
 

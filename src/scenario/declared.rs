@@ -24,6 +24,9 @@ pub struct Suite {
     /// What was set from outside and is not as the files say: `av.speed=40km/h`, sorted.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub set: Vec<String>,
+    /// Controllers in the place of those that its scenarios name.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub tested: Vec<TestedInstead>,
     /// Wall-clock limit per trial in s.
     pub time_limit: Option<f64>,
     /// In the order of files and of declaration within a file; names are unique.
@@ -66,6 +69,24 @@ impl Suite {
     /// One of its scenarios, or of those that only its blocks know.
     pub fn scenario(&self, name: &str) -> Option<&Scenario> {
         self.scenarios.iter().chain(&self.supporting).find(|scenario| scenario.name == name)
+    }
+}
+
+/// A controller in the place of those that scenarios name for every vehicle of a name.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct TestedInstead {
+    /// The name of the vehicles.
+    pub vehicle: String,
+    /// With its settings: `my_av { braking_distance: 8 m }`.
+    pub controller: String,
+    /// The controllers that the scenarios name, each once.
+    pub instead_of: Vec<String>,
+}
+
+impl fmt::Display for TestedInstead {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { vehicle, controller, instead_of } = self;
+        write!(out, "{vehicle}: {controller} instead of {}", instead_of.join(", "))
     }
 }
 

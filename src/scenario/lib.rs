@@ -59,7 +59,8 @@ pub use declaration::{
 };
 pub use declared::{
     DeclaredAppearance, DeclaredPedestrian, DeclaredShape, DeclaredVehicleStart, Individuals, Model,
-    PopulationShare, RunBudget, Samples, SamplingScheme, Scenario, Suite, Variation, VariedValue, Vehicle,
+    PopulationShare, RunBudget, Samples, SamplingScheme, Scenario, Suite, TestedInstead, Variation,
+    VariedValue, Vehicle,
 };
 pub use dimension::Dimension;
 pub use distribution::{

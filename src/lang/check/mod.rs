@@ -18,6 +18,7 @@ mod runs;
 mod scenario;
 mod statement;
 mod subject;
+mod tested;
 mod variation;
 mod vehicle;
 
@@ -42,6 +43,7 @@ pub use road::{crossings, obstacle};
 pub use scenario::{SuiteCriteria, defined_road, scenario, write_scenario};
 pub use statement::statement;
 pub use subject::{Checked, Subjects};
+pub use tested::tested;
 
 /// Where things were said.
 #[derive(Clone, Copy)]

@@ -8,7 +8,7 @@ use crate::diagnostic::Diagnostic;
 use crate::settings::{self, not_whole};
 use crate::source::Span;
 use crate::syntax::ast;
-use crate::value::{self, Typed, ValueKind};
+use crate::value::{self, NameScope, Typed, ValueKind};
 use crate::write::{BlockText, constant, model_text, settings_text};
 use scenario::{
     CommandKind, ControllerModel, DeclaredVehicleStart, Dimension, DynamicsModel, Model, Reference, Road,
@@ -35,6 +35,11 @@ pub fn vehicle(
             missing::<ast::Controller>(layers, name.span(), &what, report);
             None
         }
+    };
+    let controller = match places.files.tested().find(|(node, _)| node.vehicle().name().text() == name.text())
+    {
+        Some((node, scope)) => controller.and_then(|own| instead(own, name, node, scope, places, report)),
+        None => controller,
     };
     let dynamics = last(layers, |block| block.dynamics().map(ast::Named::Dynamics))
         .map(|said| named(said, &all_dynamics(places), places, report));
@@ -116,6 +121,36 @@ fn controllers<'a>(places: &'a Places) -> model::ModelKind<'a, ControllerModel> 
         there_is_no: "there is no controller",
         all: places.files.registry.controllers(),
     }
+}
+
+/// What `test … as` puts in the place of the vehicle's own controller, which has to be right all the same.
+fn instead<'a>(
+    own: Named<ControllerModel>,
+    vehicle: ast::Name,
+    node: ast::Tested<'a>,
+    scope: &'a NameScope<'a>,
+    places: &Places,
+    report: &mut Vec<Diagnostic>,
+) -> Option<Named<ControllerModel>> {
+    if let Some(variation) = &own.model.varied_by {
+        // Every name of a trial would say which controller drove it, and none of them did.
+        report.push(
+            Diagnostic::new(
+                Code::NotTested,
+                node.span(),
+                format!("the variation `{variation}` chooses the controller of `{}`", vehicle.text()),
+            )
+            .label("would drive under the names of others")
+            .context(own.span, "chosen here")
+            .hint(format!("set the variation instead: `--set {variation}={}`", node.name().text())),
+        );
+        return None;
+    }
+    let mut replaced = places.files.tests.replaced.borrow_mut();
+    let names = own.found.iter().map(|found| found.declaration.name.to_string());
+    replaced.entry(vehicle.text().to_string()).or_default().extend(names);
+    named(Said { node: ast::Named::Tested(node), scope }, &controllers(places), places, report)
+        .filter(|found| is_visible(found, places, report))
 }
 
 /// Whether a controller that some file declares is one that the file sees which names it; those that a variation lists may come

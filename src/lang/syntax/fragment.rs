@@ -43,3 +43,11 @@ pub fn criterion(text: &str) -> Option<Tree> {
 pub fn claim(text: &str) -> Option<Tree> {
     Tree::of(Rule::claim, &format!("claim {text}"))
 }
+
+/// A controller for vehicles of a name, as the command line says it; its root is that replacement.
+pub fn replacement(text: &str) -> Option<Tree> {
+    if text.contains(['\n', '\r', '#']) {
+        return None;
+    }
+    Tree::of(Rule::replacement, text)
+}

@@ -18,7 +18,7 @@ pub mod words;
 pub use ast::View;
 pub use error::{Next, goes_on_with};
 pub use format::{format, phrase};
-pub use fragment::{Given, claim, criterion, given};
+pub use fragment::{Given, claim, criterion, given, replacement};
 pub use lexer::{DEEPEST_NESTING, Token, TokenKind, balance, fragment, tokens};
 pub use print::{aggregate_text, criterion_text, expression, metric_text};
 pub use tree::{Node, NodeIndex, NodeKind, Tree};

@@ -96,6 +96,11 @@ impl Tree {
         Some(tree)
     }
 
+    /// The same, as the tree of that text.
+    pub(crate) fn of_source(self, source: SourceId) -> Self {
+        Self { source, ..self }
+    }
+
     fn add_empty_file(&mut self) {
         let end = self.text.len() as u32;
         self.nodes = vec![NodeData { rule: Rule::file, start: 0, end, after: 1 }];

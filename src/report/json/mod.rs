@@ -133,6 +133,9 @@ fn suite_object<'v>(report: &'v SuiteReport, requests: &'v Requests) -> Object<'
     if !report.identity.set.is_empty() {
         own.insert("set".into(), json!(report.identity.set));
     }
+    if !report.identity.tested.is_empty() {
+        own.insert("tested".into(), plain(&report.identity.tested));
+    }
     Object {
         members: own,
         lists: vec![

@@ -171,6 +171,7 @@ fn suite() -> Suite {
         doc: None,
         seed: 11,
         set: Vec::new(),
+        tested: Vec::new(),
         time_limit: None,
         scenarios: vec![scenario()],
         supporting: Vec::new(),

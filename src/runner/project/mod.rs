@@ -5,7 +5,7 @@ mod examine;
 mod notice;
 mod open;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 pub use claims::examine_claims;
@@ -15,7 +15,7 @@ pub use open::plan_notices;
 
 use crate::plan::Plan;
 use files::Files;
-use lang::Override;
+use lang::{Outside, Override, Replacement};
 use results::Recorded;
 use scenario::Suite;
 use scenario::registry::Registry;
@@ -47,7 +47,7 @@ pub struct PlannedSuite {
 #[non_exhaustive]
 pub struct ProjectOptions {
     seed: Option<u64>,
-    set: Vec<Override>,
+    outside: Outside,
 }
 
 impl ProjectOptions {
@@ -58,7 +58,17 @@ impl ProjectOptions {
 
     /// Gives everything of these names other values, as if they stood in the files.
     pub fn set(self, set: impl IntoIterator<Item = Override>) -> Self {
-        Self { set: set.into_iter().collect(), ..self }
+        Self { outside: Outside { set: set.into_iter().collect(), ..self.outside }, ..self }
+    }
+
+    /// Puts controllers in the place of those that scenarios name, as `test … as` in a suite.
+    pub fn controllers(self, controllers: impl IntoIterator<Item = Replacement>) -> Self {
+        Self { outside: Outside { controllers: controllers.into_iter().collect(), ..self.outside }, ..self }
+    }
+
+    /// Reads these files besides, whose controllers [`Self::controllers`] and values may name.
+    pub fn uses(self, files: impl IntoIterator<Item = PathBuf>) -> Self {
+        Self { outside: Outside { uses: files.into_iter().collect(), ..self.outside }, ..self }
     }
 }
 

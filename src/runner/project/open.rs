@@ -26,18 +26,19 @@ pub fn open(
     notices: &mut Vec<Notice>,
 ) -> Option<PlannedSuite> {
     let file = path.display().to_string();
-    let (mut suite, sources, is_set_aside) = match lang::load_set(path, &options.set, registry, files) {
-        Ok(lang::Loaded { suite, sources, warnings }) => {
-            let is_set_aside = warnings.iter().any(|warning| warning.code == Code::SetAside);
-            let sources = Arc::new(sources);
-            notices.extend(findings(warnings, &sources));
-            (suite, sources, is_set_aside)
-        }
-        Err(failure) => {
-            notices.push(Notice::Failure(failure));
-            return None;
-        }
-    };
+    let (mut suite, sources, is_set_aside) =
+        match lang::load_otherwise(path, &options.outside, registry, files) {
+            Ok(lang::Loaded { suite, sources, warnings }) => {
+                let is_set_aside = warnings.iter().any(|warning| warning.code == Code::SetAside);
+                let sources = Arc::new(sources);
+                notices.extend(findings(warnings, &sources));
+                (suite, sources, is_set_aside)
+            }
+            Err(failure) => {
+                notices.push(Notice::Failure(failure));
+                return None;
+            }
+        };
     suite.seed = options.seed.unwrap_or(suite.seed);
     let claims = examine_claims(&suite, &sources);
     let is_hopeless = claims.iter().any(|found| found.severity == Severity::Error);
@@ -64,7 +65,7 @@ pub fn open(
         notices.push(idle);
         return None;
     }
-    let recorded = recorded(path, options, files, notices)?;
+    let recorded = recorded(path, &suite, files, notices)?;
     Some(PlannedSuite { file, suite, plan, recorded })
 }
 
@@ -111,7 +112,7 @@ fn nothing_asked(suite: &Suite, plan: &Plan, is_set_aside: bool) -> Option<Notic
 /// The runs that failed before; `None` if they cannot be read.
 fn recorded(
     path: &Path,
-    options: &ProjectOptions,
+    suite: &Suite,
     files: &dyn Files,
     notices: &mut Vec<Notice>,
 ) -> Option<Vec<Recorded>> {
@@ -132,7 +133,7 @@ fn recorded(
             corpus.display()
         ));
     }
-    if options.set.is_empty() || recorded.is_empty() {
+    if suite.set.is_empty() || recorded.is_empty() {
         return Some(recorded);
     }
     note(format!(

@@ -11,7 +11,7 @@ use results::judge::baseline::{Baseline, Incompatible};
 use results::judge::gate::judge_gate;
 use results::{
     GateReport, GateState, NotJudged, Refusal, Skip, SuiteIdentity, SuiteReport, TrialReport, TrialState,
-    record_command,
+    is_use, is_value, record_command,
 };
 use scenario::{Gate, Suite};
 
@@ -44,21 +44,23 @@ pub fn judge_gates<'a>(runner: &Runner<'a>, reports: &mut [SuiteReport], lenient
     }
 }
 
-/// Values that were set make other runs, whatever their names: those of the gate's baseline only if it has the same.
+/// Values that were set and controllers in the place of others make other runs, whatever their names: those of the gate's baseline
+/// only if it has the same.
 fn other_runs(gate: &Gate, set: &[String], files: &dyn Files) -> Option<Refusal> {
-    if set.is_empty() {
-        return None;
-    }
     let base =
         Baseline::read_named(Path::new(&gate.baseline), files).ok().filter(|base| !base.has_set(set))?;
-    let its_own = match &base.set[..] {
-        [] => String::new(),
-        its_own => format!(", which were run with {}", its_own.join(", ")),
-    };
-    let help = "leave out `--set` and `--repeat` to judge the gate, or record a baseline with them; `compare SUITE \
-                --parameters FILE` compares other parameters of what is tested";
+    if set.is_empty() && base.set.iter().all(|one| is_value(one)) {
+        return None;
+    }
+    let help = "leave out `--set`, `--repeat` and `--controller` to judge the gate, or record a baseline with them; `compare SUITE \
+                --parameters FILE` compares other parameters of what is tested, `compare BASELINE BASELINE` other controllers";
+    let words =
+        |set: &[String]| set.iter().filter(|one| !is_use(one)).cloned().collect::<Vec<_>>().join(", ");
+    let (own, its_own) = (words(set), words(&base.set));
+    let with = if own.is_empty() { String::new() } else { format!("with {own} ") };
+    let its_own = if its_own.is_empty() { its_own } else { format!(", which were run with {its_own}") };
     Some(Refusal {
-        message: format!("with {} these are not the runs that the baseline is of{its_own}", set.join(", ")),
+        message: format!("{with}these are not the runs that the baseline is of{its_own}"),
         reasons: Vec::new(),
         help: help.to_string(),
     })

@@ -139,6 +139,7 @@ impl<'a> Runner<'a> {
             file: prepared.file.clone(),
             seed: prepared.plan.seed,
             set: prepared.suite.set.clone(),
+            tested: prepared.suite.tested.clone(),
         }
     }
 

@@ -2,8 +2,8 @@
 
 use super::super::words::{BlockEntry, BlockKind, StatementEntry, YamlShape, statement};
 use super::{
-    Argument, Binding, Crossing, Expression, Integer, Name, Obstacle, Parameter, Scenario, Settings, Text,
-    Varied, VaryTogether,
+    Argument, Binding, Crossing, Expression, Integer, Name, Obstacle, Parameter, Scenario, Settings, Tested,
+    Text, Varied, VaryTogether,
 };
 #[cfg(test)]
 use super::{Holds, Made};
@@ -72,7 +72,7 @@ choices! {
     RoadUser = Vehicle | Pedestrian;
     Shape = Size | Radius;
     /// A statement that names a registered thing.
-    Named = Controller | Dynamics | Model;
+    Named = Controller | Dynamics | Model | Tested;
     /// A statement of a road user with settings.
     Settled = Named | Sees;
     /// A statement with settings.
@@ -105,6 +105,7 @@ impl<'t> Named<'t> {
             Self::Controller(controller) => controller.name(),
             Self::Dynamics(dynamics) => dynamics.name(),
             Self::Model(model) => model.name(),
+            Self::Tested(tested) => tested.name(),
         }
     }
 
@@ -113,6 +114,7 @@ impl<'t> Named<'t> {
             Self::Controller(controller) => controller.settings(),
             Self::Dynamics(dynamics) => dynamics.settings(),
             Self::Model(model) => model.settings(),
+            Self::Tested(tested) => tested.settings(),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Suites and gates.
 
 use super::super::words::{BlockEntry, BlockKind, YamlShape, statement};
-use super::{Block, Confidence, Doc, Expect, Expression, Metric, Name, Scenario, Seed, Tags, Text};
+use super::{Block, Confidence, Doc, Expect, Expression, Metric, Name, Scenario, Seed, Settings, Tags, Text};
 use super::{DOC, EVALUATE, EXPECT, SCENARIO, SEARCH, STATEMENT, TAGS, TUNE};
 #[cfg(test)]
 use super::{Holds, Made};
@@ -16,6 +16,7 @@ views! {
         tags: [Tags],
         seed: (Seed),
         time_limit: (TimeLimit),
+        tests: [Tested],
         expects: [Expect],
         scenarios: [Scenario],
         blocks: [Block],
@@ -25,6 +26,9 @@ views! {
     SuiteFiles = suite_files { patterns: [Text] }
     /// `time_limit 10 s per case`
     TimeLimit = time_limit { value: Expression }
+    /// `test my_av { gap: 5 m } as av`, and `av=my_av { gap: 5 m }` of the command line.
+    Tested = tested | replacement { vehicle: TestedVehicle, name: Name, settings: (Settings) }
+    TestedVehicle = tested_vehicle { name: Name }
     /// `gate NAME { … }`
     Gate = gate { name: Name, block: GateBlock }
     GateBlock = gate_block { doc: (Doc), baseline: (Baseline), rules: [GateRule] }
@@ -60,6 +64,14 @@ pub static SUITE: BlockEntry = BlockEntry {
             .key("seed", YamlShape::Words),
         statement("time_limit", Rule::time_limit, "time_limit 10 s per case", "Wall-clock limit.")
             .key("time_limit", YamlShape::Words),
+        statement(
+            "test",
+            Rule::tested,
+            "test carla_behavior { braking_distance: 8 m } as av",
+            "A controller in the place of that of every vehicle of this name.",
+        )
+        .key("test", YamlShape::Words)
+        .repeats(),
         EXPECT.repeats(),
         SCENARIO.repeats(),
         SEARCH.repeats(),

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::Requests;
+use crate::{Requests, is_use, is_value};
 use scenario::registry::Registry;
 use scenario::{ControllerModel, DynamicsModel, Metric, ModelSetup, PerceptionModel, Reference, Settings};
 
@@ -134,10 +134,19 @@ impl Baseline {
         format!("{}/{}/{}", self.suite, trial.key, trial.runs[run])
     }
 
-    /// Whether the same values were set for both, in whatever order.
+    /// Whether the command line said the same otherwise for both, in whatever order: values, and controllers in the place of others.
     pub fn has_set(&self, set: &[String]) -> bool {
+        self.agrees(set, |one| !is_use(one))
+    }
+
+    /// Whether the same values were set for both, in whatever order, whichever controllers were tested with them.
+    pub fn has_values(&self, set: &[String]) -> bool {
+        self.agrees(set, |one| is_value(one))
+    }
+
+    fn agrees(&self, set: &[String], counts: impl Fn(&str) -> bool) -> bool {
         let sorted = |set: &[String]| {
-            let mut set = set.to_vec();
+            let mut set: Vec<String> = set.iter().filter(|one| counts(one)).cloned().collect();
             set.sort_unstable();
             set
         };

@@ -176,7 +176,7 @@ pub fn pair<'a>(
     let trials: Vec<_> =
         candidate.trials.iter().filter_map(|trial| Some((find(base, &trial.key)?, trial))).collect();
     let mut reasons = Vec::new();
-    if !base.has_set(&candidate.set) {
+    if !base.has_values(&candidate.set) {
         let (base, candidate) = (base.set.clone(), candidate.set.clone());
         reasons.push(Incompatible::OtherValues { base, candidate });
     }

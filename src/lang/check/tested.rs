@@ -1,0 +1,95 @@
+//! `test NAME as VEHICLE`: whether what is put in the place of controllers is put there, and what was there.
+
+use super::Places;
+use crate::codes::Code;
+use crate::diagnostic::Diagnostic;
+use crate::syntax::{ast, phrase};
+use scenario::{Scenario, TestedInstead};
+
+/// What is tested in the place of others, once the scenarios are checked, of which everything is said that is wrong.
+pub fn tested<'s>(
+    places: &Places,
+    scenarios: impl Iterator<Item = &'s Scenario> + Clone,
+    report: &mut Vec<Diagnostic>,
+) -> Vec<TestedInstead> {
+    let has_errors = crate::texts::has_errors(report);
+    let mut all: Vec<ast::Tested> = Vec::new();
+    let mut instead = Vec::new();
+    for (node, _) in places.files.tested() {
+        let vehicle = node.vehicle().name();
+        if let Some(first) = all.iter().find(|first| first.vehicle().name().text() == vehicle.text()) {
+            report.push(
+                Diagnostic::new(
+                    Code::NotTested,
+                    node.span(),
+                    format!("two controllers are to drive `{}`", vehicle.text()),
+                )
+                .label("the second one")
+                .context(first.span(), "the first one")
+                .hint("leave one of them out"),
+            );
+            continue;
+        }
+        all.push(node);
+        set_besides(node, places, report);
+        let replaced = places.files.tests.replaced.borrow();
+        let Some(names) = replaced.get(vehicle.text()) else {
+            // What could not be read may well have such a vehicle.
+            if !has_errors {
+                let vehicles = scenarios.clone().flat_map(|one| &one.vehicles);
+                let mut known: Vec<&str> = vehicles.map(|vehicle| vehicle.name.as_str()).collect();
+                known.sort_unstable();
+                known.dedup();
+                report.push(
+                    Diagnostic::new(
+                        Code::NotTested,
+                        vehicle.span(),
+                        format!("no scenario has a vehicle `{}`", vehicle.text()),
+                    )
+                    .label("nobody is called like this")
+                    .suggest(vehicle.text(), known),
+                );
+            }
+            continue;
+        };
+        for scenario in scenarios.clone() {
+            if scenario.vehicles.iter().all(|one| one.name != vehicle.text()) {
+                report.push(
+                    Diagnostic::new(
+                        Code::PartlyTested,
+                        node.span(),
+                        format!("scenario `{}` has no vehicle `{}`", scenario.name, vehicle.text()),
+                    )
+                    .label("is not tested there")
+                    .note(format!("declared in {}:{}", scenario.origin.file, scenario.origin.line))
+                    .hint("leave the scenario out, or rename its vehicle"),
+                );
+            }
+        }
+        let settings = node.settings().map(|settings| format!(" {}", phrase(*settings))).unwrap_or_default();
+        instead.push(TestedInstead {
+            vehicle: vehicle.text().to_string(),
+            controller: format!("{}{settings}", node.name().text()),
+            instead_of: names.iter().cloned().collect(),
+        });
+    }
+    instead
+}
+
+/// A value that is set for the controller that is replaced would be lost.
+fn set_besides(node: ast::Tested, places: &Places, report: &mut Vec<Diagnostic>) {
+    let (vehicle, controller) = (node.vehicle().name().text(), node.name().text());
+    let prefix = format!("{vehicle}.controller.");
+    for one in places.files.overrides.all() {
+        let Some(parameter) = one.name.strip_prefix(&prefix) else { continue };
+        report.push(
+            Diagnostic::new(
+                Code::NotTested,
+                node.span(),
+                format!("`{one}` is set for a controller that `{controller}` takes the place of"),
+            )
+            .label("comes with settings of its own")
+            .hint(format!("say it here: `{controller} {{ {parameter}: {} }}`", one.value)),
+        );
+    }
+}
