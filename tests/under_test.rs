@@ -4,6 +4,8 @@
 
 #[path = "under_test/child.rs"]
 mod child;
+#[path = "under_test/instead.rs"]
+mod instead;
 #[cfg(feature = "wasm")]
 #[path = "under_test/modules.rs"]
 mod modules;
@@ -776,6 +778,17 @@ fn main() -> ExitCode {
         tune_finds_the_best_of_a_program,
     ];
     trials.extend(misbehaviours);
+    {
+        use instead::*;
+        trials.extend(tests![
+            what_is_put_in_place_is_as_written_by_hand,
+            what_replaces_nothing_is_an_error,
+            what_replaces_only_some_is_said,
+            every_report_says_what_was_replaced,
+            what_is_repeated_is_driven_by_the_same,
+            a_gate_compares_no_other_system,
+        ]);
+    }
     #[cfg(feature = "wasm")]
     {
         use modules::*;

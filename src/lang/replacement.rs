@@ -77,7 +77,7 @@ mod tests {
         assert_eq!(read("av=my_av").unwrap(), "av=my_av");
         assert_eq!(
             read(" av = my_av{gap:5m,profile :cautious } ").unwrap(),
-            "av=my_av { gap: 5m, profile: cautious }"
+            "av=my_av { gap: 5 m, profile: cautious }"
         );
         for wrong in [
             "av",

@@ -79,9 +79,13 @@ pub fn tested<'s>(
 /// A value that is set for the controller that is replaced would be lost.
 fn set_besides(node: ast::Tested, places: &Places, report: &mut Vec<Diagnostic>) {
     let (vehicle, controller) = (node.vehicle().name().text(), node.name().text());
-    let prefix = format!("{vehicle}.controller.");
     for one in places.files.overrides.all() {
-        let Some(parameter) = one.name.strip_prefix(&prefix) else { continue };
+        let part = one.name.strip_prefix(vehicle).and_then(|rest| rest.strip_prefix(".controller"));
+        let hint = match part.map(|part| part.strip_prefix('.')) {
+            Some(Some(parameter)) => format!("say it here: `{controller} {{ {parameter}: {} }}`", one.value),
+            Some(None) => "leave one of them out".to_string(),
+            None => continue,
+        };
         report.push(
             Diagnostic::new(
                 Code::NotTested,
@@ -89,7 +93,7 @@ fn set_besides(node: ast::Tested, places: &Places, report: &mut Vec<Diagnostic>)
                 format!("`{one}` is set for a controller that `{controller}` takes the place of"),
             )
             .label("comes with settings of its own")
-            .hint(format!("say it here: `{controller} {{ {parameter}: {} }}`", one.value)),
+            .hint(hint),
         );
     }
 }

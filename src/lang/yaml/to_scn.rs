@@ -234,16 +234,16 @@ impl Writer<'_> {
                     }
                 });
             }),
-            YamlShape::Model => self.said(name, keyword, |writer| match &value.value {
-                Content::Mapping(fields) => match fields.as_slice() {
-                    [(model, settings)] => {
-                        writer.name(model);
-                        writer.settings(settings);
-                    }
-                    _ => writer.wrong(value, "one name is needed here", "write `name: { setting: value }`"),
-                },
-                _ => writer.words(value),
-            }),
+            YamlShape::Model => self.said(name, keyword, |writer| writer.model(value)),
+            YamlShape::Tested => {
+                for (vehicle, tested) in self.fields(value, &format!("`{key}`")) {
+                    self.said(name, keyword, |writer| {
+                        writer.model(tested);
+                        writer.text.push_str(" as ");
+                        writer.name(vehicle);
+                    });
+                }
+            }
             YamlShape::NamedSettings => {
                 for (user, settings) in self.fields(value, &format!("`{key}`")) {
                     self.said(name, keyword, |writer| {
@@ -310,6 +310,20 @@ impl Writer<'_> {
                 }
             }
             YamlShape::Base | YamlShape::Parameters => {}
+        }
+    }
+
+    /// `name`, or `name: { setting: value }`
+    fn model(&mut self, value: &Yaml) {
+        match &value.value {
+            Content::Mapping(fields) => match fields.as_slice() {
+                [(model, settings)] => {
+                    self.name(model);
+                    self.settings(settings);
+                }
+                _ => self.wrong(value, "one name is needed here", "write `name: { setting: value }`"),
+            },
+            _ => self.words(value),
         }
     }
 

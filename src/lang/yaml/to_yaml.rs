@@ -176,6 +176,17 @@ fn write(statement: &StatementEntry, statements: &[Node], depth: usize, out: &mu
                 None => line(depth, &format!("{key}: {model}"), out),
             }
         }
+        YamlShape::Tested => {
+            line(depth, &format!("{key}:"), out);
+            for tested in statements.iter().copied().filter_map(ast::Tested::cast) {
+                let (vehicle, controller) = (tested.vehicle().name().text(), tested.name().text());
+                let said = match settings_of(*tested) {
+                    Some(given) => format!("{{ {controller}: {} }}", settings(Some(given))),
+                    None => controller.to_string(),
+                };
+                line(depth + 1, &format!("{vehicle}: {said}"), out);
+            }
+        }
         YamlShape::NamedSettings => {
             line(depth, &format!("{key}:"), out);
             for node in statements {

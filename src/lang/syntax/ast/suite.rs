@@ -70,7 +70,7 @@ pub static SUITE: BlockEntry = BlockEntry {
             "test carla_behavior { braking_distance: 8 m } as av",
             "A controller in the place of that of every vehicle of this name.",
         )
-        .key("test", YamlShape::Words)
+        .key("test", YamlShape::Tested)
         .repeats(),
         EXPECT.repeats(),
         SCENARIO.repeats(),

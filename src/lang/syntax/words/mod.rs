@@ -63,6 +63,8 @@ pub enum YamlShape {
     Statements,
     /// A name, or a name with settings.
     Model,
+    /// A mapping of vehicles to names, or to names with settings: `test name { … } as vehicle`
+    Tested,
     /// A mapping of names to settings: `box van { … }`
     NamedSettings,
     /// `sees { … }`
