@@ -136,6 +136,47 @@ fn filters_select_trials() {
     assert_eq!(list(&[]).lines().count(), 12);
 }
 
+/// What `--list` prints, for other programs: the same units, with what there is to know of each.
+#[test]
+fn what_is_listed_is_read_by_programs() {
+    let list = |arguments: &[&str]| {
+        let listed = scenario_runner(&[&["--list"], arguments].concat());
+        assert_eq!(listed.status.code(), Some(0), "{}", stderr(&listed));
+        stdout(&listed)
+    };
+    for words in [
+        &["suites/zebra.suite", "scripted"][..],
+        &["suites/worst_arrival.suite"],
+        &["suites/zebra.suite", "suites/paper/beyond.suite"],
+    ] {
+        let json: serde_json::Value =
+            serde_json::from_str(&list(&[words, &["--format=json"]].concat())).unwrap();
+        assert_eq!(json["layout"], 1);
+        let units = json["units"].as_array().unwrap();
+        let keys: Vec<&str> = units.iter().map(|unit| unit["key"].as_str().unwrap()).collect();
+        assert_eq!(keys, list(words).lines().collect::<Vec<_>>());
+        for unit in units {
+            let place = |name: &str| unit[name].as_str().is_some_and(|text| !text.is_empty());
+            assert!(
+                place("suite") && place("of") && place("file") && unit["line"].as_u64() > Some(0),
+                "{unit}"
+            );
+            let is_trial = unit["kind"] == "trial";
+            assert_eq!(
+                is_trial,
+                unit["runs"].as_u64() > Some(0) && unit["tags"].is_array() && place("scenario"),
+                "{unit}"
+            );
+            assert!(
+                is_trial
+                    || ["search", "tune", "evaluate", "statement"].contains(&unit["kind"].as_str().unwrap())
+            );
+        }
+    }
+    let alone = scenario_runner(&["suites/zebra.suite", "--format=json"]);
+    assert_eq!(alone.status.code(), Some(2), "{}", stdout(&alone));
+}
+
 #[test]
 fn filter_expressions_select_trials_and_blocks() {
     let list = |arguments: &[&str]| {

@@ -9,6 +9,8 @@ mod instead;
 #[cfg(feature = "wasm")]
 #[path = "under_test/modules.rs"]
 mod modules;
+#[path = "under_test/parent.rs"]
+mod parent;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -158,7 +160,8 @@ fn two_vehicles_and_perception() -> Outcome {
 }
 
 /// What a program does, its kind of fault, and words that are said of it.
-const MISBEHAVIOURS: [(&str, &str, &str); 14] = [
+const MISBEHAVIOURS: [(&str, &str, &str); 15] = [
+    ("answers_twice", "garbage", "it said more than it was asked for"),
     ("crash", "exited", "it ended with exit code 1"),
     ("abort", "exited", "it was ended by signal 6 (SIGABRT)"),
     ("segfault", "exited", "it was ended by signal 11 (SIGSEGV)"),
@@ -743,6 +746,7 @@ fn processes_in(folder: &Path) -> Vec<u32> {
 fn main() -> ExitCode {
     match std::env::var(ROLE).as_deref() {
         Ok("child") => child::run(),
+        Ok("middle") => parent::middle(),
         Ok("runner") => return cli::main(&standard()),
         _ => {}
     }
@@ -788,6 +792,17 @@ fn main() -> ExitCode {
             what_is_repeated_is_driven_by_the_same,
             a_gate_compares_no_other_system,
         ]);
+    }
+    {
+        use parent::*;
+        trials.extend(tests![
+            a_parent_decides_as_a_child,
+            what_a_parent_must_not_is_an_error,
+            a_parent_that_draws_is_told_of,
+            a_parent_serves_what_is_driven_by_it,
+        ]);
+        #[cfg(target_os = "linux")]
+        trials.extend(tests![a_runner_ends_with_its_parent]);
     }
     #[cfg(feature = "wasm")]
     {

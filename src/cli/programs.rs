@@ -6,11 +6,12 @@ use std::sync::Arc;
 
 use clap::Args;
 
+use super::run::parent::ServedByParent;
 use super::{Exit, store};
 use lang::{Code, Excerpt};
 use report::console::stderr;
 use runner::run::Threads;
-use scenario::{ControllerModel, DeclaredProgram, Reference, Suite};
+use scenario::{ControllerModel, DeclaredProgram, ProgramKind, Reference, Suite};
 use under_test::{Allowed, KnowsMore, Permission, ProcessPool, StartError, StartProblem, WireRecord};
 
 #[derive(Debug, Clone, Default, Args)]
@@ -43,24 +44,29 @@ impl ProgramArguments {
         threads: Option<usize>,
         suites: impl IntoIterator<Item = &'s Suite>,
     ) -> Result<Threads, Exit> {
-        self.recording_threads(threads, suites, None).map(|(threads, _)| threads)
+        self.threads_with(threads, suites, None, None).map(|(threads, _)| threads)
     }
 
-    /// As [`Self::threads`], which write down what is said in one run; with the processes, which have the record.
-    pub fn recording_threads<'s>(
+    /// As [`Self::threads`], which write down what is said in one run, and in which whoever started this program decides for a controller;
+    /// with the processes, which have the record.
+    pub fn threads_with<'s>(
         &self,
         threads: Option<usize>,
         suites: impl IntoIterator<Item = &'s Suite>,
         record: Option<WireRecord>,
+        served: Option<ServedByParent>,
     ) -> Result<(Threads, Option<Arc<ProcessPool>>), Exit> {
         let made = threads.map_or_else(Threads::all, Threads::new);
         let mut models: Vec<&Reference<ControllerModel>> = Vec::new();
         for model in suites.into_iter().flat_map(of_suite) {
-            if !models.contains(&model) {
+            // Files of several suites may call different programs the same.
+            let program =
+                |one: &Reference<ControllerModel>| one.known().and_then(|known| known.program.clone());
+            if !models.iter().any(|known| program(known) == program(model)) {
                 models.push(model);
             }
         }
-        if models.is_empty() {
+        if models.is_empty() && served.is_none() {
             return Ok((made, None));
         }
         let permission = self.permission()?;
@@ -68,10 +74,24 @@ impl ProgramArguments {
             .iter()
             .filter_map(|model| Some((model.known()?, model.known()?.program.as_ref()?)))
             .collect();
-        let forbidden = programs.iter().filter_map(|(_, program)| permission.check(program).err());
+        let served_name = served.as_ref().map(|served| served.controller.clone());
+        if let Some(name) = &served_name {
+            let own =
+                programs.iter().filter(|(_, program)| program.name == *name).map(|(_, program)| &***program);
+            is_served(name, &own.collect::<Vec<_>>())?;
+        }
+        let needs_permission = |program: &DeclaredProgram| served_name.as_ref() != Some(&program.name);
+        let forbidden = programs
+            .iter()
+            .filter(|(_, program)| needs_permission(program))
+            .filter_map(|(_, program)| permission.check(program).err());
         say_all(&forbidden.collect::<Vec<_>>())?;
         let pool = pool(permission, runner::run::Executor::parallelism(&made))?;
         let pool = record.into_iter().fold(pool, ProcessPool::recording);
+        let pool = match served {
+            Some(served) => pool.served_by_parent(served.controller.clone(), served.parent()?),
+            None => pool,
+        };
         let mut wrong = Vec::new();
         for (model, program) in programs {
             match pool.prepare(program) {
@@ -86,6 +106,21 @@ impl ProgramArguments {
         let pool = Arc::new(pool);
         Ok((made.with_processes(pool.clone()), Some(pool)))
     }
+}
+
+/// Whether a parent can decide for the programs of that name: there is one of them, and it is a process. If not, says so on stderr.
+fn is_served(name: &str, own: &[&DeclaredProgram]) -> Result<(), Exit> {
+    let message = match own {
+        [only] if matches!(only.kind, ProgramKind::Command(_)) => return Ok(()),
+        [_] => format!("`{name}` is no `command`, and nobody decides in its place"),
+        [] => format!("no vehicle is driven by a declared controller `{name}`"),
+        [first, second, ..] => {
+            format!("there are two controllers `{name}`, of {} and of {}", first.file, second.file)
+        }
+    };
+    writeln!(stderr(), "error: `--serve-by-parent {name}`: {message}");
+    writeln!(stderr(), "help: `--controller VEHICLE={name} --use FILE` has it drive");
+    Err(Exit::Usage)
 }
 
 /// A pool of this program, with the logs of other programs where it keeps what nobody commits.

@@ -1,7 +1,9 @@
 //! Standard output and standard error: whatever the program says goes through here, and is either said or noted as lost.
 
 use std::fmt;
+use std::fs::File;
 use std::io::{self, IsTerminal, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
@@ -28,6 +30,37 @@ pub fn stderr() -> Output {
     Output::Error
 }
 
+/// Whether standard output is somebody else's, so that what is said goes to standard error.
+static IS_GIVEN: AtomicBool = AtomicBool::new(false);
+
+/// Gives standard input and output, in this order, to who talks to another program on them: from now on all that is said goes to standard
+/// error.
+///
+/// # Errors
+/// If there are no such streams.
+pub fn give_streams() -> io::Result<(File, File)> {
+    stdout().flush();
+    let streams = own_streams()?;
+    IS_GIVEN.store(true, Ordering::Release);
+    Ok(streams)
+}
+
+#[cfg(unix)]
+#[allow(clippy::disallowed_methods, reason = "this is the one place that has them")]
+fn own_streams() -> io::Result<(File, File)> {
+    use std::os::fd::AsFd;
+    let (input, output) = (io::stdin(), io::stdout());
+    Ok((input.as_fd().try_clone_to_owned()?.into(), output.as_fd().try_clone_to_owned()?.into()))
+}
+
+#[cfg(windows)]
+#[allow(clippy::disallowed_methods, reason = "this is the one place that has them")]
+fn own_streams() -> io::Result<(File, File)> {
+    use std::os::windows::io::AsHandle;
+    let (input, output) = (io::stdin(), io::stdout());
+    Ok((input.as_handle().try_clone_to_owned()?.into(), output.as_handle().try_clone_to_owned()?.into()))
+}
+
 /// Why a stream takes nothing more.
 #[derive(Debug)]
 struct Broken(io::Error);
@@ -52,7 +85,7 @@ impl Output {
 
     /// Whether people read it, as far as one can tell.
     pub fn is_terminal(self) -> bool {
-        match self {
+        match self.taken() {
             Self::Standard => standard_output().is_terminal(),
             Self::Error => standard_error().is_terminal(),
         }
@@ -70,14 +103,19 @@ impl Output {
 
     /// What kept something from being written, unless it was that nobody reads it any more.
     pub fn trouble(self) -> Option<String> {
-        let broken = BROKEN[self as usize].lock().unwrap_or_else(PoisonError::into_inner);
+        let broken = BROKEN[self.taken() as usize].lock().unwrap_or_else(PoisonError::into_inner);
         let Broken(error) = broken.as_ref()?;
         (error.kind() != io::ErrorKind::BrokenPipe).then(|| error.to_string())
     }
 
     /// Whether it takes nothing more, for whatever reason.
     pub fn is_broken(self) -> bool {
-        BROKEN[self as usize].lock().unwrap_or_else(PoisonError::into_inner).is_some()
+        BROKEN[self.taken() as usize].lock().unwrap_or_else(PoisonError::into_inner).is_some()
+    }
+
+    /// The stream that takes what is said.
+    fn taken(self) -> Self {
+        if IS_GIVEN.load(Ordering::Acquire) { Self::Error } else { self }
     }
 
     fn put(self, text: &str) {
@@ -88,11 +126,12 @@ impl Output {
 
     /// Does something with the stream unless it is broken, and notes if it breaks.
     fn with(self, work: impl FnOnce(&mut dyn Write) -> io::Result<()>) {
-        let mut broken = BROKEN[self as usize].lock().unwrap_or_else(PoisonError::into_inner);
+        let own = self.taken();
+        let mut broken = BROKEN[own as usize].lock().unwrap_or_else(PoisonError::into_inner);
         if broken.is_some() {
             return;
         }
-        let done = match self {
+        let done = match own {
             Self::Standard => work(&mut standard_output().lock()),
             Self::Error => work(&mut standard_error().lock()),
         };

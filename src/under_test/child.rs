@@ -152,6 +152,12 @@ impl Child {
         limit: Duration,
         answer: &mut Vec<u8>,
     ) -> Result<(), ProgramFault> {
+        // It never speaks first: what it says unasked would be taken for the answer to what it is asked next.
+        if !self.stdout.buffer().is_empty() {
+            let said = quoted(self.stdout.buffer());
+            let message = format!("it said more than it was asked for: {said}");
+            return Err(ProgramFault::new(FaultKind::Garbage, message));
+        }
         self.within(limit, |child| {
             child.write(request)?;
             match encoding {

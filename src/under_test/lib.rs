@@ -19,6 +19,7 @@ mod log;
 mod lookup;
 #[cfg(not(feature = "wasm"))]
 mod no_guest;
+mod parent;
 mod permission;
 mod pool;
 mod process;
@@ -34,6 +35,7 @@ pub use answer_times::AnswerClock;
 pub use conformance::{Conformance, TriedTimes, again, conformance};
 pub use conversation::{AnswerDifference, AskedDecision, Conversation, Spoken};
 pub use hello::{Hello, KnowsMore};
+pub use parent::Parent;
 pub use permission::{ALLOW_RUN, Allowed, AllowedError, Permission};
 pub use pool::{AcquiredProcesses, Prepared, ProcessPool, ProgramUse};
 pub use process::{Failed, Process};

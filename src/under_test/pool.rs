@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use super::answer_times::AnswerClock;
 use super::log::ProgramLog;
+use super::parent::Parent;
 use super::permission::Permission;
 use super::process::Process;
 use super::start::{StartError, StartProblem};
@@ -26,6 +27,8 @@ pub struct ProcessPool {
     logs: Option<PathBuf>,
     supervisor: Option<PathBuf>,
     record: Option<WireRecord>,
+    /// The controller that whoever started this process decides for, and the streams until they are in use.
+    parent: Option<(String, Mutex<Option<Parent>>)>,
     watchdog: Watchdog,
     programs: Mutex<HashMap<String, ProgramProcesses>>,
     released: Condvar,
@@ -67,6 +70,7 @@ impl ProcessPool {
             logs: None,
             supervisor: None,
             record: None,
+            parent: None,
             watchdog: Watchdog::default(),
             programs: Mutex::default(),
             released: Condvar::new(),
@@ -87,6 +91,17 @@ impl ProcessPool {
     /// The same, which writes down what is said in one run.
     pub fn recording(self, record: WireRecord) -> Self {
         Self { record: Some(record), ..self }
+    }
+
+    /// The same, in which whoever started this process decides for that controller, and no program is started for it. Who started both ends
+    /// has allowed it.
+    pub fn served_by_parent(self, controller: impl Into<String>, parent: Parent) -> Self {
+        Self { parent: Some((controller.into(), Mutex::new(Some(parent)))), ..self }
+    }
+
+    /// The streams to the parent, if it decides for this program.
+    fn parent_of(&self, program: &DeclaredProgram) -> Option<&Mutex<Option<Parent>>> {
+        self.parent.as_ref().filter(|(name, _)| *name == program.name).map(|(_, parent)| parent)
     }
 
     /// Where what is said in one run is written down.
@@ -116,7 +131,10 @@ impl ProcessPool {
     /// # Errors
     /// If it may not be started, or does not start.
     pub fn start(&self, program: &Arc<DeclaredProgram>) -> Result<Process, StartError> {
-        self.permission.check(program)?;
+        let parent = self.parent_of(program);
+        if parent.is_none() {
+            self.permission.check(program)?;
+        }
         let number = {
             let mut programs = self.lock();
             let processes = programs.entry(key(program)).or_default();
@@ -124,8 +142,18 @@ impl ProcessPool {
             processes.started
         };
         let log = self.logs.as_ref().map(|folder| folder.join(format!("{}-{number}.log", program.name)));
-        let process =
-            Process::start(program, &self.watchdog, self.supervisor.as_deref(), ProgramLog::new(log))?;
+        let process = match parent.map(|parent| parent.lock().unwrap_or_else(PoisonError::into_inner).take())
+        {
+            Some(Some(parent)) => Process::of_parent(program, parent)?,
+            Some(None) => {
+                let (message, hint) =
+                    ("the parent is not asked a second time", "start it and this program anew");
+                return Err(StartError::new(StartProblem::CannotStart, program, message, hint));
+            }
+            None => {
+                Process::start(program, &self.watchdog, self.supervisor.as_deref(), ProgramLog::new(log))?
+            }
+        };
         let title = process.hello().title();
         let mut programs = self.lock();
         let processes = programs.entry(key(program)).or_default();
@@ -177,7 +205,10 @@ impl ProcessPool {
 
     /// A process of a program; waits until one may be had.
     fn acquire_one(&self, program: &Arc<DeclaredProgram>) -> Result<Process, ProgramFault> {
-        let most = program.processes.map_or(self.threads, |most| self.threads.min(most as usize)).max(1);
+        let most = match self.parent_of(program) {
+            Some(_) => 1,
+            None => program.processes.map_or(self.threads, |most| self.threads.min(most as usize)).max(1),
+        };
         let key = key(program);
         let mut programs = self.lock();
         loop {
@@ -248,6 +279,8 @@ impl ProcessPool {
         let mut programs = self.lock();
         let processes = programs.entry(key(program)).or_default();
         processes.in_use -= 1;
+        let lost = process.as_ref().and_then(Process::lost_parent).map(not_asked_again);
+        processes.given_up = lost.or(processes.given_up.take());
         let ended = match process {
             Some(process) if !process.has_ended() => {
                 processes.idle.push(process);
@@ -262,6 +295,11 @@ impl ProcessPool {
             let _ = self.note_failed(program);
         }
     }
+}
+
+/// What becomes of all runs in which a parent was to decide that is not asked any more.
+fn not_asked_again(fault: &ProgramFault) -> ProgramFault {
+    ProgramFault { message: format!("the parent is not asked any more: {}", fault.message), ..fault.clone() }
 }
 
 /// What tells a program from others, though they have one name.
@@ -315,6 +353,9 @@ impl<'p> AcquiredProcesses<'p> {
     pub fn process(&mut self, index: usize) -> Result<&mut Process, ProgramFault> {
         let Member { program, process, .. } = &mut self.members[index];
         if process.as_ref().is_some_and(Process::has_ended) {
+            if let Some(fault) = process.as_ref().and_then(Process::lost_parent) {
+                return Err(not_asked_again(fault));
+            }
             *process = None;
             self.pool.note_failed(program)?;
         }
@@ -329,12 +370,16 @@ impl<'p> AcquiredProcesses<'p> {
         self.members[index].answers.note(time, runs, late);
     }
 
-    /// Has the next run begin with a process that has seen none.
-    pub fn replace(&mut self, index: usize) {
+    /// Has the next run begin with a process that has seen none; false if there is no other, since it is the parent.
+    pub fn replace(&mut self, index: usize) -> bool {
         let member = &mut self.members[index];
         if member.process.as_ref().is_some_and(|process| !process.has_ended()) {
+            if member.process.as_ref().is_some_and(Process::is_parent) {
+                return false;
+            }
             member.process = None;
         }
+        true
     }
 
     /// Whether it is there and can be asked.

@@ -14,12 +14,16 @@ use super::hello::{self, Encoding, Hello};
 use super::log::ProgramLog;
 #[cfg(not(feature = "wasm"))]
 use super::no_guest::NoGuest as Guest;
+use super::parent::Parent;
 use super::quote::{log_line, quoted};
 use super::start::{StartError, StartProblem};
 use super::watchdog::Watchdog;
 use super::wire::{self, Answered, DueDecision, Opened, Reply};
 use scenario::{DeclaredProgram, FaultKind, ProgramFault, ProgramKind};
 use sim::Mode;
+
+/// In which a parent takes note that it is not asked any more.
+const TIME_FOR_GOODBYE: Duration = Duration::from_secs(2);
 
 /// A process, or an instance of a module, that has said hello.
 pub struct Process {
@@ -28,6 +32,8 @@ pub struct Process {
     modes: Vec<Mode>,
     channel: Channel,
     has_ended: bool,
+    /// Why it is not asked any more, if it failed.
+    fault: Option<ProgramFault>,
     request: Vec<u8>,
     answer: Vec<u8>,
 }
@@ -36,6 +42,7 @@ pub struct Process {
 enum Channel {
     Child(Child),
     Guest(Box<Guest>),
+    Parent(Parent),
 }
 
 /// What keeps a process from being asked again: of all that it was asked for, nothing came.
@@ -60,6 +67,22 @@ impl Process {
                 (Channel::Guest(Box::new(Guest::start(program, file)?)), Encoding::F64)
             }
         };
+        Self::greeted(program, channel, encoding)
+    }
+
+    /// Takes whoever started this process for the program, and waits for its hello.
+    ///
+    /// # Errors
+    /// If it does not say hello as it must.
+    pub(super) fn of_parent(program: &Arc<DeclaredProgram>, parent: Parent) -> Result<Self, StartError> {
+        Self::greeted(program, Channel::Parent(parent), Encoding::Json)
+    }
+
+    fn greeted(
+        program: &Arc<DeclaredProgram>,
+        channel: Channel,
+        encoding: Encoding,
+    ) -> Result<Self, StartError> {
         let hello = Hello {
             name: None,
             version: None,
@@ -75,6 +98,7 @@ impl Process {
             modes: Vec::new(),
             channel,
             has_ended: false,
+            fault: None,
             request: Vec::new(),
             answer: Vec::new(),
         };
@@ -84,11 +108,10 @@ impl Process {
 
     fn greet(&mut self) -> Result<(), StartError> {
         let greeting = hello::own_hello(&self.program);
+        let limit = Duration::from_secs_f64(self.program.starts_within);
         let said = match &mut self.channel {
-            Channel::Child(child) => {
-                let limit = Duration::from_secs_f64(self.program.starts_within);
-                child.greet(&greeting.to_string(), limit)
-            }
+            Channel::Child(child) => child.greet(&greeting.to_string(), limit),
+            Channel::Parent(parent) => parent.greet(&greeting.to_string(), limit),
             Channel::Guest(guest) => {
                 wire::text_frame(&greeting.to_string(), &mut self.request);
                 let told = guest.exchange(&self.request, 1, &mut self.answer);
@@ -246,6 +269,7 @@ impl Process {
         let told = match &mut self.channel {
             Channel::Child(child) => child.tell(&self.request, limit),
             Channel::Guest(guest) => guest.tell(&self.request, runs.len()),
+            Channel::Parent(parent) => parent.tell(&self.request, limit),
         };
         told.map_err(|fault| self.gone(fault))
     }
@@ -270,6 +294,9 @@ impl Process {
                 child.exchange(&self.request, self.hello.encoding, limit, &mut self.answer)
             }
             Channel::Guest(guest) => guest.exchange(&self.request, runs, &mut self.answer),
+            Channel::Parent(parent) => {
+                parent.exchange(&self.request, self.hello.encoding, limit, &mut self.answer)
+            }
         };
         answered.map_err(|fault| self.gone(fault))
     }
@@ -277,24 +304,36 @@ impl Process {
     /// A fault after which it is not asked any more.
     fn gone(&mut self, fault: ProgramFault) -> ProgramFault {
         self.end();
-        self.with_log(fault)
+        let fault = self.with_log(fault);
+        self.fault = Some(fault.clone());
+        fault
+    }
+
+    /// If it is whoever started this process, why that is not asked any more.
+    pub(super) fn lost_parent(&self) -> Option<&ProgramFault> {
+        self.fault.as_ref().filter(|_| self.is_parent())
+    }
+
+    /// Whether it is whoever started this process, of which there is no other.
+    pub(super) fn is_parent(&self) -> bool {
+        matches!(self.channel, Channel::Parent(_))
     }
 
     fn with_log(&self, fault: ProgramFault) -> ProgramFault {
         let log = match &self.channel {
             Channel::Child(child) => child.log().path().map(|path| path.display().to_string()),
-            Channel::Guest(_) => None,
+            Channel::Guest(_) | Channel::Parent(_) => None,
         };
         ProgramFault { log_tail: self.last_lines(), log, ..fault }
     }
 
-    /// What it wrote last besides its answers; a module cannot write.
+    /// What it wrote last besides its answers; a module cannot write, and what a parent writes is not ours to read.
     fn last_lines(&self) -> Vec<String> {
         match &self.channel {
             Channel::Child(child) => {
                 child.log().last_lines(self.has_ended).iter().map(|line| log_line(line)).collect()
             }
-            Channel::Guest(_) => Vec::new(),
+            Channel::Guest(_) | Channel::Parent(_) => Vec::new(),
         }
     }
 
@@ -318,6 +357,8 @@ impl Process {
         match &mut self.channel {
             Channel::Child(child) => child.leave(&goodbye),
             Channel::Guest(_) => true,
+            // It goes on with whatever else it does.
+            Channel::Parent(parent) => parent.tell(&goodbye, TIME_FOR_GOODBYE).is_ok(),
         }
     }
 }

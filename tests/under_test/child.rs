@@ -278,6 +278,10 @@ impl Child {
             "exit_0" if late => process::exit(0),
             "hang" if late => hang(),
             "garbage" if late => Some("what is this?".to_string()),
+            "answers_twice" if late => {
+                let answer = json!({"answer": [{"acceleration": 0.0}]});
+                Some(format!("{answer}\n{answer}"))
+            }
             "too_few" if late => Some(json!({"answer": []}).to_string()),
             "endless" if late => {
                 let line = vec![b'a'; 1 << 20];

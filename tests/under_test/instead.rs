@@ -181,7 +181,7 @@ pub fn every_report_says_what_was_replaced() -> Outcome {
     )?;
     expect_all(&run(folder.path(), &["report", "o.json"]), 0, &[words])?;
     let yaml = run(folder.path(), &["convert", "--to=yaml", "all.suite"]);
-    expect_all(&yaml, 0, &["test:", "av: { own: { gap: 12 m } }"])
+    expect_all(&yaml, 0, &["test:", "av: { own: { gap: \"12 m\" } }"])
 }
 
 /// A command that repeats a run says the same again; another system is not remembered or recorded as this one.

@@ -1,7 +1,9 @@
 //! `scenario-runner FILES`: runs suites, reports every trial and block, writes the reports that were asked for.
 
 mod hints;
+mod listed;
 pub mod output;
+pub mod parent;
 mod partition;
 mod remember;
 mod select;
@@ -21,15 +23,16 @@ use super::interrupt::stop_on_interrupt;
 use super::programs::ProgramArguments;
 use super::set::SetArguments;
 use super::{Exit, filter, load, measured, number, store};
-use files::escape::terminal_line;
 use lang::filter::Show;
 use report::console::{Output, stderr, stdout};
 use report::{Live, StatusLevel, Terminal, render_controllers, render_gates};
 use results::{Overall, SuiteReport};
 use runner::run::VerifyRuns;
-use runner::session::{self, Selection, Session, Units};
+use runner::session::{self, Selection, Session};
 use scenario::registry::Registry;
 
+use self::listed::{ListFormat, list};
+use self::parent::ServedByParent;
 pub use self::remember::LastRun;
 
 #[derive(Debug, Args)]
@@ -44,6 +47,10 @@ pub struct RunArguments {
     /// Print the names of the trials and blocks and run nothing.
     #[arg(long)]
     list: bool,
+
+    /// How `--list` is written: to be read, or for other programs (docs/running.md).
+    #[arg(long, value_enum, value_name = "FORMAT", default_value_t = ListFormat::Text, requires = "list")]
+    format: ListFormat,
 
     /// What it means when nothing is selected.
     #[arg(long, value_enum, default_value_t = NoTests::Fail)]
@@ -71,6 +78,11 @@ pub struct RunArguments {
 
     #[command(flatten)]
     programs: ProgramArguments,
+
+    /// Whoever started this program decides for this declared controller: requests go to standard output, answers come from standard input,
+    /// and what else is said goes to standard error. Its own command is not run and needs no permission.
+    #[arg(long, value_name = "NAME", conflicts_with = "list")]
+    serve_by_parent: Option<String>,
 
     /// Which runs in which programs decide are made a second time, alone in another process, to see whether they come out the same. They
     /// count nowhere.
@@ -213,6 +225,10 @@ impl ValueEnum for ShownLevel {
 }
 
 pub fn run(arguments: RunArguments, registry: &Registry) -> Exit {
+    let served = match arguments.serve_by_parent.as_deref().map(ServedByParent::take).transpose() {
+        Ok(served) => served,
+        Err(exit) => return exit,
+    };
     let (files, filters): (Vec<_>, Vec<_>) =
         arguments.words.iter().partition(|word| load::names_a_file(word));
     if arguments.words.is_empty() {
@@ -263,6 +279,9 @@ pub fn run(arguments: RunArguments, registry: &Registry) -> Exit {
         writeln!(stderr(), "help: name another file; nothing was run, and nothing was written");
         return Exit::Usage;
     }
+    if let Some(Err(exit)) = served.as_ref().map(|served| served.check(&written)) {
+        return exit;
+    }
     baselines.into_iter().for_each(|path| measured::warn_of_unchecked(Path::new(path)));
     let units = session::units(suites);
     let mut last = LastRun::read();
@@ -299,7 +318,7 @@ pub fn run(arguments: RunArguments, registry: &Registry) -> Exit {
         return nothing_selected(arguments.no_tests, word, &hints);
     }
     if arguments.list {
-        return list(&units, &chosen);
+        return list(arguments.format, suites, &units, &chosen);
     }
     if let Some(folder) = &arguments.trace
         && let Err(error) = files::make_folder(folder)
@@ -311,13 +330,15 @@ pub fn run(arguments: RunArguments, registry: &Registry) -> Exit {
         Ok(record) => record,
         Err(exit) => return exit,
     };
+    let watch = served.as_ref().map(ServedByParent::watch);
     let own = suites.iter().map(|one| &one.suite);
-    let (threads, processes) = match arguments.programs.recording_threads(arguments.test_threads, own, record)
-    {
+    let threads = arguments.programs.threads_with(arguments.test_threads, own, record, served);
+    let (threads, processes) = match threads {
         Ok(threads) => threads,
         Err(exit) => return exit,
     };
     let stop = stop_on_interrupt();
+    watch.into_iter().for_each(|parent| parent.end_with(&stop));
     if let Err(exit) = store::prepare(&arguments.journal) {
         return exit;
     }
@@ -371,6 +392,12 @@ pub fn run(arguments: RunArguments, registry: &Registry) -> Exit {
         if overall == Overall::NothingJudged {
             writeln!(stderr(), "warning: nothing was judged: no criterion applies to what was run");
         }
+        let unasked =
+            arguments.serve_by_parent.as_deref().and_then(|name| parent::was_not_asked(name, reports));
+        if let Some(unasked) = unasked.filter(|_| overall == Overall::Passed) {
+            writeln!(stderr(), "error: {unasked}");
+            return Exit::NothingSelected;
+        }
         let exit = exit(overall);
         if arguments.deny.contains(&Deny::Untested) { deny_untested(exit, reports) } else { exit }
     }
@@ -418,11 +445,4 @@ fn nothing_selected(no_tests: NoTests, word: Option<&str>, hints: &[String]) -> 
     hints.iter().for_each(|hint| writeln!(stderr(), "help: {hint}"));
     writeln!(stderr(), "help: `--list` shows the names of all trials and blocks");
     exit
-}
-
-fn list(units: &Units, chosen: &[bool]) -> Exit {
-    for (unit, _) in chosen.iter().enumerate().filter(|(_, chosen)| **chosen) {
-        writeln!(stdout(), "{}", terminal_line(&units.key(unit)));
-    }
-    Exit::Success
 }

@@ -120,7 +120,7 @@ impl<'y, 'd> Lockstep<'y, 'd> {
         let is_measured = programs.iter().any(|program| program.delay == Delay::Measured);
         self.is_alone = first.alone;
         if self.is_alone {
-            (0..self.processes.len()).for_each(|index| self.processes.replace(index));
+            (0..self.processes.len()).for_each(|index| _ = self.processes.replace(index));
         }
         let mut waiting = VecDeque::from([first]);
         let most = if is_measured || self.is_alone { 1 } else { self.processes.runs_at_once() };
@@ -225,8 +225,11 @@ impl<'y, 'd> Lockstep<'y, 'd> {
                 self.retries.pop_front();
                 return;
             }
-            (0..self.processes.len()).for_each(|index| self.processes.replace(index));
-            self.closing.iter_mut().for_each(Vec::clear);
+            for (index, closing) in self.closing.iter_mut().enumerate() {
+                if self.processes.replace(index) {
+                    closing.clear();
+                }
+            }
             // Alone, it waits for nobody's free flow.
             self.flows.clear();
             let left = self.begin(job);

@@ -6,12 +6,12 @@ import sys
 from ._parameter import parameters_of, quoted
 
 
-def declaration(controller):
-    """`controller my_av { … }`, to be put into a `.scn` beside the program."""
+def declaration(controller, command=None):
+    """`controller my_av { … }`, to be put into a `.scn` beside the program, which is started by `command`."""
     lines = []
     if controller.__doc__ and controller.__doc__.strip():
         lines.append(quoted(controller.__doc__.strip().splitlines()[0]))
-    lines.append("command " + ", ".join(quoted(word) for word in _command(controller)))
+    lines.append("command " + ", ".join(quoted(word) for word in command or _command(controller)))
     lines.append(f"gives {controller.gives}")
     if controller.period is not None:
         milliseconds = round(1000 * controller.period)

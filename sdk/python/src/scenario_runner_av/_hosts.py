@@ -27,17 +27,18 @@ def message_of(error):
     return f"{type(error).__name__}: {error}".splitlines()[0]
 
 
-def host_of(controller, runs_at_once):
-    """Whoever puts a class to work."""
-    kind = VectorHost if issubclass(controller, VectorController) else ObjectHost
-    return kind(controller, runs_at_once)
+def host_of(controller, runs_at_once, make, is_parent=False):
+    """Whoever puts a class to work, of which `make` makes an object."""
+    if issubclass(controller, VectorController):
+        return VectorHost(controller, runs_at_once, make, is_parent)
+    return ObjectHost(controller, runs_at_once, make)
 
 
 class ObjectHost:
     """Has an instance for each run."""
 
-    def __init__(self, controller, runs_at_once):
-        self.controller = controller
+    def __init__(self, controller, runs_at_once, make):
+        self.make = make
         self.runs = [None] * runs_at_once
         # What was decided together with a run that was refused: the runner asks for it again, and nobody decides twice.
         self.decided = {}
@@ -47,7 +48,7 @@ class ObjectHost:
     def open(self, message):
         """Begins a run."""
         run = run_of(message)
-        instance = self.controller()
+        instance = self.make()
         for name, value in run.parameters.items():
             setattr(instance, name, value)
         instance.start(run)
@@ -97,13 +98,14 @@ class ObjectHost:
 class VectorHost:
     """Has one instance, whose state stands in arrays by slot."""
 
-    def __init__(self, controller, runs_at_once):
+    def __init__(self, controller, runs_at_once, make, is_parent):
         import numpy
 
         self.numpy = numpy
+        self.is_parent = is_parent
         self.width = WIDTH[controller.gives]
         kinds = {"number": float, "whole": numpy.int64, "flag": bool, "word": object, "text": object}
-        self.instance = controller()
+        self.instance = make()
         self.instance.runs_at_once = runs_at_once
         for one in parameters_of(controller):
             setattr(self.instance, one.name, numpy.full(runs_at_once, one.default, dtype=kinds[one.kind]))
@@ -132,10 +134,12 @@ class VectorHost:
             if answer.shape[1] != self.width and not (self.width == 2 * PLAN_POINTS and 2 <= answer.shape[1] < self.width):
                 raise ValueError(f"`step` gave {answer.shape[1]} columns, where {self.width} were due")
         except Exception as error:
-            if len(batch) > 1:
+            if len(batch) > 1 and not self.is_parent:
                 # Nobody knows whose fault it is; the runner finds out, by making each run again alone.
                 raise
-            raise Refused([(int(batch.slot[0]), message_of(error))]) from None
+            # Of a parent there is no other: all of them are errors.
+            message = message_of(error)
+            raise Refused([(int(slot), message) for slot in batch.slot]) from None
         rows[:, : answer.shape[1]] = answer
         rows[:, -1] = batch.mode
         return rows

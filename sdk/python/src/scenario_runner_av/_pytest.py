@@ -3,11 +3,14 @@
 Declared controllers run as for the command: once they are allowed, or named in SCENARIO_RUNNER_ALLOW_RUN.
 """
 
+import json
 import subprocess
 
 import pytest
 
 from ._results import runner
+
+LIST_LAYOUT = 1
 
 
 def pytest_collect_file(file_path, parent):
@@ -18,11 +21,17 @@ def pytest_collect_file(file_path, parent):
 
 class SuiteFile(pytest.File):
     def collect(self):
-        listed = _runner(self.path, "--list")
+        listed = _runner(self.path, "--list", "--format=json")
         if listed.returncode != 0:
             raise self.CollectError(listed.stdout + listed.stderr)
-        for key in listed.stdout.splitlines():
-            yield Unit.from_parent(self, name=key)
+        units = json.loads(listed.stdout)
+        if units.get("layout") != LIST_LAYOUT:
+            raise self.CollectError(f"the runner lists in layout {units.get('layout')}; this plugin reads {LIST_LAYOUT}")
+        for unit in units["units"]:
+            # `-k` selects by the tags of its scenario, too.
+            item = Unit.from_parent(self, name=unit["key"])
+            item.extra_keyword_matches.update(unit.get("tags", ()))
+            yield item
 
 
 class Unit(pytest.Item):

@@ -7,7 +7,10 @@ import subprocess
 import sysconfig
 import tempfile
 
+from . import _parent as parent
+
 LAYOUT = 2
+_FILES = (".suite", ".scn", ".yaml", ".yml")
 _INFINITE = {"inf": float("inf"), "-inf": float("-inf")}
 
 
@@ -94,19 +97,38 @@ def runner():
     return found
 
 
-def run(*words, allow_run=(), options=()):
+def run(*words, allow_run=(), options=(), use=(), **controllers):
     """Runs suites and scenarios, named as on the command line, and gives their `Results`, also of those that fail.
 
-    `allow_run` names the declared controllers whose programs may run this once. Raises `RunFailed` where nothing came of it.
+    `allow_run` names the declared controllers whose programs may run this once. `av=MyAv` has that class (or a copy of that object for each
+    run) drive every vehicle `av` in the place of what the scenarios say, here in this process; `av="carla_behavior"` has that controller.
+    Files in `use` may declare them; a class that none of the files declares is declared as `--declare` prints it. Raises `RunFailed` where
+    nothing came of it.
     """
+    words = [os.fspath(word) for word in words]
+    uses = [os.fspath(one) for one in ([use] if isinstance(use, (str, os.PathLike)) else use)]
+    served, more = parent.served(controllers)
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "results.json")
-        command = [runner(), *map(os.fspath, words), "--no-progress", f"--json={path}", *options]
+        command = [runner(), *words, "--no-progress", f"--json={path}", *more, *options]
         if allow_run:
             command.append(f"--allow-run={','.join([allow_run] if isinstance(allow_run, str) else allow_run)}")
-        done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, encoding="utf-8", errors="replace")
-        said = done.stdout + done.stderr
+        if served is None:
+            command += [f"--use={one}" for one in uses]
+            done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, encoding="utf-8", errors="replace")
+            code, said = done.returncode, done.stdout + done.stderr
+        else:
+            with served.declared() as own:
+                files = [*(word for word in words if word.endswith(_FILES)), *uses]
+                uses += [] if any(_declares(file, served.name) for file in files) else [own]
+                code, said = served.run([*command, *(f"--use={one}" for one in uses), *served.words()])
         if not os.path.exists(path):
-            raise RunFailed(done.returncode, said)
+            raise RunFailed(code, said)
         with open(path, encoding="utf-8") as file:
-            return Results(json.load(file), done.returncode, said)
+            return Results(json.load(file), code, said)
+
+
+def _declares(file, name):
+    """Whether a file declares a controller of that name, itself or in one that it uses."""
+    command = [runner(), "models", name, file]
+    return b" is declared in " in subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True).stdout

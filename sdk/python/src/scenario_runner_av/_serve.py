@@ -38,8 +38,8 @@ def serve(controller, *, encoding="f64", runs_at_once=None):
     converse(controller, requests, answers, encoding, runs_at_once)
 
 
-def converse(controller, requests, answers, encoding="f64", runs_at_once=None):
-    """Answers the requests of one binary stream on another."""
+def converse(controller, requests, answers, encoding="f64", runs_at_once=None, *, make=None, is_parent=False):
+    """Answers the requests of one binary stream on another. `make` makes what decides, `is_parent` says that the runner cannot start it anew."""
     if encoding not in ENCODINGS:
         raise ValueError(f"there is no encoding {encoding!r}; there are {', '.join(ENCODINGS)}")
     line = requests.readline()
@@ -47,7 +47,7 @@ def converse(controller, requests, answers, encoding="f64", runs_at_once=None):
         return
     greeting = json.loads(line)["hello"]
     runs_at_once = runs_at_once or controller.runs_at_once
-    host = host_of(controller, runs_at_once)
+    host = host_of(controller, runs_at_once, make or controller, is_parent)
     hello = {
         "protocol": PROTOCOL,
         "name": controller.own_name(),

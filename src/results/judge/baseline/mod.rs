@@ -141,7 +141,7 @@ impl Baseline {
 
     /// Whether the same values were set for both, in whatever order, whichever controllers were tested with them.
     pub fn has_values(&self, set: &[String]) -> bool {
-        self.agrees(set, |one| is_value(one))
+        self.agrees(set, is_value)
     }
 
     fn agrees(&self, set: &[String], counts: impl Fn(&str) -> bool) -> bool {
