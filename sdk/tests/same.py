@@ -23,20 +23,24 @@ def fingerprints(value):
     return found
 
 
-def run(runner, folder, words, threads="-j2"):
-    """Runs the suite with a controller that is started by these words."""
+def command(words):
+    """The statement of a controller that is started by these words."""
+    return "command " + ", ".join(json.dumps(word) for word in words)
+
+
+def run(runner, folder, started, threads="-j2"):
+    """Runs the suite with a controller of which its declaration says this."""
     shutil.rmtree(folder, ignore_errors=True)
     os.makedirs(folder)
     shutil.copy(os.path.join(HERE, "meet.scn"), folder)
     with open(os.path.join(folder, "own.scn"), "w") as file:
-        command = ", ".join(json.dumps(word) for word in words)
         for name in ("own", "own_too"):
-            says = f"command {command}; period 100 ms; parameter braking_distance = 25 m in 1 m .. 60 m"
+            says = f"{started}; period 100 ms; parameter braking_distance = 25 m in 1 m .. 60 m"
             file.write(f"controller {name} {{ {says} }}\n")
     said = subprocess.run(
         [runner, "meet.scn", "--allow-run", "--no-progress", threads, "--json=out.json"], cwd=folder, capture_output=True, text=True
     )
-    assert said.returncode == 0, f"{words}: exit code {said.returncode}\n{said.stdout}{said.stderr}"
+    assert said.returncode == 0, f"{started}: exit code {said.returncode}\n{said.stdout}{said.stderr}"
     with open(os.path.join(folder, "out.json")) as file:
         return fingerprints(json.load(file))
 
@@ -58,20 +62,25 @@ def main(runner, folder):
         encodings = ["--encoding=json"] if name in ("Python", "numpy") else []
         variants = [*([batch] for batch in batches), *([batch, one] for one in encodings for batch in batches)]
         for more in variants or [[]]:
-            found = run(runner, os.path.join(folder, "run"), words + more)
+            found = run(runner, os.path.join(folder, "run"), command(words + more))
             if known is None:
                 known, first = found, name
                 assert len(set(known.values())) > 90, f"{len(set(known.values()))} runs differ from each other: the suite says too little"
             differing = [key for key in known if known[key] != found.get(key)]
             assert known.keys() == found.keys() and not differing, f"{name} {more} is not {first} in {len(differing)} runs, such as {differing[:3]}"
             print(f"{name} {' '.join(more)}: the same {len(found)} fingerprints")
+    module = os.path.join(os.path.dirname(folder), "rust", "wasm32-unknown-unknown", "release", "examples", "brake_module.wasm")
+    found = run(runner, os.path.join(folder, "run"), f"wasm {json.dumps(module)}")
+    differing = [key for key in known if known[key] != found.get(key)]
+    assert known.keys() == found.keys() and not differing, f"the module is not {first} in {len(differing)} runs, such as {differing[:3]}"
+    print(f"WebAssembly: the same {len(found)} fingerprints")
     # Another controller has others, or this would compare nothing.
     with open(os.path.join(examples, "brake.py")) as file:
         text = file.read()
     other = os.path.join(folder, "other.py")
     with open(other, "w") as file:
         file.write(text.replace("return -3.0", "return -3.0000001"))
-    changed = run(runner, os.path.join(folder, "run"), [sys.executable, other])
+    changed = run(runner, os.path.join(folder, "run"), command([sys.executable, other]))
     assert sum(changed[key] != known[key] for key in known) > 30, "a controller that brakes otherwise has the same fingerprints"
 
 

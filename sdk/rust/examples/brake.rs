@@ -2,7 +2,8 @@
 
 use scenario_runner_av::{serve, About, Answer, Command, Controller, Gives, Parameter, Run, Seen};
 
-struct Brake {
+/// The controller.
+pub struct Brake {
     braking_distance: f64,
 }
 
@@ -22,13 +23,18 @@ impl Controller for Brake {
     }
 }
 
-fn main() -> std::io::Result<()> {
-    serve::<Brake>(&About {
+/// What the runner is told of it.
+pub fn about() -> About {
+    About {
         name: "brake".into(),
         version: "1".into(),
         gives: Gives::Acceleration,
         runs_at_once: 64,
         modes: vec!["cruise".into(), "brake".into()],
         parameters: vec![Parameter::number("braking_distance", "m", 25.0, (1.0, 60.0))],
-    })
+    }
+}
+
+fn main() -> std::io::Result<()> {
+    serve::<Brake>(&about())
 }

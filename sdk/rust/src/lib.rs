@@ -1,6 +1,7 @@
 //! Controllers of automated vehicles in Rust, tested by scenario-runner.
 //!
-//! A program implements [`Controller`], says in [`About`] what the runner is told of it, and calls [`serve`]. Everything is in SI units: x
+//! A program implements [`Controller`], says in [`About`] what the runner is told of it, and calls [`serve`]; a WebAssembly module says
+//! [`module!`] instead. Everything is in SI units: x
 //! ahead of the vehicle's centre, y to the left of the middle of its lane, velocities over ground. What is not there is NaN.
 //! There is a value of the controller for each run. An error is an error of that run; a panic ends the process, whereupon the
 //! runner makes each of the runs under way again alone.
@@ -15,7 +16,13 @@ use std::io::{self, BufRead, BufReader, Read, Write};
 use serde::{Deserialize, Serialize};
 use serde_json::{json, Value};
 
+mod conversation;
+mod module;
 mod wire;
+
+use conversation::{Conversation, Reply};
+#[doc(hidden)]
+pub use module::Module;
 
 /// The protocol that is spoken.
 pub const PROTOCOL: u64 = 1;
@@ -297,27 +304,6 @@ impl From<Command> for Answer {
     }
 }
 
-#[derive(Deserialize)]
-struct Opening {
-    open: Option<Vec<Value>>,
-    #[serde(default)]
-    close: Vec<Closing>,
-    bye: Option<Value>,
-}
-
-#[derive(Deserialize)]
-struct Closing {
-    slot: usize,
-    #[serde(default)]
-    reason: String,
-}
-
-/// A run, and what was decided last: beside a run that was refused, it is asked for again.
-struct Slot<C> {
-    controller: C,
-    decided: Option<(f64, Vec<f64>)>,
-}
-
 /// Speaks with the runner until it says goodbye. `--runs-at-once=1` on the command line goes before what is said in `about`.
 ///
 /// # Errors
@@ -342,90 +328,18 @@ pub fn converse<C: Controller>(
     if requests.read_line(&mut line)? == 0 {
         return Ok(());
     }
-    let greeting: Value = serde_json::from_str(&line)?;
-    let hello = json!({"hello": {
-        "protocol": PROTOCOL, "name": about.name, "version": about.version, "encoding": "f64",
-        "runs_at_once": about.runs_at_once, "gives": [about.gives], "modes": about.modes, "parameters": about.parameters,
-    }});
+    let (mut conversation, hello) = Conversation::<C>::begin(about, &serde_json::from_str(&line)?);
     writeln!(answers, "{hello}")?;
     answers.flush()?;
-    let tables = wire::Tables::of(&greeting["hello"]["columns"]);
-    let mut slots: Vec<Option<Slot<C>>> = (0..about.runs_at_once).map(|_| None).collect();
-    let (mut frame, mut answer) = (Vec::new(), Vec::new());
+    let mut frame = Vec::new();
     while wire::read(&mut requests, &mut frame)? {
-        let is_answered = match wire::word(&frame, 0) {
-            0 => text(&frame[4..], &mut slots, &mut answer)?,
-            _ => {
-                step(about, &tables.scenes(&frame)?, &mut slots, &mut answer);
-                Some(true)
-            }
-        };
-        match is_answered {
-            Some(true) => answers.write_all(&answer).and_then(|()| answers.flush())?,
-            Some(false) => {}
-            None => return Ok(()),
+        match conversation.reply(&frame)? {
+            Reply::Answer => answers.write_all(&conversation.answer).and_then(|()| answers.flush())?,
+            Reply::None => {}
+            Reply::Bye => return Ok(()),
         }
     }
     Ok(())
-}
-
-/// A request in JSON; whether there is an answer, and nothing at the end.
-fn text<C: Controller>(
-    text: &[u8],
-    slots: &mut [Option<Slot<C>>],
-    answer: &mut Vec<u8>,
-) -> io::Result<Option<bool>> {
-    let request: Opening = serde_json::from_slice(text)?;
-    for Closing { slot, reason } in request.close {
-        if let Some(mut slot) = slots.get_mut(slot).and_then(Option::take) {
-            slot.controller.finish(&reason);
-        }
-    }
-    if let Some(runs) = request.open {
-        let (mut ready, mut failed) = (Vec::new(), Vec::new());
-        for run in runs {
-            let run: Run = serde_json::from_value(run)?;
-            match C::start(&run) {
-                Ok(controller) if run.slot < slots.len() => {
-                    slots[run.slot] = Some(Slot { controller, decided: None });
-                    ready.push(run.slot);
-                }
-                Ok(_) => failed.push(json!({"slot": run.slot, "message": "there is no such slot"})),
-                Err(message) => failed.push(json!({"slot": run.slot, "message": message})),
-            }
-        }
-        let answered = if failed.is_empty() {
-            json!({ "ready": ready })
-        } else {
-            json!({"ready": ready, "failed": failed})
-        };
-        wire::text(&answered, answer);
-        return Ok(Some(true));
-    }
-    Ok(if request.bye.is_some() { None } else { Some(false) })
-}
-
-fn step<C: Controller>(about: &About, scenes: &[Seen], slots: &mut [Option<Slot<C>>], answer: &mut Vec<u8>) {
-    let mut refused = Vec::new();
-    for seen in scenes {
-        let Some(Some(slot)) = slots.get_mut(seen.slot) else {
-            refused.push(json!({"slot": seen.slot, "message": "this run was never opened"}));
-            continue;
-        };
-        if slot.decided.as_ref().is_some_and(|(time, _)| *time == seen.time) {
-            continue;
-        }
-        match slot.controller.step(seen).and_then(|answer| wire::row(about, &answer)) {
-            Ok(row) => slot.decided = Some((seen.time, row)),
-            Err(message) => refused.push(json!({"slot": seen.slot, "message": message})),
-        }
-    }
-    if refused.is_empty() {
-        let rows = scenes.iter().filter_map(|seen| Some(&slots[seen.slot].as_ref()?.decided.as_ref()?.1));
-        wire::rows(rows, answer);
-    } else {
-        wire::text(&json!({ "error": refused }), answer);
-    }
 }
 
 /// Standard input and output; from then on, what is printed goes to standard error.
