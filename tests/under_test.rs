@@ -786,6 +786,7 @@ fn main() -> ExitCode {
         use instead::*;
         trials.extend(tests![
             what_is_put_in_place_is_as_written_by_hand,
+            blocks_are_about_what_is_put_in_place,
             what_replaces_nothing_is_an_error,
             what_replaces_only_some_is_said,
             every_report_says_what_was_replaced,

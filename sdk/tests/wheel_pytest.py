@@ -13,6 +13,9 @@ code, said = pytest("suites/zebra.suite", "-v")
 assert code == 0 and "12 passed" in said and "zebra/carla_walker/tta=6s PASSED" in said, said
 code, said = pytest("suites/zebra.suite", "-k", "carla_walker and 6s")
 assert code == 0 and "1 passed, 11 deselected" in said, said
+# Tags are keywords, too.
+code, said = pytest("suites/zebra.suite", "-k", "paper and 6s")
+assert code == 0 and "1 passed, 11 deselected" in said, said
 code, said = pytest("suites/zebra_unsafe.suite")
 assert code == 1 and "failed" in said and "replay: scenario-runner replay" in said and "exit code 100" in said, said
 code, said = pytest("suites/nowhere.suite")

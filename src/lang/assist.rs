@@ -159,6 +159,13 @@ mod tests {
         assert!(hovered("m }").contains("metre"));
         assert_eq!(hovered("pace\n"), "```scn\nlet pace = 1.4 m/s\n```");
 
+        let text = "suite s {\n  test carla_behavior { braking_distance: 5 m } as av\n}\n";
+        let (tree, _) = Tree::parse(Sources::default().add("a.suite", text), Arc::from(text));
+        for (word, doc) in [("carla_behavior", "**carla_behavior**"), ("braking_distance", "a length in m")] {
+            let (_, said) = hover(&tree, text.find(word).unwrap() + 1, &standard()).unwrap();
+            assert!(said.contains(doc), "{said}");
+        }
+
         let text = "tune t {\n  otherwise fewest violations\n}\nstatement s {\n  differs \"why\"\n}\n";
         let (tree, _) = Tree::parse(Sources::default().add("a.scn", text), Arc::from(text));
         for (word, doc) in [("otherwise", "fewest runs"), ("differs", "not to be reproduced")] {
@@ -172,6 +179,10 @@ mod tests {
         let (span, sources) =
             definition(Path::new("nowhere/a.scn"), TEXT, at("pace"), &standard(), &files::Disk).unwrap();
         assert_eq!(sources.text(span), "pace");
+        let own = "controller my_av {\n  command \"a\"\n}\nsuite s {\n  test my_av as av\n}\n";
+        let at = own.rfind("my_av").unwrap() + 1;
+        let (span, _) = definition(Path::new("nowhere/a.suite"), own, at, &standard(), &files::Disk).unwrap();
+        assert_eq!(span.start, own.find("my_av").unwrap());
         assert_eq!(sources.location(span).line, 1);
     }
 }

@@ -427,6 +427,10 @@ mod tests {
         );
         assert!(words("scenario a { expect {\n  no ").contains(&"collision".to_string()));
         assert!(words("vehicle v { speed 30 ").contains(&"km/h".to_string()));
+        assert!(words("suite s {\n  test ").contains(&"carla_behavior".to_string()));
+        assert!(words("suite s {\n  test carla_behavior { ").contains(&"braking_distance".to_string()));
+        let vehicle = "scenario a {\n  vehicle av {\n  }\n}\nsuite s {\n  test carla_behavior as ";
+        assert!(words(vehicle).contains(&"av".to_string()), "{:?}", words(vehicle));
         assert!(words("# scen").is_empty());
         let text = "define base {\n}\nscenario a : base {\n}\nsearch s {\n  in a\n}\ntune t {\n  on ";
         assert_eq!(words(text), ["a", "s", "t"]);

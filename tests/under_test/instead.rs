@@ -79,6 +79,49 @@ pub fn what_is_put_in_place_is_as_written_by_hand() -> Outcome {
     expect(!seen.contains(&untouched), || "one replaces nothing".to_string())
 }
 
+/// Searches, tunes and evaluates are about it as if it stood there; a parameter that it does not have is none to be tuned.
+pub fn blocks_are_about_what_is_put_in_place() -> Outcome {
+    let blocks = "search worst { in meet; minimise min_distance; over later in 0 s .. 1 s; budget 6 evaluations, 3 random first }
+tune best {
+  on worst
+  over av.controller.gap in 5 m .. 20 m
+  minimise mean(max_deceleration)
+  budget 6 evaluations, 3 random first
+}
+evaluate final { on worst; with default, best, { av.controller.gap: 7 m } as seven; measure mean(max_deceleration) }
+";
+    let results = |folder: &Path, arguments: &[&str]| {
+        let mut json = results(folder, arguments)?;
+        forget_times(&mut json);
+        let blocks = json["suites"][0]["blocks"].take();
+        expect(blocks.as_array().is_some_and(|all| all.len() == 3), || blocks.to_string())?;
+        Ok::<_, Failed>(blocks)
+    };
+    let by_hand = scenarios("own { gap: 9 m }", "own { gap: 9 m }")
+        .replace("define base", "use \"own.scn\"\ndefine base");
+    let by_hand = results(in_folder(&(by_hand + blocks), "").path(), &["all.suite"])?;
+    let others = scenarios(BRAKING, "idm_aeb") + blocks;
+    let statement = in_folder(&others, "test own { gap: 9 m } as av");
+    expect(results(statement.path(), &["all.suite"])? == by_hand, || "test".into())?;
+    // By itself the file names a controller without that parameter, and so does one that is put there.
+    let alone = in_folder(&others, "");
+    for more in [&[][..], &["--controller", "av=carla_behavior"]] {
+        let said = run(alone.path(), &[&["all.suite"], more].concat());
+        expect_all(&said, 3, &["E0307", "`carla_behavior` has no parameter `gap`"])?;
+    }
+    let outside = ["all.suite", "--controller", "av=own{gap:9m}", "--use", "own.scn"];
+    expect(results(alone.path(), &outside)? == by_hand, || "outside".into())
+}
+
+/// Takes out what depends on the machine, and where something stands.
+fn forget_times(value: &mut serde_json::Value) {
+    if let Some(fields) = value.as_object_mut() {
+        fields.retain(|name, _| !name.contains("wall_time") && name != "origin" && name != "record");
+        fields.values_mut().for_each(forget_times);
+    }
+    value.as_array_mut().into_iter().flatten().for_each(forget_times);
+}
+
 /// A file of scenarios alone takes it, and so does every one of several files.
 pub fn what_replaces_nothing_is_an_error() -> Outcome {
     let folder = in_folder(&scenarios(BRAKING, "idm_aeb"), "");
