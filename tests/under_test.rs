@@ -802,6 +802,8 @@ fn main() -> ExitCode {
             a_parent_that_draws_is_told_of,
             a_parent_serves_what_is_driven_by_it,
         ]);
+        #[cfg(unix)]
+        trials.extend(tests![an_interrupted_runner_says_goodbye]);
         #[cfg(target_os = "linux")]
         trials.extend(tests![a_runner_ends_with_its_parent]);
     }

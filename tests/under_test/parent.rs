@@ -193,6 +193,24 @@ pub fn a_parent_serves_what_is_driven_by_it() -> Outcome {
     expect_all(&with(&[]), 2, &["`own` is no `command`"])
 }
 
+/// Ctrl-C ends the runner as ever: what was made is reported, and the parent is told goodbye.
+#[cfg(unix)]
+pub fn an_interrupted_runner_says_goodbye() -> Outcome {
+    let folder = in_folder(&scenario("", "").replace("[0 s, 0.2 s]", "0 s .. 9 s step 0.1 s"));
+    let mut decider = decider(folder.path(), "kind=slow");
+    let arguments = [&SERVED[..], &["--json=out.json", "-j1"]].concat();
+    let mut runner = joined(folder.path(), &arguments, &mut decider);
+    let mut said = BufReader::new(runner.stderr.take().unwrap()).lines();
+    said.find(|line| line.as_ref().is_ok_and(|line| line.contains("Starting"))).expect("it starts").unwrap();
+    Command::new("kill").args(["-INT", &runner.id().to_string()]).status().unwrap();
+    let rest: Vec<String> = said.map_while(Result::ok).collect();
+    let (code, left) = (runner.wait().unwrap().code(), decider.wait().unwrap().code());
+    // The program ends by itself once it is told, or hears nothing any more.
+    expect((code, left) == (Some(105), Some(0)), || format!("{code:?} {left:?} {rest:#?}"))?;
+    let json: serde_json::Value = serde_json::from_str(&fs::read_to_string(folder.path().join("out.json"))?)?;
+    expect(json["suites"][0]["interrupted"] == true, || rest.join("\n"))
+}
+
 /// Its parent gone, the runner ends, though somebody else holds its streams open and never answers.
 #[cfg(target_os = "linux")]
 pub fn a_runner_ends_with_its_parent() -> Outcome {

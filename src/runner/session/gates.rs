@@ -44,12 +44,17 @@ pub fn judge_gates<'a>(runner: &Runner<'a>, reports: &mut [SuiteReport], lenient
     }
 }
 
-/// Values that were set and controllers in the place of others make other runs, whatever their names: those of the gate's baseline
-/// only if it has the same.
+/// Whether a gate's baseline is of other runs, so that none need be made to be compared with it.
 fn other_runs(gate: &Gate, set: &[String], files: &dyn Files) -> Option<Refusal> {
-    let base =
-        Baseline::read_named(Path::new(&gate.baseline), files).ok().filter(|base| !base.has_set(set))?;
-    if set.is_empty() && base.set.iter().all(|one| is_value(one)) {
+    let base = Baseline::read_named(Path::new(&gate.baseline), files).ok()?;
+    refusal(&base, set)
+}
+
+/// Values that were set and controllers in the place of others make other runs, whatever their names: those of a baseline only if it has
+/// the same.
+fn refusal(base: &Baseline, set: &[String]) -> Option<Refusal> {
+    // Values alone that only the baseline has are among the reasons that are told together.
+    if base.has_set(set) || set.is_empty() && base.set.iter().all(|one| is_value(one)) {
         return None;
     }
     let help = "leave out `--set`, `--repeat` and `--controller` to judge the gate, or record a baseline with them; `compare SUITE \
@@ -148,7 +153,10 @@ fn state(
     let path = Path::new(&gate.baseline);
     let record = record_command(&identity.file, &identity.set, path);
     let judged = match Baseline::read_named(path, files) {
-        Ok(base) => judge_gate(gate, &base, candidate, lenient),
+        Ok(base) => match refusal(&base, &identity.set) {
+            Some(refusal) => return GateState::Refused(refusal),
+            None => judge_gate(gate, &base, candidate, lenient),
+        },
         Err(error) => {
             let (message, help) = (error.to_string(), error.hint(&record));
             return GateState::Refused(Refusal { message, reasons: Vec::new(), help });
@@ -175,9 +183,50 @@ mod tests {
     use crate::project::Project;
     use crate::run::Threads;
     use crate::session::units;
-    use files::Disk;
+    use files::{Disk, Memory};
     use models::standard;
     use results::UnitReport;
+
+    /// Also where the gate is judged by itself, and nothing was said on the command line.
+    #[test]
+    fn a_baseline_of_another_system_is_refused_whoever_asks() {
+        const SUITE: &str = "suite s {
+  scenario walk {
+    road { lane_width 4 m; speed_limit 30 km/h; crossing zebra }
+    vehicle av { controller constant_speed; speed 30 km/h; start 60 m before crossing }
+    pedestrian walker { model scripted; start 2 m from kerb; appears at 0 s }
+    expect { max_deceleration <= 9 m/s^2 }
+  }
+  gate same { baseline \"base.json\"; collision not worse }
+}
+";
+        let files = Memory::default().with("s.suite", SUITE);
+        let project = Project::open("s.suite", &standard(), &files).unwrap_or_else(|error| panic!("{error}"));
+        let suites = project.suites();
+        let threads = Threads::new(1);
+        let runner = Runner::new(suites, &threads, &standard());
+        let reports: Vec<_> = units(suites)
+            .iter()
+            .map(|unit| runner.run_unit(&unit, &EarlierResults::default(), &Silent))
+            .collect();
+        let trials = reports.iter().filter_map(|report| match report {
+            UnitReport::Trial(trial) => Some(trial),
+            _ => None,
+        });
+        let candidate = measured_trials(&runner, 0, &trials.collect::<Vec<_>>()).unwrap();
+        let suite = &suites[0].suite;
+        let judged = |set: &[&str]| {
+            let set = set.iter().map(|one| one.to_string()).collect();
+            let base = Baseline { set, ..candidate.clone() };
+            let files = Memory::default().with("base.json", base.text().as_str());
+            state(&suite.gates[0], &candidate, &runner.identity(0), suite, false, &files)
+        };
+        assert!(matches!(judged(&[]), GateState::Judged(_)));
+        assert!(matches!(judged(&["use own.scn"]), GateState::Judged(_)));
+        for other in ["controller av=own", "av.speed=20km/h"] {
+            assert!(matches!(judged(&[other]), GateState::Refused(_)), "{other}");
+        }
+    }
 
     #[test]
     fn trials_that_were_decided_early_are_run_to_their_end() {
