@@ -313,16 +313,26 @@ pub fn tta_at_entry() -> Metric {
          the lane; undefined if it never does, or if the vehicle stands or is past it.",
     )
     .source("distance along the lane over speed at that moment")
-    .parameters([Parameter::choice(
-        "reference",
-        "centre",
-        [
-            ChoiceOption::new("centre", "from the vehicle's centre"),
-            ChoiceOption::new("front", "from the vehicle's front"),
-        ],
-        "The part of the vehicle that arrives.",
-        "centre as for pet",
-    )]);
+    .parameters([
+        Parameter::choice(
+            "reference",
+            "centre",
+            [
+                ChoiceOption::new("centre", "from the vehicle's centre"),
+                ChoiceOption::new("front", "from the vehicle's front"),
+            ],
+            "The part of the vehicle that arrives.",
+            "centre as for pet",
+        ),
+        Parameter::number(
+            "standing",
+            Dimension::SPEED,
+            0.1,
+            (0.0, 10.0),
+            "At or below this speed the vehicle stands.",
+            "as for stopped_time: controllers approach a standstill without quite reaching it",
+        ),
+    ]);
     Metric {
         declaration,
         kind: MetricKind::Quantity(Dimension::TIME),
@@ -333,7 +343,7 @@ pub fn tta_at_entry() -> Metric {
         meters: meters(|context| {
             let from_front = context.settings.word("reference") == "front";
             let ahead = if from_front { context.world.vehicles[context.vehicle].length / 2.0 } else { 0.0 };
-            Box::new(TtaAtEntry { pair: pair(context), ahead })
+            Box::new(TtaAtEntry { pair: pair(context), ahead, standing: context.settings.number("standing") })
         }),
     }
 }
@@ -342,13 +352,15 @@ struct TtaAtEntry {
     pair: (usize, usize),
     /// From the vehicle's centre to the part that arrives, m.
     ahead: f64,
+    /// At or below this speed the vehicle stands, m/s.
+    standing: f64,
 }
 
 impl Meter for TtaAtEntry {
     fn value(&self, encounters: &Encounters) -> Option<f64> {
         let entry = encounters.pair(self.pair.0, self.pair.1).first_entry?;
         let distance = difference(entry.distance, self.ahead);
-        (distance >= 0.0 && entry.speed > 0.0).then(|| distance / entry.speed)
+        (distance >= 0.0 && entry.speed > self.standing).then(|| distance / entry.speed)
     }
 
     fn open(&self, encounters: &Encounters, _: &End) -> Option<Open> {

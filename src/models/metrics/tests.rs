@@ -528,3 +528,16 @@ fn who_meets_a_vehicle_is_in_its_lane_within_five_seconds_of_it() {
     // A parked one waits for nobody.
     assert!(!met(car(-10.0, 0.0, &[]), &across(0.001)));
 }
+
+/// A controller that stops exactly leaves speeds of rounding, over which a distance is no time to arrival.
+#[test]
+fn a_vehicle_that_stands_but_for_rounding_does_not_arrive() {
+    let requests = [request("tta_at_entry", [])];
+    for (speed, expected) in [(1e-16, None), (0.1, None), (0.2, Some(8.0))] {
+        // The pedestrian enters after 2 s.
+        let car = Profile::new(-2.0, speed, &[]);
+        let readings = measure(&world(0.025, 15.0), &requests, &car, &crossing_from(0.0));
+        let found = readings[0].worst.and_then(|worst| worst.value);
+        assert_near("tta_at_entry", found, expected, 1e-9);
+    }
+}
