@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 /// The packages and which of them each may know, in the order in which they stand on each other. Cargo keeps the arrows: what is not in
 /// a manifest cannot be imported.
-const PACKAGES: [(&str, &[&str]); 13] = [
+const PACKAGES: [(&str, &[&str]); 14] = [
     ("grammar", &[]),
     ("numbers", &[]),
     ("files", &[]),
@@ -20,7 +20,8 @@ const PACKAGES: [(&str, &[&str]); 13] = [
     ("results", &["numbers", "files", "optimise", "scenario", "sim"]),
     ("models", &["numbers", "files", "scenario", "sim"]),
     ("lang", &["grammar", "files", "scenario"]),
-    ("under_test", &["files", "scenario", "sim"]),
+    ("fmu", &["files"]),
+    ("under_test", &["files", "scenario", "sim", "fmu"]),
     ("runner", &["numbers", "files", "optimise", "scenario", "sim", "under_test", "results", "lang"]),
     ("report", &["numbers", "files", "optimise", "scenario", "sim", "results", "lang"]),
     (

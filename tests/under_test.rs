@@ -4,6 +4,9 @@
 
 #[path = "under_test/child.rs"]
 mod child;
+#[cfg(feature = "fmu")]
+#[path = "under_test/fmus.rs"]
+mod fmus;
 #[path = "under_test/instead.rs"]
 mod instead;
 #[cfg(feature = "wasm")]
@@ -815,6 +818,25 @@ fn main() -> ExitCode {
             what_a_module_must_not_is_an_error_of_the_run,
             what_is_no_module_is_said_before_anything_runs,
         ]);
+    }
+    #[cfg(feature = "fmu")]
+    {
+        use fmus::*;
+        trials.extend(tests![
+            a_unit_decides_as_its_native_twin,
+            instances_share_nothing,
+            what_a_unit_must_not_is_an_error_of_the_run,
+            who_shares_a_request_with_a_failing_run_steps_once,
+            what_a_unit_prints_is_log,
+            units_are_converted_as_they_are_said,
+            what_cannot_be_wired_is_said_before_anything_runs,
+            inputs_that_nobody_tells_are_named,
+            parameters_are_those_of_the_unit,
+            what_is_no_unit_is_said_before_anything_runs,
+            a_unit_needs_permission_for_its_content,
+        ]);
+        #[cfg(unix)]
+        trials.extend(tests![what_was_unpacked_is_gone]);
     }
     #[cfg(target_os = "linux")]
     trials.extend(tests![

@@ -6,6 +6,7 @@ use clap::Args;
 
 use super::Exit;
 use super::load;
+use super::programs::say_all;
 use files::Disk;
 use lang::{self, Style};
 use report::console::{stderr, stdout};
@@ -17,7 +18,8 @@ use under_test::{Allowed, AllowedError};
 #[command(after_help = "\
 What is allowed is the words of the command, its folder and its environment, as they stand in that
 file; when one of them changes, it is asked for again. What stands in the program's own files is not
-looked at, and allowing a program allows everything that it does.")]
+looked at, but an `fmu` that changes is asked for again. Allowing a program allows everything that it
+does.")]
 pub struct AllowArguments {
     /// Files that declare controllers (.scn, .yaml), or use files that do.
     #[arg(value_name = "FILE", required_unless_present = "list")]
@@ -81,10 +83,10 @@ fn allow_file(file: &str, revoke: bool, allowed: &mut Allowed, registry: &Regist
             writeln!(stderr(), "help: `chmod o-w {}`", program.file);
             return Err(Exit::Usage);
         }
-        show(&program);
         if program.is_process() {
-            allowed.add(&program);
+            allowed.add(&program).map_err(|error| say_all(&[error]).err().unwrap_or(Exit::Scenario))?;
         }
+        show(&program);
     }
     Ok(())
 }
@@ -104,18 +106,18 @@ fn declared(file: &str, registry: &Registry) -> Result<Vec<DeclaredProgram>, Exi
 
 /// What would run, word by word.
 fn show(program: &DeclaredProgram) {
-    let ProgramKind::Command(words) = &program.kind else {
-        writeln!(
-            stdout(),
-            "{} ({}:{}) is a module and needs no permission",
-            program.name,
-            program.file,
-            program.origin.line
-        );
-        return;
-    };
-    writeln!(stdout(), "{} ({}:{}) may run", program.name, program.file, program.origin.line);
-    words.iter().for_each(|word| writeln!(stdout(), "  {word:?}"));
+    let place = format!("{} ({}:{})", program.name, program.file, program.origin.line);
+    match &program.kind {
+        ProgramKind::Wasm(_) => return writeln!(stdout(), "{place} is a module and needs no permission"),
+        ProgramKind::Command(words) => {
+            writeln!(stdout(), "{place} may run");
+            words.iter().for_each(|word| writeln!(stdout(), "  {word:?}"));
+        }
+        ProgramKind::Fmu(fmu) => {
+            writeln!(stdout(), "{place} may run what is in");
+            writeln!(stdout(), "  {:?}, as it is now", fmu.file);
+        }
+    }
     let folder = if program.folder.is_empty() { "the folder of that file" } else { &program.folder };
     writeln!(stdout(), "  in {folder}");
     program.environment.iter().for_each(|(name, value)| writeln!(stdout(), "  with {name}={value:?}"));

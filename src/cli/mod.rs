@@ -36,6 +36,9 @@ mod try_program;
 mod validate;
 
 use std::env;
+#[cfg(not(feature = "fmu"))]
+use std::path::Path;
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
@@ -119,6 +122,9 @@ enum Command {
         #[arg(last = true)]
         command: Vec<String>,
     },
+    /// Loads a functional mock-up unit, and is asked for decisions.
+    #[command(hide = true)]
+    FmuHost { plan: PathBuf },
     /// Show the help of a command, or `help filter` for the language of filter expressions.
     Help(help::HelpArguments),
 }
@@ -139,8 +145,20 @@ pub fn main(registry: &Registry) -> ExitCode {
     if let Ok(Cli { command: Some(Command::Supervise { runner, set, command }), .. }) = &parsed {
         return supervise(*runner, set, command);
     }
+    if let Ok(Cli { command: Some(Command::FmuHost { plan }), .. }) = &parsed {
+        return fmu_host(plan);
+    }
     let exit = guarded(|| parsed.map_or_else(|error| misunderstood(&error), |cli| obey(cli, registry)));
     all_said(exit).into()
+}
+
+#[cfg(feature = "fmu")]
+use under_test::fmu_host;
+
+/// There is nothing that could load one.
+#[cfg(not(feature = "fmu"))]
+fn fmu_host(_plan: &Path) -> ExitCode {
+    Exit::Usage.into()
 }
 
 /// Shows the help that was asked for, or what is wrong with the arguments.
@@ -188,7 +206,7 @@ fn obey(cli: Cli, registry: &Registry) -> Exit {
         Some(Command::Shrink(arguments)) => shrink::shrink(&arguments, registry),
         Some(Command::Allow(arguments)) => allow::allow(&arguments, registry),
         Some(Command::Try(arguments)) => try_program::try_program(&arguments, registry),
-        Some(Command::Supervise { .. }) => Exit::Usage,
+        Some(Command::Supervise { .. } | Command::FmuHost { .. }) => Exit::Usage,
         Some(Command::Help(arguments)) => help::help(&arguments),
     }
 }

@@ -130,7 +130,8 @@ pub fn pool(permission: Permission, threads: usize) -> Result<ProcessPool, Exit>
     let pool = ProcessPool::new(permission, threads);
     let pool = if files::make_folder(&logs).is_ok() { pool.logs(logs) } else { pool };
     Ok(match env::current_exe() {
-        Ok(own) if cfg!(unix) => pool.supervised_by(own),
+        Ok(own) if cfg!(unix) => pool.fmu_host(&own).supervised_by(own),
+        Ok(own) => pool.fmu_host(own),
         _ => pool,
     })
 }
@@ -150,6 +151,7 @@ pub fn say_all(errors: &[StartError]) -> Result<(), Exit> {
             StartProblem::CannotStart => Code::CannotStart,
             StartProblem::NoHello => Code::NoHello,
             StartProblem::Disagreement => Code::Disagreement,
+            StartProblem::NotWired => Code::NotWired,
         };
         let title = format!("{code}: {}", error.message);
         let excerpt = Excerpt {

@@ -10,7 +10,7 @@ use super::texts::Texts;
 use super::units;
 use files::{self, Overlay};
 use scenario::registry::Registry;
-use scenario::{Declaration, Parameter, ParameterKind};
+use scenario::{Answer, Declaration, Parameter, ParameterKind, input_signals, output_signals};
 
 /// What the word at byte `offset` means, in Markdown, with the bytes it is about.
 pub fn hover(tree: &Tree, offset: usize, registry: &Registry) -> Option<(Span, String)> {
@@ -21,6 +21,13 @@ pub fn hover(tree: &Tree, offset: usize, registry: &Registry) -> Option<(Span, S
         Some(Word::Unit(_)) => {
             let unit = units::unit_of(node.text())?;
             format!("`{}`: {}, a unit of {}", unit.symbol, unit.doc, unit.dimension.name())
+        }
+        Some(Word::Signal(_)) => {
+            let (_, known) = input_signals().find(|(name, _)| name == node.text()).or_else(|| {
+                let given = Answer::ALL.into_iter().flat_map(output_signals).copied();
+                given.map(|known| (known.name.to_string(), known)).find(|(name, _)| name == node.text())
+            })?;
+            format!("{} {}", known.doc, known.dimension.si_unit()).trim_end().to_string()
         }
         Some(Word::Name(_)) if parent.and_then(ast::NamesRegistered::cast).is_some() => {
             whole(&declared(parent?, registry)?)
@@ -114,7 +121,7 @@ pub fn definition(
         Word::Name(_) | Word::Reference(_) => local_definition(&around, name)
             .or_else(|| files.scope(file).names.get(name).map(|binding| binding.span))
             .or_else(|| names.controllers.get(name).map(|own| own.span))?,
-        Word::Unit(_) | Word::SettingName(_) => return None,
+        Word::Unit(_) | Word::SettingName(_) | Word::Signal(_) => return None,
     };
     Some((span, files.sources))
 }
@@ -169,6 +176,14 @@ mod tests {
         let text = "tune t {\n  otherwise fewest violations\n}\nstatement s {\n  differs \"why\"\n}\n";
         let (tree, _) = Tree::parse(Sources::default().add("a.scn", text), Arc::from(text));
         for (word, doc) in [("otherwise", "fewest runs"), ("differs", "not to be reproduced")] {
+            let (_, said) = hover(&tree, text.find(word).unwrap() + 1, &standard()).unwrap();
+            assert!(said.contains(doc), "{said}");
+        }
+        let text = "controller own {\n  fmu \"a.fmu\"\n  input ahead.gap = \"dx\"\n  output acceleration = \"a\"\n}\n";
+        let (tree, _) = Tree::parse(Sources::default().add("a.scn", text), Arc::from(text));
+        for (word, doc) in
+            [("gap", "nobody is. m"), ("acceleration", "accelerate by. m/s^2"), ("fmu", "mock-up unit")]
+        {
             let (_, said) = hover(&tree, text.find(word).unwrap() + 1, &standard()).unwrap();
             assert!(said.contains(doc), "{said}");
         }

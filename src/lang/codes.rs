@@ -362,9 +362,10 @@ codes! {
     // Controllers of one's own
     NoProgram = "E1101", "a controller has no program that could be started",
         "`controller NAME { … }` of a file declares a program that decides: `command \"python3\", \"my_av.py\"` says which, each \
-         word in quotes of its own and read by no shell, or `wasm \"brakes.wasm\"` a WebAssembly module, and `environment \"NAME=VALUE\"` what it finds there.";
+         word in quotes of its own and read by no shell, `wasm \"brakes.wasm\"` a WebAssembly module, or `fmu \"aeb.fmu\"` a functional \
+         mock-up unit, and `environment \"NAME=VALUE\"` what it finds there.";
     TwoPrograms = "E1102", "a controller has two programs",
-        "A controller is decided for by one program: a `command`, which is a process, or `wasm`, a module. Declare two controllers \
+        "A controller is decided for by one program: a `command`, which is a process, a `wasm` module or an `fmu`. Declare two controllers \
          to compare two programs.";
     BuiltInName = "E1103", "a controller is called like one that ships",
         "The name of a controller is how scenarios, reports and baselines tell it. `scenario-runner models` lists those that \
@@ -388,6 +389,11 @@ codes! {
     Disagreement = "E1108", "file and program disagree",
         "A program may say in its hello what it gives and which parameters it has. Then every parameter that the file declares \
          must be among them, of the same kind and dimension, with a range that the program's own contains.";
+    NotWired = "E1110", "an FMU's variable cannot be wired",
+        "`input SIGNAL = \"VARIABLE\" in UNIT` and `output …` of a controller with `fmu` say which of its variables are told what the \
+         vehicle sees, and which say what it is to do; `as \"VARIABLE\" in UNIT` of a parameter which one it sets. The variable must be \
+         there, of that causality, and in a unit that file or FMU names: where both do, it must be the same. Every input of the FMU \
+         needs a signal, or a start value of its own. docs/under_test.md lists the signals.";
     NotTested = "E1111", "a controller cannot be put in the place of another",
         "`test my_av as av` in a suite, and `--controller av=my_av`, put a controller in the place of that of every vehicle \
          called `av`. There must be such a vehicle, or nothing would be tested; it is said once for each name; settings stand \

@@ -15,7 +15,10 @@ use super::texts::{FileId, Texts};
 use super::units;
 use files::{self, Overlay};
 use scenario::registry::{Registry, Table};
-use scenario::{AGGREGATES, AggregateWord, DISTRIBUTIONS, Declaration, ParameterKind, Registered, Scope};
+use scenario::{
+    AGGREGATES, AggregateWord, Answer, DISTRIBUTIONS, Declaration, ParameterKind, Registered, Scope,
+    SignalEntry, input_signals, output_signals,
+};
 
 /// A word that could stand somewhere.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -83,6 +86,10 @@ pub fn complete(
             let choices = declared::choices(word, registry);
             choices.iter().map(|(name, kind)| proposal(name, &kind.summary)).collect()
         }
+        ["input"] => signals(""),
+        ["input", group, "."] => signals(&format!("{group}.")),
+        ["output"] => Answer::ALL.into_iter().flat_map(output_signals).map(signal).collect(),
+        ["input" | "output", .., "in"] | ["parameter", .., "as", _, "in"] => units(),
         [.., "no"] if !is(block, &[BlockKind::Road, BlockKind::Gate]) => all(registry.metrics()),
         ["road"] => visible(path, &without_line(text, before.len()), registry, texts, |kind| {
             matches!(kind, ast::Defining::RoadDefinition(_))
@@ -343,6 +350,17 @@ fn units() -> Vec<Completion> {
     units::UNITS.iter().map(|unit| proposal(unit.symbol, unit.doc)).collect()
 }
 
+/// What an `fmu` may be told, behind these first letters of its name.
+fn signals(group: &str) -> Vec<Completion> {
+    let known =
+        input_signals().filter_map(|(name, known)| Some(proposal(name.strip_prefix(group)?, known.doc)));
+    known.collect()
+}
+
+fn signal(known: &SignalEntry) -> Completion {
+    proposal(known.name, known.doc)
+}
+
 fn all<T: Registered>(table: &Table<T>) -> Vec<Completion> {
     table.declarations().map(of).collect()
 }
@@ -418,6 +436,12 @@ mod tests {
                 .collect::<Vec<_>>()
         };
         assert!(words("").contains(&"scenario".to_string()));
+        let unit = |text: &str| words(&format!("controller own {{\n  fmu \"a.fmu\"\n  {text}"));
+        assert!(unit("").contains(&"output".to_string()));
+        assert!(unit("input eg").contains(&"ego.speed".to_string()));
+        assert_eq!(unit("input ahead.").len(), 3, "{:?}", unit("input ahead."));
+        assert!(unit("output ").contains(&"throttle".to_string()));
+        assert!(unit("input ego.speed = \"v\" in ").contains(&"km/h".to_string()));
         assert!(words("scenario a {\n  ve").contains(&"vehicle".to_string()));
         assert!(words("scenario a { vehicle v {\n controller ").contains(&"carla_behavior".to_string()));
         assert!(words("vehicle v { controller carla_behavior { ").contains(&"braking_distance".to_string()));

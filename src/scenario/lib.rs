@@ -37,6 +37,7 @@ mod program_fault;
 mod reference;
 pub mod registry;
 mod road;
+mod signal;
 mod statement;
 mod symbol;
 mod trial;
@@ -81,10 +82,11 @@ pub use optimisation::{
     SearchRange, ShownIn, Target, Tune,
 };
 pub use path::Path;
-pub use program::{Answer, DeclaredProgram, Delay, ProgramKind};
+pub use program::{Answer, DeclaredFmu, DeclaredProgram, Delay, ProgramKind, WiredVariable};
 pub use program_fault::{FaultKind, ProgramFault};
 pub use reference::{Reference, Registered};
 pub use road::{Body, Crossing, CrossingKind, Direction, Lane, Road, Side};
+pub use signal::{NOBODY_AT, OBJECT, OBJECTS, SEEN, SignalEntry, input_signals, output_signals};
 pub use statement::{
     DeclaredStanding, Measured, OutcomesOf, Quantity, Statement, StatementClaim, StatementClaimKind,
     TrendDirection,

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::{CommandKind, Origin};
+use super::{CommandKind, Dimension, Notation, Origin};
 
 /// A program that decides for vehicles: what is started, what it gives, and in which time.
 ///
@@ -42,12 +42,50 @@ pub struct DeclaredProgram {
 }
 
 /// What decides, and how it is reached.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum ProgramKind {
     /// A process of its own. The words of its command: the first is looked up, no shell reads any.
     Command(Vec<String>),
     /// A WebAssembly module, in a file relative to the folder of [`DeclaredProgram::file`]. It can do nothing but decide.
     Wasm(String),
+    /// A functional mock-up unit for co-simulation, which a process of ours loads.
+    Fmu(DeclaredFmu),
+}
+
+/// A functional mock-up unit with what its variables are for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DeclaredFmu {
+    /// Relative to the folder of [`DeclaredProgram::file`].
+    pub file: String,
+    /// What it is told, by the names of [`input_signals`](super::input_signals).
+    pub inputs: Vec<WiredVariable>,
+    /// What it says: each of [`output_signals`](super::output_signals) once.
+    pub outputs: Vec<WiredVariable>,
+    /// Its parameters that runs set, by the names by which the file declares them.
+    pub parameters: Vec<WiredVariable>,
+}
+
+/// A name of ours and the variable that stands for it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WiredVariable {
+    /// Of a signal or a parameter.
+    pub name: String,
+    /// Of its values.
+    pub dimension: Dimension,
+    /// As the unit calls it.
+    pub variable: String,
+    /// In which the variable is; `None`: in the one that the unit says.
+    pub unit: Option<Notation>,
+    /// Of the variable's name, where it is said.
+    pub origin: Origin,
+}
+
+impl WiredVariable {
+    /// `ego.speed = vEgo in km/h`
+    fn typed(&self) -> String {
+        let unit = self.unit.map_or_else(String::new, |unit| format!(" in {}", unit.symbol.as_str()));
+        format!("{} = {}{unit}", self.name, shown(&self.variable))
+    }
 }
 
 /// What a program answers.
@@ -106,12 +144,13 @@ impl DeclaredProgram {
         match &self.kind {
             ProgramKind::Command(words) => words.iter().map(|word| shown(word)).collect::<Vec<_>>().join(" "),
             ProgramKind::Wasm(file) => format!("wasm {}", shown(file)),
+            ProgramKind::Fmu(fmu) => format!("fmu {}", shown(&fmu.file)),
         }
     }
 
     /// Whether it is a process, which may do anything that its user may.
     pub fn is_process(&self) -> bool {
-        matches!(self.kind, ProgramKind::Command(_))
+        !matches!(self.kind, ProgramKind::Wasm(_))
     }
 
     /// What runs and how its decisions are taken: two declarations that say the same here drive alike.
@@ -124,6 +163,13 @@ impl DeclaredProgram {
         }
         for (name, value) in &self.environment {
             say(format_args!(", {}", shown(&format!("{name}={value}"))));
+        }
+        if let ProgramKind::Fmu(fmu) = &self.kind {
+            for (word, wires) in
+                [("input", &fmu.inputs), ("output", &fmu.outputs), ("parameter", &fmu.parameters)]
+            {
+                wires.iter().for_each(|wire| say(format_args!(", {word} {}", wire.typed())));
+            }
         }
         say(format_args!(", gives {}", self.gives.word()));
         if let Some(period) = self.period {
@@ -176,7 +222,26 @@ mod tests {
         );
         let limits = DeclaredProgram { answers_within: 1.0, file: "b.scn".into(), ..program.clone() };
         assert_eq!(limits.identity(), program.identity());
-        let module = DeclaredProgram { kind: ProgramKind::Wasm("brakes.wasm".into()), ..program };
+        let module = DeclaredProgram { kind: ProgramKind::Wasm("brakes.wasm".into()), ..program.clone() };
         assert!(module.identity().starts_with("wasm brakes.wasm, A=b, gives"), "{}", module.identity());
+        let unit = |unit: &'static str| Notation {
+            symbol: super::super::Symbol::new(unit),
+            numerator: 1.0,
+            denominator: 1.0,
+        };
+        let fmu = |said: &'static str| {
+            let wire = WiredVariable {
+                name: "ego.speed".into(),
+                dimension: Dimension::SPEED,
+                variable: "vEgo".into(),
+                unit: Some(unit(said)),
+                origin: Origin::default(),
+            };
+            let (inputs, outputs, parameters) = (vec![wire], Vec::new(), Vec::new());
+            let kind = ProgramKind::Fmu(DeclaredFmu { file: "aeb.fmu".into(), inputs, outputs, parameters });
+            DeclaredProgram { kind, ..program.clone() }.identity()
+        };
+        assert!(fmu("m/s").starts_with("fmu aeb.fmu in .., A=b, input ego.speed = vEgo in m/s, gives"));
+        assert_ne!(fmu("m/s"), fmu("km/h"));
     }
 }

@@ -83,6 +83,8 @@ pub(super) struct Said {
     low: Option<f64>,
     high: Option<f64>,
     options: Option<Vec<String>>,
+    /// Whether it takes whole numbers alone.
+    whole: Option<bool>,
 }
 
 /// What the runner says first.
@@ -235,6 +237,9 @@ fn disagreement(declared: &Parameter, said: &Said) -> Option<String> {
         })
     };
     match &declared.kind {
+        ParameterKind::Number { .. } if kind == "a number" && said.whole == Some(true) => {
+            other("a whole number")
+        }
         ParameterKind::Number { dimension, range: (low, high), .. } if kind == "a number" => {
             within(*dimension, *low, *high)
         }

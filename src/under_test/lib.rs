@@ -10,6 +10,8 @@
 
 mod answer_times;
 mod child;
+#[cfg(feature = "fmu")]
+mod co_simulation;
 mod conformance;
 mod conversation;
 #[cfg(feature = "wasm")]
@@ -32,6 +34,8 @@ mod wire;
 mod wire_record;
 
 pub use answer_times::AnswerClock;
+#[cfg(feature = "fmu")]
+pub use co_simulation::host as fmu_host;
 pub use conformance::{Conformance, TriedTimes, again, conformance};
 pub use conversation::{AnswerDifference, AskedDecision, Conversation, Spoken};
 pub use hello::{Hello, KnowsMore};

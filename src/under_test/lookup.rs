@@ -3,8 +3,13 @@
 use std::env;
 use std::path::{Path, PathBuf};
 
+use sha2::{Digest, Sha256};
+
 use super::start::{StartError, StartProblem};
 use scenario::DeclaredProgram;
+
+/// More than the file of a functional mock-up unit may have, bytes.
+const LARGEST_FMU: u64 = 1 << 30;
 
 /// Where the file is that declares a program.
 pub fn beside(program: &DeclaredProgram) -> &Path {
@@ -15,6 +20,24 @@ pub fn beside(program: &DeclaredProgram) -> &Path {
 pub fn folder(program: &DeclaredProgram) -> PathBuf {
     let folder = beside(program).join(&program.folder);
     if folder.as_os_str().is_empty() { PathBuf::from(".") } else { folder }
+}
+
+/// What is in the file of a functional mock-up unit.
+///
+/// # Errors
+/// If it cannot be read.
+pub fn fmu(program: &DeclaredProgram, file: &str) -> Result<Vec<u8>, StartError> {
+    let path = beside(program).join(file);
+    files::read_bytes(&path, LARGEST_FMU).map_err(|error| {
+        let message = format!("`{file}`: {} cannot be read: {error}", path.display());
+        let hint = "`fmu` is relative to the file that says it";
+        StartError::new(StartProblem::CannotStart, program, message, hint)
+    })
+}
+
+/// By which bytes are known, in hexadecimal digits.
+pub fn sha256(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// The file that is started by the first word of a command.

@@ -5,9 +5,9 @@ use std::env;
 use std::path::{Path, PathBuf};
 
 use serde_json::json;
-use sha2::{Digest, Sha256};
 use thiserror::Error;
 
+use super::lookup;
 use super::start::{StartError, StartProblem};
 use scenario::{DeclaredProgram, ProgramKind};
 
@@ -60,6 +60,9 @@ impl Permission {
     /// # Errors
     /// If not.
     pub fn check(&self, program: &DeclaredProgram) -> Result<(), StartError> {
+        if let ProgramKind::Fmu(fmu) = &program.kind {
+            lookup::fmu(program, &fmu.file)?;
+        }
         if self.allows(program) {
             return Ok(());
         }
@@ -67,7 +70,7 @@ impl Permission {
             "`{}` wants to run `{}` in the folder {}",
             program.name,
             program.typed(),
-            super::lookup::folder(program).display()
+            lookup::folder(program).display()
         );
         let hint = format!(
             "read it, then `scenario-runner allow {}`; or run with `--allow-run={}`",
@@ -77,7 +80,8 @@ impl Permission {
     }
 }
 
-/// Of a declaration, what runs: another command, folder or environment is another one, another file as well.
+/// Of a declaration, what runs: another command, folder or environment is another one, another file as well; so is a functional mock-up
+/// unit with another content.
 pub fn hash(program: &DeclaredProgram) -> String {
     let path = Path::new(&program.file);
     let file =
@@ -86,6 +90,7 @@ pub fn hash(program: &DeclaredProgram) -> String {
     let words = match &program.kind {
         ProgramKind::Command(words) => words.clone(),
         ProgramKind::Wasm(file) => vec!["wasm".into(), file.clone()],
+        ProgramKind::Fmu(fmu) => vec!["fmu".into(), fmu.file.clone(), fmu_hash(program, &fmu.file)],
     };
     let what = json!({
         "file": file.to_string_lossy(),
@@ -94,8 +99,12 @@ pub fn hash(program: &DeclaredProgram) -> String {
         "folder": program.folder,
         "environment": environment,
     });
-    let bytes = Sha256::digest(what.to_string());
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+    lookup::sha256(what.to_string().as_bytes())
+}
+
+/// Of the content of a functional mock-up unit; of one that cannot be read, what is the hash of nothing.
+fn fmu_hash(program: &DeclaredProgram, file: &str) -> String {
+    lookup::fmu(program, file).map_or_else(|_| String::new(), |bytes| lookup::sha256(&bytes))
 }
 
 /// What the user has allowed: one line each, `hash name file`.
@@ -161,10 +170,17 @@ impl Allowed {
     }
 
     /// Adds a program.
-    pub fn add(&mut self, program: &DeclaredProgram) {
+    ///
+    /// # Errors
+    /// If it is a functional mock-up unit that cannot be read.
+    pub fn add(&mut self, program: &DeclaredProgram) -> Result<(), StartError> {
+        if let ProgramKind::Fmu(fmu) = &program.kind {
+            lookup::fmu(program, &fmu.file)?;
+        }
         let file = std::path::absolute(&program.file).unwrap_or_else(|_| PathBuf::from(&program.file));
         let what = format!("{} {}", program.name, file.display());
         self.hashes.insert(hash(program), what.replace(['\n', '\r'], " "));
+        Ok(())
     }
 
     /// Takes a program off; whether it stood there.

@@ -9,7 +9,7 @@ use super::answer_times::AnswerClock;
 use super::log::ProgramLog;
 use super::parent::Parent;
 use super::permission::Permission;
-use super::process::Process;
+use super::process::{OwnExecutables, Process};
 use super::start::{StartError, StartProblem};
 use super::watchdog::Watchdog;
 use super::wire_record::WireRecord;
@@ -26,6 +26,7 @@ pub struct ProcessPool {
     threads: usize,
     logs: Option<PathBuf>,
     supervisor: Option<PathBuf>,
+    fmu_host: Option<PathBuf>,
     record: Option<WireRecord>,
     /// The controller that whoever started this process decides for, and the streams until they are in use.
     parent: Option<(String, Mutex<Option<Parent>>)>,
@@ -69,6 +70,7 @@ impl ProcessPool {
             threads: threads.max(1),
             logs: None,
             supervisor: None,
+            fmu_host: None,
             record: None,
             parent: None,
             watchdog: Watchdog::default(),
@@ -86,6 +88,12 @@ impl ProcessPool {
     /// left of a program even if this process is ended from one moment to the next.
     pub fn supervised_by(self, executable: impl Into<PathBuf>) -> Self {
         Self { supervisor: Some(executable.into()), ..self }
+    }
+
+    /// The same, with this executable (ours: see [`fmu_host`](super::fmu_host)) as the process of functional mock-up units. Without one
+    /// they cannot be started.
+    pub fn fmu_host(self, executable: impl Into<PathBuf>) -> Self {
+        Self { fmu_host: Some(executable.into()), ..self }
     }
 
     /// The same, which writes down what is said in one run.
@@ -151,7 +159,11 @@ impl ProcessPool {
                 return Err(StartError::new(StartProblem::CannotStart, program, message, hint));
             }
             None => {
-                Process::start(program, &self.watchdog, self.supervisor.as_deref(), ProgramLog::new(log))?
+                let own = OwnExecutables {
+                    supervisor: self.supervisor.as_deref(),
+                    fmu_host: self.fmu_host.as_deref(),
+                };
+                Process::start(program, &self.watchdog, own, ProgramLog::new(log))?
             }
         };
         let title = process.hello().title();

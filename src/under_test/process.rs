@@ -8,6 +8,8 @@ use std::time::{Duration, Instant};
 use serde_json::{Value as Json, json};
 
 use super::child::Child;
+#[cfg(feature = "fmu")]
+use super::co_simulation;
 #[cfg(feature = "wasm")]
 use super::guest::Guest;
 use super::hello::{self, Encoding, Hello};
@@ -36,6 +38,19 @@ pub struct Process {
     fault: Option<ProgramFault>,
     request: Vec<u8>,
     answer: Vec<u8>,
+    /// What it has loaded, which is gone after it.
+    #[cfg(feature = "fmu")]
+    _fmu: Option<co_simulation::UnpackedFmu>,
+}
+
+/// Programs of ours that stand between the runner and others.
+#[derive(Clone, Copy)]
+pub struct OwnExecutables<'a> {
+    /// Ends a process whose runner is gone.
+    pub supervisor: Option<&'a Path>,
+    /// Loads functional mock-up units.
+    #[cfg_attr(not(feature = "fmu"), expect(dead_code, reason = "there are none"))]
+    pub fmu_host: Option<&'a Path>,
 }
 
 /// How a program is reached.
@@ -56,15 +71,29 @@ impl Process {
     pub fn start(
         program: &Arc<DeclaredProgram>,
         watchdog: &Watchdog,
-        supervisor: Option<&Path>,
+        own: OwnExecutables,
         log: ProgramLog,
     ) -> Result<Self, StartError> {
+        let child = |words: &[String]| {
+            Ok(Channel::Child(Child::start(program, words, watchdog, own.supervisor, log)?))
+        };
+        #[cfg(feature = "fmu")]
+        let mut fmu = None;
         let (channel, encoding) = match &program.kind {
-            ProgramKind::Command(words) => {
-                (Channel::Child(Child::start(program, words, watchdog, supervisor, log)?), Encoding::Json)
-            }
+            ProgramKind::Command(words) => (child(words)?, Encoding::Json),
             ProgramKind::Wasm(file) => {
                 (Channel::Guest(Box::new(Guest::start(program, file)?)), Encoding::F64)
+            }
+            #[cfg(feature = "fmu")]
+            ProgramKind::Fmu(declared) => {
+                let unpacked = fmu.insert(co_simulation::unpack(program, declared, own.fmu_host)?);
+                (child(&unpacked.words)?, Encoding::Json)
+            }
+            #[cfg(not(feature = "fmu"))]
+            ProgramKind::Fmu(declared) => {
+                let message = format!("`{}`: this scenario-runner is built without FMUs", declared.file);
+                let hint = "build it with the feature `fmu`";
+                return Err(StartError::new(StartProblem::CannotStart, program, message, hint));
             }
         };
         Self::greeted(program, channel, encoding)
@@ -101,6 +130,8 @@ impl Process {
             fault: None,
             request: Vec::new(),
             answer: Vec::new(),
+            #[cfg(feature = "fmu")]
+            _fmu: fmu,
         };
         process.greet()?;
         Ok(process)
@@ -133,7 +164,14 @@ impl Process {
         self.end();
         let program = &self.program;
         let message = format!("`{}` does not say hello: {message}", program.name);
-        let hint = "the program reads a line that begins with `{\"hello\"` and answers with one: see docs/under_test.md";
+        let hint = match program.kind {
+            ProgramKind::Fmu(_) => {
+                "the process that loads the FMU ended: what its library needs is not there, or it crashed"
+            }
+            _ => {
+                "the program reads a line that begins with `{\"hello\"` and answers with one: see docs/under_test.md"
+            }
+        };
         let lines = self.last_lines();
         let notes = lines.iter().map(|line| format!("it wrote: {line}")).collect();
         StartError::new(StartProblem::NoHello, program, message, hint).with_notes(notes)
@@ -177,6 +215,9 @@ impl Process {
             &self.answer
         };
         let value: Option<Json> = serde_json::from_slice(text).ok();
+        if let Some(fault) = value.as_ref().and_then(wire::last_refusal) {
+            return Err(self.gone(fault));
+        }
         let ready = value.as_ref().and_then(|value| {
             let slots = value.get("ready")?.as_array()?;
             let slots: Vec<usize> =

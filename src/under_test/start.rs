@@ -30,6 +30,8 @@ pub enum StartProblem {
     NoHello,
     /// It says something else than the file.
     Disagreement,
+    /// A functional mock-up unit has not the variables that the file wires.
+    NotWired,
 }
 
 impl StartError {

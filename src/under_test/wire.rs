@@ -361,10 +361,20 @@ pub fn refused(value: &Json) -> Option<Vec<(usize, String)>> {
     listed.iter().map(one).collect()
 }
 
+/// Why nothing can be asked of the process any more, if a text that refuses runs says so: `"last": true`.
+pub fn last_refusal(value: &Json) -> Option<ProgramFault> {
+    value.get("last")?.as_bool().filter(|is_last| *is_last)?;
+    let (_, message) = refused(value)?.into_iter().next()?;
+    Some(ProgramFault::new(FaultKind::Refused, message))
+}
+
 /// A line of JSON as an answer to `asked`.
 pub fn read_line(line: &[u8], gives: Answer, asked: &[DueDecision]) -> Result<Reply, ProgramFault> {
     let value: Json =
         serde_json::from_slice(line).map_err(|_| garbage(format!("{} is no JSON", quoted(line))))?;
+    if let Some(fault) = last_refusal(&value) {
+        return Err(fault);
+    }
     if let Some(slots) = refused(&value) {
         return Ok(Reply::Refused(slots));
     }
@@ -427,6 +437,9 @@ pub fn read_frame(
     match word(0) {
         Some(0) => {
             let value = serde_json::from_slice(&frame[4..]).ok();
+            if let Some(fault) = value.as_ref().and_then(last_refusal) {
+                return Err(fault);
+            }
             let slots = value.as_ref().and_then(refused);
             return slots
                 .map(Reply::Refused)

@@ -16,6 +16,7 @@ pub fn allocations() -> usize {
 }
 
 // SAFETY: everything is passed on to the system's allocator; the counter does not allocate.
+#[allow(unsafe_code, reason = "an allocator is")]
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         ALLOCATIONS.with(|count| count.set(count.get() + 1));

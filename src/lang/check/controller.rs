@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use super::block::reject_repeats;
-use super::{Places, count, doc};
+use super::{Places, count, doc, fmu};
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
@@ -53,7 +53,7 @@ pub fn controller(
                 .hint("choose another name: reports and baselines tell controllers by it"),
         );
     }
-    let kind = kind(name, block, report);
+    let file = program_file(name, block, report);
     let environment = environment(block, report);
     let folder = block.folder().map(|said| said.path().value());
     let gives = match block.gives() {
@@ -85,6 +85,17 @@ pub fn controller(
         .map(|said| count(said.number(), 1, MOST_PROCESSES, "the number of processes", report));
     let parameters = parameters(block, scope, report);
     let dynamics = dynamics(block, gives, registry, report);
+    let kind = match file {
+        Some(ProgramFile::Command(words)) => Some(ProgramKind::Command(words)),
+        Some(ProgramFile::Wasm(file)) => Some(ProgramKind::Wasm(file)),
+        Some(ProgramFile::Fmu(file)) => {
+            fmu::wired(file, block, gives, parameters.as_deref(), places, report).map(ProgramKind::Fmu)
+        }
+        None => None,
+    };
+    if block.fmu().is_none() {
+        fmu::reject_wiring(block, report);
+    }
     if report.len() > before || block.has_bad() {
         return None;
     }
@@ -132,23 +143,41 @@ fn unstartable(span: Span, message: impl Into<String>, hint: &str) -> Diagnostic
     Diagnostic::new(Code::NoProgram, span, message).label("cannot be started like this").hint(hint)
 }
 
+/// What decides, as far as its own statement says it.
+enum ProgramFile {
+    Command(Vec<String>),
+    Wasm(String),
+    Fmu(String),
+}
+
 /// What decides: one of the statements that say it.
-fn kind(name: ast::Name, block: ast::ControllerBlock, report: &mut Vec<Diagnostic>) -> Option<ProgramKind> {
-    match (block.command(), block.wasm()) {
-        (Some(said), None) => command(said, report).map(ProgramKind::Command),
-        (None, Some(said)) => module(said, block, report).map(ProgramKind::Wasm),
-        (Some(_), Some(second)) => {
-            let message = format!("`{}` says `command` and `wasm`", name.text());
-            report.push(
-                Diagnostic::new(Code::TwoPrograms, second.span(), message)
-                    .label("a second program")
-                    .hint("keep the one that decides"),
-            );
-            None
-        }
-        (None, None) => {
+fn program_file(
+    name: ast::Name,
+    block: ast::ControllerBlock,
+    report: &mut Vec<Diagnostic>,
+) -> Option<ProgramFile> {
+    let said = [
+        ("command", block.command().map(|said| said.span())),
+        ("wasm", block.wasm().map(|said| said.span())),
+        ("fmu", block.fmu().map(|said| said.span())),
+    ];
+    let mut said = said.into_iter().filter_map(|(word, span)| Some((word, span?)));
+    if let (Some((first, _)), Some((second, span))) = (said.next(), said.next()) {
+        let message = format!("`{}` says `{first}` and `{second}`", name.text());
+        report.push(
+            Diagnostic::new(Code::TwoPrograms, span, message)
+                .label("a second program")
+                .hint("keep the one that decides"),
+        );
+        return None;
+    }
+    match (block.command(), block.wasm(), block.fmu()) {
+        (Some(said), ..) => command(said, report).map(ProgramFile::Command),
+        (_, Some(said), _) => module(said, block, report).map(ProgramFile::Wasm),
+        (.., Some(said)) => file(said.path(), "write `fmu \"aeb.fmu\"`", report).map(ProgramFile::Fmu),
+        (None, None, None) => {
             if !block.has_bad() {
-                let message = format!("`{}` says no `command` and no `wasm`", name.text());
+                let message = format!("`{}` says no `command`, `wasm` or `fmu`", name.text());
                 report.push(
                     Diagnostic::new(Code::NoProgram, name.span(), message)
                         .label("has no program")
@@ -158,6 +187,16 @@ fn kind(name: ast::Name, block: ast::ControllerBlock, report: &mut Vec<Diagnosti
             None
         }
     }
+}
+
+/// The name of a file.
+fn file(said: ast::Text, hint: &str, report: &mut Vec<Diagnostic>) -> Option<String> {
+    let file = said.value();
+    if file.trim().is_empty() || file.contains('\0') {
+        report.push(unstartable(said.span(), "no file is named", hint));
+        return None;
+    }
+    Some(file)
 }
 
 /// The file of a module, to which nothing may be said that is about processes.
@@ -180,11 +219,8 @@ fn module(said: ast::Wasm, block: ast::ControllerBlock, report: &mut Vec<Diagnos
             ));
         }
     }
-    let file = said.path().value();
-    if file.trim().is_empty() || file.contains('\0') {
-        report.push(unstartable(said.path().span(), "no file is named", "write `wasm \"brakes.wasm\"`"));
-    }
-    (report.len() == before).then_some(file)
+    let file = file(said.path(), "write `wasm \"brakes.wasm\"`", report);
+    file.filter(|_| report.len() == before)
 }
 
 fn command(said: ast::Command, report: &mut Vec<Diagnostic>) -> Option<Vec<String>> {

@@ -9,6 +9,7 @@ mod criterion;
 mod defaults;
 mod evaluate;
 mod experiment;
+mod fmu;
 mod gate;
 mod metric;
 mod model;

@@ -342,6 +342,7 @@ fn describe(rule: &Rule) -> Option<String> {
         Rule::start_distance => "a distance `… from kerb` or `… from lane centre`",
         Rule::population => "`standard` or a file's name in quotes",
         Rule::tag => "a tag",
+        Rule::signal => "a signal such as `ego.speed`",
         Rule::vehicle_part => "`front` or `centre`",
         Rule::varied => "`NAME in [ … ]`",
         Rule::target => "what to search over",

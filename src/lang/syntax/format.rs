@@ -72,7 +72,7 @@ enum AtomKind {
 fn is_leaf(rule: Rule) -> bool {
     use Rule::{
         boolean, distribution_name, integer, name, negation, number, operator, reference, setting_name,
-        string, tag, unit,
+        signal, string, tag, unit,
     };
     matches!(
         rule,
@@ -85,6 +85,7 @@ fn is_leaf(rule: Rule) -> bool {
             | operator
             | reference
             | setting_name
+            | signal
             | string
             | tag
             | unit

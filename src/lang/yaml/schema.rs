@@ -114,6 +114,8 @@ fn value(statement: &StatementEntry, registry: &Registry) -> Value {
                         "default": words(),
                         "text": { "type": "string" },
                         "in": one_or_several(&words()),
+                        "as": { "type": "string" },
+                        "unit": { "type": "string" },
                         "doc": { "type": "string" },
                     },
                     "additionalProperties": false,

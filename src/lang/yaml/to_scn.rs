@@ -393,20 +393,23 @@ impl Writer<'_> {
         }
     }
 
-    /// A default alone, or `{ default: 5 m, in: 1 m .. 30 m, doc: … }`; in place of `default`, `text` is one that is in quotes.
+    /// A default alone, or `{ default: 5 m, in: 1 m .. 30 m, as: T, unit: m, doc: … }`; in place of `default`, `text` is one that is in
+    /// quotes.
     fn own_parameter(&mut self, name: &Yaml, value: &Yaml) {
         self.name(name);
         self.text.push_str(" = ");
         let Content::Mapping(fields) = &value.value else { return self.words(value) };
         let field = |wanted: &str| fields.iter().find(|(key, _)| key.scalar() == Some(wanted));
-        let known = |(key, _): &(Yaml, Yaml)| matches!(key.scalar(), Some("default" | "text" | "in" | "doc"));
+        let known = |(key, _): &(Yaml, Yaml)| {
+            matches!(key.scalar(), Some("default" | "text" | "in" | "as" | "unit" | "doc"))
+        };
         match (field("default"), field("text")) {
             (Some((_, default)), None) if fields.iter().all(known) => self.words(default),
             (None, Some((_, text))) if fields.iter().all(known) => self.quoted(text),
             _ => {
                 return self.wrong(
                     value,
-                    "a parameter is made of `default` or `text`, `in` and `doc`",
+                    "a parameter is made of `default` or `text`, `in`, `as`, `unit` and `doc`",
                     "write `{ default: 5 m, in: 1 m .. 30 m, doc: … }`",
                 );
             }
@@ -421,6 +424,22 @@ impl Writer<'_> {
                 }
                 _ => self.words(values),
             }
+        }
+        match (field("as"), field("unit")) {
+            (Some((_, variable)), unit) => {
+                self.text.push_str(" as ");
+                self.quoted(variable);
+                if let Some((_, unit)) = unit {
+                    self.text.push_str(" in ");
+                    self.words(unit);
+                }
+            }
+            (None, Some((unit, _))) => self.wrong(
+                unit,
+                "`unit` is that of the variable that `as` names",
+                "write `{ default: 5 m, in: 1 m .. 30 m, as: T, unit: m }`",
+            ),
+            (None, None) => {}
         }
         if let Some((_, doc)) = field("doc") {
             self.text.push(' ');

@@ -249,7 +249,7 @@ fn write(statement: &StatementEntry, statements: &[Node], depth: usize, out: &mu
     }
 }
 
-/// `{ default: 5 m, in: 1 m .. 30 m, doc: "…" }`, where a default in quotes is a `text`.
+/// `{ default: 5 m, in: 1 m .. 30 m, as: "T", unit: "m", doc: "…" }`, where a default in quotes is a `text`.
 fn own_parameter(node: ast::OwnParameter) -> String {
     let (default, text) = (node.default(), |text: &str| serde_json::Value::from(text).to_string());
     let mut parts = vec![match (default.parts::<ast::Text>().next(), default.terms().count()) {
@@ -262,6 +262,10 @@ fn own_parameter(node: ast::OwnParameter) -> String {
             Some(list) => format!("in: {}", flow_list(list.values().map(|value| phrase(*value)))),
             None => format!("in: {}", scalar(words.strip_prefix("in ").unwrap_or(&words))),
         });
+    }
+    if let Some(wired) = node.wired() {
+        parts.push(format!("as: {}", text(&wired.variable().value())));
+        parts.extend(wired.unit().map(|said| format!("unit: {}", text(said.unit().text()))));
     }
     parts.extend(node.doc().map(|doc| format!("doc: {}", text(&doc.value()))));
     format!("{{ {} }}", parts.join(", "))

@@ -2,7 +2,7 @@
 
 use super::super::words::{BlockEntry, BlockKind, YamlShape, statement};
 use super::DOC;
-use super::{Doc, Expression, Integer, List, Name, Text};
+use super::{Doc, Expression, Integer, List, Name, Signal, Text, Unit};
 #[cfg(test)]
 use super::{Holds, Made};
 use super::{Node, Rule, View};
@@ -14,6 +14,7 @@ views! {
         doc: (Doc),
         command: (Command),
         wasm: (Wasm),
+        fmu: (Fmu),
         folder: (Folder),
         environment: (Environment),
         gives: (Gives),
@@ -26,11 +27,15 @@ views! {
         processes: (Processes),
         nondeterministic: (Nondeterministic),
         parameters: [OwnParameter],
+        inputs: [Input],
+        outputs: [Output],
     }
     /// `command "python3", "-m", "my_av"`
     Command = command { words: [Text] }
     /// `wasm "FILE"`
     Wasm = wasm { path: Text }
+    /// `fmu "FILE"`
+    Fmu = fmu { path: Text }
     Folder = folder { path: Text }
     /// `environment "NAME=VALUE", …`
     Environment = environment { pairs: [Text] }
@@ -45,10 +50,17 @@ views! {
     AnswersWithin = answers_within { value: Expression }
     Processes = processes { number: Integer }
     Nondeterministic = nondeterministic {}
-    /// `parameter NAME = DEFAULT in LOW .. HIGH "what it is"`
-    OwnParameter = own_parameter { name: Name, default: Expression, values: (OwnValues), doc: (Text) }
+    /// `parameter NAME = DEFAULT in LOW .. HIGH as "VARIABLE" in UNIT "what it is"`
+    OwnParameter = own_parameter { name: Name, default: Expression, values: (OwnValues), wired: (Wired), doc: (Text) }
     /// `in LOW .. HIGH`, `in whole LOW .. HIGH` or `in [A, B]`
     OwnValues = own_values { list: (List), is_whole: {kw_whole}, bounds: [Expression] }
+    /// `as "VARIABLE" in UNIT`
+    Wired = wired { variable: Text, unit: (InUnit) }
+    /// `input SIGNAL = "VARIABLE" in UNIT`
+    Input = input { signal: Signal, variable: Text, unit: (InUnit) }
+    /// `output SIGNAL = "VARIABLE" in UNIT`
+    Output = output { signal: Signal, variable: Text, unit: (InUnit) }
+    InUnit = in_unit { unit: Unit }
 }
 
 pub static CONTROLLER: BlockEntry = BlockEntry {
@@ -71,6 +83,13 @@ pub static CONTROLLER: BlockEntry = BlockEntry {
             "The WebAssembly module that decides, in place of a `command`: it is given nothing but what its vehicle sees, and needs no permission.",
         )
         .key("wasm", YamlShape::Text),
+        statement(
+            "fmu",
+            Rule::fmu,
+            "fmu \"aeb.fmu\"",
+            "The functional mock-up unit that decides, in place of a `command`: for co-simulation, of FMI 2.0 or 3.0.",
+        )
+        .key("fmu", YamlShape::Text),
         statement(
             "folder",
             Rule::folder,
@@ -146,10 +165,26 @@ pub static CONTROLLER: BlockEntry = BlockEntry {
         statement(
             "parameter",
             Rule::own_parameter,
-            "parameter gap = 5 m in 1 m .. 30 m \"Gap to whoever crosses.\"`, `parameter profile = normal in [cautious, normal]` or `parameter horizon = 20 in whole 5 .. 80",
-            "A parameter with its default, its range or options, and what it is.",
+            "parameter gap = 5 m in 1 m .. 30 m \"Gap to whoever crosses.\"`, `parameter profile = normal in [cautious, normal]` or `parameter horizon = 20 in whole 5 .. 80` or `parameter time_gap = 1.5 s in 0.5 s .. 3 s as \"T_gap\" in s \"Gap.\"",
+            "A parameter with its default, its range or options, what it is called in an `fmu`, and what it is.",
         )
         .key("parameters", YamlShape::OwnParameters)
+        .repeats(),
+        statement(
+            "input",
+            Rule::input,
+            "input ego.speed = \"vEgo\" in km/h",
+            "The variable of an `fmu` that is told something of what the vehicle sees, and in which unit if the unit says none.",
+        )
+        .key("inputs", YamlShape::Lines)
+        .repeats(),
+        statement(
+            "output",
+            Rule::output,
+            "output acceleration = \"axReq\" in m/s^2",
+            "The variable of an `fmu` that says what the vehicle is to do, and in which unit if the unit says none.",
+        )
+        .key("outputs", YamlShape::Lines)
         .repeats(),
     ],
 };

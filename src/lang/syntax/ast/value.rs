@@ -14,6 +14,8 @@ views! {
     Integer = integer {}
     Number = number {}
     Unit = unit {}
+    /// `ego.speed`, `time`
+    Signal = signal {}
     /// `true` or `false`
     Boolean = boolean {}
     /// A name that stands for a value.
@@ -35,7 +37,7 @@ views! {
 
 choices! {
     /// What means something by itself.
-    Word = Name | Reference | SettingName | Unit;
+    Word = Name | Reference | SettingName | Signal | Unit;
     /// What stands between the commas of a statement.
     Listed = Tag | Direction | Constraint | Expression | Measure;
     /// What a value is made of, between operators.

@@ -89,7 +89,8 @@ pub enum YamlShape {
     Base,
     /// The parameters of a template.
     Parameters,
-    /// A mapping of names to defaults, or to `{ default: 5 m, in: 1 m .. 30 m, doc: … }`: `parameter name = 5 m in 1 m .. 30 m "…"`
+    /// A mapping of names to defaults, or to `{ default: 5 m, in: 1 m .. 30 m, as: T, unit: m, doc: … }`:
+    /// `parameter name = 5 m in 1 m .. 30 m as "T" in m "…"`
     OwnParameters,
 }
 
