@@ -1,13 +1,13 @@
 """The controller of `sdk/python/examples/brake.py` as functional mock-up units: of FMI 2.0, and what is other in 3.0."""
 
 TWO = """
-from pythonfmu import Boolean, Fmi2Causality as Causality, Fmi2Slave as Slave, Fmi2Variability as Variability, Real as Number
+from pythonfmu import Boolean, Fmi2Causality as Causality, Fmi2Slave, Fmi2Variability as Variability, Real as Number
 
 CLOCK = None
 """
 
 THREE = """
-from pythonfmu3 import Boolean, Fmi3Causality as Causality, Fmi3Slave as Slave, Fmi3Variability as Variability, Float64 as Number
+from pythonfmu3 import Boolean, Fmi3Causality as Causality, Fmi3Slave, Fmi3Variability as Variability, Float64 as Number
 
 CLOCK = dict(causality=Causality.independent, variability=Variability.continuous)
 """
@@ -16,7 +16,7 @@ UNIT = '''
 OBJECTS = range(1, 9)
 
 
-class {name}(Slave):
+class {name}(Fmi{edition}Slave):
     """Brakes for whoever is near."""
 
     author = "the tests"
@@ -50,7 +50,7 @@ class {name}(Slave):
 
 def text(edition, name, braking="-3.0", misdeed="pass"):
     """The module of a unit."""
-    return (TWO if edition == 2 else THREE) + UNIT.format(name=name, braking=braking, misdeed=misdeed)
+    return (TWO if edition == 2 else THREE) + UNIT.format(name=name, edition=edition, braking=braking, misdeed=misdeed)
 
 
 def declaration(name, environment, reach="25 m", unit="m/s"):

@@ -71,10 +71,11 @@ impl Archive {
         for index in 0..self.zip.len() {
             let file = self.zip.by_index(index).map_err(|error| refused(&error.to_string()))?;
             let name = file.name().replace('\\', "/");
-            if let Some(platform) = name.strip_prefix("binaries/").and_then(|rest| rest.split('/').next()) {
-                if !platform.is_empty() && !found.iter().any(|known| known == platform) {
-                    found.push(platform.to_string());
-                }
+            let platform = name.strip_prefix("binaries/").and_then(|rest| rest.split('/').next());
+            if let Some(platform) =
+                platform.filter(|one| !one.is_empty() && !found.iter().any(|known| known == one))
+            {
+                found.push(platform.to_string());
             }
             let is_wanted = name.starts_with(&binaries)
                 || name.starts_with("resources/")

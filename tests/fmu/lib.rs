@@ -151,7 +151,6 @@ pub unsafe extern "C" fn fmi2Instantiate(
 }
 
 #[unsafe(no_mangle)]
-#[expect(clippy::too_many_arguments, reason = "as the standard says")]
 pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
     _name: *const c_char,
     token: *const c_char,
@@ -240,7 +239,7 @@ functions! {
     };
     fmi3EnterInitializationMode(_unit, _tolerance: bool, _of: f64, _start: f64, _ends: bool, _stop: f64) OK;
     fmi3ExitInitializationMode(unit) unit.initialise();
-    fmi3SetString(unit, _at: *const u32, _count: usize, values: *const *const c_char, _values: usize) {
+    fmi3SetString(unit, _at: *const u32, _count: usize, values: *const *const c_char, _length: usize) {
         unit.kind = unsafe { CStr::from_ptr(*values) }.to_string_lossy().into_owned();
         OK
     };
