@@ -96,7 +96,13 @@ impl Process {
                 return Err(StartError::new(StartProblem::CannotStart, program, message, hint));
             }
         };
-        Self::greeted(program, channel, encoding)
+        let started = Self::greeted(program, channel, encoding);
+        #[cfg(feature = "fmu")]
+        let started = started.map(|mut process| {
+            process._fmu = fmu;
+            process
+        });
+        started
     }
 
     /// Takes whoever started this process for the program, and waits for its hello.
@@ -131,7 +137,7 @@ impl Process {
             request: Vec::new(),
             answer: Vec::new(),
             #[cfg(feature = "fmu")]
-            _fmu: fmu,
+            _fmu: None,
         };
         process.greet()?;
         Ok(process)
