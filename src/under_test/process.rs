@@ -49,7 +49,6 @@ pub struct OwnExecutables<'a> {
     /// Ends a process whose runner is gone.
     pub supervisor: Option<&'a Path>,
     /// Loads functional mock-up units.
-    #[cfg_attr(not(feature = "fmu"), expect(dead_code, reason = "there are none"))]
     pub fmu_host: Option<&'a Path>,
 }
 
