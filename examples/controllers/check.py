@@ -81,11 +81,11 @@ def gate(folder, said):
         text = file.read()
     with open(declared, "w") as file:
         file.write(text.replace('"planner.py"', '"planner.py", "--next"'))
-    found = said(suite, codes=(100,))
+    found = said(suite, codes=(104,))
     with open(declared, "w") as file:
         file.write(text)
-    print(found)
-    assert "planner 1" in found and "2" in found
+    assert "planner 1 -> planner 2" in found and "regressed" in found, found
+    print(found[found.index("gate next_version"):].split("  worse in one trial")[0])
 
 
 def by_time(folder, said):
