@@ -9,9 +9,6 @@ use scenario::World;
 use sim::measure::{Measurement, Reading, half_extent};
 use sim::{Snapshot, Solid, collision_course, has_arrived, has_crossed};
 
-/// A controller that stops exactly leaves speeds as small as this, m/s.
-const ROUNDING: f64 = 1e-9;
-
 /// Of a run that the horizon or a contact ended in the state `last`.
 pub fn cut_off(world: &World, last: &Snapshot, measurement: &Measurement, readings: &[Reading]) -> CutOff {
     CutOff {
@@ -41,9 +38,7 @@ fn on_course(world: &World, last: &Snapshot, measurement: &Measurement) -> Vec<O
     // Two vehicles are one pair, whoever of them is named first.
     let once = |(car, with): &(usize, Solid)| !matches!(with, Solid::Vehicle(other) if other < car);
     let apart = pairs.filter(once).filter(|(car, with)| !measurement.touched(*car, *with));
-    // Those who stand touch nobody, however long they are given.
-    let moving = apart.filter(|(car, with)| !(stands(last, Solid::Vehicle(*car)) && stands(last, *with)));
-    let courses = moving.filter_map(|(car, with)| {
+    let courses = apart.filter_map(|(car, with)| {
         let time = collision_course(Solid::Vehicle(car), with, last, world)?;
         Some(OnCourse {
             vehicle: shared(Solid::Vehicle(car).name(world)),
@@ -67,8 +62,7 @@ fn unfinished(world: &World, last: &Snapshot, measurement: &Measurement) -> Vec<
         let crossed = person.present && has_crossed(world, last, *index, vehicle);
         let rear = vehicle.motion.travelled - world.vehicles[*car].length / 2.0;
         let passed = rear >= vehicle.path.along(person.position) + half_extent(person).x;
-        let stands =
-            person.present && stands(last, Solid::Pedestrian(*index)) && stands(last, Solid::Vehicle(*car));
+        let stands = person.present && person.velocity.norm() == 0.0 && vehicle.motion.speed == 0.0;
         !(crossed || passed || stands || measurement.touched(*car, Solid::Pedestrian(*index)))
     });
     let named = not_over.map(|(car, person)| Unfinished {
@@ -76,15 +70,6 @@ fn unfinished(world: &World, last: &Snapshot, measurement: &Measurement) -> Vec<
         pedestrian: shared(Solid::Pedestrian(person).name(world)),
     });
     named.collect()
-}
-
-/// Whether it stands but for rounding.
-fn stands(last: &Snapshot, who: Solid) -> bool {
-    match who {
-        Solid::Vehicle(index) => last.vehicles[index].motion.speed < ROUNDING,
-        Solid::Pedestrian(index) => last.pedestrians[index].velocity.norm() < ROUNDING,
-        Solid::Box(_) => true,
-    }
 }
 
 /// Everything that a vehicle may touch.
