@@ -3,6 +3,7 @@
 //! The conflict point is where the vehicle's path (the centre line of its lane) and the pedestrian's actual path
 //! cross. A pedestrian who retreats passes the line several times, each time at a conflict point of its own.
 
+use super::travel::standing;
 use scenario::{Absence, Metric, MetricKind, MetricRange, Scope, Worst};
 use scenario::{ChoiceOption, Declaration, Dimension, Parameter};
 use sim::measure::Reached;
@@ -324,14 +325,7 @@ pub fn tta_at_entry() -> Metric {
             "The part of the vehicle that arrives.",
             "centre as for pet",
         ),
-        Parameter::number(
-            "standing",
-            Dimension::SPEED,
-            0.1,
-            (0.0, 10.0),
-            "At or below this speed the vehicle stands.",
-            "as for stopped_time: controllers approach a standstill without quite reaching it",
-        ),
+        standing("standing"),
     ]);
     Metric {
         declaration,

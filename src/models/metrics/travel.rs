@@ -121,17 +121,22 @@ impl Meter for TravelTime {
     }
 }
 
+/// At or below which speed a vehicle stands, a parameter of this name.
+pub fn standing(name: &'static str) -> Parameter {
+    Parameter::number(
+        name,
+        Dimension::SPEED,
+        0.1,
+        (0.0, 10.0),
+        "At or below this speed the vehicle stands.",
+        "controllers approach a standstill without quite reaching it",
+    )
+}
+
 pub fn stopped_time() -> Metric {
     let declaration = Declaration::new("stopped_time", "How long the vehicle stands during the run.")
         .source("time with a speed below the parameter, interpolated inside a step")
-        .parameters([Parameter::number(
-            "speed",
-            Dimension::SPEED,
-            0.1,
-            (0.0, 10.0),
-            "At or below this speed the vehicle stands.",
-            "controllers approach a standstill without quite reaching it",
-        )]);
+        .parameters([standing("speed")]);
     Metric {
         declaration,
         kind: MetricKind::Quantity(Dimension::TIME),
