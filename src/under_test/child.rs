@@ -14,12 +14,9 @@ use super::quote::quoted;
 use super::start::{StartError, StartProblem};
 use super::supervise::BY_SIGNAL;
 use super::watchdog::{Watchdog, Watched};
-use super::wire;
+use super::wire::{self, MOST_LINES_BEFORE_HELLO};
 use scenario::DeclaredProgram;
 use scenario::{FaultKind, ProgramFault};
-
-/// Lines that a program may print before its hello.
-const MOST_LINES_BEFORE_HELLO: usize = 100;
 
 /// In which a program that is told goodbye ends by itself.
 const TIME_TO_EXIT: Duration = Duration::from_secs(2);
@@ -152,11 +149,8 @@ impl Child {
         limit: Duration,
         answer: &mut Vec<u8>,
     ) -> Result<(), ProgramFault> {
-        // It never speaks first: what it says unasked would be taken for the answer to what it is asked next.
         if !self.stdout.buffer().is_empty() {
-            let said = quoted(self.stdout.buffer());
-            let message = format!("it said more than it was asked for: {said}");
-            return Err(ProgramFault::new(FaultKind::Garbage, message));
+            return Err(wire::unasked(self.stdout.buffer()));
         }
         self.within(limit, |child| {
             child.write(request)?;
@@ -226,7 +220,7 @@ impl Child {
             return Ok(Ok(()));
         }
         if line.len() > wire::LONGEST {
-            return Ok(Err(format!("a line of more than 1 MiB that begins with {}", quoted(line))));
+            return Ok(Err(wire::too_long(line)));
         }
         Err(io::ErrorKind::UnexpectedEof.into())
     }
@@ -235,10 +229,10 @@ impl Child {
     fn read_frame(&mut self, frame: &mut Vec<u8>) -> io::Result<Result<(), String>> {
         let mut length = [0; 4];
         self.stdout.read_exact(&mut length)?;
-        let size = u32::from_le_bytes(length) as usize;
-        if !(4..=wire::LONGEST).contains(&size) {
-            return Ok(Err(format!("a frame of {size} bytes, which begins with {}", quoted(&length))));
-        }
+        let size = match wire::frame_size(length) {
+            Ok(size) => size,
+            Err(message) => return Ok(Err(message)),
+        };
         frame.resize(size, 0);
         self.stdout.read_exact(frame)?;
         Ok(Ok(()))
@@ -247,8 +241,7 @@ impl Child {
     /// The fault of a process that could not be written to or read from.
     fn broken(&mut self, error: &io::Error, limit: Duration) -> ProgramFault {
         if self.watched.has_expired() {
-            let seconds = limit.as_secs_f64();
-            return ProgramFault::new(FaultKind::Timeout, format!("no answer within {seconds} s"));
+            return wire::late(limit);
         }
         // What has closed its pipes is about to end.
         let ended = self.watched.wait(Duration::from_millis(500));

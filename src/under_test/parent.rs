@@ -8,11 +8,8 @@ use std::time::{Duration, Instant};
 
 use super::hello::Encoding;
 use super::quote::quoted;
-use super::wire;
+use super::wire::{self, MOST_LINES_BEFORE_HELLO, garbage};
 use scenario::{FaultKind, ProgramFault};
-
-/// Lines that it may say before its hello.
-const MOST_LINES_BEFORE_HELLO: usize = 100;
 
 /// Of what it says, read at once, bytes; so many of these are kept until somebody wants them.
 const CHUNK: usize = 1 << 16;
@@ -59,9 +56,8 @@ impl Parent {
                 return Ok(String::from_utf8_lossy(&said).into_owned());
             }
         }
-        let message =
-            format!("it said more than {MOST_LINES_BEFORE_HELLO} lines, the last of them {}", quoted(&said));
-        Err(ProgramFault::new(FaultKind::Garbage, message))
+        let last = quoted(&said);
+        Err(garbage(format!("it said more than {MOST_LINES_BEFORE_HELLO} lines, the last of them {last}")))
     }
 
     /// Sends a request, and reads what is answered into `answer`: a line, or a frame without its length.
@@ -92,7 +88,7 @@ impl Parent {
         self.send(request, Instant::now() + limit, limit)
     }
 
-    /// It never speaks first: what it says unasked would be taken for the answer to what it is asked next.
+    /// Refuses what it says unasked.
     fn has_said_nothing(&mut self) -> Result<(), ProgramFault> {
         if let Ok(said) = self.said.try_recv() {
             self.left.extend(said.map_err(|error| unreachable(&error))?);
@@ -103,8 +99,7 @@ impl Parent {
         if self.left.is_empty() {
             return Ok(());
         }
-        let message = format!("it said more than it was asked for: {}", quoted(&self.left));
-        Err(ProgramFault::new(FaultKind::Garbage, message))
+        Err(wire::unasked(&self.left))
     }
 
     fn send(&mut self, bytes: &[u8], until: Instant, limit: Duration) -> Result<(), ProgramFault> {
@@ -113,7 +108,7 @@ impl Parent {
             Ok(Ok(())) => Ok(()),
             Ok(Err(error)) if error.kind() == io::ErrorKind::BrokenPipe => Err(ended()),
             Ok(Err(error)) => Err(unreachable(&error)),
-            Err(RecvTimeoutError::Timeout) => Err(late(limit)),
+            Err(RecvTimeoutError::Timeout) => Err(wire::late(limit)),
             Err(RecvTimeoutError::Disconnected) => Err(ended()),
         }
     }
@@ -127,7 +122,7 @@ impl Parent {
                 Ok(())
             }
             Ok(Err(error)) => Err(unreachable(&error)),
-            Err(RecvTimeoutError::Timeout) => Err(late(limit)),
+            Err(RecvTimeoutError::Timeout) => Err(wire::late(limit)),
             Err(RecvTimeoutError::Disconnected) => Err(ended()),
         }
     }
@@ -137,12 +132,12 @@ impl Parent {
         let mut looked = 0;
         loop {
             if let Some(at) = self.left[looked..].iter().position(|byte| *byte == b'\n') {
-                return self.take(looked + at + 1, line);
+                self.take(looked + at + 1, line);
+                return Ok(());
             }
             looked = self.left.len();
             if looked > wire::LONGEST {
-                let message = format!("a line of more than 1 MiB that begins with {}", quoted(&self.left));
-                return Err(ProgramFault::new(FaultKind::Garbage, message));
+                return Err(garbage(wire::too_long(&self.left)));
             }
             self.more(until, limit)?;
         }
@@ -155,22 +150,18 @@ impl Parent {
         }
         let mut length = [0; 4];
         length.copy_from_slice(&self.left[..4]);
-        let size = u32::from_le_bytes(length) as usize;
-        if !(4..=wire::LONGEST).contains(&size) {
-            let message = format!("a frame of {size} bytes, which begins with {}", quoted(&length));
-            return Err(ProgramFault::new(FaultKind::Garbage, message));
-        }
+        let size = wire::frame_size(length).map_err(garbage)?;
         while self.left.len() < 4 + size {
             self.more(until, limit)?;
         }
         self.left.drain(..4);
-        self.take(size, frame)
+        self.take(size, frame);
+        Ok(())
     }
 
-    fn take(&mut self, size: usize, to: &mut Vec<u8>) -> Result<(), ProgramFault> {
+    fn take(&mut self, size: usize, to: &mut Vec<u8>) {
         to.clear();
         to.extend(self.left.drain(..size));
-        Ok(())
     }
 }
 
@@ -202,10 +193,6 @@ fn hear(mut from: File, heard: &SyncSender<io::Result<Vec<u8>>>) {
 
 fn ended() -> ProgramFault {
     ProgramFault::new(FaultKind::Exited, "the parent closed its streams".to_string())
-}
-
-fn late(limit: Duration) -> ProgramFault {
-    ProgramFault::new(FaultKind::Timeout, format!("no answer within {} s", limit.as_secs_f64()))
 }
 
 fn unreachable(error: &io::Error) -> ProgramFault {

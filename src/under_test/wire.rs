@@ -1,5 +1,7 @@
 //! What is said to a program and what it answers, as lines of JSON or as rows of doubles.
 
+use std::time::Duration;
+
 use serde_json::{Map, Value as Json, json};
 
 use super::quote::quoted;
@@ -346,7 +348,34 @@ pub enum Reply {
     Refused(Vec<(usize, String)>),
 }
 
-fn garbage(message: impl Into<String>) -> ProgramFault {
+/// Lines that a program may say before its hello.
+pub const MOST_LINES_BEFORE_HELLO: usize = 100;
+
+/// What was said before anything was asked would be taken for the answer to what is asked next: a program never speaks first.
+pub fn unasked(said: &[u8]) -> ProgramFault {
+    garbage(format!("it said more than it was asked for: {}", quoted(said)))
+}
+
+/// What is wrong with a line that is longer than [`LONGEST`].
+pub fn too_long(line: &[u8]) -> String {
+    format!("a line of more than 1 MiB that begins with {}", quoted(line))
+}
+
+/// How many bytes of a frame follow its length, or what is wrong with that.
+pub fn frame_size(length: [u8; 4]) -> Result<usize, String> {
+    let size = u32::from_le_bytes(length) as usize;
+    if (4..=LONGEST).contains(&size) {
+        return Ok(size);
+    }
+    Err(format!("a frame of {size} bytes, which begins with {}", quoted(&length)))
+}
+
+/// There was no answer within its time.
+pub fn late(limit: Duration) -> ProgramFault {
+    ProgramFault::new(FaultKind::Timeout, format!("no answer within {} s", limit.as_secs_f64()))
+}
+
+pub fn garbage(message: impl Into<String>) -> ProgramFault {
     ProgramFault::new(FaultKind::Garbage, message)
 }
 
