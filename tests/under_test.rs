@@ -101,7 +101,12 @@ fn fingerprints(text: &str, arguments: &[&str]) -> Result<Vec<(String, String)>,
     all.extend(arguments);
     let said = run(folder.path(), &all);
     expect(said.code == Some(0), || said.text.clone())?;
-    let json: serde_json::Value = serde_json::from_str(&fs::read_to_string(folder.path().join("out.json"))?)?;
+    written_fingerprints(folder.path())
+}
+
+/// Key and fingerprint of each run in the results that were written there.
+fn written_fingerprints(folder: &Path) -> Result<Vec<(String, String)>, Failed> {
+    let json: serde_json::Value = serde_json::from_str(&fs::read_to_string(folder.join("out.json"))?)?;
     let mut found = Vec::new();
     gather(&json, &mut found);
     found.sort();

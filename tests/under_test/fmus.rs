@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
-use super::{Failed, Outcome, Said, expect, expect_all, gather, many, run, scenario};
+use super::{Failed, Outcome, Said, expect, expect_all, gather, many, run, scenario, written_fingerprints};
 
 /// The edition of a unit, and how its description begins and says each variable.
 #[derive(Clone, Copy, PartialEq)]
@@ -127,13 +127,7 @@ fn allowed(folder: &Path, arguments: &[&str]) -> Said {
 fn fingerprints_in(folder: &Path, arguments: &[&str]) -> Result<Vec<(String, String)>, Failed> {
     let said = allowed(folder, arguments);
     expect(said.code == Some(0), || said.text.clone())?;
-    let json: serde_json::Value = serde_json::from_str(&fs::read_to_string(folder.join("out.json"))?)?;
-    let mut found = Vec::new();
-    gather(&json, &mut found);
-    found.sort();
-    found.dedup();
-    expect(!found.is_empty(), || "no run has a fingerprint".to_string())?;
-    Ok(found)
+    written_fingerprints(folder)
 }
 
 fn fingerprints(text: &str, wired: &str, edition: Edition) -> Result<Vec<(String, String)>, Failed> {

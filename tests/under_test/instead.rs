@@ -5,7 +5,7 @@ use std::path::Path;
 
 use libtest_mimic::Failed;
 
-use super::{Outcome, Said, expect, expect_all, gather, run, scenario};
+use super::{Outcome, Said, expect, expect_all, run, scenario, written_fingerprints};
 
 /// A scenario whose `av` says these, one that builds on it with its own, and one with another vehicle beside it.
 fn scenarios(controller: &str, second: &str) -> String {
@@ -46,12 +46,8 @@ fn results(folder: &Path, arguments: &[&str]) -> Result<serde_json::Value, Faile
 }
 
 fn fingerprints(folder: &Path, arguments: &[&str]) -> Result<Vec<(String, String)>, Failed> {
-    let mut found = Vec::new();
-    gather(&results(folder, arguments)?, &mut found);
-    found.sort();
-    found.dedup();
-    expect(!found.is_empty(), || "no run has a fingerprint".to_string())?;
-    Ok(found)
+    results(folder, arguments)?;
+    written_fingerprints(folder)
 }
 
 /// Whatever is put in its place is as if it stood there, in every scenario and template, by hand, by the suite and outside.

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use super::{Outcome, expect, expect_all, gather, many, run, scenario};
+use super::{Outcome, expect, expect_all, many, run, scenario, written_fingerprints};
 
 /// Brakes as the program of these tests does.
 const BRAKES: &str = include_str!("brakes.wat");
@@ -26,12 +26,7 @@ fn fingerprints(text: &str, module: &str, threads: &str) -> Result<Vec<(String, 
     let folder = in_folder(text, module);
     let said = run(folder.path(), &["meet.scn", "--no-progress", "--json=out.json", threads]);
     expect(said.code == Some(0), || said.text.clone())?;
-    let json: serde_json::Value = serde_json::from_str(&fs::read_to_string(folder.path().join("out.json"))?)?;
-    let mut found = Vec::new();
-    gather(&json, &mut found);
-    found.sort();
-    found.dedup();
-    Ok(found)
+    written_fingerprints(folder.path())
 }
 
 /// The same bits as a process, in batches of any size, by any number of threads, without permission.

@@ -8,7 +8,9 @@ use std::process::{Child, Command, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::{Outcome, ROLE, Said, expect, expect_all, gather, in_folder, many, run, runner, scenario};
+use super::{
+    Outcome, ROLE, Said, expect, expect_all, in_folder, many, run, runner, scenario, written_fingerprints,
+};
 
 const SERVED: [&str; 4] = ["meet.scn", "--serve-by-parent", "own", "--no-progress"];
 
@@ -36,30 +38,20 @@ fn served(folder: &Path, words: &str, arguments: &[&str]) -> Said {
     Said { code: output.status.code(), text: String::from_utf8_lossy(&output.stderr).into_owned() }
 }
 
-fn fingerprints(folder: &Path) -> Result<Vec<(String, String)>, libtest_mimic::Failed> {
-    let json = serde_json::from_str(&fs::read_to_string(folder.join("out.json"))?)?;
-    let mut found = Vec::new();
-    gather(&json, &mut found);
-    found.sort();
-    found.dedup();
-    expect(!found.is_empty(), || "no run has a fingerprint".to_string())?;
-    Ok(found)
-}
-
 /// The same as a child, whatever it speaks; without permission, and without starting what is declared.
 pub fn a_parent_decides_as_a_child() -> Outcome {
     let text = many("touch=started", "period 100 ms");
     let folder = in_folder(&text);
     let path = folder.path();
     expect_all(&run(path, &["meet.scn", "--allow-run", "--json=out.json", "--no-progress"]), 0, &[])?;
-    let known = fingerprints(path)?;
+    let known = written_fingerprints(path)?;
     fs::remove_file(path.join("started"))?;
     for words in ["", "at_once=64", "at_once=5 encoding=f64", "encoding=f64"] {
         for threads in ["-j1", "-j3"] {
             fs::remove_file(path.join("out.json"))?;
             let said = served(path, words, &[&SERVED[..], &["--json=out.json", threads]].concat());
             expect_all(&said, 0, &["Summary", "controller `own` is tested 1.0", "1 run made twice"])?;
-            expect(fingerprints(path)? == known, || format!("{words} {threads}"))?;
+            expect(written_fingerprints(path)? == known, || format!("{words} {threads}"))?;
             expect(!path.join("started").exists(), || "the declared program was started".into())?;
         }
     }
@@ -78,9 +70,9 @@ pub fn a_parent_decides_as_a_child() -> Outcome {
         0,
         &["av: own { gap: 12 m } instead of carla_behavior"],
     )?;
-    let by_parent = fingerprints(path)?;
+    let by_parent = written_fingerprints(path)?;
     expect_all(&run(path, &[&["meet.scn", "--allow-run", "--no-progress"][..], &instead].concat()), 0, &[])?;
-    expect(by_parent == fingerprints(path)?, || "another with --controller".into())?;
+    expect(by_parent == written_fingerprints(path)?, || "another with --controller".into())?;
     let two = other.replace(
         "  pedestrian walker",
         "  vehicle two { controller second; speed 20 km/h; start 80 m before crossing }\n  pedestrian walker",
