@@ -39,7 +39,8 @@ def main(runner, folder):
     assert len(rows) == 1440, len(rows)
     print(text[text.rindex("\ncontroller `highway_idm`"):].strip().split("note:")[0].strip())
     again, _ = runs(own, "again", "-j1")
-    differing = [run for run, one in bits(rows).items() if bits(again).get(run) != one]
+    known, found = bits(rows), bits(again)
+    differing = [run for run in known.keys() | found.keys() if known.get(run) != found.get(run)]
     assert not differing, f"one thread: {len(differing)} of {len(rows)} runs are others, such as {differing[:3]}"
     print(f"own_controllers: the same {len(rows)} runs on one thread")
     table(rows)
