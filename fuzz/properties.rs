@@ -1,4 +1,4 @@
-//! What holds for every text: the bodies of the fuzz targets, which the test suite runs too (`tests/fuzz.rs`).
+//! What holds for every text: the bodies of the fuzz targets, which the test suite runs too (`tests/repository/fuzz.rs`).
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! An allocator that counts: `#[global_allocator] static ALLOCATOR: Counting = Counting;` in the test that uses it.
+//! An allocator that counts: `#[global_allocator] static ALLOCATOR: Counting = Counting;` beside the tests that use it.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;

@@ -1,0 +1,26 @@
+//! The program as its users meet it at the command line and in editors.
+
+mod bugs;
+mod cli;
+mod contacts;
+#[cfg(unix)]
+mod files;
+mod gates;
+mod horizon;
+mod init;
+mod lsp;
+mod numbers;
+mod outputs;
+#[cfg(target_os = "linux")]
+mod pipes;
+mod reports;
+#[cfg(unix)]
+mod resume;
+mod run;
+mod set;
+mod shrink;
+mod summary;
+#[path = "../support/mod.rs"]
+mod support;
+mod units;
+mod verdicts;

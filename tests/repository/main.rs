@@ -1,0 +1,11 @@
+//! What lies in the repository beside the program: pages, examples, colours, the house itself, texts that are right and wrong.
+
+mod examples;
+mod fuzz;
+mod highlighting;
+mod house;
+mod language;
+mod metrics_page;
+mod model_pages;
+#[path = "../../fuzz/properties.rs"]
+mod properties;

@@ -1,0 +1,19 @@
+//! Whole runs through the library: models in their worlds, numerics, executors, and what does not matter.
+
+mod autoware;
+mod baselines;
+mod carla;
+mod commotions_world;
+mod course;
+mod executors;
+mod jaywalker;
+mod numerics;
+mod several_others;
+#[path = "../support/mod.rs"]
+mod support;
+mod values;
+
+use support::counting::Counting;
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
