@@ -46,6 +46,10 @@
 //! | follow a session while it runs | [`results::Reporter`], [`report::Terminal`] |
 //! | make runs elsewhere than on this machine's cores | [`run::Executor`] |
 //! | stop a session | [`run::Stop`] |
+//! | format files, convert them to YAML and back, serve an editor | [`language`] |
+//! | record a baseline, or failures to be run first | [`baseline`], [`corpus`] |
+//! | make a failing case simpler | [`mod@shrink`] |
+//! | let programs of one's own decide | [`programs`] |
 //! | run suites as tests of `cargo test` | [`testing`] |
 //! | extend the program with models of one's own | [`cli::main`] |
 //!
@@ -126,20 +130,68 @@ pub mod project {
         Code, Diagnostic, Failure, Label, Location, Override, Replacement, Severity, Source, SourceId,
         Sources, Span, Style,
     };
-    pub use runner::plan::{Cases, Plan, PlanError, PlannedTrial, ScenarioPlan};
-    pub use runner::project::{Notice, NoticeLevel, PlannedSuite, Problems};
+    pub use runner::plan::{
+        Cases, Plan, PlanError, PlannedTrial, ScenarioPlan, plan, plan_scenario, standalone,
+    };
+    pub use runner::project::{
+        Notice, NoticeLevel, PlannedSuite, Problems, examine, examine_edited, plan_notices,
+    };
 }
 
 /// What [`Session`] speaks of: its units, and whoever watches their runs.
 pub mod session {
-    pub use runner::session::{OnDemand, RunWatch, Unit, UnitKind, Units, Work, gate_key, units};
+    pub use runner::session::{OnDemand, RunWatch, Unit, UnitKind, Units, Work, gate_key, units, with_needs};
 }
 
 /// Where runs are made: an [`Executor`](run::Executor) takes jobs and gives back what came of each. [`Threads`](run::Threads) is the
 /// one that ships.
 pub mod run {
     pub use runner::run::{
-        DecodingError, Done, EncodedBy, Executor, FreeFlows, Job, JobFailure, JobPlace, MeasuredMetrics,
-        Panicked, Ran, Round, RunError, Stop, Threads, Wanted,
+        BatchError, DecodingError, Done, EncodedBy, Executor, FreeFlows, Job, JobFailure, JobPlace,
+        MeasuredMetrics, Panicked, Ran, Round, RunBatch, RunError, Stop, Threads, VerifyRuns, Wanted,
+        WentDifferently, note_places, programs, went_differently,
+    };
+}
+
+/// The texts of files by themselves: to be checked, formatted, written in the other notation, and what editors ask about them.
+pub mod language {
+    pub use lang::filter;
+    pub use lang::{
+        Completion, Examined, Excerpt, Loaded, NamedValue, Outside, Tree, UNITS, UnitEntry, complete,
+        controllers, count, definition, format, from_yaml, hover, load, named_values, nearest, render,
+        render_all, suite_doc, to_yaml, with_controllers, with_declared, write_comparison, write_scenario,
+    };
+}
+
+/// What gates compare with: baselines of trials, recorded once and read from then on by [`results::judge::baseline`].
+pub mod baseline {
+    pub use runner::baseline::{measured_metrics, program_titles, record};
+}
+
+/// Cases that failed, kept in a file and run first from then on.
+pub mod corpus {
+    pub use runner::corpus::{
+        CorpusError, Stale, case_hash, corpus_path, criteria, is_unchecked, read_corpus, record, revive,
+        write_corpus,
+    };
+}
+
+/// What blocks of a file need of each other, and the cases and parameters that they leave in files.
+pub mod experiment {
+    pub use runner::experiment::{CaseFile, ExperimentError, Need, ParameterFile, apply_settings, needs};
+}
+
+/// A failing case made as simple as it can be while it fails.
+pub mod shrink {
+    pub use runner::shrink::{Knob, KnobPlace, Move, ShrinkError, Shrunk, shrink, unmoved};
+}
+
+/// Controllers that are programs of users': who may start them, where their processes are, what was said to them, and whether they keep
+/// to the protocol.
+pub mod programs {
+    pub use under_test::{
+        Allowed, AllowedError, Conformance, Conversation, Hello, KnowsMore, Parent, Permission, ProcessPool,
+        StartError, StartProblem, TriedTimes, WireRecord, WireRecordError, again, conformance,
+        read_conversations,
     };
 }

@@ -312,29 +312,68 @@ fn the_language_and_the_runner_know_no_disk() {
     complain(broken);
 }
 
-/// Suites as tests are what any Rust program could make of the front door: of what stands below they use no more than that offers.
+/// Suites as tests, the command line and the language server are what any Rust program could make of the front door: of what stands below
+/// they use no more than that offers.
 #[test]
-fn suites_as_tests_use_the_front_door() {
-    // Who may start programs is not decided through the front door yet.
-    const BESIDES: [&str; 3] = ["under_test::Allowed", "under_test::Permission", "under_test::ProcessPool"];
+fn suites_as_tests_and_the_command_line_use_the_front_door() {
+    // What hidden commands are: the program itself, in another process.
+    const BESIDES: [&str; 2] = ["under_test::fmu_host", "under_test::supervise"];
     // Packages that the front door offers as a whole.
     const WHOLE: [&str; 5] = ["models", "report", "results", "scenario", "sim"];
+    // Helpers for files and numbers are no part of what is run.
+    const HELPERS: [&str; 2] = ["files", "numbers"];
     let offered = used(&sources().iter().find(|source| source.path == Path::new("lib.rs")).unwrap().code);
     assert!(offered.contains("runner::session::Session"), "the front door was not read: {offered:?}");
     assert!(WHOLE.iter().all(|package| offered.contains(*package)));
     let mut broken = Vec::new();
-    for Source { path, code, .. } in sources().into_iter().filter(|source| source.room == "testing") {
+    for Source { path, room, code, .. } in sources() {
+        if !["testing", "cli"].contains(&room.as_str()) {
+            continue;
+        }
         for name in used(&code) {
             let package = name.split("::").next().unwrap();
             let is_ours = PACKAGES.iter().any(|(known, _)| *known == package);
-            // Helpers for numbers are no part of what is run.
-            let free = WHOLE.contains(&package) || BESIDES.contains(&name.as_str()) || package == "numbers";
-            if is_ours && !free && !offered.contains(&name) {
-                broken.push(format!("{}: `{name}` is not offered by the front door", path.display()));
+            let is_free =
+                [&WHOLE[..], &HELPERS].concat().contains(&package) || BESIDES.contains(&name.as_str());
+            if !is_ours || is_free {
+                continue;
             }
+            let of_a_module = through(&code, &name);
+            let names = if of_a_module.is_empty() { BTreeSet::from([name]) } else { of_a_module };
+            let is_offered = |name: &String| offered.iter().any(|known| name == known || within(name, known));
+            let missing = names.iter().filter(|name| !is_offered(name));
+            broken.extend(
+                missing.map(|name| format!("{}: `{name}` is not offered by the front door", path.display())),
+            );
         }
     }
     complain(broken);
+}
+
+/// Whether it is something of a type or of a module that is offered as a whole.
+fn within(name: &str, offered: &str) -> bool {
+    name.strip_prefix(offered).is_some_and(|rest| rest.starts_with("::"))
+}
+
+/// What code takes out of a module or package that it imports under its name, as whole paths: `plan::plan(…)` for `runner::plan`.
+fn through(code: &str, module: &str) -> BTreeSet<String> {
+    let name = module.rsplit("::").next().unwrap();
+    if name.starts_with(char::is_uppercase) {
+        return BTreeSet::new();
+    }
+    let beginning = format!("{name}::");
+    let starts = code.match_indices(&beginning).map(|(at, _)| at);
+    let own = starts.filter(|at| {
+        !code[..*at].ends_with([':', '_'])
+            && !code[..*at].ends_with(char::is_alphanumeric)
+            && !code[..*at].rsplit(';').next().unwrap().trim_start().starts_with("use ")
+    });
+    let path = |at: usize| {
+        let path = &code[at + name.len()..];
+        let end = path.find(|c: char| c != ':' && c != '_' && !c.is_alphanumeric()).unwrap_or(path.len());
+        format!("{module}{}", path[..end].trim_end_matches(':'))
+    };
+    own.map(path).collect()
 }
 
 /// Every name that `use` gives, as its whole path.
@@ -431,6 +470,15 @@ fn uses_are_read_as_the_compiler_does() {
     let code =
         "pub mod a {\n    pub use x::{\n        B, c::{self, D as E},\n    };\n}\nuse y;\nlet z = 1;\n";
     assert_eq!(used(code).into_iter().collect::<Vec<_>>(), ["x::B", "x::c", "x::c::D", "y"]);
+}
+
+#[test]
+fn what_is_taken_out_of_a_module_is_seen() {
+    let code = "use runner::plan::{self, Plan};\nlet a = plan::plan(&b);\nlet c = my_plan::other();\nlet d = x::plan::third();\nplan::fourth()";
+    let found = through(code, "runner::plan");
+    assert_eq!(found.into_iter().collect::<Vec<_>>(), ["runner::plan::fourth", "runner::plan::plan"]);
+    assert!(through(code, "runner::plan::Plan").is_empty());
+    assert!(within("lang::Style::default", "lang::Style") && !within("lang::Styles", "lang::Style"));
 }
 
 #[test]
