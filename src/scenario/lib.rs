@@ -26,6 +26,7 @@ mod evaluate;
 mod expression;
 mod expressions;
 mod gate;
+pub mod geometry;
 pub mod limits;
 mod metric;
 mod notation;

@@ -1,0 +1,277 @@
+//! What is driven: a line at a constant distance beside a reference line, in one direction, with a length of its own.
+
+use std::sync::Arc;
+
+use nalgebra::Vector2;
+use serde::{Deserialize, Serialize};
+
+use super::piece::Pose;
+use super::{GeometryError, ReferenceLine};
+use crate::Direction;
+
+/// The course at a constant distance beside a reference line. Places are metres along the course itself, in the direction of
+/// travel, from where it passes its origin.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Written", into = "Written")]
+pub struct CurvedPath {
+    line: Arc<ReferenceLine>,
+    /// To the left of the reference line, m.
+    offset: f64,
+    direction: Direction,
+    /// Station of the reference line abreast of which places are 0, m.
+    origin: f64,
+    /// The course's own length from its beginning to the origin, m.
+    before_origin: f64,
+    /// The course's own length to where each piece begins, m, and in the end all of it.
+    lengths: Vec<f64>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct Written {
+    line: Arc<ReferenceLine>,
+    offset: f64,
+    direction: Direction,
+    origin: f64,
+}
+
+/// Where a point lies, seen from a course.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PathProjection {
+    /// The place that is nearest to it, m.
+    pub place: f64,
+    /// How far it is to the left of the course there, in the direction of travel, m.
+    pub left: f64,
+    /// Of the course there, to the left in the direction of travel, 1/m.
+    pub curvature: f64,
+    /// See [`LineProjection::ambiguous`](super::LineProjection::ambiguous).
+    pub ambiguous: bool,
+}
+
+/// A course may come no nearer to the centre of a bend than this share of its radius leaves.
+const LARGEST_SHARE: f64 = 0.95;
+
+impl CurvedPath {
+    /// The course `offset` m to the left of a reference line (as the line runs), driven along it or against it, with places
+    /// counted from abreast of its station `origin` (m).
+    ///
+    /// # Errors
+    /// If a piece bends so tightly that the course would have a kink there.
+    pub fn new(
+        line: Arc<ReferenceLine>,
+        offset: f64,
+        direction: Direction,
+        origin: f64,
+    ) -> Result<Self, GeometryError> {
+        for (index, piece) in line.pieces().enumerate() {
+            if piece.tightest() * offset.abs() >= LARGEST_SHARE {
+                let (radius, least) = (1.0 / piece.tightest(), offset.abs() / LARGEST_SHARE);
+                return Err(GeometryError::TooTight { piece: index + 1, radius, offset, least });
+            }
+        }
+        let mut lengths: Vec<f64> = line.placed().map(|(_, from, turned)| from - offset * turned).collect();
+        lengths.push(line.length() - offset * line.turned(line.length()));
+        let before_origin = origin - offset * line.turned(origin);
+        Ok(Self { line, offset, direction, origin, before_origin, lengths })
+    }
+
+    /// What it lies beside.
+    pub fn line(&self) -> &ReferenceLine {
+        &self.line
+    }
+
+    /// Which way it is driven: along its reference line or against it.
+    pub fn direction(&self) -> Direction {
+        self.direction
+    }
+
+    /// To the left of the reference line, m.
+    pub fn offset(&self) -> f64 {
+        self.offset
+    }
+
+    /// The places (m) between which it is not simply straight, in the direction of travel.
+    pub fn extent(&self) -> (f64, f64) {
+        let (one, other) = (self.place_abreast(0.0), self.place_abreast(self.line.length()));
+        (one.min(other), one.max(other))
+    }
+
+    /// The place abreast of a station (m) of the reference line.
+    pub fn place_abreast(&self, station: f64) -> f64 {
+        let length = station - self.offset * self.line.turned(station);
+        self.direction.sign() * (length - self.before_origin)
+    }
+
+    /// The station (m) of the reference line abreast of a place.
+    pub fn station(&self, place: f64) -> f64 {
+        let length = self.before_origin + self.direction.sign() * place;
+        let all = self.lengths[self.lengths.len() - 1];
+        if length < 0.0 {
+            return length;
+        }
+        if length >= all {
+            return self.line.length() + (length - all);
+        }
+        // The piece in which it lies; the last length is that of the end.
+        let found = self.lengths[1..].iter().position(|end| length < *end).unwrap_or(0);
+        let Some((piece, from, _)) = self.line.placed().nth(found) else { return length };
+        let rest = length - self.lengths[found];
+        let (bend, change) = (1.0 - self.offset * piece.from, -self.offset * piece.change() / 2.0);
+        let way = match change {
+            0.0 => rest / bend,
+            _ => 2.0 * rest / (bend + libm::sqrt(bend * bend + 4.0 * change * rest)),
+        };
+        from + way
+    }
+
+    /// The pose at a place: heading in the direction of travel, curvature to the left of it.
+    pub fn pose(&self, place: f64) -> Pose {
+        let pose = self.line.pose(self.station(place));
+        let point = pose.point + pose.normal() * self.offset;
+        let curvature = pose.curvature / (1.0 - pose.curvature * self.offset);
+        match self.direction {
+            Direction::Forward => Pose { point, heading: pose.heading, curvature },
+            Direction::Backward => {
+                Pose { point, heading: pose.heading + std::f64::consts::PI, curvature: -curvature }
+            }
+        }
+    }
+
+    /// The largest curvature (1/m, never negative) between two places (m).
+    pub fn tightest_between(&self, from: f64, to: f64) -> f64 {
+        let (one, other) = (self.station(from), self.station(to));
+        let (low, high) = (one.min(other), one.max(other));
+        if self.offset == 0.0 {
+            return self.line.tightest_between(low, high);
+        }
+        let beside = |curvature: f64| (curvature / (1.0 - curvature * self.offset)).abs();
+        let touched =
+            self.line.placed().filter(|(piece, start, _)| *start <= high && start + piece.length >= low);
+        touched.fold(0.0, |tightest: f64, (piece, start, _)| {
+            let at = |station: f64| beside(piece.curvature((station - start).clamp(0.0, piece.length)));
+            tightest.max(at(low)).max(at(high))
+        })
+    }
+
+    /// Where a point lies.
+    pub fn project(&self, point: Vector2<f64>) -> PathProjection {
+        let found = self.line.project(point);
+        let (place, sign) = (self.place_abreast(found.station), self.direction.sign());
+        PathProjection {
+            place,
+            left: sign * (found.left - self.offset),
+            curvature: sign * found.curvature / (1.0 - found.curvature * self.offset),
+            ambiguous: found.ambiguous,
+        }
+    }
+}
+
+impl TryFrom<Written> for CurvedPath {
+    type Error = GeometryError;
+
+    fn try_from(written: Written) -> Result<Self, GeometryError> {
+        Self::new(written.line, written.offset, written.direction, written.origin)
+    }
+}
+
+impl From<CurvedPath> for Written {
+    fn from(path: CurvedPath) -> Self {
+        Self { line: path.line, offset: path.offset, direction: path.direction, origin: path.origin }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::geometry::Piece;
+
+    fn bend(side: f64) -> Arc<ReferenceLine> {
+        let (wide, tight) = (1.0 / 1500.0 * side, 1.0 / 9.0 * side);
+        let pieces = [
+            Piece::line(15.0),
+            Piece::clothoid(6.4, wide, tight),
+            Piece::arc(9.0 * side, 0.85),
+            Piece::clothoid(6.4, tight, wide),
+            Piece::line(10.0),
+            Piece::arc(-30.0 * side, 1.0),
+        ];
+        Arc::new(ReferenceLine::new(Pose::origin(), &pieces).unwrap())
+    }
+
+    proptest! {
+        #[test]
+        fn its_length_is_that_of_its_chords(offset in -4.0..4.0, backward: bool) {
+            let direction = if backward { Direction::Backward } else { Direction::Forward };
+            let path = CurvedPath::new(bend(1.0), offset, direction, 20.0).unwrap();
+            let line = path.line();
+            let steps = 40_000;
+            let at = |step: i32| line.length() * f64::from(step) / f64::from(steps);
+            let point = |step| {
+                let pose = line.pose(at(step));
+                pose.point + pose.normal() * offset
+            };
+            let chords: f64 = (0..steps).map(|step| (point(step + 1) - point(step)).norm()).sum();
+            let (low, high) = path.extent();
+            prop_assert!((high - low - chords).abs() < 1e-6, "{} m, not {chords} m", high - low);
+        }
+
+        #[test]
+        fn a_place_is_found_again(
+            offset in -7.0..7.0, backward: bool, place in -40.0..90.0, left in -1.0..1.0f64, side: bool,
+        ) {
+            let direction = if backward { Direction::Backward } else { Direction::Forward };
+            let side = if side { 1.0 } else { -1.0 };
+            let path = CurvedPath::new(bend(side), offset, direction, 20.0).unwrap();
+            prop_assert!((path.place_abreast(path.station(place)) - place).abs() < 1e-11);
+            let pose = path.pose(place);
+            let found = path.project(pose.point + pose.normal() * left);
+            prop_assert!((found.place - place).abs() < 1e-8 && (found.left - left).abs() < 1e-9, "{found:?}");
+            let curvature = pose.curvature;
+            prop_assert!((found.curvature - curvature).abs() < 1e-6 || curvature != path.pose(place + 1e-6).curvature);
+            // Its tangent is where it goes, and as fast as places say: no step of it is longer than its arc.
+            let next = path.pose(place + 1e-5).point - pose.point;
+            prop_assert!((next / 1e-5 - pose.tangent()).norm() < 1e-4);
+        }
+
+        #[test]
+        fn the_tightest_bend_is_no_less_than_any_between(
+            offset in -7.0..7.0, from in -30.0..60.0, long in 0.0..20.0, share in 0.0..1.0,
+        ) {
+            let path = CurvedPath::new(bend(1.0), offset, Direction::Backward, 20.0).unwrap();
+            let tightest = path.tightest_between(from, from + long);
+            prop_assert!(path.pose(from + share * long).curvature.abs() <= tightest + 1e-12);
+        }
+    }
+
+    #[test]
+    fn places_begin_at_the_origin() {
+        for direction in [Direction::Forward, Direction::Backward] {
+            let path = CurvedPath::new(bend(1.0), 3.5, direction, 20.0).unwrap();
+            assert!((path.station(0.0) - 20.0).abs() < 1e-12);
+            let there = path.line().pose(20.0);
+            assert!((path.pose(0.0).point - there.point - there.normal() * 3.5).norm() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn against_the_line_everything_is_the_other_way_round() {
+        let forward = CurvedPath::new(bend(1.0), 2.0, Direction::Forward, 20.0).unwrap();
+        let backward = CurvedPath::new(bend(1.0), 2.0, Direction::Backward, 20.0).unwrap();
+        for place in [-25.0, -3.0, 0.0, 4.0, 60.0] {
+            let (one, other) = (forward.pose(place), backward.pose(-place));
+            assert_eq!((one.point, one.curvature), (other.point, -other.curvature));
+            assert!((one.tangent() + other.tangent()).norm() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn a_lane_inside_too_tight_a_bend_is_refused() {
+        let made = |offset| CurvedPath::new(bend(1.0), offset, Direction::Forward, 0.0).map(drop);
+        assert_eq!((made(8.54), made(-8.54)), (Ok(()), Ok(())));
+        insta::assert_snapshot!(made(8.6).unwrap_err(), @"piece 2 has a radius of 9.000 m, too tight for a lane whose centre is 8.6 m beside the line: the radius must be above 9.053 m, or the lanes narrower");
+        let read = serde_json::to_string(&CurvedPath::new(bend(1.0), 2.0, Direction::Forward, 0.0).unwrap());
+        let tight = read.unwrap().replace("\"offset\":2.0", "\"offset\":9.0");
+        assert!(serde_json::from_str::<CurvedPath>(&tight).unwrap_err().to_string().contains("too tight"));
+    }
+}
