@@ -140,16 +140,19 @@ pub mod project {
 
 /// What [`Session`] speaks of: its units, and whoever watches their runs.
 pub mod session {
-    pub use runner::session::{OnDemand, RunWatch, Unit, UnitKind, Units, Work, gate_key, units, with_needs};
+    pub use runner::session::{
+        OnDemand, RunWatch, Unit, UnitKind, Units, Work, gate_key, nondeterministic, second_runs,
+        tested_controllers, units, with_needs,
+    };
 }
 
 /// Where runs are made: an [`Executor`](run::Executor) takes jobs and gives back what came of each. [`Threads`](run::Threads) is the
 /// one that ships.
 pub mod run {
     pub use runner::run::{
-        BatchError, DecodingError, Done, EncodedBy, Executor, FreeFlows, Job, JobFailure, JobPlace,
-        MeasuredMetrics, Panicked, Ran, Round, RunBatch, RunError, Stop, Threads, VerifyRuns, Wanted,
-        WentDifferently, note_places, programs, went_differently,
+        BatchError, DecodingError, Done, EncodedBy, Executor, FirstRuns, FreeFlows, Job, JobFailure,
+        JobPlace, MeasuredMetrics, Panicked, Ran, Round, RunBatch, RunError, Stop, Threads, VerifyRuns,
+        Wanted, WentDifferently, note_places, programs, went_differently,
     };
 }
 

@@ -14,6 +14,8 @@ mod instead;
 mod modules;
 #[path = "under_test/parent.rs"]
 mod parent;
+#[path = "under_test/second_runs.rs"]
+mod second_runs;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -756,6 +758,7 @@ fn main() -> ExitCode {
         Ok("child") => child::run(),
         Ok("middle") => parent::middle(),
         Ok("runner") => return cli::main(&standard()),
+        Ok("tests") => return second_runs::project(),
         _ => {}
     }
     let misbehaviours = MISBEHAVIOURS.iter().map(|(kind, fault, words)| {
@@ -800,6 +803,16 @@ fn main() -> ExitCode {
             every_report_says_what_was_replaced,
             what_is_repeated_is_driven_by_the_same,
             a_gate_compares_no_other_system,
+        ]);
+    }
+    {
+        use second_runs::*;
+        trials.extend(tests![
+            a_baseline_by_chance_says_so,
+            what_is_deterministic_is_compared_as_ever,
+            what_is_made_up_for_a_gate_is_made_twice,
+            blocks_by_chance_are_warned_of,
+            tests_of_a_project_are_warned,
         ]);
     }
     {

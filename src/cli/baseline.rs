@@ -6,7 +6,7 @@ use clap::{Args, Subcommand, ValueEnum};
 
 use super::Exit;
 use super::interrupt::stop_on_interrupt;
-use super::programs::ProgramArguments;
+use super::programs::{ProgramArguments, VerifyArguments};
 use super::set::SetArguments;
 use super::{measured, project};
 use report::console::{stderr, stdout};
@@ -48,6 +48,9 @@ enum Action {
 
         #[command(flatten)]
         programs: ProgramArguments,
+
+        #[command(flatten)]
+        verify: VerifyArguments,
 
         /// Replace the file also if it is no baseline, or one of another suite.
         #[arg(long)]
@@ -91,8 +94,8 @@ impl From<Format> for Form {
 
 pub fn baseline(arguments: &BaselineArguments, registry: &Registry) -> Exit {
     let result = match &arguments.action {
-        Action::Save { file, out, seed, set, programs, force } => {
-            save(file, out.as_deref(), *seed, set, programs, *force, registry)
+        Action::Save { file, out, seed, set, programs, verify, force } => {
+            save(file, out.as_deref(), *seed, set, (programs, *verify), *force, registry)
         }
         Action::Show { path, format } => measured::read_baseline(path, registry)
             .map(|baseline| write!(stdout(), "{}", render_baseline(&baseline, (*format).into()))),
@@ -106,7 +109,7 @@ fn save(
     out: Option<&Path>,
     seed: Option<u64>,
     set: &SetArguments,
-    programs: &ProgramArguments,
+    (programs, verify): (&ProgramArguments, VerifyArguments),
     force: bool,
     registry: &Registry,
 ) -> Result<(), Exit> {
@@ -123,8 +126,8 @@ fn save(
         project::may_be_replaced(&path, &suite.name)?;
     }
     let stop = stop_on_interrupt();
-    let measured =
-        measured::run_suite(&suite, &measured_metrics(&suite, registry), "baseline", &stop, programs);
+    let requests = measured_metrics(&suite, registry);
+    let measured = measured::run_suite(&suite, &requests, "baseline", &stop, programs, verify);
     let interrupted = matches!(measured, Err(Exit::Interrupted)) || stop.is_requested();
     if interrupted {
         writeln!(stderr(), "interrupted: nothing saved");

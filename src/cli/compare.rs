@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 
 use super::interrupt::stop_on_interrupt;
-use super::programs::ProgramArguments;
+use super::programs::{ProgramArguments, VerifyArguments};
 use super::set::SetArguments;
 use super::{Exit, measured, parameters};
 use report::console::{stderr, stdout};
@@ -62,6 +62,9 @@ pub struct CompareArguments {
 
     #[command(flatten)]
     programs: ProgramArguments,
+
+    #[command(flatten)]
+    verify: VerifyArguments,
 
     /// Leave out trials that the base lacks, instead of refusing to compare.
     #[arg(long)]
@@ -159,14 +162,14 @@ impl Side {
         title: &str,
         registry: &Registry,
         stop: &Stop,
-        programs: &ProgramArguments,
+        arguments: &CompareArguments,
     ) -> Result<Baseline, Exit> {
         let Some(suite) = &self.suite else {
             return measured::read_baseline(Path::new(&self.file), registry);
         };
         let mut requests = measured_metrics(suite, registry);
         gates.iter().for_each(|gate| measured::include_gate(&mut requests, gate));
-        measured::run_suite(suite, &requests, title, stop, programs)
+        measured::run_suite(suite, &requests, title, stop, &arguments.programs, arguments.verify)
     }
 }
 
@@ -177,8 +180,8 @@ fn judged(
 ) -> Result<Vec<(GateVerdict, Option<String>)>, Exit> {
     let (base, candidate) = sides(arguments, registry)?;
     let gates = gates(arguments, &base, &candidate)?;
-    let before = base.baseline(&gates, "base", registry, stop, &arguments.programs)?;
-    let after = candidate.baseline(&gates, "candidate", registry, stop, &arguments.programs)?;
+    let before = base.baseline(&gates, "base", registry, stop, arguments)?;
+    let after = candidate.baseline(&gates, "candidate", registry, stop, arguments)?;
     let refuse = |reasons: Vec<Incompatible>| {
         writeln!(stderr(), "error: {} and {} cannot be compared", base.file, candidate.file);
         for reason in &reasons {

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::interrupt::stop_on_interrupt;
-use super::programs::ProgramArguments;
+use super::programs::{ProgramArguments, VerifyArguments};
 use super::set::SetArguments;
 use super::{Exit, load, shows_progress, store};
 use report::console::{stderr, stdout};
@@ -34,6 +34,9 @@ pub struct ExperimentArguments {
 
     #[command(flatten)]
     programs: ProgramArguments,
+
+    #[command(flatten)]
+    verify: VerifyArguments,
 
     /// Write the result for use elsewhere: a search its kept cases, a tune its parameters. Under a name that ends in `.json`
     /// an `evaluate` block takes them as a condition (`with "tuned.json"`), under another they are definitions that a
@@ -89,6 +92,7 @@ fn run(arguments: &ExperimentArguments, kind: &'static str, registry: &Registry)
         .executor(threads)
         .journals(&arguments.journal)
         .stopped_by(&stop)
+        .verify_runs(arguments.verify.runs())
         .courses(false);
     let mut watcher = Terminal::quiet(shows_progress(arguments.no_progress).then(Live::new));
     let results =

@@ -5,16 +5,18 @@ use std::path::{Path, PathBuf};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::one_case::could_not_run;
-use super::programs::ProgramArguments;
+use super::programs::{ProgramArguments, VerifyArguments};
 use super::set::SetArguments;
 use super::{Exit, load};
+use files::escape::terminal_line;
 use report::console::stderr;
 use results::judge::baseline::Baseline;
-use results::{Requests, record_command};
+use results::{Requests, TestedController, record_command};
 use runner::baseline::{program_titles, record};
 use runner::plan::{self, Plan};
 use runner::project::plan_notices;
-use runner::run::{BatchError, MeasuredMetrics, RunBatch, Stop, Threads};
+use runner::run::{BatchError, FirstRuns, MeasuredMetrics, RunBatch, Stop};
+use runner::session::{nondeterministic, second_runs, tested_controllers};
 use scenario::registry::Registry;
 use scenario::{Gate, Suite};
 
@@ -50,30 +52,36 @@ pub fn run_suite(
     title: &str,
     stop: &Stop,
     programs: &ProgramArguments,
+    verify: VerifyArguments,
 ) -> Result<Baseline, Exit> {
     let threads = programs.threads(None, [suite])?;
     let plan = plan::plan(suite).map_err(|errors| {
         load::show(plan_notices(errors), false);
         Exit::Scenario
     })?;
-    let measured = run_plan(&plan, requests, title, stop, &threads)?;
-    Ok(Baseline { programs: program_titles(&threads, suite), ..measured })
+    let measured = MeasuredMetrics::new(requests.clone());
+    let batch = RunBatch { executor: &threads, measured: &measured, stop };
+    let first_runs = FirstRuns::new(verify.runs());
+    let baseline = run_plan(&plan, batch, title, &first_runs)?;
+    let mut controllers = tested_controllers(suite);
+    second_runs(batch, &first_runs, &mut controllers);
+    if stop.is_requested() {
+        return Err(Exit::Interrupted);
+    }
+    let warnings = controllers.iter().filter_map(TestedController::nondeterminism);
+    warnings.for_each(|warning| writeln!(stderr(), "warning: {}", terminal_line(&warning)));
+    let (programs, nondeterministic) =
+        (program_titles(&threads, suite), nondeterministic(suite, &controllers));
+    Ok(Baseline { programs, nondeterministic, ..baseline })
 }
 
-fn run_plan(
-    plan: &Plan,
-    requests: &Requests,
-    title: &str,
-    stop: &Stop,
-    threads: &Threads,
-) -> Result<Baseline, Exit> {
+fn run_plan(plan: &Plan, batch: RunBatch, title: &str, first_runs: &FirstRuns) -> Result<Baseline, Exit> {
     let runs = plan.scenarios().iter().map(|one| one.len() * one.runs()).sum::<usize>();
     let bar = bar(title, runs as u64);
-    let measured = MeasuredMetrics::new(requests.clone());
-    let batch = RunBatch { executor: threads, measured: &measured, stop };
     let mut trials = Vec::with_capacity(plan.len());
     let made = plan.trials().try_for_each(|trial| {
-        let outcomes = batch.outcomes(trial.cases.iter(), || bar.inc(1))?;
+        let number = first_runs.number(&trial.scenario, trial.cases.len());
+        let outcomes = batch.outcomes_keeping(first_runs, number, trial.cases.iter(), || bar.inc(1))?;
         trials.push((trial, outcomes));
         Ok(())
     });
@@ -83,7 +91,7 @@ fn run_plan(
         error => could_not_run(&error),
     })?;
     let trials: Vec<_> = trials.iter().map(|(trial, outcomes)| (trial, &outcomes[..])).collect();
-    Ok(record(plan, &trials, requests))
+    Ok(record(plan, &trials, &batch.measured.requests))
 }
 
 fn bar(title: &str, runs: u64) -> ProgressBar {

@@ -4,13 +4,13 @@ use std::env;
 use std::path::Path;
 use std::sync::Arc;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 
 use super::run::parent::ServedByParent;
 use super::{Exit, store};
 use lang::{Code, Excerpt};
 use report::console::stderr;
-use runner::run::Threads;
+use runner::run::{Threads, VerifyRuns};
 use scenario::{ControllerModel, DeclaredProgram, ProgramKind, Reference, Suite};
 use under_test::{Allowed, KnowsMore, Permission, ProcessPool, StartError, StartProblem, WireRecord};
 
@@ -20,6 +20,41 @@ pub struct ProgramArguments {
     /// allow FILE` lets them run until what runs is changed. Whatever they do is then allowed.
     #[arg(long, value_name = "NAME,…", num_args = 0..=1, require_equals = true, value_delimiter = ',', default_missing_value = "")]
     allow_run: Option<Vec<String>>,
+}
+
+#[derive(Debug, Clone, Copy, Args)]
+pub struct VerifyArguments {
+    /// Which runs in which programs decide are made a second time, alone in another process, to see whether they come out the same. They
+    /// count nowhere.
+    #[arg(long, value_enum, value_name = "WHICH", default_value_t = Verified::Some)]
+    verify_runs: Verified,
+}
+
+impl VerifyArguments {
+    pub fn runs(self) -> VerifyRuns {
+        self.verify_runs.into()
+    }
+}
+
+/// Which runs are made twice.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Verified {
+    /// None.
+    None,
+    /// The first of each scenario, every 200th, and those that failed before.
+    Some,
+    /// Every one.
+    All,
+}
+
+impl From<Verified> for VerifyRuns {
+    fn from(verified: Verified) -> Self {
+        match verified {
+            Verified::None => Self::None,
+            Verified::Some => Self::Some,
+            Verified::All => Self::All,
+        }
+    }
 }
 
 impl ProgramArguments {

@@ -27,6 +27,7 @@ pub fn render_baseline(baseline: &Baseline, form: Form) -> String {
     for (name, title) in &baseline.programs {
         line(&mut text, form, &format!("controller {name}: {title}"));
     }
+    text.push_str(&nondeterministic(baseline, form));
     for (index, vehicles) in baseline.vehicles.iter().enumerate() {
         for vehicle in vehicles {
             let drives = format!("{} on {}", vehicle.controller.model, vehicle.dynamics.model);
@@ -74,6 +75,7 @@ pub fn render_difference(base: &Baseline, candidate: &Baseline, form: Form) -> S
     let mut text = String::new();
     for (name, one) in [("base", base), ("candidate", candidate)] {
         line(&mut text, form, &format!("{name}: {}", identity(one)));
+        text.push_str(&nondeterministic(one, form));
     }
     let reasons = match pair(base, candidate, false) {
         Ok(_) => Vec::new(),
@@ -136,6 +138,15 @@ pub fn render_difference(base: &Baseline, candidate: &Baseline, form: Form) -> S
 fn heading(baseline: &Baseline, form: Form) -> String {
     let mut text = String::new();
     line(&mut text, form, &identity(baseline));
+    text
+}
+
+/// Its programs that do not decide the same each time, a line each.
+fn nondeterministic(baseline: &Baseline, form: Form) -> String {
+    let mut text = String::new();
+    for (name, how) in &baseline.nondeterministic {
+        line(&mut text, form, &format!("warning: W1102: `{name}` is not deterministic: {how}"));
+    }
     text
 }
 

@@ -117,8 +117,17 @@ pub fn context(verdict: &GateVerdict) -> Vec<String> {
         },
         verdict.count(CheckOutcome::NotShown),
     )];
+    let by_chance = !verdict.nondeterministic.is_empty();
     lines.push(match (verdict.nothing_changed, verdict.same_seeds, verdict.same_people) {
+        (true, ..) if by_chance => {
+            "every run went exactly as before, which with what is not deterministic may be chance".to_string()
+        }
         (true, ..) => "every run went exactly as before".to_string(),
+        (_, true, _) if by_chance => {
+            "the seeds are the same, but what is tested does not decide the same each time: pairs differ by chance too, so that only \
+                              larger changes are seen"
+                .to_string()
+        }
         (_, true, _) => "paired on the same seeds: pairs differ by what is tested only".to_string(),
         (_, false, true) => {
             "the seeds differ: pairs differ by chance too, so that only larger changes are seen".to_string()
@@ -133,6 +142,7 @@ pub fn context(verdict: &GateVerdict) -> Vec<String> {
         let changes: Vec<_> = verdict.changes.iter().map(ToString::to_string).collect();
         lines.push(format!("tested: {}", changes.join(", ")));
     }
+    lines.extend(verdict.nondeterministic.iter().map(|one| format!("warning: {one}")));
     lines.extend(blindness(verdict));
     lines.extend(cancelled(verdict));
     for new in [&verdict.new_trials, &verdict.new_metrics] {

@@ -53,11 +53,17 @@ pub struct DifferingRun {
 impl TestedController {
     /// That it is not deterministic, if it was seen.
     pub fn nondeterminism(&self) -> Option<String> {
+        Some(format!("W1102: `{}` is not deterministic: {}", self.name, self.first_difference()?))
+    }
+
+    /// The first difference that was seen, with its run and how many of those that were made twice differed.
+    pub fn first_difference(&self) -> Option<String> {
         let first = self.differing.first()?;
-        let (name, of, differ) = (&self.name, self.second_runs, self.differing.len());
-        Some(format!(
-            "W1102: `{name}` is not deterministic: {} ({}; {differ} of {of} runs that were made twice came out differently)",
+        let (of, differ) = (self.second_runs, self.differing.len());
+        let said = format!(
+            "{} ({}; {differ} of {of} runs that were made twice came out differently)",
             first.difference, first.run
-        ))
+        );
+        Some(said)
     }
 }

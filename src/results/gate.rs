@@ -131,6 +131,9 @@ pub struct GateVerdict {
     pub nothing_changed: bool,
     /// What is tested and differs.
     pub changes: Vec<Change>,
+    /// Programs under test on either side that do not decide the same each time, a sentence each.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub nondeterministic: Vec<String>,
 }
 
 impl GateVerdict {

@@ -57,6 +57,7 @@ pub fn record(plan: &Plan, trials: &[(&PlannedTrial, &[Outcome])], requests: &Re
         tool: env!("CARGO_PKG_VERSION").to_string(),
         populations: plan.populations.clone(),
         programs: BTreeMap::new(),
+        nondeterministic: BTreeMap::new(),
         metrics: requests.iter().map(metric).collect(),
         vehicles,
         trials: recorded,

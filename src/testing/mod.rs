@@ -25,21 +25,23 @@
 
 mod fingerprints;
 
+use std::collections::HashSet;
 use std::path::Path;
 use std::process::ExitCode;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use libtest_mimic::{Arguments, Failed, Trial};
 use thiserror::Error;
 
 use files::Disk;
+use files::escape::terminal_line;
 use fingerprints::{compare, lines, path, recording};
 use lang::Style;
 use report::console::stderr;
 use report::{explain, render_gate_report};
 use results::{Skip, Standing, Verdict};
 use runner::project::{Project, ProjectOptions};
-use runner::run::{Executor, Threads};
+use runner::run::{Executor, Threads, VerifyRuns};
 use runner::session::{OnDemand, gate_key};
 use scenario::Gate;
 use scenario::registry::Registry;
@@ -128,6 +130,17 @@ impl Suites {
         Ok(Self(Arc::new(Tested::new(Box::leak(Box::new(project)), programs))))
     }
 
+    /// Which of the runs in which programs decide are made a second time, alone in another process, to see whether they come out the same: the
+    /// first of each scenario and every 200th unless this says otherwise. What did not is W1102 on standard error, and in the message of a
+    /// test that fails; by itself it fails none. Second runs count nowhere.
+    ///
+    /// # Panics
+    /// If there are tests of them already.
+    pub fn verify_runs(self, verify: VerifyRuns) -> Self {
+        let tested = Arc::into_inner(self.0).expect("no test has been made of them");
+        Self(Arc::new(Tested { session: tested.session.verify_runs(verify), ..tested }))
+    }
+
     /// The units and gates of the files that the patterns name, as [`trials`] gives them.
     ///
     /// # Errors
@@ -205,6 +218,8 @@ fn files(patterns: &[&str]) -> Result<Vec<String>, TestingError> {
 struct Tested {
     project: &'static Project,
     session: OnDemand<'static>,
+    /// What was warned of already.
+    warned: Mutex<HashSet<(usize, String)>>,
 }
 
 impl Tested {
@@ -217,26 +232,44 @@ impl Tested {
         // What may not be run is an error of each test that needs it.
         let pool = ProcessPool::new(permission, threads.parallelism());
         let threads = Box::leak(Box::new(threads.with_processes(Arc::new(pool))));
-        Self { project, session: OnDemand::new(project, threads) }
+        Self { project, session: OnDemand::new(project, threads), warned: Mutex::default() }
+    }
+
+    /// Says which programs of a suite were seen not to be deterministic, each once, and gives it for the message of a test.
+    fn nondeterminism(&self, suite: usize) -> String {
+        let file = &self.project.suites()[suite].file;
+        let mut all = String::new();
+        for controller in self.session.controllers(suite) {
+            let Some(warning) = controller.nondeterminism() else { continue };
+            let line = format!("warning: {}: {}", terminal_line(file), terminal_line(&warning));
+            all.push_str(&format!("\n{line}"));
+            let mut warned = self.warned.lock().unwrap_or_else(PoisonError::into_inner);
+            if warned.insert((suite, controller.name)) {
+                writeln!(stderr(), "{line}");
+            }
+        }
+        all
     }
 
     fn judge(&self, index: usize) -> Result<(), Failed> {
         let report = self.session.report(index);
+        let suite = self.session.units()[index].suite;
+        let warning = self.nondeterminism(suite);
         match report.standing() {
             Standing::NotJudged | Standing::Judged(Verdict::Passed) => Ok(()),
             Standing::Skipped => Err(report.skip().map(Skip::to_string).unwrap_or_default().into()),
             Standing::Judged(_) | Standing::NotFinished(_) | Standing::Errored => {
-                let suite = self.session.identity(self.session.units()[index].suite);
-                Err(explain(&suite, report, false).into())
+                Err((explain(&self.session.identity(suite), report, false) + &warning).into())
             }
         }
     }
 
     fn judge_gate(&self, suite: usize, gate: &Gate) -> Result<(), Failed> {
         let report = self.session.gate(suite, gate);
+        let warning = self.nondeterminism(suite);
         match report.standing() {
             Standing::Judged(Verdict::Passed) => Ok(()),
-            _ => Err(render_gate_report(&self.session.identity(suite), &report, false).into()),
+            _ => Err((render_gate_report(&self.session.identity(suite), &report, false) + &warning).into()),
         }
     }
 

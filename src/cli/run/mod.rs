@@ -20,14 +20,13 @@ use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
 
 use super::interrupt::stop_on_interrupt;
-use super::programs::ProgramArguments;
+use super::programs::{ProgramArguments, VerifyArguments};
 use super::set::SetArguments;
 use super::{Exit, filter, load, measured, number, store};
 use lang::filter::Show;
 use report::console::{Output, stderr, stdout};
 use report::{Live, StatusLevel, Terminal, render_controllers, render_gates};
 use results::{Overall, SuiteReport};
-use runner::run::VerifyRuns;
 use runner::session::{self, Selection, Session};
 use scenario::registry::Registry;
 
@@ -84,10 +83,8 @@ pub struct RunArguments {
     #[arg(long, value_name = "NAME", conflicts_with = "list")]
     serve_by_parent: Option<String>,
 
-    /// Which runs in which programs decide are made a second time, alone in another process, to see whether they come out the same. They
-    /// count nowhere.
-    #[arg(long, value_enum, value_name = "WHICH", default_value_t = Verified::Some)]
-    verify_runs: Verified,
+    #[command(flatten)]
+    verify: VerifyArguments,
 
     /// Where a search or tune that is cut off leaves its journal, from which the same command goes on.
     #[arg(long, value_name = "DIR", default_value = super::JOURNAL)]
@@ -155,27 +152,6 @@ enum NoTests {
     Warn,
     /// Nothing.
     Pass,
-}
-
-/// Which runs are made twice.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Verified {
-    /// None.
-    None,
-    /// The first of each scenario, every 200th, and those that failed before.
-    Some,
-    /// Every one.
-    All,
-}
-
-impl From<Verified> for VerifyRuns {
-    fn from(verified: Verified) -> Self {
-        match verified {
-            Verified::None => Self::None,
-            Verified::Some => Self::Some,
-            Verified::All => Self::All,
-        }
-    }
 }
 
 /// What a build may not rest on.
@@ -348,7 +324,7 @@ pub fn run(arguments: RunArguments, registry: &Registry) -> Exit {
         .executor(threads)
         .journals(&arguments.journal)
         .stopped_by(&stop)
-        .verify_runs(arguments.verify_runs.into())
+        .verify_runs(arguments.verify.runs())
         .lenient_gates(arguments.baseline_lenient)
         .courses(arguments.output.draw_runs())
         .every_trial(arguments.output.need_every_trial(in_github_actions()));

@@ -126,7 +126,7 @@ impl Series<'_> {
         let (saved, cases) = self.cases(condition, &setup)?;
         let given_in = &self.evaluate.given_in;
         result.parameters = targets.iter().map(|target| parameter(target, &cases, given_in)).collect();
-        let outcomes = self.context.run_all(&cases)?;
+        let outcomes = self.context.run_all(0, &cases)?;
         let requests = self.context.requests();
         let measures = self.measures.iter().map(|measure| &measure.aggregate);
         result.undecided =

@@ -10,12 +10,15 @@ use results::{CaseRun, MetricSummary, Outcome, SavedCase};
 use scenario::{Aggregate, Case, Comparison, Goal, MetricKind, MetricReference, Relation, ShownIn};
 
 impl Context<'_> {
-    /// Runs every case, in a round; the outcomes are in the order of the cases.
-    pub(super) fn run_all(&self, cases: &[Case]) -> Result<Vec<Outcome>, ExperimentError> {
+    /// Runs every case, in a round; the outcomes are in the order of the cases. The first of a block or condition has the number 0: it is made
+    /// twice.
+    pub(super) fn run_all(&self, number: usize, cases: &[Case]) -> Result<Vec<Outcome>, ExperimentError> {
         let batch = RunBatch { executor: self.executor, measured: &self.measured, stop: &self.stop };
-        batch.outcomes(cases.iter().cloned(), || ()).map_err(|error| match error {
-            BatchError::Run { key, error } => ExperimentError::Run { values: String::new(), key, error },
-            BatchError::Stopped => ExperimentError::Stopped,
+        batch.outcomes_keeping(&self.first_runs, number, cases.iter().cloned(), || ()).map_err(|error| {
+            match error {
+                BatchError::Run { key, error } => ExperimentError::Run { values: String::new(), key, error },
+                BatchError::Stopped => ExperimentError::Stopped,
+            }
         })
     }
 

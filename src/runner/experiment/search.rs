@@ -245,7 +245,7 @@ impl Under<'_> {
         };
         let cases = context.executor.think(|| groups.par_iter().zip(all).map(once_more).collect::<Vec<_>>());
         let cases = cases.into_iter().collect::<Result<Vec<_>, ExperimentError>>()?.concat();
-        let mut outcomes = context.run_all(&cases.concat())?.into_iter();
+        let mut outcomes = context.run_all(1, &cases.concat())?.into_iter();
         let mut cases = cases.iter();
         for (one, found) in all.iter().zip(&mut found) {
             let Some(best) = one.optimiser.best_observed() else { continue };
@@ -347,7 +347,7 @@ impl Under<'_> {
         let asked = self.context.executor.think(|| kept.par_iter().map(points).collect::<Vec<_>>());
         let asked = asked.into_iter().collect::<Result<Vec<_>, _>>()?.concat();
         let cases: Vec<Case> = asked.iter().flat_map(|one| &one.cases).cloned().collect();
-        let mut outcomes = self.context.run_all(&cases)?.into_iter();
+        let mut outcomes = self.context.run_all(1, &cases)?.into_iter();
         for AskedPoint { group, over, at, cases } in asked {
             let outcomes: Vec<_> = outcomes.by_ref().take(cases.len()).collect();
             let courses = &mut found[group].courses;

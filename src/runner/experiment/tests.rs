@@ -233,7 +233,7 @@ fn run_all(suite: &Suite) -> EarlierResults {
         .trials()
         .flat_map(|trial| trial.cases.iter().collect::<Vec<_>>())
         .collect();
-    let outcomes = context.run_all(&cases).unwrap();
+    let outcomes = context.run_all(0, &cases).unwrap();
     results.scenarios.insert("encounter".into(), cases.into_iter().zip(outcomes).collect());
     for block in Block::all(suite) {
         for need in needs(&block) {

@@ -124,7 +124,7 @@ impl Under<'_> {
         let mut fewest: Option<(&optimise::EvaluatedPoint, Violations)> = None;
         for trial in optimiser.trials() {
             let settings = overrides::settings(&self.tune.over, &trial.point);
-            let outcomes = self.context.run_all(&self.runs_with(&settings, false)?)?;
+            let outcomes = self.context.run_all(1, &self.runs_with(&settings, false)?)?;
             let runs = outcomes.iter().filter(|outcome| self.violated(std::slice::from_ref(outcome))).count();
             let is_less = |(best, least): &(&optimise::EvaluatedPoint, Violations)| {
                 runs.cmp(&least.runs).then(worth(trial).total_cmp(&worth(best))).is_lt()
@@ -216,7 +216,7 @@ impl Under<'_> {
     fn compare(&self, chosen: &[(Target, Value)]) -> Result<BeforeAndAfter, ExperimentError> {
         let outcomes = |settings: &[(Target, Value)], fresh| {
             let cases = self.runs_with(settings, fresh)?;
-            self.context.run_all(&cases)
+            self.context.run_all(1, &cases)
         };
         let after_fresh = outcomes(chosen, true)?;
         let keeps =

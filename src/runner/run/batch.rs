@@ -8,6 +8,7 @@ use thiserror::Error;
 
 use super::build::RunError;
 use super::executor::Executor;
+use super::first_runs::FirstRuns;
 use super::job::{Done, Job, JobFailure, JobPlace, MeasuredMetrics, Ran, Wanted};
 use super::sequence::{Sequence, Sequences, run_sequences};
 use super::stop::Stop;
@@ -57,6 +58,16 @@ impl RunBatch<'_> {
         case: impl FnMut(usize) -> Case + Send,
         take: impl FnMut(Case, Ran) + Send,
     ) -> Result<(), BatchError> {
+        self.made(runs, |_, _: &Case| wanted, case, take)
+    }
+
+    fn made(
+        self,
+        runs: usize,
+        wanted: impl FnMut(usize, &Case) -> Wanted + Send,
+        case: impl FnMut(usize) -> Case + Send,
+        take: impl FnMut(Case, Ran) + Send,
+    ) -> Result<(), BatchError> {
         let Self { executor, measured, stop } = self;
         let one = One { runs, wanted, case, take, measured, failed: None };
         let mut only = Only { one: Some(one), begun: false, taken: 0 };
@@ -92,6 +103,36 @@ impl RunBatch<'_> {
         Ok(outcomes)
     }
 
+    /// As [`Self::outcomes`], the first case being the one of that number among those of which some runs are made a second time: they are
+    /// kept.
+    ///
+    /// # Errors
+    /// As for [`Self::each`].
+    ///
+    /// # Panics
+    /// As for [`Self::each`].
+    pub fn outcomes_keeping(
+        self,
+        first_runs: &FirstRuns,
+        number: usize,
+        cases: impl ExactSizeIterator<Item = Case> + Send,
+        mut done: impl FnMut() + Send,
+    ) -> Result<Vec<Outcome>, BatchError> {
+        let mut cases = cases;
+        let runs = cases.len();
+        let mut outcomes = Vec::with_capacity(runs);
+        let wanted = |run: usize, case: &Case| first_runs.wanted(number + run, case);
+        let case = |_| cases.next().expect("there are as many as were counted");
+        self.made(runs, wanted, case, |case, mut ran| {
+            if first_runs.takes(number + outcomes.len(), &case) {
+                first_runs.keep(&case, &mut ran);
+            }
+            outcomes.push(ran.outcome);
+            done();
+        })?;
+        Ok(outcomes)
+    }
+
     /// What came of one case.
     ///
     /// # Errors
@@ -107,28 +148,29 @@ impl RunBatch<'_> {
 }
 
 /// The only sequence of a batch.
-struct One<'b, C, T> {
+struct One<'b, W, C, T> {
     runs: usize,
-    wanted: Wanted,
+    wanted: W,
     case: C,
     take: T,
     measured: &'b Arc<MeasuredMetrics>,
     failed: Option<(String, JobFailure)>,
 }
 
-impl<C: FnMut(usize) -> Case + Send, T: FnMut(Case, Ran) + Send> Sequence for One<'_, C, T> {
+impl<W, C, T> Sequence for One<'_, W, C, T>
+where
+    W: FnMut(usize, &Case) -> Wanted + Send,
+    C: FnMut(usize) -> Case + Send,
+    T: FnMut(Case, Ran) + Send,
+{
     fn runs(&self) -> usize {
         self.runs
     }
 
     fn job(&mut self, place: JobPlace) -> Job {
-        Job {
-            place,
-            case: (self.case)(place.run),
-            measured: self.measured.clone(),
-            wanted: self.wanted,
-            alone: false,
-        }
+        let case = (self.case)(place.run);
+        let wanted = (self.wanted)(place.run, &case);
+        Job { place, case, measured: self.measured.clone(), wanted, alone: false }
     }
 
     fn take(&mut self, done: Done) -> ControlFlow<()> {

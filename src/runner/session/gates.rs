@@ -4,6 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::shared::Runner;
+use super::tested_programs::{nondeterministic, verify_suite};
 use crate::baseline::{measured_metrics, program_titles, record};
 use crate::run::{BatchError, Panicked};
 use files::Files;
@@ -28,10 +29,15 @@ pub fn judge_gates<'a>(runner: &Runner<'a>, reports: &mut [SuiteReport], lenient
         let refusals: Vec<_> =
             gates.iter().map(|gate| other_runs(gate, &identity.set, runner.files())).collect();
         // Runs that a trial did not need itself are made up for only where something is compared.
-        let measured = refusals.contains(&None).then(|| {
+        let mut measured = refusals.contains(&None).then(|| {
             let trials: Vec<_> = report.trials.iter().collect();
             measured_trials(runner, suite, &trials)
         });
+        if let Some(Ok(candidate)) = &mut measured {
+            // Of the runs that were made up for some are made twice, too.
+            verify_suite(runner, suite, report);
+            candidate.nondeterministic = nondeterministic(&runner.suites()[suite].suite, &report.controllers);
+        }
         report.interrupted |= matches!(measured, Some(Err(_))) && runner.stop().is_requested();
         let judged = |(gate, refusal): (&'a Gate, Option<Refusal>)| match (refusal, &measured) {
             (None, Some(measured)) => judge_one_gate(runner, suite, gate, measured.as_ref(), lenient),
@@ -123,8 +129,12 @@ pub fn measured_trials(
     for (trial, planned) in trials.iter().zip(prepared.plan.trials()) {
         // When a trial was decided must not decide what is compared.
         let mut all = trial.outcomes.clone();
-        let more =
-            Panicked::catch(|| runner.batch().outcomes(planned.cases.from(trial.outcomes.len()), || ()));
+        let known = trial.outcomes.len();
+        let more = || {
+            let (first_runs, left) = (runner.first_runs(suite), planned.cases.from(known));
+            runner.batch().outcomes_keeping(first_runs, known, left, || ())
+        };
+        let more = Panicked::catch(more);
         let more = more.map_err(|panicked| NotJudged::Broken(panicked.to_string()))?;
         all.extend(more.map_err(|error| match error {
             BatchError::Stopped => {

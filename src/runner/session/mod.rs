@@ -25,4 +25,5 @@ pub use on_demand::OnDemand;
 pub use project_run::{Session, SessionError};
 pub use selection::Selection;
 pub use shared::{RunWatch, Runner};
+pub use tested_programs::{nondeterministic, second_runs, tested_controllers};
 pub use unit::{Unit, UnitKind, Units, Work, units, with_needs};

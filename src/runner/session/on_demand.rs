@@ -1,15 +1,18 @@
 //! A session whose units are run when somebody asks what became of them, each at most once.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use super::earlier::Usable;
 use super::gates::{judge_one_gate, measured_trials};
 use super::shared::Runner;
+use super::tested_programs::{nondeterministic, second_runs, tested_controllers};
 use super::unit::{Unit, Work, units};
 use crate::experiment::Silent;
 use crate::project::Project;
-use crate::run::Executor;
-use results::{GateReport, Requests, Skip, SuiteIdentity, UnitReport};
+use crate::run::{Executor, VerifyRuns};
+use results::{
+    GateReport, RecordedReport, RecordedState, Requests, Skip, SuiteIdentity, TestedController, UnitReport,
+};
 use scenario::Gate;
 
 /// A session for whoever asks for one unit after another, from any thread, such as tests that are chosen by name.
@@ -19,6 +22,8 @@ pub struct OnDemand<'a> {
     runner: Runner<'a>,
     units: Vec<Unit<'a>>,
     done: Vec<OnceLock<UnitDone>>,
+    /// What is known of the programs of each suite. Whoever holds it runs a unit of the suite: which runs are made twice depends on their order.
+    controllers: Vec<Mutex<Vec<TestedController>>>,
 }
 
 struct UnitDone {
@@ -32,7 +37,19 @@ impl<'a> OnDemand<'a> {
         let runner = Runner::new(project.suites(), executor, project.registry()).reading(project.files());
         let units: Vec<_> = units(project.suites()).iter().collect();
         let done = units.iter().map(|_| OnceLock::new()).collect();
-        Self { runner, units, done }
+        let controllers = project.suites().iter().map(|one| Mutex::new(tested_controllers(&one.suite)));
+        Self { runner, units, done, controllers: controllers.collect() }.verify_runs(VerifyRuns::default())
+    }
+
+    /// Which of the runs in which programs decide are made a second time, to see whether they come out the same: the first of each
+    /// scenario and every 200th unless this says otherwise.
+    pub fn verify_runs(self, verify: VerifyRuns) -> Self {
+        Self { runner: self.runner.verifying(verify), ..self }
+    }
+
+    /// The programs that are tested in the suite of this index, with what second runs of the units that were run showed.
+    pub fn controllers(&self, suite: usize) -> Vec<TestedController> {
+        self.controllers[suite].lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
     /// The units of the project, in the order of their suites.
@@ -71,7 +88,14 @@ impl<'a> OnDemand<'a> {
                 UnitReport::Recorded(_) | UnitReport::Block(_) => None,
             })
             .collect();
-        let measured = measured_trials(&self.runner, suite, &trials);
+        let mut controllers = self.controllers[suite].lock().unwrap_or_else(PoisonError::into_inner);
+        let mut measured = measured_trials(&self.runner, suite, &trials);
+        if let Ok(candidate) = &mut measured {
+            // Of the runs that were made up for some are made twice, too.
+            second_runs(self.runner.batch(), self.runner.first_runs(suite), &mut controllers);
+            candidate.nondeterministic = nondeterministic(&self.runner.suites()[suite].suite, &controllers);
+        }
+        drop(controllers);
         judge_one_gate(&self.runner, suite, gate, measured.as_ref(), false)
     }
 
@@ -96,6 +120,19 @@ impl<'a> OnDemand<'a> {
                 }
             }
         }
-        self.runner.run_unit(unit, &Usable::gather(kept), &Silent)
+        let kept = Usable::gather(kept);
+        if tested_controllers(&self.runner.suites()[unit.suite].suite).is_empty() {
+            return self.runner.run_unit(unit, &kept, &Silent);
+        }
+        let mut controllers = self.controllers[unit.suite].lock().unwrap_or_else(PoisonError::into_inner);
+        let mut report = self.runner.run_unit(unit, &kept, &Silent);
+        let first_runs = self.runner.first_runs(unit.suite);
+        let differing = second_runs(self.runner.batch(), first_runs, &mut controllers);
+        if let UnitReport::Recorded(RecordedReport { key, state: RecordedState::Ran(rerun), .. }) =
+            &mut report
+        {
+            rerun.may_differ |= differing.contains(key);
+        }
+        report
     }
 }

@@ -148,11 +148,6 @@ impl<'a> Runner<'a> {
         &self.contexts[suite].first_runs
     }
 
-    /// What is measured, with what runs from the same start share.
-    pub(super) fn measured(&self) -> &Arc<MeasuredMetrics> {
-        &self.measured
-    }
-
     /// A run of a unit.
     pub(super) fn job(&self, place: JobPlace, case: Case, wanted: Wanted) -> Job {
         let wanted = if self.watch.is_some() { Wanted::Trace } else { wanted };

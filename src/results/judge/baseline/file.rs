@@ -149,6 +149,9 @@ impl Baseline {
         if !self.programs.is_empty() {
             line(1, &format!("\"programs\": {},", json(&self.programs)));
         }
+        if !self.nondeterministic.is_empty() {
+            line(1, &format!("\"nondeterministic\": {},", json(&self.nondeterministic)));
+        }
         line(1, "\"metrics\": [");
         for (index, metric) in self.metrics.iter().enumerate() {
             line(2, &(json(metric) + comma(index, self.metrics.len())));
@@ -283,6 +286,8 @@ struct File {
     populations: BTreeMap<String, String>,
     #[serde(default)]
     programs: BTreeMap<String, String>,
+    #[serde(default)]
+    nondeterministic: BTreeMap<String, String>,
     metrics: Vec<RecordedMetric>,
     vehicles: Vec<Vec<TestedVehicle>>,
     trials: Vec<TrialInFile>,
@@ -332,7 +337,17 @@ impl File {
 
     fn baseline(self) -> Result<Baseline, String> {
         let Self {
-            suite, seed, set, tool, populations, programs, metrics, vehicles, trials: written, ..
+            suite,
+            seed,
+            set,
+            tool,
+            populations,
+            programs,
+            nondeterministic,
+            metrics,
+            vehicles,
+            trials: written,
+            ..
         } = self;
         let mut trials = Vec::with_capacity(written.len());
         for trial in written {
@@ -347,7 +362,18 @@ impl File {
         if let Some(twice) = trials.windows(2).find(|pair| pair[0].key == pair[1].key) {
             return Err(format!("trial `{}` stands twice", twice[0].key));
         }
-        Ok(Baseline { suite, seed, set, tool, populations, programs, metrics, vehicles, trials })
+        Ok(Baseline {
+            suite,
+            seed,
+            set,
+            tool,
+            populations,
+            programs,
+            nondeterministic,
+            metrics,
+            vehicles,
+            trials,
+        })
     }
 }
 

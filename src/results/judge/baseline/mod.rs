@@ -34,6 +34,10 @@ pub struct Baseline {
     /// Names and versions that programs under test say of themselves, by what the files call them.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub programs: BTreeMap<String, String>,
+    /// Programs under test that do not decide the same each time, by what the files call them, each with how that is known: what differed when
+    /// runs were made twice, or that the declaration says so.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub nondeterministic: BTreeMap<String, String>,
     /// What was measured in every run, in the order of each run's values.
     pub metrics: Vec<RecordedMetric>,
     /// The different sets of vehicles that trials have, in the order in which trials first use them.

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use crate::Change;
-use crate::judge::baseline::{Pairing, TestedVehicle};
+use crate::judge::baseline::{Baseline, Pairing, TestedVehicle};
 use scenario::{Declaration, Dimension, ModelSetup, ParameterKind, Registered, Value};
 
 /// What is tested and differs, once each.
@@ -26,6 +26,17 @@ pub fn changes(pairing: &Pairing) -> Vec<Change> {
         }
     }
     found
+}
+
+/// Which programs do not decide the same each time, a sentence for each side that is known of.
+pub fn nondeterministic(pairing: &Pairing) -> Vec<String> {
+    let sides = [("base", pairing.base), ("candidate", pairing.candidate)];
+    let of = |(side, baseline): (&str, &Baseline)| {
+        let each = baseline.nondeterministic.iter();
+        each.map(|(name, how)| format!("W1102: `{name}` of the {side} is not deterministic: {how}"))
+            .collect::<Vec<_>>()
+    };
+    sides.into_iter().flat_map(of).collect()
 }
 
 /// What of a vehicle differs.

@@ -122,9 +122,12 @@ pub fn judge_rules(
     let nothing_changed = pairing.nothing_changed();
     let regressed = checks.iter().any(|check| check.outcome == CheckOutcome::Regressed);
     let (blind_rules, blind_places) = blind(rules, &checks, pairing);
+    let nondeterministic = changes::nondeterministic(pairing);
+    // What came out the same by chance need not do so the next time.
+    let certainly_same = nothing_changed && nondeterministic.is_empty();
     let verdict = if regressed {
         Verdict::Failed
-    } else if blind_places.is_empty() && (blind_rules.is_empty() || nothing_changed) {
+    } else if blind_places.is_empty() && (blind_rules.is_empty() || certainly_same) {
         Verdict::Passed
     } else {
         Verdict::Inconclusive
@@ -146,6 +149,7 @@ pub fn judge_rules(
         same_people: pairing.same_people,
         nothing_changed,
         changes: changes::changes(pairing),
+        nondeterministic,
     })
 }
 

@@ -55,6 +55,7 @@ fn baseline(
         tool: "0".into(),
         populations: BTreeMap::new(),
         programs: BTreeMap::new(),
+        nondeterministic: BTreeMap::new(),
         metrics: metrics
             .iter()
             .map(|name| RecordedMetric {
@@ -90,6 +91,20 @@ fn outcome<'a>(verdict: &'a GateVerdict, label: &str, subject: ComparedSubject) 
 /// Values around 3 s that differ from run to run.
 fn around(run: usize, seed: u64) -> f64 {
     3.0 + 0.5 * Stream::seeded(seed * 1000 + run as u64).normal()
+}
+
+/// That few runs came out the same says nothing about the next, if what is tested decides by chance.
+#[test]
+fn what_is_the_same_by_chance_is_not_passed_by_a_rule_that_sees_nothing() {
+    let base = baseline(&["pet"], &[trial("walk/tta=6s", 2)], |_, _, run| Some(1.0 + run as f64));
+    let same = judge(&five_percent(), &base, &base);
+    assert_eq!((same.verdict, same.blind_rules.len()), (Verdict::Passed, 1));
+    let chance = || Baseline { nondeterministic: [("own".into(), "at 1 s".into())].into(), ..base.clone() };
+    for (before, after) in [(chance(), base.clone()), (base.clone(), chance())] {
+        let by_chance = judge(&five_percent(), &before, &after);
+        assert!(by_chance.nothing_changed);
+        assert_eq!((by_chance.verdict, by_chance.nondeterministic.len()), (Verdict::Inconclusive, 1));
+    }
 }
 
 #[test]
