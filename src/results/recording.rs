@@ -76,7 +76,8 @@ impl Recording {
                 if speed > STANDING {
                     headings[sample.who] = libm::atan2(sample.velocity.y, sample.velocity.x);
                 } else if sample.who < cars {
-                    let heading = case.world.road.path(case.world.vehicles[sample.who].lane).heading();
+                    let path = case.world.road.path(case.world.vehicles[sample.who].lane);
+                    let heading = path.heading(path.along(sample.position));
                     headings[sample.who] = libm::atan2(heading.y, heading.x);
                 }
                 places[sample.who] = Some(Place {

@@ -82,11 +82,11 @@ pub use optimisation::{
     Budget, CaseSet, Goal, InitialDesign, Objective, Part, RangeValues, SampleSize, Search, SearchMethod,
     SearchRange, ShownIn, Target, Tune,
 };
-pub use path::Path;
+pub use path::{Located, Path};
 pub use program::{Answer, DeclaredFmu, DeclaredProgram, Delay, ProgramKind, WiredVariable};
 pub use program_fault::{FaultKind, ProgramFault};
 pub use reference::{Reference, Registered};
-pub use road::{Body, Crossing, CrossingKind, Direction, Lane, Road, Side};
+pub use road::{Bend, Body, Crossing, CrossingKind, Direction, Lane, Road, Side};
 pub use signal::{NOBODY_AT, OBJECT, OBJECTS, SEEN, SignalEntry, input_signals, output_signals};
 pub use statement::{
     DeclaredStanding, Measured, OutcomesOf, Quantity, Statement, StatementClaim, StatementClaimKind,

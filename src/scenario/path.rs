@@ -1,89 +1,277 @@
 //! The path that a vehicle follows: the one place that knows what it looks like in the plane.
 //!
-//! Places along a path are metres behind the middle of the crossing. Every path is straight: the centre line of a lane, in
-//! its direction of travel.
+//! Places along a path are metres behind the middle of the crossing. A straight path is the centre line of a lane, in its
+//! direction of travel; a curved one is a course beside a line that bends.
+
+use std::sync::Arc;
 
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
 use super::conflict::Conflict;
-use super::{Direction, Road, Side};
+use super::geometry::CurvedPath;
+use super::{Direction, Position, Road, Side};
 
 /// The path that a vehicle's centre follows.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Path {
-    /// Of the lane's centre line in the world frame, m.
-    #[serde(rename = "lane_centre")]
-    y: f64,
-    direction: Direction,
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct Path(Kind);
+
+/// Straight paths have expressions of their own, so that what is measured on them has the same bits as ever.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+enum Kind {
+    Straight {
+        /// Of the lane's centre line in the world frame, m.
+        #[serde(rename = "lane_centre")]
+        y: f64,
+        direction: Direction,
+    },
+    Curved {
+        course: Arc<CurvedPath>,
+    },
+}
+
+/// Where a point lies, seen from a path.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Located {
+    /// The place abreast of it, m.
+    pub along: f64,
+    /// How far it is from the path there, m; positive towards the far side of the road.
+    pub beside: f64,
+    /// Unit vector in the direction of travel there.
+    pub heading: Vector2<f64>,
+    /// How far a point that moves along the path moves for each metre of it: less than 1 inside a bend.
+    stretch: f64,
+    /// 1 where the far side of the road is to the left of the path, −1 where it is to the right.
+    far: f64,
+    /// Whether the path bends towards it from within its distance, so that the place abreast of it may jump as it moves.
+    pub ambiguous: bool,
+}
+
+impl Located {
+    /// How fast the place abreast of somebody moves who is there and moves at `velocity`, and how fast they come nearer to the
+    /// far side of the road, m/s.
+    #[inline]
+    pub fn speeds(&self, velocity: Vector2<f64>) -> (f64, f64) {
+        (velocity.dot(&self.heading) / self.stretch, self.far * self.heading.perp(&velocity))
+    }
+
+    /// How far the point is to the left of the path, in the direction of travel, m.
+    #[inline]
+    pub fn left(&self) -> f64 {
+        self.far * self.beside
+    }
+
+    /// Two distances beside the path (m), to its right and to its left, from the near side to the far side of the road: as
+    /// [`Self::beside`] counts them.
+    #[inline]
+    pub fn borders(&self, right: f64, left: f64) -> (f64, f64) {
+        if self.far > 0.0 { (-right, left) } else { (-left, right) }
+    }
+
+    /// A vector of the world frame as whoever is abreast of it and follows the path sees it: x ahead, y to the left.
+    #[inline]
+    pub fn turned(&self, vector: Vector2<f64>) -> Vector2<f64> {
+        Vector2::new(vector.dot(&self.heading), self.heading.perp(&vector))
+    }
 }
 
 impl Path {
     /// The centre line of a lane that lies at world `y` (m).
     pub fn straight(y: f64, direction: Direction) -> Self {
-        Self { y, direction }
+        Self(Kind::Straight { y, direction })
     }
 
-    fn sign(&self) -> f64 {
-        self.direction.sign()
+    /// A course beside a line that bends.
+    pub fn curved(course: CurvedPath) -> Self {
+        Self(Kind::Curved { course: Arc::new(course) })
+    }
+
+    /// The course beside a line, if it is not simply straight.
+    #[inline]
+    pub fn course(&self) -> Option<&CurvedPath> {
+        match &self.0 {
+            Kind::Straight { .. } => None,
+            Kind::Curved { course } => Some(course),
+        }
     }
 
     /// The point at a place, in the world frame.
+    #[inline]
     pub fn point(&self, place: f64) -> Vector2<f64> {
-        Vector2::new(self.sign() * place, self.y)
+        match &self.0 {
+            Kind::Straight { y, direction } => Vector2::new(direction.sign() * place, *y),
+            Kind::Curved { course } => course.point(place),
+        }
     }
 
-    /// The velocity (m/s, world frame) of whoever follows it at `speed`.
-    pub fn velocity(&self, speed: f64) -> Vector2<f64> {
-        Vector2::new(self.sign() * speed, 0.0)
+    /// The velocity (m/s, world frame) of whoever follows it at `speed` and is at `place`.
+    #[inline]
+    pub fn velocity(&self, place: f64, speed: f64) -> Vector2<f64> {
+        match &self.0 {
+            Kind::Straight { direction, .. } => Vector2::new(direction.sign() * speed, 0.0),
+            Kind::Curved { course } => course.tangent(place) * speed,
+        }
     }
 
-    /// Unit vector in the direction of travel.
-    pub fn heading(&self) -> Vector2<f64> {
-        Vector2::new(self.sign(), 0.0)
+    /// Unit vector in the direction of travel at a place.
+    #[inline]
+    pub fn heading(&self, place: f64) -> Vector2<f64> {
+        match &self.0 {
+            Kind::Straight { direction, .. } => Vector2::new(direction.sign(), 0.0),
+            Kind::Curved { course } => course.tangent(place),
+        }
     }
 
-    /// A vector of the world frame as whoever follows the path sees it: x ahead, y to the left. The other way round it is
-    /// the same.
-    pub fn turned(&self, vector: Vector2<f64>) -> Vector2<f64> {
-        vector * self.sign()
+    /// A vector of the world frame as whoever follows the path sees it at a place: x ahead, y to the left.
+    #[inline]
+    pub fn turned(&self, place: f64, vector: Vector2<f64>) -> Vector2<f64> {
+        match &self.0 {
+            Kind::Straight { direction, .. } => vector * direction.sign(),
+            Kind::Curved { course } => {
+                let heading = course.tangent(place);
+                Vector2::new(vector.dot(&heading), heading.perp(&vector))
+            }
+        }
+    }
+
+    /// The other way round: a vector that somebody sees who is at a place, in the world frame.
+    #[inline]
+    pub fn turned_back(&self, place: f64, vector: Vector2<f64>) -> Vector2<f64> {
+        match &self.0 {
+            Kind::Straight { direction, .. } => vector * direction.sign(),
+            Kind::Curved { course } => {
+                let pose = course.pose(place);
+                pose.tangent() * vector.x + pose.normal() * vector.y
+            }
+        }
+    }
+
+    /// Whether it bends within a distance (m) of a place.
+    #[inline]
+    pub fn turns_about(&self, place: f64, within: f64) -> bool {
+        self.course().is_some_and(|course| course.tightest_between(place - within, place + within) > 0.0)
+    }
+
+    /// Where a point lies.
+    #[inline]
+    pub fn locate(&self, point: Vector2<f64>) -> Located {
+        match &self.0 {
+            Kind::Straight { y, direction } => {
+                let sign = direction.sign();
+                Located {
+                    along: sign * point.x,
+                    beside: point.y - y,
+                    heading: Vector2::new(sign, 0.0),
+                    stretch: 1.0,
+                    far: sign,
+                    ambiguous: false,
+                }
+            }
+            Kind::Curved { course } => located(course, point),
+        }
     }
 
     /// The place abreast of a point.
+    #[inline]
     pub fn along(&self, point: Vector2<f64>) -> f64 {
-        self.sign() * point.x
+        match &self.0 {
+            Kind::Straight { direction, .. } => direction.sign() * point.x,
+            Kind::Curved { course } => course.project(point).place,
+        }
     }
 
-    /// How fast the place abreast of somebody moves who moves at `velocity`, m/s.
-    pub fn speed_along(&self, velocity: Vector2<f64>) -> f64 {
-        self.sign() * velocity.x
+    /// How fast the place abreast of somebody moves who is at a point and moves at `velocity`, m/s.
+    #[inline]
+    pub fn speed_along(&self, point: Vector2<f64>, velocity: Vector2<f64>) -> f64 {
+        match &self.0 {
+            Kind::Straight { direction, .. } => direction.sign() * velocity.x,
+            Kind::Curved { .. } => self.locate(point).speeds(velocity).0,
+        }
     }
 
     /// The place abreast of a point, and how far that is to the left of the path, m.
+    #[inline]
     pub fn from_world(&self, point: Vector2<f64>) -> Vector2<f64> {
-        Vector2::new(self.sign() * point.x, self.sign() * (point.y - self.y))
+        match &self.0 {
+            Kind::Straight { y, direction } => {
+                Vector2::new(direction.sign() * point.x, direction.sign() * (point.y - y))
+            }
+            Kind::Curved { course } => {
+                let found = course.project(point);
+                Vector2::new(found.place, found.left)
+            }
+        }
+    }
+
+    /// The point that lies so far (m) along the path and to the left of it.
+    pub fn to_world(&self, place: Vector2<f64>) -> Vector2<f64> {
+        match &self.0 {
+            Kind::Straight { y, direction } => {
+                Vector2::new(direction.sign() * place.x, y + direction.sign() * place.y)
+            }
+            Kind::Curved { course } => {
+                let pose = course.pose(place.x);
+                pose.point + pose.normal() * place.y
+            }
+        }
     }
 
     /// How far a point is from the path, m; positive towards the far side of the road.
+    #[inline]
     pub fn beside(&self, point: Vector2<f64>) -> f64 {
-        point.y - self.y
+        match &self.0 {
+            Kind::Straight { y, .. } => point.y - y,
+            Kind::Curved { course } => course.direction().sign() * course.project(point).left,
+        }
     }
 
     /// How far somebody who crosses from `side` is beyond the path, m; negative before it.
+    #[inline]
     pub fn beyond(&self, point: Vector2<f64>, side: Side) -> f64 {
-        side.walking_sign() * (point.y - self.y)
+        side.walking_sign() * self.beside(point)
     }
 
-    /// The place at which the line across the road at world `x` (m) meets it.
+    /// The place at which the line across the road `x` m along it from the middle of the crossing meets the path; on a straight
+    /// road that is the line at world `x`.
+    #[inline]
     pub fn at_line(&self, x: f64) -> f64 {
-        self.sign() * x
+        match &self.0 {
+            Kind::Straight { direction, .. } => direction.sign() * x,
+            Kind::Curved { course } => course.place_abreast(course.origin() + x),
+        }
+    }
+
+    /// The place at which somebody meets the path who sets out from one point to another; abreast of where they set out if they
+    /// do not, and on a straight path anyway.
+    pub fn met_by(&self, start: Position, goal: Position) -> f64 {
+        match &self.0 {
+            Kind::Straight { .. } => self.at_line(start.x),
+            Kind::Curved { course } => {
+                let (from, to): (Vector2<f64>, Vector2<f64>) = (start.into(), goal.into());
+                let met = (to - from).try_normalize(0.0).and_then(|way| {
+                    course.crossings(from, way).filter(|met| met.distance >= 0.0).min_by(nearer)
+                });
+                met.map_or_else(|| course.project(from).place, |met| met.place)
+            }
+        }
     }
 
     /// The share of the way from one point to another after which it meets the path, if it does.
     pub fn passed_between(&self, from: Vector2<f64>, to: Vector2<f64>) -> Option<f64> {
         let reached =
             |from: f64, to: f64, line: f64| (from < line && to >= line).then(|| (line - from) / (to - from));
-        reached(from.y, to.y, self.y).or_else(|| reached(-from.y, -to.y, -self.y))
+        match &self.0 {
+            Kind::Straight { y, .. } => reached(from.y, to.y, *y).or_else(|| reached(-from.y, -to.y, -y)),
+            Kind::Curved { course } => {
+                let (from, to) = (course.project(from), course.project(to));
+                if from.ambiguous || to.ambiguous {
+                    return None;
+                }
+                reached(from.left, to.left, 0.0).or_else(|| reached(-from.left, -to.left, 0.0))
+            }
+        }
     }
 
     /// Distance in m that a way from one point to another, or its continuation, takes to the edge of the lane of width
@@ -94,16 +282,31 @@ impl Path {
         side: Side,
         lane_width: f64,
     ) -> Option<f64> {
-        let edge = self.y + side.walking_sign() * lane_width / 2.0;
-        let (across, sideways) = (to.y - from.y, to.x - from.x);
-        let part = (edge - from.y) / across;
-        (part.is_finite() && part >= 0.0).then(|| part * libm::hypot(across, sideways))
+        let beyond = side.walking_sign() * lane_width / 2.0;
+        match &self.0 {
+            Kind::Straight { y, .. } => {
+                let edge = y + beyond;
+                let (across, sideways) = (to.y - from.y, to.x - from.x);
+                let part = (edge - from.y) / across;
+                (part.is_finite() && part >= 0.0).then(|| part * libm::hypot(across, sideways))
+            }
+            Kind::Curved { course } => {
+                let way = (to - from).try_normalize(0.0)?;
+                let edge = course.moved(beyond);
+                let met = edge.crossings(from, way).filter(|met| met.distance >= 0.0);
+                met.min_by(nearer).map(|met| met.distance)
+            }
+        }
     }
 
     /// y (m) of the kerb to the right and of that to the left of the path, seen from it.
     pub fn kerbs(&self, road: &Road) -> (f64, f64) {
-        let (near, far) = (road.kerb(Side::Near) - self.y, road.kerb(Side::Far) - self.y);
-        match self.direction {
+        let (y, direction) = match &self.0 {
+            Kind::Straight { y, direction } => (*y, *direction),
+            Kind::Curved { course } => (course.offset(), course.direction()),
+        };
+        let (near, far) = (road.kerb(Side::Near) - y, road.kerb(Side::Far) - y);
+        match direction {
             Direction::Forward => (near, far),
             Direction::Backward => (-far, -near),
         }
@@ -111,19 +314,54 @@ impl Path {
 
     /// Where the straight way from `from` (world frame, m) along the unit vector `way` meets it; `None` if it runs along it.
     pub fn conflict(&self, from: Vector2<f64>, way: Vector2<f64>) -> Option<Conflict> {
-        // Walking along the road never crosses the lane.
-        if way.y == 0.0 {
-            return None;
+        match &self.0 {
+            Kind::Straight { y, direction } => {
+                // Walking along the road never crosses the lane.
+                if way.y == 0.0 {
+                    return None;
+                }
+                let distance = (y - from.y) / way.y;
+                Some(Conflict { place: direction.sign() * (from.x + way.x * distance), distance })
+            }
+            Kind::Curved { course } => course.crossings(from, way).min_by(|one, other| {
+                let behind = |met: &Conflict| (met.distance < 0.0, met.distance.abs());
+                let (one, other) = (behind(one), behind(other));
+                one.0.cmp(&other.0).then(one.1.total_cmp(&other.1))
+            }),
         }
-        let distance = (self.y - from.y) / way.y;
-        Some(Conflict { place: self.sign() * (from.x + way.x * distance), distance })
     }
 
     /// The point at which the straight way from one point to another meets it, if it does.
     pub fn met_between(&self, from: Vector2<f64>, to: Vector2<f64>) -> Option<Vector2<f64>> {
-        let part = (self.y - from.y) / (to.y - from.y);
-        (0.0..=1.0).contains(&part).then(|| Vector2::new(from.x + part * (to.x - from.x), self.y))
+        match &self.0 {
+            Kind::Straight { y, .. } => {
+                let part = (y - from.y) / (to.y - from.y);
+                (0.0..=1.0).contains(&part).then(|| Vector2::new(from.x + part * (to.x - from.x), *y))
+            }
+            Kind::Curved { course } => {
+                let (long, way) = ((to - from).norm(), (to - from).try_normalize(0.0)?);
+                let met = course.crossings(from, way).filter(|met| (0.0..=long).contains(&met.distance));
+                met.min_by(nearer).map(|met| from + way * met.distance)
+            }
+        }
     }
+}
+
+fn located(course: &CurvedPath, point: Vector2<f64>) -> Located {
+    let (found, far) = (course.project(point), course.direction().sign());
+    Located {
+        along: found.place,
+        beside: far * found.left,
+        heading: course.tangent(found.place),
+        // Far inside a bend, where nobody knows which part of it is meant, speeds stay finite.
+        stretch: (1.0 - found.curvature * found.left).max(0.1),
+        far,
+        ambiguous: found.ambiguous,
+    }
+}
+
+fn nearer(one: &Conflict, other: &Conflict) -> std::cmp::Ordering {
+    one.distance.total_cmp(&other.distance)
 }
 
 #[cfg(test)]
@@ -143,10 +381,10 @@ mod tests {
             let point = path.point(place);
             prop_assert_eq!(path.along(point), place);
             prop_assert_eq!((path.beside(point), path.from_world(point).y), (0.0, 0.0));
-            prop_assert_eq!(path.velocity(3.0), path.heading() * 3.0);
-            prop_assert_eq!(path.speed_along(path.velocity(3.0)), 3.0);
+            prop_assert_eq!(path.velocity(place, 3.0), path.heading(place) * 3.0);
+            prop_assert_eq!(path.speed_along(point, path.velocity(place, 3.0)), 3.0);
             let offset = Vector2::new(place, y);
-            prop_assert_eq!(path.turned(path.turned(offset)), offset);
+            prop_assert_eq!(path.turned_back(place, path.turned(place, offset)), offset);
         }
 
         #[test]

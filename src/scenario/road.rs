@@ -4,9 +4,13 @@
 //! of the crossing meets the centre line of lane 0, so lane i lies at y = i * lane width, the near kerb at
 //! y = -lane width / 2 and the far kerb at y = (lanes - 1/2) * lane width. Metres.
 
+use std::sync::Arc;
+
+use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
 use super::Path;
+use super::geometry::{CurvedPath, GeometryError, ReferenceLine};
 
 /// The road as everybody finds it. The world's frame is that of its lane 0: x runs along the lane in its direction of travel, y
 /// to the left, and the origin is the middle of the crossing on the lane's centre line, m.
@@ -26,6 +30,19 @@ pub struct Road {
     pub crossing: Crossing,
     /// Parked vehicles and other boxes.
     pub boxes: Vec<Body>,
+    /// How it bends; a road without it is straight and endless.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bend: Option<Bend>,
+}
+
+/// How a road bends: the line that the centre of lane 0 follows, and where the crossing is on it. The world's frame is then that
+/// of the line.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Bend {
+    /// The centre line of lane 0; the others lie to the left of it.
+    pub line: Arc<ReferenceLine>,
+    /// Station of the middle of the crossing, m.
+    pub crossing: f64,
 }
 
 /// A straight lane.
@@ -149,12 +166,40 @@ impl Road {
             kerbs: true,
             crossing: Crossing { kind: CrossingKind::Zebra, width: 4.0 },
             boxes: Vec::new(),
+            bend: None,
+        }
+    }
+
+    /// Whether its lanes can follow how it bends.
+    ///
+    /// # Errors
+    /// The first lane or kerb that a piece is too tight for.
+    pub fn check_bend(&self) -> Result<(), GeometryError> {
+        let Some(bend) = &self.bend else { return Ok(()) };
+        let lanes = (0..self.lanes.len()).map(|lane| self.lane_centre(lane));
+        let offsets = lanes.chain([self.kerb(Side::Near), self.kerb(Side::Far)]);
+        offsets.into_iter().try_for_each(|offset| {
+            CurvedPath::new(bend.line.clone(), offset, Direction::Forward, bend.crossing).map(drop)
+        })
+    }
+
+    /// How far a point is to the left of the centre line of lane 0, m; y on a straight road.
+    pub fn across(&self, point: Vector2<f64>) -> f64 {
+        match &self.bend {
+            None => point.y,
+            Some(bend) => bend.line.project(point).left,
         }
     }
 
     /// The path of whoever drives in a lane.
     pub fn path(&self, lane: usize) -> Path {
-        Path::straight(self.lane_centre(lane), self.lanes[lane].direction)
+        let (centre, direction) = (self.lane_centre(lane), self.lanes[lane].direction);
+        match &self.bend {
+            None => Path::straight(centre, direction),
+            Some(bend) => {
+                Path::curved(CurvedPath::beside(bend.line.clone(), centre, direction, bend.crossing))
+            }
+        }
     }
 
     /// y of a lane's centre line in m.

@@ -4,6 +4,7 @@ use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
 use super::geometry::Footprint;
+use super::turning::{touch_on_a_bend, turns};
 use scenario::agent::{Snapshot, velocity_inside};
 use scenario::{Body, World};
 
@@ -151,6 +152,9 @@ fn touch(
     let near = one.radius() + other.radius() + moved.norm() + SLACK;
     if (other.centre - one.centre).norm() > near {
         return None;
+    }
+    if turns(first, before, after) || turns(second, before, after) {
+        return touch_on_a_bend((first, second), (before, after), boxes, duration);
     }
     one.first_contact(&other, moved / duration).filter(|moment| *moment <= duration)
 }

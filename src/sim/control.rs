@@ -2,13 +2,15 @@
 
 use std::collections::VecDeque;
 
+use nalgebra::Vector2;
+
 use super::order::{Order, SpeedPlan};
 use super::road_users::{Driven, Driver};
 use scenario::agent::{
     Command, ControllerError, EgoState, Longitudinal, Mode, Observation, RoadView, Schedule, SeenPedestrian,
-    SeenVehicle, Snapshot,
+    SeenVehicle, Snapshot, VehicleState,
 };
-use scenario::{CommandKind, Road, VehicleSetup, World};
+use scenario::{CommandKind, Located, Road, VehicleSetup, World};
 
 /// Absorbs the rounding of sums and products when times are compared, s.
 pub(super) const TIME_TOLERANCE: f64 = 1e-9;
@@ -306,23 +308,64 @@ impl Control {
         seen.road.pedestrian_priority = road.pedestrian_priority(time);
         seen.pedestrians.clear();
         seen.pedestrians.extend(now.pedestrians.iter().enumerate().filter(|(_, state)| state.present).map(
-            |(id, state)| SeenPedestrian {
-                id,
-                position: ego.path.turned(state.position - ego.position()),
-                velocity: ego.path.turned(state.velocity),
-                acceleration: ego.path.turned(state.acceleration),
-                shape: state.shape,
+            |(id, state)| {
+                let seen = Seen::new(ego, state.position);
+                SeenPedestrian {
+                    id,
+                    position: seen.position,
+                    velocity: seen.velocity(state.velocity),
+                    acceleration: seen.turned(state.acceleration),
+                    shape: state.shape,
+                }
             },
         ));
         seen.vehicles.clear();
         seen.vehicles.extend(now.vehicles.iter().enumerate().filter(|(id, _)| *id != me).map(
-            |(id, state)| SeenVehicle {
-                id,
-                position: ego.path.turned(state.position() - ego.position()),
-                velocity: ego.path.turned(state.velocity()),
-                length: state.length,
-                width: state.width,
+            |(id, state)| {
+                let seen = Seen::new(ego, state.position());
+                SeenVehicle {
+                    id,
+                    position: seen.position,
+                    velocity: seen.velocity(state.velocity()),
+                    length: state.length,
+                    width: state.width,
+                }
             },
         ));
+    }
+}
+
+/// Where somebody is, seen from a vehicle: so far ahead along its path, so far to the left of it.
+struct Seen<'a> {
+    ego: &'a VehicleState,
+    position: Vector2<f64>,
+    /// On a path that bends.
+    abreast: Option<Located>,
+}
+
+impl<'a> Seen<'a> {
+    fn new(ego: &'a VehicleState, place: Vector2<f64>) -> Self {
+        if ego.path.course().is_none() {
+            return Self { ego, position: ego.turned(place - ego.position()), abreast: None };
+        }
+        let abreast = ego.path.locate(place);
+        let position = Vector2::new(abreast.along - ego.motion.travelled, abreast.left());
+        Self { ego, position, abreast: Some(abreast) }
+    }
+
+    /// A vector along the path and to the left of it, where they are.
+    fn turned(&self, vector: Vector2<f64>) -> Vector2<f64> {
+        match &self.abreast {
+            None => self.ego.turned(vector),
+            Some(abreast) => abreast.turned(vector),
+        }
+    }
+
+    /// How fast the place abreast of them moves along the path, and they to the left of it, m/s.
+    fn velocity(&self, velocity: Vector2<f64>) -> Vector2<f64> {
+        match &self.abreast {
+            None => self.ego.turned(velocity),
+            Some(abreast) => Vector2::new(abreast.speeds(velocity).0, abreast.turned(velocity).y),
+        }
     }
 }

@@ -14,7 +14,7 @@ use super::start::{placed, waiting_outside, way};
 use scenario::agent::{
     Command, ControllerError, Mode, Motion, Observation, PedestrianState, Scene, Snapshot, VehicleState,
 };
-use scenario::{Appearance, World};
+use scenario::{Appearance, PedestrianSetup, World};
 
 /// The time at which a run ends that nothing ends before its horizon, s: a whole number of steps.
 pub fn longest_run(horizon: f64, step: f64) -> f64 {
@@ -95,6 +95,8 @@ pub struct Course {
     waiting: usize,
     /// Unit vectors from start to goal.
     ways: Vec<Vector2<f64>>,
+    /// The place at which each pedestrian meets the path of the vehicle that it waits for, m.
+    meetings: Vec<f64>,
     motions: Vec<Motion>,
     pedestrian_modes: Vec<Mode>,
     vehicle_modes: Vec<Mode>,
@@ -136,6 +138,7 @@ impl Course {
             waiting: 0,
             motions: vec![Motion::Walk(Vector2::zeros()); ways.len()],
             ways,
+            meetings: world.pedestrians.iter().map(|setup| meeting(&world, setup)).collect(),
             pedestrian_modes: vec![Mode::NONE; world.pedestrians.len()],
             vehicle_modes: vec![Mode::NONE; world.vehicles.len()],
             contacts: Contacts::new(&world),
@@ -258,12 +261,14 @@ impl Course {
     /// Lets pedestrians appear and asks every vehicle that is due what it does from now on.
     fn ask(&mut self) -> Result<(), Fault> {
         let time = self.time();
-        for (state, setup) in self.now.pedestrians.iter_mut().zip(&self.world.pedestrians) {
+        let setups = self.world.pedestrians.iter().zip(&self.meetings);
+        for (state, (setup, meeting)) in self.now.pedestrians.iter_mut().zip(setups) {
             state.present = state.present
                 || match setup.appears {
                     Appearance::At(start) => time >= start - TIME_TOLERANCE,
                     Appearance::TimeToArrival { vehicle, reference, time: wanted } => {
-                        let left = self.now.vehicles[vehicle].time_to_arrival(setup.start.x, reference);
+                        let car = &self.now.vehicles[vehicle];
+                        let left = car.time_to_arrival(*meeting, reference);
                         left <= wanted + TIME_TOLERANCE
                     }
                 };
@@ -408,6 +413,16 @@ impl Course {
         let vehicles = (0..self.now.vehicles.len()).map(Solid::Vehicle);
         let mut everybody = vehicles.chain((0..self.now.pedestrians.len()).map(Solid::Pedestrian));
         everybody.all(|who| has_arrived(&self.world, &self.now, who))
+    }
+}
+
+/// The place at which a pedestrian meets the path of the vehicle whose arrival it waits for, m.
+fn meeting(world: &World, setup: &PedestrianSetup) -> f64 {
+    match setup.appears {
+        Appearance::At(_) => 0.0,
+        Appearance::TimeToArrival { vehicle, .. } => {
+            world.road.path(world.vehicles[vehicle].lane).met_by(setup.start, setup.goal)
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Footprints in the plane: when they touch and how far apart they are.
 //!
-//! A vehicle is a rectangle along the road, as is a box; a pedestrian is a disc or a rectangle along its heading.
+//! A vehicle is a rectangle along its path, a box one along the road; a pedestrian is a disc or a rectangle along its heading.
 
 use nalgebra::Vector2;
 
@@ -21,8 +21,15 @@ pub struct Footprint {
 impl From<&VehicleState> for Footprint {
     fn from(vehicle: &VehicleState) -> Self {
         let shape = Shape::Rectangle { length: vehicle.length, width: vehicle.width };
-        // A rectangle is the same from either end, so that both directions of travel have the same bits.
-        Self { centre: vehicle.position(), heading: Vector2::x(), shape }
+        let (centre, heading) = match vehicle.path.course() {
+            // A rectangle is the same from either end, so that both directions of travel have the same bits.
+            None => (vehicle.position(), Vector2::x()),
+            Some(course) => {
+                let pose = course.pose(vehicle.motion.travelled);
+                (pose.point, pose.tangent())
+            }
+        };
+        Self { centre, heading, shape }
     }
 }
 
@@ -121,16 +128,28 @@ pub fn first_contact(
 
 /// Smallest distance between the footprints in m; 0 when they touch or overlap.
 pub fn distance(vehicle: &VehicleState, pedestrian: &PedestrianState) -> f64 {
-    let offset = pedestrian.position - vehicle.position();
-    let half = Vector2::new(vehicle.length / 2.0, vehicle.width / 2.0);
-    match pedestrian.shape {
+    apart(&vehicle.into(), &pedestrian.into())
+}
+
+/// Smallest distance between two outlines, m; 0 when they touch or overlap.
+pub(super) fn apart(one: &Footprint, other: &Footprint) -> f64 {
+    let (length, width) = match (one.shape, other.shape) {
+        (Shape::Rectangle { length, width }, _) => (length, width),
+        (Shape::Disc { .. }, Shape::Rectangle { .. }) => return apart(other, one),
+        (Shape::Disc { radius }, Shape::Disc { radius: others }) => {
+            return ((other.centre - one.centre).norm() - radius - others).max(0.0);
+        }
+    };
+    let half = Vector2::new(length / 2.0, width / 2.0);
+    // Along the axes of the first. Those of a straight road are the world's: to be turned by that keeps every bit.
+    let (offset, heading) = (one.own_frame(other.centre - one.centre), one.own_frame(other.heading));
+    match other.shape {
         Shape::Disc { radius } => (distance_to_box(offset, half) - radius).max(0.0),
         Shape::Rectangle { length, width } => {
-            if first_contact(vehicle, pedestrian, Vector2::zeros()).is_some() {
+            if one.first_contact(other, Vector2::zeros()).is_some() {
                 return 0.0;
             }
             // The nearest points of two separate rectangles include a corner of one of them.
-            let heading = pedestrian.heading;
             let across = Vector2::new(-heading.y, heading.x);
             let own_half = Vector2::new(length / 2.0, width / 2.0);
             let from_corner = |corner: Vector2<f64>| {

@@ -32,6 +32,7 @@ pub mod script;
 mod start;
 mod timeline;
 mod trace;
+mod turning;
 
 pub use contact::{Contacts, Solid, Touch};
 pub use course::{Course, Fault, Progress, has_arrived, has_crossed, longest_run, simulate};
@@ -47,3 +48,4 @@ pub use scenario::agent::{
 pub use start::{blocked_lanes, collision_course, overlaps};
 pub use timeline::{Happening, Timeline, TimelineEvent};
 pub use trace::{Sample, Trace, TraceMark};
+pub use turning::contact_with;

@@ -4,12 +4,16 @@
 use nalgebra::Vector2;
 
 use super::contact::{Solid, pairs};
-use super::geometry::Footprint;
+use super::geometry::{Footprint, apart};
+use super::turning::contact_ahead;
 use scenario::agent::{Longitudinal, PedestrianState, Snapshot, VehicleState};
-use scenario::{Appearance, PedestrianSetup, VehicleReference, VehicleSetup, VehicleStart, World};
+use scenario::{Appearance, Body, PedestrianSetup, VehicleReference, VehicleSetup, VehicleStart, World};
 
 /// Bodies that only touch are beside each other, m.
 const TOUCHING: f64 = 1e-6;
+
+/// On a bend a vehicle is looked at every so many metres for what stands in its way.
+const LOOKS: f64 = 0.1;
 
 /// Every two bodies that are inside each other where they begin: vehicles at the speed that they are given, pedestrians as
 /// they appear. Those who appear at different times, or when a vehicle is somewhere, are left to the run.
@@ -41,6 +45,10 @@ pub fn blocked_lanes(world: &World) -> Vec<(usize, usize, f64)> {
     let mut blocked = Vec::new();
     for (vehicle, car) in state.vehicles.iter().enumerate() {
         for (index, body) in world.road.boxes.iter().enumerate() {
+            if car.path.course().is_some() {
+                blocked.extend(met_on_the_way(world, car, body).map(|way| (vehicle, index, way)));
+                continue;
+            }
             let place = Vector2::new(body.x, body.y);
             let apart = car.path.beside(place).abs() - (body.width + car.width) / 2.0;
             let centre = car.path.along(place);
@@ -52,6 +60,16 @@ pub fn blocked_lanes(world: &World) -> Vec<(usize, usize, f64)> {
         }
     }
     blocked
+}
+
+/// The way (m) that a vehicle drives until it stands in a box, if it does so before the finish line.
+fn met_on_the_way(world: &World, car: &VehicleState, body: &Body) -> Option<f64> {
+    let (mut car, start, body) = (car.clone(), car.motion.travelled, Footprint::from(body).shrunk(TOUCHING));
+    let steps = ((world.finish - start) / LOOKS).ceil().max(0.0) as usize;
+    (0..=steps).map(|step| step as f64 * LOOKS).find(|way| {
+        car.motion.travelled = start + way;
+        apart(&Footprint::from(&car), &body) == 0.0
+    })
 }
 
 pub(super) fn way(setup: &PedestrianSetup) -> Vector2<f64> {
@@ -102,9 +120,16 @@ fn beginning(world: &World) -> Snapshot {
     Snapshot { vehicles: cars.collect(), pedestrians: people }
 }
 
-/// Whether two who both move on as they do now will touch, and after which time, s.
+/// Whether two who both move on as they do now will touch, and after which time, s. Vehicles move on along their paths.
 pub fn collision_course(first: Solid, second: Solid, state: &Snapshot, world: &World) -> Option<f64> {
     let boxes = &world.road.boxes;
+    let bends = |solid| match solid {
+        Solid::Vehicle(index) => state.vehicles[index].path.course().is_some(),
+        _ => false,
+    };
+    if bends(first) || bends(second) {
+        return contact_ahead((first, second), state, boxes);
+    }
     let (one, other) = (first.footprint(state, boxes)?, second.footprint(state, boxes)?);
     let velocity = |solid| match solid {
         Solid::Vehicle(index) => state.vehicles[index].velocity(),
@@ -118,7 +143,7 @@ pub fn collision_course(first: Solid, second: Solid, state: &Snapshot, world: &W
 mod tests {
     use super::*;
     use crate::fixture;
-    use scenario::{Body, VehicleStart};
+    use scenario::VehicleStart;
 
     fn van(x: f64, y: f64) -> Body {
         Body { name: "van".into(), x, y, length: 5.0, width: 2.0 }

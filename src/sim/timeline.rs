@@ -164,7 +164,8 @@ impl Timeline {
             [(side, Happening::EntersCarriageway), (side.opposite(), Happening::LeavesCarriageway)]
         {
             let kerb = world.road.kerb(side);
-            if let Some(part) = passing_either_way(before.position.y, after.position.y, kerb) {
+            let (from, to) = (world.road.across(before.position), world.road.across(after.position));
+            if let Some(part) = passing_either_way(from, to, kerb) {
                 self.add(step.time + part * step.duration, name, what);
             }
         }

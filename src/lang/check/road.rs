@@ -149,6 +149,7 @@ pub fn road(
         kerbs: block.no_kerbs().is_none(),
         crossing: crossing?,
         boxes: boxes.into_iter().collect::<Option<_>>()?,
+        bend: None,
     })
 }
 

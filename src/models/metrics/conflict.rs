@@ -282,8 +282,8 @@ struct Order {
 impl Order {
     fn new(context: &MetricContext) -> Self {
         let path = context.world.road.path(context.world.vehicles[context.vehicle].lane);
-        let start = context.world.pedestrians[context.pedestrian].start.x;
-        Self { pair: pair(context), expected_place: path.at_line(start) }
+        let person = &context.world.pedestrians[context.pedestrian];
+        Self { pair: pair(context), expected_place: path.met_by(person.start, person.goal) }
     }
 
     /// Whether somebody is there of whom it is not known yet.

@@ -3,6 +3,8 @@
 //! To add one: make a [`Metric`] in the file of its family (or a new file) and list it in [`metrics`]. Events inside
 //! a step are interpolated linearly; a metric that does not exist in a run is `None`, never a magic number.
 
+#[cfg(test)]
+mod bends;
 mod braking;
 mod conflict;
 mod contact;

@@ -1,9 +1,9 @@
 //! How urgent it gets: time to collision and the deceleration that would avoid a crash.
 
-use scenario::{Absence, Metric, MetricKind, MetricRange, Scope, Worst};
+use scenario::{Absence, Located, Metric, MetricKind, MetricRange, Scope, Worst};
 use scenario::{Declaration, Dimension, Parameter};
-use sim::measure::half_extent;
 use sim::measure::{Encounters, Meter, MetricContext, meters};
+use sim::measure::{half_extent, strip};
 use sim::{PedestrianState, Step, VehicleState};
 
 pub fn min_ttc() -> Metric {
@@ -117,11 +117,12 @@ impl Meter for Drac {
         let encounter = encounters.pair(self.pair.0, self.pair.1);
         let (car, person) = (&step.after.vehicles[self.pair.0], &step.after.pedestrians[self.pair.1]);
         let on_course = encounter.time_to_collision.is_some() || encounter.contact.is_some();
-        let gap = gap_ahead(car, person);
+        let place = car.path.locate(person.position);
+        let gap = gap_ahead(car, person, &place);
         // Contact with the front closes the gap up to rounding.
         let ahead = gap > 1e-9;
         let rate = match (on_course, ahead) {
-            (true, true) => Some(avoiding_rate(car, person, gap)),
+            (true, true) => Some(avoiding_rate(car, person, &place, gap)),
             (true, false) if self.was_ahead => Some(f64::INFINITY),
             _ => None,
         };
@@ -144,21 +145,21 @@ impl Meter for Drac {
 }
 
 /// From the front to the pedestrian's footprint along the lane, m.
-fn gap_ahead(car: &VehicleState, person: &PedestrianState) -> f64 {
-    car.path.along(person.position) - half_extent(person).x - car.motion.travelled - car.length / 2.0
+fn gap_ahead(car: &VehicleState, person: &PedestrianState, place: &Located) -> f64 {
+    place.along - half_extent(person, place).x - car.motion.travelled - car.length / 2.0
 }
 
 /// The constant deceleration that keeps the front `gap` behind the pedestrian until it has left the strip that the
 /// vehicle sweeps, m/s².
-fn avoiding_rate(car: &VehicleState, person: &PedestrianState, gap: f64) -> f64 {
-    let closing = car.motion.speed - car.path.speed_along(person.velocity);
+fn avoiding_rate(car: &VehicleState, person: &PedestrianState, place: &Located, gap: f64) -> f64 {
+    let (along, sideways) = place.speeds(person.velocity);
+    let closing = car.motion.speed - along;
     if closing <= 0.0 {
         return 0.0;
     }
-    let border = car.width / 2.0 + half_extent(person).y;
-    let (offset, sideways) = (car.path.beside(person.position), person.velocity.y);
-    let clear =
-        if sideways == 0.0 { f64::INFINITY } else { (sideways.signum() * border - offset) / sideways };
+    let (reach, (low, high)) = (half_extent(person, place).y, strip(car, place));
+    let edge = if sideways > 0.0 { high + reach } else { low - reach };
+    let clear = if sideways == 0.0 { f64::INFINITY } else { (edge - place.beside) / sideways };
     if clear * closing >= 2.0 * gap {
         closing * closing / (2.0 * gap)
     } else {
@@ -189,7 +190,8 @@ mod tests {
             shape: Shape::Disc { radius: 0.25 },
             present: true,
         };
-        avoiding_rate(&car, &person, gap_ahead(&car, &person))
+        let place = car.path.locate(person.position);
+        avoiding_rate(&car, &person, &place, gap_ahead(&car, &person, &place))
     }
 
     #[test]

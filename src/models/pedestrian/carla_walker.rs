@@ -394,7 +394,8 @@ impl Vehicles {
     /// From the vehicle's margin to a place, m; negative inside: minus the shortest way out.
     fn clearance(&self, vehicle: &VehicleState, place: Vector2<f64>) -> f64 {
         let offset = place - vehicle.position();
-        let ahead = vehicle.path.along(offset);
+        let offset = vehicle.turned(offset);
+        let ahead = offset.x;
         let half_length = vehicle.length / 2.0 + self.margin;
         let half_width = vehicle.width / 2.0 + self.margin;
         let beyond = Vector2::new(

@@ -179,7 +179,7 @@ impl Interceptor {
     fn prey(&self, scene: &Scene, speed: f64) -> Option<usize> {
         let position = scene.ego().position;
         let arrivals = scene.vehicles.iter().enumerate().filter_map(|(index, vehicle)| {
-            let arrival = arrival(vehicle, position.x)?;
+            let arrival = arrival(vehicle, position)?;
             let distance = self.distance_to_aim(vehicle, position);
             let mut needed = self.run_time(distance, speed) + self.lead;
             if self.walks_in {
@@ -199,9 +199,9 @@ impl Interceptor {
     }
 }
 
-/// Time until the bumper reaches the line across the road at x, s; infinite if the vehicle stands, `None` once past.
-fn arrival(vehicle: &VehicleState, x: f64) -> Option<f64> {
-    let distance = vehicle.distance_to(x, VehicleReference::Front);
+/// Time until the bumper is abreast of a point, s; infinite if the vehicle stands, `None` once past.
+fn arrival(vehicle: &VehicleState, place: Vector2<f64>) -> Option<f64> {
+    let distance = vehicle.distance_to(vehicle.path.along(place), VehicleReference::Front);
     if distance <= 0.0 {
         None
     } else if vehicle.motion.speed < STANDING_SPEED {
@@ -233,7 +233,7 @@ impl Pedestrian for Interceptor {
             let stands = vehicle.motion.speed < STANDING_SPEED;
             self.held_since = stands.then(|| self.held_since.unwrap_or(scene.time));
             let held = self.held_since.map_or(0.0, |since| scene.time - since);
-            if arrival(vehicle, position.x).is_none() || (stands && held >= self.hold_time - TIME_TOLERANCE) {
+            if arrival(vehicle, position).is_none() || (stands && held >= self.hold_time - TIME_TOLERANCE) {
                 self.state = State::Leave;
             }
         }
@@ -247,7 +247,7 @@ impl Pedestrian for Interceptor {
             State::Commit(index) => {
                 let vehicle = &scene.vehicles[index];
                 let distance = self.distance_to_aim(vehicle, position);
-                match arrival(vehicle, position.x) {
+                match arrival(vehicle, position) {
                     Some(time) if time.is_finite() => {
                         (distance / (time - self.lead).max(step)).clamp(0.0, self.max_speed)
                     }

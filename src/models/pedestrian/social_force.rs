@@ -208,7 +208,7 @@ fn build(context: &PedestrianContext) -> Result<Box<dyn Pedestrian>, ModelError>
 impl Repulsion {
     /// On a pedestrian at `position` on its way along the unit vector `way`, m/s².
     fn force(&self, vehicle: &VehicleState, position: Vector2<f64>, way: Vector2<f64>) -> Vector2<f64> {
-        let heading = vehicle.path.heading();
+        let heading = vehicle.heading();
         let half_length = vehicle.length / 2.0;
         let along = (position - vehicle.position()).dot(&heading).clamp(-half_length, half_length);
         let from_now = position - (vehicle.position() + heading * along);

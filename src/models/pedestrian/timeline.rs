@@ -77,11 +77,11 @@ fn quantity(scene: &Scene, side: Side, origin: Vector2<f64>, index: usize) -> f6
         "time_to_arrival" => scene
             .vehicles
             .iter()
-            .map(|vehicle| vehicle.time_to_arrival(ego.position.x, VehicleReference::Front))
+            .map(|vehicle| vehicle.time_to_arrival(vehicle.path.along(ego.position), VehicleReference::Front))
             .filter(|time| *time >= 0.0)
             .fold(f64::INFINITY, f64::min),
         "walked" => (ego.position - origin).norm(),
-        "distance_to_kerb" => side.walking_sign() * (scene.road.kerb(side) - ego.position.y),
+        "distance_to_kerb" => side.walking_sign() * (scene.road.kerb(side) - scene.road.across(ego.position)),
         _ => ego.velocity.norm(),
     }
 }

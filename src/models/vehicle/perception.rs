@@ -6,7 +6,7 @@ use nalgebra::Vector2;
 
 use super::{ControllerContext, PerceptionModel};
 use numbers::random::Stream;
-use scenario::{Body, Chance, Declaration, Dimension, Parameter, Settings};
+use scenario::{Body, Chance, Declaration, Dimension, Parameter, Path, Settings};
 use sim::random::{Agent, Purpose, stream};
 use sim::{ModelError, Observation, Perception, Schedule, SeenPedestrian, SeenVehicle};
 
@@ -116,9 +116,13 @@ fn with_perception(
     let path = context.world.road.path(context.setup.lane);
     let boxes = if settings.flag("occlusion") { context.world.road.boxes.as_slice() } else { &[] };
     let boxes = boxes.iter().map(|body| {
+        if path.course().is_some() {
+            return body.clone();
+        }
         let place = path.from_world(Vector2::new(body.x, body.y));
         Body { x: place.x, y: place.y, ..body.clone() }
     });
+    let boxes = boxes.collect();
     let latency = settings.number("latency");
     let interval = schedule.shortest();
     let frames = (latency / interval).ceil() as usize + 2;
@@ -133,7 +137,8 @@ fn with_perception(
             range: settings.optional_number("range").unwrap_or(f64::INFINITY),
             half_angle: settings.optional_number("field_of_view").map_or(f64::INFINITY, |angle| angle / 2.0),
             setback: settings.number("sensor_setback"),
-            boxes: boxes.collect(),
+            boxes,
+            path,
         },
         blur: Blur {
             dropout: settings.number("dropout"),
@@ -176,8 +181,9 @@ struct Sight {
     range: f64,
     half_angle: f64,
     setback: f64,
-    /// Relative to the crossing, along the ego's lane.
+    /// Relative to the crossing, along the ego's lane; in the world frame if that bends.
     boxes: Vec<Body>,
+    path: Path,
 }
 
 /// What is lost or blurred of those in view.
@@ -193,11 +199,25 @@ struct Blur {
 const TIME_TOLERANCE: f64 = 1e-9;
 
 impl Sight {
-    /// Whether a place is in view of a sensor, both relative to the crossing.
-    fn sees(&self, sensor: Vector2<f64>, place: Vector2<f64>) -> bool {
+    /// Whether a place is in view of a sensor `ahead` m before the ego's centre; ego and place relative to the crossing.
+    fn sees(&self, ego: Vector2<f64>, ahead: f64, place: Vector2<f64>) -> bool {
+        if self.path.course().is_some() {
+            return self.sees_in_a_bend(ego, ahead, place);
+        }
+        let sensor = ego + Vector2::new(ahead, 0.0);
         let line = place - sensor;
         line.norm() <= self.range
             && libm::atan2(line.y, line.x).abs() <= self.half_angle
+            && !self.boxes.iter().any(|body| crosses(sensor, line, body))
+    }
+
+    /// The same in the plane: whoever is round the bend is not where the lane leads, but where they are.
+    fn sees_in_a_bend(&self, ego: Vector2<f64>, ahead: f64, place: Vector2<f64>) -> bool {
+        let sensor = self.path.point(ego.x) + self.path.heading(ego.x) * ahead;
+        let line = self.path.to_world(place) - sensor;
+        let seen = self.path.turned(ego.x, line);
+        line.norm() <= self.range
+            && libm::atan2(seen.y, seen.x).abs() <= self.half_angle
             && !self.boxes.iter().any(|body| crosses(sensor, line, body))
     }
 }
@@ -246,7 +266,7 @@ impl Perceiving {
     /// Takes down what is perceived now.
     fn note(&mut self, observation: &Observation) {
         let ego = Vector2::new(-observation.ego.distance_to_crossing, 0.0);
-        let sensor = ego + Vector2::new(observation.ego.length / 2.0 - self.sight.setback, 0.0);
+        let ahead = observation.ego.length / 2.0 - self.sight.setback;
         self.newest = (self.newest + 1) % self.frames.len();
         let frame = &mut self.frames[self.newest];
         frame.time = observation.time;
@@ -254,7 +274,7 @@ impl Perceiving {
         for seen in &observation.pedestrians {
             let place = seen.position + ego;
             let lost = &mut self.lost_pedestrians[seen.id];
-            if self.sight.sees(sensor, place) && !self.blur.loses(observation.time, lost) {
+            if self.sight.sees(ego, ahead, place) && !self.blur.loses(observation.time, lost) {
                 let position = place + self.blur.noise(self.blur.position_noise);
                 let velocity = seen.velocity + self.blur.noise(self.blur.velocity_noise);
                 frame.pedestrians.push(SeenPedestrian { position, velocity, ..*seen });
@@ -264,7 +284,7 @@ impl Perceiving {
         for seen in &observation.vehicles {
             let place = seen.position + ego;
             let lost = &mut self.lost_vehicles[seen.id];
-            if self.sight.sees(sensor, place) && !self.blur.loses(observation.time, lost) {
+            if self.sight.sees(ego, ahead, place) && !self.blur.loses(observation.time, lost) {
                 let position = place + self.blur.noise(self.blur.position_noise);
                 let velocity = seen.velocity + self.blur.noise(self.blur.velocity_noise);
                 frame.vehicles.push(SeenVehicle { position, velocity, ..*seen });

@@ -92,7 +92,7 @@ fn run(reports: &[SuiteReport], recording: &Recording, reason: &str) -> Value {
         "times": recording.times.iter().map(|time| rounded(*time)).collect::<Vec<_>>(),
         "road": {
             "width": road.lane_width,
-            "lanes": (0..road.lanes.len()).map(|lane| road.path(lane).heading().x).collect::<Vec<_>>(),
+            "lanes": (0..road.lanes.len()).map(|lane| road.path(lane).heading(0.0).x).collect::<Vec<_>>(),
             "near": road.kerb(Side::Near),
             "far": road.kerb(Side::Far),
             "zebra": road.crossing.kind == CrossingKind::Zebra,

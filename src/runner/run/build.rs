@@ -112,8 +112,20 @@ fn outside(program: &DeclaredProgram, world: &World) -> Driver {
     Driver::Outside { schedule, settling_time: program.settles }
 }
 
+/// A run on a bend would be drawn, reported and shown to programs as if the road were straight, and most pedestrians take a kerb
+/// for a straight line: vehicles, contacts and metrics alone are ready for it.
+fn no_bends_yet() -> ModelError {
+    ModelError::with_hint(
+        "runs are made on straight roads only: pedestrians, programs and reports do not know bends yet",
+        "take `bend` out of the road",
+    )
+}
+
 /// Builds every road user of `world` for the run with seed `seed`.
 pub fn road_users(world: &World, seed: u64) -> Result<RoadUsers, RunError> {
+    if world.road.bend.is_some() {
+        return Err(RunError::Model { who: "road".into(), error: no_bends_yet() });
+    }
     let named = |who: &str| {
         let who = who.to_string();
         move |error| RunError::Model { who, error }

@@ -61,7 +61,8 @@ fn unfinished(world: &World, last: &Snapshot, measurement: &Measurement) -> Vec<
         let (vehicle, person) = (&last.vehicles[*car], &last.pedestrians[*index]);
         let crossed = person.present && has_crossed(world, last, *index, vehicle);
         let rear = vehicle.motion.travelled - world.vehicles[*car].length / 2.0;
-        let passed = rear >= vehicle.path.along(person.position) + half_extent(person).x;
+        let place = vehicle.path.locate(person.position);
+        let passed = rear >= place.along + half_extent(person, &place).x;
         let stands = person.present && person.velocity.norm() == 0.0 && vehicle.motion.speed == 0.0;
         !(crossed || passed || stands || measurement.touched(*car, Solid::Pedestrian(*index)))
     });

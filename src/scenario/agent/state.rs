@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::{Path, Shape, VehicleReference};
 
 /// A vehicle as anyone may see it.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct VehicleState {
     /// Where it is on its path and how it moves along it.
     pub motion: Longitudinal,
@@ -32,29 +32,50 @@ pub struct Longitudinal {
 
 impl VehicleState {
     /// The centre in the world frame.
+    #[inline]
     pub fn position(&self) -> Vector2<f64> {
         self.path.point(self.motion.travelled)
     }
 
     /// In the world frame, m/s.
+    #[inline]
     pub fn velocity(&self) -> Vector2<f64> {
-        self.path.velocity(self.motion.speed)
+        self.path.velocity(self.motion.travelled, self.motion.speed)
     }
 
-    /// Distance that a part of the vehicle still has to go to the line across the road at world `x`; negative once
-    /// past it, m.
-    pub fn distance_to(&self, x: f64, reference: VehicleReference) -> f64 {
+    /// Unit vector in which it drives.
+    #[inline]
+    pub fn heading(&self) -> Vector2<f64> {
+        self.path.heading(self.motion.travelled)
+    }
+
+    /// A vector of the world frame as it is seen from the vehicle: x ahead, y to the left.
+    #[inline]
+    pub fn turned(&self, vector: Vector2<f64>) -> Vector2<f64> {
+        self.path.turned(self.motion.travelled, vector)
+    }
+
+    /// The other way round: what is seen from the vehicle, in the world frame.
+    #[inline]
+    pub fn turned_back(&self, vector: Vector2<f64>) -> Vector2<f64> {
+        self.path.turned_back(self.motion.travelled, vector)
+    }
+
+    /// Distance that a part of the vehicle still has to go to a place on its path; negative once past it, m.
+    #[inline]
+    pub fn distance_to(&self, place: f64, reference: VehicleReference) -> f64 {
         let ahead = match reference {
             VehicleReference::Centre => 0.0,
             VehicleReference::Front => self.length / 2.0,
         };
-        self.path.at_line(x) - self.motion.travelled - ahead
+        place - self.motion.travelled - ahead
     }
 
     /// Time to cover [`Self::distance_to`] at the present speed in s; infinite when standing before it, negative
     /// once past it.
-    pub fn time_to_arrival(&self, x: f64, reference: VehicleReference) -> f64 {
-        let distance = self.distance_to(x, reference);
+    #[inline]
+    pub fn time_to_arrival(&self, place: f64, reference: VehicleReference) -> f64 {
+        let distance = self.distance_to(place, reference);
         if distance == 0.0 { 0.0 } else { distance / self.motion.speed }
     }
 }

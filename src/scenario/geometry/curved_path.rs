@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::piece::Pose;
 use super::{GeometryError, ReferenceLine};
-use crate::Direction;
+use crate::{Conflict, Direction};
 
 /// The course at a constant distance beside a reference line. Places are metres along the course itself, in the direction of
 /// travel, from where it passes its origin.
@@ -24,6 +24,8 @@ pub struct CurvedPath {
     before_origin: f64,
     /// The course's own length to where each piece begins, m, and in the end all of it.
     lengths: Vec<f64>,
+    /// Stations (m) between which it hardly turns, both ends among them.
+    stops: Vec<f64>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -50,6 +52,12 @@ pub struct PathProjection {
 /// A course may come no nearer to the centre of a bend than this share of its radius leaves.
 const LARGEST_SHARE: f64 = 0.95;
 
+/// Between two stops it turns no more than this, rad: whoever crosses it twice there walks along it.
+const TURN_BETWEEN: f64 = 0.25;
+
+/// A crossing is found to this, m.
+const CLOSE: f64 = 1e-12;
+
 impl CurvedPath {
     /// The course `offset` m to the left of a reference line (as the line runs), driven along it or against it, with places
     /// counted from abreast of its station `origin` (m).
@@ -68,10 +76,30 @@ impl CurvedPath {
                 return Err(GeometryError::TooTight { piece: index + 1, radius, offset, least });
             }
         }
+        Ok(Self::beside(line, offset, direction, origin))
+    }
+
+    /// The same where [`Self::new`] would find nothing wrong.
+    pub fn beside(line: Arc<ReferenceLine>, offset: f64, direction: Direction, origin: f64) -> Self {
         let mut lengths: Vec<f64> = line.placed().map(|(_, from, turned)| from - offset * turned).collect();
         lengths.push(line.length() - offset * line.turned(line.length()));
+        let mut stops = vec![0.0];
+        for (piece, from, _) in line.placed() {
+            let parts = (piece.tightest() * piece.length / TURN_BETWEEN).ceil().max(1.0) as usize;
+            stops.extend((1..=parts).map(|part| from + piece.length * part as f64 / parts as f64));
+        }
         let before_origin = origin - offset * line.turned(origin);
-        Ok(Self { line, offset, direction, origin, before_origin, lengths })
+        Self { line, offset, direction, origin, before_origin, lengths, stops }
+    }
+
+    /// The course `offset` m farther to the left of the reference line.
+    pub fn moved(&self, offset: f64) -> Self {
+        Self::beside(self.line.clone(), self.offset + offset, self.direction, self.origin)
+    }
+
+    /// Station of the reference line abreast of which places are 0, m.
+    pub fn origin(&self) -> f64 {
+        self.origin
     }
 
     /// What it lies beside.
@@ -138,18 +166,56 @@ impl CurvedPath {
 
     /// The largest curvature (1/m, never negative) between two places (m).
     pub fn tightest_between(&self, from: f64, to: f64) -> f64 {
+        let (least, most) = self.bends_between(from, to);
+        most.max(-least)
+    }
+
+    /// The point at a place, m.
+    pub fn point(&self, place: f64) -> Vector2<f64> {
+        self.pose(place).point
+    }
+
+    /// Unit vector in the direction of travel at a place.
+    pub fn tangent(&self, place: f64) -> Vector2<f64> {
+        self.pose(place).tangent()
+    }
+
+    /// The smallest and the largest curvature (1/m, to the left in the direction of travel) between two places (m).
+    pub fn bends_between(&self, from: f64, to: f64) -> (f64, f64) {
         let (one, other) = (self.station(from), self.station(to));
         let (low, high) = (one.min(other), one.max(other));
-        if self.offset == 0.0 {
-            return self.line.tightest_between(low, high);
-        }
-        let beside = |curvature: f64| (curvature / (1.0 - curvature * self.offset)).abs();
+        let sign = self.direction.sign();
+        let beside = |curvature: f64| sign * curvature / (1.0 - curvature * self.offset);
         let touched =
             self.line.placed().filter(|(piece, start, _)| *start <= high && start + piece.length >= low);
-        touched.fold(0.0, |tightest: f64, (piece, start, _)| {
+        let beyond = low < 0.0 || high > self.line.length();
+        let found = touched.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), (piece, start, _)| {
             let at = |station: f64| beside(piece.curvature((station - start).clamp(0.0, piece.length)));
-            tightest.max(at(low)).max(at(high))
-        })
+            let (one, other) = (at(low), at(high));
+            (least.min(one).min(other), most.max(one).max(other))
+        });
+        if beyond { (found.0.min(0.0), found.1.max(0.0)) } else { found }
+    }
+
+    /// How far (m) it goes straight on from a place; infinite after its last bend.
+    pub fn straight_ahead(&self, place: f64) -> f64 {
+        let station = self.station(place);
+        let bends = self.line.placed().filter(|(piece, ..)| piece.tightest() > 0.0);
+        let next = match self.direction {
+            Direction::Forward => bends
+                .filter(|(piece, start, _)| start + piece.length > station)
+                .map(|(_, start, _)| start.max(station))
+                .reduce(f64::min),
+            Direction::Backward => bends
+                .filter(|(_, start, _)| *start < station)
+                .map(|(piece, start, _)| (start + piece.length).min(station))
+                .reduce(f64::max),
+        };
+        match next {
+            None => f64::INFINITY,
+            Some(next) if next == station => 0.0,
+            Some(next) => self.place_abreast(next) - place,
+        }
     }
 
     /// Where a point lies.
@@ -163,6 +229,60 @@ impl CurvedPath {
             ambiguous: found.ambiguous,
         }
     }
+}
+
+impl CurvedPath {
+    /// Where the straight line through `from` along the unit vector `way` crosses it, in any order.
+    pub fn crossings(&self, from: Vector2<f64>, way: Vector2<f64>) -> impl Iterator<Item = Conflict> {
+        let off = move |station: f64| way.perp(&(self.point_abreast(station) - from));
+        let last = self.stops.len() - 1;
+        let (end, before) = (self.stops[last], -1.0);
+        // Beyond its ends it goes straight on, so that there the crossing is where a straight line has it.
+        let rays = [(0.0, before, off(0.0), off(before)), (end, end + 1.0, off(end), off(end + 1.0))];
+        let beyond = rays.into_iter().filter_map(|(from, to, at, next)| {
+            let share = at / (at - next);
+            let counts = share > 0.0 || (share == 0.0 && to > from);
+            (share.is_finite() && counts).then(|| from + share * (to - from))
+        });
+        let inside = (0..last).filter_map(move |index| {
+            let (low, high) = (self.stops[index], self.stops[index + 1]);
+            root(off, (low, off(low)), (high, off(high)))
+        });
+        beyond.chain(inside).map(move |station| Conflict {
+            place: self.place_abreast(station),
+            distance: (self.point_abreast(station) - from).dot(&way),
+        })
+    }
+
+    fn point_abreast(&self, station: f64) -> Vector2<f64> {
+        let pose = self.line.pose(station);
+        pose.point + pose.normal() * self.offset
+    }
+}
+
+/// Where a function is 0 whose values at both ends differ in sign: by the false position with halving (Illinois). The end of one
+/// stretch is the beginning of the next, where it counts.
+fn root(value: impl Fn(f64) -> f64, mut one: (f64, f64), mut other: (f64, f64)) -> Option<f64> {
+    if one.1 == 0.0 {
+        return Some(one.0);
+    }
+    if other.1 == 0.0 || (one.1 < 0.0) == (other.1 < 0.0) {
+        return None;
+    }
+    for _ in 0..100 {
+        let next = (one.0 * other.1 - other.0 * one.1) / (other.1 - one.1);
+        let found = (next, value(next));
+        if found.1 == 0.0 || (next - other.0).abs() < CLOSE {
+            return Some(next);
+        }
+        if (found.1 < 0.0) != (other.1 < 0.0) {
+            one = other;
+        } else {
+            one.1 /= 2.0;
+        }
+        other = found;
+    }
+    Some(other.0)
 }
 
 impl TryFrom<Written> for CurvedPath {
@@ -240,7 +360,13 @@ mod tests {
         ) {
             let path = CurvedPath::new(bend(1.0), offset, Direction::Backward, 20.0).unwrap();
             let tightest = path.tightest_between(from, from + long);
-            prop_assert!(path.pose(from + share * long).curvature.abs() <= tightest + 1e-12);
+            let within = path.pose(from + share * long).curvature;
+            prop_assert!(within.abs() <= tightest + 1e-12);
+            let (least, most) = path.bends_between(from, from + long);
+            prop_assert!(least - 1e-12 <= within && within <= most + 1e-12);
+            let straight = path.straight_ahead(from);
+            prop_assert_eq!(straight > 0.0, path.tightest_between(from, from + straight.min(1e3) * 0.999) == 0.0);
+            prop_assert!(straight > 1e3 || path.pose(from + straight + 1e-3).curvature != 0.0);
         }
     }
 

@@ -150,17 +150,6 @@ impl ReferenceLine {
         }
     }
 
-    /// The largest curvature (1/m, never negative) between two stations (m).
-    pub fn tightest_between(&self, from: f64, to: f64) -> f64 {
-        let touched = self.pieces.iter().filter(|placed| placed.from <= to && placed.end() >= from);
-        touched.fold(0.0, |tightest: f64, placed| {
-            let at = |station: f64| {
-                placed.piece.curvature((station - placed.from).clamp(0.0, placed.piece.length)).abs()
-            };
-            tightest.max(at(from)).max(at(to))
-        })
-    }
-
     /// The station nearest to a point.
     pub fn project(&self, point: Vector2<f64>) -> LineProjection {
         let before = (point - self.start.point).dot(&self.start.tangent()).min(0.0);
@@ -432,16 +421,6 @@ mod tests {
         let ambiguous = |x, y| line.project(Vector2::new(x, y)).ambiguous;
         assert!(ambiguous(20.0, 9.0) && ambiguous(15.0, 14.0));
         assert!(!ambiguous(20.0, 8.99) && !ambiguous(20.0, -50.0) && !ambiguous(29.0, 0.0));
-    }
-
-    #[test]
-    fn the_tightest_curvature_is_that_of_what_lies_between() {
-        let pieces = [Piece::line(20.0), Piece::clothoid(10.0, 0.0, -0.1), Piece::arc(-10.0, 1.0)];
-        let line = ReferenceLine::new(Pose::origin(), &pieces).unwrap();
-        let between = |from, to| line.tightest_between(from, to);
-        assert_eq!((between(0.0, 19.0), between(0.0, 30.0), between(35.0, 36.0)), (0.0, 0.1, 0.1));
-        assert!((between(0.0, 25.0) - 0.05).abs() < 1e-12);
-        assert_eq!((between(-9.0, -1.0), between(41.0, 50.0)), (0.0, 0.0));
     }
 
     #[test]

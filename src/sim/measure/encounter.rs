@@ -4,9 +4,10 @@ use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
 use super::passage::Passage;
-use crate::geometry::first_contact;
-use crate::{PedestrianState, Solid, Step, VehicleState};
-use scenario::{Shape, Side, World};
+use crate::geometry::Footprint;
+use crate::turning::touched_between;
+use crate::{PedestrianState, Solid, Step, VehicleState, contact_with};
+use scenario::{Located, Shape, Side, World};
 
 /// The encounters of every vehicle with every pedestrian of a run.
 pub struct Encounters {
@@ -239,9 +240,13 @@ impl Encounter {
         let (old_car, car) = (&step.before.vehicles[vehicle], &step.after.vehicles[vehicle]);
         let (old, new) = (&step.before.pedestrians[pedestrian], &step.after.pedestrians[pedestrian]);
         self.appeared.get_or_insert(step.time);
-        self.time_to_collision = first_contact(car, new, new.velocity - car.velocity());
-        self.follow_lane(step, (old_car, car), (old, new));
-        self.follow_strip(step, car, (old, new));
+        self.time_to_collision = contact_with(car, new);
+        let places = (car.path.locate(old.position), car.path.locate(new.position));
+        // Who is so far inside a bend that nobody knows which part of it is meant passes nothing of it.
+        if !places.0.ambiguous && !places.1.ambiguous {
+            self.follow_lane(step, (old_car, car), places);
+        }
+        self.follow_strip(step, car, new, places);
     }
 
     /// Entering and leaving the lane and passing its centre line, by the pedestrian's centre.
@@ -249,10 +254,9 @@ impl Encounter {
         &mut self,
         step: &Step,
         (old_car, car): (&VehicleState, &VehicleState),
-        (old, new): (&PedestrianState, &PedestrianState),
+        (old, new): (Located, Located),
     ) {
-        let across = |person: &PedestrianState| car.path.beyond(person.position, self.side);
-        let along = |person: &PedestrianState| car.path.along(person.position);
+        let across = |place: Located| self.side.walking_sign() * place.beside;
         let (before, after) = (across(old), across(new));
         let (start, half) = (-self.half_lane, self.half_lane);
         let appears_inside = self.last_entry.is_none() && before > start && before < half;
@@ -264,7 +268,7 @@ impl Encounter {
                 let travelled = lerp(old_car.motion.travelled, car.motion.travelled, part);
                 Entry {
                     time,
-                    distance: lerp(along(old), along(new), part) - travelled,
+                    distance: lerp(old.along, new.along, part) - travelled,
                     speed: lerp(old_car.motion.speed, car.motion.speed, part),
                 }
             });
@@ -274,7 +278,7 @@ impl Encounter {
         if let Some(part) = up.or(down) {
             self.passings.push(Passing {
                 time: step.time + part * step.duration,
-                place: lerp(along(old), along(new), part),
+                place: lerp(old.along, new.along, part),
                 towards_goal: up.is_some(),
             });
         }
@@ -288,12 +292,15 @@ impl Encounter {
     /// no farther away for it.
     fn look_for_meeting(&mut self, step: &Step, (vehicle, fastest): (usize, f64), pedestrian: usize) {
         let (car, person) = (&step.after.vehicles[vehicle], &step.after.pedestrians[pedestrian]);
-        if self.near || car.path.beside(person.position).abs() >= self.half_lane {
+        if self.near {
             return;
         }
-        let apart = (car.path.along(person.position) - car.motion.travelled).abs()
-            - car.length / 2.0
-            - half_extent(person).x;
+        let place = car.path.locate(person.position);
+        if place.beside.abs() >= self.half_lane {
+            return;
+        }
+        let apart =
+            (place.along - car.motion.travelled).abs() - car.length / 2.0 - half_extent(person, &place).x;
         self.near = apart <= fastest * MEETING_TIME;
     }
 
@@ -302,13 +309,13 @@ impl Encounter {
         &mut self,
         step: &Step,
         car: &VehicleState,
-        (old, new): (&PedestrianState, &PedestrianState),
+        person: &PedestrianState,
+        (old, new): (Located, Located),
     ) {
-        let reach = half_extent(new);
-        let border = car.width / 2.0 + reach.y;
-        let (from_y, to_y) = (car.path.beside(old.position), car.path.beside(new.position));
-        let along = |person: &PedestrianState| car.path.along(person.position);
-        let Some((enter, leave)) = part_within(from_y, to_y, border) else {
+        let reach = half_extent(person, &new);
+        let (low, high) = strip(car, &new);
+        let Some((enter, leave)) = part_within(old.beside, new.beside, (low - reach.y, high + reach.y))
+        else {
             self.leave_strip(step.time);
             return;
         };
@@ -319,10 +326,21 @@ impl Encounter {
             self.visits.push(Visit { from, to, low, high });
         }
         if let Some(visit) = self.visits.last_mut() {
-            for part in [enter, leave] {
-                let centre = lerp(along(old), along(new), part);
-                visit.low = visit.low.min(centre - reach.x);
-                visit.high = visit.high.max(centre + reach.x);
+            if car.path.turns_about(new.along, car.length + reach.x) {
+                // A rigid body that turns: where it first and last touches what is there, less its own half length.
+                let size = (car.length, car.width);
+                if let Some((first, last)) =
+                    touched_between(&car.path, size, &Footprint::from(person), new.along)
+                {
+                    visit.low = visit.low.min(first + car.length / 2.0);
+                    visit.high = visit.high.max(last - car.length / 2.0);
+                }
+            } else {
+                for part in [enter, leave] {
+                    let centre = lerp(old.along, new.along, part);
+                    visit.low = visit.low.min(centre - reach.x);
+                    visit.high = visit.high.max(centre + reach.x);
+                }
             }
         }
         if leave < 1.0 {
@@ -340,12 +358,32 @@ impl Encounter {
     }
 }
 
-/// Half the extent of a footprint along x and y, m.
-pub fn half_extent(person: &PedestrianState) -> Vector2<f64> {
+/// What a vehicle sweeps where somebody is, as distances (m) beside its path, positive towards the far side of the road: half its width
+/// to either side where it goes straight. In a bend its corners swing out, by the tightest bend that is under it.
+#[inline]
+pub fn strip(car: &VehicleState, place: &Located) -> (f64, f64) {
+    let half = car.width / 2.0;
+    let Some(course) = car.path.course() else { return (-half, half) };
+    let (least, most) = course.bends_between(place.along - car.length / 2.0, place.along + car.length / 2.0);
+    let swings_out = |bend: f64| {
+        if bend <= 0.0 {
+            return half;
+        }
+        let radius = 1.0 / bend;
+        libm::hypot(radius + half, car.length / 2.0) - radius
+    };
+    let (left, right) = (swings_out(-least), swings_out(most));
+    place.borders(right, left)
+}
+
+/// Half the extent of a footprint along a path and across it, m, where it is.
+#[inline]
+pub fn half_extent(person: &PedestrianState, place: &Located) -> Vector2<f64> {
     match person.shape {
         Shape::Disc { radius } => Vector2::new(radius, radius),
         Shape::Rectangle { length, width } => {
-            let (forward, sideways) = (person.heading.x.abs(), person.heading.y.abs());
+            let forward = place.heading.dot(&person.heading).abs();
+            let sideways = place.heading.perp(&person.heading).abs();
             Vector2::new(length * forward + width * sideways, length * sideways + width * forward) / 2.0
         }
     }
@@ -361,12 +399,12 @@ pub fn rising(before: f64, after: f64, line: f64) -> Option<f64> {
     (before < line && after >= line).then(|| (line - before) / (after - before))
 }
 
-/// The part of the way from `from` to `to` that lies inside (-border, border), as shares of the way.
-fn part_within(from: f64, to: f64, border: f64) -> Option<(f64, f64)> {
+/// The part of the way from `from` to `to` that lies inside two borders, as shares of the way.
+fn part_within(from: f64, to: f64, (low, high): (f64, f64)) -> Option<(f64, f64)> {
     if from == to {
-        return (from.abs() < border).then_some((0.0, 1.0));
+        return (low < from && from < high).then_some((0.0, 1.0));
     }
-    let (one, other) = ((-border - from) / (to - from), (border - from) / (to - from));
+    let (one, other) = ((low - from) / (to - from), (high - from) / (to - from));
     let (enter, leave) = (one.min(other).max(0.0), one.max(other).min(1.0));
     (enter < leave).then_some((enter, leave))
 }
@@ -377,11 +415,11 @@ mod tests {
 
     #[test]
     fn parts_of_a_step_within_a_band() {
-        assert_eq!(part_within(-3.0, -1.0, 2.0), Some((0.5, 1.0)));
-        assert_eq!(part_within(1.0, 5.0, 2.0), Some((0.0, 0.25)));
-        assert_eq!(part_within(-4.0, 4.0, 2.0), Some((0.25, 0.75)));
-        assert_eq!(part_within(1.0, 1.0, 2.0), Some((0.0, 1.0)));
-        assert_eq!(part_within(2.0, 2.0, 2.0), None);
-        assert_eq!(part_within(3.0, 5.0, 2.0), None);
+        assert_eq!(part_within(-3.0, -1.0, (-2.0, 2.0)), Some((0.5, 1.0)));
+        assert_eq!(part_within(1.0, 5.0, (-2.0, 2.0)), Some((0.0, 0.25)));
+        assert_eq!(part_within(-4.0, 4.0, (-2.0, 2.0)), Some((0.25, 0.75)));
+        assert_eq!(part_within(1.0, 1.0, (-2.0, 2.0)), Some((0.0, 1.0)));
+        assert_eq!(part_within(2.0, 2.0, (-2.0, 2.0)), None);
+        assert_eq!(part_within(3.0, 5.0, (-2.0, 2.0)), None);
     }
 }

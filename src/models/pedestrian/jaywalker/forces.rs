@@ -129,7 +129,7 @@ impl Yang {
         ego: &PedestrianState,
         walking: Vector2<f64>,
     ) -> Vector2<f64> {
-        let place = vehicle.path.turned(ego.position - vehicle.position());
+        let place = vehicle.turned(ego.position - vehicle.position());
         let contour = self.contour(vehicle);
         if is_inside(&contour, place) {
             return Vector2::zeros();
@@ -139,7 +139,7 @@ impl Yang {
         if distance == 0.0 {
             return Vector2::zeros();
         }
-        let outward = vehicle.path.turned(away / distance);
+        let outward = vehicle.turned_back(away / distance);
         let cosine = -outward.dot(&walking);
         let view = self.anisotropy + (1.0 - self.anisotropy) * (1.0 + cosine) / 2.0;
         let (distance, mass) =

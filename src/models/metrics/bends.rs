@@ -1,0 +1,300 @@
+//! Bends: what is measured on a path beside a line is what is measured on a straight road, and what geometry says of a bend.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+use std::sync::Arc;
+
+use nalgebra::{Rotation2, Vector2};
+
+use super::fixture::FREE_FLOW;
+use super::metrics;
+use crate::{known, standard};
+use scenario::geometry::{Piece, Pose, ReferenceLine};
+use scenario::{
+    Appearance, Bend, ControllerContext, Direction, ModelSetup, PedestrianContext, Position, Settings, Shape,
+    Side, Value, VehicleStart, World,
+};
+use sim::measure::Measurement;
+use sim::{Driven, Observer, RoadUsers, Snapshot, Step, fixture, simulate};
+
+/// Every metric with its defaults, of a run.
+fn measured(world: &World) -> Vec<(String, Option<f64>)> {
+    let names: Vec<String> = metrics().iter().map(|metric| metric.declaration.name.to_string()).collect();
+    let requests: Vec<_> = names.iter().map(|name| known::measured(name)).collect();
+    let mut measurement = Measurement::new(world, &requests, &[FREE_FLOW], &[1.4]);
+    simulate(&Arc::new(world.clone()), road_users(world), &mut measurement).unwrap();
+    names.into_iter().zip(measurement.values()).collect()
+}
+
+fn road_users(world: &World) -> RoadUsers {
+    let vehicles = world.vehicles.iter().map(|setup| {
+        let context =
+            ControllerContext { settings: &setup.controller.settings, setup, world, rank: 0, seed: 1 };
+        let controller = (setup.controller.model.known().unwrap().build)(&context).unwrap();
+        let dynamics = (setup.dynamics.model.known().unwrap().build)(&setup.dynamics.settings).unwrap();
+        let perception = setup.sees.as_ref().map(|sees| {
+            (sees.model.known().unwrap().build)(&sees.settings, &context, controller.schedule()).unwrap()
+        });
+        Driven { perception, ..Driven::new(controller, dynamics) }
+    });
+    let pedestrians = world.pedestrians.iter().map(|setup| {
+        let context = PedestrianContext { settings: &setup.model.settings, setup, world, rank: 0, seed: 1 };
+        (setup.model.model.known().unwrap().build)(&context).unwrap()
+    });
+    RoadUsers { vehicles: vehicles.collect(), pedestrians: pedestrians.collect() }
+}
+
+/// A car of `controller` that comes on lane 0 of two, and a person of `model` who crosses from `side`.
+fn world(controller: &str, model: &str, settings: &[(&str, f64)], side: Side, start: f64) -> World {
+    let registry = standard();
+    let mut world = fixture::world();
+    world.road.lanes.push(scenario::Lane { direction: Direction::Backward });
+    let car = &mut world.vehicles[0];
+    let entry = registry.controllers().get(controller).unwrap();
+    car.controller = ModelSetup::resolved(entry, &Settings::default()).unwrap();
+    let dynamics = entry.default_dynamics.known().unwrap();
+    let dynamics = registry.dynamics().get(&dynamics.declaration.name).unwrap();
+    car.dynamics = ModelSetup::resolved(dynamics, &Settings::default()).unwrap();
+    car.start = VehicleStart::Distance(start);
+    let person = &mut world.pedestrians[0];
+    let given = settings.iter().map(|(name, value)| (name.to_string(), Value::Number(*value)));
+    let entry = registry.pedestrians().get(model).unwrap();
+    person.model = ModelSetup::resolved(entry, &Settings(given.collect())).unwrap();
+    person.shape = Shape::Rectangle { length: 0.6, width: 0.5 };
+    person.side = side;
+    let (near, far) = (Position { x: 0.0, y: -4.0 }, Position { x: 0.0, y: 8.0 });
+    (person.start, person.goal) = if side == Side::Near { (near, far) } else { (far, near) };
+    world.horizon = 30.0;
+    world
+}
+
+/// The same world with its road made of a line, turned by `angle` (rad) about the origin.
+fn made_of_a_line(world: &World, angle: f64) -> World {
+    let turned = Rotation2::new(angle);
+    let start = Pose { point: turned * Vector2::new(-250.0, 0.0), heading: angle, curvature: 0.0 };
+    let pieces = [Piece::line(200.0), Piece::line(200.0)];
+    let line = Arc::new(ReferenceLine::new(start, &pieces).unwrap());
+    let mut world = world.clone();
+    world.road.bend = Some(Bend { line, crossing: 250.0 });
+    for person in &mut world.pedestrians {
+        for place in [&mut person.start, &mut person.goal] {
+            let at = turned * Vector2::new(place.x, place.y);
+            *place = Position { x: at.x, y: at.y };
+        }
+    }
+    world
+}
+
+fn assert_alike(one: &World, other: &World, tolerance: f64, what: &str) {
+    for ((name, found), (_, expected)) in measured(other).into_iter().zip(measured(one)) {
+        match (found, expected) {
+            (Some(found), Some(expected)) => {
+                let apart = (found - expected).abs();
+                assert!(
+                    apart <= tolerance * (1.0 + expected.abs()),
+                    "{what}: {name} is {found}, not {expected}"
+                );
+            }
+            (None, None) => {}
+            other => panic!("{what}: {name} is {other:?}"),
+        }
+    }
+}
+
+#[test]
+fn a_line_measures_the_same_however_it_is_turned() {
+    // Odd numbers: what is decided where something is exactly reached may be decided a step later for rounding.
+    let scripted: &[(&str, f64)] = &[("speed", 1.577)];
+    let people =
+        [("scripted", scripted), ("scripted", &[("delay", 1.013)]), ("social_force", &[("noise", 0.0)])];
+    let mut values = 0;
+    for controller in ["constant_speed", "carla_behavior", "yielding", "careful_human", "idm_aeb"] {
+        for (model, settings) in people {
+            for (side, lane, start) in [
+                (Side::Near, 0, 25.137),
+                (Side::Near, 0, 31.071),
+                (Side::Near, 0, 60.313),
+                (Side::Far, 0, 66.119),
+                (Side::Far, 1, 28.211),
+                (Side::Near, 1, 62.017),
+            ] {
+                let mut straight = world(controller, model, settings, side, start);
+                straight.vehicles[0].lane = lane;
+                // Whether somebody comes nearer to a standing car is asked there, which at a right angle rounding decides.
+                if controller == "idm_aeb" {
+                    straight.pedestrians[0].goal.x = 0.317;
+                } else if lane == 1 {
+                    let reference = scenario::VehicleReference::Front;
+                    straight.pedestrians[0].appears =
+                        Appearance::TimeToArrival { vehicle: 0, reference, time: 3.0137 };
+                }
+                values += measured(&straight).iter().filter(|(_, value)| value.is_some()).count();
+                for degrees in [0.0, 37.0, 90.0] {
+                    let line = made_of_a_line(&straight, f64::to_radians(degrees));
+                    let what = format!("{controller}, {model}, {side:?}, lane {lane}, {start} m, {degrees}°");
+                    assert_alike(&straight, &line, 1e-9, &what);
+                }
+            }
+        }
+    }
+    assert!(values > 1000, "{values} values were compared");
+}
+
+#[test]
+fn what_a_sensor_sees_does_not_depend_on_how_the_line_is_turned() {
+    let sees = |pairs: &[(&str, f64)]| {
+        let given = pairs.iter().map(|(name, value)| (name.to_string(), Value::Number(*value)));
+        Some(ModelSetup::resolved(standard().perception(), &Settings(given.collect())).unwrap())
+    };
+    let mut apart = 0;
+    for pairs in [&[("range", 15.0)], &[("field_of_view", 0.3)], &[("latency", 0.5)]] {
+        let mut straight = world("yielding", "scripted", &[("speed", 1.577)], Side::Near, 40.137);
+        let seen_at_once = measured(&straight);
+        straight.vehicles[0].sees = sees(pairs);
+        apart += usize::from(measured(&straight) != seen_at_once);
+        for angle in [0.0, 0.6, FRAC_PI_2] {
+            assert_alike(&straight, &made_of_a_line(&straight, angle), 1e-9, &format!("{pairs:?} {angle}"));
+        }
+    }
+    assert_eq!(apart, 3, "each of them makes a difference");
+}
+
+/// A road that is a circle about `radius` (m) for 5/6 of it, whose crossing is so far (m) behind its beginning.
+fn circle(radius: f64, crossing: f64) -> Bend {
+    let line = ReferenceLine::new(Pose::origin(), &[Piece::arc(radius, PI * 5.0 / 3.0)]).unwrap();
+    Bend { line: Arc::new(line), crossing }
+}
+
+/// A car that comes along the circle and a person who crosses it along its radius, the crossing being anywhere on it.
+fn on_circle(straight: &World, radius: f64, crossing: f64) -> World {
+    let mut world = straight.clone();
+    let bend = circle(radius, crossing);
+    let pose = bend.line.pose(crossing);
+    world.road.bend = Some(bend);
+    for person in &mut world.pedestrians {
+        for place in [&mut person.start, &mut person.goal] {
+            let at = pose.point + pose.tangent() * place.x + pose.normal() * place.y;
+            *place = Position { x: at.x, y: at.y };
+        }
+    }
+    world
+}
+
+#[test]
+fn a_circle_is_the_same_at_every_place_of_it() {
+    for (controller, start) in [("constant_speed", 14.0), ("constant_speed", 26.0), ("careful_human", 25.0)] {
+        for lane in [0, 1] {
+            let mut straight = world(controller, "scripted", &[("speed", 1.5)], Side::Near, start);
+            straight.vehicles[0].lane = lane;
+            (straight.vehicles[0].speed, straight.finish) = (5.0, 12.0);
+            let one = on_circle(&straight, 20.0, 40.0);
+            for crossing in [47.3, 55.0, 62.0] {
+                let other = on_circle(&straight, 20.0, crossing);
+                assert_alike(
+                    &one,
+                    &other,
+                    1e-7,
+                    &format!("{controller}, {start} m, lane {lane}, {crossing} m"),
+                );
+            }
+            let mirrored = |world: &World| {
+                let mut world = world.clone();
+                world.road.lanes.truncate(1);
+                world
+            };
+            if lane == 0 {
+                let (left, mut right) = (mirrored(&one), mirrored(&on_circle(&straight, -20.0, 40.0)));
+                // Who comes from the near side to the left bend comes from the far side to the right one.
+                let person = &mut right.pedestrians[0];
+                let at = |place: Position| {
+                    let pose = right.road.bend.as_ref().unwrap().line.pose(40.0);
+                    let beside = (Vector2::from(place) - pose.point).dot(&pose.normal());
+                    let point = pose.point - pose.normal() * beside;
+                    Position { x: point.x, y: point.y }
+                };
+                (person.start, person.goal, person.side) = (at(person.start), at(person.goal), Side::Far);
+                assert_alike(&left, &right, 1e-7, &format!("{controller}, {start} m, mirrored"));
+            }
+        }
+    }
+}
+
+/// Where everybody is, after every step.
+#[derive(Default)]
+struct Course(Vec<(f64, Snapshot)>);
+
+impl Observer for Course {
+    fn observe(&mut self, step: &Step) {
+        self.0.push((step.time + step.duration, step.after.clone()));
+    }
+}
+
+#[test]
+fn whoever_stands_beside_a_bend_is_on_no_collision_course_but_round_it_they_are() {
+    let straight = world("constant_speed", "scripted", &[("speed", 0.0)], Side::Near, 22.0);
+    let of = |world: &World, name: &str| measured(world).into_iter().find(|(one, _)| one == name).unwrap().1;
+    let mut round = on_circle(&straight, 20.0, 40.0);
+    let standing = |world: &mut World, beside: f64| {
+        let pose = world.road.bend.as_ref().unwrap().line.pose(40.0);
+        let at = pose.point + pose.normal() * beside;
+        world.pedestrians[0].start = Position { x: at.x, y: at.y };
+    };
+    // Somebody who stands in the lane, 22 m of arc away: straight on they would be missed by far.
+    standing(&mut round, 0.0);
+    assert_eq!(of(&round, "collision"), Some(1.0));
+    // Straight ahead of the car where it starts, and beside the bend: never on a collision course with it.
+    let mut beside = on_circle(&straight, 20.0, 40.0);
+    let ahead = beside.road.bend.as_ref().unwrap().line.pose(18.0);
+    let at = ahead.point + ahead.tangent() * 14.0;
+    beside.pedestrians[0].start = Position { x: at.x, y: at.y };
+    assert_eq!((of(&beside, "min_ttc"), of(&beside, "collision")), (None, Some(0.0)));
+}
+
+#[test]
+fn the_area_of_a_turning_car_is_what_its_rectangle_touches() {
+    // Disc of 0.25 m at 1.5 m/s along the radius; car of 4 m by 2 m at 5 m/s on a circle of 12 m.
+    let (radius, speed, walk) = (12.0_f64, 5.0, 1.5);
+    for (start, first) in [(4.0, "vehicle"), (30.0, "pedestrian")] {
+        let mut straight = world("constant_speed", "scripted", &[("speed", walk)], Side::Near, start);
+        straight.road.lanes.truncate(1);
+        (straight.vehicles[0].speed, straight.finish, straight.step) = (speed, 20.0, 0.005);
+        straight.pedestrians[0].shape = Shape::Disc { radius: 0.25 };
+        straight.pedestrians[0].goal.y = 4.0;
+        let world = on_circle(&straight, radius, 30.0);
+        let found = measured(&world).into_iter().find(|(name, _)| name == "pet_area").unwrap().1.unwrap();
+        // By hand: seen from the centre, the car's rectangle at angle 0 lies at (along, out) in [−2, 2] × [11, 13].
+        let outside = (13.0_f64.powi(2) + 4.0).sqrt() - radius;
+        let (enter, leave) = ((4.0 - outside - 0.25) / walk, (4.0 + 1.0 + 0.25) / walk);
+        let touches = |angle: f64| {
+            (0..=4000).any(|step| {
+                let out = radius + outside + 0.25 - (outside + 1.5) * f64::from(step) / 4000.0;
+                let (along, across) = (out * libm::sin(angle), out * libm::cos(angle));
+                let gap =
+                    Vector2::new((along.abs() - 2.0).max(0.0), ((across - radius).abs() - 1.0).max(0.0));
+                gap.norm() <= 0.25
+            })
+        };
+        let reach = (0..4000).map(|step| f64::from(step) * 1e-4).take_while(|angle| touches(*angle)).last();
+        let reach = reach.unwrap() * radius;
+        let (arrives, gone) = ((start - reach) / speed, (start + reach) / speed);
+        let expected = if first == "vehicle" { enter - gone } else { arrives - leave };
+        assert!((found - expected).abs() < 5e-3, "{first} first: {found} s, not {expected} s");
+    }
+}
+
+#[test]
+fn a_collision_in_a_bend_is_where_the_rectangles_touch() {
+    let mut straight = world("constant_speed", "scripted", &[("speed", 1.5)], Side::Near, 16.0);
+    (straight.vehicles[0].speed, straight.finish) = (5.0, 12.0);
+    for (radius, step) in [(9.0, 0.025), (9.0, 0.005), (-9.0, 0.025)] {
+        let mut world = on_circle(&straight, radius, 20.0);
+        world.step = step;
+        world.road.lanes.truncate(1);
+        let mut course = Course::default();
+        simulate(&Arc::new(world.clone()), road_users(&world), &mut course).unwrap();
+        let (_, last) = course.0.last().unwrap();
+        let gap = sim::geometry::distance(&last.vehicles[0], &last.pedestrians[0]);
+        assert!(gap < 1e-8, "{radius}: {gap} m apart");
+        let (_, before) = &course.0[course.0.len() - 2];
+        assert!(sim::geometry::distance(&before.vehicles[0], &before.pedestrians[0]) > 0.0);
+    }
+}

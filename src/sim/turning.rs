@@ -1,0 +1,324 @@
+//! When bodies touch of which one follows a path that bends: by steps that no contact can hide in.
+
+use nalgebra::Vector2;
+
+use super::contact::Solid;
+use super::geometry::{Footprint, apart, first_contact};
+use scenario::agent::{PedestrianState, Snapshot, VehicleState};
+use scenario::{Body, Path, Shape};
+
+/// Outlines that are nearer than this touch, m.
+const TOUCHING: f64 = 1e-9;
+
+/// A contact is not looked for beyond this time, s.
+const HORIZON: f64 = 10.0;
+
+/// A step to the next moment is at least this, s: what only grazes for so short a time is no contact.
+const LEAST_STEP: f64 = 1e-3;
+
+/// The outline of a vehicle at a place of its path.
+fn vehicle_at(path: &Path, place: f64, (length, width): (f64, f64)) -> Footprint {
+    let shape = Shape::Rectangle { length, width };
+    Footprint { centre: path.point(place), heading: path.heading(place), shape }
+}
+
+/// The first moment between two at which a gap closes that grows no faster than `fastest` (m/s), s.
+fn closes(gap: impl Fn(f64) -> f64, fastest: f64, (from, to): (f64, f64), least: f64) -> Option<f64> {
+    let (mut before, mut time) = (from, from);
+    loop {
+        let left = gap(time);
+        if left <= TOUCHING {
+            return Some(if time > from { moment(gap, before, time) } else { time });
+        }
+        if time >= to {
+            return None;
+        }
+        before = time;
+        time = (time + (left / fastest).max(least)).min(to);
+    }
+}
+
+/// Where a gap closes that is open at one moment and closed at another.
+fn moment(gap: impl Fn(f64) -> f64, mut open: f64, mut closed: f64) -> f64 {
+    while closed - open > 1e-12 * (1.0 + closed) {
+        let middle = (open + closed) / 2.0;
+        if gap(middle) <= TOUCHING {
+            closed = middle;
+        } else {
+            open = middle;
+        }
+    }
+    closed
+}
+
+/// The time (s) after which two touch first who move on from now, vehicles along their paths at the speed that they have;
+/// `None` if they never do. On bends it is not looked for beyond 10 s.
+pub(super) fn contact_ahead(
+    (first, second): (Solid, Solid),
+    state: &Snapshot,
+    boxes: &[Body],
+) -> Option<f64> {
+    let (one, other) = (Moving::new(first, state, boxes)?, Moving::new(second, state, boxes)?);
+    let straight = one.straight_ahead().min(other.straight_ahead());
+    one.meets(&other, straight)
+}
+
+/// The same of a vehicle and a pedestrian.
+#[inline]
+pub fn contact_with(vehicle: &VehicleState, pedestrian: &PedestrianState) -> Option<f64> {
+    match vehicle.path.course() {
+        None => first_contact(vehicle, pedestrian, pedestrian.velocity - vehicle.velocity()),
+        Some(_) => {
+            let (one, other) = (Moving::Vehicle(vehicle), Moving::Person(pedestrian));
+            one.meets(&other, one.straight_ahead())
+        }
+    }
+}
+
+/// Somebody who moves on as they do now.
+enum Moving<'a> {
+    Vehicle(&'a VehicleState),
+    Person(&'a PedestrianState),
+    Box(&'a Body),
+}
+
+impl<'a> Moving<'a> {
+    fn new(solid: Solid, state: &'a Snapshot, boxes: &'a [Body]) -> Option<Self> {
+        match solid {
+            Solid::Vehicle(index) => Some(Self::Vehicle(&state.vehicles[index])),
+            Solid::Pedestrian(index) => {
+                let person = &state.pedestrians[index];
+                person.present.then_some(Self::Person(person))
+            }
+            Solid::Box(index) => Some(Self::Box(&boxes[index])),
+        }
+    }
+
+    /// After so many seconds.
+    fn outline(&self, time: f64) -> Footprint {
+        match self {
+            Self::Vehicle(car) => {
+                let place = car.motion.travelled + car.motion.speed * time;
+                match car.path.course() {
+                    Some(_) => vehicle_at(&car.path, place, (car.length, car.width)),
+                    None => Footprint { centre: car.path.point(place), ..Footprint::from(*car) },
+                }
+            }
+            Self::Person(person) => {
+                Footprint { centre: person.position + person.velocity * time, ..Footprint::from(*person) }
+            }
+            Self::Box(body) => Footprint::from(*body),
+        }
+    }
+
+    fn velocity(&self) -> Vector2<f64> {
+        match self {
+            Self::Vehicle(car) => car.velocity(),
+            Self::Person(person) => person.velocity,
+            Self::Box(_) => Vector2::zeros(),
+        }
+    }
+
+    /// For how long it goes straight on, s.
+    fn straight_ahead(&self) -> f64 {
+        let Self::Vehicle(car) = self else { return f64::INFINITY };
+        let Some(course) = car.path.course() else { return f64::INFINITY };
+        if car.motion.speed > 0.0 {
+            course.straight_ahead(car.motion.travelled) / car.motion.speed
+        } else {
+            f64::INFINITY
+        }
+    }
+
+    /// What no point of its outline is faster than within the horizon, m/s.
+    fn fastest(&self) -> f64 {
+        let Self::Vehicle(car) = self else { return self.velocity().norm() };
+        let (place, speed) = (car.motion.travelled, car.motion.speed);
+        let bend =
+            car.path.course().map_or(0.0, |course| course.tightest_between(place, place + speed * HORIZON));
+        speed * (1.0 + bend * libm::hypot(car.length, car.width) / 2.0)
+    }
+
+    /// When it first touches another, both of which go straight on for `straight` s.
+    fn meets(&self, other: &Self, straight: f64) -> Option<f64> {
+        let velocity = other.velocity() - self.velocity();
+        let met = self.outline(0.0).first_contact(&other.outline(0.0), velocity);
+        if straight == f64::INFINITY || met.is_some_and(|time| time <= straight) {
+            return met;
+        }
+        if straight >= HORIZON {
+            return None;
+        }
+        let gap = |time: f64| apart(&self.outline(time), &other.outline(time));
+        closes(gap, self.fastest() + other.fastest(), (straight, HORIZON), LEAST_STEP)
+    }
+}
+
+/// The moment (s) within a step of `duration` s at which two first touch of which one is a vehicle on a bend; `None` too if
+/// neither is, for which there is an exact answer.
+pub(super) fn touch_on_a_bend(
+    (first, second): (Solid, Solid),
+    (before, after): (&Snapshot, &Snapshot),
+    boxes: &[Body],
+    duration: f64,
+) -> Option<f64> {
+    let outline = |solid: Solid, time: f64| {
+        let part = time / duration;
+        match solid {
+            Solid::Vehicle(index) => {
+                let (car, next) = (&before.vehicles[index], &after.vehicles[index].motion);
+                let place = car.motion.travelled + part * (next.travelled - car.motion.travelled);
+                vehicle_at(&car.path, place, (car.length, car.width))
+            }
+            Solid::Pedestrian(index) => {
+                let (old, new) = (&before.pedestrians[index], &after.pedestrians[index]);
+                Footprint { centre: old.position.lerp(&new.position, part), ..Footprint::from(old) }
+            }
+            Solid::Box(index) => Footprint::from(&boxes[index]),
+        }
+    };
+    let fastest = |solid: Solid| match solid {
+        Solid::Vehicle(index) => {
+            let (car, next) = (&before.vehicles[index], &after.vehicles[index].motion);
+            let (from, to) = (car.motion.travelled, next.travelled);
+            let bend = car.path.course().map_or(0.0, |course| course.tightest_between(from, to));
+            (to - from) / duration * (1.0 + bend * libm::hypot(car.length, car.width) / 2.0)
+        }
+        Solid::Pedestrian(index) => {
+            (after.pedestrians[index].position - before.pedestrians[index].position).norm() / duration
+        }
+        Solid::Box(_) => 0.0,
+    };
+    let gap = |time: f64| apart(&outline(first, time), &outline(second, time));
+    closes(gap, fastest(first) + fastest(second), (0.0, duration), duration / 32.0)
+}
+
+/// Whether a body turns between two states.
+pub(super) fn turns(solid: Solid, before: &Snapshot, after: &Snapshot) -> bool {
+    let Solid::Vehicle(index) = solid else { return false };
+    let (car, next) = (&before.vehicles[index], &after.vehicles[index].motion);
+    let bends = |course: &scenario::geometry::CurvedPath| {
+        course.tightest_between(car.motion.travelled, next.travelled) > 0.0
+    };
+    car.path.course().is_some_and(bends)
+}
+
+/// The first and the last place (m) of a path at which a vehicle of this size (length, width) touches an outline that lies abreast
+/// of `place`; `None` if it passes beside it.
+pub(crate) fn touched_between(
+    path: &Path,
+    size: (f64, f64),
+    outline: &Footprint,
+    place: f64,
+) -> Option<(f64, f64)> {
+    let diagonal = libm::hypot(size.0, size.1);
+    let (low, high) = (place - diagonal - outline.radius(), place + diagonal + outline.radius());
+    let bend = path.course().map_or(0.0, |course| course.tightest_between(low, high));
+    let (fastest, least) = (1.0 + bend * diagonal / 2.0, 1e-10);
+    // Inwards from where it cannot touch, no farther than what is left between the two.
+    let touched = |from: f64, to: f64| {
+        let (sign, mut place) = ((to - from).signum(), from);
+        while sign * (to - place) >= 0.0 {
+            let left = apart(&vehicle_at(path, place, size), outline);
+            if left <= TOUCHING {
+                return Some(place);
+            }
+            place += sign * (left / fastest).max(least);
+        }
+        None
+    };
+    let first = touched(low, high)?;
+    Some((first, touched(high, first).unwrap_or(first)))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use proptest::prelude::*;
+    use scenario::Direction;
+    use scenario::agent::Longitudinal;
+    use scenario::geometry::{CurvedPath, Piece, Pose, ReferenceLine};
+
+    use super::*;
+
+    /// 30 m of line, a turn of Euro NCAP with a radius of 9 m, and a line again.
+    fn turn() -> Path {
+        let [one, arc, other] = Piece::turn(1500.0, 9.0, 0.36, 0.85);
+        let pieces = [Piece::line(30.0), one, arc, other, Piece::line(20.0)];
+        let line = ReferenceLine::new(Pose::origin(), &pieces).unwrap();
+        Path::curved(CurvedPath::new(Arc::new(line), 0.0, Direction::Forward, 30.0).unwrap())
+    }
+
+    fn car(travelled: f64, speed: f64) -> VehicleState {
+        let motion = Longitudinal { travelled, speed, acceleration: 0.0 };
+        VehicleState { motion, path: turn(), length: 4.36, width: 1.82 }
+    }
+
+    fn person(position: Vector2<f64>, velocity: Vector2<f64>, disc: bool) -> PedestrianState {
+        let shape =
+            if disc { Shape::Disc { radius: 0.25 } } else { Shape::Rectangle { length: 0.6, width: 0.5 } };
+        let heading = velocity.try_normalize(1e-9).unwrap_or_else(Vector2::x);
+        PedestrianState { position, velocity, acceleration: Vector2::zeros(), heading, shape, present: true }
+    }
+
+    proptest! {
+        #[test]
+        fn the_time_to_a_contact_in_a_turn_is_what_looking_every_millisecond_finds(
+            travelled in -15.0..25.0, speed in 0.5..8.0, place in -2.0..30.0, beside in -5.0..5.0,
+            walk in 0.0..2.0, way in 0.0..6.3, disc: bool,
+        ) {
+            let car = car(travelled, speed);
+            let at = car.path.to_world(Vector2::new(place, beside));
+            let person = person(at, Vector2::new(libm::cos(way), libm::sin(way)) * walk, disc);
+            let gap = |time: f64| {
+                let mut then = car.clone();
+                then.motion.travelled += speed * time;
+                let moved = PedestrianState { position: at + person.velocity * time, ..person };
+                crate::geometry::distance(&then, &moved)
+            };
+            let looked = (0..=10_000).map(|step| f64::from(step) * 1e-3).find(|time| gap(*time) == 0.0);
+            match (contact_with(&car, &person), looked) {
+                (Some(found), Some(looked)) => prop_assert!((looked - found).abs() < 2e-3, "{found}, not {looked}"),
+                // What is seen for no longer than a few looks is a graze.
+                (None, Some(time)) => prop_assert!(gap(time + 4e-3) > 0.0, "missed one at {time} s"),
+                (Some(found), None) => {
+                    prop_assert!(found >= 10.0 || gap(found + 4e-3) > 0.0 || gap(found) < 1e-6, "{found} s is none");
+                }
+                (None, None) => {}
+            }
+            if let Some(found) = contact_with(&car, &person) {
+                prop_assert!(gap(found) < 1e-6, "{} m apart then", gap(found));
+            }
+        }
+    }
+
+    #[test]
+    fn the_time_to_a_contact_goes_on_where_the_turn_begins() {
+        // Somebody who stands in the lane behind the turn: what the car has driven is gone from it, nothing else.
+        let standing = person(turn().to_world(Vector2::new(12.0, 0.2)), Vector2::zeros(), true);
+        let of = |travelled: f64| contact_with(&car(travelled, 4.0), &standing).unwrap();
+        for step in -300..300 {
+            let place = f64::from(step) * 0.01;
+            let (one, next) = (of(place), of(place + 0.01));
+            assert!((one - next - 0.01 / 4.0).abs() < 1e-6, "{one} s and {next} s from {place} m");
+        }
+        // A standing car touches nothing, and one beside whom somebody walks by is walked into as on a straight road.
+        assert_eq!(contact_with(&car(0.0, 0.0), &standing), None);
+    }
+
+    #[test]
+    fn places_at_which_it_touches_are_the_outermost() {
+        let path = turn();
+        let outline =
+            Footprint::from(&person(path.to_world(Vector2::new(7.0, -0.8)), Vector2::zeros(), false));
+        let (first, last) = touched_between(&path, (4.36, 1.82), &outline, 7.0).unwrap();
+        let touches = |place: f64| apart(&vehicle_at(&path, place, (4.36, 1.82)), &outline) == 0.0;
+        let looked: Vec<f64> =
+            (0..20_000).map(|step| f64::from(step) * 1e-3 - 5.0).filter(|at| touches(*at)).collect();
+        assert!((looked[0] - first).abs() < 2e-3, "{first}, not {}", looked[0]);
+        assert!((looked[looked.len() - 1] - last).abs() < 2e-3, "{last}, not {}", looked[looked.len() - 1]);
+        let beside = Footprint::from(&person(path.to_world(Vector2::new(7.0, 3.0)), Vector2::zeros(), false));
+        assert_eq!(touched_between(&path, (4.36, 1.82), &beside, 7.0), None);
+    }
+}
