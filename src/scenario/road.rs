@@ -1,6 +1,6 @@
-//! The road: straight lanes, kerbs, one crossing and boxes that block the view.
+//! The road: lanes, kerbs, one crossing and boxes that block the view.
 //!
-//! World frame: x runs along lane 0 in its direction of travel, y to the left of it. The origin is where the middle
+//! World frame of a straight road: x runs along lane 0 in its direction of travel, y to the left of it. The origin is where the middle
 //! of the crossing meets the centre line of lane 0, so lane i lies at y = i * lane width, the near kerb at
 //! y = -lane width / 2 and the far kerb at y = (lanes - 1/2) * lane width. Metres.
 
@@ -36,7 +36,8 @@ pub struct Road {
 }
 
 /// How a road bends: the line that the centre of lane 0 follows, and where the crossing is on it. The world's frame is then that
-/// of the line.
+/// of the line: starts, goals and boxes lie in it, whatever the road's direction there, and boxes along its axes. Runs are not made
+/// on such roads yet.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Bend {
     /// The centre line of lane 0; the others lie to the left of it.
@@ -45,7 +46,7 @@ pub struct Bend {
     pub crossing: f64,
 }
 
-/// A straight lane.
+/// A lane.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Lane {
     /// Which way its traffic drives.

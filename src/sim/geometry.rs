@@ -19,6 +19,7 @@ pub struct Footprint {
 }
 
 impl From<&VehicleState> for Footprint {
+    #[inline]
     fn from(vehicle: &VehicleState) -> Self {
         let shape = Shape::Rectangle { length: vehicle.length, width: vehicle.width };
         let (centre, heading) = match vehicle.path.course() {
@@ -128,7 +129,14 @@ pub fn first_contact(
 
 /// Smallest distance between the footprints in m; 0 when they touch or overlap.
 pub fn distance(vehicle: &VehicleState, pedestrian: &PedestrianState) -> f64 {
-    apart(&vehicle.into(), &pedestrian.into())
+    if vehicle.path.course().is_some() {
+        return apart(&vehicle.into(), &pedestrian.into());
+    }
+    // Along the axes of a straight road, which are the world's.
+    let offset = pedestrian.position - vehicle.position();
+    let touch = || first_contact(vehicle, pedestrian, Vector2::zeros()).is_some();
+    let half = Vector2::new(vehicle.length / 2.0, vehicle.width / 2.0);
+    distance_from_box(half, offset, (pedestrian.heading, pedestrian.shape), touch)
 }
 
 /// Smallest distance between two outlines, m; 0 when they touch or overlap.
@@ -140,13 +148,22 @@ pub(super) fn apart(one: &Footprint, other: &Footprint) -> f64 {
             return ((other.centre - one.centre).norm() - radius - others).max(0.0);
         }
     };
-    let half = Vector2::new(length / 2.0, width / 2.0);
-    // Along the axes of the first. Those of a straight road are the world's: to be turned by that keeps every bit.
     let (offset, heading) = (one.own_frame(other.centre - one.centre), one.own_frame(other.heading));
-    match other.shape {
+    let touch = || one.first_contact(other, Vector2::zeros()).is_some();
+    distance_from_box(Vector2::new(length, width) / 2.0, offset, (heading, other.shape), touch)
+}
+
+/// From a rectangle that reaches `half` along the axes to a shape that lies at `offset` from its middle and has this heading, m.
+fn distance_from_box(
+    half: Vector2<f64>,
+    offset: Vector2<f64>,
+    (heading, shape): (Vector2<f64>, Shape),
+    touch: impl Fn() -> bool,
+) -> f64 {
+    match shape {
         Shape::Disc { radius } => (distance_to_box(offset, half) - radius).max(0.0),
         Shape::Rectangle { length, width } => {
-            if one.first_contact(other, Vector2::zeros()).is_some() {
+            if touch() {
                 return 0.0;
             }
             // The nearest points of two separate rectangles include a corner of one of them.

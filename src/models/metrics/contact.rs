@@ -181,8 +181,8 @@ fn smallest_inside(
     (old_car, car): (&VehicleState, &VehicleState),
     (old, new): (&PedestrianState, &PedestrianState),
 ) -> (f64, f64) {
-    let at = |part: f64| {
-        let mut vehicle = car.clone();
+    let mut vehicle = car.clone();
+    let mut at = |part: f64| {
         vehicle.motion.travelled =
             old_car.motion.travelled + part * (car.motion.travelled - old_car.motion.travelled);
         let person = PedestrianState { position: old.position.lerp(&new.position, part), ..*new };

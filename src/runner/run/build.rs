@@ -168,3 +168,22 @@ pub fn road_users(world: &World, seed: u64) -> Result<RoadUsers, RunError> {
         .collect::<Result<_, _>>()?;
     Ok(RoadUsers { vehicles, pedestrians })
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use scenario::Bend;
+    use scenario::geometry::{Piece, Pose, ReferenceLine};
+
+    #[test]
+    fn no_run_on_a_bend_is_made_as_if_it_were_straight() {
+        let mut world = sim::fixture::world();
+        let line = ReferenceLine::new(Pose::origin(), &[Piece::line(50.0), Piece::arc(20.0, 1.0)]).unwrap();
+        world.road.bend = Some(Bend { line: Arc::new(line), crossing: 30.0 });
+        let Err(error) = road_users(&world, 1) else { panic!("its road users were built") };
+        assert!(error.to_string().contains("straight roads only"), "{error}");
+        assert_eq!(error.hint(), Some("take `bend` out of the road"));
+    }
+}

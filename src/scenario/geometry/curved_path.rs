@@ -242,7 +242,7 @@ impl CurvedPath {
         let beyond = rays.into_iter().filter_map(|(from, to, at, next)| {
             let share = at / (at - next);
             let counts = share > 0.0 || (share == 0.0 && to > from);
-            (share.is_finite() && counts).then(|| from + share * (to - from))
+            (share.is_finite() && counts).then_some(from + share * (to - from))
         });
         let inside = (0..last).filter_map(move |index| {
             let (low, high) = (self.stops[index], self.stops[index + 1]);
