@@ -311,8 +311,7 @@ impl Course {
                 self.pedestrian_modes[index] = pedestrian.mode();
             }
         }
-        // Field by field, as the derived `clone_from` of the whole would allocate anew.
-        self.next.vehicles.clone_from(&self.now.vehicles);
+        put(&mut self.next.vehicles, &self.now.vehicles);
         self.stage = Stage::Drive(0.0);
     }
 
@@ -326,7 +325,7 @@ impl Course {
             self.drive_on(time + driven, moment - time - driven);
             let driven = moment - time;
             self.walk(driven);
-            self.between.vehicles.clone_from(&self.next.vehicles);
+            put(&mut self.between.vehicles, &self.next.vehicles);
             self.between.pedestrians.clone_from(&self.next.pedestrians);
             self.stage = Stage::Drive(driven);
             return self.ask_vehicles(moment, true);
@@ -413,6 +412,13 @@ impl Course {
         let vehicles = (0..self.now.vehicles.len()).map(Solid::Vehicle);
         let mut everybody = vehicles.chain((0..self.now.pedestrians.len()).map(Solid::Pedestrian));
         everybody.all(|who| has_arrived(&self.world, &self.now, who))
+    }
+}
+
+/// Puts vehicles where the same ones are in another state: how they move is all that changes in a run.
+fn put(vehicles: &mut [VehicleState], others: &[VehicleState]) {
+    for (vehicle, other) in vehicles.iter_mut().zip(others) {
+        vehicle.motion = other.motion;
     }
 }
 
