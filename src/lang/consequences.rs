@@ -3,7 +3,7 @@
 
 use std::collections::HashSet;
 
-use super::codes::Code;
+use super::codes::{Code, Severity};
 use super::diagnostic::Diagnostic;
 use super::source::Span;
 use super::syntax::ast::{self, View};
@@ -68,11 +68,16 @@ pub fn remove(files: &Texts, report: &mut Vec<Diagnostic>) {
             names.extend(block.children().filter(|child| child.is_bad()).filter_map(|bad| named(block, bad)));
         }
     }
-    // Controllers that are declared wrongly.
-    names.extend(
-        files.ids().flat_map(|file| files.tree(file).file().controllers()).map(|own| own.name().text()),
-    );
-    if !names.is_empty() {
+    // Controllers that are declared wrongly. Of one that is known, it is no consequence of anything that a file does not see it.
+    let controllers = files.ids().flat_map(|file| files.tree(file).file().controllers());
+    let controllers = controllers.map(|own| own.name().text());
+    names.extend(controllers.filter(|name| files.registry.controllers().get(name).is_none()));
+    let is_cause = |found: &Diagnostic| {
+        found.severity == Severity::Error
+            && !(UNKNOWN.contains(&found.code) && names.contains(files.sources.text(found.span())))
+    };
+    // Without a cause there is no consequence: what is left out silently would pass.
+    if report.iter().any(is_cause) {
         report.retain(|found| {
             !UNKNOWN.contains(&found.code) || !names.contains(files.sources.text(found.span()))
         });
@@ -105,4 +110,51 @@ fn named<'t>(block: Node<'t>, bad: Node<'t>) -> Option<&'t str> {
     }
     let names = table::all().any(|statement| statement.names && statement.word() == first);
     words.find(|word| !word.is_empty()).filter(|_| names)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use files::Memory;
+    use models::standard;
+    use std::path::Path;
+
+    /// Such a scenario would be left out of its suite, and all others would pass.
+    #[test]
+    fn a_controller_that_a_file_does_not_see_is_an_error_though_another_file_declares_it() {
+        let scenario = |name: &str, controller: &str| {
+            format!(
+                "scenario {name} {{
+  road {{ lane_width 4 m; speed_limit 30 km/h; crossing zebra }}
+  vehicle av {{ controller {controller}; speed 30 km/h; start 30 m before crossing }}
+  pedestrian walker {{ model scripted; start 2 m from kerb; appears at 1 s }}
+  expect {{ no collision }}
+}}
+"
+            )
+        };
+        let declared = format!("controller own {{\n  command \"a\"\n}}\n{}", scenario("a", "own"));
+        let files =
+            Memory::default().with("a.scn", declared.as_str()).with("b.scn", scenario("b", "own").as_str());
+        let files = files.with("c.scn", scenario("c", "idm_aeb").as_str());
+        let loaded = |suite: &str| {
+            let files = files.clone().with("s.suite", suite);
+            match crate::load(Path::new("s.suite"), &standard(), &files) {
+                Ok(loaded) => format!("{} scenarios", loaded.suite.scenarios.len()),
+                Err(failure) => failure.diagnostics.iter().map(|found| found.message.clone()).collect(),
+            }
+        };
+        let unknown = "this file knows no controller `own`";
+        assert_eq!(loaded("suite s {\n  scenarios \"[ac].scn\"\n}\n"), "2 scenarios");
+        assert_eq!(loaded("suite s {\n  scenarios \"*.scn\"\n}\n"), unknown);
+        assert_eq!(loaded("suite s {\n  scenarios \"[ac].scn\"\n  test own as av\n}\n"), unknown);
+        let uses = "use \"a.scn\"\nsuite s {\n  scenarios \"[ac].scn\"\n  test own as av\n}\n";
+        assert_eq!(loaded(uses), "2 scenarios");
+        // One that is declared wrongly is the cause, and those who name it are not told besides.
+        let files = Memory::default().with("a.scn", declared.replace("command", "comand").as_str());
+        let Err(failure) = crate::load(Path::new("a.scn"), &standard(), &files) else {
+            panic!("it is wrong")
+        };
+        assert!(failure.diagnostics.iter().all(|found| found.code != Code::UnknownController));
+    }
 }
