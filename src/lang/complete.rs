@@ -8,6 +8,7 @@ use std::path::Path;
 
 use super::assist::path_to;
 use super::declared;
+use super::suite::included;
 use super::syntax::ast::{self, View};
 use super::syntax::words::{self, BlockEntry, BlockKind};
 use super::syntax::{self, Next, Node, Token, TokenKind, goes_on_with};
@@ -145,6 +146,8 @@ impl Place<'_> {
         let mut files = Texts::new(self.registry, &texts).while_edited();
         let Some(file) = files.open(self.path, None, &mut Vec::new()) else { return Vec::new() };
         let first = statement.first().copied().unwrap_or_default();
+        // `test … as` is about the vehicles of all that the suite runs.
+        let included = if first == "test" { included(&mut files, file, self.path) } else { Vec::new() };
         let statements = block.map_or(&[] as &[_], |block| block.statements).iter();
         let known = statements.filter(|known| known.word() == first || known.words.is_empty());
         let mut found: Vec<Completion> = Vec::new();
@@ -158,7 +161,10 @@ impl Place<'_> {
                 }
                 Next::Target => found.extend(self.names(&files, file, Named::Target)),
                 Next::Name => match named(statement, self.registry) {
-                    Some(kinds) => found.extend(self.names(&files, file, kinds)),
+                    Some(kinds) => {
+                        found.extend(self.names(&files, file, kinds));
+                        included.iter().for_each(|one| found.extend(self.vehicles(&files, *one)));
+                    }
                     None => found.extend(all(self.registry.metrics())),
                 },
                 Next::SettingName => {
@@ -208,14 +214,15 @@ impl Place<'_> {
         let roads = roads.into_iter().map(|(_, road)| files.tree(road.file).node(road.node));
         let scenarios = self.scenarios(files, file).into_iter().map(|scenario| *scenario);
         let nodes = scenarios.chain(roads).flat_map(Node::descendants);
-        nodes
-            .filter(|node| kinds.are(*node))
-            .filter_map(|node| {
-                let line = node.text().lines().next().unwrap_or_default();
-                let name = node.parts::<ast::Name>().next()?;
-                Some(proposal(name.text(), line.trim_end_matches('{').trim_end()))
-            })
-            .collect()
+        given(nodes.filter(|node| kinds.are(*node)))
+    }
+
+    /// The vehicles of every scenario that a file knows.
+    fn vehicles(&self, files: &Texts, file: FileId) -> Vec<Completion> {
+        let mut scenarios: Vec<_> = files.names(file).scenarios.iter().collect();
+        scenarios.sort_by_key(|(name, _)| name.as_str());
+        let scenarios = scenarios.into_iter().map(|(_, definition)| *files.scenario(*definition));
+        given(scenarios.flat_map(Node::descendants).filter(|node| Named::Vehicle.are(*node)))
     }
 
     /// The parameters of a road user's controller, dynamics, perception or model.
@@ -231,6 +238,17 @@ impl Place<'_> {
         let declared = declared.or_else(|| declared::named(part, "", self.registry));
         declared.map_or_else(Vec::new, |declaration| setting(&declaration, &[]))
     }
+}
+
+/// The names that statements give, each with the statement's first line.
+fn given<'t>(nodes: impl Iterator<Item = Node<'t>>) -> Vec<Completion> {
+    nodes
+        .filter_map(|node| {
+            let line = node.text().lines().next().unwrap_or_default();
+            let name = node.parts::<ast::Name>().next()?;
+            Some(proposal(name.text(), line.trim_end_matches('{').trim_end()))
+        })
+        .collect()
 }
 
 /// What names could be of.
@@ -455,6 +473,14 @@ mod tests {
         assert!(words("suite s {\n  test carla_behavior { ").contains(&"braking_distance".to_string()));
         let vehicle = "scenario a {\n  vehicle av {\n  }\n}\nsuite s {\n  test carla_behavior as ";
         assert!(words(vehicle).contains(&"av".to_string()), "{:?}", words(vehicle));
+        let below = files::Memory::default()
+            .with("all/people/a.scn", "use \"../base.scn\"\nscenario a : base {\n  vehicle ego {\n  }\n}\n");
+        let below = below
+            .with("all/base.scn", "define base {\n  vehicle av {\n  }\n}\n")
+            .with("all/people/bad.scn", "scenario {");
+        let suite = "suite s {\n  scenarios \"people/*.scn\"\n  test carla_behavior as ";
+        let found = complete(Path::new("all/s.suite"), suite, suite.len(), &standard(), &below);
+        assert_eq!(found.iter().map(|found| found.word.as_str()).collect::<Vec<_>>(), ["ego", "av"]);
         assert!(words("# scen").is_empty());
         let text = "define base {\n}\nscenario a : base {\n}\nsearch s {\n  in a\n}\ntune t {\n  on ";
         assert_eq!(words(text), ["a", "s", "t"]);

@@ -140,13 +140,7 @@ fn declared(files: &mut Texts, file: FileId, path: &Path, report: &mut Vec<Diagn
                 .hint("add `suite NAME { scenarios \"../scenarios/*.scn\" }`"),
         );
     }
-    let patterns: Vec<(String, Span)> = suites
-        .first()?
-        .block()
-        .files()
-        .flat_map(ast::SuiteFiles::patterns)
-        .map(|pattern| (pattern.value(), pattern.span()))
-        .collect();
+    let patterns = patterns(*suites.first()?);
     let included = open_all(files, path, &patterns, report);
     let mut definitions = own_scenarios(files, file);
     for (included, asked) in &included {
@@ -259,6 +253,18 @@ fn everybody<'a>(scenarios: &'a [Scenario], registry: &'a Registry) -> check::Ca
         individuals: None,
         metrics: registry.metrics(),
     }
+}
+
+/// What a suite gives `scenarios` by, each with its place.
+fn patterns(suite: ast::Suite) -> Vec<(String, Span)> {
+    let all = suite.block().files().flat_map(ast::SuiteFiles::patterns);
+    all.map(|pattern| (pattern.value(), pattern.span())).collect()
+}
+
+/// The files that the patterns of a suite match, as far as they can be read.
+pub fn included(files: &mut Texts, file: FileId, path: &Path) -> Vec<FileId> {
+    let Some(patterns) = files.tree(file).file().suites().next().map(patterns) else { return Vec::new() };
+    open_all(files, path, &patterns, &mut Vec::new()).into_iter().map(|(file, _)| file).collect()
 }
 
 /// Every file that a suite's patterns match, each once, with the pattern's place.
