@@ -65,6 +65,7 @@ macro_rules! functions {
 functions! { Two {
     instantiate = "fmi2Instantiate"
         (*const c_char, c_int, *const c_char, *const c_char, *const Callbacks2, c_int, c_int) -> Component;
+    terminate = "fmi2Terminate" (Component) -> Status;
     free = "fmi2FreeInstance" (Component);
     setup = "fmi2SetupExperiment" (Component, c_int, f64, f64, c_int, f64) -> Status;
     enter = "fmi2EnterInitializationMode" (Component) -> Status;
@@ -86,6 +87,7 @@ macro_rules! three {
             instantiate = "fmi3InstantiateCoSimulation"
                 (*const c_char, *const c_char, *const c_char, bool, bool, bool, bool, *const Reference, usize, Component, Logger3,
                  Option<unsafe extern "C" fn()>) -> Component;
+            terminate = "fmi3Terminate" (Component) -> Status;
             free = "fmi3FreeInstance" (Component);
             enter = "fmi3EnterInitializationMode" (Component, bool, f64, f64, bool, f64) -> Status;
             exit = "fmi3ExitInitializationMode" (Component) -> Status;
@@ -166,6 +168,8 @@ pub struct Foreign {
     loaded: Rc<LoadedLibrary>,
     /// After a fatal error not even this is allowed.
     is_freed: bool,
+    /// It is initialised, and no function has ended in an error: it has to be told that the simulation is over before it is freed.
+    is_running: bool,
 }
 
 /// What came of a step besides its status.
@@ -227,6 +231,7 @@ impl Foreign {
             _callbacks: callbacks,
             loaded: loaded.clone(),
             is_freed: component.is_null(),
+            is_running: false,
         };
         if component.is_null() { Err(made.logged()) } else { Ok(made) }
     }
@@ -258,12 +263,21 @@ impl Foreign {
     /// Ends its initialisation.
     pub fn exit(&mut self) -> Status {
         // SAFETY: the instance is there.
-        unsafe {
+        let status = unsafe {
             match &self.loaded.functions {
                 Functions::Two(two) => (two.exit)(self.component),
                 Functions::Three(three) => (three.exit)(self.component),
             }
-        }
+        };
+        self.is_running = is_fine(status);
+        status
+    }
+
+    /// Takes note of what a function ended in. After an error an instance may be freed, and nothing else; a step that it discards is none.
+    fn seen(&mut self, status: Status) -> Status {
+        const DISCARD: Status = 2;
+        self.is_running &= is_fine(status) || status == DISCARD;
+        status
     }
 
     /// Has it go on from `time` by `step`, both in s.
@@ -284,7 +298,7 @@ impl Foreign {
                 }
             }
         };
-        (status, stepped)
+        (self.seen(status), stepped)
     }
 
     /// Sets variables of that kind; `references` and `values` are as many.
@@ -304,7 +318,7 @@ impl Foreign {
                 unsafe { $function(component, at, count, values.as_ptr(), count) }
             }};
         }
-        match &self.loaded.functions {
+        let status = match &self.loaded.functions {
             Functions::Two(two) => match kind {
                 // SAFETY: as above.
                 Kind::Float64 => unsafe { (two.set_real)(component, at, count, values.as_ptr()) },
@@ -325,14 +339,15 @@ impl Foreign {
                 Kind::UInt64 => as_three!((three.set_uint64), |value| *value as u64),
                 Kind::Boolean => as_three!((three.set_boolean), |value| *value != 0.0),
             },
-        }
+        };
+        self.seen(status)
     }
 
     /// Sets a variable that is a text.
     pub fn set_text(&mut self, reference: Reference, text: &CStr) -> Status {
         let texts = [text.as_ptr()];
         // SAFETY: the instance is there; it copies the text, of which there is one for the one reference.
-        unsafe {
+        let status = unsafe {
             match &self.loaded.functions {
                 Functions::Two(two) => {
                     (two.set_string)(self.component, &raw const reference, 1, texts.as_ptr())
@@ -341,7 +356,8 @@ impl Foreign {
                     (three.set_string)(self.component, &raw const reference, 1, texts.as_ptr(), 1)
                 }
             }
-        }
+        };
+        self.seen(status)
     }
 
     /// The value of a variable of that kind.
@@ -363,7 +379,7 @@ impl Foreign {
                 (status, $convert(value))
             }};
         }
-        match &self.loaded.functions {
+        let (status, value) = match &self.loaded.functions {
             Functions::Two(two) => match kind {
                 Kind::Float64 => as_two!((two.get_real), f64),
                 Kind::Boolean => as_two!((two.get_boolean), c_int),
@@ -382,12 +398,29 @@ impl Foreign {
                 Kind::UInt64 => as_three!((three.get_uint64), u64, |value| value as f64),
                 Kind::Boolean => as_three!((three.get_boolean), u8, |value| f64::from(u8::from(value != 0))),
             },
-        }
+        };
+        (self.seen(status), value)
     }
+}
+
+/// OK, or a warning.
+fn is_fine(status: Status) -> bool {
+    matches!(status, 0 | 1)
 }
 
 impl Drop for Foreign {
     fn drop(&mut self) {
+        const FATAL: Status = 4;
+        if !self.is_freed && self.is_running {
+            // SAFETY: the instance is there, and in a state in which it may be told so.
+            let status = unsafe {
+                match &self.loaded.functions {
+                    Functions::Two(two) => (two.terminate)(self.component),
+                    Functions::Three(three) => (three.terminate)(self.component),
+                }
+            };
+            self.is_freed = status == FATAL;
+        }
         if !self.is_freed {
             // SAFETY: the instance is there, and nothing of it is used after this.
             unsafe {

@@ -21,11 +21,15 @@
 //!
 //! Then `cargo test --test suites tta=6s` runs what has `tta=6s` in its name, and so on, as with any other test.
 //!
+//! Functional mock-up units are loaded by a process of this very program: whatever `main` does before is done there as well.
+//!
 //! [`Suites`] says more: which of the files are tests and whose fingerprints are held.
 
 mod fingerprints;
 
 use std::collections::HashSet;
+#[cfg(feature = "fmu")]
+use std::env;
 use std::path::Path;
 use std::process::ExitCode;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -46,6 +50,8 @@ use runner::session::{OnDemand, gate_key};
 use scenario::Gate;
 use scenario::registry::Registry;
 use under_test::{Allowed, Permission, ProcessPool};
+#[cfg(feature = "fmu")]
+use under_test::{FMU_HOST, fmu_host};
 
 /// Why there are no tests.
 #[derive(Debug, Error)]
@@ -121,6 +127,8 @@ impl Suites {
         registry: &Registry,
         programs: &[&str],
     ) -> Result<Self, TestingError> {
+        #[cfg(feature = "fmu")]
+        be_fmu_host();
         let files = files(patterns)?;
         let opened = Project::open_all(&files, &ProjectOptions::default(), registry, &Disk);
         let notices = opened.as_ref().map_or_else(|problems| &problems.0[..], Project::notices);
@@ -214,6 +222,18 @@ fn files(patterns: &[&str]) -> Result<Vec<String>, TestingError> {
     Ok(files)
 }
 
+/// Has a process that was started to load a functional mock-up unit do that, and end with it: it is this very program once more.
+#[cfg(feature = "fmu")]
+fn be_fmu_host() {
+    let mut words = env::args_os().skip(1);
+    if words.next().is_some_and(|word| word == FMU_HOST)
+        && let (Some(plan), None) = (words.next(), words.next())
+    {
+        let ended = fmu_host(Path::new(&plan));
+        std::process::exit(i32::from(ended != ExitCode::SUCCESS));
+    }
+}
+
 /// What tests share.
 struct Tested {
     project: &'static Project,
@@ -231,6 +251,11 @@ impl Tested {
         }
         // What may not be run is an error of each test that needs it.
         let pool = ProcessPool::new(permission, threads.parallelism());
+        #[cfg(feature = "fmu")]
+        let pool = match env::current_exe() {
+            Ok(own) => pool.fmu_host(own),
+            Err(_) => pool,
+        };
         let threads = Box::leak(Box::new(threads.with_processes(Arc::new(pool))));
         Self { project, session: OnDemand::new(project, threads), warned: Mutex::default() }
     }

@@ -47,6 +47,9 @@ pub struct Instance {
     steps: u32,
     sum: f64,
     is_initialised: bool,
+    /// A function has ended in an error.
+    has_failed: bool,
+    is_terminated: bool,
 }
 
 impl Instance {
@@ -57,7 +60,36 @@ impl Instance {
             return ptr::null_mut();
         }
         let (numbers, kind) = ([0.0; 9], "good".to_string());
-        Box::into_raw(Box::new(Self { numbers, kind, log, steps: 0, sum: 0.0, is_initialised: false }))
+        let new = Self {
+            numbers,
+            kind,
+            log,
+            steps: 0,
+            sum: 0.0,
+            is_initialised: false,
+            has_failed: false,
+            is_terminated: false,
+        };
+        Box::into_raw(Box::new(new))
+    }
+
+    /// Whoever says so too early, twice or after an error ends the process.
+    fn terminate(&mut self) -> Status {
+        if !self.is_initialised || self.has_failed || self.is_terminated {
+            eprintln!("terminated where that is not allowed");
+            std::process::abort();
+        }
+        self.is_terminated = true;
+        OK
+    }
+
+    /// Whoever frees what is running ends the process.
+    fn free(unit: Unit) {
+        let unit = unsafe { Box::from_raw(unit) };
+        if unit.is_initialised && !unit.has_failed && !unit.is_terminated {
+            eprintln!("freed and not terminated");
+            std::process::abort();
+        }
     }
 
     fn say(&self, status: Status, text: &CStr) {
@@ -76,7 +108,8 @@ impl Instance {
     }
 
     fn step(&mut self, time: f64, step: f64) -> Status {
-        if !self.is_initialised || time != f64::from(self.steps) * step {
+        if !self.is_initialised || self.is_terminated || time != f64::from(self.steps) * step {
+            self.has_failed = true;
             self.say(ERROR, c"not at this time");
             return ERROR;
         }
@@ -94,6 +127,7 @@ impl Instance {
         if gap == 8.0 && self.steps > 7 {
             match self.kind.as_str() {
                 "error" => {
+                    self.has_failed = true;
                     self.say(ERROR, c"lane is None");
                     return ERROR;
                 }
@@ -131,7 +165,8 @@ impl Instance {
 
     fn initialise(&mut self) -> Status {
         self.is_initialised = true;
-        if self.kind == "uninitialised" { ERROR } else { OK }
+        self.has_failed = self.kind == "uninitialised";
+        if self.has_failed { ERROR } else { OK }
     }
 }
 
@@ -232,6 +267,8 @@ functions! {
     };
     fmi2EnterInitializationMode(_unit) OK;
     fmi2ExitInitializationMode(unit) unit.initialise();
+    fmi2Terminate(unit) unit.terminate();
+    fmi3Terminate(unit) unit.terminate();
     fmi2DoStep(unit, time: f64, step: f64, _keeps: c_int) unit.step(time, step);
     fmi2SetString(unit, _at: *const u32, _count: usize, values: *const *const c_char) {
         unit.kind = unsafe { CStr::from_ptr(*values) }.to_string_lossy().into_owned();
@@ -255,10 +292,10 @@ functions! {
 
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2FreeInstance(unit: Unit) {
-    drop(unsafe { Box::from_raw(unit) });
+    Instance::free(unit);
 }
 
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3FreeInstance(unit: Unit) {
-    drop(unsafe { Box::from_raw(unit) });
+    Instance::free(unit);
 }

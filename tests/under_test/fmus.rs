@@ -4,6 +4,8 @@
 use std::fs;
 use std::io::{Cursor, Write};
 use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
 
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
@@ -495,10 +497,75 @@ pub fn a_unit_needs_permission_for_its_content() -> Outcome {
 /// Nothing of a unit is left where it was unpacked.
 #[cfg(unix)]
 pub fn what_was_unpacked_is_gone() -> Outcome {
+    what_is_killed_leaves_is_swept()?;
     let folder = in_folder(&scenario("", "period 100 ms"), WIRED, Edition::Two, &description(Edition::Two));
     let temporary = tempfile::tempdir()?;
     let arguments = ["meet.scn", "--allow-run", "--no-progress"];
     let status = super::runner(folder.path(), &arguments).env("TMPDIR", temporary.path()).output()?;
     let left = fs::read_dir(temporary.path())?.count();
     expect(status.status.code() == Some(0) && left == 0, || format!("{left} {status:?}"))
+}
+
+/// A runner that is ended from one moment to the next leaves what it has unpacked, and the next one removes that; not what is another's.
+#[cfg(unix)]
+fn what_is_killed_leaves_is_swept() -> Outcome {
+    let slow = scenario("", "period 100 ms").replace("expect {", "repeat 100000\n  expect {");
+    let folder = in_folder(&slow, WIRED, Edition::Two, &description(Edition::Two));
+    let temporary = tempfile::tempdir()?;
+    let others = temporary.path().join("scenario-runner-fmu-others");
+    fs::create_dir(&others)?;
+    let arguments = ["meet.scn", "--allow-run", "--no-progress", "-j1"];
+    let start = || {
+        let mut runner = super::runner(folder.path(), &arguments);
+        runner.env("TMPDIR", temporary.path()).stdout(Stdio::null()).stderr(Stdio::null()).spawn()
+    };
+    let unpacked = || -> Vec<PathBuf> {
+        let all = fs::read_dir(temporary.path()).unwrap().map(|entry| entry.unwrap().path());
+        all.filter(|path| path.join("plan.json").exists()).collect()
+    };
+    let wait = |count: usize| {
+        let begun = Instant::now();
+        while unpacked().len() < count && begun.elapsed() < Duration::from_secs(20) {
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        unpacked()
+    };
+    let mut killed = start()?;
+    let left = wait(1);
+    killed.kill()?;
+    killed.wait()?;
+    expect(left.len() == 1 && unpacked() == left, || format!("{left:?} {:?}", unpacked()))?;
+    // The next removes it, and leaves alone what a third one needs.
+    let mut living = start()?;
+    let begun = Instant::now();
+    while (unpacked() == left || unpacked().is_empty()) && begun.elapsed() < Duration::from_secs(20) {
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    let own = unpacked();
+    let mut third = start()?;
+    let both = wait(2);
+    for runner in [&mut living, &mut third] {
+        runner.kill()?;
+        runner.wait()?;
+    }
+    expect(own.len() == 1 && own != left, || format!("{left:?} was not swept: {own:?}"))?;
+    expect(both.len() == 2 && both.contains(&own[0]), || format!("{own:?} is gone: {both:?}"))?;
+    expect(others.exists(), || "another's folder was removed".to_string())
+}
+
+/// Suites as tests of a project load units in processes of that very program.
+pub fn tests_of_a_project_run_units() -> Outcome {
+    for edition in [Edition::Two, Edition::Three] {
+        let folder = in_folder(&scenario("", "period 100 ms"), WIRED, edition, &description(edition));
+        fs::write(folder.path().join("gated.suite"), "suite gated {\n  scenarios \"meet.scn\"\n}\n")?;
+        let output = Command::new(std::env::current_exe()?)
+            .current_dir(folder.path())
+            .env(super::ROLE, "tests")
+            .env("TESTS_VERIFY", "all")
+            .env("XDG_CONFIG_HOME", folder.path().join("config"))
+            .output()?;
+        let text = String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).into_owned();
+        expect_all(&Said { code: output.status.code(), text }, 0, &["0 failed"])?;
+    }
+    Ok(())
 }

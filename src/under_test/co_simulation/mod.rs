@@ -1,5 +1,6 @@
 //! Functional mock-up units as programs: read here, and loaded by a process of ours that speaks the protocol.
 
+mod folder;
 mod host;
 mod plan;
 mod signals;
@@ -8,8 +9,8 @@ mod wiring;
 use std::path::Path;
 
 use ::fmu::Archive;
-use tempfile::TempDir;
 
+use self::folder::OwnFolder;
 use super::lookup;
 use super::start::{StartError, StartProblem};
 use scenario::{DeclaredFmu, DeclaredProgram};
@@ -23,7 +24,7 @@ pub const HOST: &str = "fmu-host";
 pub struct UnpackedFmu {
     /// The words that start the process.
     pub words: Vec<String>,
-    _folder: TempDir,
+    _folder: OwnFolder,
 }
 
 /// Reads a unit, holds its variables against what the file says of them, and unpacks it for a process of `executable`, which is our
@@ -47,14 +48,18 @@ pub fn unpack(
     let mut archive = Archive::read(bytes).map_err(is_no_unit)?;
     let wiring = wiring::wiring(program, declared, archive.description())?;
     let executable = executable.ok_or_else(|| {
-        let hint = "run the suite by `scenario-runner`, whose own process loads the FMU";
-        cannot("FMUs are loaded by the program scenario-runner, and this is another".to_string(), hint)
+        let hint =
+            "run the suite by `scenario-runner`, or as a test of a project by `scenario_runner::testing`";
+        cannot(
+            "FMUs are loaded by another process of the same program, and this one cannot be that".to_string(),
+            hint,
+        )
     })?;
     let is_unwritable = |error: std::io::Error| {
         cannot(format!("it cannot be unpacked: {error}"), "see that there is space for temporary files")
     };
     // Only its user may look into it, and it is gone with the process.
-    let folder = tempfile::Builder::new().prefix("scenario-runner-fmu-").tempdir().map_err(is_unwritable)?;
+    let folder = OwnFolder::new(&std::env::temp_dir()).map_err(is_unwritable)?;
     let unpacked = archive.unpack(folder.path()).map_err(is_no_unit)?;
     let plan = plan::plan(program, archive.description(), unpacked, wiring);
     let path = folder.path().join("plan.json");
