@@ -27,6 +27,9 @@ pub fn render_baseline(baseline: &Baseline, form: Form) -> String {
     for (name, title) in &baseline.programs {
         line(&mut text, form, &format!("controller {name}: {title}"));
     }
+    for (name, what) in &baseline.what_runs {
+        line(&mut text, form, &format!("controller {name} runs: {what}"));
+    }
     text.push_str(&nondeterministic(baseline, form));
     for (index, vehicles) in baseline.vehicles.iter().enumerate() {
         for vehicle in vehicles {

@@ -21,6 +21,7 @@ const DIGITS: usize = 9;
 /// The baseline of the trials of a plan that were run to their end, each with its outcomes in the order of its cases.
 pub fn record(plan: &Plan, trials: &[(&PlannedTrial, &[Outcome])], requests: &Requests) -> Baseline {
     let suite = plan.suite.as_str();
+    let what_runs = what_runs(trials.iter().map(|(trial, _)| *trial));
     let mut trials = trials.to_vec();
     trials.sort_by(|left, right| left.0.key.cmp(&right.0.key));
     let mut vehicles: Vec<Vec<TestedVehicle>> = Vec::new();
@@ -57,11 +58,25 @@ pub fn record(plan: &Plan, trials: &[(&PlannedTrial, &[Outcome])], requests: &Re
         tool: env!("CARGO_PKG_VERSION").to_string(),
         populations: plan.populations.clone(),
         programs: BTreeMap::new(),
+        what_runs,
         nondeterministic: BTreeMap::new(),
         metrics: requests.iter().map(metric).collect(),
         vehicles,
         trials: recorded,
     }
+}
+
+/// What runs as each of the declared controllers of the trials, by what files call them.
+fn what_runs<'t>(trials: impl Iterator<Item = &'t PlannedTrial>) -> BTreeMap<String, String> {
+    let mut found = BTreeMap::new();
+    for trial in trials {
+        for world in trial.cases.worlds() {
+            let programs =
+                world.vehicles.iter().filter_map(|car| car.controller.model.known()?.program.as_ref());
+            programs.for_each(|one| _ = found.insert(one.name.clone(), one.identity()));
+        }
+    }
+    found
 }
 
 /// What the programs under test of a suite say of themselves, by what its files call them.

@@ -149,6 +149,9 @@ impl Baseline {
         if !self.programs.is_empty() {
             line(1, &format!("\"programs\": {},", json(&self.programs)));
         }
+        if !self.what_runs.is_empty() {
+            line(1, &format!("\"what_runs\": {},", json(&self.what_runs)));
+        }
         if !self.nondeterministic.is_empty() {
             line(1, &format!("\"nondeterministic\": {},", json(&self.nondeterministic)));
         }
@@ -287,6 +290,8 @@ struct File {
     #[serde(default)]
     programs: BTreeMap<String, String>,
     #[serde(default)]
+    what_runs: BTreeMap<String, String>,
+    #[serde(default)]
     nondeterministic: BTreeMap<String, String>,
     metrics: Vec<RecordedMetric>,
     vehicles: Vec<Vec<TestedVehicle>>,
@@ -343,6 +348,7 @@ impl File {
             tool,
             populations,
             programs,
+            what_runs,
             nondeterministic,
             metrics,
             vehicles,
@@ -369,6 +375,7 @@ impl File {
             tool,
             populations,
             programs,
+            what_runs,
             nondeterministic,
             metrics,
             vehicles,

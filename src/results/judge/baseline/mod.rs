@@ -34,6 +34,9 @@ pub struct Baseline {
     /// Names and versions that programs under test say of themselves, by what the files call them.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub programs: BTreeMap<String, String>,
+    /// What runs as each declared controller, by what the files call it: `python3 av.py, gives acceleration`.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub what_runs: BTreeMap<String, String>,
     /// Programs under test that do not decide the same each time, by what the files call them, each with how that is known: what differed when
     /// runs were made twice, or that the declaration says so.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]

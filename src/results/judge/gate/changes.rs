@@ -9,10 +9,14 @@ use scenario::{Declaration, Dimension, ModelSetup, ParameterKind, Registered, Va
 /// What is tested and differs, once each.
 pub fn changes(pairing: &Pairing) -> Vec<Change> {
     let mut found: Vec<Change> = Vec::new();
-    let (before, after) = (&pairing.base.programs, &pairing.candidate.programs);
-    for (name, title) in after {
-        let changed = before.get(name).filter(|known| *known != title);
-        found.extend(changed.map(|known| Change::Other(format!("{name}: {known} -> {title}"))));
+    let titles = (&pairing.base.programs, &pairing.candidate.programs);
+    // Of one name, and yet another program: what it says of itself need not tell.
+    let commands = (&pairing.base.what_runs, &pairing.candidate.what_runs);
+    for (what, (before, after)) in [("", titles), (" runs", commands)] {
+        for (name, now) in after {
+            let changed = before.get(name).filter(|known| *known != now);
+            found.extend(changed.map(|known| Change::Other(format!("{name}{what}: {known} -> {now}"))));
+        }
     }
     for (base, candidate) in &pairing.trials {
         let before = &pairing.base.vehicles[base.vehicles];

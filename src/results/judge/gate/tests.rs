@@ -55,6 +55,7 @@ fn baseline(
         tool: "0".into(),
         populations: BTreeMap::new(),
         programs: BTreeMap::new(),
+        what_runs: BTreeMap::new(),
         nondeterministic: BTreeMap::new(),
         metrics: metrics
             .iter()
