@@ -170,7 +170,7 @@ fn two_vehicles_and_perception() -> Outcome {
 }
 
 /// What a program does, its kind of fault, and words that are said of it.
-const MISBEHAVIOURS: [(&str, &str, &str); 15] = [
+const MISBEHAVIOURS: [(&str, &str, &str); 19] = [
     ("answers_twice", "garbage", "it said more than it was asked for"),
     ("crash", "exited", "it ended with exit code 1"),
     ("abort", "exited", "it was ended by signal 6 (SIGABRT)"),
@@ -186,11 +186,29 @@ const MISBEHAVIOURS: [(&str, &str, &str); 15] = [
     ("huge", "bad_value", "an acceleration of 51 m/s²"),
     ("refuses", "refused", "lane is None"),
     ("refuses_to_open", "refused", "no such weights"),
+    ("fills_stdout", "garbage", "it said more than it was asked for"),
+    ("fills_stderr", "timeout", "no answer within 1 s"),
+    ("never_reads", "timeout", "no answer within 1 s"),
+    (
+        "crash_together at_once=2",
+        "only_together",
+        "with many runs at once it failed (exited), with each alone it did not",
+    ),
 ];
 
 fn a_misbehaviour_is_an_error_in_every_report(kind: &str, fault: &str, words: &str) -> Outcome {
     let text = scenario(&format!("kind={kind}"), "answers within 1 s");
     let text = text.replace("later in [0 s, 0.2 s]", "later in [0 s]");
+    let text = match kind {
+        // More than a pipe holds, so that not even the request goes out.
+        "never_reads" => {
+            let weights = |number: usize| format!("parameter weights{number} = \"{}\"\n  ", "w".repeat(4000));
+            let weights: String = (0..20).map(weights).collect();
+            text.replace("answers within 1 s", &format!("{weights}starts within 1 s"))
+        }
+        _ if fault == "only_together" => text.replace("  expect {", "  repeat 2\n  expect {"),
+        _ => text,
+    };
     let folder = in_folder(&text);
     let files = ["junit", "json", "tap", "html"];
     let options: Vec<_> = files.iter().map(|kind| format!("--{kind}=report.{kind}")).collect();
@@ -230,6 +248,7 @@ fn a_misbehaviour_is_an_error_in_every_report(kind: &str, fault: &str, words: &s
         )?;
     }
     // What an endless line and a grandchild leave of a log depends on when they are ended.
+    let kind = kind.split(' ').next().unwrap_or_default();
     insta::assert_snapshot!(format!("misbehaviour_{kind}"), redacted(&shown));
     Ok(())
 }
@@ -583,7 +602,36 @@ fn a_gate_names_both_versions() -> Outcome {
     expect(said.code == Some(0) && !said.text.contains("tested: own"), || format!("{said:?}"))?;
     fs::write(path.join("version"), "2026.3")?;
     let said = run(path, &["gated.suite", "--allow-run", "--no-progress"]);
-    expect_all(&said, 0, &["tested: own: tested 2026.2 -> tested 2026.3"])
+    expect_all(&said, 0, &["tested: own: tested 2026.2 -> tested 2026.3"])?;
+    // Of the same name and version, and yet another program, or the same asked at other times.
+    fs::remove_file(path.join("version"))?;
+    for (words, more, now) in [
+        ("version=2026.2 kind=gentle", "", " kind=gentle"),
+        ("version=2026.2", "period 100 ms", "every 0.1 s"),
+    ] {
+        fs::write(path.join("meet.scn"), scenario(words, more))?;
+        let said = run(path, &["gated.suite", "--allow-run", "--no-progress"]);
+        expect(said.text.contains("tested: own runs: ") && said.text.contains(now), || format!("{said:?}"))?;
+    }
+    // So it is where the suite puts it in another's place, whoever stood there when the baseline was recorded.
+    let instead = gate.replace("  gate", "  test own as av\n  gate");
+    fs::write(path.join("gated.suite"), &instead)?;
+    let said = run(path, &["gated.suite", "--allow-run", "--no-progress"]);
+    expect_all(&said, 3, &["this file knows no controller `own`"])?;
+    let instead = format!("use \"meet.scn\"\n{instead}");
+    fs::write(path.join("gated.suite"), instead)?;
+    fs::write(
+        path.join("meet.scn"),
+        scenario("version=2026.2", "").replace("controller own;", "controller carla_behavior;"),
+    )?;
+    let said = run(path, &["gated.suite", "--allow-run", "--no-progress"]);
+    expect(said.code == Some(0) && !said.text.contains("tested: "), || format!("{said:?}"))?;
+    fs::write(
+        path.join("meet.scn"),
+        scenario("version=2026.2", "period 100 ms").replace("controller own;", "controller carla_behavior;"),
+    )?;
+    let said = run(path, &["gated.suite", "--allow-run", "--no-progress"]);
+    expect(said.text.contains("tested: own runs: "), || format!("{said:?}"))
 }
 
 /// However many processes a program starts: they end with it, and the runner goes on.
@@ -762,9 +810,13 @@ fn main() -> ExitCode {
         _ => {}
     }
     let misbehaviours = MISBEHAVIOURS.iter().map(|(kind, fault, words)| {
-        Trial::test(format!("a_misbehaviour_is_an_error_in_every_report::{kind}"), move || {
-            a_misbehaviour_is_an_error_in_every_report(kind, fault, words)
-        })
+        Trial::test(
+            format!(
+                "a_misbehaviour_is_an_error_in_every_report::{}",
+                kind.split(' ').next().unwrap_or_default()
+            ),
+            move || a_misbehaviour_is_an_error_in_every_report(kind, fault, words),
+        )
     });
     macro_rules! tests {
         ($($name:ident),* $(,)?) => { vec![$(Trial::test(stringify!($name), $name)),*] };
@@ -852,6 +904,7 @@ fn main() -> ExitCode {
             parameters_are_those_of_the_unit,
             what_is_no_unit_is_said_before_anything_runs,
             a_unit_needs_permission_for_its_content,
+            tests_of_a_project_run_units,
         ]);
         #[cfg(unix)]
         trials.extend(tests![what_was_unpacked_is_gone]);

@@ -89,13 +89,18 @@ pub fn run() -> ! {
         "runs_at_once": child.at_once, "gives": [child.gives], "modes": ["cruise", "brake"], "parameters": parameters,
     }});
     // `hello` comes first, whatever the order of keys.
+    if child.kind == "never_reads" {
+        // Nor does it say of parameters, which would be told it.
+        println!("{{\"hello\":{{\"protocol\":1,\"name\":\"tested\",\"version\":\"1.0\"}}}}");
+        hang();
+    }
     println!("{hello}");
     if child.encoding == "json" {
         for line in input.lines() {
             let request: Value = serde_json::from_str(&line.unwrap()).unwrap();
             if let Some(answer) = child.answer(&request) {
-                say(answer.as_bytes());
-                say(b"\n");
+                // Lines that are said at once are there at once.
+                say(format!("{answer}\n").as_bytes());
             }
         }
         if child.kind == "stays" {
@@ -278,6 +283,18 @@ impl Child {
             "exit_0" if late => process::exit(0),
             "hang" if late => hang(),
             "garbage" if late => Some("what is this?".to_string()),
+            "fills_stdout" if late => {
+                let answer = json!({"answer": [{"acceleration": 0.0}]}).to_string() + "\n";
+                let many = answer.repeat(100);
+                while io::stdout().write_all(many.as_bytes()).is_ok() {}
+                hang()
+            }
+            "fills_stderr" if late => {
+                // So much goes into a pipe as a whole, and so is there as a whole, whenever it is ended.
+                let lines = "I think, and think again: what is it that I see? Who knows that?\n".repeat(63);
+                while io::stderr().write_all(&lines.as_bytes()[..63 * 65]).is_ok() {}
+                hang()
+            }
             "answers_twice" if late => {
                 let answer = json!({"answer": [{"acceleration": 0.0}]});
                 Some(format!("{answer}\n{answer}"))

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::job::{Done, Job, JobPlace};
-use super::program_run::{Begun, ProgramRun, SlotRequest, StageEnds};
+use super::program_run::{Begun, ProgramRun, Reached, SlotRequest, StageEnds};
 use scenario::{DeclaredProgram, Delay};
 use under_test::{AcquiredProcesses, FaultKind, ProcessPool, ProgramFault};
 
@@ -91,6 +91,8 @@ struct Retry {
     job: Job,
     /// Whether it was asked for in the request that failed.
     was_asked: bool,
+    /// Up to where it had come.
+    reached: Reached,
     fault: ProgramFault,
 }
 
@@ -238,15 +240,13 @@ impl<'y, 'd> Lockstep<'y, 'd> {
         }
         let retried = mem::take(&mut self.retried);
         let any_alone = retried.iter().any(|(_, done)| done.result.is_err());
-        for (Retry { job, was_asked, fault }, done) in retried {
+        for (Retry { job, was_asked, reached, fault }, done) in retried {
             let together = !any_alone && was_asked;
             self.jobs.done(if together {
                 let message =
                     format!("with many runs at once it failed ({}), with each alone it did not", fault.kind);
-                ProgramRun::failed_together(
-                    job,
-                    ProgramFault { kind: FaultKind::OnlyTogether, message, ..fault },
-                )
+                let fault = ProgramFault { kind: FaultKind::OnlyTogether, message, ..fault };
+                ProgramRun::failed_together(job, fault, reached)
             } else {
                 done
             });
@@ -411,8 +411,8 @@ impl<'y, 'd> Lockstep<'y, 'd> {
         for (index, mut run) in mem::take(&mut self.runs).into_iter().enumerate() {
             run.close("abandoned", &mut self.closing);
             run.free_slots(&mut self.free);
-            let was_asked = asked.contains(&index);
-            self.retries.push_back(Retry { job: run.into_job(), was_asked, fault: fault.clone() });
+            let (was_asked, reached) = (asked.contains(&index), run.reached());
+            self.retries.push_back(Retry { job: run.into_job(), was_asked, reached, fault: fault.clone() });
         }
         self.closing[program].clear();
         self.flows.clear();

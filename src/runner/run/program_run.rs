@@ -63,6 +63,13 @@ pub struct SlotRequest {
     driver: usize,
 }
 
+/// Up to where a run has come: the time of what is decided next (s), if it was asked for, and whether it is the free flow.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Reached {
+    time: Option<f64>,
+    free_flow: bool,
+}
+
 /// How a stage of a run ended.
 pub enum StageEnd {
     /// A free flow, after which the run itself begins.
@@ -197,6 +204,16 @@ impl ProgramRun {
 
     pub fn place(&self) -> JobPlace {
         self.job.place
+    }
+
+    /// Up to where it has come.
+    pub fn reached(&self) -> Reached {
+        let (course, free_flow) = match &self.stage {
+            Stage::Flow(flow) => (flow.seen(), true),
+            Stage::Run(run) => (run.seen_course(), false),
+            Stage::Nothing => return Reached::default(),
+        };
+        Reached { time: course.asked().next().map(|(_, seen)| seen.time), free_flow }
     }
 
     pub fn into_job(self) -> Job {
@@ -442,6 +459,10 @@ impl ProgramRun {
 
     /// A run that never began, since a program is not there.
     pub fn refused(job: Job, program: &DeclaredProgram, fault: ProgramFault) -> Done {
+        Self::refused_at(job, program, fault, Reached::default())
+    }
+
+    fn refused_at(job: Job, program: &DeclaredProgram, fault: ProgramFault, reached: Reached) -> Done {
         let vehicles = job.case.world.vehicles.iter();
         let own = |car: &&scenario::VehicleSetup| {
             let model = car.controller.model.known();
@@ -450,19 +471,19 @@ impl ProgramRun {
         let who = vehicles.clone().find(own).or(vehicles.clone().next()).map_or("", |car| car.name.as_str());
         let error = RunError::Controller {
             who: who.to_string(),
-            time: -program.settles,
-            free_flow: false,
+            time: reached.time.unwrap_or(0.0 - program.settles),
+            free_flow: reached.free_flow,
             error: fault.of(program).into_error(),
         };
         failed(job, JobFailure::Error(error))
     }
 
     /// A run that failed with others and not alone.
-    pub fn failed_together(job: Job, fault: ProgramFault) -> Done {
+    pub fn failed_together(job: Job, fault: ProgramFault, reached: Reached) -> Done {
         debug_assert_eq!(fault.kind, FaultKind::OnlyTogether);
         let programs = job.programs();
         match programs.first() {
-            Some(program) => Self::refused(job, program, fault),
+            Some(program) => Self::refused_at(job, program, fault, reached),
             None => unreachable!("a program failed in it"),
         }
     }
