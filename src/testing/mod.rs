@@ -49,9 +49,9 @@ use runner::run::{Executor, Threads, VerifyRuns};
 use runner::session::{OnDemand, gate_key};
 use scenario::Gate;
 use scenario::registry::Registry;
-use under_test::{Allowed, Permission, ProcessPool};
 #[cfg(feature = "fmu")]
-use under_test::{FMU_HOST, fmu_host};
+use under_test::fmu_host;
+use under_test::{Allowed, Permission, ProcessPool};
 
 /// Why there are no tests.
 #[derive(Debug, Error)]
@@ -221,6 +221,10 @@ fn files(patterns: &[&str]) -> Result<Vec<String>, TestingError> {
     }
     Ok(files)
 }
+
+/// As the hidden command of the program is called.
+#[cfg(feature = "fmu")]
+const FMU_HOST: &str = "fmu-host";
 
 /// Has a process that was started to load a functional mock-up unit do that, and end with it: it is this very program once more.
 #[cfg(feature = "fmu")]

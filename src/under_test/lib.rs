@@ -35,7 +35,7 @@ mod wire_record;
 
 pub use answer_times::AnswerClock;
 #[cfg(feature = "fmu")]
-pub use co_simulation::{HOST as FMU_HOST, host as fmu_host};
+pub use co_simulation::host as fmu_host;
 pub use conformance::{Conformance, TriedTimes, again, conformance};
 pub use conversation::{AnswerDifference, AskedDecision, Conversation, Spoken};
 pub use hello::{Hello, KnowsMore};

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::job::{Done, Job, JobPlace};
-use super::program_run::{Begun, ProgramRun, Reached, SlotRequest, StageEnds};
+use super::program_run::{AskedAt, Begun, ProgramRun, SlotRequest, StageEnds};
 use scenario::{DeclaredProgram, Delay};
 use under_test::{AcquiredProcesses, FaultKind, ProcessPool, ProgramFault};
 
@@ -92,7 +92,7 @@ struct Retry {
     /// Whether it was asked for in the request that failed.
     was_asked: bool,
     /// Up to where it had come.
-    reached: Reached,
+    reached: AskedAt,
     fault: ProgramFault,
 }
 

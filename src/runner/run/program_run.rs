@@ -65,7 +65,7 @@ pub struct SlotRequest {
 
 /// Up to where a run has come: the time of what is decided next (s), if it was asked for, and whether it is the free flow.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Reached {
+pub struct AskedAt {
     time: Option<f64>,
     free_flow: bool,
 }
@@ -207,13 +207,13 @@ impl ProgramRun {
     }
 
     /// Up to where it has come.
-    pub fn reached(&self) -> Reached {
+    pub fn reached(&self) -> AskedAt {
         let (course, free_flow) = match &self.stage {
             Stage::Flow(flow) => (flow.seen(), true),
             Stage::Run(run) => (run.seen_course(), false),
-            Stage::Nothing => return Reached::default(),
+            Stage::Nothing => return AskedAt::default(),
         };
-        Reached { time: course.asked().next().map(|(_, seen)| seen.time), free_flow }
+        AskedAt { time: course.asked().next().map(|(_, seen)| seen.time), free_flow }
     }
 
     pub fn into_job(self) -> Job {
@@ -459,10 +459,10 @@ impl ProgramRun {
 
     /// A run that never began, since a program is not there.
     pub fn refused(job: Job, program: &DeclaredProgram, fault: ProgramFault) -> Done {
-        Self::refused_at(job, program, fault, Reached::default())
+        Self::refused_at(job, program, fault, AskedAt::default())
     }
 
-    fn refused_at(job: Job, program: &DeclaredProgram, fault: ProgramFault, reached: Reached) -> Done {
+    fn refused_at(job: Job, program: &DeclaredProgram, fault: ProgramFault, reached: AskedAt) -> Done {
         let vehicles = job.case.world.vehicles.iter();
         let own = |car: &&scenario::VehicleSetup| {
             let model = car.controller.model.known();
@@ -479,7 +479,7 @@ impl ProgramRun {
     }
 
     /// A run that failed with others and not alone.
-    pub fn failed_together(job: Job, fault: ProgramFault, reached: Reached) -> Done {
+    pub fn failed_together(job: Job, fault: ProgramFault, reached: AskedAt) -> Done {
         debug_assert_eq!(fault.kind, FaultKind::OnlyTogether);
         let programs = job.programs();
         match programs.first() {
