@@ -110,6 +110,7 @@ fn world() -> World {
             start: Position { x: 0.0, y: -4.0 },
             goal: Position { x: 0.0, y: 4.0 },
             appears: Appearance::At(0.0),
+            reference: 0.0,
         }],
         step: STEP,
         horizon: 60.0,

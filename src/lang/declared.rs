@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::check::{crossings, obstacle};
+use super::check::{bus, crossings, obstacle, parked_row};
 use super::syntax::Node;
 use super::syntax::ast::{self, View};
 use super::texts::Texts;
@@ -34,6 +34,8 @@ pub fn named(word: &str, name: &str, registry: &Registry) -> Option<Declaration>
     match word {
         "sees" => Some(registry.perception().declaration.clone()),
         "box" | "parked" => Some(obstacle()),
+        "parked_row" => Some(parked_row()),
+        "bus" => Some(bus()),
         _ => choices(word, registry).into_iter().find(|(known, _)| known == name).map(|(_, found)| found),
     }
 }

@@ -183,6 +183,16 @@ pub enum VehicleReference {
     Front,
 }
 
+impl VehicleReference {
+    /// How far it is ahead of the centre of a vehicle of this length, m.
+    pub fn ahead_of_centre(self, length: f64) -> f64 {
+        match self {
+            Self::Centre => 0.0,
+            Self::Front => length / 2.0,
+        }
+    }
+}
+
 /// A pedestrian of a world.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PedestrianSetup {
@@ -200,6 +210,13 @@ pub struct PedestrianSetup {
     pub goal: Position,
     /// When they enter the world.
     pub appears: Appearance,
+    /// How far ahead of the centre of their footprint the point is that they are measured by, m; negative behind it.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub reference: f64,
+}
+
+fn is_zero(number: &f64) -> bool {
+    *number == 0.0
 }
 
 /// A pedestrian's footprint.
@@ -250,5 +267,15 @@ pub enum Appearance {
         reference: VehicleReference,
         /// s
         time: f64,
+    },
+    /// At the very moment, also within a step, from which on vehicle `vehicle` would take `time` (s) at the speed that it has until its
+    /// front is at `place` (m) of its path.
+    Meeting {
+        /// Index into [`World::vehicles`].
+        vehicle: usize,
+        /// s
+        time: f64,
+        /// m
+        place: f64,
     },
 }

@@ -219,6 +219,8 @@ pub struct DeclaredPedestrian {
     pub goal_beyond_kerb: Expression,
     /// When they enter the world.
     pub appears: DeclaredAppearance,
+    /// How far ahead of the centre of their footprint the point is that they are measured by, m.
+    pub reference: Expression,
     /// `None`: the parameters that the model's settings say.
     pub individuals: Option<Individuals>,
     /// Where they are declared.
@@ -258,6 +260,23 @@ pub enum DeclaredAppearance {
         /// s
         time: Expression,
     },
+    /// So that a vehicle that keeps its speed hits them at this share of its width, from the side that they come from.
+    Meets {
+        /// Its name.
+        vehicle: String,
+        /// 0 to 1
+        share: Expression,
+    },
+}
+
+impl DeclaredAppearance {
+    /// The vehicle that it depends on.
+    pub fn awaits(&self) -> Option<&str> {
+        match self {
+            Self::At(_) => None,
+            Self::TimeToArrival { vehicle, .. } | Self::Meets { vehicle, .. } => Some(vehicle),
+        }
+    }
 }
 
 /// Where a pedestrian's parameter sets come from.

@@ -150,6 +150,8 @@ pub struct PedestrianModel {
     pub takes_individuals: bool,
     /// Whether it draws.
     pub chance: Chance,
+    /// Whether with these settings it walks the same whatever others do, so that it is known beforehand when it will be where.
+    pub is_fixed: fn(&Settings) -> bool,
     /// Makes one for a run.
     pub build: BuildPedestrian,
 }
@@ -175,7 +177,13 @@ impl PedestrianModel {
         declaration: Declaration,
         build: impl Fn(&PedestrianContext) -> Result<Box<dyn Pedestrian>, ModelError> + Send + Sync + 'static,
     ) -> Self {
-        Self { declaration, takes_individuals: false, chance: Chance::Always, build: Arc::new(build) }
+        Self {
+            declaration,
+            takes_individuals: false,
+            chance: Chance::Always,
+            is_fixed: |_| false,
+            build: Arc::new(build),
+        }
     }
 
     /// The same, whose parameter sets may come from a population of individuals.
@@ -186,6 +194,11 @@ impl PedestrianModel {
     /// With what is known of whether it draws; [`Self::new`] takes it that it always may.
     pub fn chance(self, chance: Chance) -> Self {
         Self { chance, ..self }
+    }
+
+    /// With what is known of whether it minds others; [`Self::new`] takes it that it does.
+    pub fn fixed(self, is_fixed: fn(&Settings) -> bool) -> Self {
+        Self { is_fixed, ..self }
     }
 }
 

@@ -44,6 +44,7 @@ macro_rules! expressions {
                 along,
                 goal_beyond_kerb,
                 appears,
+                reference,
                 individuals: _,
                 origin,
             } = person;
@@ -56,9 +57,10 @@ macro_rules! expressions {
                     found.extend([(length, origin), (width, origin)]);
                 }
             }
-            let (DeclaredAppearance::At(time)
-            | DeclaredAppearance::TimeToArrival { vehicle: _, reference: _, time }) = appears;
-            let places = [start_from_lane_centre, along, goal_beyond_kerb, time];
+            let (DeclaredAppearance::At(number)
+            | DeclaredAppearance::TimeToArrival { vehicle: _, reference: _, time: number }
+            | DeclaredAppearance::Meets { vehicle: _, share: number }) = appears;
+            let places = [start_from_lane_centre, along, goal_beyond_kerb, number, reference];
             found.extend(places.into_iter().map(|place| (place, origin)));
             found
         }

@@ -45,6 +45,10 @@ pub const GOAL: Limit = limit(Dimension::LENGTH, -10.0, 100.0);
 pub const APPEARS_AT: Limit = limit(Dimension::TIME, 0.0, 3600.0);
 /// Time to arrival of a vehicle at which a pedestrian appears.
 pub const APPEARS_WHEN: Limit = limit(Dimension::TIME, 0.0, 600.0);
+/// Share of a vehicle's width at which a pedestrian meets it.
+pub const MEETS: Limit = limit(Dimension::NUMBER, 0.0, 1.0);
+/// From the centre of a pedestrian to the point that they are measured by.
+pub const REFERENCE: Limit = limit(Dimension::LENGTH, -5.0, 5.0);
 
 /// Between two decisions of a program.
 pub const PERIOD: Limit = limit(Dimension::TIME, 0.001, 60.0);

@@ -54,6 +54,8 @@ pub struct Touch {
     pub moment: f64,
     /// Length of the difference of their velocities then, m/s.
     pub relative_speed: f64,
+    /// The velocity of the second against the first then, m/s.
+    pub relative_velocity: Vector2<f64>,
     /// Whether they did not touch in the step before.
     pub begins: bool,
 }
@@ -94,11 +96,13 @@ impl Contacts {
             if let Some(moment) = moment {
                 let part = moment / duration;
                 let velocity = |solid| velocity(solid, before, after, duration, part);
+                let relative_velocity = velocity(*second) - velocity(*first);
                 self.found.push(Touch {
                     first: *first,
                     second: *second,
                     moment,
-                    relative_speed: (velocity(*second) - velocity(*first)).norm(),
+                    relative_speed: relative_velocity.norm(),
+                    relative_velocity,
                     begins: !*touching,
                 });
             }

@@ -12,9 +12,10 @@ use super::order::Order;
 use super::road_users::RoadUsers;
 use super::start::{placed, waiting_outside, way};
 use scenario::agent::{
-    Command, ControllerError, Mode, Motion, Observation, PedestrianState, Scene, Snapshot, VehicleState,
+    Command, ControllerError, Mode, Motion, Observation, Pedestrian, PedestrianState, Scene, Snapshot,
+    VehicleState,
 };
-use scenario::{Appearance, PedestrianSetup, World};
+use scenario::{Appearance, PedestrianSetup, VehicleReference, World};
 
 /// The time at which a run ends that nothing ends before its horizon, s: a whole number of steps.
 pub fn longest_run(horizon: f64, step: f64) -> f64 {
@@ -98,6 +99,8 @@ pub struct Course {
     /// The place at which each pedestrian meets the path of the vehicle that it waits for, m.
     meetings: Vec<f64>,
     motions: Vec<Motion>,
+    /// Those of the step before, and for how long into a step (s) they go on: that of whom who has appeared within one.
+    earlier: Vec<(Motion, f64)>,
     pedestrian_modes: Vec<Mode>,
     vehicle_modes: Vec<Mode>,
     contacts: Contacts,
@@ -137,6 +140,7 @@ impl Course {
             controls: both.map(|(setup, driven)| Control::new(&world, setup, driven)).collect(),
             waiting: 0,
             motions: vec![Motion::Walk(Vector2::zeros()); ways.len()],
+            earlier: vec![(Motion::Walk(Vector2::zeros()), 0.0); ways.len()],
             ways,
             meetings: world.pedestrians.iter().map(|setup| meeting(&world, setup)).collect(),
             pedestrian_modes: vec![Mode::NONE; world.pedestrians.len()],
@@ -261,8 +265,8 @@ impl Course {
     /// Lets pedestrians appear and asks every vehicle that is due what it does from now on.
     fn ask(&mut self) -> Result<(), Fault> {
         let time = self.time();
-        let setups = self.world.pedestrians.iter().zip(&self.meetings);
-        for (state, (setup, meeting)) in self.now.pedestrians.iter_mut().zip(setups) {
+        let setups = self.world.pedestrians.iter().zip(&self.meetings).zip(&mut self.earlier);
+        for (state, ((setup, meeting), (_, late))) in self.now.pedestrians.iter_mut().zip(setups) {
             state.present = state.present
                 || match setup.appears {
                     Appearance::At(start) => time >= start - TIME_TOLERANCE,
@@ -270,6 +274,13 @@ impl Course {
                         let car = &self.now.vehicles[vehicle];
                         let left = car.time_to_arrival(*meeting, reference);
                         left <= wanted + TIME_TOLERANCE
+                    }
+                    Appearance::Meeting { vehicle, time: wanted, .. } => {
+                        let left =
+                            self.now.vehicles[vehicle].time_to_arrival(*meeting, VehicleReference::Front);
+                        let comes = left - wanted < self.world.step - TIME_TOLERANCE;
+                        *late = if comes { (left - wanted).max(0.0) } else { 0.0 };
+                        comes
                     }
                 };
         }
@@ -299,6 +310,7 @@ impl Course {
         let time = self.time();
         for (index, pedestrian) in self.users.pedestrians.iter_mut().enumerate() {
             if self.now.pedestrians[index].present {
+                self.earlier[index].0 = self.motions[index];
                 self.motions[index] = pedestrian.act(&Scene {
                     time,
                     step: self.world.step,
@@ -402,7 +414,15 @@ impl Course {
         self.next.pedestrians.clone_from(&self.now.pedestrians);
         for (index, state) in self.next.pedestrians.iter_mut().enumerate() {
             if state.present {
-                walk(state, self.motions[index], self.ways[index], duration, self.world.step);
+                let (way, step) = (self.ways[index], self.world.step);
+                let (earlier, late) = self.earlier[index];
+                let before = late.min(duration);
+                if before > 0.0 {
+                    walk(state, earlier, way, before, step);
+                }
+                if duration > before {
+                    walk(state, self.motions[index], way, duration - before, step);
+                }
             }
         }
     }
@@ -426,10 +446,45 @@ fn put(vehicles: &mut [VehicleState], others: &[VehicleState]) {
 fn meeting(world: &World, setup: &PedestrianSetup) -> f64 {
     match setup.appears {
         Appearance::At(_) => 0.0,
+        Appearance::Meeting { place, .. } => place,
         Appearance::TimeToArrival { vehicle, .. } => {
             world.road.path(world.vehicles[vehicle].lane).met_by(setup.start, setup.goal)
         }
     }
+}
+
+/// How long a pedestrian takes from its appearance until it has gone so far (m), with nobody else in the world; `None` if it does not
+/// within `longest` s.
+pub fn walking_time(
+    mind: &mut dyn Pedestrian,
+    setup: &PedestrianSetup,
+    world: &World,
+    distance: f64,
+    longest: f64,
+) -> Option<f64> {
+    let way = way(setup);
+    let mut state = PedestrianState { present: true, ..waiting_outside((setup, &way)) };
+    let gone = |state: &PedestrianState| (state.position - Vector2::from(setup.start)).dot(&way);
+    for index in 0..steps_within(longest, world.step) {
+        let time = index as f64 * world.step;
+        let motion = mind.act(&Scene {
+            time,
+            step: world.step,
+            road: &world.road,
+            me: 0,
+            goal: setup.goal,
+            vehicles: &[],
+            pedestrians: &[state],
+        });
+        let before = gone(&state);
+        walk(&mut state, motion, way, world.step, world.step);
+        let after = gone(&state);
+        if after >= distance {
+            let part = if after > before { (distance - before) / (after - before) } else { 0.0 };
+            return Some(time + part.max(0.0) * world.step);
+        }
+    }
+    None
 }
 
 /// Moves a pedestrian by the first `duration` s of a step.

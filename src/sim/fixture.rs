@@ -28,6 +28,7 @@ pub fn world() -> World {
             start: Position { x: 0.0, y: -4.0 },
             goal: Position { x: 0.0, y: 4.0 },
             appears: Appearance::At(0.0),
+            reference: 0.0,
         }],
         step: 0.025,
         horizon: 60.0,

@@ -35,7 +35,7 @@ mod trace;
 mod turning;
 
 pub use contact::{Contacts, Solid, Touch};
-pub use course::{Course, Fault, Progress, has_arrived, has_crossed, longest_run, simulate};
+pub use course::{Course, Fault, Progress, has_arrived, has_crossed, longest_run, simulate, walking_time};
 pub use fingerprint::Fingerprint;
 pub use observer::{Ending, Observer, Step, StopReason};
 pub use order::{LONGEST_PLAN, Order, SpeedPlan, SpeedPlanError, toward};

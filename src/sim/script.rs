@@ -113,6 +113,14 @@ impl Script {
         Reader { number: &number, owner, quantities }.steps(steps).1
     }
 
+    /// The quantities that its steps compare, by their index.
+    pub fn compares(&self) -> impl Iterator<Item = usize> {
+        self.steps.iter().filter_map(|(trigger, _)| match trigger {
+            Trigger::When { quantity, .. } => Some(*quantity),
+            Trigger::At(_) | Trigger::After(_) => None,
+        })
+    }
+
     /// The action that begins at `time` (s), if one does: that of the last step whose trigger holds by now.
     pub fn due(&mut self, time: f64, quantity: impl Fn(usize) -> f64) -> Option<Action> {
         let mut begun = None;

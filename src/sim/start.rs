@@ -7,7 +7,7 @@ use super::contact::{Solid, pairs};
 use super::geometry::{Footprint, apart};
 use super::turning::contact_ahead;
 use scenario::agent::{Longitudinal, PedestrianState, Snapshot, VehicleState};
-use scenario::{Appearance, Body, PedestrianSetup, VehicleReference, VehicleSetup, VehicleStart, World};
+use scenario::{Appearance, Body, PedestrianSetup, VehicleSetup, VehicleStart, World};
 
 /// Bodies that only touch are beside each other, m.
 const TOUCHING: f64 = 1e-6;
@@ -94,10 +94,7 @@ pub(super) fn placed(world: &World, setup: &VehicleSetup, settled: Longitudinal)
     let travelled = match setup.start {
         VehicleStart::Distance(distance) => -distance,
         VehicleStart::TimeToArrival { time, reference, x } => {
-            let ahead = match reference {
-                VehicleReference::Centre => 0.0,
-                VehicleReference::Front => setup.length / 2.0,
-            };
+            let ahead = reference.ahead_of_centre(setup.length);
             path.at_line(x) - time * settled.speed - ahead
         }
     };

@@ -123,6 +123,7 @@ fn at_side(side: Side) -> PedestrianSetup {
         start: Position { x: 0.0, y: -4.0 * sign },
         goal: Position { x: 0.0, y: 6.0 * sign },
         appears: Appearance::At(0.0),
+        reference: 0.0,
     }
 }
 

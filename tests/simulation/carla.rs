@@ -47,6 +47,7 @@ fn encounter(tta: f64, car: &str, agent: &[(&str, Value)], walker: &[(&str, Valu
             start: Position { x: 0.0, y: -4.0 },
             goal: Position { x: 0.0, y: 7.0 },
             appears: Appearance::At(0.0),
+            reference: 0.0,
         }],
         step: 0.025,
         horizon: 60.0,

@@ -47,6 +47,7 @@ fn zebra(controller: &str, tta: f64, person: Settings) -> World {
             start: Position { x: 0.0, y: -4.0 },
             goal: Position { x: 0.0, y: 8.0 },
             appears: Appearance::At(0.0),
+            reference: 0.0,
         }],
         step: 0.025,
         horizon: 40.0,

@@ -131,6 +131,7 @@ fn encounter(controller: &Arc<ControllerModel>, dynamics: &Arc<DynamicsModel>, d
             start: Position { x: 0.0, y: -4.0 },
             goal: Position { x: 0.0, y: 8.0 },
             appears: Appearance::At(0.0),
+            reference: 0.0,
         }],
         step: 0.025,
         horizon: 30.0,

@@ -69,6 +69,7 @@ pub fn walker(name: &str, model: ModelSetup<PedestrianModel>, from: f64, to: f64
         start: Position { x: 0.0, y: from },
         goal: Position { x: 0.0, y: to },
         appears: Appearance::At(0.0),
+        reference: 0.0,
     }
 }
 

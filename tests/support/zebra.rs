@@ -129,6 +129,7 @@ impl Zebra {
                 start: Position { x: 0.0, y: -4.0 },
                 goal: Position { x: 0.0, y: 8.0 },
                 appears: Appearance::At(0.0),
+                reference: 0.0,
             }],
             step: self.step,
             horizon: self.horizon,

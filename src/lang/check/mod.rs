@@ -40,7 +40,7 @@ pub use evaluate::evaluate;
 pub use experiment::{search, tune};
 pub use gate::gate;
 pub use metric::Cast;
-pub use road::{crossings, obstacle};
+pub use road::{bus, crossings, obstacle, parked_row};
 pub use scenario::{SuiteCriteria, defined_road, scenario, write_scenario};
 pub use statement::statement;
 pub use subject::{Checked, Subjects};

@@ -36,6 +36,7 @@ pub fn pedestrian(
         let mut people = [false, true].map(|one| block.people().find(|people| people.is_one() == one));
         let [several, one] = people.each_mut().map(|people| people.take().map(|people| *people));
         exclude(several, one, report);
+        exclude(block.appears().map(|said| *said), block.meets().map(|said| *said), report);
     }
     let what = format!("pedestrian `{}`", name.text());
     let model = match last(layers, |block| block.model().map(ast::Named::Model)) {
@@ -78,12 +79,27 @@ pub fn pedestrian(
     let along = length(said, 0.0, limits::ALONG, "along", what);
     let said = last(layers, |block| block.goal().map(ast::Goal::value));
     let goal = length(said, Defaults::GOAL, limits::GOAL, "goal", "the goal of a pedestrian");
-    let appears = match last(layers, ast::PedestrianBlock::appears) {
-        Some(said) => appears(said, vehicles, report).map(|(appears, typed)| {
-            written.statement(name.text(), "appears", Some(&typed), places);
-            appears
-        }),
+    let appears = match last(layers, ast::PedestrianBlock::appearance) {
+        Some(Said { node: ast::Appearance::Appears(node), scope }) => {
+            appears(Said { node, scope }, vehicles, report).map(|(appears, typed)| {
+                written.statement(name.text(), "appears", Some(&typed), places);
+                appears
+            })
+        }
+        Some(Said { node: ast::Appearance::Meets(node), scope }) => {
+            meets(Said { node, scope }, vehicles, report).map(|(meets, typed)| {
+                written.statement(name.text(), "meets", Some(&typed), places);
+                meets
+            })
+        }
         None => Some(DeclaredAppearance::At(Expression::number(0.0))),
+    };
+    let reference = match last(layers, ast::PedestrianBlock::reference) {
+        Some(said) => reference(said, report).map(|(reference, typed)| {
+            written.statement(name.text(), "reference", Some(&typed), places);
+            reference
+        }),
+        None => Some(Expression::number(0.0)),
     };
     written.settings(name.text(), "model", model.as_ref().map_or(&[], |named| &named.given), places);
     if let (Some(road), Some(start), Some(goal)) = (road, &start, &goal) {
@@ -101,6 +117,7 @@ pub fn pedestrian(
         along: along?,
         goal_beyond_kerb: goal?,
         appears: appears?,
+        reference: reference?,
         individuals: match individuals {
             Some(individuals) => Some(individuals?),
             None => None,
@@ -338,6 +355,40 @@ fn appears(
     Some((DeclaredAppearance::TimeToArrival { vehicle, reference, time: time.expression.clone() }, time))
 }
 
+/// Where on the vehicle's front it is to be hit.
+fn meets(
+    said: Said<ast::Meets>,
+    vehicles: &[&str],
+    report: &mut Vec<Diagnostic>,
+) -> Option<(DeclaredAppearance, Typed)> {
+    let name = said.node.vehicle();
+    let what = "the share of the vehicle's width at which a pedestrian meets it";
+    let share = value::quantity_within(said.node.share(), limits::MEETS, what, said.scope, report);
+    if !vehicles.contains(&name.text()) {
+        report.push(unknown_vehicle(name, vehicles));
+        return None;
+    }
+    let share = share?;
+    let vehicle = name.text().to_string();
+    Some((DeclaredAppearance::Meets { vehicle, share: share.expression.clone() }, share))
+}
+
+/// How far ahead of the centre the reference point is.
+fn reference(said: Said<ast::ReferencePoint>, report: &mut Vec<Diagnostic>) -> Option<(Expression, Typed)> {
+    let what = "the reference point of a pedestrian";
+    let value = value::quantity_within(said.node.value(), limits::REFERENCE, what, said.scope, report)?;
+    let ahead = match (said.node.is_behind(), &value.expression) {
+        (false, expression) => expression.clone(),
+        (true, Expression::Constant(Value::Number(behind))) => Expression::number(-behind),
+        (true, expression) => Expression::Binary {
+            operator: BinaryOperator::Subtract,
+            left: Box::new(Expression::number(0.0)),
+            right: Box::new(expression.clone()),
+        },
+    };
+    Some((ahead, value))
+}
+
 pub fn unknown_vehicle(name: ast::Name, vehicles: &[&str]) -> Diagnostic {
     Diagnostic::new(
         Code::UnknownVehicle,
@@ -391,6 +442,17 @@ pub fn write_pedestrian(person: &DeclaredPedestrian, out: &mut BlockText) {
             let time = constant(time, Dimension::TIME);
             out.line(&format!("appears when time_to_arrival({vehicle}{part}) = {time}"));
         }
+        DeclaredAppearance::Meets { vehicle, share } => {
+            out.line(&format!("meets {vehicle} at {}", constant(share, Dimension::NUMBER)));
+        }
+    }
+    match number_of(&person.reference) {
+        0.0 => {}
+        ahead if ahead < 0.0 => {
+            let behind = length(&Expression::number(-ahead));
+            out.line(&format!("reference {behind} behind centre"));
+        }
+        _ => out.line(&format!("reference {} ahead of centre", length(&person.reference))),
     }
     out.close();
 }

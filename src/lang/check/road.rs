@@ -1,5 +1,7 @@
 //! `road { … }`
 
+use std::collections::BTreeSet;
+
 use super::block::{Layer, missing, reject_repeats};
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
@@ -79,26 +81,64 @@ const PLACE: (f64, f64) = (-1000.0, 1000.0);
 const EXTENT: (f64, f64) = (0.01, 100.0);
 
 pub fn obstacle() -> Declaration {
+    let [along, across, length, width] = rectangle();
     Declaration::new("box", "A parked vehicle or another box that blocks the view and the way.")
         .source(LANGUAGE)
+        .parameters([along, across, length, width])
+}
+
+/// `bus NAME { … }`
+pub fn bus() -> Declaration {
+    let [along, across, ..] = rectangle();
+    let extent = |name, default, doc| {
+        let source = "a common length of city buses, and their largest width by Directive 96/53/EC";
+        Parameter::number(name, Dimension::LENGTH, default, EXTENT, doc, source)
+    };
+    Declaration::new("bus", "A bus that stands, which blocks the view and the way.")
+        .source(LANGUAGE)
         .parameters([
-            Parameter::optional(
-                "along",
-                Dimension::LENGTH,
-                PLACE,
-                "Its centre along the road; 0 is the middle of the crossing.",
-                LANGUAGE,
-            ),
-            Parameter::optional(
-                "across",
-                Dimension::LENGTH,
-                PLACE,
-                "Its centre across the road; 0 is the centre of lane 0, positive towards the far side.",
-                LANGUAGE,
-            ),
-            Parameter::optional("length", Dimension::LENGTH, EXTENT, "Its extent along the road.", LANGUAGE),
-            Parameter::optional("width", Dimension::LENGTH, EXTENT, "Its extent across the road.", LANGUAGE),
+            along,
+            across,
+            extent("length", 12.0, "Its extent along the road."),
+            extent("width", 2.55, "Its extent across the road."),
         ])
+}
+
+/// `parked_row NAME { … }`
+pub fn parked_row() -> Declaration {
+    let [_, across, length, width] = rectangle();
+    let to = "Where the first of them ends along the road, 0 being the middle of the crossing; the others stand before it.";
+    Declaration::new("parked_row", "Parked vehicles one behind the other, which block the view and the way.")
+        .source(LANGUAGE)
+        .parameters([
+            Parameter::optional("to", Dimension::LENGTH, PLACE, to, LANGUAGE),
+            Parameter::whole("cars", 2, (1, 100), "How many there are.", LANGUAGE),
+            Parameter::number("gap", Dimension::LENGTH, 1.0, (0.0, 100.0), "Between two of them.", LANGUAGE),
+            across,
+            length,
+            width,
+        ])
+}
+
+fn rectangle() -> [Parameter; 4] {
+    [
+        Parameter::optional(
+            "along",
+            Dimension::LENGTH,
+            PLACE,
+            "Its centre along the road; 0 is the middle of the crossing.",
+            LANGUAGE,
+        ),
+        Parameter::optional(
+            "across",
+            Dimension::LENGTH,
+            PLACE,
+            "Its centre across the road; 0 is the centre of lane 0, positive towards the far side.",
+            LANGUAGE,
+        ),
+        Parameter::optional("length", Dimension::LENGTH, EXTENT, "Its extent along the road.", LANGUAGE),
+        Parameter::optional("width", Dimension::LENGTH, EXTENT, "Its extent across the road.", LANGUAGE),
+    ]
 }
 
 /// The road that a `road_block` describes; `name` is empty for one inside a scenario.
@@ -140,7 +180,7 @@ pub fn road(
             None
         }
     };
-    let boxes: Vec<_> = block.obstacles().map(|node| body(node, scope, report)).collect();
+    let boxes: Vec<_> = block.obstacles().map(|node| bodies(node, scope, report)).collect();
     Some(Road {
         name: name.to_string(),
         lane_width: lane_width?,
@@ -148,7 +188,7 @@ pub fn road(
         speed_limit: speed_limit?,
         kerbs: block.no_kerbs().is_none(),
         crossing: crossing?,
-        boxes: boxes.into_iter().collect::<Option<_>>()?,
+        boxes: named_once(boxes.into_iter().collect::<Option<Vec<_>>>()?.concat(), span, report)?,
         bend: None,
     })
 }
@@ -210,9 +250,19 @@ fn crossing(node: ast::Crossing, scope: &NameScope, report: &mut Vec<Diagnostic>
     Some(Crossing { kind, width: resolved.number("width") })
 }
 
-fn body(node: ast::Obstacle, scope: &NameScope, report: &mut Vec<Diagnostic>) -> Option<Body> {
+/// What a statement puts on the road.
+fn bodies(node: ast::Obstacle, scope: &NameScope, report: &mut Vec<Diagnostic>) -> Option<Vec<Body>> {
     let block = node.settings();
-    let given = constants(Some(block), &obstacle(), scope, report)?;
+    let (what, declaration, example) = match (node.is_row(), node.is_bus()) {
+        (true, _) => {
+            let example = "parked_row vans { to: -6 m, cars: 5, gap: 1 m, across: -2.8 m, length: 4.5 m, width: 1.8 m }";
+            ("row", parked_row(), example)
+        }
+        (_, true) => ("bus", bus(), "bus stopped { along: -8 m, across: -3 m }"),
+        _ => ("box", obstacle(), "box van { along: -12 m, across: -2.5 m, length: 5 m, width: 2 m }"),
+    };
+    let given = constants(Some(block), &declaration, scope, report)?;
+    let given = declaration.resolve(&given).ok()?;
     let mut number = |name: &str| {
         given.optional_number(name).or_else(|| {
             if !block.has_bad() {
@@ -220,18 +270,50 @@ fn body(node: ast::Obstacle, scope: &NameScope, report: &mut Vec<Diagnostic>) ->
                     Diagnostic::new(
                         Code::MissingStatement,
                         node.name().span(),
-                        format!("this box has no `{name}`"),
+                        format!("this {what} has no `{name}`"),
                     )
                     .label(format!("has no `{name}`"))
-                    .hint("a box reads `box van { along: -12 m, across: -2.5 m, length: 5 m, width: 2 m }`"),
+                    .hint(format!("a {what} reads `{example}`")),
                 );
             }
             None
         })
     };
-    let (x, y, length, width) = (number("along"), number("across"), number("length"), number("width"));
-    let name = node.name().text().to_string();
-    Some(Body { name, x: x?, y: y?, length: length?, width: width? })
+    let place = if node.is_row() { "to" } else { "along" };
+    let (x, y, length, width) = (number(place), number("across"), number("length"), number("width"));
+    let (x, y, length, width) = (x?, y?, length?, width?);
+    let name = node.name().text();
+    if !node.is_row() {
+        return Some(vec![Body { name: name.to_string(), x, y, length, width }]);
+    }
+    let (cars, gap) = (given.number("cars") as usize, given.number("gap"));
+    let car = |index: usize| Body {
+        name: format!("{name}_{}", index + 1),
+        x: x - length / 2.0 - index as f64 * (length + gap),
+        y,
+        length,
+        width,
+    };
+    Some((0..cars).map(car).collect())
+}
+
+/// Bodies that are called alike could not be told apart: a row names its own.
+fn named_once(bodies: Vec<Body>, road: Span, report: &mut Vec<Diagnostic>) -> Option<Vec<Body>> {
+    let mut names = BTreeSet::new();
+    let twice = bodies.iter().find(|body| !names.insert(body.name.clone()));
+    if let Some(body) = twice {
+        report.push(
+            Diagnostic::new(
+                Code::DuplicateName,
+                road,
+                format!("two things on this road are called `{}`", body.name),
+            )
+            .label("on this road")
+            .hint("a `parked_row vans` calls its cars `vans_1`, `vans_2`, …: call it otherwise"),
+        );
+        return None;
+    }
+    Some(bodies)
 }
 
 /// Settings that are the same in all runs.

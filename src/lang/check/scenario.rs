@@ -21,8 +21,8 @@ use crate::value::{self, Binding, NameScope, Typed, ValueKind};
 use crate::write::{BlockText, quantity, quoted};
 use scenario::limits::Limit;
 use scenario::{
-    Criterion, DeclaredAppearance, DeclaredPedestrian, Dimension, Expression, Individuals, PopulationShare,
-    Road, Scenario, Variation, Vehicle, limits,
+    Criterion, DeclaredPedestrian, Dimension, Expression, Individuals, PopulationShare, Road, Scenario,
+    Variation, Vehicle, limits,
 };
 
 /// Criteria that a suite adds to its scenarios, with the names that its file can see.
@@ -84,11 +84,8 @@ pub fn scenario(
     let unread = layers.iter().any(|layer| layer.block.is_broken()) || road.is_none();
     let broken = report.len() > before || unread;
     if !broken {
-        let awaited = |vehicle: &str| {
-            pedestrians.iter().any(|pedestrian| {
-                matches!(&pedestrian.appears, DeclaredAppearance::TimeToArrival { vehicle: awaited, .. } if awaited == vehicle)
-            })
-        };
+        let awaited =
+            |vehicle: &str| pedestrians.iter().any(|pedestrian| pedestrian.appears.awaits() == Some(vehicle));
         check_starts(&vehicles, awaited, report);
         nobody(name, &cast, report);
     }

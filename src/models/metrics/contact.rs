@@ -1,9 +1,10 @@
 //! How near the footprints come: collision and impact speed with anything, smallest distance of a vehicle and a pedestrian.
 
+use nalgebra::Vector2;
 use scenario::{Absence, Metric, MetricKind, MetricRange, Scope, Worst};
-use scenario::{Declaration, Dimension};
+use scenario::{ChoiceOption, Declaration, Dimension, Parameter};
 use sim::geometry::distance;
-use sim::measure::{Contact, Encounters, Meter, MetricContext, difference, meters};
+use sim::measure::{Contact, Encounters, Meter, MetricContext, difference, half_extent_along, lerp, meters};
 use sim::{PedestrianState, Solid, Step, VehicleState};
 
 pub fn collision() -> Metric {
@@ -62,7 +63,20 @@ pub fn impact_speed() -> Metric {
          vehicle or a box) when their footprints first touch; undefined without \
          collision.",
     )
-    .source("length of the difference of the velocities at that moment");
+    .source("length of the difference of the velocities at that moment")
+    .parameters([Parameter::choice(
+        "component",
+        "relative",
+        [
+            ChoiceOption::new("relative", "of both directions"),
+            ChoiceOption::new(
+                "along",
+                "along the vehicle's lane, and 0 where the vehicle is not the faster one there",
+            ),
+        ],
+        "Which part of the difference of the velocities counts.",
+        "along: relative impact speed of Euro NCAP's protocols",
+    )]);
     Metric {
         declaration,
         kind: MetricKind::Quantity(Dimension::SPEED),
@@ -70,7 +84,37 @@ pub fn impact_speed() -> Metric {
         worst: Worst::Largest,
         absence: Absence::Good,
         range: MetricRange::TwoSpeeds,
-        meters: meters(|context| Box::new(ImpactSpeed(Contacted::new(context)))),
+        meters: meters(|context| match context.settings.word("component") {
+            "along" => Box::new(ImpactAlong { contacted: Contacted::new(context), found: None }),
+            _ => Box::new(ImpactSpeed(Contacted::new(context))),
+        }),
+    }
+}
+
+/// The impact along the vehicle's lane.
+struct ImpactAlong {
+    contacted: Contacted,
+    /// m/s
+    found: Option<f64>,
+}
+
+impl Meter for ImpactAlong {
+    fn observe(&mut self, step: &Step, encounters: &Encounters) {
+        if self.found.is_some() {
+            return;
+        }
+        if let Some(contact) = self.contacted.contact(encounters) {
+            let heading = step.after.vehicles[self.contacted.vehicle].heading();
+            self.found = Some((-contact.relative_velocity.dot(&heading)).max(0.0));
+        }
+    }
+
+    fn value(&self, _: &Encounters) -> Option<f64> {
+        self.found
+    }
+
+    fn instant(&self, encounters: &Encounters) -> Option<f64> {
+        self.contacted.contact(encounters).map(|contact| contact.time)
     }
 }
 
@@ -83,6 +127,81 @@ impl Meter for ImpactSpeed {
 
     fn instant(&self, encounters: &Encounters) -> Option<f64> {
         self.0.contact(encounters).map(|contact| contact.time)
+    }
+}
+
+pub fn impact_point() -> Metric {
+    let declaration = Declaration::new(
+        "impact_point",
+        "Where on the vehicle's front a pedestrian is hit: 0 at the side that they come from, 1 at the other; undefined without collision, and \
+         where they run into its flank.",
+    )
+    .source("share of the vehicle's width at which the pedestrian's reference point is when the footprints first touch, as Euro NCAP's impact point");
+    Metric {
+        declaration,
+        kind: MetricKind::Quantity(Dimension::NUMBER),
+        scope: Scope::Pair,
+        worst: Worst::Largest,
+        absence: Absence::Good,
+        range: MetricRange::Unlimited,
+        meters: meters(|context| {
+            let setup = &context.world.pedestrians[context.pedestrian];
+            Box::new(ImpactPoint {
+                pair: (context.vehicle, context.pedestrian),
+                way: Vector2::from(setup.goal) - Vector2::from(setup.start),
+                reference: setup.reference,
+                is_over: false,
+                found: None,
+            })
+        }),
+    }
+}
+
+struct ImpactPoint {
+    pair: (usize, usize),
+    /// From the pedestrian's start to the goal, m.
+    way: Vector2<f64>,
+    /// m
+    reference: f64,
+    /// Once they have touched.
+    is_over: bool,
+    found: Option<f64>,
+}
+
+/// A front that is so near to a body is what it touched, m.
+const AT_THE_FRONT: f64 = 1e-4;
+
+impl Meter for ImpactPoint {
+    fn observe(&mut self, step: &Step, encounters: &Encounters) {
+        let (vehicle, pedestrian) = self.pair;
+        if self.is_over {
+            return;
+        }
+        let Some(contact) = encounters.pair(vehicle, pedestrian).contact else { return };
+        self.is_over = true;
+        let part = (contact.time - step.time) / step.duration;
+        let car = &step.after.vehicles[vehicle];
+        let travelled = lerp(step.before.vehicles[vehicle].motion.travelled, car.motion.travelled, part);
+        let (centre, ahead) = (car.path.point(travelled), car.path.heading(travelled));
+        let (before, person) = (&step.before.pedestrians[pedestrian], &step.after.pedestrians[pedestrian]);
+        let place = before.position.lerp(&person.position, part);
+        let left = Vector2::new(-ahead.y, ahead.x);
+        let reach = half_extent_along(person, ahead).x;
+        let front = (place - centre).dot(&ahead) - car.length / 2.0 - reach;
+        if front.abs() > AT_THE_FRONT {
+            return;
+        }
+        let across = (place + person.heading * self.reference - centre).dot(&left);
+        self.found = Some(0.5 + self.way.dot(&left).signum() * across / car.width);
+    }
+
+    fn value(&self, _: &Encounters) -> Option<f64> {
+        self.found
+    }
+
+    fn instant(&self, encounters: &Encounters) -> Option<f64> {
+        let contact = encounters.pair(self.pair.0, self.pair.1).contact;
+        contact.filter(|_| self.found.is_some()).map(|contact| contact.time)
     }
 }
 

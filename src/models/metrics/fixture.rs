@@ -158,7 +158,7 @@ fn snapshot(world: &World, car: &Profile, walk: &Walk, time: f64) -> Snapshot {
             shape: person.shape,
             present: match person.appears {
                 Appearance::At(moment) => time >= moment - 1e-9,
-                Appearance::TimeToArrival { .. } => true,
+                Appearance::TimeToArrival { .. } | Appearance::Meeting { .. } => true,
             },
         }],
     }

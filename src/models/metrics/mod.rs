@@ -25,6 +25,7 @@ pub fn metrics() -> Vec<Metric> {
     vec![
         contact::collision(),
         contact::impact_speed(),
+        contact::impact_point(),
         conflict::pet(),
         conflict::pet_area(),
         conflict::passed_first(),

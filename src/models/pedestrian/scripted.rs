@@ -24,6 +24,13 @@ pub fn scripted() -> PedestrianModel {
             FREE,
         ),
         Parameter::optional(
+            "acceleration_way",
+            Dimension::LENGTH,
+            (0.01, 100.0),
+            "Way on which it gets from standing to its speed, evenly, whenever it sets off; without it, at once.",
+            FREE,
+        ),
+        Parameter::optional(
             "stop_after",
             Dimension::LENGTH,
             (0.0, 1000.0),
@@ -38,12 +45,16 @@ pub fn scripted() -> PedestrianModel {
             FREE,
         ),
     ]);
-    PedestrianModel::new(declaration, build).chance(Chance::Never)
+    PedestrianModel::new(declaration, build).chance(Chance::Never).fixed(|_| true)
 }
 
 struct Scripted {
     speed: f64,
     delay: f64,
+    /// m; `None`: at once.
+    acceleration_way: Option<f64>,
+    /// When it set off, s; `None` while it stands.
+    set_off: Option<f64>,
     stop_for: f64,
     /// Distance left until it stops, m; infinite when it will not stop (again).
     left: f64,
@@ -64,11 +75,42 @@ fn build(context: &PedestrianContext) -> Result<Box<dyn Pedestrian>, ModelError>
     Ok(Box::new(Scripted {
         speed: settings.number("speed"),
         delay: settings.number("delay"),
+        acceleration_way: settings.optional_number("acceleration_way"),
+        set_off: None,
         stop_for: settings.optional_number("stop_for").unwrap_or(f64::INFINITY),
         left: stop_after.unwrap_or(f64::INFINITY),
         walks_from: None,
         mode: "waiting",
     }))
+}
+
+/// Speeds in a step, m/s.
+struct Pace {
+    mean: f64,
+    at_the_end: f64,
+}
+
+impl Scripted {
+    /// What it walks in the step that begins, where nothing ends its way: uniformly accelerated from standing to its speed, then at that.
+    fn wanted(&mut self, scene: &Scene) -> Pace {
+        let Some(way) = self.acceleration_way.filter(|_| self.speed > 0.0) else {
+            return Pace { mean: self.speed, at_the_end: self.speed };
+        };
+        let began = scene.time - *self.set_off.get_or_insert(scene.time);
+        let duration = 2.0 * way / self.speed;
+        if began >= duration {
+            return Pace { mean: self.speed, at_the_end: self.speed };
+        }
+        let gone = |time: f64| match time < duration {
+            true => way * (time / duration).powi(2),
+            false => self.speed * time - way,
+        };
+        let ends = began + scene.step;
+        Pace {
+            mean: (gone(ends) - gone(began)) / scene.step,
+            at_the_end: self.speed * (ends / duration).min(1.0),
+        }
+    }
 }
 
 /// Absorbs the rounding of summed times, s.
@@ -85,6 +127,7 @@ impl Pedestrian for Scripted {
             self.mode = "stopped";
         }
         if scene.time < walks_from - TIME_TOLERANCE {
+            self.set_off = None;
             return Motion::Walk(nalgebra::Vector2::zeros());
         }
         self.mode = "walking";
@@ -94,12 +137,22 @@ impl Pedestrian for Scripted {
             self.mode = "arrived";
             return Motion::Walk(nalgebra::Vector2::zeros());
         };
-        let speed = self.speed.min(distance / scene.step);
+        let wanted = self.wanted(scene);
+        let (speed, displacement) = match distance / scene.step {
+            arriving if arriving <= wanted.mean => (arriving, None),
+            _ if wanted.mean == wanted.at_the_end => (wanted.mean, None),
+            _ => (wanted.mean, Some((wanted.mean - wanted.at_the_end) * scene.step)),
+        };
         self.left -= speed * scene.step;
         if self.left < 1e-9 {
             self.left = 0.0;
         }
-        Motion::Walk(way * speed)
+        match displacement {
+            None => Motion::Walk(way * speed),
+            Some(displacement) => {
+                Motion::Pushed { velocity: way * wanted.at_the_end, displacement: way * displacement }
+            }
+        }
     }
 
     fn mode(&self) -> Mode {
@@ -130,6 +183,30 @@ mod tests {
         assert!((walk.position().y + 4.0 - 1.4).abs() < 1e-9);
         walk.go(10.0);
         assert!((walk.position().y - 6.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn gets_to_its_speed_on_its_acceleration_way_whenever_it_sets_off() {
+        let settings = [
+            ("speed", number(2.0)),
+            ("acceleration_way", number(1.5)),
+            ("stop_after", number(3.0)),
+            ("delay", number(0.5)),
+            ("stop_for", number(1.0)),
+        ];
+        let mut walk = Walk::new(&scripted(), Settings::from(settings));
+        walk.go(0.5);
+        assert_eq!(walk.position().y, -4.0);
+        // 2 * 1.5 m / 2 m/s = 1.5 s; half of that time is a quarter of the way.
+        walk.go(0.75);
+        assert!((walk.position().y + 4.0 - 1.5 / 4.0).abs() < 1e-9, "{}", walk.position().y);
+        walk.go(1.0);
+        assert!((walk.position().y + 4.0 - 2.0).abs() < 1e-9, "{}", walk.position().y);
+        // It arrives at 3 m, stands for a second, and sets off as slowly as at first.
+        walk.go(0.5);
+        assert!((walk.position().y + 4.0 - 3.0).abs() < 1e-9, "{}", walk.position().y);
+        walk.go(1.75);
+        assert!((walk.position().y + 4.0 - 3.0 - 1.5 / 4.0).abs() < 1e-9, "{}", walk.position().y);
     }
 
     #[test]

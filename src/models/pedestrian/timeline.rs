@@ -3,7 +3,7 @@
 use nalgebra::Vector2;
 
 use super::{PedestrianContext, PedestrianModel};
-use scenario::{Chance, Declaration, Dimension, Parameter, Side, TextError, VehicleReference};
+use scenario::{Chance, Declaration, Dimension, Parameter, Settings, Side, TextError, VehicleReference};
 use sim::script::{Action, Script, ScriptQuantity, parameters};
 use sim::{Mode, ModelError, Motion, Pedestrian, Scene, geometry};
 
@@ -24,7 +24,14 @@ pub fn timeline() -> PedestrianModel {
                     "free choice",
                 ),
             ]);
-    PedestrianModel::new(declaration, build).chance(Chance::Never)
+    PedestrianModel::new(declaration, build).chance(Chance::Never).fixed(is_fixed)
+}
+
+/// Whether no step compares what depends on a vehicle.
+fn is_fixed(settings: &Settings) -> bool {
+    const OWN: [&str; 3] = ["walked", "distance_to_kerb", "speed"];
+    let script = Script::from_settings(settings, "timeline", QUANTITIES);
+    script.is_ok_and(|script| script.compares().all(|index| OWN.contains(&QUANTITIES[index].0)))
 }
 
 /// `distance`: to the nearest vehicle's footprint; `time_to_arrival`: of the front of the next vehicle at the
@@ -127,7 +134,7 @@ impl Pedestrian for ByTimeline {
 mod tests {
     use super::*;
     use crate::pedestrian::test_walk::Walk;
-    use scenario::{Settings, Value};
+    use scenario::Value;
 
     fn walk(steps: &str, numbers: &[(&str, f64)]) -> Walk {
         let mut settings = Settings::from([("steps", Value::Word(steps.into()))]);

@@ -187,5 +187,6 @@ pub fn walker() -> PedestrianSetup {
         start: Position { x: 0.0, y: -4.0 },
         goal: Position { x: 0.0, y: 6.0 },
         appears: Appearance::At(0.0),
+        reference: 0.0,
     }
 }

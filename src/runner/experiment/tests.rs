@@ -72,6 +72,7 @@ fn scenario() -> Scenario {
             start_from_lane_centre: 4.0.into(),
             along: 0.0.into(),
             goal_beyond_kerb: 2.0.into(),
+            reference: 0.0.into(),
             appears: DeclaredAppearance::TimeToArrival {
                 vehicle: "av".into(),
                 reference: VehicleReference::Centre,

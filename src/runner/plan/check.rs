@@ -17,6 +17,15 @@ use scenario::{
 /// The first number that is not, at the place that says it and in the unit it is written in; else the first two bodies that
 /// are inside each other.
 pub fn check(scenario: &Scenario, world: &World) -> Result<(), PlanError> {
+    check_numbers(scenario, world)?;
+    refuse_overlaps(scenario, world)
+}
+
+/// Whether every number of the world is finite and within its limits.
+///
+/// # Errors
+/// The first that is not.
+pub fn check_numbers(scenario: &Scenario, world: &World) -> Result<(), PlanError> {
     let checker = Checker { scenario };
     let own = &scenario.origin;
     checker.within("step", "the simulation step", world.step, limits::STEP, own)?;
@@ -29,7 +38,16 @@ pub fn check(scenario: &Scenario, world: &World) -> Result<(), PlanError> {
     for (index, person) in world.pedestrians.iter().enumerate() {
         checker.pedestrian(index, person, world)?;
     }
-    refuse_overlaps(scenario, world)
+    Ok(())
+}
+
+/// Whether the share of a vehicle's width at which somebody meets it is one.
+///
+/// # Errors
+/// If it is not, where the scenario says it.
+pub fn check_share(scenario: &Scenario, name: &str, share: f64, own: &Origin) -> Result<(), PlanError> {
+    let what = format!("the share of the vehicle's width at which pedestrian `{name}` meets it");
+    Checker { scenario }.within(&format!("{name}.meets"), &what, share, limits::MEETS, own)
 }
 
 /// A distance that was worked out again from places in the world, without what rounding did to it.
@@ -174,7 +192,21 @@ impl Checker<'_> {
                 let what = format!("the time to arrival at which pedestrian `{name}` appears");
                 within("appears", what, time, limits::APPEARS_WHEN)?;
             }
+            Appearance::Meeting { time, place, .. } => {
+                self.finite(
+                    &format!("the time that pedestrian `{name}` needs to meet its vehicle"),
+                    time,
+                    own,
+                )?;
+                self.finite(
+                    &format!("the place at which pedestrian `{name}` meets its vehicle"),
+                    place,
+                    own,
+                )?;
+            }
         }
+        let what = of("reference point");
+        within("reference", what, setup.reference, limits::REFERENCE)?;
         self.settings(&format!("{name}.model"), &setup.model, &declared.model.origin)
     }
 

@@ -200,6 +200,7 @@ mod tests {
             along: number(0.0),
             goal_beyond_kerb: number(2.0),
             appears: DeclaredAppearance::At(number(0.0)),
+            reference: number(0.0),
             individuals: Some(Individuals {
                 selection,
                 population: "standard".to_string(),

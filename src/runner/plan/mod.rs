@@ -3,6 +3,7 @@
 mod check;
 mod individuals;
 mod lazily;
+mod meeting;
 mod overlap;
 mod sampling;
 mod setup;

@@ -3,11 +3,12 @@
 use std::sync::Arc;
 
 use super::check::check;
+use super::meeting::meet;
 use super::{PlanError, Variables};
 use scenario::{
     Appearance, Declaration, DeclaredAppearance, DeclaredPedestrian, DeclaredShape, DeclaredVehicleStart,
-    Expression, Individual, Model, ModelSetup, Origin, Path, PedestrianSetup, Position, Scenario,
-    SettingError, Settings, Shape, Vehicle, VehicleReference, VehicleSetup, VehicleStart, World,
+    Expression, Individual, Model, ModelSetup, Origin, PedestrianSetup, Position, Scenario, SettingError,
+    Settings, Shape, Vehicle, VehicleReference, VehicleSetup, VehicleStart, World,
 };
 
 const DEFAULT_SHAPE: Shape = Shape::Disc { radius: 0.25 };
@@ -22,10 +23,9 @@ pub fn world(scenario: &Scenario, variables: &Variables, people: &[Individual]) 
     let vehicles = scenario
         .vehicles
         .iter()
-        .enumerate()
-        .map(|(index, declared)| vehicle_setup(scenario, declared, index, variables, &pedestrians))
+        .map(|declared| vehicle_setup(declared, variables))
         .collect::<Result<Vec<_>, _>>()?;
-    let world = World {
+    let mut world = World {
         road: scenario.road.clone(),
         vehicles,
         pedestrians,
@@ -34,17 +34,22 @@ pub fn world(scenario: &Scenario, variables: &Variables, people: &[Individual]) 
         finish: scenario.finish,
         end_on_collision: scenario.end_on_collision,
     };
+    meet(scenario, variables, &mut world)?;
+    for (index, declared) in scenario.vehicles.iter().enumerate() {
+        if matches!(declared.start, DeclaredVehicleStart::Automatic) {
+            world.vehicles[index].start = automatic_start(index, &world).ok_or_else(|| {
+                let message = format!("nothing says where vehicle `{}` starts", declared.name);
+                let hint =
+                    "give it `start 80 m before crossing`, or let a pedestrian appear at its time to arrival";
+                PlanError::new(&declared.origin, message).with_hint(hint)
+            })?;
+        }
+    }
     check(scenario, &world)?;
     Ok(world)
 }
 
-fn vehicle_setup(
-    scenario: &Scenario,
-    declared: &Vehicle,
-    index: usize,
-    variables: &Variables,
-    pedestrians: &[PedestrianSetup],
-) -> Result<VehicleSetup, PlanError> {
+fn vehicle_setup(declared: &Vehicle, variables: &Variables) -> Result<VehicleSetup, PlanError> {
     let number = |expression: &Expression| number(expression, variables, &declared.origin);
     let controller = chosen(&declared.controller, "controller", variables)?;
     let (dynamics, dynamics_settings) = match &declared.dynamics {
@@ -81,15 +86,8 @@ fn vehicle_setup(
         DeclaredVehicleStart::TimeToArrival(time) => {
             VehicleStart::TimeToArrival { time: number(time)?, reference: VehicleReference::Centre, x: 0.0 }
         }
-        DeclaredVehicleStart::Automatic => {
-            let path = scenario.road.path(declared.lane);
-            automatic_start(index, path, speed, length, pedestrians).ok_or_else(|| {
-                let message = format!("nothing says where vehicle `{}` starts", declared.name);
-                let hint =
-                    "give it `start 80 m before crossing`, or let a pedestrian appear at its time to arrival";
-                PlanError::new(&declared.origin, message).with_hint(hint)
-            })?
-        }
+        // Known once it is known when pedestrians appear.
+        DeclaredVehicleStart::Automatic => VehicleStart::Distance(0.0),
     };
     let sees = match &declared.sees {
         Some(model) => {
@@ -116,24 +114,20 @@ fn vehicle_setup(
 }
 
 /// Far enough out that the pedestrian who waits for the earliest arrival appears at time 0.
-fn automatic_start(
-    index: usize,
-    path: Path,
-    speed: f64,
-    length: f64,
-    pedestrians: &[PedestrianSetup],
-) -> Option<VehicleStart> {
-    let waiting = pedestrians.iter().filter_map(|pedestrian| match pedestrian.appears {
+fn automatic_start(index: usize, world: &World) -> Option<VehicleStart> {
+    let VehicleSetup { lane, speed, length, .. } = world.vehicles[index];
+    let path = world.road.path(lane);
+    let waiting = world.pedestrians.iter().filter_map(|pedestrian| match pedestrian.appears {
         Appearance::TimeToArrival { vehicle, reference, time } if vehicle == index => {
             Some((time, reference, pedestrian.start.x))
+        }
+        Appearance::Meeting { vehicle, time, place } if vehicle == index => {
+            Some((time, VehicleReference::Front, path.point(place).x))
         }
         _ => None,
     });
     let travelled = |(time, reference, x): &(f64, VehicleReference, f64)| {
-        let ahead = match reference {
-            VehicleReference::Centre => 0.0,
-            VehicleReference::Front => length / 2.0,
-        };
+        let ahead = reference.ahead_of_centre(length);
         path.at_line(*x) - time * speed - ahead
     };
     waiting
@@ -170,6 +164,8 @@ fn pedestrian_setup(
             })?;
             Appearance::TimeToArrival { vehicle: index, reference: *reference, time: number(time)? }
         }
+        // Known once the vehicle is.
+        DeclaredAppearance::Meets { .. } => Appearance::At(0.0),
     };
     let mut given = evaluate(&declared.model, variables)?;
     if let Some(person) = people.iter().find(|person| person.pedestrian == declared.name) {
@@ -188,6 +184,7 @@ fn pedestrian_setup(
         start,
         goal,
         appears,
+        reference: number(&declared.reference)?,
     })
 }
 
@@ -222,6 +219,10 @@ fn chosen<T>(model: &Model<T>, kind: &str, variables: &Variables) -> Result<Arc<
     chosen.entry().cloned().ok_or_else(unknown)
 }
 
-fn number(expression: &Expression, variables: &Variables, origin: &Origin) -> Result<f64, PlanError> {
+pub(super) fn number(
+    expression: &Expression,
+    variables: &Variables,
+    origin: &Origin,
+) -> Result<f64, PlanError> {
     expression.evaluate_number(variables).map_err(|error| PlanError::new(origin, error.to_string()))
 }

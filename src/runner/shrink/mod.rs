@@ -15,7 +15,7 @@ use crate::run::{BatchError, Executor, MeasuredMetrics, RunBatch, RunError, Stop
 use results::judge::{PerRun, RunStanding};
 use results::{Outcome, Requests};
 use scenario::registry::Registry;
-use scenario::{DeclaredAppearance, significant};
+use scenario::significant;
 
 pub use knob::{Knob, KnobPlace};
 
@@ -220,9 +220,7 @@ fn leave_out(shrunk: &mut Shrunk, trials: &mut Trials) {
     for name in everybody {
         let mut place = shrunk.place.clone();
         let scenario = &mut place.scenario;
-        let awaited = scenario.pedestrians.iter().any(|one| {
-            matches!(&one.appears, DeclaredAppearance::TimeToArrival { vehicle, .. } if *vehicle == name)
-        });
+        let awaited = scenario.pedestrians.iter().any(|one| one.appears.awaits() == Some(name.as_str()));
         scenario.pedestrians.retain(|one| one.name != name);
         scenario.vehicles.retain(|car| car.name != name);
         place.individuals.retain(|one| one.pedestrian != name);

@@ -72,6 +72,8 @@ pub struct Contact {
     pub time: f64,
     /// m/s
     pub relative_speed: f64,
+    /// Of the other against the vehicle, m/s.
+    pub relative_velocity: Vector2<f64>,
 }
 
 /// A pedestrian's centre passes the centre line of a vehicle's lane.
@@ -181,7 +183,14 @@ impl Encounters {
                     (*first, *second) == (vehicle, with)
                         || (Solid::Vehicle(*first), *second) == (with, Solid::Vehicle(vehicle))
                 };
-                self.others.iter().find(is_it).map(|(_, _, contact)| *contact)
+                self.others.iter().find(is_it).map(|(first, _, contact)| Contact {
+                    relative_velocity: if *first == vehicle {
+                        contact.relative_velocity
+                    } else {
+                        -contact.relative_velocity
+                    },
+                    ..*contact
+                })
             }
         }
     }
@@ -205,7 +214,11 @@ impl Encounters {
     pub fn observe(&mut self, step: &Step) {
         for touch in step.contacts.iter().filter(|touch| touch.begins) {
             let Solid::Vehicle(vehicle) = touch.first else { continue };
-            let contact = Contact { time: step.time + touch.moment, relative_speed: touch.relative_speed };
+            let contact = Contact {
+                time: step.time + touch.moment,
+                relative_speed: touch.relative_speed,
+                relative_velocity: touch.relative_velocity,
+            };
             match touch.second {
                 Solid::Pedestrian(pedestrian) => {
                     let pair = &mut self.pairs[vehicle * self.pedestrians + pedestrian];
@@ -379,11 +392,17 @@ pub fn strip(car: &VehicleState, place: &Located) -> (f64, f64) {
 /// Half the extent of a footprint along a path and across it, m, where it is.
 #[inline]
 pub fn half_extent(person: &PedestrianState, place: &Located) -> Vector2<f64> {
+    half_extent_along(person, place.heading)
+}
+
+/// Half the extent of a footprint along a direction and across it, m.
+#[inline]
+pub fn half_extent_along(person: &PedestrianState, direction: Vector2<f64>) -> Vector2<f64> {
     match person.shape {
         Shape::Disc { radius } => Vector2::new(radius, radius),
         Shape::Rectangle { length, width } => {
-            let forward = place.heading.dot(&person.heading).abs();
-            let sideways = place.heading.perp(&person.heading).abs();
+            let forward = direction.dot(&person.heading).abs();
+            let sideways = direction.perp(&person.heading).abs();
             Vector2::new(length * forward + width * sideways, length * sideways + width * forward) / 2.0
         }
     }

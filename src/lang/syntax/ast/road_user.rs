@@ -42,7 +42,10 @@ views! {
         side: (Side),
         along: (Along),
         goal: (Goal),
+        appearance: (Appearance),
         appears: (Appears),
+        meets: (Meets),
+        reference: (ReferencePoint),
     }
     Model = model { name: Name, settings: (Settings) }
     /// `individuals 5 of standard`, `individuals all of standard` or `individual 17 of standard`
@@ -66,11 +69,17 @@ views! {
     /// `when time_to_arrival(av.front) = 6 s`
     AppearsWhen = appears_when { vehicle: Name, part: (VehiclePart), time: Expression }
     VehiclePart = vehicle_part { is_front: {kw_front} }
+    /// `meets av at 25 %`
+    Meets = meets { vehicle: Name, share: Expression }
+    /// `reference 0.06 m behind centre`
+    ReferencePoint = reference_point { value: Expression, is_behind: {kw_behind} }
 }
 
 choices! {
     RoadUser = Vehicle | Pedestrian;
     Shape = Size | Radius;
+    /// What says when a pedestrian enters the world.
+    Appearance = Appears | Meets;
     /// A statement that names a registered thing.
     Named = Controller | Dynamics | Model | Tested;
     /// A statement of a road user with settings.
@@ -243,6 +252,22 @@ pub static PEDESTRIAN: BlockEntry = BlockEntry {
             "When it enters the world.",
         )
         .key("appears", YamlShape::Words)
+        .set_where_said(),
+        statement(
+            "meets",
+            Rule::meets,
+            "meets av at 25 %",
+            "Appears in time to be hit there, as a share of the vehicle's width from the side that it comes from, if the vehicle keeps its speed.",
+        )
+        .key("meets", YamlShape::Words)
+        .set_where_said(),
+        statement(
+            "reference",
+            Rule::reference_point,
+            "reference 0.06 m behind centre",
+            "The point that it is measured by, seen from the centre of its footprint.",
+        )
+        .key("reference", YamlShape::Words)
         .set_where_said(),
     ],
 };

@@ -44,8 +44,8 @@ views! {
     NoKerbs = no_kerbs {}
     /// `crossing zebra { … }`
     Crossing = crossing { is_zebra: {kw_zebra}, is_unmarked: {kw_unmarked}, settings: (Settings) }
-    /// `box NAME { … }` or `parked NAME { … }`
-    Obstacle = obstacle { name: Name, settings: Settings }
+    /// `box NAME { … }`, `parked NAME { … }`, `parked_row NAME { … }` or `bus NAME { … }`
+    Obstacle = obstacle { is_row: {kw_parked_row}, is_bus: {kw_bus}, name: Name, settings: Settings }
     /// `scenario NAME : BASE { … }` or, with parameters, `define NAME(…) : BASE { … }`
     Scenario = scenario | define {
         name: Name,
@@ -278,6 +278,22 @@ pub static ROAD: BlockEntry = BlockEntry {
             "A parked vehicle, which blocks the view and the way.",
         )
         .key("parked", YamlShape::NamedSettings)
+        .repeats(),
+        statement(
+            "parked_row",
+            Rule::obstacle,
+            "parked_row vans { to: -6 m, cars: 5, gap: 1 m, across: -2.8 m, length: 4.5 m, width: 1.8 m }",
+            "Parked vehicles one behind the other, called `vans_1`, `vans_2`, … from the one that ends at `to` backwards.",
+        )
+        .key("parked_rows", YamlShape::NamedSettings)
+        .repeats(),
+        statement(
+            "bus",
+            Rule::obstacle,
+            "bus stopped { along: -8 m, across: -3 m }",
+            "A bus that stands, which blocks the view and the way; 12 m x 2.55 m if not said.",
+        )
+        .key("buses", YamlShape::NamedSettings)
         .repeats(),
     ],
 };

@@ -1,0 +1,132 @@
+//! When a pedestrian who is to meet a vehicle has to appear, so that a vehicle that keeps its speed hits it where the scenario says.
+//!
+//! From its start the pedestrian walks until its reference point is at that share of the vehicle's width; for how long, its own model says,
+//! alone in the world. The vehicle's front is then at the pedestrian's near flank. Impact and reference points are those of Euro NCAP's
+//! protocols for vulnerable road users.
+
+use scenario::{
+    Appearance, DeclaredAppearance, DeclaredPedestrian, DeclaredVehicleStart, Dimension, Origin,
+    PedestrianContext, PedestrianSetup, Scenario, Shape, VehicleStart, World, limits, show,
+};
+use sim::walking_time;
+
+use super::check::{check_numbers, check_share};
+use super::setup::number;
+use super::{PlanError, Variables};
+
+/// Leaves room for rounding in places, m.
+const ROUNDING: f64 = 1e-9;
+
+/// Lets everybody in the world who is to meet a vehicle appear in time for it.
+///
+/// # Errors
+/// Where the model minds others, where the vehicle stands, and where they would have to appear before the run begins.
+pub(super) fn meet(scenario: &Scenario, variables: &Variables, world: &mut World) -> Result<(), PlanError> {
+    for (index, declared) in scenario.pedestrians.iter().enumerate() {
+        let DeclaredAppearance::Meets { vehicle, share } = &declared.appears else { continue };
+        // What is no number, or too large, is told before anybody walks with it.
+        check_numbers(scenario, world)?;
+        let said = said(scenario, declared);
+        let car = scenario.vehicles.iter().position(|car| car.name == *vehicle);
+        let car =
+            car.ok_or_else(|| PlanError::new(&said, format!("there is no vehicle called `{vehicle}`")))?;
+        let share = number(share, variables, &said)?;
+        check_share(scenario, &declared.name, share, &said)?;
+        world.pedestrians[index].appears = meeting(scenario, world, index, car, share, &said)?;
+    }
+    Ok(())
+}
+
+/// Where the scenario says that they meet.
+fn said(scenario: &Scenario, declared: &DeclaredPedestrian) -> Origin {
+    let written = scenario.written.get(&format!("{}.meets", declared.name));
+    written.map_or_else(|| declared.origin.clone(), |value| value.origin.clone())
+}
+
+fn meeting(
+    scenario: &Scenario,
+    world: &World,
+    person: usize,
+    vehicle: usize,
+    share: f64,
+    said: &Origin,
+) -> Result<Appearance, PlanError> {
+    let (setup, car) = (&world.pedestrians[person], &world.vehicles[vehicle]);
+    let (name, other) = (&setup.name, &car.name);
+    let refused = |message: String, hint: String| Err(PlanError::new(said, message).with_hint(hint));
+    let metres = |length: f64| show(length, None, Dimension::LENGTH);
+    if car.speed <= 0.0 {
+        let message = format!("vehicle `{other}` stands still, so that nobody can be in time to meet it");
+        return refused(message, "give it a speed".to_string());
+    }
+    let path = world.road.path(car.lane);
+    let way = car.width * (share - 0.5) - path.beyond(setup.start.into(), setup.side) - setup.reference;
+    if way < 0.0 {
+        let message =
+            format!("pedestrian `{name}` starts {} beyond where it is to meet `{other}`", metres(-way));
+        return refused(message, "let it start farther away".to_string());
+    }
+    let Some(time) = alone(world, setup, way, &scenario.pedestrians[person].model.origin)? else {
+        let message =
+            format!("pedestrian `{name}` never walks the {} to where it is to meet `{other}`", metres(way));
+        return refused(
+            message,
+            "its speed, its goal and where it stops decide how far it comes".to_string(),
+        );
+    };
+    // The near flank, as the vehicle comes to it.
+    let flank = path.along(setup.start.into()) - half_across(setup.shape);
+    let latest = flank - time * car.speed - car.length / 2.0;
+    let starts = match car.start {
+        // As far out as they need it.
+        _ if scenario.vehicles[vehicle].start == DeclaredVehicleStart::Automatic => latest,
+        VehicleStart::Distance(distance) => -distance,
+        VehicleStart::TimeToArrival { time, reference, x } => {
+            path.at_line(x) - time * car.speed - reference.ahead_of_centre(car.length)
+        }
+    };
+    if starts > latest + ROUNDING {
+        let message =
+            format!("pedestrian `{name}` would have to appear before the run begins to meet `{other}`");
+        let hint = format!("`{other}` has to start {} before the crossing, or nowhere said", metres(-latest));
+        return refused(message, hint);
+    }
+    Ok(Appearance::Meeting { vehicle, time, place: flank })
+}
+
+/// How long the pedestrian takes for so much of its way (m) with nobody else in the world, s; `None` if it does not walk that far.
+fn alone(
+    world: &World,
+    setup: &PedestrianSetup,
+    way: f64,
+    origin: &Origin,
+) -> Result<Option<f64>, PlanError> {
+    let Some(model) = setup.model.model.known() else {
+        return Err(PlanError::new(
+            origin,
+            format!("there is no pedestrian model called `{}`", setup.model.model),
+        ));
+    };
+    if !(model.is_fixed)(&setup.model.settings) {
+        let name = &model.declaration.name;
+        let message = format!(
+            "`{name}` may walk otherwise when it sees a vehicle, so nobody knows beforehand when it is where"
+        );
+        return Err(PlanError::new(origin, message)
+            .with_hint("`meets` is for `scripted`, or a `timeline` that compares nothing of vehicles; say `appears` otherwise"));
+    }
+    let world = World { vehicles: Vec::new(), pedestrians: vec![setup.clone()], ..world.clone() };
+    let context =
+        PedestrianContext { settings: &setup.model.settings, setup, world: &world, rank: 0, seed: 0 };
+    let mut mind = (model.build)(&context)
+        .map_err(|error| PlanError::new(origin, format!("`{}`: {error}", setup.name)))?;
+    Ok(walking_time(&mut *mind, setup, &world, way, limits::VEHICLE_ARRIVAL.range.1))
+}
+
+/// How far a footprint that walks across the road reaches along it, m.
+fn half_across(shape: Shape) -> f64 {
+    match shape {
+        Shape::Disc { radius } => radius,
+        Shape::Rectangle { width, .. } => width / 2.0,
+    }
+}
