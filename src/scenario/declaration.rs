@@ -109,6 +109,8 @@ pub struct Parameter {
     /// The one value that was published beside the other settings, for a number that is no free choice: with another the
     /// model is another one, which nobody fitted to anything.
     pub published: Option<Published>,
+    /// What it was before it could be set: what was recorded without it was made with this. `None` where that is not so.
+    pub before: Option<Value>,
 }
 
 /// Takes resolved settings.
@@ -269,7 +271,14 @@ impl Parameter {
         doc: impl Into<Text>,
         source: impl Into<Text>,
     ) -> Self {
-        Self { name: name.into(), doc: doc.into(), source: source.into(), kind, published: None }
+        Self {
+            name: name.into(),
+            doc: doc.into(),
+            source: source.into(),
+            kind,
+            published: None,
+            before: None,
+        }
     }
 
     /// A quantity: its default and the ends of its range, which belong to it, in SI units.
@@ -337,6 +346,11 @@ impl Parameter {
     /// The same, published with the value that `published` says.
     pub fn published_with(self, published: Published) -> Self {
         Self { published: Some(published), ..self }
+    }
+
+    /// The same, which was this before it could be set.
+    pub fn was(self, before: Value) -> Self {
+        Self { before: Some(before), ..self }
     }
 
     /// The value it has when nobody says otherwise.

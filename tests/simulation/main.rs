@@ -7,6 +7,7 @@ mod commotions_world;
 mod course;
 mod executors;
 mod jaywalker;
+mod meetings;
 mod numerics;
 mod several_others;
 #[path = "../support/mod.rs"]

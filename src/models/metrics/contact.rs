@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 use scenario::{Absence, Metric, MetricKind, MetricRange, Scope, Worst};
-use scenario::{ChoiceOption, Declaration, Dimension, Parameter};
+use scenario::{ChoiceOption, Declaration, Dimension, Parameter, Value};
 use sim::geometry::distance;
 use sim::measure::{Contact, Encounters, Meter, MetricContext, difference, half_extent_along, lerp, meters};
 use sim::{PedestrianState, Solid, Step, VehicleState};
@@ -76,7 +76,8 @@ pub fn impact_speed() -> Metric {
         ],
         "Which part of the difference of the velocities counts.",
         "along: relative impact speed of Euro NCAP's protocols",
-    )]);
+    )
+    .was(Value::Word("relative".to_string()))]);
     Metric {
         declaration,
         kind: MetricKind::Quantity(Dimension::SPEED),

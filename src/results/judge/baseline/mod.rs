@@ -130,6 +130,12 @@ impl Baseline {
     pub fn resolved(mut self, registry: &Registry) -> Self {
         for metric in &mut self.metrics {
             if let Some(known) = registry.metrics().get(metric.name.name()) {
+                for parameter in &known.declaration.parameters {
+                    let unsaid = metric.settings.get(&parameter.name).is_none();
+                    if let Some(before) = parameter.before.as_ref().filter(|_| unsaid) {
+                        metric.settings.set(&*parameter.name, before.clone());
+                    }
+                }
                 metric.name = known.into();
             }
         }
