@@ -17,8 +17,13 @@ use runner::plan::plan;
 use scenario_runner::testing::{Suites, TestingError, conclude};
 
 /// Expected to pass, trial by trial.
-const PASSING: &[&str] =
-    &["suites/zebra.suite", "suites/worst_arrival.suite", "suites/zebra_gate.suite", "suites/paper.suite", "suites/un_r152.suite"];
+const PASSING: &[&str] = &[
+    "suites/zebra.suite",
+    "suites/worst_arrival.suite",
+    "suites/zebra_gate.suite",
+    "suites/paper.suite",
+    "suites/un_r152.suite",
+];
 
 /// Run for their bits alone: they fail, or are tables to look at.
 const OTHERS: &[&str] = &[

@@ -80,6 +80,8 @@ pub enum Worst {
     Smallest,
     /// The larger.
     Largest,
+    /// Neither is worse: no gate compares it, and the larger is named.
+    Neither,
 }
 
 /// What it says of a run that a metric does not exist in it, for criteria and for comparisons of runs.

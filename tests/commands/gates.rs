@@ -56,22 +56,6 @@ fn a_baseline_is_the_same_bytes_every_time_and_reads_back() {
     assert!(stdout(&output).contains("carla_behavior"), "{}", stdout(&output));
 }
 
-/// `component` of `impact_speed` was added later: what was recorded before is of what it is by default, and of nothing else.
-#[test]
-fn a_baseline_from_before_a_parameter_is_of_what_it_was_then() {
-    let folder = folder(&suite("", ""), &suite("", ""));
-    let output = scenario_runner(folder.path(), &["baseline", "save", "before.suite", "--out", "a.json"]);
-    assert_eq!(code(&output), 0, "{}", stderr(&output));
-    let recorded = fs::read_to_string(folder.path().join("a.json")).unwrap();
-    let said = r#"{"component":"relative"}"#;
-    assert!(recorded.contains(said), "{recorded}");
-    for (settings, expected) in [("{}", 0), (r#"{"component":"along"}"#, 108)] {
-        fs::write(folder.path().join("a.json"), recorded.replace(said, settings)).unwrap();
-        let output = scenario_runner(folder.path(), &["compare", "a.json", "now.suite"]);
-        assert_eq!(code(&output), expected, "{settings}: {}{}", stdout(&output), stderr(&output));
-    }
-}
-
 #[test]
 fn braking_five_percent_later_is_caught() {
     let folder = folder(&suite("", ""), &suite(", braking_distance: 4.75 m", ""));

@@ -54,6 +54,7 @@ fn section(metric: &Metric) -> String {
     let worst = match (&metric.kind, metric.worst) {
         (MetricKind::Quantity(_), Worst::Smallest) => "the smallest counts",
         (MetricKind::Quantity(_), Worst::Largest) => "the largest counts",
+        (_, Worst::Neither) => "none is worse, and the largest is named",
         (MetricKind::Flag, Worst::Smallest) => "one no counts",
         (MetricKind::Flag, Worst::Largest) => "one yes counts",
         (MetricKind::Category(_), Worst::Smallest) => "the first of these counts",

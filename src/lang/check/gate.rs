@@ -82,8 +82,12 @@ fn rule(
     let metric = match node.metric() {
         Some(node) => {
             let found = metric_reference(node, cast, scope, report)?;
-            if let MetricKind::Category(_) = &found.1.kind {
-                let message = format!("`{}` is a word, and no word is worse than another", found.0.name());
+            let is_word = matches!(&found.1.kind, MetricKind::Category(_));
+            if is_word || found.1.worst == Worst::Neither {
+                let message = match is_word {
+                    true => format!("`{}` is a word, and no word is worse than another", found.0.name()),
+                    false => format!("no value of `{}` is worse than another", found.0.name()),
+                };
                 report.push(
                     Diagnostic::new(Code::BadGate, node.span(), message)
                         .label("has no better or worse")

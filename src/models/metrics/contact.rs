@@ -142,8 +142,8 @@ pub fn impact_point() -> Metric {
         declaration,
         kind: MetricKind::Quantity(Dimension::NUMBER),
         scope: Scope::Pair,
-        worst: Worst::Largest,
-        absence: Absence::Good,
+        worst: Worst::Neither,
+        absence: Absence::Open,
         range: MetricRange::Unlimited,
         meters: meters(|context| {
             let setup = &context.world.pedestrians[context.pedestrian];

@@ -143,7 +143,7 @@ pub fn holds_undefined(comparison: &Comparison, unknown: bool) -> bool {
 fn extreme(reference: &MetricReference) -> Option<f64> {
     let metric = reference.known()?;
     match (metric.absence, metric.worst) {
-        (Absence::Open, _) => None,
+        (Absence::Open, _) | (_, Worst::Neither) => None,
         (Absence::Bad, Worst::Largest) | (Absence::Good, Worst::Smallest) => Some(f64::INFINITY),
         (Absence::Bad, Worst::Smallest) | (Absence::Good, Worst::Largest) => Some(f64::NEG_INFINITY),
     }

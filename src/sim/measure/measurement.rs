@@ -170,7 +170,7 @@ impl Request {
         });
         let worse = |one: f64, other: f64| match self.worst {
             Worst::Smallest => one.min(other),
-            Worst::Largest => one.max(other),
+            Worst::Largest | Worst::Neither => one.max(other),
         };
         let all = ranges
             .reduce(|one, other| Open { low: worse(one.low, other.low), high: worse(one.high, other.high) });

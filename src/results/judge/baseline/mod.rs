@@ -65,6 +65,25 @@ pub struct RecordedMetric {
     pub pair: Option<(String, String)>,
 }
 
+impl RecordedMetric {
+    /// Whether both are of one metric, measured alike: a parameter that one of them does not name is what it was before it could be set.
+    pub(super) fn is_as(&self, other: &Self) -> bool {
+        let entry = self.name.known().or(other.name.known());
+        let parameters = entry.map_or(&[][..], |metric| &metric.declaration.parameters);
+        let completed = |metric: &Self| {
+            let mut settings = metric.settings.clone();
+            for parameter in parameters {
+                let is_said = metric.settings.get(&parameter.name).is_some();
+                if let Some(before) = parameter.before.as_ref().filter(|_| !is_said) {
+                    settings.set(&*parameter.name, before.clone());
+                }
+            }
+            Self { settings, ..metric.clone() }
+        };
+        completed(self) == completed(other)
+    }
+}
+
 /// A vehicle with everything about it that is under test.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -130,12 +149,6 @@ impl Baseline {
     pub fn resolved(mut self, registry: &Registry) -> Self {
         for metric in &mut self.metrics {
             if let Some(known) = registry.metrics().get(metric.name.name()) {
-                for parameter in &known.declaration.parameters {
-                    let unsaid = metric.settings.get(&parameter.name).is_none();
-                    if let Some(before) = parameter.before.as_ref().filter(|_| unsaid) {
-                        metric.settings.set(&*parameter.name, before.clone());
-                    }
-                }
                 metric.name = known.into();
             }
         }
@@ -199,5 +212,55 @@ impl RecordedTrial {
     /// The part of a run's label that names its people; empty without individuals.
     pub fn person(&self, run: usize) -> &str {
         self.runs[run].rsplit_once("/rep=").map_or("", |(people, _)| people)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use scenario::{
+        Absence, Declaration, Dimension, Meters, MetricKind, MetricRange, Parameter, Scope, Value, Worst,
+    };
+
+    fn parameter(name: &'static str) -> Parameter {
+        Parameter::number(name, Dimension::TIME, 2.0, (0.0, 9.0), "Over which time.", "free choice")
+    }
+
+    /// A metric with these settings, of which `added` is the one that could not always be set.
+    fn recorded(known: bool, settings: &[(&str, f64)]) -> RecordedMetric {
+        let parameters = [parameter("window"), parameter("added").was(Value::Number(1.0))];
+        let metric = Metric {
+            declaration: Declaration::new("drag", "How much it drags.").parameters(parameters),
+            kind: MetricKind::Quantity(Dimension::TIME),
+            scope: Scope::Vehicle,
+            worst: Worst::Largest,
+            absence: Absence::Open,
+            range: MetricRange::NotNegative,
+            meters: Meters::new(()),
+        };
+        RecordedMetric {
+            label: "drag".into(),
+            name: if known { (&std::sync::Arc::new(metric)).into() } else { Reference::unresolved("drag") },
+            unit: "s".into(),
+            settings: (&settings
+                .iter()
+                .map(|(name, value)| (*name, Value::Number(*value)))
+                .collect::<Vec<_>>()[..])
+                .into(),
+            pair: None,
+        }
+    }
+
+    #[test]
+    fn what_could_not_be_set_when_it_was_recorded_is_what_it_was_then() {
+        let before = recorded(false, &[("window", 2.0)]);
+        assert!(before.is_as(&recorded(true, &[("window", 2.0), ("added", 1.0)])));
+        assert!(recorded(true, &[("window", 2.0), ("added", 1.0)]).is_as(&before));
+        assert!(!before.is_as(&recorded(true, &[("window", 2.0), ("added", 2.0)])), "measured otherwise");
+        assert!(!before.is_as(&recorded(true, &[("window", 3.0), ("added", 1.0)])), "measured otherwise");
+        // Of others nobody knows what they were.
+        assert!(
+            !recorded(false, &[("added", 1.0)]).is_as(&recorded(true, &[("window", 2.0), ("added", 1.0)]))
+        );
     }
 }

@@ -203,7 +203,7 @@ pub fn pair<'a>(
     let same_people = trials.iter().all(|(base, candidate)| base.parts.people == candidate.parts.people);
     for metric in &candidate.metrics {
         let known = base.metrics.iter().find(|known| known.label == metric.label);
-        if known.is_some_and(|known| known != metric) {
+        if known.is_some_and(|known| !known.is_as(metric)) {
             reasons.push(Incompatible::MetricDiffers(metric.label.clone()));
         }
     }

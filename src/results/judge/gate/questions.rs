@@ -99,8 +99,8 @@ pub fn ask<'a>(rules: &[GateRule], pairing: &Pairing<'a>) -> Result<Questions<'a
                 Some(reference) => reference.label() == recorded.label,
                 None => !named.iter().any(|named| named.label() == recorded.label),
             };
-            // Words have no order.
-            if !wanted || matches!(metric.kind, MetricKind::Category(_)) {
+            // Words and places have no order.
+            if !wanted || matches!(metric.kind, MetricKind::Category(_)) || metric.worst == Worst::Neither {
                 continue;
             }
             // So many percent would be so many points of its rate: far too much, and nobody said so.
