@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use models::standard;
-use scenario::{Absence, Metric, MetricKind, Scope, Worst};
+use scenario::{Absence, Dimension, Metric, MetricKind, Scope, Worst};
 use scenario::{Parameter, ParameterKind};
 
 const INTRODUCTION: &str = "\
@@ -43,6 +43,7 @@ fn section(metric: &Metric) -> String {
     let value = match &metric.kind {
         MetricKind::Flag => "yes or no".to_string(),
         MetricKind::Category(words) => format!("one of {}", words.join(", ")),
+        MetricKind::Quantity(Dimension::NUMBER) => Dimension::NUMBER.name(),
         MetricKind::Quantity(dimension) => format!("{} in {}", dimension.name(), dimension.si_unit()),
     };
     let scope = match metric.scope {
