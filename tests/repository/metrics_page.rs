@@ -43,7 +43,7 @@ fn section(metric: &Metric) -> String {
     let value = match &metric.kind {
         MetricKind::Flag => "yes or no".to_string(),
         MetricKind::Category(words) => format!("one of {}", words.join(", ")),
-        MetricKind::Quantity(Dimension::NUMBER) => Dimension::NUMBER.name(),
+        MetricKind::Quantity(Dimension::NUMBER) => Dimension::NUMBER.name().to_string(),
         MetricKind::Quantity(dimension) => format!("{} in {}", dimension.name(), dimension.si_unit()),
     };
     let scope = match metric.scope {
