@@ -219,6 +219,8 @@ fn tolerance(name: &str, dimension: Dimension, step: f64) -> f64 {
         // As much as hard braking changes in a step.
         (_, Dimension::SPEED) => 12.0,
         (_, Dimension::ACCELERATION) => 10.0,
+        // As many widths of a vehicle as somebody walks in the time by which it comes earlier or later.
+        ("impact_point", _) => 10.0,
         _ => panic!("no tolerance for {name}"),
     };
     per_second * step

@@ -102,7 +102,7 @@ impl Scripted {
             return Pace { mean: self.speed, at_the_end: self.speed };
         }
         let gone = |time: f64| match time < duration {
-            true => way * (time / duration).powi(2),
+            true => way * (time / duration) * (time / duration),
             false => self.speed * time - way,
         };
         let ends = began + scene.step;
