@@ -124,6 +124,17 @@ impl Path {
         }
     }
 
+    /// The point at a place and the unit vector in the direction of travel there.
+    pub fn pose(&self, place: f64) -> (Vector2<f64>, Vector2<f64>) {
+        match &self.0 {
+            Kind::Straight { .. } => (self.point(place), self.heading(place)),
+            Kind::Curved { course } => {
+                let pose = course.pose(place);
+                (pose.point, pose.tangent())
+            }
+        }
+    }
+
     /// A vector of the world frame as whoever follows the path sees it at a place: x ahead, y to the left.
     #[inline]
     pub fn turned(&self, place: f64, vector: Vector2<f64>) -> Vector2<f64> {

@@ -14,12 +14,16 @@ const TOUCHING: f64 = 1e-9;
 const HORIZON: f64 = 10.0;
 
 /// A step to the next moment is at least this, s: what only grazes for so short a time is no contact.
-const LEAST_STEP: f64 = 1e-3;
+const LEAST_STEP: f64 = 4e-3;
+
+/// What a vehicle grazes for less than this of its way it does not touch, m.
+const LEAST_WAY: f64 = 0.05;
 
 /// The outline of a vehicle at a place of its path.
 fn vehicle_at(path: &Path, place: f64, (length, width): (f64, f64)) -> Footprint {
     let shape = Shape::Rectangle { length, width };
-    Footprint { centre: path.point(place), heading: path.heading(place), shape }
+    let (centre, heading) = path.pose(place);
+    Footprint { centre, heading, shape }
 }
 
 /// The first moment between two at which a gap closes that grows no faster than `fastest` (m/s), s.
@@ -214,18 +218,12 @@ pub(crate) fn touched_between(
     let diagonal = libm::hypot(size.0, size.1);
     let (low, high) = (place - diagonal - outline.radius(), place + diagonal + outline.radius());
     let bend = path.course().map_or(0.0, |course| course.tightest_between(low, high));
-    let (fastest, least) = (1.0 + bend * diagonal / 2.0, 1e-10);
+    let fastest = 1.0 + bend * diagonal / 2.0;
     // Inwards from where it cannot touch, no farther than what is left between the two.
     let touched = |from: f64, to: f64| {
-        let (sign, mut place) = ((to - from).signum(), from);
-        while sign * (to - place) >= 0.0 {
-            let left = apart(&vehicle_at(path, place, size), outline);
-            if left <= TOUCHING {
-                return Some(place);
-            }
-            place += sign * (left / fastest).max(least);
-        }
-        None
+        let sign = (to - from).signum();
+        let gap = |way: f64| apart(&vehicle_at(path, from + sign * way, size), outline);
+        closes(gap, fastest, (0.0, (to - from).abs()), LEAST_WAY).map(|way| from + sign * way)
     };
     let first = touched(low, high)?;
     Some((first, touched(high, first).unwrap_or(first)))
