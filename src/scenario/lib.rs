@@ -16,6 +16,7 @@ mod aggregate;
 mod block;
 mod case;
 mod conflict;
+mod conflict_area;
 mod criterion;
 mod declaration;
 mod declared;
@@ -51,6 +52,7 @@ pub use case::{
     VehicleSetup, VehicleStart, World,
 };
 pub use conflict::{Approach, Conflict, half_extent};
+pub use conflict_area::{ConflictArea, Stretch};
 pub use criterion::{
     Claim, Comparison, Criterion, MetricReference, Origin, People, Reach, Relation, VariationCondition,
     WhenUndefined, constant,

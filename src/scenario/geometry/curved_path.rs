@@ -197,6 +197,21 @@ impl CurvedPath {
         if beyond { (found.0.min(0.0), found.1.max(0.0)) } else { found }
     }
 
+    /// How far a rigid body of this length and width (m) whose middle follows the course sweeps to the right and to the left of it about
+    /// a place, m: half its width where it goes straight. In a bend its corners swing out, by the tightest bend that is under it.
+    pub fn swept(&self, place: f64, (length, width): (f64, f64)) -> (f64, f64) {
+        let (least, most) = self.bends_between(place - length / 2.0, place + length / 2.0);
+        let half = width / 2.0;
+        let swings_out = |bend: f64| {
+            if bend <= 0.0 {
+                return half;
+            }
+            let radius = 1.0 / bend;
+            libm::hypot(radius + half, length / 2.0) - radius
+        };
+        (swings_out(most), swings_out(-least))
+    }
+
     /// How far (m) it goes straight on from a place; infinite after its last bend.
     pub fn straight_ahead(&self, place: f64) -> f64 {
         let station = self.station(place);

@@ -377,15 +377,7 @@ impl Encounter {
 pub fn strip(car: &VehicleState, place: &Located) -> (f64, f64) {
     let half = car.width / 2.0;
     let Some(course) = car.path.course() else { return (-half, half) };
-    let (least, most) = course.bends_between(place.along - car.length / 2.0, place.along + car.length / 2.0);
-    let swings_out = |bend: f64| {
-        if bend <= 0.0 {
-            return half;
-        }
-        let radius = 1.0 / bend;
-        libm::hypot(radius + half, car.length / 2.0) - radius
-    };
-    let (left, right) = (swings_out(-least), swings_out(most));
+    let (right, left) = course.swept(place.along, (car.length, car.width));
     place.borders(right, left)
 }
 

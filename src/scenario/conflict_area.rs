@@ -1,0 +1,285 @@
+//! Where the ways of a vehicle and a person meet, by their bodies: the stretch of each on which they could touch.
+
+use nalgebra::Vector2;
+
+use super::geometry::CurvedPath;
+use super::{Conflict, Path};
+
+/// A stretch of a way.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stretch {
+    /// m
+    pub from: f64,
+    /// m
+    pub to: f64,
+}
+
+impl Stretch {
+    fn about(middle: f64, half: f64) -> Self {
+        Self { from: middle - half, to: middle + half }
+    }
+
+    /// For models that want one point, m.
+    pub fn middle(&self) -> f64 {
+        (self.from + self.to) / 2.0
+    }
+
+    /// Half its length, m.
+    pub fn half(&self) -> f64 {
+        (self.to - self.from) / 2.0
+    }
+}
+
+/// Where the ways of a vehicle and a person cross, with the stretches on which their bodies could touch.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ConflictArea {
+    /// Where the lines cross that their centres follow.
+    pub point: Conflict,
+    /// Between the directions of both, 0 to π rad.
+    pub angle: f64,
+    /// The places of the vehicle's centre at which its rectangle touches the band that the person walks.
+    pub vehicle: Stretch,
+    /// The distances of the person's centre along its way, from where it is, at which its body touches what the vehicle sweeps.
+    pub pedestrian: Stretch,
+}
+
+/// Who walks along a lane at less than this sine of the angle (20°) does not cross it.
+const CROSSES: f64 = 0.34;
+
+/// An end of a stretch on a bend is looked for in steps of this, m, …
+const LOOKS: f64 = 0.05;
+
+/// … and found to this, m.
+const CLOSE: f64 = 1e-10;
+
+impl Path {
+    /// The conflict of a vehicle that is at `place` of it, of this length and width, with somebody at `from` who walks along the
+    /// unit vector `way` and is so long along that and so wide (m each). Of several the first that the vehicle has not left, else the
+    /// last; `None` if the person walks along the path, at less than 20° to it.
+    pub fn conflict_area(
+        &self,
+        (place, size): (f64, (f64, f64)),
+        (from, way): (Vector2<f64>, Vector2<f64>),
+        body: (f64, f64),
+    ) -> Option<ConflictArea> {
+        let Some(course) = self.course() else {
+            let point = self.conflict(from, way)?;
+            let (cosine, sine) = (self.heading(place).dot(&way), way.y.abs());
+            let half =
+                |own: (f64, f64), other: f64| own.0 / 2.0 + (other / 2.0 + own.1 / 2.0 * cosine.abs()) / sine;
+            return (sine >= CROSSES).then(|| ConflictArea {
+                point,
+                angle: libm::atan2(sine, cosine),
+                vehicle: Stretch::about(point.place, half(size, body.1)),
+                pedestrian: Stretch::about(point.distance, half(body, size.1)),
+            });
+        };
+        let areas =
+            course.crossings(from, way).filter_map(|point| area(course, point, size, (from, way), body));
+        let left = |area: &ConflictArea| area.vehicle.to < place;
+        areas.reduce(|one, other| {
+            let nearer = match (left(&one), left(&other)) {
+                (false, false) => one.point.place <= other.point.place,
+                (true, true) => one.point.place >= other.point.place,
+                (one, _) => !one,
+            };
+            if nearer { one } else { other }
+        })
+    }
+}
+
+fn area(
+    course: &CurvedPath,
+    point: Conflict,
+    size: (f64, f64),
+    (from, way): (Vector2<f64>, Vector2<f64>),
+    body: (f64, f64),
+) -> Option<ConflictArea> {
+    let heading = course.tangent(point.place);
+    let (cosine, sine) = (heading.dot(&way), heading.perp(&way).abs());
+    // How far a rectangle along one of two unit vectors reaches across the other.
+    let across = |(length, width): (f64, f64), one: Vector2<f64>, other: Vector2<f64>| {
+        (length * one.perp(&other).abs() + width * one.dot(&other).abs()) / 2.0
+    };
+    let in_band = |place: f64| {
+        let pose = course.pose(place);
+        way.perp(&(pose.point - from)).abs() <= body.1 / 2.0 + across(size, pose.tangent(), way)
+    };
+    let is_swept = |distance: f64| {
+        let at = course.project(from + way * distance);
+        let reach = across(body, way, course.tangent(at.place));
+        let (right, left) = course.swept(at.place, size);
+        -right - reach <= at.left && at.left <= left + reach
+    };
+    (sine >= CROSSES).then(|| ConflictArea {
+        point,
+        angle: libm::atan2(sine, cosine),
+        vehicle: Stretch { from: end(in_band, point.place, -1.0), to: end(in_band, point.place, 1.0) },
+        pedestrian: Stretch {
+            from: end(is_swept, point.distance, -1.0),
+            to: end(is_swept, point.distance, 1.0),
+        },
+    })
+}
+
+/// How far what holds at a place holds on in one direction.
+fn end(holds: impl Fn(f64) -> bool, place: f64, sign: f64) -> f64 {
+    let mut inside = 0.0;
+    // Whoever crosses is out again after some lengths of a body.
+    while inside < 100.0 && holds(place + sign * (inside + LOOKS)) {
+        inside += LOOKS;
+    }
+    let mut outside = inside + LOOKS;
+    while outside - inside > CLOSE {
+        let middle = (inside + outside) / 2.0;
+        if holds(place + sign * middle) {
+            inside = middle;
+        } else {
+            outside = middle;
+        }
+    }
+    place + sign * inside
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::Direction;
+    use crate::geometry::{Piece, Pose, ReferenceLine};
+
+    const CAR: (f64, f64) = (4.358, 1.815);
+    const ADULT: (f64, f64) = (0.6, 0.5);
+
+    /// The far-side turn of Euro NCAP's CPTA at 10 km/h, which begins at the origin.
+    fn turn(side: f64) -> Path {
+        let [one, arc, other] =
+            Piece::turn(1500.0 * side, 9.0 * side, f64::to_radians(20.62), f64::to_radians(48.76));
+        let pieces = [Piece::line(30.0), one, arc, other, Piece::line(30.0)];
+        let start = Pose { point: Vector2::new(-30.0, 0.0), ..Pose::origin() };
+        let line = Arc::new(ReferenceLine::new(start, &pieces).unwrap());
+        Path::curved(CurvedPath::new(line, 0.0, Direction::Forward, 30.0).unwrap())
+    }
+
+    fn line(angle: f64) -> Path {
+        let start = Pose {
+            point: Vector2::new(libm::cos(angle), libm::sin(angle)) * -50.0,
+            heading: angle,
+            curvature: 0.0,
+        };
+        let line = Arc::new(ReferenceLine::new(start, &[Piece::line(100.0)]).unwrap());
+        Path::curved(CurvedPath::new(line, 0.0, Direction::Forward, 50.0).unwrap())
+    }
+
+    #[test]
+    fn on_a_straight_road_a_line_says_what_the_closed_form_says() {
+        let road = Path::straight(0.0, Direction::Forward);
+        for degrees in [90.0, 60.0, 45.0, 30.0, 120.0, 150.0, -90.0, -45.0] {
+            let angle = f64::to_radians(degrees);
+            let way = Vector2::new(libm::cos(angle), libm::sin(angle));
+            let from = Vector2::new(3.0, 1.0) - way * 5.0;
+            let one = road.conflict_area((-20.0, CAR), (from, way), ADULT).unwrap();
+            let (sine, cosine) = (way.y.abs(), way.x.abs());
+            let half = 4.358 / 2.0 + (0.25 + 1.815 / 2.0 * cosine) / sine;
+            assert!(
+                (one.vehicle.half() - half).abs() < 1e-12
+                    && (one.vehicle.middle() - one.point.place).abs() < 1e-12
+            );
+            assert!((one.angle - angle.abs()).abs() < 1e-12);
+            for turned in [0.0, 0.7, 2.0] {
+                let about = nalgebra::Rotation2::new(turned);
+                let other =
+                    line(turned).conflict_area((-20.0, CAR), (about * from, about * way), ADULT).unwrap();
+                for (one, other) in [
+                    (one.vehicle.from, other.vehicle.from),
+                    (one.vehicle.to, other.vehicle.to),
+                    (one.pedestrian.from, other.pedestrian.from),
+                    (one.pedestrian.to, other.pedestrian.to),
+                    (one.angle, other.angle),
+                ] {
+                    assert!((one - other).abs() < 1e-9, "{degrees}°, {turned}: {one} and {other}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn in_a_turn_the_stretch_before_the_point_is_not_that_behind_it() {
+        // 3 m before the turn's end, parallel to the road that the car leaves.
+        let from = Vector2::new(20.0, 12.380 - 3.0);
+        let found = turn(1.0).conflict_area((-10.0, CAR), (from, -Vector2::x()), ADULT).unwrap();
+        let (before, behind) = (found.point.place - found.vehicle.from, found.vehicle.to - found.point.place);
+        assert!((before - 2.635).abs() < 1e-3 && (behind - 2.434).abs() < 1e-3, "{before} m and {behind} m");
+        let right = turn(-1.0);
+        let mirrored =
+            right.conflict_area((-10.0, CAR), (Vector2::new(from.x, -from.y), -Vector2::x()), ADULT).unwrap();
+        for (one, other) in [
+            (found.vehicle.from, mirrored.vehicle.from),
+            (found.vehicle.to, mirrored.vehicle.to),
+            (found.pedestrian.from, mirrored.pedestrian.from),
+            (found.pedestrian.to, mirrored.pedestrian.to),
+            (found.angle, mirrored.angle),
+        ] {
+            assert!((one - other).abs() < 1e-9, "{one} and {other}");
+        }
+    }
+
+    #[test]
+    fn the_first_crossing_that_is_not_left_counts() {
+        // A way that crosses both legs of the turn.
+        let (from, way) = (Vector2::new(-9.0, -6.0), Vector2::new(1.0, 1.0).normalize());
+        let path = turn(1.0);
+        let at =
+            |place: f64| path.conflict_area((place, CAR), (from, way), ADULT).map(|found| found.point.place);
+        let (first, then) = (at(-20.0).unwrap(), at(2.0).unwrap());
+        assert!((path.point(first) - Vector2::new(-3.0, 0.0)).norm() < 1e-9, "{first}");
+        assert!(then > 10.0 && at(300.0) == Some(then), "{then}");
+        // Along the lane nobody crosses it.
+        assert_eq!(
+            path.conflict_area(
+                (-20.0, CAR),
+                (Vector2::new(-15.0, 1.0), Vector2::new(1.0, -0.1).normalize()),
+                ADULT
+            )
+            .map(|found| found.angle > 0.3),
+            None
+        );
+    }
+
+    proptest! {
+        #[test]
+        fn its_ends_are_where_corners_reach_the_band(place in -5.0..25.0, turned in 0.5..2.6, wide in 0.2..1.0) {
+            let path = turn(1.0);
+            let heading = path.heading(place);
+            let way = nalgebra::Rotation2::new(turned) * heading;
+            let from = path.point(place) - way * 6.0;
+            let found = path.conflict_area((-15.0, CAR), (from, way), (0.6, wide));
+            prop_assume!(found.is_some_and(|found| (found.point.place - place).abs() < 1e-6));
+            let found = found.unwrap();
+            // Looked at densely, by the corners.
+            let touches = |at: f64| {
+                let (centre, ahead) = (path.point(at), path.heading(at));
+                let left = Vector2::new(-ahead.y, ahead.x);
+                let corners = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)].map(|(x, y)| {
+                    way.perp(&(centre + ahead * (CAR.0 / 2.0 * x) + left * (CAR.1 / 2.0 * y) - from))
+                });
+                let low = corners.into_iter().fold(f64::INFINITY, f64::min);
+                let high = corners.into_iter().fold(f64::NEG_INFINITY, f64::max);
+                low <= wide / 2.0 && high >= -wide / 2.0
+            };
+            let mut at = found.point.place;
+            while touches(at) {
+                at += 1e-4;
+            }
+            prop_assert!((at - found.vehicle.to).abs() < 1e-3, "{at}, not {}", found.vehicle.to);
+            let mut at = found.point.place;
+            while touches(at) {
+                at -= 1e-4;
+            }
+            prop_assert!((at - found.vehicle.from).abs() < 1e-3, "{at}, not {}", found.vehicle.from);
+        }
+    }
+}
