@@ -170,8 +170,9 @@ fn two_vehicles_and_perception() -> Outcome {
 }
 
 /// What a program does, its kind of fault, and words that are said of it.
-const MISBEHAVIOURS: [(&str, &str, &str); 19] = [
+const MISBEHAVIOURS: [(&str, &str, &str); 20] = [
     ("answers_twice", "garbage", "it said more than it was asked for"),
+    ("answers_again", "garbage", "it said more than it was asked for"),
     ("crash", "exited", "it ended with exit code 1"),
     ("abort", "exited", "it was ended by signal 6 (SIGABRT)"),
     ("segfault", "exited", "it was ended by signal 11 (SIGSEGV)"),

@@ -152,5 +152,6 @@ pub fn converse(
     }
     let closing: Vec<(usize, &str)> = slots.iter().map(|slot| (*slot, "completed")).collect();
     process.close(&closing)?;
+    process.confirm()?;
     Ok(spoken)
 }

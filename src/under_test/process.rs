@@ -214,12 +214,7 @@ impl Process {
     ) -> Result<Vec<(usize, ProgramFault)>, Failed> {
         self.say(said);
         self.exchange(Duration::from_secs_f64(self.program.starts_within), slots.len())?;
-        let text = if self.hello.encoding == Encoding::F64 {
-            self.answer.get(4..).unwrap_or(&[])
-        } else {
-            &self.answer
-        };
-        let value: Option<Json> = serde_json::from_slice(text).ok();
+        let value: Option<Json> = serde_json::from_slice(self.text()).ok();
         if let Some(fault) = value.as_ref().and_then(wire::last_refusal) {
             return Err(self.gone(fault));
         }
@@ -241,10 +236,41 @@ impl Process {
             None => {
                 let fault = ProgramFault::new(
                     FaultKind::Garbage,
-                    format!("{} does not say which runs are ready", quoted(text)),
+                    format!("{} does not say which runs are ready", quoted(self.text())),
                 );
                 Err(self.gone(fault))
             }
+        }
+    }
+
+    /// Asks for nothing, and sees that nothing else is answered: what it said besides its answers until now would have been taken for
+    /// one of them. A module inside this process has no way to say such.
+    ///
+    /// # Errors
+    /// If it said more than it was asked for, or does not answer. The process is then gone.
+    pub fn confirm(&mut self) -> Result<(), Failed> {
+        if let Channel::Guest(_) = self.channel {
+            return Ok(());
+        }
+        self.say(&wire::open(&[]));
+        self.exchange(Duration::from_secs_f64(self.program.answers_within), 1)?;
+        let value: Option<Json> = serde_json::from_slice(self.text()).ok();
+        if let Some(fault) = value.as_ref().and_then(wire::last_refusal) {
+            return Err(self.gone(fault));
+        }
+        let is_ready = |value: &Json| value.get("ready").and_then(Json::as_array).is_some_and(Vec::is_empty);
+        if value.as_ref().is_some_and(is_ready) {
+            return Ok(());
+        }
+        let fault = wire::unasked(self.text());
+        Err(self.gone(fault))
+    }
+
+    /// What it answered to what is not a step.
+    fn text(&self) -> &[u8] {
+        match self.hello.encoding {
+            Encoding::F64 => self.answer.get(4..).unwrap_or(&[]),
+            Encoding::Json => &self.answer,
         }
     }
 

@@ -299,6 +299,18 @@ impl Child {
                 let answer = json!({"answer": [{"acceleration": 0.0}]});
                 Some(format!("{answer}\n{answer}"))
             }
+            // Once, and when the first has long been read: from then on each of its answers is to the request before.
+            "answers_again" if late && first.time < 0.52 => {
+                let answer = json!({"answer": [{"acceleration": 0.0}]});
+                say(format!("{answer}\n").as_bytes());
+                thread::sleep(Duration::from_millis(20));
+                Some(answer.to_string())
+            }
+            // Never are two of them there at once.
+            "answers_again" if late => {
+                thread::sleep(Duration::from_millis(2));
+                None
+            }
             "too_few" if late => Some(json!({"answer": []}).to_string()),
             "endless" if late => {
                 let line = vec![b'a'; 1 << 20];

@@ -89,6 +89,7 @@ pub fn what_a_parent_must_not_is_an_error() -> Outcome {
         ("garbage", "garbage: `what is this?` is no"),
         ("too_few", "garbage: it answered for 0 runs, asked for 1"),
         ("answers_twice", "garbage: it said more than it was asked for"),
+        ("answers_again", "garbage: it said more than it was asked for"),
         ("endless", "garbage: a line of more than 1 MiB"),
         ("nan", "bad_value: "),
         ("refuses", "refused: lane is None"),

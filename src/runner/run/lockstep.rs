@@ -1,7 +1,8 @@
 //! Many runs in lockstep: each goes on until a program decides, and programs are asked for all of them at once.
 //!
 //! What comes of a run depends neither on the others nor on how many there are. Where a program fails with many runs, each is made
-//! again alone with a fresh process, so that only those are blamed that fail alone.
+//! again alone with a fresh process, so that only those are blamed that fail alone. What comes of a run counts once its programs were seen
+//! to have said nothing besides their answers.
 
 use std::collections::{HashSet, VecDeque};
 use std::mem;
@@ -9,9 +10,9 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::job::{Done, Job, JobPlace};
-use super::program_run::{AskedAt, Begun, ProgramRun, SlotRequest, StageEnds};
+use super::program_run::{AskedAt, Begun, ProgramRun, SlotRequest, StageEnd, StageEnds};
 use scenario::{DeclaredProgram, Delay};
-use under_test::{AcquiredProcesses, FaultKind, ProcessPool, ProgramFault};
+use under_test::{AcquiredProcesses, FaultKind, Process, ProcessPool, ProgramFault};
 
 /// Between two looks at whether runs are still wanted.
 const CHECK_INTERVAL: Duration = Duration::from_millis(100);
@@ -77,6 +78,8 @@ struct Lockstep<'y, 'd> {
     free: Vec<Vec<usize>>,
     /// Slots that are to be closed, for each program, with how their runs ended.
     closing: Vec<Vec<(usize, &'static str)>>,
+    /// What has ended, its programs not being seen yet to be in step: an answer too many makes all that follow it answers to something else.
+    unconfirmed: Vec<(ProgramRun, StageEnd)>,
     /// Runs that wait for a free flow that is under way.
     waiting_for_flow: VecDeque<Job>,
     flows: HashSet<[u8; 32]>,
@@ -106,6 +109,7 @@ impl<'y, 'd> Lockstep<'y, 'd> {
             is_alone: false,
             free: vec![Vec::new(); programs],
             closing: vec![Vec::new(); programs],
+            unconfirmed: Vec::new(),
             waiting_for_flow: VecDeque::new(),
             flows: HashSet::new(),
             retries: VecDeque::new(),
@@ -141,6 +145,8 @@ impl<'y, 'd> Lockstep<'y, 'd> {
             self.close();
             self.open();
             self.go_on();
+            self.close();
+            self.confirm();
             self.check_wanted();
         }
         self.close();
@@ -364,54 +370,95 @@ impl<'y, 'd> Lockstep<'y, 'd> {
         }
     }
 
-    /// Takes out what has ended. A run whose free flow has ended goes on.
+    /// Takes out what has ended.
     fn end(&mut self, ended: StageEnds) {
         // From behind, so that the places of the others stay.
         for (index, end) in ended.last_first() {
-            if let Some(flow) = self.runs[index].flow() {
-                self.flows.remove(&flow);
-            }
+            let mut run = self.runs.swap_remove(index);
             if end.is_finished()
-                && let Some(record) = self.processes.record_of(self.runs[index].key())
+                && let Some(record) = self.processes.record_of(run.key())
             {
                 record.closed(end.word());
             }
-            self.runs[index].close(end.word(), &mut self.closing);
-            match end.next_stage() {
-                Ok(()) => match self.runs[index].begin_run() {
-                    Some(done) => {
-                        let run = self.runs.swap_remove(index);
-                        run.free_slots(&mut self.free);
-                        self.done(done);
-                    }
-                    None => continue,
-                },
-                Err(end) => {
-                    let run = self.runs.swap_remove(index);
-                    run.free_slots(&mut self.free);
-                    if end.is_finished() {
-                        self.processes.finished();
-                    }
-                    let done = run.done(end);
-                    self.done(done);
-                }
+            run.close(end.word(), &mut self.closing);
+            match end {
+                StageEnd::Failed(..) => self.settle(run, end),
+                _ => self.unconfirmed.push((run, end)),
             }
         }
     }
 
-    /// A process is gone: the run that it was asked for alone has that fault, of several each is made again alone.
+    /// Sees that the programs of what has ended are in step, and tells what became of it.
+    fn confirm(&mut self) {
+        if self.unconfirmed.is_empty() {
+            return;
+        }
+        for index in 0..self.processes.len() {
+            if let Err(fault) = self.processes.process(index).and_then(Process::confirm) {
+                return self.fail(index, &[], fault);
+            }
+        }
+        for (run, end) in mem::take(&mut self.unconfirmed) {
+            self.settle(run, end);
+        }
+    }
+
+    /// Tells what became of a run; one whose free flow has ended goes on.
+    fn settle(&mut self, mut run: ProgramRun, end: StageEnd) {
+        if let Some(flow) = run.flow() {
+            self.flows.remove(&flow);
+        }
+        let done = match end {
+            StageEnd::Flow => match run.begin_run() {
+                Some(done) => {
+                    run.free_slots(&mut self.free);
+                    done
+                }
+                None => return self.runs.push(run),
+            },
+            end => {
+                run.free_slots(&mut self.free);
+                if end.is_finished() {
+                    self.processes.finished();
+                }
+                run.done(end)
+            }
+        };
+        self.done(done);
+    }
+
+    /// A process is gone: the run that it was asked for alone has that fault, of several each is made again alone. Where it was asked for
+    /// none, it was about what has ended.
     fn fail(&mut self, program: usize, asked: &[usize], fault: ProgramFault) {
         self.closing[program].clear();
-        if let ([_], true) = (self.runs.as_slice(), asked.contains(&0) || !self.retries.is_empty()) {
-            let mut ended = StageEnds::default();
-            ended.add(0, self.runs[0].fault_of(program, fault));
-            return self.end(ended);
+        let is_one = self.runs.len() + self.unconfirmed.len() == 1;
+        if is_one && (asked.contains(&0) || !self.retries.is_empty() || self.runs.is_empty()) {
+            match self.unconfirmed.pop() {
+                Some((mut run, end)) => {
+                    let named = (program, &**self.processes.program(program));
+                    let end = run.unconfirmed(&end, named, fault);
+                    self.settle(run, end);
+                }
+                None => {
+                    let mut ended = StageEnds::default();
+                    ended.add(0, self.runs[0].fault_of(program, fault));
+                    self.end(ended);
+                }
+            }
+            return;
         }
+        let ended = mem::take(&mut self.unconfirmed).into_iter().map(|(run, end)| {
+            let reached = run.ended_at(&end);
+            (run, reached, asked.is_empty())
+        });
         // The same programs decide in all of them.
-        for (index, mut run) in mem::take(&mut self.runs).into_iter().enumerate() {
+        let under_way = mem::take(&mut self.runs).into_iter().enumerate().map(|(index, run)| {
+            let reached = run.reached();
+            (run, reached, asked.contains(&index))
+        });
+        for (mut run, reached, was_asked) in ended.chain(under_way) {
             run.close("abandoned", &mut self.closing);
             run.free_slots(&mut self.free);
-            let (was_asked, reached) = (asked.contains(&index), run.reached());
             self.retries.push_back(Retry { job: run.into_job(), was_asked, reached, fault: fault.clone() });
         }
         self.closing[program].clear();

@@ -9,7 +9,7 @@ use super::free_flow::{Begun as BegunFlow, FreeFlowRun, SEED};
 use super::job::{Done, Job, JobFailure, JobPlace, LoggedDecision, Ran, Wanted, Watcher};
 use super::panic::{Panicked, in_case};
 use numbers::random::ranks;
-use scenario::{CrossingKind, DeclaredProgram, Delay, World};
+use scenario::{CrossingKind, DeclaredProgram, Delay, VehicleSetup, World};
 use sim::random::{Agent, Purpose, stream};
 use sim::{Course, Fault, Progress, StopReason};
 use under_test::{AcquiredProcesses, Answered, Decision, DueDecision, FaultKind, Opened, ProgramFault};
@@ -109,11 +109,6 @@ impl StageEnd {
             },
             Self::Failed(word, _) => word,
         }
-    }
-
-    /// Whether the run itself begins now.
-    pub fn next_stage(self) -> Result<(), Self> {
-        if matches!(self, Self::Flow) { Ok(()) } else { Err(self) }
     }
 
     pub fn is_finished(&self) -> bool {
@@ -448,6 +443,30 @@ impl ProgramRun {
         self.done(end)
     }
 
+    /// Up to where it has come when it ended like that.
+    pub fn ended_at(&self, end: &StageEnd) -> AskedAt {
+        match end {
+            StageEnd::Ran(ran) => AskedAt { time: Some(ran.outcome.ending.time), free_flow: false },
+            _ => self.reached(),
+        }
+    }
+
+    /// That it ended counts for nothing, since a program was not in step.
+    pub fn unconfirmed(
+        &mut self,
+        end: &StageEnd,
+        (index, program): (usize, &DeclaredProgram),
+        fault: ProgramFault,
+    ) -> StageEnd {
+        match self.stage {
+            Stage::Nothing => {
+                let error = failure(self.world(), program, fault, self.ended_at(end));
+                StageEnd::Failed("abandoned", JobFailure::Error(error))
+            }
+            Stage::Flow(_) | Stage::Run(_) => self.fault_of(index, fault),
+        }
+    }
+
     /// What became of it.
     pub fn done(self, end: StageEnd) -> Done {
         match end {
@@ -463,18 +482,7 @@ impl ProgramRun {
     }
 
     fn refused_at(job: Job, program: &DeclaredProgram, fault: ProgramFault, reached: AskedAt) -> Done {
-        let vehicles = job.case.world.vehicles.iter();
-        let own = |car: &&scenario::VehicleSetup| {
-            let model = car.controller.model.known();
-            model.and_then(|model| model.program.as_ref()).is_some_and(|one| **one == *program)
-        };
-        let who = vehicles.clone().find(own).or(vehicles.clone().next()).map_or("", |car| car.name.as_str());
-        let error = RunError::Controller {
-            who: who.to_string(),
-            time: reached.time.unwrap_or(0.0 - program.settles),
-            free_flow: reached.free_flow,
-            error: fault.of(program).into_error(),
-        };
+        let error = failure(&job.case.world, program, fault, reached);
         failed(job, JobFailure::Error(error))
     }
 
@@ -486,6 +494,21 @@ impl ProgramRun {
             Some(program) => Self::refused_at(job, program, fault, reached),
             None => unreachable!("a program failed in it"),
         }
+    }
+}
+
+/// That a program failed, as an error of the vehicle that it decides for.
+fn failure(world: &World, program: &DeclaredProgram, fault: ProgramFault, reached: AskedAt) -> RunError {
+    let own = |car: &&VehicleSetup| {
+        let model = car.controller.model.known();
+        model.and_then(|model| model.program.as_ref()).is_some_and(|one| **one == *program)
+    };
+    let who = world.vehicles.iter().find(own).or(world.vehicles.first()).map_or("", |car| car.name.as_str());
+    RunError::Controller {
+        who: who.to_string(),
+        time: reached.time.unwrap_or(0.0 - program.settles),
+        free_flow: reached.free_flow,
+        error: fault.of(program).into_error(),
     }
 }
 
