@@ -767,8 +767,21 @@ fn tune_finds_the_best_of_a_program() -> Outcome {
 
 #[cfg(unix)]
 fn nothing_is_left_of_a_program_when_the_runner_is_killed() -> Outcome {
+    let allowed = ["meet.scn", "--allow-run", "--no-progress"];
+    is_gone_with(|folder| runner(folder, &allowed))?;
+    // Tests of a project are such a runner, too.
+    is_gone_with(|folder| {
+        let mut tests = runner(folder, &[]);
+        tests.env(ROLE, "supervised_tests").env("SCENARIO_RUNNER_ALLOW_RUN", "own");
+        tests
+    })
+}
+
+/// A program that does not answer is ended with who asked it.
+#[cfg(unix)]
+fn is_gone_with(runner: impl Fn(&Path) -> Command) -> Outcome {
     let folder = in_folder(&scenario("kind=hang", "answers within 600 s"));
-    let mut started = runner(folder.path(), &["meet.scn", "--allow-run", "--no-progress"])
+    let mut started = runner(folder.path())
         .stdout(Stdio::null())
         .stderr(Stdio::null())
         .spawn()?;
@@ -808,6 +821,7 @@ fn main() -> ExitCode {
         Ok("middle") => parent::middle(),
         Ok("runner") => return cli::main(&standard()),
         Ok("tests") => return second_runs::project(),
+        Ok("supervised_tests") => return scenario_runner::testing::run(&["meet.scn"], &standard()),
         _ => {}
     }
     let misbehaviours = MISBEHAVIOURS.iter().map(|(kind, fault, words)| {

@@ -49,7 +49,7 @@ pub use exit::Exit;
 use ::report::console::{stderr, stdout};
 use runner::run::note_places;
 use scenario::registry::Registry;
-use under_test::supervise;
+use under_test::supervise_if_asked;
 
 /// Tests automated-vehicle controllers against pedestrians who behave like people.
 ///
@@ -113,15 +113,6 @@ enum Command {
     Allow(allow::AllowArguments),
     /// Find out whether a program keeps to the protocol, or ask it again what it was asked in a run.
     Try(try_program::TryArguments),
-    /// Runs a program as long as the process of that number is there.
-    #[command(hide = true)]
-    Supervise {
-        runner: u32,
-        #[arg(long, value_name = "NAME=VALUE")]
-        set: Vec<String>,
-        #[arg(last = true)]
-        command: Vec<String>,
-    },
     /// Loads a functional mock-up unit, and is asked for decisions.
     #[command(hide = true)]
     FmuHost { plan: PathBuf },
@@ -141,10 +132,10 @@ fn shows_progress(unwanted: bool) -> bool {
 /// `registry`.
 pub fn main(registry: &Registry) -> ExitCode {
     note_places();
-    let parsed = Cli::try_parse();
-    if let Ok(Cli { command: Some(Command::Supervise { runner, set, command }), .. }) = &parsed {
-        return supervise(*runner, set, command);
+    if let Some(ended) = supervise_if_asked() {
+        return ended;
     }
+    let parsed = Cli::try_parse();
     if let Ok(Cli { command: Some(Command::FmuHost { plan }), .. }) = &parsed {
         return fmu_host(plan);
     }
@@ -206,7 +197,7 @@ fn obey(cli: Cli, registry: &Registry) -> Exit {
         Some(Command::Shrink(arguments)) => shrink::shrink(&arguments, registry),
         Some(Command::Allow(arguments)) => allow::allow(&arguments, registry),
         Some(Command::Try(arguments)) => try_program::try_program(&arguments, registry),
-        Some(Command::Supervise { .. } | Command::FmuHost { .. }) => Exit::Usage,
+        Some(Command::FmuHost { .. }) => Exit::Usage,
         Some(Command::Help(arguments)) => help::help(&arguments),
     }
 }

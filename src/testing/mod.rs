@@ -28,7 +28,6 @@
 mod fingerprints;
 
 use std::collections::HashSet;
-#[cfg(feature = "fmu")]
 use std::env;
 use std::path::Path;
 use std::process::ExitCode;
@@ -51,7 +50,7 @@ use scenario::Gate;
 use scenario::registry::Registry;
 #[cfg(feature = "fmu")]
 use under_test::fmu_host;
-use under_test::{Allowed, Permission, ProcessPool};
+use under_test::{Allowed, Permission, ProcessPool, supervise_if_asked};
 
 /// Why there are no tests.
 #[derive(Debug, Error)]
@@ -78,8 +77,14 @@ pub enum TestingError {
 
 /// Runs every unit and judges every gate of the suites and scenarios that the glob patterns name, as the program's arguments say: they are those
 /// of `cargo test`. The exit code is 101 if something did not pass or could not be loaded.
+///
+/// Call it before anything else: this program is started once more beside each program that decides, and ends that if these tests are gone,
+/// however they went.
 pub fn run(patterns: &[&str], registry: &Registry) -> ExitCode {
-    conclude(trials(patterns, registry))
+    if let Some(ended) = supervise_if_asked() {
+        return ended;
+    }
+    conclude(Suites::open(patterns, registry, &[], true).and_then(|suites| suites.tests(patterns)))
 }
 
 /// Runs tests as the program's arguments say. The exit code is 101 if one failed or there are none for a reason.
@@ -118,7 +123,7 @@ impl Suites {
     }
 
     /// As [`Self::load`]; the programs of declared controllers of these names may run, besides those that the user or the
-    /// environment allows.
+    /// environment allows. Unlike with [`run`], they are ended with these tests only if these are not ended from one moment to the next.
     ///
     /// # Errors
     /// As [`Self::load`].
@@ -126,6 +131,15 @@ impl Suites {
         patterns: &[&str],
         registry: &Registry,
         programs: &[&str],
+    ) -> Result<Self, TestingError> {
+        Self::open(patterns, registry, programs, false)
+    }
+
+    fn open(
+        patterns: &[&str],
+        registry: &Registry,
+        programs: &[&str],
+        is_supervisor: bool,
     ) -> Result<Self, TestingError> {
         #[cfg(feature = "fmu")]
         be_fmu_host();
@@ -135,7 +149,7 @@ impl Suites {
         notices.iter().for_each(|notice| stderr().styled(&notice.render(Style::default())));
         let project = opened.map_err(|_| TestingError::Invalid)?;
         // Tests own what they need and live as long as the process.
-        Ok(Self(Arc::new(Tested::new(Box::leak(Box::new(project)), programs))))
+        Ok(Self(Arc::new(Tested::new(Box::leak(Box::new(project)), programs, is_supervisor))))
     }
 
     /// Which of the runs in which programs decide are made a second time, alone in another process, to see whether they come out the same: the
@@ -247,7 +261,7 @@ struct Tested {
 }
 
 impl Tested {
-    fn new(project: &'static Project, programs: &[&str]) -> Self {
+    fn new(project: &'static Project, programs: &[&str], is_supervisor: bool) -> Self {
         let threads = Threads::all();
         let mut permission = Permission::default().of_environment().named(programs.iter().copied());
         if let Ok(allowed) = Allowed::place().and_then(Allowed::read) {
@@ -255,8 +269,8 @@ impl Tested {
         }
         // What may not be run is an error of each test that needs it.
         let pool = ProcessPool::new(permission, threads.parallelism());
-        #[cfg(feature = "fmu")]
         let pool = match env::current_exe() {
+            Ok(own) if is_supervisor && cfg!(unix) => pool.fmu_host(&own).supervised_by(own),
             Ok(own) => pool.fmu_host(own),
             Err(_) => pool,
         };

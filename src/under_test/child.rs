@@ -12,7 +12,7 @@ use super::log::ProgramLog;
 use super::lookup;
 use super::quote::quoted;
 use super::start::{StartError, StartProblem};
-use super::supervise::BY_SIGNAL;
+use super::supervise::{BY_SIGNAL, SUPERVISE};
 use super::watchdog::{Watchdog, Watched};
 use super::wire::{self, MOST_LINES_BEFORE_HELLO};
 use scenario::DeclaredProgram;
@@ -69,7 +69,7 @@ impl Child {
         let mut command = match supervisor {
             Some(supervisor) => {
                 let mut command = Command::new(supervisor);
-                command.args(["supervise", &std::process::id().to_string()]);
+                command.args([SUPERVISE, &std::process::id().to_string()]);
                 // It is the program's, not that of what supervises it.
                 environment.for_each(|(name, value)| _ = command.arg(format!("--set={name}={value}")));
                 command.arg("--").arg(&executable);

@@ -45,6 +45,6 @@ pub use pool::{AcquiredProcesses, Prepared, ProcessPool, ProgramUse};
 pub use process::{Failed, Process};
 pub use scenario::{FaultKind, ProgramFault};
 pub use start::{StartError, StartProblem};
-pub use supervise::supervise;
+pub use supervise::supervise_if_asked;
 pub use wire::{Answered, Decision, DueDecision, Opened};
 pub use wire_record::{WireRecord, WireRecordError, read_conversations};

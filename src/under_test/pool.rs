@@ -84,7 +84,7 @@ impl ProcessPool {
         Self { logs: Some(folder.into()), ..self }
     }
 
-    /// The same, with this executable (ours: see [`supervise`](super::supervise)) between it and each program, so that nothing is
+    /// The same, with this executable (ours: see [`supervise_if_asked`](super::supervise_if_asked)) between it and each program, so that nothing is
     /// left of a program even if this process is ended from one moment to the next.
     pub fn supervised_by(self, executable: impl Into<PathBuf>) -> Self {
         Self { supervisor: Some(executable.into()), ..self }

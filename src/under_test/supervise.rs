@@ -1,12 +1,30 @@
 //! A small process between the runner and a program, which ends the program and all of its group if the runner is gone,
 //! however it went.
 
+use std::env;
 use std::process::{Command, ExitCode};
+
+/// The first word of the command line of such a process.
+pub const SUPERVISE: &str = "supervise";
+
+/// Supervises a program if this process was started for that (see [`ProcessPool::supervised_by`](super::ProcessPool::supervised_by)), and then
+/// gives how that ended. `main` calls it before it does anything else.
+pub fn supervise_if_asked() -> Option<ExitCode> {
+    let mut words = env::args_os().skip(1);
+    if words.next()? != SUPERVISE {
+        return None;
+    }
+    let words: Vec<String> = words.map(|word| word.into_string().ok()).collect::<Option<_>>()?;
+    let (runner, words) = words.split_first()?;
+    let ahead = words.iter().position(|word| word == "--")?;
+    let set = words[..ahead].iter().map(|word| word.strip_prefix("--set=").map(str::to_string));
+    Some(supervise(runner.parse().ok()?, &set.collect::<Option<Vec<_>>>()?, &words[ahead + 1..]))
+}
 
 /// Starts the command, with these `NAME=VALUE` in its environment, and gives back how it ended. `runner` is the number of the process that started this one: once that is
 /// gone, the whole group is ended, this process included.
 #[cfg(unix)]
-pub fn supervise(runner: u32, environment: &[String], command: &[String]) -> ExitCode {
+fn supervise(runner: u32, environment: &[String], command: &[String]) -> ExitCode {
     use std::os::unix::process::{ExitStatusExt, parent_id};
     use std::thread;
     use std::time::Duration;
@@ -43,7 +61,7 @@ pub fn supervise(runner: u32, environment: &[String], command: &[String]) -> Exi
 
 /// Starts the command and gives back how it ended.
 #[cfg(not(unix))]
-pub fn supervise(_runner: u32, environment: &[String], command: &[String]) -> ExitCode {
+fn supervise(_runner: u32, environment: &[String], command: &[String]) -> ExitCode {
     let Some((program, arguments)) = command.split_first() else { return ExitCode::from(CANNOT_START) };
     let status = Command::new(program)
         .args(arguments)
