@@ -100,7 +100,7 @@ fn among_cars_20_s(bencher: Bencher, cars: usize) {
             sights.extend((0..cars).map(|other| {
                 let time = 22.0 + 2.0 * other as f64 - dt * f64::from(step);
                 let state = State { distance: time * speed, speed, acceleration: 0.0 };
-                Sight { other, path: 0, own, state, conflict: ConflictState::Open }
+                Sight { other, path: 0, own, state, apart: None, conflict: ConflictState::Open }
             }));
             let decision = agent.step_among(&sights, &rules, &mut draws).unwrap();
             own.acceleration = decision.acceleration;

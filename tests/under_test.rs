@@ -781,10 +781,7 @@ fn nothing_is_left_of_a_program_when_the_runner_is_killed() -> Outcome {
 #[cfg(unix)]
 fn is_gone_with(runner: impl Fn(&Path) -> Command) -> Outcome {
     let folder = in_folder(&scenario("kind=hang", "answers within 600 s"));
-    let mut started = runner(folder.path())
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .spawn()?;
+    let mut started = runner(folder.path()).stdout(Stdio::null()).stderr(Stdio::null()).spawn()?;
     let own = folder.path().canonicalize()?;
     let there = || processes_in(&own);
     let wait = |until: &dyn Fn(&[u32]) -> bool| {

@@ -35,8 +35,8 @@ impl Stretch {
 pub struct ConflictArea {
     /// Where the lines cross that their centres follow.
     pub point: Conflict,
-    /// Between the directions of both, 0 to π rad.
-    pub angle: f64,
+    /// Cosine of the angle between the directions of both: 0 where they meet at a right angle, above 0 where they go the same way.
+    pub cosine: f64,
     /// The places of the vehicle's centre at which its rectangle touches the band that the person walks.
     pub vehicle: Stretch,
     /// The distances of the person's centre along its way, from where it is, at which its body touches what the vehicle sweeps.
@@ -52,6 +52,20 @@ const LOOKS: f64 = 0.05;
 /// … and found to this, m.
 const CLOSE: f64 = 1e-10;
 
+impl ConflictArea {
+    /// Of somebody who crosses a straight path at the angle of this cosine and sine.
+    fn of_lines(point: Conflict, (cosine, sine): (f64, f64), vehicle: (f64, f64), body: (f64, f64)) -> Self {
+        let half =
+            |own: (f64, f64), other: f64| own.0 / 2.0 + (other / 2.0 + own.1 / 2.0 * cosine.abs()) / sine;
+        Self {
+            point,
+            cosine,
+            vehicle: Stretch::about(point.place, half(vehicle, body.1)),
+            pedestrian: Stretch::about(point.distance, half(body, vehicle.1)),
+        }
+    }
+}
+
 impl Path {
     /// The conflict of a vehicle that is at `place` of it, of this length and width, with somebody at `from` who walks along the
     /// unit vector `way` and is so long along that and so wide (m each). Of several the first that the vehicle has not left, else the
@@ -65,14 +79,7 @@ impl Path {
         let Some(course) = self.course() else {
             let point = self.conflict(from, way)?;
             let (cosine, sine) = (self.heading(place).dot(&way), way.y.abs());
-            let half =
-                |own: (f64, f64), other: f64| own.0 / 2.0 + (other / 2.0 + own.1 / 2.0 * cosine.abs()) / sine;
-            return (sine >= CROSSES).then(|| ConflictArea {
-                point,
-                angle: libm::atan2(sine, cosine),
-                vehicle: Stretch::about(point.place, half(size, body.1)),
-                pedestrian: Stretch::about(point.distance, half(body, size.1)),
-            });
+            return (sine >= CROSSES).then(|| ConflictArea::of_lines(point, (cosine, sine), size, body));
         };
         let areas =
             course.crossings(from, way).filter_map(|point| area(course, point, size, (from, way), body));
@@ -97,6 +104,14 @@ fn area(
 ) -> Option<ConflictArea> {
     let heading = course.tangent(point.place);
     let (cosine, sine) = (heading.dot(&way), heading.perp(&way).abs());
+    if sine < CROSSES {
+        return None;
+    }
+    let of_lines = ConflictArea::of_lines(point, (cosine, sine), size, body);
+    let within = of_lines.vehicle.half() + of_lines.pedestrian.half() + size.0;
+    if course.tightest_between(point.place - within, point.place + within) == 0.0 {
+        return Some(of_lines);
+    }
     // How far a rectangle along one of two unit vectors reaches across the other.
     let across = |(length, width): (f64, f64), one: Vector2<f64>, other: Vector2<f64>| {
         (length * one.perp(&other).abs() + width * one.dot(&other).abs()) / 2.0
@@ -111,9 +126,9 @@ fn area(
         let (right, left) = course.swept(at.place, size);
         -right - reach <= at.left && at.left <= left + reach
     };
-    (sine >= CROSSES).then(|| ConflictArea {
+    Some(ConflictArea {
         point,
-        angle: libm::atan2(sine, cosine),
+        cosine,
         vehicle: Stretch { from: end(in_band, point.place, -1.0), to: end(in_band, point.place, 1.0) },
         pedestrian: Stretch {
             from: end(is_swept, point.distance, -1.0),
@@ -188,7 +203,7 @@ mod tests {
                 (one.vehicle.half() - half).abs() < 1e-12
                     && (one.vehicle.middle() - one.point.place).abs() < 1e-12
             );
-            assert!((one.angle - angle.abs()).abs() < 1e-12);
+            assert!((one.cosine - libm::cos(angle)).abs() < 1e-12);
             for turned in [0.0, 0.7, 2.0] {
                 let about = nalgebra::Rotation2::new(turned);
                 let other =
@@ -198,7 +213,7 @@ mod tests {
                     (one.vehicle.to, other.vehicle.to),
                     (one.pedestrian.from, other.pedestrian.from),
                     (one.pedestrian.to, other.pedestrian.to),
-                    (one.angle, other.angle),
+                    (one.cosine, other.cosine),
                 ] {
                     assert!((one - other).abs() < 1e-9, "{degrees}°, {turned}: {one} and {other}");
                 }
@@ -221,7 +236,7 @@ mod tests {
             (found.vehicle.to, mirrored.vehicle.to),
             (found.pedestrian.from, mirrored.pedestrian.from),
             (found.pedestrian.to, mirrored.pedestrian.to),
-            (found.angle, mirrored.angle),
+            (found.cosine, mirrored.cosine),
         ] {
             assert!((one - other).abs() < 1e-9, "{one} and {other}");
         }
@@ -244,7 +259,7 @@ mod tests {
                 (Vector2::new(-15.0, 1.0), Vector2::new(1.0, -0.1).normalize()),
                 ADULT
             )
-            .map(|found| found.angle > 0.3),
+            .map(|found| libm::acos(found.cosine) > 0.3),
             None
         );
     }

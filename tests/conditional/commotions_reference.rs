@@ -21,8 +21,10 @@ use std::collections::BTreeMap;
 
 use super::{shared, with};
 
-const PEDESTRIAN: AgentBody = AgentBody { control: Control::Speed, half_extent: 1.3, width: 0.8 };
-const VEHICLE: AgentBody = AgentBody { control: Control::Acceleration, half_extent: 2.5, width: 1.8 };
+const PEDESTRIAN: AgentBody =
+    AgentBody { control: Control::Speed, half_extent: 1.3, cosine: 0.0, width: 0.8 };
+const VEHICLE: AgentBody =
+    AgentBody { control: Control::Acceleration, half_extent: 2.5, cosine: 0.0, width: 1.8 };
 /// Distances and speeds of a simulation agree within this (m, m/s).
 const STATE_TOLERANCE: f64 = 1e-9;
 const PROBE_TOLERANCE: f64 = 1e-6;

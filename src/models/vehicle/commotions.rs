@@ -157,7 +157,7 @@ impl Driver {
                 let own = State { distance: seen.ahead, speed: ego.speed, acceleration: ego.acceleration };
                 let state = seen.state;
                 // People walk in no lanes and overtake each other: everybody is the next on a path of their own.
-                self.sights.push(Sight { other, path: other, own, state, conflict });
+                self.sights.push(Sight { other, path: other, own, state, apart: None, conflict });
             }
         }
     }

@@ -177,8 +177,10 @@ mod tests {
     use super::*;
     use crate::pedestrian::commotions::State;
 
-    const PEDESTRIAN: AgentBody = AgentBody { control: Control::Speed, half_extent: 1.3, width: 0.8 };
-    const VEHICLE: AgentBody = AgentBody { control: Control::Acceleration, half_extent: 2.5, width: 1.8 };
+    const PEDESTRIAN: AgentBody =
+        AgentBody { control: Control::Speed, half_extent: 1.3, cosine: 0.0, width: 0.8 };
+    const VEHICLE: AgentBody =
+        AgentBody { control: Control::Acceleration, half_extent: 2.5, cosine: 0.0, width: 1.8 };
     const WALK: Manner = Manner { free_speed: 1.3, regain_time: 0.5, safety_distance: 1.0, safety_time: 1.0 };
 
     fn against(distance: f64, speed: f64, other: State) -> AccessOrders {

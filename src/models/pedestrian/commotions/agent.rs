@@ -48,6 +48,8 @@ pub struct Sight {
     pub own: State,
     /// The other's state.
     pub state: State,
+    /// True distance between the two (m), unless their ways meet at a right angle.
+    pub apart: Option<f64>,
     /// How the conflict stands.
     pub conflict: ConflictState,
 }
@@ -125,6 +127,12 @@ impl CommotionsAgent {
         }
     }
 
+    /// The ways of oneself and of one other meet elsewhere or at another angle from now on, so that their bodies have other extents in
+    /// the conflict space.
+    pub fn meet(&mut self, other: usize, own: AgentBody, body: AgentBody) {
+        self.others[other].meet(own, body);
+    }
+
     /// What went on at the last decision; `None` when the last step needed none.
     pub fn thoughts(&self) -> Option<&Thoughts> {
         self.thoughts.as_ref()
@@ -145,7 +153,7 @@ impl CommotionsAgent {
         } else {
             ConflictState::Open
         };
-        let sight = Sight { other: 0, path: 0, own: *own, state: *other, conflict };
+        let sight = Sight { other: 0, path: 0, own: *own, state: *other, apart: None, conflict };
         self.step_among(&[sight], rules, draws).unwrap_or(AgentDecision { acceleration: 0.0, action: None })
     }
 
@@ -222,7 +230,8 @@ impl CommotionsAgent {
         let Self { reasoning, plan, others, drawn, .. } = self;
         let mut deviates = DrawnOnce::from(drawn, 0, draws);
         let other = &mut others[sight.other];
-        other.consider(reasoning, plan, &sight.own, &sight.state, rules, weighed, &mut deviates);
+        let Sight { own, state, apart, .. } = sight;
+        other.consider(reasoning, plan, own, state, *apart, rules, weighed, &mut deviates);
         deviates.read()
     }
 
@@ -447,6 +456,7 @@ mod tests {
         let bodies = [(PEDESTRIAN, VEHICLE); 2];
         let agent = CommotionsAgent::among(&variant, &Parameters::default(), Control::Speed, DT, bodies);
         let sight = |other, path, car| Sight {
+            apart: None,
             other,
             path,
             own: state(5.0, 0.0, 0.0),

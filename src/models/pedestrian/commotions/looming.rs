@@ -359,6 +359,7 @@ struct Sight {
     other_half_extent: f64,
     width: f64,
     quarter_square: f64,
+    cosine: f64,
     onset: f64,
 }
 
@@ -370,6 +371,7 @@ impl Sight {
             other_half_extent: other.body.half_extent,
             width,
             quarter_square: width * width / 4.0,
+            cosine: other.body.cosine,
             onset: cost.onset,
         }
     }
@@ -415,9 +417,14 @@ impl Sight {
     /// How far the optical expansion rate of the other is above the onset, with the distances and speeds of the two.
     #[inline(always)]
     fn excess_on_course(&self, (d, u): (f64, f64), (e, w): (f64, f64)) -> f64 {
-        let range_squared = d * d + e * e;
-        let rate =
-            self.width * (d * u + e * w) / (range_squared.sqrt() * (range_squared + self.quarter_square));
+        let (range_squared, closing) = if self.cosine == 0.0 {
+            (d * d + e * e, d * u + e * w)
+        } else {
+            // By the law of cosines; at a right angle the published expressions, whose bits decide.
+            let cosine = self.cosine;
+            (d * d + e * e - 2.0 * d * e * cosine, d * u + e * w - (u * e + d * w) * cosine)
+        };
+        let rate = self.width * closing / (range_squared.sqrt() * (range_squared + self.quarter_square));
         let excess = rate - self.onset;
         if excess > 0.0 { excess } else { 0.0 }
     }
@@ -479,8 +486,10 @@ mod tests {
     use super::super::value::Gains;
     use super::*;
 
-    const PEDESTRIAN: AgentBody = AgentBody { control: Control::Speed, half_extent: 1.3, width: 0.8 };
-    const VEHICLE: AgentBody = AgentBody { control: Control::Acceleration, half_extent: 2.5, width: 1.8 };
+    const PEDESTRIAN: AgentBody =
+        AgentBody { control: Control::Speed, half_extent: 1.3, cosine: 0.0, width: 0.8 };
+    const VEHICLE: AgentBody =
+        AgentBody { control: Control::Acceleration, half_extent: 2.5, cosine: 0.0, width: 1.8 };
 
     prop_compose! {
         fn a_course()(
@@ -507,11 +516,13 @@ mod tests {
             later_acceleration in prop_oneof![Just(0.0), -4.0..4.0],
             course in a_course(),
             stops in prop_oneof![3 => Just(false), 1 => Just(true)],
+            cosine in prop_oneof![1 => Just(0.0), 2 => -0.94..0.94],
         ) {
             // Someone who stops just at the end of the action stands where rounding decides.
             let (speed, acceleration, jerk) =
                 if stops { (f64::round(2.0 * speed) / 2.0, -f64::round(2.0 * speed), 0.0) } else { (speed, acceleration, jerk) };
-            let (body, other_body) = if is_vehicle { (VEHICLE, PEDESTRIAN) } else { (PEDESTRIAN, VEHICLE) };
+            let [body, other_body] = if is_vehicle { [VEHICLE, PEDESTRIAN] } else { [PEDESTRIAN, VEHICLE] }
+                .map(|body| AgentBody { cosine, ..body });
             let free_speed = if is_vehicle { 50.0 / 3.6 } else { 1.3 };
             let gains = Gains::for_free_speed(free_speed, 0.5);
             let regain_time = Manner::regain_time(body.control, 0.5);
@@ -539,6 +550,13 @@ mod tests {
             };
             let found = discounting.looming(&cost, &own, &other);
             prop_assert!((found - expected).abs() <= 1e-9 * expected.abs().max(1.0), "{found} is not {expected}");
+            // Nothing jumps beside a right angle.
+            let of_cosine = |cosine| {
+                let body = AgentBody { cosine, ..other_body };
+                discounting.looming(&cost, &own, &OtherTrack { body: &body, ..other })
+            };
+            let (right, nearly) = (of_cosine(0.0), of_cosine(libm::cos(f64::to_radians(89.999))));
+            prop_assert!((right - nearly).abs() <= 1e-3 * right.abs().max(1.0), "{nearly} is not {right}");
         }
     }
 }

@@ -8,10 +8,12 @@ use super::variant::Variant;
 use sim::random::{self, Purpose};
 
 /// The pedestrian of the reference sizes: 0.8 m × 0.8 m, against a vehicle 4.2 m long and 1.8 m wide.
-pub const PEDESTRIAN: AgentBody = AgentBody { control: Control::Speed, half_extent: 1.3, width: 0.8 };
+pub const PEDESTRIAN: AgentBody =
+    AgentBody { control: Control::Speed, half_extent: 1.3, cosine: 0.0, width: 0.8 };
 
 /// The vehicle of the reference sizes.
-pub const VEHICLE: AgentBody = AgentBody { control: Control::Acceleration, half_extent: 2.5, width: 1.8 };
+pub const VEHICLE: AgentBody =
+    AgentBody { control: Control::Acceleration, half_extent: 2.5, cosine: 0.0, width: 1.8 };
 
 /// Who drives.
 #[derive(Clone, Debug, PartialEq)]

@@ -5,10 +5,11 @@ use super::parameters::{Parameters, parameters};
 use super::state::{AgentBody, Control, State};
 use super::variant::{Accumulation, Variant, VariantError};
 use crate::pedestrian::{PedestrianContext, PedestrianModel};
+use nalgebra::Vector2;
 use numbers::random::Stream;
-use scenario::{Declaration, Dimension, Road, Settings, Shape, half_extent};
+use scenario::{Conflict, ConflictArea, Declaration, Dimension, Road, Settings, Shape, half_extent};
 use sim::random::{self, Purpose};
-use sim::{Mode, ModelError, Motion, Pedestrian, Scene, Stated, StatedBy};
+use sim::{Mode, ModelError, Motion, Pedestrian, PedestrianState, Scene, Stated, StatedBy, VehicleState};
 
 /// The registry entry.
 pub fn commotions() -> PedestrianModel {
@@ -32,8 +33,14 @@ fn build(context: &PedestrianContext) -> Result<Box<dyn Pedestrian>, ModelError>
         let bodies = Bodies { pedestrian, vehicle: (vehicle.length, vehicle.width) };
         (bodies.pedestrian(), bodies.vehicle())
     });
-    let meeting =
-        |(own, other): (AgentBody, AgentBody), path: usize| Meeting { own, other, path, moved: false };
+    let meeting = |((own, other), path): ((AgentBody, AgentBody), usize)| Meeting {
+        own,
+        other,
+        size: pedestrian,
+        path,
+        moved: false,
+        crossing: None,
+    };
     let paths = context.world.vehicles.iter().map(|vehicle| vehicle.lane);
     let agent = random::Agent::Pedestrian(context.rank);
     Ok(Box::new(Walker {
@@ -45,7 +52,7 @@ fn build(context: &PedestrianContext) -> Result<Box<dyn Pedestrian>, ModelError>
             bodies.clone(),
         ),
         sights: Vec::with_capacity(bodies.len()),
-        meetings: bodies.zip(paths).map(|(bodies, path)| meeting(bodies, path)).collect(),
+        meetings: bodies.zip(paths).map(meeting).collect(),
         draws: random::stream(context.seed, agent, Purpose::Perception),
         free_speed: person.parameters.pedestrian_free_speed,
         action_duration: person.parameters.action_duration,
@@ -136,6 +143,7 @@ impl Bodies {
         AgentBody {
             control: Control::Speed,
             half_extent: half_extent(self.pedestrian, self.vehicle),
+            cosine: 0.0,
             width: self.pedestrian.1,
         }
     }
@@ -145,6 +153,7 @@ impl Bodies {
         AgentBody {
             control: Control::Acceleration,
             half_extent: half_extent(self.vehicle, self.pedestrian),
+            cosine: 0.0,
             width: self.vehicle.1,
         }
     }
@@ -162,13 +171,87 @@ pub fn extent(shape: Shape) -> (f64, f64) {
 struct Meeting {
     own: AgentBody,
     other: AgentBody,
+    /// The pedestrian's length and width, m.
+    size: (f64, f64),
     /// Its lane.
     path: usize,
     /// Whether it was ever seen to move. One that was not is parked.
     moved: bool,
+    /// Where the ways of the two cross, on a path that bends.
+    crossing: Option<BendCrossing>,
+}
+
+/// Where the way of a pedestrian crosses a path that bends: it stays while the pedestrian does not turn and the vehicle has not left it.
+struct BendCrossing {
+    from: Vector2<f64>,
+    way: Vector2<f64>,
+    area: Option<ConflictArea>,
+    /// Whether the vehicle had left it already, and so any other.
+    is_last: bool,
+}
+
+/// A direction that is normalised anew at every step differs by so much for rounding alone.
+const SAME_WAY: f64 = 1e-9;
+
+/// How two come to their conflict.
+struct Approaches {
+    own: State,
+    other: State,
+    /// True distance, m, unless they meet at a right angle.
+    apart: Option<f64>,
+    /// Whether their extents in the conflict space are others than at the step before.
+    changed: bool,
 }
 
 impl Meeting {
+    /// How the two come to their conflict; `None` if the pedestrian, who walks along `way`, does not cross the vehicle's path.
+    fn approaches(
+        &mut self,
+        me: &PedestrianState,
+        way: Vector2<f64>,
+        vehicle: &VehicleState,
+    ) -> Option<Approaches> {
+        if vehicle.path.course().is_none() {
+            let conflict = vehicle.path.conflict(me.position, way)?;
+            let own = conflict.approach_on_foot(me, way).into();
+            return Some(Approaches {
+                own,
+                other: conflict.approach(vehicle).into(),
+                apart: None,
+                changed: false,
+            });
+        }
+        let travelled = vehicle.motion.travelled;
+        let is_left = |area: &ConflictArea| area.vehicle.to < travelled;
+        let known = self.crossing.take().filter(|known| {
+            let goes_on = known.is_last || !known.area.as_ref().is_some_and(is_left);
+            (known.way - way).norm() < SAME_WAY && goes_on
+        });
+        let changed = known.is_none();
+        let crossing = known.unwrap_or_else(|| {
+            let vehicle_is = (travelled, (vehicle.length, vehicle.width));
+            let area = vehicle.path.conflict_area(vehicle_is, (me.position, way), self.size);
+            BendCrossing { from: me.position, way, is_last: area.as_ref().is_some_and(is_left), area }
+        });
+        let BendCrossing { from, area, .. } = self.crossing.insert(crossing);
+        let area = area.as_ref()?;
+        if changed {
+            let body =
+                |body: AgentBody, half_extent: f64| AgentBody { half_extent, cosine: area.cosine, ..body };
+            self.own = body(self.own, area.pedestrian.half());
+            self.other = body(self.other, area.vehicle.half());
+        }
+        let walked = (me.position - *from).dot(&way);
+        let own = Conflict { place: area.vehicle.middle(), distance: area.pedestrian.middle() - walked };
+        let apart = (vehicle.position() - me.position).norm();
+        Some(Approaches {
+            own: own.approach_on_foot(me, way).into(),
+            other: own.approach(vehicle).into(),
+            apart: Some(apart),
+            changed,
+        })
+    }
+
     /// How the conflict stands at these distances (m) to the conflict point.
     fn conflict(&self, own: f64, other: f64) -> ConflictState {
         if own < -self.own.half_extent || other <= -self.other.half_extent {
@@ -227,12 +310,16 @@ impl Walker {
         let speed = me.velocity.dot(&way);
         self.sights.clear();
         for (other, (meeting, vehicle)) in self.meetings.iter_mut().zip(scene.vehicles).enumerate() {
-            let Some(conflict) = vehicle.path.conflict(me.position, way) else { continue };
+            let Some(Approaches { own, other: state, apart, changed }) = meeting.approaches(me, way, vehicle)
+            else {
+                continue;
+            };
+            if changed {
+                self.agent.meet(other, meeting.own, meeting.other);
+            }
             meeting.moved |= vehicle.motion.speed > 0.0;
-            let own = State::from(conflict.approach_on_foot(me, way));
-            let state = State::from(conflict.approach(vehicle));
             let conflict = meeting.conflict(own.distance, state.distance);
-            self.sights.push(Sight { other, path: meeting.path, own, state, conflict });
+            self.sights.push(Sight { other, path: meeting.path, own, state, apart, conflict });
         }
         let decision = self.agent.step_among(&self.sights, &rules, &mut self.draws);
         // With nobody to meet, as on an empty road.

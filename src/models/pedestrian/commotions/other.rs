@@ -85,6 +85,11 @@ impl Other {
         }
     }
 
+    /// The conflict space of the two is another: their ways meet elsewhere, or at another angle.
+    pub fn meet(&mut self, own: AgentBody, other: AgentBody) {
+        (self.own.body, self.party.body) = (own, other);
+    }
+
     /// Whether one has left the conflict space at the distance `own` (m) to the conflict point.
     pub fn is_left_behind(&self, own: f64) -> bool {
         own < -self.own.body.half_extent
@@ -123,6 +128,7 @@ impl Other {
         plan: &ActionPlan,
         own: &State,
         other: &State,
+        apart: Option<f64>,
         rules: &Rules,
         weighed: bool,
         draws: &mut impl StandardNormals,
@@ -131,7 +137,7 @@ impl Other {
             (self.perception, self.beliefs) = self.unseen.clone();
             self.lapsed = false;
         }
-        self.percept = self.perception.perceive(own.distance, other.distance, other.speed, draws);
+        self.percept = self.perception.perceive(own.distance, *other, apart, draws);
         let accelerations = self.behaviours(reasoning, own);
         let Percept { distance, speed } = self.percept;
         let perceived = State { distance, speed, acceleration: other.acceleration };

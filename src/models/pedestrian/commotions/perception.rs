@@ -4,7 +4,7 @@ use nalgebra::{Matrix2, Vector2};
 
 use super::draws::StandardNormals;
 use super::parameters::Parameters;
-use super::state::at_least_zero;
+use super::state::{State, at_least_zero};
 use super::variant::{Sensing, Variant};
 
 /// The other as perceived: distance (m) and speed (m/s, ≥ 0).
@@ -114,20 +114,21 @@ impl AgentPerception {
         }
     }
 
-    /// Perceives the other at its true distance and speed from one's own true distance.
+    /// Perceives the other at its true distance and speed from one's own true distance. `apart` is the true distance between the two
+    /// (m), unless their paths meet at a right angle: then it follows from the others.
     ///
     /// Draws, per step: the observation, then with filtering the two of the percept; none if exact.
     pub fn perceive(
         &mut self,
         own_distance: f64,
-        distance: f64,
-        speed: f64,
+        State { distance, speed, .. }: State,
+        apart: Option<f64>,
         draws: &mut impl StandardNormals,
     ) -> Percept {
         let noise = match self.sensing {
             Sensing::Exact => return Percept { distance, speed: at_least_zero(speed) },
             Sensing::ConstantNoise => self.distance_noise,
-            Sensing::AngularNoise => self.noise_of_angle(own_distance, distance),
+            Sensing::AngularNoise => self.noise_of_angle(own_distance, distance, apart),
         };
         let observed = distance + noise * draws.next_normal();
         let percept = match &mut self.filter {
@@ -149,11 +150,12 @@ impl AgentPerception {
     }
 
     /// The standard deviation (m) that the angular noise means at this distance.
-    fn noise_of_angle(&self, own_distance: f64, distance: f64) -> f64 {
+    fn noise_of_angle(&self, own_distance: f64, distance: f64, apart: Option<f64>) -> f64 {
         if distance == 0.0 {
             return 0.0;
         }
-        let range = (own_distance * own_distance + distance * distance).sqrt();
+        let at_right_angle = || (own_distance * own_distance + distance * distance).sqrt();
+        let range = apart.unwrap_or_else(at_right_angle);
         let h = self.eye_height;
         let angle = libm::atan(h / range) + self.angular_noise;
         let noise = distance.abs() * (1.0 - h / (range * libm::tan(angle)));
@@ -172,10 +174,14 @@ mod tests {
         AgentPerception::new(&variant.parse().unwrap(), &parameters, 0.025, 50.0 / 3.6)
     }
 
+    fn seen(distance: f64, speed: f64) -> State {
+        State { distance, speed, acceleration: 0.0 }
+    }
+
     #[test]
     fn exact_senses_draw_nothing() {
         let mut draws = RecordedDraws::new(&[]);
-        let percept = senses("oVA", |_| ()).perceive(3.0, 20.0, 8.0, &mut draws);
+        let percept = senses("oVA", |_| ()).perceive(3.0, seen(20.0, 8.0), None, &mut draws);
         assert_eq!(percept, Percept { distance: 20.0, speed: 8.0 });
         assert!(draws.is_used_up());
     }
@@ -184,22 +190,25 @@ mod tests {
     fn without_a_filter_speed_is_the_change_of_what_is_seen() {
         let mut senses = senses("oVAoSNc", |p| p.distance_noise = 100.0);
         let mut draws = RecordedDraws::new(&[0.0, -1.0, 3.0]);
-        assert_eq!(senses.perceive(3.0, 20.0, 8.0, &mut draws).speed, 0.0);
+        assert_eq!(senses.perceive(3.0, seen(20.0, 8.0), None, &mut draws).speed, 0.0);
         // c_tau makes the noise 0.1 m.
-        let second = senses.perceive(3.0, 19.8, 8.0, &mut draws);
+        let second = senses.perceive(3.0, seen(19.8, 8.0), None, &mut draws);
         assert!((second.distance - 19.7).abs() < 1e-12 && (second.speed - 12.0).abs() < 1e-9);
         // Seen further away than before: the speed is clipped.
-        assert_eq!(senses.perceive(3.0, 19.6, 8.0, &mut draws).speed, 0.0);
+        assert_eq!(senses.perceive(3.0, seen(19.6, 8.0), None, &mut draws).speed, 0.0);
         assert!(draws.is_used_up());
     }
 
     #[test]
     fn angular_noise_grows_with_distance_and_vanishes_at_the_conflict_point() {
         let senses = senses("oVAoSNvoPF", |p| p.angular_noise = 0.01);
-        let noise = |distance| senses.noise_of_angle(3.0, distance);
+        let noise = |distance| senses.noise_of_angle(3.0, distance, None);
         assert!(noise(10.0) < noise(20.0) && noise(20.0) < noise(80.0));
         assert_eq!(noise(0.0), 0.0);
-        assert_eq!(senses.noise_of_angle(0.0, 0.0), 0.0);
+        assert_eq!(senses.noise_of_angle(0.0, 0.0, None), 0.0);
+        let away = f64::hypot(3.0, 20.0);
+        assert_eq!(senses.noise_of_angle(3.0, 20.0, Some(away)), noise(20.0));
+        assert!(senses.noise_of_angle(3.0, 20.0, Some(2.0 * away)) > noise(20.0));
     }
 
     #[test]
@@ -208,7 +217,7 @@ mod tests {
         let mut draws = numbers::random::Stream::seeded(5);
         let mut percept = Percept::default();
         for k in 0..240 {
-            percept = senses.perceive(3.0, 60.0 - 10.0 * 0.025 * f64::from(k), 10.0, &mut draws);
+            percept = senses.perceive(3.0, seen(60.0 - 10.0 * 0.025 * f64::from(k), 10.0), None, &mut draws);
         }
         assert!((percept.distance - 0.25).abs() < 1.5 && (percept.speed - 10.0).abs() < 2.5, "{percept:?}");
         let filter = senses.filter.unwrap();
@@ -221,7 +230,7 @@ mod tests {
     #[test]
     fn a_percept_of_something_impossible_stays_not_a_number() {
         let mut senses = senses("oVAoSNvoPF", |p| p.angular_noise = f64::NAN);
-        let percept = senses.perceive(3.0, 20.0, 8.0, &mut RecordedDraws::new(&[0.0; 3]));
+        let percept = senses.perceive(3.0, seen(20.0, 8.0), None, &mut RecordedDraws::new(&[0.0; 3]));
         assert!(percept.distance.is_nan());
     }
 }

@@ -85,8 +85,13 @@ pub fn looming(
             || (their.0 < own.0 && own.0 < their.1 && own.0 > 0.0)
             || (own.0 == their.0 && own.0 > 0.0);
         if collides {
-            let (range, width) = (d.hypot(e), other.body.width);
-            let rate = width / range * (d * u + e * w) / (range * range + width * width / 4.0);
+            // By where the two are in the plane, the conflict point in its origin.
+            let way = |angle: f64| nalgebra::Vector2::new(libm::cos(angle), libm::sin(angle));
+            let (own_way, their_way) = (way(0.0), way(libm::acos(other.body.cosine)));
+            let apart = their_way * -e - own_way * -d;
+            let (range, width) = (apart.norm(), other.body.width);
+            let closing = -apart.dot(&(their_way * w - own_way * u)) / range;
+            let rate = width * closing / (range * range + width * width / 4.0);
             sum += SAMPLE_TIME * (rate - cost.onset).max(0.0) * discount(n, samples.half_life);
         }
         d = d - u * SAMPLE_TIME - a * SAMPLE_TIME * SAMPLE_TIME / 2.0;

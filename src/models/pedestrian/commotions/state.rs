@@ -57,8 +57,10 @@ pub(super) fn at_least_zero(x: f64) -> f64 {
 pub struct AgentBody {
     /// How its actions work.
     pub control: Control,
-    /// Half the length (m) of the conflict space along its own path: (own length + other's width)/2.
+    /// Half the length (m) of the conflict space along its own path: (own length + other's width)/2 at a right angle.
     pub half_extent: f64,
+    /// Cosine of the angle at which its path meets the other's: 0 at a right angle, above 0 where both go the same way.
+    pub cosine: f64,
     /// Width (m), which decides the optical expansion seen by the other.
     pub width: f64,
 }
