@@ -1,4 +1,4 @@
-//! `scenario-runner list`: the scenarios, blocks and gates of suites, with tags and counts.
+//! `scenario-runner list`: the scenarios, blocks, ratings and gates of suites, with tags and counts.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -16,7 +16,7 @@ use report::console::{stderr, stdout};
 use runner::plan::{self, Plan, PlannedTrial};
 use runner::project::plan_notices;
 use scenario::registry::Registry;
-use scenario::{Block, Gate, Origin, Suite};
+use scenario::{Block, Gate, Origin, Rating, Suite};
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -49,7 +49,7 @@ enum Format {
     Json,
 }
 
-/// A scenario, block or gate.
+/// A scenario, block, rating or gate.
 struct Line<'a> {
     name: String,
     kind: &'static str,
@@ -80,6 +80,7 @@ pub fn list(arguments: &ListArguments, registry: &Registry) -> Exit {
     let each = |show: &mut Show| {
         for ((file, suite, plan), blocks) in suites.iter().zip(&blocks) {
             filter::each_subject(suite, plan, blocks, file, show);
+            suite.ratings.iter().for_each(|rating| show(&rating_subject(suite, file, rating)));
             suite.gates.iter().for_each(|gate| show(&gate_subject(suite, file, gate)));
         }
     };
@@ -123,6 +124,17 @@ pub fn list(arguments: &ListArguments, registry: &Registry) -> Exit {
                 });
             }
         }
+        for rating in suite.ratings.iter().filter(|one| filters.matches(&rating_subject(suite, file, one))) {
+            lines.push(Line {
+                name: format!("{}/{RATING}={}", suite.name, rating.name),
+                kind: RATING,
+                counts: vec![("cell", cells(plan, rating))],
+                at_most: false,
+                tags: &[],
+                doc: rating.doc.as_deref(),
+                origin: &rating.origin,
+            });
+        }
         for gate in suite.gates.iter().filter(|gate| filters.matches(&gate_subject(suite, file, gate))) {
             lines.push(Line {
                 name: format!("{}/{GATE}={}", suite.name, gate.name),
@@ -165,6 +177,29 @@ fn gate_subject<'a>(suite: &'a Suite, file: &'a str, gate: &'a Gate) -> Subject<
         files: vec![&gate.origin.file, file],
         variation: &[],
     }
+}
+
+const RATING: &str = "rating";
+
+/// As [`gate_subject`], of a rating.
+fn rating_subject<'a>(suite: &'a Suite, file: &'a str, rating: &'a Rating) -> Subject<'a> {
+    Subject {
+        suite: &suite.name,
+        kind: RATING,
+        name: &rating.name,
+        tags: &[],
+        models: Vec::new(),
+        controllers: Vec::new(),
+        files: vec![&rating.origin.file, file],
+        variation: &[],
+    }
+}
+
+/// The trials of scenarios with a tag that earns points.
+fn cells(plan: &Plan, rating: &Rating) -> usize {
+    let earns = |tag: &String| rating.points.iter().any(|points| points.tag == *tag);
+    let rated = plan.scenarios().iter().filter(|planned| planned.scenario().tags.iter().any(earns));
+    rated.map(|planned| planned.len()).sum()
 }
 
 /// How large a block is, by what it is made of.

@@ -7,7 +7,7 @@ use clap::Args;
 use super::Exit;
 use super::run::{Colour, exit, output};
 use report::console::{stderr, stdout};
-use report::{StatusLevel, Terminal, read_results, render_gates};
+use report::{StatusLevel, Terminal, read_results, render_gates, render_ratings};
 use scenario::registry::Registry;
 
 /// Makes reports of results that a run wrote with `--json`. Nothing is run.
@@ -45,6 +45,7 @@ pub fn report(arguments: &ReportArguments, registry: &Registry) -> Exit {
     };
     let colour = arguments.color.wanted(stdout());
     Terminal::new(StatusLevel::Pass, colour, None).tell_results(&results);
+    stdout().styled(&render_ratings(&results.suites, colour));
     stdout().styled(&render_gates(&results.suites, colour));
     // The run has told GitHub already.
     let complaints = output::write(&arguments.output, &results, false);

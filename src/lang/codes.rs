@@ -349,6 +349,19 @@ codes! {
     BadFallback = "E0813", "there are no violations to count",
         "`otherwise fewest violations` takes, where no candidate keeps every constraint, the one that breaks them in the \
          fewest runs. That takes constraints (`subject to`), and every run of every candidate (no `stop early`).";
+    BadRating = "E0814", "a rating cannot be worked out",
+        "A rating says what is measured, what values are worth and which tags earn points: `rating r { measure impact_speed; \
+         weights { 0 km/h: 1, below 10 km/h: 0.5 }; points crossing 2 }`. A tag earns points once and a scenario has one such \
+         tag, so that no cell counts twice. The worst run of a cell counts, so cells have a fixed number of runs. A bound on \
+         points must be one that some points keep and others do not.";
+    BadWeights = "E0815", "a rating's weights leave something open",
+        "Of every cell exactly one table of weights speaks: a cell without one would have no points, one with two would have \
+         either. `when` is about what scenarios vary, by lists of values. In a table a value falls to the first line that it \
+         satisfies, so a line behind one with all of its values never counts. Bounds are `below`, `at most`, `above` and `at \
+         least`; a value alone is 0, which a run without contact has.";
+    NoSuchTag = "E0816", "a rating earns points by a tag that nothing has",
+        "Points are earned by the cells of scenarios with a tag: `tags cpna` in the scenario, `points cpna 1` in the rating. \
+         Without a scenario that has it there would be nothing to earn them.";
     // Filter expressions
     UnknownPredicate = "E1001", "a filter has no such predicate",
         "`scenario-runner help filter` lists the predicates of filter expressions.";

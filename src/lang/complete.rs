@@ -3,14 +3,14 @@
 //! The place is found by tokens alone, because a text is seldom whole while it is being written; what a statement could
 //! go on with is asked of the grammar, and names come from the rest of the file.
 
-use std::collections::HashSet;
+use std::collections::{BTreeSet, HashSet};
 use std::path::Path;
 
 use super::assist::path_to;
 use super::declared;
 use super::suite::included;
 use super::syntax::ast::{self, View};
-use super::syntax::words::{self, BlockEntry, BlockKind};
+use super::syntax::words::{self, BlockEntry, BlockKind, StatementEntry};
 use super::syntax::{self, Next, Node, Token, TokenKind, goes_on_with};
 use super::texts::{FileId, Texts};
 use super::units;
@@ -79,7 +79,7 @@ pub fn complete(
     }) {
         return setting(&declaration, &statement);
     }
-    let block = block_of(owner);
+    let block = block_of(&open);
     match statement.as_slice() {
         [] => first_words(block, registry),
         [.., number] if number.starts_with(|c: char| c.is_ascii_digit()) => units(),
@@ -146,8 +146,9 @@ impl Place<'_> {
         let mut files = Texts::new(self.registry, &texts).while_edited();
         let Some(file) = files.open(self.path, None, &mut Vec::new()) else { return Vec::new() };
         let first = statement.first().copied().unwrap_or_default();
-        // `test … as` is about the vehicles of all that the suite runs.
-        let included = if first == "test" { included(&mut files, file, self.path) } else { Vec::new() };
+        // What is about all that the suite runs.
+        let is_about_all = matches!(first, "test" | "weights" | "points");
+        let included = if is_about_all { included(&mut files, file, self.path) } else { Vec::new() };
         let statements = block.map_or(&[] as &[_], |block| block.statements).iter();
         let known = statements.filter(|known| known.word() == first || known.words.is_empty());
         let mut found: Vec<Completion> = Vec::new();
@@ -163,7 +164,7 @@ impl Place<'_> {
                 Next::Name => match named(statement, self.registry) {
                     Some(kinds) => {
                         found.extend(self.names(&files, file, kinds));
-                        included.iter().for_each(|one| found.extend(self.vehicles(&files, *one)));
+                        included.iter().for_each(|one| found.extend(self.everywhere(&files, *one, kinds)));
                     }
                     None => found.extend(all(self.registry.metrics())),
                 },
@@ -172,6 +173,12 @@ impl Place<'_> {
                         found.extend(self.parameters(&files, file, user, part));
                     }
                 }
+                Next::Tag if first == "points" => {
+                    std::iter::once(&file)
+                        .chain(&included)
+                        .for_each(|one| found.extend(self.tags(&files, *one)));
+                }
+                Next::Tag => {}
                 Next::Distribution => {
                     found.extend(DISTRIBUTIONS.iter().map(|known| proposal(known.word, "A distribution.")));
                 }
@@ -217,12 +224,20 @@ impl Place<'_> {
         given(nodes.filter(|node| kinds.are(*node)))
     }
 
-    /// The vehicles of every scenario that a file knows.
-    fn vehicles(&self, files: &Texts, file: FileId) -> Vec<Completion> {
+    /// The names that statements of those kinds give in every scenario that a file knows.
+    fn everywhere(&self, files: &Texts, file: FileId, kinds: Named) -> Vec<Completion> {
         let mut scenarios: Vec<_> = files.names(file).scenarios.iter().collect();
         scenarios.sort_by_key(|(name, _)| name.as_str());
         let scenarios = scenarios.into_iter().map(|(_, definition)| *files.scenario(*definition));
-        given(scenarios.flat_map(Node::descendants).filter(|node| Named::Vehicle.are(*node)))
+        given(scenarios.flat_map(Node::descendants).filter(|node| kinds.are(*node)))
+    }
+
+    /// The tags of every scenario that a file knows, in the order of the alphabet.
+    fn tags(&self, files: &Texts, file: FileId) -> Vec<Completion> {
+        let scenarios = files.names(file).scenarios.values().map(|definition| files.scenario(*definition));
+        let all: BTreeSet<&str> =
+            scenarios.flat_map(|one| one.every::<ast::Tag>()).map(|tag| tag.text()).collect();
+        all.into_iter().map(|tag| proposal(tag, "A tag.")).collect()
     }
 
     /// The parameters of a road user's controller, dynamics, perception or model.
@@ -387,16 +402,23 @@ fn aggregates() -> Vec<Completion> {
     AGGREGATES.iter().map(|known| proposal(known.word, known.doc)).collect()
 }
 
-/// The kind of block that a statement opens.
-fn block_of(owner: &[&str]) -> Option<&'static BlockEntry> {
-    let Some(first) = owner.first() else { return Some(BlockKind::File.block()) };
-    words::all().filter(|known| known.word() == *first).find_map(|known| known.opens).map(BlockKind::block)
+/// The kind of block that the last of these statements opens, which opened each other.
+fn block_of(open: &[Vec<&str>]) -> Option<&'static BlockEntry> {
+    let Some((last, outer)) = open.split_last() else { return Some(BlockKind::File.block()) };
+    let first = last.first()?;
+    let begins = |known: &&StatementEntry| known.word() == *first;
+    // Where the statement stands is known only as far as what is around it.
+    let here = block_of(outer).into_iter().flat_map(|block| block.statements).filter(begins);
+    here.chain(words::all().filter(begins)).find_map(|known| known.opens).map(BlockKind::block)
 }
 
 fn first_words(block: Option<&BlockEntry>, registry: &Registry) -> Vec<Completion> {
     if is(block, &[BlockKind::Expect]) {
         return [vec![proposal("no", "What must not happen.")], aggregates(), all(registry.metrics())]
             .concat();
+    }
+    if is(block, &[BlockKind::ExpectPoints]) {
+        return vec![proposal("points", "All points, or those `of` a tag.")];
     }
     let mut words: Vec<Completion> = Vec::new();
     let statements = block.map_or(&[] as &[_], |block| block.statements).iter();
@@ -460,6 +482,16 @@ mod tests {
         assert_eq!(unit("input ahead.").len(), 3, "{:?}", unit("input ahead."));
         assert!(unit("output ").contains(&"throttle".to_string()));
         assert!(unit("input ego.speed = \"v\" in ").contains(&"km/h".to_string()));
+        let rating = |text: &str| {
+            let scenario = "scenario a {\n  tags cpna\n  vary pace in [1 m/s]\n}\n";
+            words(&format!("{scenario}suite s {{\n  rating r {{\n    {text}"))
+        };
+        assert!(rating("").contains(&"weights".to_string()));
+        assert!(rating("measure ").contains(&"impact_speed".to_string()));
+        assert!(rating("weights when ").contains(&"pace".to_string()), "{:?}", rating("weights when "));
+        assert!(rating("points ").contains(&"cpna".to_string()), "{:?}", rating("points "));
+        // `expect` of a rating is another than that of a scenario.
+        assert_eq!(rating("expect {\n      "), ["points"]);
         assert!(words("scenario a {\n  ve").contains(&"vehicle".to_string()));
         assert!(words("scenario a { vehicle v {\n controller ").contains(&"carla_behavior".to_string()));
         assert!(words("vehicle v { controller carla_behavior { ").contains(&"braking_distance".to_string()));

@@ -4,7 +4,7 @@ use super::unit_in;
 use scenario::{Aggregate, MetricKind, MetricReference, Notation, Suite};
 
 /// Every metric that is compared in another unit than the SI unit, once, with the first such unit: that of a criterion, then of a
-/// gate's rule, then of a block.
+/// gate's rule, then of a rating, then of a block.
 pub fn of(suite: &Suite) -> Vec<(MetricReference, Notation)> {
     let mut found: Vec<(MetricReference, Notation)> = Vec::new();
     let mut take = |metric: &MetricReference, notation: Option<Notation>| {
@@ -22,6 +22,9 @@ pub fn of(suite: &Suite) -> Vec<(MetricReference, Notation)> {
         if let Some(about) = &rule.metric {
             take(about, rule.notation);
         }
+    }
+    for rating in &suite.ratings {
+        take(&rating.measure, rating.notation);
     }
     // Of a rate, the notation would be that of a share.
     let of_values = |aggregate: &Aggregate| !matches!(aggregate, Aggregate::Rate(_) | Aggregate::Count(_));

@@ -86,7 +86,7 @@ fn bare(files: &Texts, file: FileId, path: &Path, report: &mut Vec<Diagnostic>) 
     }
     definitions.extend(&blocks.measured);
     let scenarios = check_all(files, &definitions, None, report);
-    warn_of_nothing_expected(files, &definitions, &scenarios, &blocks, report);
+    warn_of_nothing_expected(files, &definitions, scenarios.iter(), &blocks, report);
     let supporting = supporting(files, &blocks, report);
     let tested = check::tested(&Places { files }, scenarios.iter().chain(&supporting), report);
     check_definitions(files, report);
@@ -107,6 +107,7 @@ fn bare(files: &Texts, file: FileId, path: &Path, report: &mut Vec<Diagnostic>) 
         evaluates: blocks.evaluates,
         statements: blocks.statements,
         gates: Vec::new(),
+        ratings: Vec::new(),
         controllers: Vec::new(),
         notations: Vec::new(),
         origin: files.sources.origin(Span::beginning(root.span().source)),
@@ -188,7 +189,20 @@ fn declared(files: &mut Texts, file: FileId, path: &Path, report: &mut Vec<Diagn
         block.expects().flat_map(|expect| expect.block().criteria()).collect();
     let added = check::SuiteCriteria { nodes: &criteria, scope: files.scope(file) };
     let mut scenarios = check_all(files, &definitions, Some(added), report);
-    warn_of_nothing_expected(files, &definitions, &scenarios, &blocks, report);
+    let earning: Vec<&str> = block
+        .ratings()
+        .flat_map(|rating| rating.block().points())
+        .flat_map(ast::Points::each)
+        .map(|one| one.tag().text())
+        .collect();
+    let rated = |scenario: &Scenario| scenario.tags.iter().any(|tag| earning.contains(&tag.as_str()));
+    warn_of_nothing_expected(
+        files,
+        &definitions,
+        scenarios.iter().filter(|one| !rated(one)),
+        &blocks,
+        report,
+    );
     let supporting = supporting(files, &blocks, report);
     let tested = check::tested(&Places { files }, scenarios.iter().chain(&supporting), report);
     let tags = check::tags(block.tags());
@@ -207,6 +221,16 @@ fn declared(files: &mut Texts, file: FileId, path: &Path, report: &mut Vec<Diagn
         .map(|node| {
             reject_duplicate(node.name(), &mut gate_names, report);
             check::gate(node, &cast, files.scope(file), &Places { files }, report)
+        })
+        .collect();
+    let complete = !super::texts::has_errors(report);
+    let rated = check::RatedScenarios { scenarios: &scenarios, definitions: &definitions, complete };
+    let mut rating_names: HashMap<&str, Span> = HashMap::new();
+    let ratings: Vec<_> = block
+        .ratings()
+        .map(|node| {
+            reject_duplicate(node.name(), &mut rating_names, report);
+            check::rating(node, &rated, &cast, files.scope(file), &Places { files }, report)
         })
         .collect();
     if !super::texts::has_errors(report) {
@@ -234,6 +258,7 @@ fn declared(files: &mut Texts, file: FileId, path: &Path, report: &mut Vec<Diagn
         evaluates: blocks.evaluates,
         statements: blocks.statements,
         gates: gates.into_iter().flatten().collect(),
+        ratings: ratings.into_iter().flatten().collect(),
         controllers: Vec::new(),
         notations: Vec::new(),
         origin: files.sources.origin(name.span()),
@@ -413,16 +438,15 @@ fn check_all(
     scenarios
 }
 
-/// Warns of scenarios of which nothing is claimed, unless a block is about them.
-fn warn_of_nothing_expected(
+/// Warns of those of `scenarios` of which nothing is claimed, unless a block is about them.
+fn warn_of_nothing_expected<'s>(
     files: &Texts,
     definitions: &[NameDefinition],
-    scenarios: &[Scenario],
+    scenarios: impl Iterator<Item = &'s Scenario>,
     blocks: &Gathered,
     report: &mut Vec<Diagnostic>,
 ) {
     let idle: HashSet<&str> = scenarios
-        .iter()
         .filter(|scenario| scenario.criteria.is_empty())
         .map(|scenario| scenario.name.as_str())
         .filter(|name| !blocks.are_about(name))

@@ -2,6 +2,7 @@
 
 mod blocks;
 pub mod gate;
+pub mod rating;
 mod trials;
 
 use std::sync::Arc;
@@ -20,7 +21,7 @@ use trials::{course, trial, word};
 use results::judge::{judge, per_run};
 use results::{Chosen, Recording};
 use runner::plan::PlannedTrial;
-use scenario::{Block, Case, Gate, MetricReference, Search, Tune};
+use scenario::{Block, Case, Gate, MetricReference, Rating, Search, Tune};
 use sim::measure::Presence;
 use sim::{Ending, StopReason};
 
@@ -31,6 +32,7 @@ pub struct Session {
     tune: Tune,
     recorded: Arc<Recorded>,
     gate: Arc<Gate>,
+    rating: Arc<Rating>,
     pub requests: Requests,
     /// The suite's name and file.
     suite: String,
@@ -54,6 +56,7 @@ impl Session {
             search,
             tune,
             gate: Arc::new(gate::gate()),
+            rating: Arc::new(rating::rating()),
             requests,
             suite: "zebra".into(),
             file: "suites/zebra.suite".into(),
@@ -96,6 +99,9 @@ impl Session {
         [&mut recorded.key, &mut recorded.scenario].into_iter().chain(&mut recorded.against).for_each(name);
         [&mut session.search.name, &mut session.tune.name, &mut gate.name].into_iter().for_each(name);
         gate.rules.iter_mut().for_each(|rule| name(&mut rule.text));
+        let rating = Arc::make_mut(&mut session.rating);
+        [&mut rating.name].into_iter().chain(&mut rating.doc).chain(&mut rating.not_assessed).for_each(name);
+        rating.points.iter_mut().for_each(|points| name(&mut points.tag));
         [&mut session.suite, &mut session.file].into_iter().for_each(name);
         session
     }
@@ -151,6 +157,7 @@ impl Session {
             controllers: Vec::new(),
             blocks: self.blocks(),
             gates: gate::reports(&self.gate),
+            ratings: rating::reports(&self.rating),
             interrupted: false,
         }
     }
@@ -176,6 +183,7 @@ impl Session {
         }
         report.recorded.clear();
         report.gates.clear();
+        report.ratings.clear();
         report.interrupted = true;
         report
     }

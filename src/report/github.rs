@@ -9,6 +9,9 @@ use super::figures::short_name;
 use super::gate::render_gate_report;
 use super::gate_markdown::gate_markdown;
 use super::groups::groups;
+use super::rating::{
+    RatingTable, cells_in_words, points_in_words, points_rows, rating_mark, rating_notes, render_rating,
+};
 use super::wording::recorded_remark;
 use super::wording::{
     closest_calls, interruption, judged_words, nearest_run, nothing_claimed, observed, stopping,
@@ -19,8 +22,8 @@ use files::escape::{
     github_data, github_property, html, markdown, markdown_code, markdown_fenced, terminal_line,
 };
 use results::{
-    BlockReport, BlockState, CutBy, GateReport, GateState, NotJudged, RecordedReport, Requests, Results,
-    Standing, SuiteReport, TrialReport, TrialState, UnitError, Verdict,
+    BlockReport, BlockState, CutBy, GateReport, GateState, NotJudged, RatingReport, RatingState,
+    RecordedReport, Requests, Results, Standing, SuiteReport, TrialReport, TrialState, UnitError, Verdict,
 };
 use scenario::Origin;
 
@@ -135,6 +138,17 @@ pub fn annotations(results: &Results, repository: &Repository) -> String {
         let said = render_gate_report(&report.identity, gate, false);
         add(level, gate.gate.origin.clone(), format!("gate {} {what}", gate.gate.name), said);
     }
+    for rating in reports.iter().flat_map(|one| &one.ratings) {
+        let (level, what) = match rating.verdict() {
+            Some(Verdict::Passed) => continue,
+            Some(Verdict::Failed) => ("error", "failed"),
+            Some(Verdict::Inconclusive) => ("warning", "inconclusive"),
+            None if rating.is_open() => ("warning", "is not judged"),
+            None => continue,
+        };
+        let title = format!("rating {} {what}", rating.rating.name);
+        add(level, rating.rating.origin.clone(), title, render_rating(rating, false));
+    }
     for report in reports.iter().filter(|report| report.interrupted) {
         let title = format!("suite {} interrupted", report.identity.suite);
         add("error", beginning(report), title, interruption(report));
@@ -187,6 +201,7 @@ pub fn step_summary(results: &Results) -> String {
     let mut text = String::new();
     for report in reports {
         suite_summary(&mut text, report, requests);
+        report.ratings.iter().for_each(|rating| text += &rating_markdown(rating));
         for gate in &report.gates {
             text += &match &gate.state {
                 GateState::Judged(verdict) => {
@@ -219,6 +234,37 @@ pub fn step_summary(results: &Results) -> String {
     text
 }
 
+/// A rating: its table of cells, its points and what there is to know besides.
+fn rating_markdown(report: &RatingReport) -> String {
+    let (mark, word) = rating_mark(report);
+    let mut text = format!("### {mark} {}: {word}\n\n", markdown(&report.rating.name));
+    let result = match &report.state {
+        RatingState::Rated(result) => result,
+        RatingState::NotJudged(why) => {
+            text += &format!("{}\n\n", markdown(&why.to_string()));
+            return text;
+        }
+    };
+    text += &format!("{}; {}\n\n", points_in_words(result), markdown(&cells_in_words(&report.rating)));
+    let row = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
+    let table = RatingTable::new(&report.rating, result);
+    text += &row(table.headings.iter().map(|heading| markdown(heading)).collect());
+    text += &format!("|---|{}\n", "--:|".repeat(table.headings.len() - 1));
+    for line in &table.rows {
+        let cells =
+            line.cells.iter().map(|cell| cell.as_ref().map_or(String::new(), |cell| cell.text.clone()));
+        text += &row([markdown(&line.name)].into_iter().chain(cells).collect());
+    }
+    text += "\n| tag | points | of | by |\n|---|--:|--:|---|\n";
+    for [tag, points, maximum, how] in points_rows(&report.rating, result) {
+        text += &row(vec![markdown(&tag), points, maximum, how]);
+    }
+    text.push('\n');
+    rating_notes(&report.rating, result).iter().for_each(|note| text += &format!("- {}\n", markdown(note)));
+    text.push('\n');
+    text
+}
+
 fn suite_summary(text: &mut String, report: &SuiteReport, requests: &Requests) {
     let mut line = |content: String| {
         text.push_str(&content);
@@ -227,8 +273,9 @@ fn suite_summary(text: &mut String, report: &SuiteReport, requests: &Requests) {
     let recorded = report.recorded.iter().map(RecordedReport::standing);
     let trials = report.trials.iter().map(TrialReport::standing);
     let blocks = report.blocks.iter().map(BlockReport::standing);
+    let ratings = report.ratings.iter().map(RatingReport::standing);
     let gates = report.gates.iter().map(GateReport::standing);
-    let standings: Vec<_> = recorded.chain(trials).chain(blocks).chain(gates).collect();
+    let standings: Vec<_> = recorded.chain(trials).chain(blocks).chain(ratings).chain(gates).collect();
     let count = |wanted| standings.iter().filter(|standing| **standing == wanted).count();
     let runs: usize = report.trials.iter().map(TrialReport::made).sum();
     let counts = [

@@ -13,7 +13,9 @@ use super::fixture::Session;
 use super::hostile_texts as texts;
 use super::junit::tests::junit;
 use super::tap::tests::tap;
-use super::{Repository, annotations, explain, render_gates, render_tables, step_summary, to_html};
+use super::{
+    Repository, annotations, explain, render_gates, render_ratings, render_tables, step_summary, to_html,
+};
 use files::escape::{terminal, terminal_styled, xml_line};
 use results::{Results, SuiteReport, TrialReport, UnitReport, choose_runs};
 
@@ -41,6 +43,7 @@ fn shown(report: &SuiteReport, session: &Session, colour: bool) -> String {
     let mut text = render_tables(report, &session.requests, colour);
     let suite = std::slice::from_ref(report);
     text += &render_gates(suite, colour);
+    text += &render_ratings(suite, colour);
     for trial in &report.trials {
         let unit = UnitReport::Trial(TrialReport {
             departures: Vec::new(),

@@ -13,11 +13,13 @@ use super::digest::{Digest, written_unit};
 use super::experiment::render_block;
 use super::failure::{render_block_failure, render_failure};
 use super::gate::{blindness as gate_blindness, render_gate_report};
+use super::rating::{points_rows, render_rating};
 use super::wording::{in_words, interruption, nothing_claimed, recorded_remark, stopping, trial_warnings};
 use super::{Repository, need_every_trial};
 use results::{
-    BlockReport, BlockResult, BlockState, Cut, CutBy, GateReport, GateState, NotJudged, RecordedReport,
-    RecordedState, Requests, Results, SuiteReport, TrialReport, TrialState, UnitError, Verdict,
+    BlockReport, BlockResult, BlockState, Cut, CutBy, GateReport, GateState, NotJudged, RatingReport,
+    RatingState, RecordedReport, RecordedState, Requests, Results, SuiteReport, TrialReport, TrialState,
+    UnitError, Verdict,
 };
 use scenario::{FaultKind, Origin};
 
@@ -64,6 +66,7 @@ enum Item<'r> {
     Recorded(&'r RecordedReport),
     Trial(&'r TrialReport),
     Block(&'r BlockReport),
+    Rating(&'r RatingReport),
     Gate(&'r GateReport),
     /// Should nothing have been under way when somebody interrupted it, there would be no error, and a CI would show green.
     Interruption,
@@ -90,6 +93,7 @@ fn grouped<'r>(report: &'r SuiteReport) -> Vec<Group<'r>> {
     report.recorded.iter().for_each(|one| put(format!("{suite}.recorded"), Item::Recorded(one)));
     report.trials.iter().for_each(|one| put(format!("{suite}.{}", one.trial.scenario), Item::Trial(one)));
     report.blocks.iter().for_each(|one| put(format!("{suite}.{}", one.block.kind()), Item::Block(one)));
+    report.ratings.iter().for_each(|one| put(format!("{suite}.rating"), Item::Rating(one)));
     report.gates.iter().for_each(|one| put(format!("{suite}.gate"), Item::Gate(one)));
     if report.interrupted {
         put(suite.to_string(), Item::Interruption);
@@ -128,6 +132,11 @@ impl Item<'_> {
                 BlockState::Finished(result) if result.failure().is_some() => TestOutcome::Failure,
                 BlockState::Finished(_) => TestOutcome::Passed,
             },
+            Self::Rating(rating) => match rating.verdict() {
+                Some(Verdict::Passed) => TestOutcome::Passed,
+                Some(Verdict::Inconclusive | Verdict::Failed) => TestOutcome::Failure,
+                None => TestOutcome::Skipped,
+            },
             Self::Gate(gate) => match &gate.state {
                 GateState::NotJudged(NotJudged::Broken(_)) | GateState::Refused(_) => TestOutcome::Error,
                 GateState::NotJudged(_) => TestOutcome::Skipped,
@@ -143,7 +152,7 @@ impl Item<'_> {
             Self::Recorded(recorded) => Some(recorded.wall_time),
             Self::Trial(trial) => Some(trial.wall_time),
             Self::Block(block) => Some(block.wall_time),
-            Self::Gate(_) | Self::Interruption => None,
+            Self::Rating(_) | Self::Gate(_) | Self::Interruption => None,
         }
     }
 
@@ -158,6 +167,7 @@ impl Item<'_> {
             Self::Recorded(recorded) => recorded_case(report, recorded),
             Self::Trial(trial) => trial_case(report, trial, requests),
             Self::Block(block) => block_case(report, block),
+            Self::Rating(rating) => rating_case(report, rating),
             Self::Gate(gate) => gate_case(report, gate),
             Self::Interruption => interruption_case(report),
         };
@@ -178,6 +188,7 @@ impl Item<'_> {
             }
             Self::Trial(trial) => Some(&trial.trial.origin),
             Self::Block(block) => Some(block.block.origin()),
+            Self::Rating(rating) => Some(&rating.rating.origin),
             Self::Gate(gate) => Some(&gate.gate.origin),
             Self::Interruption => None,
         }
@@ -276,6 +287,37 @@ fn recorded_case(report: &SuiteReport, recorded: &RecordedReport) -> TestCase {
     let now = remark.trim_start_matches([':', ' ']);
     case.property("now", if now.is_empty() { "still fails" } else { now });
     case.property("replay", &report.identity.replay_command(&recorded.key));
+    case
+}
+
+/// A rating: its table is the output of the test.
+fn rating_case(report: &SuiteReport, rating: &RatingReport) -> TestCase {
+    let text = render_rating(rating, false);
+    let result = match &rating.state {
+        RatingState::Rated(result) => result,
+        RatingState::NotJudged(why) => {
+            let problem = Problem::skipped(&format!("not judged: {why}"));
+            let mut case = TestCase::new(&rating.key, Some(problem));
+            case.property("seed", &report.identity.seed.to_string());
+            return case;
+        }
+    };
+    let problem = match result.verdict() {
+        Some(Verdict::Passed) => None,
+        None => Some(Problem::skipped("nothing is expected of the points")),
+        Some(verdict) => {
+            let bad = result.findings.iter().filter(|finding| finding.verdict != Verdict::Passed);
+            let bad: Vec<_> = bad.map(|finding| finding.criterion.as_str()).collect();
+            let kind = if verdict == Verdict::Failed { "points" } else { "inconclusive" };
+            Some(Problem::new(kind, &bad.join("; "), text.clone()))
+        }
+    };
+    let mut case = TestCase::new(&rating.key, problem);
+    case.property("seed", &report.identity.seed.to_string());
+    for [tag, points, maximum, how] in points_rows(&rating.rating, result) {
+        case.property(&format!("points {tag}"), format!("{points} of {maximum} {how}").trim_end());
+    }
+    case.output = Some(text);
     case
 }
 

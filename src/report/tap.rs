@@ -1,4 +1,4 @@
-//! Results as TAP 14 (Test Anything Protocol): one test point per recorded failure, trial, block and gate, with a YAML block where there is something to say.
+//! Results as TAP 14 (Test Anything Protocol): one test point per recorded failure, trial, block, rating and gate, with a YAML block where there is something to say.
 
 use std::fmt::Write;
 use std::io;
@@ -9,11 +9,12 @@ use super::experiment::render_block;
 use super::failure::{render_block_failure, render_failure};
 use super::gate::render_gate_report;
 use super::need_every_trial;
+use super::rating::render_rating;
 use super::wording::{in_words, interruption, stopping, trial_warnings, verdict_word, warnings};
 use files::escape::{tap_description, tap_text, terminal_line, yaml_quoted};
 use results::{
-    BlockReport, BlockState, Finding, GateReport, GateState, NotJudged, Results, SuiteReport, TrialState,
-    TrialVerdict, Verdict,
+    BlockReport, BlockState, Finding, GateReport, GateState, NotJudged, RatingReport, RatingState, Results,
+    SuiteReport, TrialState, TrialVerdict, Verdict,
 };
 
 /// Writes the report as TAP, a test point at a time. An inconclusive trial is `not ok`, and its block says so.
@@ -23,7 +24,11 @@ use results::{
 pub fn write_tap(results: &Results, out: &mut dyn io::Write) -> io::Result<()> {
     need_every_trial(results)?;
     let points = |report: &SuiteReport| {
-        report.recorded.len() + report.trials.len() + report.blocks.len() + report.gates.len()
+        report.recorded.len()
+            + report.trials.len()
+            + report.blocks.len()
+            + report.ratings.len()
+            + report.gates.len()
     };
     let reports = &results.suites;
     let points: usize = reports.iter().map(points).sum();
@@ -59,6 +64,9 @@ pub fn write_tap(results: &Results, out: &mut dyn io::Write) -> io::Result<()> {
         }
         for block in &report.blocks {
             points.put(|text, number| block_point(text, number, report, block))?;
+        }
+        for rating in &report.ratings {
+            points.put(|text, number| rating_point(text, number, rating))?;
         }
         for gate in &report.gates {
             points.put(|text, number| gate_point(text, number, report, gate))?;
@@ -183,6 +191,32 @@ fn block_point(text: &mut String, number: usize, report: &SuiteReport, block: &B
     line(text, "  ...");
 }
 
+/// The test point of a rating. One that expects nothing has nothing to fail; one that expects something of cells that were left
+/// out is skipped, which is not green.
+fn rating_point(text: &mut String, number: usize, rating: &RatingReport) {
+    let name = tap_description(&rating.key);
+    match (&rating.state, rating.verdict()) {
+        (RatingState::NotJudged(why), _) => {
+            let why = tap_description(&why.to_string());
+            return line(text, &format!("ok {number} - {name} # SKIP not judged: {why}"));
+        }
+        (RatingState::Rated(_), None) => {
+            line(text, &format!("ok {number} - {name} # SKIP nothing is expected of the points"));
+            line(text, "  ---");
+        }
+        (RatingState::Rated(_), Some(verdict)) => {
+            let passed = verdict == Verdict::Passed;
+            line(text, &format!("{} {number} - {name}", if passed { "ok" } else { "not ok" }));
+            line(text, "  ---");
+            if !passed {
+                field(text, "severity", verdict_word(verdict));
+            }
+        }
+    }
+    block(text, "message", &render_rating(rating, false));
+    line(text, "  ...");
+}
+
 fn gate_point(text: &mut String, number: usize, report: &SuiteReport, gate: &GateReport) {
     let name = tap_description(&gate.key);
     let (passed, severity) = match &gate.state {
@@ -258,6 +292,6 @@ pub(super) mod tests {
             assert!(value["duration_ms"].is_number() || value["message"].is_string());
             blocks += 1;
         }
-        assert_eq!(blocks, 13);
+        assert_eq!(blocks, 16);
     }
 }

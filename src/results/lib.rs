@@ -21,6 +21,7 @@ pub mod judge;
 mod outcome;
 mod overall;
 mod places;
+mod rating;
 mod recorded;
 mod recording;
 mod requests;
@@ -61,6 +62,9 @@ pub use gate::{
 };
 pub use outcome::{ByMetric, Critical, CutOff, OnCourse, Outcome, Unfinished};
 pub use overall::Overall;
+pub use rating::{
+    CellWorth, EarnedPoints, NotRated, PointsFinding, RatedCell, RatingReport, RatingResult, RatingState,
+};
 pub use recorded::{Recorded, RecordedReport, RecordedState, Rerun};
 pub use recording::{PairCourse, Place, Recording};
 pub use requests::Requests;

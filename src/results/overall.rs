@@ -2,6 +2,7 @@
 
 use super::Results;
 use super::gate::{GateReport, GateState, NotJudged};
+use super::rating::RatingReport;
 use super::standing::Standing;
 use super::suite::SuiteReport;
 use super::verdict::Verdict;
@@ -9,13 +10,13 @@ use super::verdict::Verdict;
 /// The worst that became of anything. What failed by itself goes before what got worse than it was.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Overall {
-    /// A trial or block failed, could not be run or was cut off.
+    /// A trial, block or rating failed, could not be run or was cut off.
     Failed,
     /// A gate failed: something got worse than its baseline.
     Regressed,
     /// A gate's baseline cannot be compared with.
     NotComparable,
-    /// Something could not be decided, or a gate was not looked at.
+    /// Something could not be decided, or a gate or rating was not looked at.
     Inconclusive,
     /// No criterion applied to anything that was run.
     NothingJudged,
@@ -33,7 +34,10 @@ impl Results {
 fn overall(suites: &[SuiteReport]) -> Overall {
     let gates = || suites.iter().flat_map(|suite| &suite.gates);
     let standings = || gates().map(GateReport::standing);
-    let units = || suites.iter().flat_map(SuiteReport::standings);
+    let ratings = || suites.iter().flat_map(|suite| &suite.ratings);
+    // What a rating expects is a verdict like that of a trial.
+    let rated = || ratings().map(RatingReport::standing);
+    let units = || suites.iter().flat_map(SuiteReport::standings).chain(rated());
     let broken = |gate: &GateReport| matches!(gate.state, GateState::NotJudged(NotJudged::Broken(_)));
     if units().any(Standing::is_failure) || gates().any(broken) {
         Overall::Failed
@@ -44,6 +48,7 @@ fn overall(suites: &[SuiteReport]) -> Overall {
     } else if !standings().chain(units()).any(|one| matches!(one, Standing::Judged(_))) {
         Overall::NothingJudged
     } else if gates().any(GateReport::is_open)
+        || ratings().any(RatingReport::is_open)
         || standings().chain(units()).any(|one| one == Standing::Judged(Verdict::Inconclusive))
     {
         Overall::Inconclusive

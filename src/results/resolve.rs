@@ -46,6 +46,7 @@ fn of_suite(suite: &mut SuiteReport, resolve: Resolve) {
         summary,
         blocks,
         gates,
+        ratings,
         interrupted: _,
         controllers: _,
     } = suite;
@@ -64,6 +65,9 @@ fn of_suite(suite: &mut SuiteReport, resolve: Resolve) {
     }
     blocks.iter_mut().for_each(|block| of_block(block, resolve));
     gates.iter_mut().for_each(|gate| of_gate(gate, resolve));
+    for report in ratings {
+        resolve(&mut Arc::make_mut(&mut report.rating).measure.metric);
+    }
 }
 
 fn of_findings(findings: &mut [Finding], resolve: Resolve) {

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::block::BlockReport;
 use super::controller::TestedController;
 use super::gate::GateReport;
+use super::rating::RatingReport;
 use super::recorded::RecordedReport;
 use super::skip::Skip;
 use super::standing::Standing;
@@ -139,6 +140,9 @@ pub struct SuiteReport {
     pub controllers: Vec<TestedController>,
     /// The suite's gates; empty until all of its trials are judged.
     pub gates: Vec<GateReport>,
+    /// The suite's ratings; empty until all of its trials are judged.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub ratings: Vec<RatingReport>,
     /// Whether somebody interrupted it before all that was to be done was done.
     pub interrupted: bool,
 }

@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     ControllerModel, Criterion, Distribution, DynamicsModel, Evaluate, EvaluationError, Expression, Gate,
-    MetricReference, Notation, Origin, PedestrianModel, PerceptionModel, Reference, Road, Search, Side,
-    Statement, Tune, Value, VehicleReference, Written,
+    MetricReference, Notation, Origin, PedestrianModel, PerceptionModel, Rating, Reference, Road, Search,
+    Side, Statement, Tune, Value, VehicleReference, Written,
 };
 
 /// A suite: scenarios and what holds for all of them. A bare `.scn` file becomes a suite named after the file.
@@ -49,6 +49,9 @@ pub struct Suite {
     /// In the order in which they are declared.
     #[serde(default)]
     pub gates: Vec<Gate>,
+    /// In the order in which they are declared.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub ratings: Vec<Rating>,
     /// Those that its files declare, by name: programs that decide.
     #[serde(skip)]
     pub controllers: Vec<Reference<ControllerModel>>,

@@ -36,6 +36,7 @@ mod path;
 pub mod population;
 mod program;
 mod program_fault;
+mod rating;
 mod reference;
 pub mod registry;
 mod road;
@@ -87,6 +88,7 @@ pub use optimisation::{
 pub use path::{Located, Path};
 pub use program::{Answer, DeclaredFmu, DeclaredProgram, Delay, ProgramKind, WiredVariable};
 pub use program_fault::{FaultKind, ProgramFault};
+pub use rating::{PointsCriterion, Rating, Scoring, TagPoints, Weight, WeightedValues, Weights};
 pub use reference::{Reference, Registered};
 pub use road::{Bend, Body, Crossing, CrossingKind, Direction, Lane, Road, Side};
 pub use signal::{NOBODY_AT, OBJECT, OBJECTS, SEEN, SignalEntry, input_signals, output_signals};

@@ -1,4 +1,4 @@
-//! Suites as tests of a Rust project: every trial, block and gate is a test of `cargo test`.
+//! Suites as tests of a Rust project: every trial, block, rating and gate is a test of `cargo test`.
 //!
 //! In the project's `Cargo.toml`:
 //!
@@ -41,13 +41,13 @@ use files::escape::terminal_line;
 use fingerprints::{compare, lines, path, recording};
 use lang::Style;
 use report::console::stderr;
-use report::{explain, render_gate_report};
-use results::{Skip, Standing, Verdict};
+use report::{explain, render_gate_report, render_rating};
+use results::{RatingReport, Skip, Standing, Verdict};
 use runner::project::{Project, ProjectOptions};
 use runner::run::{Executor, Threads, VerifyRuns};
 use runner::session::{OnDemand, gate_key};
-use scenario::Gate;
 use scenario::registry::Registry;
+use scenario::{Gate, Rating};
 #[cfg(feature = "fmu")]
 use under_test::fmu_host;
 use under_test::{Allowed, Permission, ProcessPool, supervise_if_asked};
@@ -75,7 +75,7 @@ pub enum TestingError {
     Invalid,
 }
 
-/// Runs every unit and judges every gate of the suites and scenarios that the glob patterns name, as the program's arguments say: they are those
+/// Runs every unit and judges every rating and gate of the suites and scenarios that the glob patterns name, as the program's arguments say: they are those
 /// of `cargo test`. The exit code is 101 if something did not pass or could not be loaded.
 ///
 /// Call it before anything else: this program is started once more beside each program that decides, and ends that if these tests are gone,
@@ -99,9 +99,9 @@ pub fn conclude(trials: Result<Vec<Trial>, TestingError>) -> ExitCode {
     }
 }
 
-/// The units and gates as tests, to be run together with others.
+/// The units, ratings and gates as tests, to be run together with others.
 ///
-/// A block runs what it needs, whether that is selected or not, and at most once; a gate runs its suite's trials. What
+/// A block runs what it needs, whether that is selected or not, and at most once; a rating and a gate run their suite's trials. What
 /// could not be decided fails.
 ///
 /// # Errors
@@ -163,7 +163,7 @@ impl Suites {
         Self(Arc::new(Tested { session: tested.session.verify_runs(verify), ..tested }))
     }
 
-    /// The units and gates of the files that the patterns name, as [`trials`] gives them.
+    /// The units, ratings and gates of the files that the patterns name, as [`trials`] gives them.
     ///
     /// # Errors
     /// If a pattern names no file that was loaded.
@@ -183,7 +183,15 @@ impl Suites {
                 Trial::test(gate_key(&suite_of.name, gate), move || tested.judge_gate(suite, gate))
             })
         });
-        Ok(units.chain(gates).collect())
+        let ratings = chosen.iter().flat_map(|&suite| {
+            let suite_of = &self.0.project.suites()[suite].suite;
+            suite_of.ratings.iter().map(move |rating| {
+                let tested = Arc::clone(&self.0);
+                let key = RatingReport::key_of(&suite_of.name, rating);
+                Trial::test(key, move || tested.judge_rating(suite, rating))
+            })
+        });
+        Ok(units.chain(ratings).chain(gates).collect())
     }
 
     /// A test for each of the files that the patterns name: every bit of what it runs is as in the file that is kept for
@@ -313,6 +321,16 @@ impl Tested {
         match report.standing() {
             Standing::Judged(Verdict::Passed) => Ok(()),
             _ => Err((render_gate_report(&self.session.identity(suite), &report, false) + &warning).into()),
+        }
+    }
+
+    /// A rating that expects nothing has nothing to fail.
+    fn judge_rating(&self, suite: usize, rating: &Rating) -> Result<(), Failed> {
+        let report = self.session.rating(suite, rating);
+        let warning = self.nondeterminism(suite);
+        match report.standing() {
+            Standing::NotJudged | Standing::Judged(Verdict::Passed) => Ok(()),
+            _ => Err((render_rating(&report, false) + &warning).into()),
         }
     }
 

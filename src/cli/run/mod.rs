@@ -25,7 +25,7 @@ use super::set::SetArguments;
 use super::{Exit, filter, load, measured, number, store};
 use lang::filter::Show;
 use report::console::{Output, stderr, stdout};
-use report::{Live, StatusLevel, Terminal, render_controllers, render_gates};
+use report::{Live, StatusLevel, Terminal, render_controllers, render_gates, render_ratings};
 use results::{Overall, SuiteReport};
 use runner::session::{self, Selection, Session};
 use scenario::registry::Registry;
@@ -344,6 +344,7 @@ pub fn run(arguments: RunArguments, registry: &Registry) -> Exit {
     });
     let reports = &results.suites;
     stdout().styled(&render_controllers(reports, colour));
+    stdout().styled(&render_ratings(reports, colour));
     stdout().styled(&render_gates(reports, colour));
     complaints.extend(watcher.as_ref().map(watch::Traces::finish).unwrap_or_default());
     complaints.extend(output::write(&arguments.output, &results, in_github_actions()));
@@ -367,6 +368,12 @@ pub fn run(arguments: RunArguments, registry: &Registry) -> Exit {
         let overall = results.overall();
         if overall == Overall::NothingJudged {
             writeln!(stderr(), "warning: nothing was judged: no criterion applies to what was run");
+            if reports.iter().any(|report| !report.ratings.is_empty()) {
+                writeln!(
+                    stderr(),
+                    "help: a rating has a verdict if it says what the points must be: `expect {{ points >= 3 }}`"
+                );
+            }
         }
         let unasked =
             arguments.serve_by_parent.as_deref().and_then(|name| parent::was_not_asked(name, reports));

@@ -13,14 +13,14 @@ use report::console::stderr;
 use report::{Terminal, count, with_worst};
 use results::judge::{judge, per_run};
 use results::{
-    Event, Recorded, Reporter, Requests, Skip, Standing, SuiteIdentity, SuiteReport, TrialReport, TrialState,
-    UnitReport, Verdict,
+    Event, RatingReport, Recorded, Reporter, Requests, Skip, Standing, SuiteIdentity, SuiteReport,
+    TrialReport, TrialState, UnitReport, Verdict,
 };
 use runner::corpus::{case_hash, corpus_path, is_unchecked, record, write_corpus};
 use runner::plan::{Plan, PlannedTrial};
 use runner::project::PlannedSuite;
 use runner::session::{Units, Work, gate_key};
-use scenario::{Gate, Suite};
+use scenario::{Gate, Rating, Suite};
 
 #[derive(Debug, Args)]
 pub struct RememberArguments {
@@ -200,11 +200,12 @@ impl LastRun {
         format!("{key} {seed}")
     }
 
-    /// The units that did not pass; where a gate did not, all units of its suite, since it takes all to judge it.
+    /// The units that did not pass; where a gate or rating did not, all units of its suite, since it takes all to judge it.
     pub fn failed_units(&self, suites: &[PlannedSuite], units: &Units) -> BTreeSet<String> {
         let gate_failed = |suite: &Suite| {
             let failed = |gate: &Gate| self.failed.contains(&gate_key(&suite.name, gate));
-            suite.gates.iter().any(failed)
+            let rating = |rating: &Rating| self.failed.contains(&RatingReport::key_of(&suite.name, rating));
+            suite.gates.iter().any(failed) || suite.ratings.iter().any(rating)
         };
         let gates: Vec<bool> = suites.iter().map(|suite| gate_failed(&suite.suite)).collect();
         let keys = units.keys().enumerate();
@@ -231,10 +232,13 @@ impl LastRun {
         }
     }
 
-    /// As [`Self::learn`], what became of gates.
+    /// As [`Self::learn`], what became of gates and ratings.
     pub fn learn_gates(&mut self, reports: &[SuiteReport]) {
         for gate in reports.iter().filter(|one| one.identity.set.is_empty()).flat_map(|one| &one.gates) {
             self.learn_standing(&gate.key, gate.standing());
+        }
+        for rating in reports.iter().filter(|one| one.identity.set.is_empty()).flat_map(|one| &one.ratings) {
+            self.learn_standing(&rating.key, rating.standing());
         }
     }
 

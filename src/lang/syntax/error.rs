@@ -61,7 +61,11 @@ fn statement(block: Node, bad: Node) -> Diagnostic {
 }
 
 fn setting(block: Rule, bad: Node) -> Diagnostic {
-    let kind = if block == Rule::parameter_set { &statements::GIVEN } else { &statements::SETTING };
+    let kind = match block {
+        Rule::parameter_set => &statements::GIVEN,
+        Rule::weights_block => &statements::WEIGHT,
+        _ => &statements::SETTING,
+    };
     let mut diagnostic = again(bad, kind);
     diagnostic.code = Code::BadSetting;
     let comma = |text: &str| text.replace(END, "`,`");
@@ -98,6 +102,7 @@ pub enum Next {
     Target,
     Name,
     SettingName,
+    Tag,
     Distribution,
     Keyword(String),
     Sign,
@@ -132,6 +137,7 @@ fn next(rule: Rule) -> Next {
         Rule::target => Next::Target,
         Rule::name | Rule::when_condition | Rule::run_condition => Next::Name,
         Rule::setting_name => Next::SettingName,
+        Rule::tag | Rule::points_of_tag => Next::Tag,
         Rule::distribution | Rule::distribution_name => Next::Distribution,
         other => match format!("{other:?}").strip_prefix("kw_") {
             Some(word) => Next::Keyword(word.to_string()),
@@ -162,7 +168,7 @@ fn advice(text: &str, start: usize, statement: &StatementEntry, diagnostic: &Dia
     let (before, rest) = text.split_at(found.start - start);
     let token = &rest[..found.end - found.start];
     let criterion = statement.rule == Rule::criterion;
-    let setting = matches!(statement.rule, Rule::whole_setting | Rule::whole_given);
+    let setting = matches!(statement.rule, Rule::whole_setting | Rule::whole_given | Rule::whole_weight);
     let digit = |c: char| c.is_ascii_digit();
     let in_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
     let advice = match token {
@@ -341,7 +347,9 @@ fn describe(rule: &Rule) -> Option<String> {
         }
         Rule::start_distance => "a distance `… from kerb` or `… from lane centre`",
         Rule::population => "`standard` or a file's name in quotes",
-        Rule::tag => "a tag",
+        Rule::tag | Rule::points_of_tag => "a tag",
+        Rule::weight => "a value with its weight `below 10 km/h: 0.25`",
+        Rule::weight_bound => "`below`, `at most`, `above` or `at least`",
         Rule::signal => "a signal such as `ego.speed`",
         Rule::vehicle_part => "`front` or `centre`",
         Rule::varied => "`NAME in [ … ]`",

@@ -103,7 +103,7 @@ fn atoms(of: Node) -> Vec<Atom> {
     for node in of.descendants() {
         let span = node.span();
         match node.rule() {
-            Rule::settings | Rule::parameter_set => _ = settings.insert(span.start),
+            Rule::settings | Rule::parameter_set | Rule::weights_block => _ = settings.insert(span.start),
             Rule::base => _ = bases.insert(span.start),
             Rule::group | Rule::claimed_group => _ = groups.insert(span.start),
             Rule::relation => {

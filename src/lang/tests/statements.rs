@@ -21,6 +21,8 @@ fn around(kind: BlockKind, inside: &str) -> String {
         BlockKind::Together => around(BlockKind::Scenario, &format!("vary together {{\n    {inside}\n  }}")),
         BlockKind::Suite => format!("suite s {{\n  {inside}\n}}\n"),
         BlockKind::Gate => around(BlockKind::Suite, &format!("gate g {{\n    {inside}\n  }}")),
+        BlockKind::Rating => around(BlockKind::Suite, &format!("rating r {{\n    {inside}\n  }}")),
+        BlockKind::ExpectPoints => around(BlockKind::Rating, &format!("expect {{\n    {inside}\n  }}")),
         BlockKind::Search => format!("search s {{\n  {inside}\n}}\n"),
         BlockKind::Tune => format!("tune t {{\n  {inside}\n}}\n"),
         BlockKind::Evaluate => format!("evaluate e {{\n  {inside}\n}}\n"),

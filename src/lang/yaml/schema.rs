@@ -104,6 +104,7 @@ fn value(statement: &StatementEntry, registry: &Registry) -> Value {
         })),
         YamlShape::Rows => mapping_of(&one_or_several(&words())),
         YamlShape::Parameters => mapping_of(&json!({ "type": ["string", "number", "boolean", "null"] })),
+        YamlShape::Weights => one_or_several(&mapping_of(&words())),
         YamlShape::Texts => one_or_several(&json!({ "type": "string" })),
         YamlShape::OwnParameters => mapping_of(&json!({
             "anyOf": [

@@ -309,8 +309,32 @@ impl Writer<'_> {
                     });
                 }
             }
+            YamlShape::Weights => {
+                for item in Self::each(value) {
+                    self.said(name, keyword, |writer| writer.weights(item));
+                }
+            }
             YamlShape::Base | YamlShape::Parameters => {}
         }
+    }
+
+    /// `{ when: speed = 30 km/h, "0 km/h": 1, "below 10 km/h": 0.25 }`
+    fn weights(&mut self, value: &Yaml) {
+        let fields = self.fields(value, "a table of weights");
+        let is_when = |(key, _): &&(Yaml, Yaml)| key.scalar() == Some("when");
+        if let Some((_, when)) = fields.iter().find(is_when) {
+            self.text.push_str("when ");
+            self.words(when);
+            self.text.push(' ');
+        }
+        self.text.push('{');
+        for (index, (of, weight)) in fields.iter().filter(|field| !is_when(field)).enumerate() {
+            self.text.push_str(if index == 0 { " " } else { ", " });
+            self.words(of);
+            self.text.push_str(": ");
+            self.words(weight);
+        }
+        self.text.push_str(" }");
     }
 
     /// `name`, or `name: { setting: value }`

@@ -245,6 +245,19 @@ fn write(statement: &StatementEntry, statements: &[Node], depth: usize, out: &mu
                 line(depth + 1, &format!("{}: {values}", row.name().text()), out);
             }
         }
+        YamlShape::Weights => {
+            line(depth, &format!("{key}:"), out);
+            for weights in statements.iter().copied().filter_map(ast::Weights::cast) {
+                let when = weights.when().map(|when| format!("when: {}", scalar(&rest(*when, "when"))));
+                let lines = weights.block().lines().map(|line| {
+                    let said = phrase(*line);
+                    let (value, weight) = said.rsplit_once(':').unwrap_or((&said, ""));
+                    format!("{}: {}", serde_json::Value::from(value.trim()), scalar(weight.trim()))
+                });
+                let pairs: Vec<_> = when.into_iter().chain(lines).collect();
+                line(depth + 1, &format!("- {{ {} }}", pairs.join(", ")), out);
+            }
+        }
         YamlShape::Base | YamlShape::Parameters => {}
     }
 }

@@ -5,6 +5,7 @@ mod embed;
 mod evaluate;
 mod figure;
 mod gate;
+mod rating;
 mod search;
 mod space;
 mod statement;
@@ -22,7 +23,7 @@ use files::escape::html_characters;
 use results::Results;
 
 /// The page and its parts.
-const TEMPLATES: [(&str, &str); 8] = [
+const TEMPLATES: [(&str, &str); 9] = [
     ("page.html", include_str!("page.html")),
     ("figure.html", include_str!("figure.html")),
     ("statements.html", include_str!("statements.html")),
@@ -30,6 +31,7 @@ const TEMPLATES: [(&str, &str); 8] = [
     ("tune.html", include_str!("tune.html")),
     ("evaluate.html", include_str!("evaluate.html")),
     ("gate.html", include_str!("gate.html")),
+    ("rating.html", include_str!("rating.html")),
     ("comparisons.html", include_str!("comparisons.html")),
 ];
 

@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::embed::embed;
 use super::figure::HtmlFigure;
 use super::statement::Statements;
-use super::{block, gate};
+use super::{block, gate, rating};
 use crate::controllers;
 use crate::digest::written_unit;
 use crate::failure::render_failure;
@@ -20,8 +20,8 @@ use crate::wording::{
     verdict_mark, verdict_word,
 };
 use results::{
-    BlockReport, BlockState, Chosen, Finding, FindingMeasure, GateReport, GateState, Program, Recording,
-    Requests, Skip, SuiteReport, TestedController, TrialReport, TrialState, Verdict,
+    BlockReport, BlockState, Chosen, Finding, FindingMeasure, GateReport, GateState, Program, RatingReport,
+    RatingState, Recording, Requests, Skip, SuiteReport, TestedController, TrialReport, TrialState, Verdict,
 };
 use scenario::MetricReference;
 
@@ -50,14 +50,15 @@ pub struct Page {
     runs_left_out: usize,
 }
 
-/// Trials, blocks and gates by what became of them, and the runs of trials.
+/// Trials, blocks, ratings and gates by what became of them, and the runs of trials.
 #[derive(Debug, Default, Clone, Copy, Serialize)]
 struct Counts {
-    /// Trials, blocks and gates.
+    /// Trials, blocks, ratings and gates.
     all: usize,
     trials: usize,
     blocks: usize,
     gates: usize,
+    ratings: usize,
     passed: usize,
     failed: usize,
     inconclusive: usize,
@@ -85,6 +86,7 @@ struct Suite {
     figures: Vec<HtmlFigure>,
     blocks: Vec<block::BlockSection>,
     gates: Vec<gate::GateSection>,
+    ratings: Vec<rating::RatingSection>,
     metrics: Vec<Heading>,
 }
 
@@ -184,6 +186,7 @@ impl Page {
         reports.iter().flat_map(|report| &report.trials).for_each(|trial| counts.add(trial));
         reports.iter().flat_map(|report| &report.blocks).for_each(|block| counts.add_block(block));
         reports.iter().flat_map(|report| &report.gates).for_each(|gate| counts.add_gate(gate));
+        reports.iter().flat_map(|report| &report.ratings).for_each(|rating| counts.add_rating(rating));
         let names: Vec<_> = reports.iter().map(|report| report.identity.suite.as_str()).collect();
         let program = Program::of(reports);
         Self {
@@ -204,12 +207,29 @@ impl Page {
 
 impl Counts {
     fn noun(&self) -> &'static str {
-        match (self.blocks, self.gates) {
-            (0, 0) => "trials",
-            (_, 0) => "trials and blocks",
-            (0, _) => "trials and gates",
-            _ => "trials, blocks and gates",
+        match (self.blocks > 0, self.ratings > 0, self.gates > 0) {
+            (false, false, false) => "trials",
+            (true, false, false) => "trials and blocks",
+            (false, true, false) => "trials and ratings",
+            (false, false, true) => "trials and gates",
+            (true, true, false) => "trials, blocks and ratings",
+            (true, false, true) => "trials, blocks and gates",
+            (false, true, true) => "trials, ratings and gates",
+            (true, true, true) => "trials, blocks, ratings and gates",
         }
+    }
+
+    fn add_rating(&mut self, rating: &RatingReport) {
+        self.all += 1;
+        self.ratings += 1;
+        *match (&rating.state, rating.verdict()) {
+            (RatingState::NotJudged(_), _) if rating.is_open() => &mut self.inconclusive,
+            (RatingState::NotJudged(_), _) => &mut self.skipped,
+            (_, Some(Verdict::Passed)) => &mut self.passed,
+            (_, Some(Verdict::Failed)) => &mut self.failed,
+            (_, Some(Verdict::Inconclusive)) => &mut self.inconclusive,
+            (_, None) => &mut self.not_judged,
+        } += 1;
     }
 
     fn add_gate(&mut self, gate: &GateReport) {
@@ -286,6 +306,7 @@ fn suite<'r>(
         figures: figures(report, requests, drawn).into_iter().map(HtmlFigure::from).collect(),
         blocks: block::BlockSection::all(report),
         gates: gate::GateSection::all(report),
+        ratings: rating::RatingSection::all(report),
         metrics: columns.iter().map(heading).collect(),
     }
 }

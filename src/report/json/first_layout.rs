@@ -171,6 +171,7 @@ impl Suite {
             controllers: Vec::new(),
             blocks: Vec::new(),
             gates: self.gates.into_iter().map(GateOfSuite::report).collect::<Result<_, _>>()?,
+            ratings: Vec::new(),
             interrupted: self.interrupted,
         })
     }

@@ -2,8 +2,8 @@
 
 use numbers::json;
 use results::{
-    BlockReport, BlockState, GateReport, GateState, Horizon, Outcome, Program, RecordedReport, RecordedState,
-    Requests, RunFault, SuiteReport, TrialReport, TrialState, UnitError,
+    BlockReport, BlockState, GateReport, GateState, Horizon, Outcome, Program, RatingReport, RatingState,
+    RecordedReport, RecordedState, Requests, RunFault, SuiteReport, TrialReport, TrialState, UnitError,
 };
 mod first_layout;
 mod read;
@@ -136,14 +136,21 @@ fn suite_object<'v>(report: &'v SuiteReport, requests: &'v Requests) -> Object<'
     if !report.identity.tested.is_empty() {
         own.insert("tested".into(), plain(&report.identity.tested));
     }
+    let mut lists: Vec<(&'static str, List<'v>)> = Vec::new();
+    if !report.ratings.is_empty() {
+        lists.push(("ratings", list(&report.ratings, |rating| Item::Value(rating_value(rating)))));
+    }
     Object {
         members: own,
-        lists: vec![
-            ("recorded", list(&report.recorded, move |one| Item::Value(recorded_value(one, requests)))),
-            ("trials", list(&report.trials, move |trial| Item::Object(trial_object(trial, requests)))),
-            ("blocks", list(&report.blocks, |block| Item::Value(block_value(block)))),
-            ("gates", list(&report.gates, |gate| Item::Value(gate_value(gate)))),
-        ],
+        lists: lists
+            .into_iter()
+            .chain([
+                ("recorded", list(&report.recorded, move |one| Item::Value(recorded_value(one, requests)))),
+                ("trials", list(&report.trials, move |trial| Item::Object(trial_object(trial, requests)))),
+                ("blocks", list(&report.blocks, |block| Item::Value(block_value(block)))),
+                ("gates", list(&report.gates, |gate| Item::Value(gate_value(gate)))),
+            ])
+            .collect(),
         objects: Vec::new(),
     }
 }
@@ -279,6 +286,30 @@ fn recorded_value(report: &RecordedReport, requests: &Requests) -> Value {
     fields.insert("verdict".into(), verdict);
     if let Some(message) = message {
         fields.insert("message".into(), message.into());
+    }
+    value
+}
+
+/// A rating: its verdict is `null` where it expects nothing.
+fn rating_value(report: &RatingReport) -> Value {
+    let mut value = json!({
+        "key": report.key,
+        "rating": report.rating.name,
+        "record": { "rating": plain(&report.rating) },
+    });
+    let fields = value.as_object_mut().expect("it was made as an object");
+    match &report.state {
+        RatingState::Rated(result) => {
+            fields.insert("verdict".into(), plain(&result.verdict()));
+            fields.insert("points".into(), plain(&result.points));
+            fields.insert("maximum".into(), plain(&result.maximum));
+            fields.insert("result".into(), plain(result));
+        }
+        RatingState::NotJudged(why) => {
+            fields.insert("verdict".into(), "not_judged".into());
+            fields.insert("message".into(), why.to_string().into());
+            fields["record"]["not_judged"] = plain(why);
+        }
     }
     value
 }

@@ -14,12 +14,13 @@ use files::{self, ReadError};
 use numbers::json;
 use results::{
     BlockReport, BlockResult, BlockState, ByMetric, Chosen, Critical, Cut, CutOff, Finding, GateReport,
-    GateState, GateVerdict, Horizon, NotJudged, Outcome, Program, Recorded, RecordedReport, RecordedState,
-    Recording, Refusal, Requests, Results, RunFault, RunsTaken, Skip, SuiteIdentity, SuiteReport,
-    TestedController, TrialReport, TrialState, TrialVerdict, UnitError, UnknownMetric, Verdict,
+    GateState, GateVerdict, Horizon, NotJudged, NotRated, Outcome, Program, RatingReport, RatingResult,
+    RatingState, Recorded, RecordedReport, RecordedState, Recording, Refusal, Requests, Results, RunFault,
+    RunsTaken, Skip, SuiteIdentity, SuiteReport, TestedController, TrialReport, TrialState, TrialVerdict,
+    UnitError, UnknownMetric, Verdict,
 };
 use scenario::registry::Registry;
-use scenario::{Block, FaultKind, Gate, Individual, Origin, ProgramFault, Trial};
+use scenario::{Block, FaultKind, Gate, Individual, Origin, ProgramFault, Rating, Trial};
 use sim::Ending;
 use sim::measure::{Open, Presence};
 
@@ -106,6 +107,8 @@ struct Suite {
     trials: Vec<TrialOfSuite>,
     blocks: Vec<BlockOfSuite>,
     gates: Vec<GateOfSuite>,
+    #[serde(default)]
+    ratings: Vec<RatingOfSuite>,
 }
 
 #[derive(Deserialize)]
@@ -223,6 +226,22 @@ struct GateRecord {
     not_judged: Option<NotJudged>,
 }
 
+#[derive(Deserialize)]
+struct RatingOfSuite {
+    key: String,
+    verdict: Option<String>,
+    #[serde(default)]
+    result: Option<Box<RatingResult>>,
+    record: RatingRecord,
+}
+
+#[derive(Deserialize)]
+struct RatingRecord {
+    rating: Arc<Rating>,
+    #[serde(default)]
+    not_judged: Option<NotRated>,
+}
+
 impl Document {
     fn results(self) -> Result<Results, ResultsError> {
         let DocumentRecord { requests, recordings } = self.record;
@@ -245,6 +264,7 @@ impl Suite {
             controllers: self.controllers,
             blocks: self.blocks.into_iter().map(BlockOfSuite::report).collect::<Result<_, _>>()?,
             gates: self.gates.into_iter().map(GateOfSuite::report).collect::<Result<_, _>>()?,
+            ratings: self.ratings.into_iter().map(RatingOfSuite::report).collect::<Result<_, _>>()?,
             interrupted: self.interrupted,
         })
     }
@@ -391,6 +411,33 @@ impl BlockOfSuite {
     }
 }
 
+impl RatingOfSuite {
+    fn report(self) -> Result<RatingReport, ResultsError> {
+        let RatingRecord { rating, not_judged } = self.record;
+        let state = match (self.verdict.as_deref(), self.result, not_judged) {
+            (Some("not_judged"), None, Some(why)) => RatingState::NotJudged(why),
+            (verdict, Some(result), None) => {
+                let fits = match (verdict, result.verdict()) {
+                    (Some(word), Some(verdict)) => says(word, verdict),
+                    (None, None) => true,
+                    _ => false,
+                };
+                if !fits || result.findings.len() != rating.criteria.len() {
+                    let verdict = verdict.unwrap_or("null");
+                    let what = format!("its verdict is `{verdict}`, and its result says otherwise");
+                    return Err(contradiction(&self.key, what));
+                }
+                RatingState::Rated(result)
+            }
+            (verdict, ..) => {
+                let verdict = verdict.unwrap_or("null");
+                return Err(contradiction(&self.key, format!("`{verdict}` without its reason")));
+            }
+        };
+        Ok(RatingReport { rating, key: self.key, state })
+    }
+}
+
 impl GateOfSuite {
     fn report(self) -> Result<GateReport, ResultsError> {
         let GateRecord { gate, not_judged } = self.record;
@@ -500,6 +547,7 @@ mod tests {
                 new.trials.iter().zip(&old.trials).for_each(|(new, old)| assert_eq!(new, old));
                 new.blocks.iter().zip(&old.blocks).for_each(|(new, old)| assert_eq!(new, old));
                 new.gates.iter().zip(&old.gates).for_each(|(new, old)| assert_eq!(new, old));
+                new.ratings.iter().zip(&old.ratings).for_each(|(new, old)| assert_eq!(new, old));
             }
             assert_eq!(again.requests, results.requests);
             again.recordings.iter().zip(&results.recordings).for_each(|(new, old)| assert_eq!(new, old));
@@ -537,6 +585,10 @@ mod tests {
             ),
             ("/suites/0/gates/0/verdict".into(), "passed", "its result another"),
             ("/suites/0/gates/3/verdict".into(), "passed", "without its reason"),
+            ("/suites/0/ratings/0/verdict".into(), "failed", "its result says otherwise"),
+            ("/suites/0/ratings/1/verdict".into(), "passed", "its result says otherwise"),
+            ("/suites/0/ratings/2/verdict".into(), "passed", "its result says otherwise"),
+            ("/suites/0/ratings/3/verdict".into(), "passed", "without its reason"),
             ("/suites/0/blocks/1/verdict".into(), "nonsense", "without its reason"),
             ("/suites/0/blocks/0/verdict".into(), "failed", "its result says otherwise"),
         ] {

@@ -83,6 +83,7 @@ impl<'a> Context<'a> {
         }
         let rules = suite.gates.iter().flat_map(|gate| &gate.rules);
         rules.filter_map(|rule| rule.metric.as_ref()).for_each(|metric| requests.add(metric));
+        suite.ratings.iter().for_each(|rating| requests.add(&rating.measure));
         Self {
             suite,
             measured: MeasuredMetrics::new(requests),

@@ -181,6 +181,7 @@ fn suite() -> Suite {
         evaluates: Vec::new(),
         statements: Vec::new(),
         gates: Vec::new(),
+        ratings: Vec::new(),
         controllers: Vec::new(),
         notations: Vec::new(),
         origin: Origin::default(),

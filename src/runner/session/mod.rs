@@ -9,6 +9,7 @@ mod earlier;
 mod gates;
 mod on_demand;
 mod project_run;
+mod ratings;
 mod reporting;
 mod schedule;
 mod selection;

@@ -4,6 +4,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use super::earlier::Usable;
 use super::gates::{judge_one_gate, measured_trials};
+use super::ratings::judge_one_rating;
 use super::shared::Runner;
 use super::tested_programs::{nondeterministic, second_runs, tested_controllers};
 use super::unit::{Unit, Work, units};
@@ -11,9 +12,10 @@ use crate::experiment::Silent;
 use crate::project::Project;
 use crate::run::{Executor, VerifyRuns};
 use results::{
-    GateReport, RecordedReport, RecordedState, Requests, Skip, SuiteIdentity, TestedController, UnitReport,
+    GateReport, RatingReport, RecordedReport, RecordedState, Requests, Skip, SuiteIdentity, TestedController,
+    TrialReport, UnitReport,
 };
-use scenario::Gate;
+use scenario::{Gate, Rating};
 
 /// A session for whoever asks for one unit after another, from any thread, such as tests that are chosen by name.
 ///
@@ -80,14 +82,7 @@ impl<'a> OnDemand<'a> {
 
     /// What a gate of a suite comes to, for which all trials of that are run.
     pub fn gate(&self, suite: usize, gate: &Gate) -> GateReport {
-        let of_suite = self.units.iter().enumerate().filter(|(_, unit)| unit.suite == suite);
-        let trials: Vec<_> = of_suite
-            .filter(|(_, unit)| matches!(unit.work, Work::Trial(_)))
-            .filter_map(|(index, _)| match self.report(index) {
-                UnitReport::Trial(trial) => Some(trial),
-                UnitReport::Recorded(_) | UnitReport::Block(_) => None,
-            })
-            .collect();
+        let trials = self.trials(suite);
         let mut controllers = self.controllers[suite].lock().unwrap_or_else(PoisonError::into_inner);
         let mut measured = measured_trials(&self.runner, suite, &trials);
         if let Ok(candidate) = &mut measured {
@@ -97,6 +92,24 @@ impl<'a> OnDemand<'a> {
         }
         drop(controllers);
         judge_one_gate(&self.runner, suite, gate, measured.as_ref(), false)
+    }
+
+    /// What a rating of a suite comes to, for which all trials of that are run.
+    pub fn rating(&self, suite: usize, rating: &Rating) -> RatingReport {
+        let trials: Vec<TrialReport> = self.trials(suite).into_iter().cloned().collect();
+        judge_one_rating(&self.runner, suite, rating, &trials)
+    }
+
+    /// All trials of a suite.
+    fn trials(&self, suite: usize) -> Vec<&TrialReport> {
+        let of_suite = self.units.iter().enumerate().filter(|(_, unit)| unit.suite == suite);
+        of_suite
+            .filter(|(_, unit)| matches!(unit.work, Work::Trial(_)))
+            .filter_map(|(index, _)| match self.report(index) {
+                UnitReport::Trial(trial) => Some(trial),
+                UnitReport::Recorded(_) | UnitReport::Block(_) => None,
+            })
+            .collect()
     }
 
     /// Units need only those before them, so nobody waits for himself.

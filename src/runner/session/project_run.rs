@@ -1,4 +1,4 @@
-//! One run of a project: its units run, its gates judged, and of the runs that reports draw the courses kept.
+//! One run of a project: its units run, its ratings and gates judged, and of the runs that reports draw the courses kept.
 
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
@@ -8,6 +8,7 @@ use thiserror::Error;
 use super::coordinator::Orders;
 use super::courses::courses;
 use super::gates::judge_gates;
+use super::ratings::judge_ratings;
 use super::selection::Selection;
 use super::shared::{RunWatch, Runner};
 use super::tested_programs::{note_uses, verify};
@@ -109,7 +110,7 @@ impl<'a> Session<'a> {
 
     /// Whether the results hold every trial. They do unless this says no: then they hold what did not pass, and the rest [in
     /// numbers](results::SuiteSummary), which needs little memory for millions of runs. The terminal's report says the same,
-    /// reports of each trial refuse to be made. Courses of runs and gates need every trial and get it.
+    /// reports of each trial refuse to be made. Courses of runs, ratings and gates need every trial and get it.
     pub fn every_trial(self, every: bool) -> Self {
         Self { every_trial: every, ..self }
     }
@@ -169,6 +170,7 @@ impl<'a> Session<'a> {
         // Before runs are repeated, which other runs need not wait for.
         note_uses(executor, &mut suites);
         verify(&runner, &mut suites);
+        judge_ratings(&runner, &mut suites);
         judge_gates(&runner, &mut suites, self.lenient);
         self.lock().extend(runner.notices());
         let mut results = Results { requests: runner.requests().clone(), suites, recordings: Vec::new() };

@@ -10,7 +10,7 @@ use super::unit::{UnitKind, Units};
 use results::{
     CutBy, Evaluations, Event, Program, Reporter, Skip, Standing, Stopping, SuiteReport, UnitReport,
 };
-use scenario::{Block, Goal};
+use scenario::{Block, Goal, Suite};
 
 /// What is told while units run.
 pub enum Message {
@@ -41,8 +41,13 @@ pub struct Reporting<'t, 'a> {
     interrupted: bool,
 }
 
+/// Whether what is judged at the end looks at each trial of a suite.
+fn needs_every_trial(suite: &Suite) -> bool {
+    !suite.gates.is_empty() || !suite.ratings.is_empty()
+}
+
 impl<'t, 'a> Reporting<'t, 'a> {
-    /// Keeps `every` trial, or of suites whose gates do not need each of them what a summary needs.
+    /// Keeps `every` trial, or of suites whose gates and ratings do not need each of them what a summary needs.
     pub fn new(
         runner: &'t Runner<'a>,
         units: &'t Units<'a>,
@@ -50,7 +55,7 @@ impl<'t, 'a> Reporting<'t, 'a> {
         reporter: &'t mut dyn Reporter,
     ) -> Self {
         let suites = runner.suites().iter();
-        let trials = suites.map(|one| KeptTrials::new(&one.plan, every || !one.suite.gates.is_empty()));
+        let trials = suites.map(|one| KeptTrials::new(&one.plan, every || needs_every_trial(&one.suite)));
         Self {
             runner,
             units,
@@ -209,6 +214,7 @@ impl<'t, 'a> Reporting<'t, 'a> {
             blocks: Vec::new(),
             controllers: tested_controllers(&self.runner.suites()[suite].suite),
             gates: Vec::new(),
+            ratings: Vec::new(),
             interrupted: false,
         }
     }

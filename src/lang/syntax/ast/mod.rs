@@ -111,6 +111,7 @@ macro_rules! choices {
 mod criterion;
 mod experiment;
 mod program;
+mod rating;
 mod road_user;
 mod scenario;
 mod suite;
@@ -121,6 +122,7 @@ mod value;
 pub use criterion::*;
 pub use experiment::*;
 pub use program::*;
+pub use rating::*;
 pub use road_user::*;
 pub use scenario::*;
 pub use suite::*;

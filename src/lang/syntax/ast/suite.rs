@@ -1,8 +1,10 @@
 //! Suites and gates.
 
 use super::super::words::{BlockEntry, BlockKind, YamlShape, statement};
-use super::{Block, Confidence, Doc, Expect, Expression, Metric, Name, Scenario, Seed, Settings, Tags, Text};
-use super::{DOC, EVALUATE, EXPECT, SCENARIO, SEARCH, STATEMENT, TAGS, TUNE};
+use super::{
+    Block, Confidence, Doc, Expect, Expression, Metric, Name, Rating, Scenario, Seed, Settings, Tags, Text,
+};
+use super::{DOC, EVALUATE, EXPECT, RATING, SCENARIO, SEARCH, STATEMENT, TAGS, TUNE};
 #[cfg(test)]
 use super::{Holds, Made};
 use super::{Node, Rule, View};
@@ -21,6 +23,7 @@ views! {
         scenarios: [Scenario],
         blocks: [Block],
         gates: [Gate],
+        ratings: [Rating],
     }
     /// `scenarios "pattern", …`
     SuiteFiles = suite_files { patterns: [Text] }
@@ -87,6 +90,7 @@ pub static SUITE: BlockEntry = BlockEntry {
         .key("gates", YamlShape::Named)
         .opens(BlockKind::Gate)
         .repeats(),
+        RATING.repeats(),
     ],
 };
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::super::grammar::Grammar;
-use super::{Holds, Made, criterion, experiment, program, road_user, scenario, suite, value};
+use super::{Holds, Made, criterion, experiment, program, rating, road_user, scenario, suite, value};
 use ::scenario::AGGREGATES;
 
 fn made() -> Vec<&'static Made> {
@@ -11,6 +11,7 @@ fn made() -> Vec<&'static Made> {
         criterion::MADE,
         experiment::MADE,
         program::MADE,
+        rating::MADE,
         road_user::MADE,
         scenario::MADE,
         suite::MADE,

@@ -85,6 +85,8 @@ pub enum YamlShape {
     Conditions,
     /// A mapping of names to lists: `reported name: a, b`
     Rows,
+    /// A list of mappings of values to weights, perhaps with `when`: `weights when … { value: weight }`
+    Weights,
     /// The scenario or template that a scenario builds on.
     Base,
     /// The parameters of a template.
@@ -107,6 +109,8 @@ pub enum BlockKind {
     Together,
     Suite,
     Gate,
+    Rating,
+    ExpectPoints,
     Search,
     Tune,
     Evaluate,
@@ -127,7 +131,7 @@ pub struct BlockEntry {
 
 impl BlockKind {
     /// The file first.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 16] = [
         Self::File,
         Self::Road,
         Self::Controller,
@@ -138,6 +142,8 @@ impl BlockKind {
         Self::Together,
         Self::Suite,
         Self::Gate,
+        Self::Rating,
+        Self::ExpectPoints,
         Self::Search,
         Self::Tune,
         Self::Evaluate,
@@ -156,6 +162,8 @@ impl BlockKind {
             Self::Together => &ast::TOGETHER,
             Self::Suite => &ast::SUITE,
             Self::Gate => &ast::GATE,
+            Self::Rating => &ast::RATING_BLOCK,
+            Self::ExpectPoints => &ast::EXPECT_POINTS,
             Self::Search => &ast::SEARCH_BLOCK,
             Self::Tune => &ast::TUNE_BLOCK,
             Self::Evaluate => &ast::EVALUATE_BLOCK,
@@ -283,6 +291,14 @@ pub static GIVEN: StatementEntry = statement(
     Rule::whole_given,
     "{ av.controller.braking_distance: 10 m }",
     "A parameter of a road user with its value.",
+);
+
+/// What a value is worth, in braces.
+pub static WEIGHT: StatementEntry = statement(
+    "",
+    Rule::whole_weight,
+    "{ 0 km/h: 1, below 10 km/h: 0.25 }",
+    "Values with what they are worth.",
 );
 
 /// A statement that stands once in a block and has no key in YAML.

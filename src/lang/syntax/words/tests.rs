@@ -6,7 +6,7 @@ use pest::Parser;
 
 use super::super::grammar::Grammar;
 use super::super::tree;
-use super::{BlockKind, GIVEN, SETTING};
+use super::{BlockKind, GIVEN, SETTING, WEIGHT};
 
 #[test]
 fn every_block_has_the_statements_that_the_grammar_gives_it() {
@@ -37,7 +37,7 @@ fn every_example_is_the_statement() {
             assert!(usage.starts_with(statement.words), "{usage}");
         }
     }
-    for settings in [&SETTING, &GIVEN] {
+    for settings in [&SETTING, &GIVEN, &WEIGHT] {
         assert!(settings.usage.starts_with('{'), "they stand in braces");
     }
 }
