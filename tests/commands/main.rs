@@ -13,6 +13,7 @@ mod numbers;
 mod outputs;
 #[cfg(target_os = "linux")]
 mod pipes;
+mod ratings;
 mod reports;
 #[cfg(unix)]
 mod resume;
