@@ -1,7 +1,8 @@
 //! What it costs to ask programs: decisions a second with one worker, by how runs are written and how many are asked for at once.
 //!
 //! `cargo bench --bench under_test` measures a built-in controller and a program in Rust, which is this one. `cargo bench --bench under_test --
-//! --program WORD…` measures any command that speaks the protocol, as it is. Numbers are of the machine and what else it does.
+//! --program WORD…` measures any command that speaks the protocol, as it is, and `--declared TEXT` a controller of which this text is what stands in its
+//! declaration, as `wasm "brakes.wat"`; paths are relative to this package. Numbers are of the machine and what else it does.
 
 use std::env;
 use std::io::{self, BufRead, Read, Write};
@@ -27,10 +28,21 @@ fn main() {
     // Cargo says `--bench`.
     let words: Vec<String> = env::args().skip(1).filter(|word| word != "--bench").collect();
     if let Some(at) = words.iter().position(|word| word == "--program") {
-        return row(&words[at + 1..].join(" "), &words[at + 1..], None);
+        return row(&words[at + 1..].join(" "), Some(&command(&words[at + 1..])));
+    }
+    if let Some(at) = words.iter().position(|word| word == "--declared") {
+        let declared = words[at + 1..].join(" ");
+        return row(declared.lines().next().unwrap_or_default(), Some(&declared));
+    }
+    #[cfg(feature = "fmu")]
+    if let [word, plan] = words.as_slice()
+        && word == "fmu-host"
+    {
+        under_test::fmu_host(std::path::Path::new(plan));
+        return;
     }
     let own = vec![env::current_exe().expect("it runs").display().to_string()];
-    row("built-in constant_speed", &[], None);
+    row("built-in constant_speed", None);
     for (name, wire) in [
         ("Rust, one run at once, f64", "f64 1"),
         ("Rust, one run at once, json", "json 1"),
@@ -40,18 +52,23 @@ fn main() {
         ("Rust, 256 at once, f64", "f64 256"),
         ("Rust, 1024 at once, f64", "f64 1024"),
     ] {
-        row(name, &own, Some(wire));
+        row(name, Some(&format!("{}\n  environment \"{ROLE}={wire}\"", command(&own))));
     }
 }
 
-/// Measures a command, or without one a built-in controller, and prints a line.
-fn row(name: &str, command: &[String], wire: Option<&str>) {
+fn command(words: &[String]) -> String {
+    let words: Vec<String> = words.iter().map(|word| format!("{word:?}")).collect();
+    format!("command {}", words.join(", "))
+}
+
+/// Measures a declared controller, or without one a built-in one, and prints a line.
+fn row(name: &str, declared: Option<&str>) {
     // As many runs as take long enough.
-    let (mut runs, mut found) = (64, measured(command, wire, 64));
+    let (mut runs, mut found) = (64, measured(declared, 64));
     while found.1 < LONG && runs < 1 << 18 {
         let more = (LONG.as_secs_f64() / found.1.as_secs_f64().max(1e-3)).clamp(1.5, 8.0);
         runs = (runs as f64 * more) as usize;
-        found = measured(command, wire, runs);
+        found = measured(declared, runs);
     }
     let (decisions, time) = found;
     println!(
@@ -62,14 +79,10 @@ fn row(name: &str, command: &[String], wire: Option<&str>) {
 }
 
 /// How many decisions were made, and in which time.
-fn measured(command: &[String], wire: Option<&str>, runs: usize) -> (f64, Duration) {
-    let words: Vec<String> = command.iter().map(|word| format!("{word:?}")).collect();
-    let (declared, controller) = match command {
-        [] => (String::new(), "constant_speed"),
-        _ => {
-            let role = wire.map_or(String::new(), |wire| format!("environment \"{ROLE}={wire}\""));
-            (format!("controller own {{\n  command {}\n  {role}\n}}\n", words.join(", ")), "own")
-        }
+fn measured(declared: Option<&str>, runs: usize) -> (f64, Duration) {
+    let (declared, controller) = match declared {
+        None => (String::new(), "constant_speed"),
+        Some(declared) => (format!("controller own {{\n  {declared}\n}}\n"), "own"),
     };
     let text = format!(
         "{declared}scenario meet {{
@@ -83,7 +96,8 @@ fn measured(command: &[String], wire: Option<&str>, runs: usize) -> (f64, Durati
     );
     let files = Memory::default().with("meet.scn", text.as_str());
     let project = Project::open("meet.scn", &standard(), &files).unwrap_or_else(|error| panic!("{error}"));
-    let pool = Arc::new(ProcessPool::new(Permission::default().all(), 1));
+    let pool = ProcessPool::new(Permission::default().all(), 1);
+    let pool = Arc::new(pool.fmu_host(env::current_exe().expect("it runs")));
     let program = project.suites()[0].suite.scenarios[0].vehicles[0].controller.first.known();
     if let Some(program) = program.and_then(|model| model.program.as_ref()) {
         // Starting it is not what is measured.
