@@ -147,6 +147,13 @@ impl Side {
     }
 }
 
+impl Bend {
+    /// Unit vector to the left of the line, abreast of a point.
+    fn normal(&self, point: Vector2<f64>) -> Vector2<f64> {
+        self.line.pose(self.line.project(point).station).normal()
+    }
+}
+
 impl Road {
     /// Without the names of its boxes: what decides a run.
     pub fn unnamed(&self) -> Self {
@@ -189,6 +196,48 @@ impl Road {
         match &self.bend {
             None => point.y,
             Some(bend) => bend.line.project(point).left,
+        }
+    }
+
+    /// How fast somebody at a point comes nearer to the far side of the road who moves at `velocity`, m/s.
+    pub fn speed_across(&self, point: Vector2<f64>, velocity: Vector2<f64>) -> f64 {
+        match &self.bend {
+            None => velocity.y,
+            Some(bend) => bend.normal(point).dot(&velocity),
+        }
+    }
+
+    /// Unit vector along the road, abreast of a point.
+    pub fn way_along(&self, point: Vector2<f64>) -> Vector2<f64> {
+        match &self.bend {
+            None => Vector2::new(1.0, 0.0),
+            Some(bend) => bend.line.pose(bend.line.project(point).station).tangent(),
+        }
+    }
+
+    /// The velocity (m/s) of somebody at a point who crosses the road at a right angle, coming from `side`, at `speed` (m/s).
+    pub fn crossing_velocity(&self, point: Vector2<f64>, side: Side, speed: f64) -> Vector2<f64> {
+        match &self.bend {
+            None => Vector2::new(0.0, side.walking_sign() * speed),
+            Some(bend) => bend.normal(point) * (side.walking_sign() * speed),
+        }
+    }
+
+    /// The point at which somebody who walks along `way` from a point steps over the kerb on a side, if that lies ahead.
+    pub fn kerb_ahead(&self, side: Side, from: Vector2<f64>, way: Vector2<f64>) -> Option<Vector2<f64>> {
+        match &self.bend {
+            None => {
+                let part = (self.kerb(side) - from.y) / way.y;
+                (part.is_finite() && part > 0.0).then(|| from + way * part)
+            }
+            Some(bend) => {
+                let kerb =
+                    CurvedPath::beside(bend.line.clone(), self.kerb(side), Direction::Forward, bend.crossing);
+                let way = way.try_normalize(0.0)?;
+                let met = kerb.crossings(from, way).filter(|met| met.distance > 0.0);
+                let nearest = met.min_by(|one, other| one.distance.total_cmp(&other.distance))?;
+                Some(from + way * nearest.distance)
+            }
         }
     }
 

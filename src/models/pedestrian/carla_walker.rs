@@ -8,7 +8,7 @@ use nalgebra::Vector2;
 use super::{PedestrianContext, PedestrianModel, sum_in_any_order};
 use numbers::random::Stream;
 use scenario::{
-    ChoiceOption, Declaration, Dimension, Parameter, Position, Preset, PresetFamily, Settings, Value,
+    ChoiceOption, Declaration, Dimension, Parameter, Preset, PresetFamily, Road, Settings, Side, Value,
 };
 use sim::random::{Agent, Purpose, stream};
 use sim::{Mode, ModelError, Motion, Pedestrian, Scene, VehicleState, geometry};
@@ -250,6 +250,8 @@ struct CarlaWalker {
     snap: f64,
     /// Whether it turns left along the road when it gives up.
     turns_left: bool,
+    /// Of the road from which it comes.
+    side: Side,
     since: Option<f64>,
     state: State,
     /// Where it came from and where it was going; a new destination is on one of these pavements.
@@ -329,9 +331,9 @@ fn build(context: &PedestrianContext) -> Result<Box<dyn Pedestrian>, ModelError>
             ));
         }
     }
-    let Position { x, y } = context.setup.start;
-    let (start, goal) = (Vector2::new(x, y), Vector2::new(context.setup.goal.x, context.setup.goal.y));
-    let across = Vector2::new(0.0, context.setup.side.walking_sign());
+    let (start, goal) = (Vector2::from(context.setup.start), Vector2::from(context.setup.goal));
+    let (road, kerb_side) = (&context.world.road, context.setup.side);
+    let across = road.crossing_velocity(start, kerb_side, 1.0);
     let way = (goal - start).try_normalize(1e-9).unwrap_or(across);
     // Draws always happen, and in this order, so that no setting shifts another's.
     let mut draws = stream(context.seed, Agent::Pedestrian(context.rank), Purpose::Trait);
@@ -344,9 +346,15 @@ fn build(context: &PedestrianContext) -> Result<Box<dyn Pedestrian>, ModelError>
     };
     let (nearest, farthest) = (settings.number("snap_min"), settings.number("snap_max"));
     let snap = nearest + (farthest - nearest) * snap;
-    let before_kerb = (context.world.road.kerb(context.setup.side) - y) * across.y + snap;
-    let check = (settings.flag("checks") && way.dot(&across) > 0.0 && before_kerb > 0.0).then(|| Check {
-        entry: start + way * ((before_kerb - snap) / way.dot(&across)),
+    let before_kerb = (road.kerb(kerb_side) - road.across(start)) * kerb_side.walking_sign() + snap;
+    let entry = match road.bend {
+        None => Some(start + way * ((before_kerb - snap) / way.dot(&across))),
+        // It sets out so far behind its start.
+        Some(_) => road.kerb_ahead(kerb_side, start - way * snap, way),
+    };
+    let enters = settings.flag("checks") && way.dot(&across) > 0.0 && before_kerb > 0.0;
+    let check = entry.filter(|_| enters).map(|entry| Check {
+        entry,
         distance: settings.number("check_distance"),
         timeout: settings.number("check_timeout"),
         wait: lengths.length(waits, wait),
@@ -363,6 +371,7 @@ fn build(context: &PedestrianContext) -> Result<Box<dyn Pedestrian>, ModelError>
         way,
         snap,
         turns_left: side < 0.5,
+        side: kerb_side,
         since: None,
         state: State::Wait,
         ends: [start, goal],
@@ -516,22 +525,28 @@ impl CarlaWalker {
         stuck.last = Some((scene.time, place));
         let arrived = (self.goal - place).norm() < self.arrival_distance;
         if !arrived && (place - before).norm() < stuck.distance {
-            self.turn(place);
+            self.turn(place, scene.road);
         }
     }
 
     /// Takes a new destination on either pavement; where its way there enters the road, it pauses before the kerb.
-    fn turn(&mut self, place: Vector2<f64>) {
+    fn turn(&mut self, place: Vector2<f64>, road: &Road) {
         let end = self.draws.index(2);
         self.goes_back = end == 0;
-        self.goal = self.ends[end] + Vector2::new(self.draws.uniform_in(-DETOUR, DETOUR), 0.0);
+        self.goal = self.ends[end] + road.way_along(self.ends[end]) * self.draws.uniform_in(-DETOUR, DETOUR);
         self.state = State::Walk;
         let Some(check) = self.check.as_mut().filter(|_| !self.goes_back) else { return };
         let way = self.goal - place;
-        // Every way in leads over the kerb line of the first.
-        let part = (check.entry.y - place.y) / way.y;
-        if part > 0.0 {
-            check.entry = place + way * part;
+        let entry = match road.bend {
+            None => {
+                // Every way in leads over the kerb line of the first.
+                let part = (check.entry.y - place.y) / way.y;
+                (part > 0.0).then(|| place + way * part)
+            }
+            Some(_) => road.kerb_ahead(self.side, place, way),
+        };
+        if let Some(entry) = entry {
+            check.entry = entry;
             check.wait = check.waits.length(self.draws.uniform(), self.draws.uniform());
             self.way = way.normalize();
             self.state = State::Approach;
@@ -561,7 +576,7 @@ impl Pedestrian for CarlaWalker {
                 let place = scene.ego().position;
                 if self.goes_back && (self.goal - place).norm() < self.arrival_distance {
                     // Back on the pavement that it came from it sets out again, as CARLA's do wherever they arrive.
-                    self.turn(place);
+                    self.turn(place, scene.road);
                     self.unstuck.last = None;
                 }
                 let to_goal = self.goal - place;

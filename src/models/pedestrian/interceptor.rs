@@ -142,7 +142,7 @@ fn check_place(road: &Road, side: Side, start: Position) -> Result<(), ModelErro
             "take `no kerbs` out of the road, or take the model `scripted`",
         ));
     }
-    let inside = side.walking_sign() * (start.y - road.kerb(side));
+    let inside = side.walking_sign() * (road.across(start.into()) - road.kerb(side));
     if inside >= 0.0 {
         let inside = Stated { value: inside, dimension: Dimension::LENGTH, of: StatedBy::Start };
         return Err(ModelError::stating(
@@ -215,10 +215,11 @@ impl Pedestrian for Interceptor {
     fn act(&mut self, scene: &Scene) -> Motion {
         let sign = self.side.walking_sign();
         let (position, step) = (scene.ego().position, scene.step);
-        let speed = sign * scene.ego().velocity.y;
-        let lurking_place = sign * scene.road.kerb(self.side) - LURKING_DISTANCE;
-        let to_lurking_place = lurking_place - sign * position.y;
-        let to_goal = sign * (scene.goal.y - position.y);
+        let (road, across) = (scene.road, scene.road.across(position));
+        let speed = sign * road.speed_across(position, scene.ego().velocity);
+        let lurking_place = sign * road.kerb(self.side) - LURKING_DISTANCE;
+        let to_lurking_place = lurking_place - sign * across;
+        let to_goal = sign * (road.across(scene.goal.into()) - across);
 
         if self.state == State::Approach && to_lurking_place <= 1e-6 {
             self.state = State::Lurk;
@@ -261,7 +262,7 @@ impl Pedestrian for Interceptor {
             State::Lurk | State::Finished => 0.0,
             _ => speed + (wanted - speed).clamp(-most, most),
         };
-        Motion::Walk(Vector2::new(0.0, sign * faster))
+        Motion::Walk(road.crossing_velocity(position, self.side, faster))
     }
 
     fn mode(&self) -> Mode {

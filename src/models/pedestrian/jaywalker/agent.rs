@@ -183,10 +183,11 @@ impl Jaywalker {
         let half_lane = scene.road.lane_width / 2.0;
         let off_centre = encounter.beyond_lane_centre.abs();
         if self.retreats {
-            let on_carriageway = sign * (ego.position.y - scene.road.kerb(self.side)) >= 0.0;
+            let road = scene.road;
+            let on_carriageway = sign * (road.across(ego.position) - road.kerb(self.side)) >= 0.0;
             let facing = walking_direction(ego.velocity, way);
             let paths_meet = encounter.is_oncoming()
-                && sign * facing.y > 0.0
+                && sign * road.speed_across(ego.position, facing) > 0.0
                 && encounter.beyond_lane_centre <= 0.0
                 && encounter.ahead >= encounter.half_diagonal;
             let time_to_cross = (off_centre + half_lane) / self.walking.desired_speed;
@@ -194,7 +195,7 @@ impl Jaywalker {
             let in_danger = (0.0..self.triggers.survival_band).contains(&advantage)
                 || advantage < self.triggers.far_late_bound;
             if on_carriageway && paths_meet && in_danger {
-                let back = Vector2::new(0.0, -sign);
+                let back = road.crossing_velocity(ego.position, self.side.opposite(), 1.0);
                 let retreat = Retreat::new(ego.position, back, self.retreat_distance, off_centre);
                 return Some(State::Survival(retreat));
             }
@@ -267,8 +268,11 @@ impl Pedestrian for Jaywalker {
             self.state = State::Waiting;
         }
         let to_goal = Vector2::new(scene.goal.x, scene.goal.y) - scene.ego().position;
-        let way = to_goal.try_normalize(0.0).unwrap_or(Vector2::new(0.0, sign));
-        let arrived = to_goal.norm() < ARRIVAL || sign * to_goal.y <= 0.0;
+        let here = scene.ego().position;
+        let way =
+            to_goal.try_normalize(0.0).unwrap_or_else(|| scene.road.crossing_velocity(here, self.side, 1.0));
+        let left = scene.road.across(scene.goal.into()) - scene.road.across(here);
+        let arrived = to_goal.norm() < ARRIVAL || sign * left <= 0.0;
         if arrived {
             self.state = State::Finished;
         }

@@ -53,7 +53,7 @@ fn check_place(context: &PedestrianContext) -> Result<(), ModelError> {
     }
     let (start, goal, side) = (context.setup.start, context.setup.goal, context.setup.side);
     let sign = side.walking_sign();
-    let inside = sign * (start.y - road.kerb(side));
+    let inside = sign * (road.across(start.into()) - road.kerb(side));
     if inside >= 0.0 {
         let inside = Stated { value: inside, dimension: Dimension::LENGTH, of: StatedBy::Start };
         return Err(ModelError::stating(
@@ -62,7 +62,7 @@ fn check_place(context: &PedestrianContext) -> Result<(), ModelError> {
             "start it 2 m from the kerb, as its source does",
         ));
     }
-    if sign * goal.y <= sign * road.kerb(side) {
+    if sign * road.across(goal.into()) <= sign * road.kerb(side) {
         return Err(ModelError::with_hint(
             "the goal of `jaywalker` is not across its kerb",
             "put the goal on the other side of the road",
