@@ -230,7 +230,14 @@ fn declared(files: &mut Texts, file: FileId, path: &Path, report: &mut Vec<Diagn
         .ratings()
         .map(|node| {
             reject_duplicate(node.name(), &mut rating_names, report);
-            check::rating(node, &rated, &cast, files.scope(file), &Places { files }, report)
+            let rating = check::rating(node, &rated, &cast, files.scope(file), &Places { files }, report);
+            // Whatever the reason, one that is declared is judged or is an error.
+            if rating.is_none() && !super::texts::has_errors(report) {
+                let (name, span) = (node.name().text(), node.name().span());
+                let message = format!("rating `{name}` cannot be read");
+                report.push(Diagnostic::new(Code::BadRating, span, message).label("not understood"));
+            }
+            rating
         })
         .collect();
     if !super::texts::has_errors(report) {

@@ -1,5 +1,6 @@
 //! What ratings came to: a row for each scenario, a column for each value that weights are about, then the points.
 
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use anstyle::{AnsiColor, Style};
@@ -12,7 +13,7 @@ use files::escape::{terminal, terminal_line};
 use results::{
     CellWorth, EarnedPoints, RatedCell, RatingReport, RatingResult, RatingState, SuiteReport, Verdict,
 };
-use scenario::{Assignment, Rating, Scoring, significant};
+use scenario::{Assignment, Rating, Scoring, Value, Weights, significant};
 
 const STRING: &str = "writing to a string cannot fail";
 
@@ -107,7 +108,7 @@ impl RatingCell {
         };
         let value = match value {
             Some(_) if *absent => "–".to_string(),
-            Some(value) => significant(rating.notation.map_or(*value, |unit| unit.of_si(*value)), 3),
+            Some(value) => in_its_band(rating, cell, *value),
             None => "–".to_string(),
         };
         Self { text: format!("{} ({value})", significant(*weight, 4)), weight: Some(*weight) }
@@ -122,6 +123,24 @@ impl RatingCell {
             Some(_) => "failed",
         }
     }
+}
+
+/// A value with so many digits that it stands on the side of each of its cell's bounds on which it is: 9.998 is not 10 where 10 is
+/// worse.
+fn in_its_band(rating: &Rating, cell: &RatedCell, value: f64) -> String {
+    let shown = |si: f64| rating.notation.map_or(si, |unit| unit.of_si(si));
+    let value = shown(value);
+    let values: BTreeMap<String, Value> =
+        cell.variation.iter().map(|one| (one.name.clone(), one.value.clone())).collect();
+    let speaks = |weights: &&Weights| weights.when.iter().all(|one| one.holds(&values) == Ok(true));
+    let lines = rating.weights.iter().filter(speaks).flat_map(|weights| &weights.lines);
+    let bounds: Vec<f64> = lines.filter_map(|line| line.of.bound()).map(shown).collect();
+    let keeps_sides = |text: &String| {
+        let read: f64 = text.parse().unwrap_or(f64::NAN);
+        bounds.iter().all(|bound| read.partial_cmp(bound) == value.partial_cmp(bound))
+    };
+    let texts = (3..=15).map(|digits| significant(value, digits));
+    texts.clone().find(keeps_sides).or(texts.last()).unwrap_or_default()
 }
 
 /// `3.58 of 4 points that the cells would earn`, or that they are undefined.
@@ -249,4 +268,26 @@ pub fn render_rating(report: &RatingReport, colour: bool) -> String {
         writeln!(text, "  {}", terminal_line(&note)).expect(STRING);
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::Arc;
+
+    use crate::fixture::rating::{rating, reports};
+
+    #[test]
+    fn a_value_is_shown_on_its_side_of_every_bound() {
+        let rating = Arc::new(rating());
+        let RatingState::Rated(result) = &reports(&rating)[0].state else { panic!("the first is judged") };
+        let shown = |speed: f64| in_its_band(&rating, &result.cells[1], speed / 3.6);
+        assert_eq!([shown(0.0), shown(8.2549), shown(12.345)], ["0", "8.25", "12.3"]);
+        assert_eq!([shown(9.998), shown(9.99996), shown(10.0001)], ["9.998", "9.99996", "10.0001"]);
+        assert_eq!(shown(0.0004), "0.0004");
+        // Bounds of other cells are none of its.
+        let mut other = result.cells[1].clone();
+        other.variation.clear();
+        assert_eq!(in_its_band(&rating, &other, 9.998 / 3.6), "10");
+    }
 }

@@ -142,6 +142,18 @@ impl WeightedValues {
         }
     }
 
+    /// The value that it names; none of a metric that does not exist.
+    pub fn bound(self) -> Option<f64> {
+        match self {
+            Self::Undefined => None,
+            Self::Exactly(bound)
+            | Self::Below(bound)
+            | Self::AtMost(bound)
+            | Self::Above(bound)
+            | Self::AtLeast(bound) => Some(bound),
+        }
+    }
+
     /// Whether all of `other`'s values are among its own.
     pub fn covers(self, other: Self) -> bool {
         match (self, other) {

@@ -63,7 +63,8 @@ fn points_are_a_verdict_where_something_is_expected_of_them() {
     let good = run(&folder, &["--json", "good.json", "--junit", "good.xml", "--html", "good.html"]);
     assert_eq!(code(&good), 0, "{}{}", stdout(&good), stderr(&good));
     assert!(rating_of(&good).contains("2 of 2 points that the cells would earn"), "{}", rating_of(&good));
-    let bad = run(&folder, &["--controller", "av=constant_speed", "--json", "bad.json", "--junit", "bad.xml"]);
+    let bad =
+        run(&folder, &["--controller", "av=constant_speed", "--json", "bad.json", "--junit", "bad.xml"]);
     assert_eq!(code(&bad), 100, "{}{}", stdout(&bad), stderr(&bad));
     assert!(rating_of(&bad).contains("✗ points >= 1.5 failed: 0"), "{}", rating_of(&bad));
 
@@ -80,7 +81,11 @@ fn points_are_a_verdict_where_something_is_expected_of_them() {
     }
     let read = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap();
     assert!(read("good.xml").contains("<testcase name=\"rated/rating=protocol\""));
-    assert!(read("bad.xml").contains("<failure message=\"points &gt;= 1.5\" type=\"points\">"), "{}", read("bad.xml"));
+    assert!(
+        read("bad.xml").contains("<failure message=\"points &gt;= 1.5\" type=\"points\">"),
+        "{}",
+        read("bad.xml")
+    );
     assert!(read("good.html").contains("id=\"suite-1-rating-1\""));
 }
 
@@ -111,13 +116,20 @@ fn cells_that_are_not_there_are_never_green() {
         let output = run(&whole, &left_out);
         let said_of = rating_of(&output);
         assert_eq!(code(&output), 102, "{left_out:?}: {said_of}");
-        assert!(said_of.starts_with("rating protocol is NOT JUDGED: ") && said_of.contains(said), "{said_of}");
+        assert!(
+            said_of.starts_with("rating protocol is NOT JUDGED: ") && said_of.contains(said),
+            "{said_of}"
+        );
     }
     // A horizon before they meet: nobody was hit, and nothing is known.
     let cut = folder(&suite("horizon 3 s; expect { max_deceleration <= 9 m/s^2 }", "expect { points >= 1 }"));
     let output = run(&cut, &[]);
     assert_eq!(code(&output), 102, "{}", rating_of(&output));
-    assert!(rating_of(&output).contains("points that the cells would earn: undefined of 2"), "{}", rating_of(&output));
+    assert!(
+        rating_of(&output).contains("points that the cells would earn: undefined of 2"),
+        "{}",
+        rating_of(&output)
+    );
     // What is tested may have other parameters, and cells more runs.
     for fine in [["--set", "av.controller.kerb_distance=1m"], ["--repeat", "2"]] {
         let output = run(&whole, &fine);
@@ -131,8 +143,14 @@ fn a_rating_is_listed_and_asked_for_again() {
     let listed = stdout(&scenario_runner(folder.path(), &["list", "rated.suite"]));
     assert!(listed.contains("rated/rating=protocol"), "{listed}");
     assert!(listed.contains("6 cells"), "{listed}");
-    let other = ["--controller", "av=constant_speed"];
-    assert_eq!(code(&run(&folder, &other)), 100);
+    // It takes all cells to judge it, so all are run again where it failed.
+    let text =
+        suite("", "expect { points >= 1.5 }").replace("controller yielding", "controller constant_speed");
+    let folder = self::folder(&text);
+    assert_eq!(code(&run(&folder, &[])), 100);
+    let again = run(&folder, &["--last-failed"]);
+    assert_eq!(code(&again), 100, "{}", stderr(&again));
+    assert!(rating_of(&again).contains("0 of 2 points"), "{}", rating_of(&again));
 }
 
 fn shipped() -> PathBuf {

@@ -84,7 +84,7 @@ pub const PREDICATES: &[Predicate] = &[
     predicate("block", Asked::Block, Some(Mark::Contains), "block(low_pet)",
         "Blocks of that name, such as searches and tunes; no trials. A pattern with `/` is compared with SUITE/BLOCK."),
     predicate("kind", Asked::Kind, Some(Mark::Glob), "kind(search)",
-        "Trials (`scenario`) or one kind of block (`search`, `tune`, …); `list` also knows `gate`."),
+        "Trials (`scenario`) or one kind of block (`search`, `tune`, …); `list` also knows `rating` and `gate`."),
     predicate("all", Asked::All, None, "all()", "Everything."),
     predicate("none", Asked::None, None, "none()", "Nothing."),
 ];
