@@ -139,8 +139,8 @@ fn in_its_band(rating: &Rating, cell: &RatedCell, value: f64) -> String {
         let read: f64 = text.parse().unwrap_or(f64::NAN);
         bounds.iter().all(|bound| read.partial_cmp(bound) == value.partial_cmp(bound))
     };
-    let texts = (3..=15).map(|digits| significant(value, digits));
-    texts.clone().find(keeps_sides).or(texts.last()).unwrap_or_default()
+    let mut texts = (3..=15).map(|digits| significant(value, digits));
+    texts.clone().find(keeps_sides).or(texts.next_back()).unwrap_or_default()
 }
 
 /// `3.58 of 4 points that the cells would earn`, or that they are undefined.

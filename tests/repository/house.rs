@@ -317,7 +317,7 @@ fn the_language_and_the_runner_know_no_disk() {
 #[test]
 fn suites_as_tests_and_the_command_line_use_the_front_door() {
     // What hidden commands are: the program itself, in another process.
-    const BESIDES: [&str; 2] = ["under_test::fmu_host", "under_test::supervise"];
+    const BESIDES: [&str; 2] = ["under_test::fmu_host", "under_test::supervise_if_asked"];
     // Packages that the front door offers as a whole.
     const WHOLE: [&str; 5] = ["models", "report", "results", "scenario", "sim"];
     // Helpers for files and numbers are no part of what is run.
