@@ -7,8 +7,9 @@ use clap::Args;
 
 use super::interrupt::stop_on_interrupt;
 use super::programs::{ProgramArguments, VerifyArguments};
+use super::progress::shows_progress;
 use super::set::SetArguments;
-use super::{Exit, load, shows_progress, store};
+use super::{Exit, load, store};
 use report::console::{stderr, stdout};
 use report::{Live, Terminal, render_block, render_controllers, tuned_parameters};
 use results::{BlockReport, BlockResult, BlockState, set_options};
@@ -49,7 +50,7 @@ pub struct ExperimentArguments {
     json: Option<PathBuf>,
 
     /// Where a run that is cut off leaves its journal, from which the same command goes on.
-    #[arg(long, value_name = "DIR", default_value = super::JOURNAL)]
+    #[arg(long, value_name = "DIR", default_value = store::JOURNAL)]
     journal: PathBuf,
 
     /// Never show how far it is; it never is in CI or where standard error is no terminal.
@@ -106,7 +107,7 @@ fn run(arguments: &ExperimentArguments, kind: &'static str, registry: &Registry)
         let folder = arguments.journal.display();
         writeln!(stderr(), "interrupted: what was evaluated is kept in {folder}");
         let seed = arguments.seed.map(|seed| format!(" --seed {seed}")).unwrap_or_default();
-        let journal = if arguments.journal == Path::new(super::JOURNAL) {
+        let journal = if arguments.journal == Path::new(store::JOURNAL) {
             String::new()
         } else {
             format!(" --journal '{}'", arguments.journal.to_string_lossy().replace('\'', r"'\''"))

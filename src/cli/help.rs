@@ -1,8 +1,8 @@
 //! `scenario-runner help`: what a command takes, and references that belong to no command.
 
-use clap::{Args, CommandFactory};
+use clap::{Args, Command};
 
-use super::{Cli, Exit};
+use super::Exit;
 use lang::filter;
 use report::console::{stderr, stdout};
 
@@ -16,8 +16,9 @@ pub struct HelpArguments {
 /// The name of the reference of filter expressions, also for `explain`.
 pub const FILTER: &str = "filter";
 
-pub fn help(arguments: &HelpArguments) -> Exit {
-    let mut program = Cli::command().bin_name("scenario-runner");
+/// Shows the help of `program` or of one of its commands.
+pub fn help(arguments: &HelpArguments, program: Command) -> Exit {
+    let mut program = program.bin_name("scenario-runner");
     program.build();
     let Some(topic) = &arguments.topic else {
         stdout().styled(&styled_help(&mut program));
@@ -33,7 +34,7 @@ pub fn help(arguments: &HelpArguments) -> Exit {
             Exit::Success
         }
         None => {
-            let commands = program.get_subcommands().map(clap::Command::get_name).chain([FILTER]);
+            let commands = program.get_subcommands().map(Command::get_name).chain([FILTER]);
             writeln!(stderr(), "error: there is no command `{topic}`");
             match lang::nearest(topic, commands) {
                 Some(near) => writeln!(stderr(), "help: did you mean `scenario-runner help {near}`?"),
@@ -44,7 +45,7 @@ pub fn help(arguments: &HelpArguments) -> Exit {
     }
 }
 
-fn styled_help(command: &mut clap::Command) -> String {
+fn styled_help(command: &mut Command) -> String {
     let help = command.render_long_help();
     if stdout().takes_colour() { help.ansi().to_string() } else { help.to_string() }
 }

@@ -24,6 +24,7 @@ mod number;
 mod one_case;
 mod parameters;
 mod programs;
+mod progress;
 mod project;
 mod replay;
 mod report;
@@ -35,13 +36,12 @@ mod store;
 mod try_program;
 mod validate;
 
-use std::env;
 #[cfg(not(feature = "fmu"))]
 use std::path::Path;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 
 pub use bug::guarded;
 pub use exit::Exit;
@@ -64,7 +64,7 @@ use under_test::supervise_if_asked;
     subcommand_negates_reqs = true,
     after_long_help = exit::HELP
 )]
-pub(crate) struct Cli {
+struct Cli {
     #[command(subcommand)]
     command: Option<Command>,
     #[command(flatten)]
@@ -120,14 +120,6 @@ enum Command {
     Help(help::HelpArguments),
 }
 
-/// Where searches and tunes keep what they have evaluated, unless told otherwise.
-const JOURNAL: &str = ".scenario-runner/journal";
-
-/// Whether to show what is under way: to people at a terminal, and not in CI, whose logs keep every redrawing.
-fn shows_progress(unwanted: bool) -> bool {
-    !unwanted && stderr().is_terminal() && env::var_os("CI").is_none()
-}
-
 /// Parses the arguments of this process, does what they ask and says how it went. Scenarios may name what is in
 /// `registry`.
 pub fn main(registry: &Registry) -> ExitCode {
@@ -176,9 +168,9 @@ fn all_said(exit: Exit) -> Exit {
 
 fn obey(cli: Cli, registry: &Registry) -> Exit {
     match cli.command {
-        None => run::run(cli.run, registry),
+        None => run::run(cli.run, registry, &Cli::command()),
         Some(Command::Init(arguments)) => init::init(&arguments),
-        Some(Command::Run(arguments)) => run::run(*arguments, registry),
+        Some(Command::Run(arguments)) => run::run(*arguments, registry, &Cli::command()),
         Some(Command::Check(arguments)) => check::check(&arguments, registry),
         Some(Command::Fmt(arguments)) => format::format(&arguments),
         Some(Command::Convert(arguments)) => convert::convert(&arguments),
@@ -198,6 +190,6 @@ fn obey(cli: Cli, registry: &Registry) -> Exit {
         Some(Command::Allow(arguments)) => allow::allow(&arguments, registry),
         Some(Command::Try(arguments)) => try_program::try_program(&arguments, registry),
         Some(Command::FmuHost { .. }) => Exit::Usage,
-        Some(Command::Help(arguments)) => help::help(&arguments),
+        Some(Command::Help(arguments)) => help::help(&arguments, Cli::command()),
     }
 }

@@ -5,10 +5,11 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+use super::Exit;
 use super::interrupt::stop_on_interrupt;
 use super::one_case::{CaseArguments, FoundCase, could_not_run};
+use super::progress::shows_progress;
 use super::shrunk::{SHRUNK_BY, render_shrunk, shrunk_file};
-use super::{Exit, shows_progress};
 use files::{self, Disk, Lines, Overlay};
 use report::console::{stderr, stdout};
 use report::run_words;

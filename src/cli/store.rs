@@ -12,6 +12,9 @@ use report::console::stderr;
 /// In the folder in which the program runs.
 pub const FOLDER: &str = ".scenario-runner";
 
+/// Where searches and tunes keep what they have evaluated, unless told otherwise.
+pub const JOURNAL: &str = ".scenario-runner/journal";
+
 /// Before something is written to `path`: makes the folder if that is in it. If that fails, so will the writing, with
 /// more to say about it; what leads elsewhere is refused.
 pub fn prepare(path: &Path) -> Result<(), Exit> {

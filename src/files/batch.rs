@@ -6,8 +6,9 @@ use std::mem;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
+use super::folder::sync_folder;
 use super::temporary::Temporary;
-use super::whole::{Route, WholeFile, finished, settle, sync_folder};
+use super::whole::{Route, WholeFile, finished, settle};
 
 /// Files that wait to be synced. What is killed before loses at most these, and never half of one.
 const LARGEST_BATCH: usize = 4096;

@@ -7,8 +7,8 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
+use super::folder::sync_folder;
 use super::temporary::beside;
-use super::whole::sync_folder;
 
 /// Where copies go if the file's own folder takes none.
 const FOLDER: &str = ".scenario-runner";

@@ -10,6 +10,7 @@
 mod batch;
 mod destination;
 pub mod escape;
+mod folder;
 mod in_place;
 mod log;
 mod log_reader;
@@ -22,6 +23,7 @@ mod tests;
 mod whole;
 
 pub use batch::Batch;
+pub use folder::make_folder;
 pub use log::{Log, LogContents, append_text};
 pub use log_reader::{Header, LARGEST_RECORD, LogError, LogFormat, LogReader};
 pub use read::{
@@ -29,4 +31,4 @@ pub use read::{
 };
 pub use relative::relative;
 pub use source::{Disk, Files, Memory, Overlay, PatternError};
-pub use whole::{WholeFile, check_target, create_new, make_folder, remove, write};
+pub use whole::{WholeFile, check_target, create_new, remove, write};

@@ -7,9 +7,10 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 
 use super::destination::{Destination, destination};
+use super::folder::make_folder;
 use super::log_reader::{Header, LARGEST_RECORD, LogError, LogFormat, LogReader, line, stated};
 use super::temporary::is_at;
-use super::whole::{WholeFile, make_folder, remove};
+use super::whole::{WholeFile, remove};
 
 /// A log that is being written, locked as long as it is open.
 #[derive(Debug)]

@@ -9,6 +9,7 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use super::destination::{Destination, destination};
+use super::folder::{make_folder, sync_folder};
 use super::in_place::replace;
 use super::temporary::Temporary;
 
@@ -47,14 +48,6 @@ pub fn check_target(path: &Path, endings: &[&str]) -> io::Result<()> {
         io::ErrorKind::InvalidInput,
         format!("it leads to something that does not end in .{}", endings.join(", .")),
     ))
-}
-
-/// Makes a folder and those it is to be in.
-///
-/// # Errors
-/// If it cannot be made, or is something else.
-pub fn make_folder(path: &Path) -> io::Result<()> {
-    if path.as_os_str().is_empty() { Ok(()) } else { fs::create_dir_all(path) }
 }
 
 /// Removes a file, if there is one.
@@ -204,14 +197,6 @@ pub(super) fn settle(mut temporary: Temporary, target: &Path) -> io::Result<bool
             replace(target, &mut File::open(temporary.path())?).map(|()| false)
         }
         Err(error) => Err(error),
-    }
-}
-
-/// Renaming lasts only once the folder is on the disk too. Not every system lets folders be synced.
-pub(super) fn sync_folder(target: &Path) {
-    let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    if let Ok(folder) = File::open(folder) {
-        let _ = folder.sync_all();
     }
 }
 

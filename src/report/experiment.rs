@@ -4,11 +4,12 @@ use std::fmt::Write;
 
 use super::columns::columns;
 use super::evaluation::render_evaluate;
-use super::found::{render_search, value};
+use super::found::render_search;
+use super::shown_value::{WITHOUT_VALUE, digits, value};
 use super::statement::render_statement;
 use optimise::Coordinate;
 use results::{BlockResult, Candidate, MetricSummary, TuneResult};
-use scenario::{ShownIn, Tune, significant};
+use scenario::{ShownIn, Tune};
 
 /// A block's result in a few lines or a table.
 pub fn render_block(result: &BlockResult) -> String {
@@ -86,10 +87,6 @@ pub fn tuned_parameters(result: &TuneResult, tune: &Tune) -> String {
     text
 }
 
-/// Why an objective has no value.
-pub(super) const WITHOUT_VALUE: &str =
-    "no run has one, or some run without one could be as far from the goal as anything";
-
 const STRING: &str = "writing to a string cannot fail";
 
 fn candidate(result: &TuneResult, candidate: &Candidate) -> String {
@@ -126,14 +123,6 @@ fn summary(summary: &MetricSummary, unit: Option<&ShownIn>) -> String {
     }
 }
 
-pub(super) fn short(value: &Coordinate) -> String {
-    value.number().map_or_else(|| value.to_string(), digits)
-}
-
 fn number(value: Option<f64>) -> String {
     value.map_or_else(|| "–".to_string(), digits)
-}
-
-pub(super) fn digits(value: f64) -> String {
-    significant(value, 4)
 }

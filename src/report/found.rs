@@ -3,9 +3,8 @@
 use std::fmt::Write;
 
 use super::columns::columns;
-use super::experiment::{WITHOUT_VALUE, short};
+use super::shown_value::{WITHOUT_VALUE, value};
 use numbers::summary::quantile;
-use optimise::Coordinate;
 use results::{Found, SearchResult};
 use scenario::{Goal, ShownIn};
 
@@ -49,14 +48,6 @@ fn people(result: &SearchResult, found: &[&Found]) -> String {
     let mut lines = vec![headings.map(String::from).to_vec()];
     lines.extend(found.iter().map(|found| line(result, found)));
     columns(&lines)
-}
-
-/// A value of a range in the unit that the range is written in.
-pub(super) fn value(shown_in: Option<&ShownIn>, value: &Coordinate) -> String {
-    match (shown_in, value.number()) {
-        (Some(unit), Some(number)) => unit.show(number),
-        _ => short(value),
-    }
 }
 
 fn line(result: &SearchResult, found: &Found) -> Vec<String> {
@@ -146,6 +137,7 @@ const STRING: &str = "writing to a string cannot fail";
 mod tests {
     use super::super::fixture::{person, search_result};
     use super::*;
+    use optimise::Coordinate;
 
     /// A search over `count` people; person 7 has the smallest value on fresh seeds, person 9 nothing at all.
     fn over(count: u32) -> SearchResult {

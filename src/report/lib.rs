@@ -44,6 +44,7 @@ mod rows;
 mod runs;
 #[cfg(test)]
 mod schema;
+mod shown_value;
 mod statement;
 mod table;
 mod tap;

@@ -2,13 +2,10 @@
 
 use std::time::Duration;
 
-use serde::{Deserialize, Serialize};
-use thiserror::Error;
-
 use super::block::BlockReport;
 use super::recorded::RecordedReport;
 use super::requests::Requests;
-use super::skip::Skip;
+use super::skip::{Skip, Stopping};
 use super::standing::Standing;
 use super::suite::{SuiteIdentity, SuiteReport};
 use super::trial::TrialReport;
@@ -91,18 +88,6 @@ pub struct Evaluations {
     pub all: usize,
     /// The best value of the objective so far.
     pub best: Option<f64>,
-}
-
-/// Why no more units begin.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Error, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Stopping {
-    /// So many failed that the rest does not matter.
-    #[error("stopped after {_0} {} (--max-fail {_0})", if *_0 == 1 { "failure" } else { "failures" })]
-    MaxFail(usize),
-    /// Somebody pressed Ctrl-C.
-    #[error("interrupted")]
-    Interrupted,
 }
 
 /// Told everything that happens.

@@ -54,7 +54,7 @@ pub use chosen::{Chosen, choose_runs};
 pub use controller::{AnswerTimes, DifferingRun, TestedController};
 pub use cut::{Cut, CutBy};
 pub use evaluate::{ConditionResult, Difference, EvaluateResult, ParameterValue};
-pub use event::{Evaluations, Event, Reporter, Stopping, Unheard, UnitReport, Workload};
+pub use event::{Evaluations, Event, Reporter, Unheard, UnitReport, Workload};
 pub use finding::{Finding, FindingMeasure, Regarding, Vacuity, WorstRun};
 pub use gate::{
     BlindPlace, Change, ChangedRun, Check, CheckOutcome, ComparedSubject, GateReport, GateState, GateVerdict,
@@ -62,15 +62,16 @@ pub use gate::{
 };
 pub use outcome::{ByMetric, Critical, CutOff, OnCourse, Outcome, Unfinished};
 pub use overall::Overall;
+pub use places::Place;
 pub use rating::{
     CellWorth, EarnedPoints, NotRated, PointsFinding, RatedCell, RatingReport, RatingResult, RatingState,
 };
 pub use recorded::{Recorded, RecordedReport, RecordedState, Rerun};
-pub use recording::{PairCourse, Place, Recording};
+pub use recording::{PairCourse, Recording};
 pub use requests::Requests;
 pub use resolve::UnknownMetric;
 pub use search::{CoursePoint, Found, MetricCourse, SearchResult};
-pub use skip::Skip;
+pub use skip::{Skip, Stopping};
 pub use standing::Standing;
 pub use statement::{ClaimResult, ClaimValues, Conclusion, StatementResult, TrendPoint};
 pub use suite::{Program, SuiteIdentity, SuiteReport, is_use, is_value, record_command, set_options};

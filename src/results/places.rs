@@ -1,14 +1,32 @@
-//! Courses as text: a road user a line of its own, which takes a tenth of the room that numbers one by one would.
+//! Where road users are, and courses of that as text: a road user a line of its own, which takes a tenth of the room that numbers one by one would.
 //!
 //! A place is `x y speed heading`, places are divided by `;`, and `-` is somebody who is not there. For
 //! `#[serde(with = "…")]`.
 
 use std::fmt::Write;
 
+use nalgebra::Vector2;
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serializer};
 
-use super::recording::Place;
+/// Where a road user is at one moment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Place {
+    /// World frame, m.
+    pub x: f64,
+    /// World frame, m.
+    pub y: f64,
+    /// m/s
+    pub speed: f64,
+    /// rad, counter-clockwise from the x axis.
+    pub heading: f64,
+}
+
+impl Place {
+    pub(super) fn at(&self) -> Vector2<f64> {
+        Vector2::new(self.x, self.y)
+    }
+}
 
 const STRING: &str = "writing to a string cannot fail";
 

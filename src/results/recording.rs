@@ -1,9 +1,8 @@
 //! The course of one run in few numbers, for drawing: where everybody is ten times a second.
 
-use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
-use super::places;
+use super::places::{self, Place};
 use scenario::{Case, PedestrianSetup, Shape};
 use sim::{TimelineEvent, Trace};
 
@@ -20,25 +19,6 @@ pub struct Recording {
     /// Per road user, vehicles first, one per time; `None` before it appears.
     #[serde(with = "places")]
     pub users: Vec<Vec<Option<Place>>>,
-}
-
-/// Where a road user is at one moment.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Place {
-    /// World frame, m.
-    pub x: f64,
-    /// World frame, m.
-    pub y: f64,
-    /// m/s
-    pub speed: f64,
-    /// rad, counter-clockwise from the x axis.
-    pub heading: f64,
-}
-
-impl Place {
-    fn at(&self) -> Vector2<f64> {
-        Vector2::new(self.x, self.y)
-    }
 }
 
 /// One pedestrian and one vehicle in the distance-distance plane.

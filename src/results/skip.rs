@@ -1,9 +1,8 @@
-//! Why a trial or block was not run.
+//! Why a trial or block was not run, and why no more begin.
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::event::Stopping;
 use super::standing::Standing;
 
 /// The reason in every report.
@@ -41,4 +40,16 @@ impl Skip {
         };
         Self::Needs { key: key.to_string(), happened: happened.to_string() }
     }
+}
+
+/// Why no more units begin.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Stopping {
+    /// So many failed that the rest does not matter.
+    #[error("stopped after {_0} {} (--max-fail {_0})", if *_0 == 1 { "failure" } else { "failures" })]
+    MaxFail(usize),
+    /// Somebody pressed Ctrl-C.
+    #[error("interrupted")]
+    Interrupted,
 }

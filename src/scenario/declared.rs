@@ -2,14 +2,13 @@
 
 use std::collections::BTreeMap;
 use std::fmt;
-use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
 use super::{
     ControllerModel, Criterion, Distribution, DynamicsModel, Evaluate, EvaluationError, Expression, Gate,
-    MetricReference, Notation, Origin, PedestrianModel, PerceptionModel, Rating, Reference, Road, Search,
-    Side, Statement, Tune, Value, VehicleReference, Written,
+    Individuals, MetricReference, Notation, Origin, PedestrianModel, PerceptionModel, Rating, Reference, Road,
+    Search, Side, Statement, Tune, Value, VariedValue, VehicleReference, Written,
 };
 
 /// A suite: scenarios and what holds for all of them. A bare `.scn` file becomes a suite named after the file.
@@ -282,32 +281,6 @@ impl DeclaredAppearance {
     }
 }
 
-/// Where a pedestrian's parameter sets come from.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Individuals {
-    /// Which sets of the population.
-    pub selection: PopulationShare,
-    /// `standard` or a file's path, resolved against the file that names it.
-    pub population: String,
-    /// What stands in the file, or why it cannot be read; `None` of what ships.
-    #[serde(skip)]
-    pub text: Option<Result<Arc<str>, String>>,
-    /// Where it is written.
-    pub origin: Origin,
-}
-
-/// How many of a population walk.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum PopulationShare {
-    /// Everybody.
-    All,
-    /// This many, drawn without replacement by the suite's seed.
-    Count(u32),
-    /// One by its number.
-    Number(u32),
-}
-
 /// One `vary` line (or a `vary together` block, whose names move in step).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -326,15 +299,6 @@ pub enum Variation {
         /// How they are drawn.
         samples: Samples,
     },
-}
-
-/// A value with the words it was written in, which name the trial.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct VariedValue {
-    /// SI units.
-    pub value: Value,
-    /// Without spaces, such as `6s` or `30km/h`.
-    pub label: String,
 }
 
 /// How a sampled variation draws; one distribution per name.

@@ -8,7 +8,16 @@ use numbers::summary::median_of;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::{EvaluationError, Expression, Value, VariedValue};
+use super::{EvaluationError, Expression, Value};
+
+/// A value with the words it was written in, which name the trial.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct VariedValue {
+    /// SI units.
+    pub value: Value,
+    /// Without spaces, such as `6s` or `30km/h`.
+    pub label: String,
+}
 
 /// What a sampled variation is drawn from.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -1,13 +1,138 @@
-//! Registered models: what they declare, and how they are built for a run.
+//! Registered models and the worlds that they are built for: each names the other.
 
 use std::fmt;
 use std::sync::Arc;
 
-use super::agent::{Controller, Dynamics, ModelError, Pedestrian, Perception, Schedule};
+use serde::ser::SerializeStruct;
+use serde::{Deserialize, Serialize, Serializer};
+
+use super::agent::{CommandKind, Controller, Dynamics, ModelError, Pedestrian, Perception, Schedule};
 use super::{
-    Chance, Declaration, DeclaredProgram, PedestrianSetup, Reference, Registered, Settings, VehicleSetup,
-    World,
+    Appearance, Chance, Declaration, DeclaredProgram, Position, Reference, Registered, Road, SettingError,
+    Settings, Shape, Side, VehicleStart,
 };
+
+/// What the simulation needs to know of a case.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct World {
+    /// Where everybody moves.
+    pub road: Road,
+    /// In the order in which they are declared, which is that of every index of a vehicle.
+    pub vehicles: Vec<VehicleSetup>,
+    /// In the order in which they are declared, which is that of every index of a pedestrian.
+    pub pedestrians: Vec<PedestrianSetup>,
+    /// s
+    pub step: f64,
+    /// s
+    pub horizon: f64,
+    /// Distance of the finish line behind the middle of the crossing in m.
+    pub finish: f64,
+    /// Whether a collision ends the run.
+    pub end_on_collision: bool,
+}
+
+/// A registered model, controller, dynamics or perception with every declared parameter resolved.
+///
+/// Written down with what runs, where a file declares that: it is part of what the run is.
+#[derive(Deserialize)]
+#[serde(bound = "")]
+pub struct ModelSetup<T> {
+    /// The entry of the registry.
+    #[serde(rename = "name")]
+    pub model: Reference<T>,
+    /// A value for every parameter, apart from numbers declared without a default that nobody set.
+    pub settings: Settings,
+}
+
+impl<T: Registered> ModelSetup<T> {
+    /// An entry with these settings, and its defaults for the others.
+    ///
+    /// # Errors
+    /// The first setting that does not fit what the entry declares.
+    pub fn resolved(entry: &Arc<T>, given: &Settings) -> Result<Self, SettingError> {
+        Ok(Self { settings: entry.declaration().resolve(given)?, model: entry.into() })
+    }
+}
+
+impl<T: Registered> Serialize for ModelSetup<T> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let runs = self.model.known().and_then(Registered::runs);
+        let mut fields = serializer.serialize_struct("ModelSetup", 2 + usize::from(runs.is_some()))?;
+        fields.serialize_field("name", &self.model)?;
+        fields.serialize_field("settings", &self.settings)?;
+        if let Some(runs) = &runs {
+            fields.serialize_field("runs", runs)?;
+        }
+        fields.end()
+    }
+}
+
+impl<T> fmt::Debug for ModelSetup<T> {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.debug_struct("ModelSetup").field("name", &self.model).field("settings", &self.settings).finish()
+    }
+}
+
+impl<T> Clone for ModelSetup<T> {
+    fn clone(&self) -> Self {
+        Self { model: self.model.clone(), settings: self.settings.clone() }
+    }
+}
+
+impl<T> PartialEq for ModelSetup<T> {
+    fn eq(&self, other: &Self) -> bool {
+        self.model == other.model && self.settings == other.settings
+    }
+}
+
+/// A vehicle of a world.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct VehicleSetup {
+    /// As the scenario calls it.
+    pub name: String,
+    /// What drives it.
+    pub controller: ModelSetup<ControllerModel>,
+    /// How it follows what its controller asks for.
+    pub dynamics: ModelSetup<DynamicsModel>,
+    /// m
+    pub length: f64,
+    /// m
+    pub width: f64,
+    /// Index into [`Road::lanes`].
+    pub lane: usize,
+    /// Speed of the steady cruise at the start in m/s; also what a controller takes as its wanted speed by default.
+    pub speed: f64,
+    /// Where it is at time 0.
+    pub start: VehicleStart,
+    /// `None`: perfect perception.
+    pub sees: Option<ModelSetup<PerceptionModel>>,
+}
+
+/// A pedestrian of a world.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PedestrianSetup {
+    /// As the scenario calls them.
+    pub name: String,
+    /// What decides how they walk.
+    pub model: ModelSetup<PedestrianModel>,
+    /// Their footprint.
+    pub shape: Shape,
+    /// Where they start, seen across the road.
+    pub side: Side,
+    /// The centre of their footprint when they appear.
+    pub start: Position,
+    /// Where they want to go.
+    pub goal: Position,
+    /// When they enter the world.
+    pub appears: Appearance,
+    /// How far ahead of the centre of their footprint the point is that they are measured by, m; negative behind it.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub reference: f64,
+}
+
+fn is_zero(number: &f64) -> bool {
+    *number == 0.0
+}
 
 /// Builds a controller for a run.
 pub type BuildController =
@@ -121,15 +246,6 @@ impl DynamicsModel {
     ) -> Self {
         Self { declaration, takes: takes.to_vec(), size, build: Arc::new(build) }
     }
-}
-
-/// The kind of [`Command`](super::agent::Command) that a controller gives and dynamics take.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum CommandKind {
-    /// Positions of accelerator and brake.
-    Pedals,
-    /// m/s² along the path.
-    Acceleration,
 }
 
 /// A registered perception: what stands between the world and a controller.

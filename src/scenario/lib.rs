@@ -13,14 +13,17 @@
 
 pub mod agent;
 mod aggregate;
+mod approach;
 mod block;
 mod case;
+mod comparison;
 mod conflict;
 mod conflict_area;
 mod criterion;
 mod declaration;
 mod declared;
 mod dimension;
+mod direction;
 mod distribution;
 mod entry;
 mod evaluate;
@@ -28,11 +31,14 @@ mod expression;
 mod expressions;
 mod gate;
 pub mod geometry;
+mod individuals;
 pub mod limits;
 mod metric;
 mod notation;
 mod optimisation;
+mod origin;
 mod path;
+mod placement;
 pub mod population;
 mod program;
 mod program_fault;
@@ -46,51 +52,52 @@ mod symbol;
 mod trial;
 mod value;
 
+pub use agent::CommandKind;
 pub use aggregate::{AGGREGATES, Aggregate, AggregateBounds, AggregateOf, AggregateResponse, AggregateWord};
+pub use approach::Approach;
 pub use block::Block;
-pub use case::{
-    Appearance, Assignment, Case, Individual, ModelSetup, PedestrianSetup, Position, Shape, VehicleReference,
-    VehicleSetup, VehicleStart, World,
-};
-pub use conflict::{Approach, Conflict, half_extent};
+pub use case::{Assignment, Case, Individual};
+pub use comparison::{Comparison, MetricReference, Relation, WhenUndefined, constant};
+pub use conflict::{Conflict, half_extent};
 pub use conflict_area::{ConflictArea, Stretch};
-pub use criterion::{
-    Claim, Comparison, Criterion, MetricReference, Origin, People, Reach, Relation, VariationCondition,
-    WhenUndefined, constant,
-};
+pub use criterion::{Claim, Criterion, People, Reach, VariationCondition};
 pub use declaration::{
     ANOTHER_MODEL, Chance, ChoiceOption, Declaration, Departure, Parameter, ParameterKind, Preset,
     PresetFamily, Published, SettingError, Text, TextCheck, TextError,
 };
 pub use declared::{
-    DeclaredAppearance, DeclaredPedestrian, DeclaredShape, DeclaredVehicleStart, Individuals, Model,
-    PopulationShare, RunBudget, Samples, SamplingScheme, Scenario, Suite, TestedInstead, Variation,
-    VariedValue, Vehicle,
+    DeclaredAppearance, DeclaredPedestrian, DeclaredShape, DeclaredVehicleStart, Model, RunBudget, Samples,
+    SamplingScheme, Scenario, Suite, TestedInstead, Variation, Vehicle,
 };
 pub use dimension::Dimension;
+pub use direction::{Direction, Side};
 pub use distribution::{
     DISTRIBUTIONS, Distribution, DistributionError, DistributionOf, DistributionWord, DrawnValue,
-    KnownDistribution,
+    KnownDistribution, VariedValue,
 };
 pub use entry::{
-    BuildController, BuildDynamics, BuildPedestrian, BuildPerception, CommandKind, ControllerContext,
-    ControllerModel, DynamicsModel, PedestrianContext, PedestrianModel, PerceptionModel,
+    BuildController, BuildDynamics, BuildPedestrian, BuildPerception, ControllerContext, ControllerModel,
+    DynamicsModel, ModelSetup, PedestrianContext, PedestrianModel, PedestrianSetup, PerceptionModel,
+    VehicleSetup, World,
 };
 pub use evaluate::{Condition, Evaluate, Measure, ParameterSet};
 pub use expression::{BinaryOperator, EvaluationError, Expression};
 pub use gate::{Gate, GateRule, Tolerance};
+pub use individuals::{Individuals, PopulationShare};
 pub use metric::{Absence, Meters, Metric, MetricKind, MetricRange, Scope, Worst};
 pub use notation::{Notation, Written, out_of_range, show, show_apart, show_both, show_outside};
 pub use optimisation::{
     Budget, CaseSet, Goal, InitialDesign, Objective, Part, RangeValues, SampleSize, Search, SearchMethod,
     SearchRange, ShownIn, Target, Tune,
 };
+pub use origin::Origin;
 pub use path::{Located, Path};
+pub use placement::{Appearance, Position, Shape, VehicleReference, VehicleStart};
 pub use program::{Answer, DeclaredFmu, DeclaredProgram, Delay, ProgramKind, WiredVariable};
 pub use program_fault::{FaultKind, ProgramFault};
 pub use rating::{PointsCriterion, Rating, Scoring, TagPoints, Weight, WeightedValues, Weights};
 pub use reference::{Reference, Registered};
-pub use road::{Bend, Body, Crossing, CrossingKind, Direction, Lane, Road, Side};
+pub use road::{Bend, Body, Crossing, CrossingKind, Lane, Road};
 pub use signal::{NOBODY_AT, OBJECT, OBJECTS, SEEN, SignalEntry, input_signals, output_signals};
 pub use statement::{
     DeclaredStanding, Measured, OutcomesOf, Quantity, Statement, StatementClaim, StatementClaimKind,

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::conflict::Conflict;
 use super::geometry::CurvedPath;
-use super::{Direction, Position, Road, Side};
+use super::{Direction, Position, Side};
 
 /// The path that a vehicle's centre follows.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -81,6 +81,14 @@ impl Path {
     /// The centre line of a lane that lies at world `y` (m).
     pub fn straight(y: f64, direction: Direction) -> Self {
         Self(Kind::Straight { y, direction })
+    }
+
+    /// How far it is beside the centre line of lane 0 (m, as y of the world frame on a straight road), and which way it goes along it.
+    pub(super) fn offset_and_direction(&self) -> (f64, Direction) {
+        match &self.0 {
+            Kind::Straight { y, direction } => (*y, *direction),
+            Kind::Curved { course } => (course.offset(), course.direction()),
+        }
     }
 
     /// A course beside a line that bends.
@@ -310,19 +318,6 @@ impl Path {
         }
     }
 
-    /// y (m) of the kerb to the right and of that to the left of the path, seen from it.
-    pub fn kerbs(&self, road: &Road) -> (f64, f64) {
-        let (y, direction) = match &self.0 {
-            Kind::Straight { y, direction } => (*y, *direction),
-            Kind::Curved { course } => (course.offset(), course.direction()),
-        };
-        let (near, far) = (road.kerb(Side::Near) - y, road.kerb(Side::Far) - y);
-        match direction {
-            Direction::Forward => (near, far),
-            Direction::Backward => (-far, -near),
-        }
-    }
-
     /// Where the straight way from `from` (world frame, m) along the unit vector `way` meets it; `None` if it runs along it.
     pub fn conflict(&self, from: Vector2<f64>, way: Vector2<f64>) -> Option<Conflict> {
         match &self.0 {
@@ -380,6 +375,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::Road;
 
     fn path(y: f64, backward: bool) -> Path {
         Path::straight(y, if backward { Direction::Backward } else { Direction::Forward })

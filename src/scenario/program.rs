@@ -2,7 +2,8 @@
 
 use std::fmt::Write;
 
-use super::{CommandKind, Dimension, Notation, Origin};
+use super::agent::CommandKind;
+use super::{Dimension, Notation, Origin};
 
 /// A program that decides for vehicles: what is started, what it gives, and in which time.
 ///

@@ -4,7 +4,6 @@ use std::fmt::{self, Display, Formatter};
 
 use serde::{Deserialize, Serialize};
 
-use super::agent::ControllerError;
 use super::{DeclaredProgram, Origin};
 
 /// A program that did not do its part in a run. It is never a result.
@@ -91,11 +90,6 @@ impl ProgramFault {
     /// The same, of this program.
     pub fn of(self, program: &DeclaredProgram) -> Self {
         Self { controller: program.name.clone(), declared: Box::new(program.origin.clone()), ..self }
-    }
-
-    /// As what keeps a controller from deciding.
-    pub fn into_error(self) -> ControllerError {
-        ControllerError { fault: Some(Box::new(self.clone())), ..ControllerError::new(self.to_string()) }
     }
 
     /// Kind and message, in one line.

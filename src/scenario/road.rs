@@ -9,8 +9,9 @@ use std::sync::Arc;
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
-use super::Path;
+use super::direction::{Direction, Side};
 use super::geometry::{CurvedPath, GeometryError, ReferenceLine};
+use super::path::Path;
 
 /// The road as everybody finds it. The world's frame is that of its lane 0: x runs along the lane in its direction of travel, y
 /// to the left, and the origin is the middle of the crossing on the lane's centre line, m.
@@ -51,26 +52,6 @@ pub struct Bend {
 pub struct Lane {
     /// Which way its traffic drives.
     pub direction: Direction,
-}
-
-/// Which way traffic drives.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Direction {
-    /// Along +x.
-    Forward,
-    /// Along -x.
-    Backward,
-}
-
-impl Direction {
-    /// Of the direction along x.
-    pub(super) fn sign(self) -> f64 {
-        match self {
-            Self::Forward => 1.0,
-            Self::Backward => -1.0,
-        }
-    }
 }
 
 /// Where pedestrians cross.
@@ -117,34 +98,6 @@ pub struct Body {
     pub length: f64,
     /// Extent along y in m.
     pub width: f64,
-}
-
-/// The side of the road that a pedestrian comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Side {
-    /// The kerb beside lane 0; the pedestrian walks towards +y.
-    Near,
-    /// The opposite kerb; the pedestrian walks towards -y.
-    Far,
-}
-
-impl Side {
-    /// The other side.
-    pub fn opposite(self) -> Self {
-        match self {
-            Self::Near => Self::Far,
-            Self::Far => Self::Near,
-        }
-    }
-
-    /// Sign of the walking direction along y.
-    pub fn walking_sign(self) -> f64 {
-        match self {
-            Self::Near => 1.0,
-            Self::Far => -1.0,
-        }
-    }
 }
 
 impl Bend {
@@ -281,6 +234,18 @@ impl Road {
             CrossingKind::Signalised { cycle, pedestrian_green_from, pedestrian_green } => {
                 (time - pedestrian_green_from).rem_euclid(cycle) < pedestrian_green
             }
+        }
+    }
+}
+
+impl Path {
+    /// y (m) of the kerb to the right and of that to the left of the path, seen from it.
+    pub fn kerbs(&self, road: &Road) -> (f64, f64) {
+        let (y, direction) = self.offset_and_direction();
+        let (near, far) = (road.kerb(Side::Near) - y, road.kerb(Side::Far) - y);
+        match direction {
+            Direction::Forward => (near, far),
+            Direction::Backward => (-far, -near),
         }
     }
 }

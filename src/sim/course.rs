@@ -5,11 +5,12 @@ use std::sync::Arc;
 use nalgebra::Vector2;
 use thiserror::Error;
 
-use super::contact::{Contacts, Solid};
+use super::contact::Contacts;
 use super::control::{Control, TIME_TOLERANCE};
 use super::observer::{Ending, Observer, Step, StopReason};
 use super::order::Order;
 use super::road_users::RoadUsers;
+use super::solid::Solid;
 use super::start::{placed, waiting_outside, way};
 use scenario::agent::{
     Command, ControllerError, Mode, Motion, Observation, Pedestrian, PedestrianState, Scene, Snapshot,

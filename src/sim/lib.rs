@@ -29,12 +29,13 @@ mod order;
 pub mod random;
 mod road_users;
 pub mod script;
+mod solid;
 mod start;
 mod timeline;
 mod trace;
 mod turning;
 
-pub use contact::{Contacts, Solid, Touch};
+pub use contact::{Contacts, Touch};
 pub use course::{Course, Fault, Progress, has_arrived, has_crossed, longest_run, simulate, walking_time};
 pub use fingerprint::Fingerprint;
 pub use observer::{Ending, Observer, Step, StopReason};
@@ -45,6 +46,7 @@ pub use scenario::agent::{
     Observation, Pedestrian, PedestrianState, Perception, RoadView, Scene, Schedule, SeenPedestrian,
     SeenVehicle, Snapshot, Stated, StatedBy, VehicleState, velocity_inside,
 };
+pub use solid::Solid;
 pub use start::{blocked_lanes, collision_course, overlaps};
 pub use timeline::{Happening, Timeline, TimelineEvent};
 pub use trace::{Sample, Trace, TraceMark};

@@ -3,8 +3,9 @@
 
 use nalgebra::Vector2;
 
-use super::contact::{Solid, pairs};
+use super::contact::pairs;
 use super::geometry::{Footprint, apart};
+use super::solid::Solid;
 use super::turning::contact_ahead;
 use scenario::agent::{Longitudinal, PedestrianState, Snapshot, VehicleState};
 use scenario::{Appearance, Body, PedestrianSetup, VehicleSetup, VehicleStart, World};

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::contact::Solid;
 use super::observer::{Observer, Step};
+use super::solid::Solid;
 use scenario::World;
 use scenario::agent::Mode;
 

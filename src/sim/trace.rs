@@ -3,8 +3,8 @@
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
-use super::contact::Solid;
 use super::observer::{Observer, Step};
+use super::solid::Solid;
 use scenario::agent::{Mode, Motion, Snapshot};
 
 /// One road user at one time.

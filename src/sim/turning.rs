@@ -2,8 +2,8 @@
 
 use nalgebra::Vector2;
 
-use super::contact::Solid;
 use super::geometry::{Footprint, apart, first_contact};
+use super::solid::Solid;
 use scenario::agent::{PedestrianState, Snapshot, VehicleState};
 use scenario::{Body, Path, Shape};
 

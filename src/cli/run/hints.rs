@@ -2,16 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::CommandFactory;
+use clap::Command;
 
-use crate::cli::{Cli, Exit};
+use crate::cli::exit::Exit;
 use files::escape::terminal_line;
 use report::console::stderr;
 
-/// The command that a word is nearly.
-pub fn command(word: &str) -> Option<String> {
-    let commands = Cli::command();
-    let names: Vec<&str> = commands.get_subcommands().map(clap::Command::get_name).collect();
+/// The command of `program` that a word is nearly.
+pub fn command(word: &str, program: &Command) -> Option<String> {
+    let names: Vec<&str> = program.get_subcommands().map(Command::get_name).collect();
     lang::nearest(word, names.iter().copied()).map(str::to_string)
 }
 

@@ -17,10 +17,11 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use clap::builder::PossibleValue;
-use clap::{Args, ValueEnum};
+use clap::{Args, Command, ValueEnum};
 
 use super::interrupt::stop_on_interrupt;
 use super::programs::{ProgramArguments, VerifyArguments};
+use super::progress::shows_progress;
 use super::set::SetArguments;
 use super::{Exit, filter, load, measured, number, store};
 use lang::filter::Show;
@@ -87,7 +88,7 @@ pub struct RunArguments {
     verify: VerifyArguments,
 
     /// Where a search or tune that is cut off leaves its journal, from which the same command goes on.
-    #[arg(long, value_name = "DIR", default_value = super::JOURNAL)]
+    #[arg(long, value_name = "DIR", default_value = store::JOURNAL)]
     journal: PathBuf,
 
     #[command(flatten)]
@@ -200,7 +201,8 @@ impl ValueEnum for ShownLevel {
     }
 }
 
-pub fn run(arguments: RunArguments, registry: &Registry) -> Exit {
+/// Runs what is named; `program` is the whole command line, whose commands somebody may have meant.
+pub fn run(arguments: RunArguments, registry: &Registry, program: &Command) -> Exit {
     let served = match arguments.serve_by_parent.as_deref().map(ServedByParent::take).transpose() {
         Ok(served) => served,
         Err(exit) => return exit,
@@ -210,7 +212,7 @@ pub fn run(arguments: RunArguments, registry: &Registry) -> Exit {
     if arguments.words.is_empty() {
         return hints::project();
     }
-    let command = arguments.words.first().and_then(|word| hints::command(word));
+    let command = arguments.words.first().and_then(|word| hints::command(word, program));
     if (files.is_empty() || filters.len() > 1)
         && let Some(near) = &command
     {
@@ -332,7 +334,7 @@ pub fn run(arguments: RunArguments, registry: &Registry) -> Exit {
         session = session.watched_by(watch);
     }
     let colour = arguments.color.wanted(stdout());
-    let live = super::shows_progress(arguments.no_progress).then(Live::new);
+    let live = shows_progress(arguments.no_progress).then(Live::new);
     let terminal = Terminal::new(arguments.status_level.0, colour, live);
     let mut learning = remember::Learning { terminal, units: &units, last: &mut last };
     let max_failures = if arguments.fail_fast { Some(1) } else { arguments.max_fail.0 };

@@ -1,6 +1,6 @@
 //! Cells of CSV files that people open with a spreadsheet.
 
-use super::visible;
+use super::visible::visible;
 
 /// A cell that no spreadsheet runs: what begins like a formula begins with an apostrophe, which spreadsheets take as a sign
 /// that text follows. Numbers are cells of their own and must not come here. The writer of CSV quotes.

@@ -1,6 +1,6 @@
 //! GitHub's workflow commands, `::error file=…,title=…::message`, one a line.
 
-use super::visible;
+use super::visible::visible;
 
 /// Text after the second `::`; its line ends are kept.
 pub fn github_data(text: &str) -> String {

@@ -1,6 +1,6 @@
 //! Text in HTML, inside and outside of attributes.
 
-use super::{is_layout, push_visible, visible};
+use super::visible::{is_layout, push_visible, visible};
 
 /// Text for a writer that escapes markup by itself: without characters that a page must not have or that turn it around.
 pub fn html_characters(text: &str) -> String {

@@ -1,6 +1,6 @@
 //! Text in GitHub's Markdown.
 
-use super::{is_layout, push_visible, visible};
+use super::visible::{is_layout, push_visible, visible};
 
 /// Text in a line in which nothing means more than it says.
 pub fn markdown(text: &str) -> String {

@@ -11,6 +11,7 @@ mod html;
 mod markdown;
 mod tap;
 mod terminal;
+mod visible;
 mod xml;
 
 pub use self::csv::csv_cell;
@@ -21,46 +22,6 @@ pub use self::tap::{tap_description, tap_text, yaml_quoted};
 pub use self::terminal::{terminal, terminal_line, terminal_same_bytes, terminal_styled};
 pub use self::xml::{xml, xml_line};
 
-/// Whether a character is not read but obeyed, or is no character at all: control characters (line ends and tabs among
-/// them), what changes the direction of text, separators of lines and paragraphs, byte order marks, interlinear
-/// marks, tags and noncharacters.
-fn is_command(letter: char) -> bool {
-    letter.is_control()
-        || matches!(letter,
-            '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{206f}'
-            | '\u{2028}' | '\u{2029}' | '\u{feff}' | '\u{fff9}'..='\u{fffb}' | '\u{e0000}'..='\u{e007f}'
-            | '\u{fdd0}'..='\u{fdef}')
-        || u32::from(letter) & 0xfffe == 0xfffe
-}
-
-/// The text with commands shown as what they are, but for those that may stay.
-fn visible(text: &str, may_stay: impl Fn(char) -> bool) -> String {
-    let mut shown = String::with_capacity(text.len());
-    for letter in text.chars() {
-        push_visible(&mut shown, letter, &may_stay);
-    }
-    shown
-}
-
-fn push_visible(shown: &mut String, letter: char, may_stay: &impl Fn(char) -> bool) {
-    if is_command(letter) && !may_stay(letter) {
-        // `\n` and the like by their letters, others by their numbers.
-        match letter {
-            '\n' => shown.push_str("\\n"),
-            '\r' => shown.push_str("\\r"),
-            '\t' => shown.push_str("\\t"),
-            _ => shown.extend(letter.escape_unicode()),
-        }
-    } else {
-        shown.push(letter);
-    }
-}
-
-/// Line ends and tabs, of which text is made.
-fn is_layout(letter: char) -> bool {
-    matches!(letter, '\n' | '\t')
-}
-
 #[cfg(test)]
 pub(crate) mod hostile;
 
@@ -68,6 +29,7 @@ pub(crate) mod hostile;
 mod tests {
     use proptest::prelude::*;
 
+    use super::visible::{is_command, is_layout};
     use super::*;
 
     #[test]

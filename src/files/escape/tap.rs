@@ -1,6 +1,6 @@
 //! TAP 14: descriptions of test points, and the YAML of their blocks.
 
-use super::{is_layout, push_visible, visible};
+use super::visible::{is_layout, push_visible, visible};
 
 /// The description of a test point or the reason of a directive: one line, in which `#` begins nothing.
 pub fn tap_description(text: &str) -> String {
@@ -48,7 +48,7 @@ mod tests {
                 }
             }
             // Commands are shown by a backslash too, which its reader takes away.
-            if !text.contains(crate::escape::is_command) {
+            if !text.contains(crate::escape::visible::is_command) {
                 prop_assert_eq!(said, text);
             }
         }

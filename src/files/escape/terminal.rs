@@ -1,6 +1,6 @@
 //! Text for terminals and for logs that are read in them.
 
-use super::{is_command, is_layout, visible};
+use super::visible::{is_command, is_layout, visible};
 
 /// Text of several lines: line ends and tabs stay.
 pub fn terminal(text: &str) -> String {

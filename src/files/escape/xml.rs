@@ -1,6 +1,6 @@
 //! Text for XML documents, whose writer escapes markup by itself.
 
-use super::visible;
+use super::visible::visible;
 
 /// Text of several lines in which every character is one that XML 1.0 allows: without control characters, U+FFFE and U+FFFF.
 pub fn xml(text: &str) -> String {

@@ -221,6 +221,15 @@ impl Showing {
     }
 }
 
+/// Which criterion, if any, a candidate failed first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RetentionVerdict {
+    /// It met all of them.
+    Retained,
+    /// The first criterion it failed, counted from 0.
+    Failed(usize),
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

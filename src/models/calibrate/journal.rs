@@ -7,7 +7,7 @@ use std::sync::Mutex;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::retention::RetentionVerdict;
+use super::criteria::RetentionVerdict;
 use files::{LARGEST_RECORD, Lines, Log, LogError, LogFormat, ReadError};
 
 const FORMAT: LogFormat = LogFormat { name: "scenario-runner journal of a calibration", version: 2 };

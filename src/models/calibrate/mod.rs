@@ -11,7 +11,9 @@ mod published;
 mod retention;
 
 pub use candidates::{CandidateError, Candidates, Design, ParameterRange, published_grid};
-pub use criteria::{CriteriaError, Demand, Drives, RetentionCriterion, published_criteria, read_criteria};
+pub use criteria::{
+    CriteriaError, Demand, Drives, RetentionCriterion, RetentionVerdict, published_criteria, read_criteria,
+};
 pub use journal::{CalibrationJournal, JournalError};
 pub use published::{PUBLISHED_SHARE, PublishedError, published_candidates};
-pub use retention::{CalibrateError, Calibration, Report, Request, RetentionVerdict, calibrate};
+pub use retention::{CalibrateError, Calibration, Report, Request, calibrate};

@@ -6,7 +6,7 @@ use sha2::{Digest, Sha256};
 use thiserror::Error;
 
 use super::candidates::{CandidateError, Candidates};
-use super::criteria::{RetentionCriterion, Showing};
+use super::criteria::{RetentionCriterion, RetentionVerdict, Showing};
 use super::journal::{CalibrationJournal, JournalError};
 use crate::pedestrian::commotions::model::commotions;
 use crate::pedestrian::commotions::{Parameters, Variant};
@@ -24,15 +24,6 @@ pub struct Calibration {
     pub repetitions: u32,
     /// Decides the noise: a candidate's result depends on this and its number, not on order or threads.
     pub seed: u64,
-}
-
-/// Which criterion, if any, a candidate failed first.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum RetentionVerdict {
-    /// It met all of them.
-    Retained,
-    /// The first criterion it failed, counted from 0.
-    Failed(usize),
 }
 
 impl Calibration {

@@ -5,7 +5,8 @@
 
 use nalgebra::Vector2;
 
-use super::{PedestrianContext, PedestrianModel, sum_in_any_order};
+use super::sum::sum_in_any_order;
+use super::{PedestrianContext, PedestrianModel};
 use numbers::random::Stream;
 use scenario::{
     ChoiceOption, Declaration, Dimension, Parameter, Preset, PresetFamily, Road, Settings, Side, Value,

@@ -5,7 +5,8 @@
 //! time to collision below 2 s or too near for the driver to stop later.
 
 use super::hazard::{Ramp, collision_course, keep_speed};
-use super::{CommandKind, ControllerContext, ControllerModel, period};
+use super::period::period;
+use super::{CommandKind, ControllerContext, ControllerModel};
 use scenario::{Chance, Declaration, Dimension, Parameter};
 use sim::{Command, Controller, ControllerError, Mode, ModelError, Observation, Schedule, SeenPedestrian};
 

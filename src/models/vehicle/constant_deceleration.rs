@@ -1,7 +1,8 @@
 //! A vehicle that brakes once, with a constant deceleration, to standstill.
 
 use super::hazard::keep_speed;
-use super::{CommandKind, ControllerContext, ControllerModel, period};
+use super::period::period;
+use super::{CommandKind, ControllerContext, ControllerModel};
 use scenario::{Chance, Declaration, Dimension, Parameter};
 use sim::{Command, Controller, ControllerError, Mode, ModelError, Observation, Schedule};
 

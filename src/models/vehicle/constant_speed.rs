@@ -1,6 +1,7 @@
 //! A vehicle that keeps its speed, whatever happens.
 
-use super::{CommandKind, ControllerContext, ControllerModel, period};
+use super::period::period;
+use super::{CommandKind, ControllerContext, ControllerModel};
 use scenario::{Chance, Declaration, Dimension, Parameter};
 use sim::{Command, Controller, ControllerError, Mode, ModelError, Observation, Schedule};
 

@@ -1,7 +1,8 @@
 //! Intelligent-driver cruise with automatic emergency braking for pedestrians.
 
 use super::hazard::{Hazard, Ramp, collision_course};
-use super::{CommandKind, ControllerContext, ControllerModel, period};
+use super::period::period;
+use super::{CommandKind, ControllerContext, ControllerModel};
 use scenario::{Chance, ChoiceOption, Declaration, Dimension, Parameter};
 use sim::{Command, Controller, ControllerError, Mode, ModelError, Observation, Schedule, SeenPedestrian};
 

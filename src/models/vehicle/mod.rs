@@ -10,28 +10,14 @@ mod dynamics;
 mod hazard;
 mod idm_aeb;
 mod perception;
+mod period;
 #[cfg(test)]
 mod test_track;
 mod timeline;
 mod yielding;
 
-use scenario::{Dimension, Parameter};
-
 pub use perception::perception;
 pub use scenario::{CommandKind, ControllerContext, ControllerModel, DynamicsModel, PerceptionModel};
-
-/// How often a controller decides for which no period was published. Declared by each of them, so that their results
-/// do not depend on the simulation step.
-fn period() -> Parameter {
-    Parameter::number(
-        "period",
-        Dimension::TIME,
-        0.025,
-        (0.001, 1.0),
-        "Time between decisions; the command is held in between.",
-        "free choice: 40 Hz; nothing published",
-    )
-}
 
 /// The controllers that ship, by name.
 pub fn controllers() -> Vec<ControllerModel> {

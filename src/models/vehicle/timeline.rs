@@ -1,7 +1,8 @@
 //! A vehicle that drives by a scripted timeline.
 
 use super::hazard::{half_size, keep_speed};
-use super::{CommandKind, ControllerContext, ControllerModel, period};
+use super::period::period;
+use super::{CommandKind, ControllerContext, ControllerModel};
 use scenario::{Chance, Declaration, Dimension, Parameter, TextError};
 use sim::script::{Action, Script, ScriptQuantity, parameters};
 use sim::{Command, Controller, ControllerError, Mode, ModelError, Observation, Schedule};

@@ -1,7 +1,8 @@
 //! A driver who yields: stops before a zebra for anybody at or near the kerb.
 
 use super::hazard::{collision_course, keep_speed};
-use super::{CommandKind, ControllerContext, ControllerModel, period};
+use super::period::period;
+use super::{CommandKind, ControllerContext, ControllerModel};
 use scenario::{Chance, Declaration, Dimension, Parameter};
 use sim::{Command, Controller, ControllerError, Mode, ModelError, Observation, Schedule, SeenPedestrian};
 

@@ -10,7 +10,8 @@ use regex_lite::Regex;
 use serde::Deserialize;
 use serde_json::{Map, Value};
 
-use super::read::{ResultsError, Run, contradiction, gate_state, judged, seconds};
+use super::error::{ResultsError, contradiction, seconds};
+use super::parts::{Run, gate_state, judged};
 use results::{
     Cut, CutBy, Finding, GateReport, GateVerdict, Horizon, NotJudged, Program, Recorded, RecordedReport,
     RecordedState, Refusal, Requests, Rerun, Results, RunsTaken, Skip, Stopping, SuiteIdentity, SuiteReport,

@@ -5,7 +5,9 @@ use results::{
     BlockReport, BlockState, GateReport, GateState, Horizon, Outcome, Program, RatingReport, RatingState,
     RecordedReport, RecordedState, Requests, RunFault, SuiteReport, TrialReport, TrialState, UnitError,
 };
+mod error;
 mod first_layout;
+mod parts;
 mod read;
 
 use std::io::{self, Write};
@@ -17,17 +19,13 @@ use serde_json::{Map, Value, json};
 
 use super::need_every_trial;
 use super::wording::trial_warnings;
-pub use read::{ResultsError, read_results};
+use error::LAYOUT;
+pub use error::ResultsError;
+pub use read::read_results;
 use results::Results;
 
 use results::judge::per_run;
 use scenario::Assignment;
-
-/// Version of the layout; raised when a reader would have to change.
-///
-/// 2: whole numbers beyond 2^53 are text, infinite observations and margins are `"inf"` and `"-inf"`; `record` has what
-/// reports need besides.
-const LAYOUT: u32 = 2;
 
 /// Writes everything as pretty-printed JSON with a final line end, a run at a time: nothing but what is being written is
 /// held.

@@ -2,64 +2,23 @@
 
 use std::path::Path;
 use std::sync::Arc;
-use std::time::{Duration, SystemTime};
+use std::time::SystemTime;
 
 use serde::Deserialize;
-use serde_json::{Map, Value};
-use thiserror::Error;
 
-use super::LAYOUT;
+use super::error::{ResultsError, contradiction, seconds};
 use super::first_layout;
-use files::{self, ReadError};
-use numbers::json;
+use super::parts::{FaultOfRun, Run, faults, gate_state, judged};
 use results::{
-    BlockReport, BlockResult, BlockState, ByMetric, Chosen, Critical, Cut, CutOff, Finding, GateReport,
-    GateState, GateVerdict, Horizon, NotJudged, NotRated, Outcome, Program, RatingReport, RatingResult,
-    RatingState, Recorded, RecordedReport, RecordedState, Recording, Refusal, Requests, Results, RunFault,
-    RunsTaken, Skip, SuiteIdentity, SuiteReport, TestedController, TrialReport, TrialState, TrialVerdict,
-    UnitError, UnknownMetric, Verdict,
+    BlockReport, BlockResult, BlockState, Chosen, Cut, Finding, GateReport, GateVerdict, Horizon, NotJudged, NotRated,
+    Outcome, Program, RatingReport, RatingResult, RatingState, Recorded, RecordedReport, RecordedState, Recording, Refusal, Requests, Results,
+    RunsTaken, Skip, SuiteIdentity, SuiteReport, TestedController, TrialReport, TrialState, UnitError,
 };
 use scenario::registry::Registry;
-use scenario::{Block, FaultKind, Gate, Individual, Origin, ProgramFault, Rating, Trial};
-use sim::Ending;
-use sim::measure::{Open, Presence};
+use scenario::{Block, Gate, Rating, Trial};
 
 /// The largest file that is read: about a million runs.
 const LARGEST: u64 = 2 << 30;
-
-/// Why a file is not taken for results.
-#[derive(Debug, Error)]
-#[non_exhaustive]
-pub enum ResultsError {
-    /// The file cannot be read, or is too large.
-    #[error(transparent)]
-    Read(#[from] ReadError),
-    /// Cut off, of another program, or changed by hand.
-    #[error("it is not what `--json` writes: {0}")]
-    Format(#[from] serde_json::Error),
-    /// A later version of scenario-runner wrote it.
-    #[error("its layout is {0}, and this version reads 1 to {LAYOUT}; use the version that wrote it")]
-    Layout(u64),
-    /// Of a program that somebody has extended.
-    #[error("{0}: it was written by another program")]
-    Metric(#[from] UnknownMetric),
-    /// What it says of itself is not what its parts say.
-    #[error("{key}: {what}")]
-    Contradiction {
-        /// Of the trial, block or gate.
-        key: String,
-        /// What does not fit, in words.
-        what: String,
-    },
-    /// Something that version 0.1 did not write down.
-    #[error("{key}: {what}; it was written by 0.1, so run the suite again with this version")]
-    Lacking {
-        /// Of the trial, block or gate.
-        key: String,
-        /// What is missing, in words.
-        what: String,
-    },
-}
 
 /// Reads what [`super::write_json`] wrote, of this version or of 0.1.
 ///
@@ -157,32 +116,6 @@ struct TrialRecord {
     cut: Option<Cut>,
     #[serde(default)]
     skip: Option<Skip>,
-}
-
-/// One run, of any layout.
-#[derive(Deserialize)]
-pub(super) struct Run {
-    pub key: String,
-    #[serde(with = "json::whole")]
-    pub seed: u64,
-    individuals: Vec<Individual>,
-    ending: Ending,
-    pub metrics: Map<String, Value>,
-    #[serde(default)]
-    open: std::collections::BTreeMap<String, Open>,
-    #[serde(with = "json::hexadecimal")]
-    fingerprint: u64,
-    #[serde(default)]
-    record: Option<RunRecord>,
-}
-
-#[derive(Deserialize)]
-struct RunRecord {
-    critical: ByMetric<Critical>,
-    presences: Vec<(Arc<str>, Presence)>,
-    wall_time: Duration,
-    #[serde(default)]
-    cut_off: Option<Box<CutOff>>,
 }
 
 #[derive(Deserialize)]
@@ -304,89 +237,6 @@ impl TrialOfSuite {
     }
 }
 
-/// A trial's verdict, which has to be that of its findings.
-pub(super) fn judged(
-    key: &str,
-    verdict: &str,
-    findings: Vec<Finding>,
-    stopping: Option<RunsTaken>,
-    horizon: Option<Horizon>,
-) -> Result<TrialVerdict, ResultsError> {
-    let worst = findings.iter().map(|finding| finding.verdict).max().unwrap_or(Verdict::Passed);
-    if !says(verdict, worst) {
-        let what = format!("its verdict is `{verdict}`, and the worst of its findings is another");
-        return Err(contradiction(key, what));
-    }
-    Ok(TrialVerdict { verdict: worst, findings, stopping, horizon })
-}
-
-impl Run {
-    pub(super) fn outcome(mut self, requests: &Requests) -> Result<Outcome, ResultsError> {
-        let value = |reference: &scenario::MetricReference| {
-            let label = reference.label();
-            match self.metrics.remove(&label) {
-                Some(Value::Null) => Ok(None),
-                Some(Value::Number(number)) => Ok(number.as_f64()),
-                _ => Err(contradiction(&self.key, format!("it has no `{label}`"))),
-            }
-        };
-        let metrics = requests.iter().map(value).collect::<Result<_, _>>()?;
-        if let Some(other) = self.metrics.keys().next() {
-            return Err(contradiction(&self.key, format!("nothing asked for its `{other}`")));
-        }
-        let record = self.record.unwrap_or_else(|| {
-            let open = requests.iter().map(|reference| self.open.get(&reference.label()).copied());
-            RunRecord {
-                critical: ByMetric::default(),
-                presences: Vec::new(),
-                wall_time: Duration::ZERO,
-                cut_off: (!self.open.is_empty())
-                    .then(|| Box::new(CutOff { open: open.collect(), ..CutOff::default() })),
-            }
-        });
-        Ok(Outcome {
-            key: self.key,
-            seed: self.seed,
-            individuals: self.individuals,
-            ending: self.ending,
-            metrics,
-            critical: record.critical,
-            presences: record.presences,
-            cut_off: record.cut_off,
-            fingerprint: self.fingerprint,
-            wall_time: record.wall_time,
-        })
-    }
-}
-
-/// A run that a program kept from its end, as it is written.
-#[derive(Deserialize)]
-struct FaultOfRun {
-    run: String,
-    vehicle: String,
-    controller: String,
-    declared: Box<Origin>,
-    fault: FaultInWords,
-}
-
-#[derive(Deserialize)]
-struct FaultInWords {
-    kind: FaultKind,
-    time: f64,
-    message: String,
-    log: Option<String>,
-    log_tail: Vec<String>,
-}
-
-fn faults(written: Vec<FaultOfRun>) -> Vec<RunFault> {
-    let fault = |FaultOfRun { run, vehicle, controller, declared, fault }: FaultOfRun| {
-        let FaultInWords { kind, time, message, log, log_tail } = fault;
-        let fault = ProgramFault { kind, message, controller, declared, log_tail, log };
-        RunFault { run, vehicle, time, fault }
-    };
-    written.into_iter().map(fault).collect()
-}
-
 impl BlockOfSuite {
     fn report(self) -> Result<BlockReport, ResultsError> {
         let BlockRecord { block, cut, skip } = self.record;
@@ -446,53 +296,21 @@ impl GateOfSuite {
     }
 }
 
-/// What became of a gate, whose verdict has to be that of its result.
-pub(super) fn gate_state(
-    key: &str,
-    verdict: &str,
-    result: Option<Box<GateVerdict>>,
-    refusal: Option<Refusal>,
-    not_judged: Option<NotJudged>,
-) -> Result<GateState, ResultsError> {
-    match (verdict, result, refusal, not_judged) {
-        ("error", None, Some(refusal), None) => Ok(GateState::Refused(refusal)),
-        ("not_judged", None, _, Some(why)) => Ok(GateState::NotJudged(why)),
-        ("passed" | "inconclusive" | "failed", Some(result), _, None) => {
-            if !says(verdict, result.verdict) {
-                return Err(contradiction(
-                    key,
-                    format!("its verdict is `{verdict}`, and its result another"),
-                ));
-            }
-            Ok(GateState::Judged(result))
-        }
-        (verdict, ..) => Err(contradiction(key, format!("`{verdict}` without its reason"))),
-    }
-}
-
-/// Whether a word is that of a verdict.
-fn says(word: &str, verdict: Verdict) -> bool {
-    serde_json::to_value(verdict).is_ok_and(|said| said == word)
-}
-
-pub(super) fn contradiction(key: &str, what: impl Into<String>) -> ResultsError {
-    ResultsError::Contradiction { key: key.to_string(), what: what.into() }
-}
-
-pub(super) fn seconds(key: &str, seconds: f64) -> Result<Duration, ResultsError> {
-    let wrong = |error: std::time::TryFromFloatSecsError| contradiction(key, error.to_string());
-    Duration::try_from_secs_f64(seconds).map_err(wrong)
-}
-
 #[cfg(test)]
 mod tests {
+    use std::time::Duration;
+
+    use serde_json::Value;
+
+    use super::super::error::LAYOUT;
     use super::*;
     use crate::fixture::{Session, evaluation, statement};
     use crate::write_json;
     use models::standard;
-    use results::Conclusion;
     use results::judge::judge;
+    use results::{Conclusion, CutOff};
     use scenario::DeclaredStanding;
+    use sim::measure::Open;
 
     fn written(results: &Results) -> String {
         let mut bytes = Vec::new();

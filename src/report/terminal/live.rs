@@ -2,9 +2,10 @@
 
 use std::time::Duration;
 
-use indicatif::{HumanCount, HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{HumanCount, ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use super::{Running, Tally, status};
+use super::progress::{Running, Tally, left};
+use super::status;
 use crate::chart::shortened;
 use crate::format::count;
 use files::escape::terminal_line;
@@ -89,15 +90,6 @@ pub(super) fn panel<'r>(
         text += &format!("\n{:>12} and {more} more", "");
     }
     text
-}
-
-/// The time that is left if all goes on as it did, to be appended; empty while that cannot be said.
-pub(super) fn left(elapsed: Duration, done: usize, all: usize) -> String {
-    if done == 0 || done >= all || elapsed < Duration::from_secs(1) {
-        return String::new();
-    }
-    let left = elapsed.mul_f64((all - done) as f64 / done as f64);
-    format!(", {} left", HumanDuration(left))
 }
 
 #[cfg(test)]

@@ -1,6 +1,8 @@
 //! What the terminal shows: a line per unit, failures when they happen, tables and a summary at the end.
 
+mod lines;
 mod live;
+mod progress;
 mod status;
 mod summary;
 
@@ -13,64 +15,27 @@ use super::failure::explain;
 use super::wording::{remark, trial_warnings};
 use crate::console::{Output, stdout};
 use results::{
-    CutBy, Evaluations, Event, Reporter, Results, Standing, Stopping, SuiteIdentity, UnitReport, Verdict,
-    Workload,
+    CutBy, Event, Reporter, Results, Standing, Stopping, SuiteIdentity, UnitReport, Verdict, Workload,
 };
 
+use lines::{Bad, Lines};
 pub use live::Live;
+use progress::{Running, Tally};
 pub use status::StatusLevel;
 
 /// Tells people what happens.
 pub struct Terminal {
     /// `None` for nowhere.
     out: Option<Output>,
-    colour: bool,
     level: StatusLevel,
     live: Option<Live>,
-    /// Not written yet.
-    text: String,
-    /// Written or about to be.
-    lines: usize,
-    /// Whether the last of them is empty.
-    gap: bool,
+    lines: Lines,
     begun: Instant,
     looked: Instant,
     tally: Tally,
     running: BTreeMap<usize, Running>,
     /// What did not pass, in order.
     bad: Vec<Bad>,
-}
-
-/// What there is to do and what is done.
-#[derive(Debug, Default)]
-struct Tally {
-    outline: Workload,
-    units_done: usize,
-    runs_done: usize,
-    failures: usize,
-}
-
-/// A unit under way.
-#[derive(Debug)]
-struct Running {
-    key: String,
-    begun: Instant,
-    runs: usize,
-    runs_done: usize,
-    evaluations: Option<Evaluations>,
-    /// How often it was called slow.
-    slow: u32,
-}
-
-/// A unit that did not pass.
-#[derive(Debug)]
-struct Bad {
-    key: String,
-    line: String,
-    /// All there is to say about it.
-    text: String,
-    /// The number of the last line of that; `None` if it was not shown.
-    shown: Option<usize>,
 }
 
 /// How often it is looked whether something has to be redrawn or is slow.
@@ -93,12 +58,9 @@ impl Terminal {
         let now = Instant::now();
         Self {
             out,
-            colour,
             level,
             live,
-            text: String::new(),
-            lines: 0,
-            gap: true,
+            lines: Lines::new(colour),
             begun: now,
             looked: now,
             tally: Tally::default(),
@@ -119,30 +81,17 @@ impl Terminal {
         }
         // Suites of a session are run side by side.
         let elapsed = results.suites.iter().map(|suite| suite.wall_time).max().unwrap_or_default();
-        self.end(&results.suites, &results.requests, elapsed);
+        self.lines.end(&self.bad, &results.suites, &results.requests, elapsed);
         self.write();
-    }
-
-    fn say(&mut self, line: &str) {
-        self.lines += 1 + line.matches('\n').count();
-        self.gap = line.is_empty() || line.ends_with('\n');
-        self.text.push_str(line);
-        self.text.push('\n');
-    }
-
-    /// An empty line, unless there is one already.
-    fn gap(&mut self) {
-        if !self.gap {
-            self.say("");
-        }
     }
 
     fn begin(&mut self, outline: &Workload) {
         self.begun = Instant::now();
         self.tally.outline = outline.clone();
         if self.level > StatusLevel::None {
-            let line = status::line("Starting", status::GOOD, None, &summary::starting(outline), self.colour);
-            self.say(&line);
+            let line =
+                status::line("Starting", status::GOOD, None, &summary::starting(outline), self.lines.colour);
+            self.lines.say(&line);
         }
     }
 
@@ -158,30 +107,30 @@ impl Terminal {
         let standing = report.standing();
         self.tally.failures += usize::from(standing.is_failure());
         let said = format!("{}{}", report.key(), remark(report));
-        let line = status::unit_line(standing, report.wall_time(), &said, self.colour);
+        let line = status::unit_line(standing, report.wall_time(), &said, self.lines.colour);
         let shown = self.level >= status::level(standing, report.skip());
         if shown {
-            self.say(&line);
+            self.lines.say(&line);
         }
         if let UnitReport::Trial(trial) = report
             && self.level > StatusLevel::None
         {
             for warning in trial_warnings(trial) {
                 let said = format!("{}: {warning}", report.key());
-                self.say(&status::line("WARN", status::DOUBTFUL, None, &said, self.colour));
+                self.lines.say(&status::line("WARN", status::DOUBTFUL, None, &said, self.lines.colour));
             }
         }
         if !matches!(standing, Standing::Skipped | Standing::NotJudged | Standing::Judged(Verdict::Passed)) {
-            let text = explain(suite, report, self.colour);
+            let text = explain(suite, report, self.lines.colour);
             // Of what somebody interrupted the line says all there is.
             let silent = standing == Standing::NotFinished(CutBy::Interrupted);
             let shown = shown.then(|| {
                 if silent {
-                    return self.lines;
+                    return self.lines.count;
                 }
-                self.gap();
-                self.say(&format!("{}\n", text.trim_end()));
-                self.lines
+                self.lines.gap();
+                self.lines.say(&format!("{}\n", text.trim_end()));
+                self.lines.count
             });
             self.bad.push(Bad { key: report.key().to_string(), line, text, shown });
         }
@@ -192,8 +141,8 @@ impl Terminal {
             Stopping::MaxFail(_) => format!("{stopping}; what has begun comes to its end"),
             Stopping::Interrupted => "no more runs begin; interrupt again to stop at once".to_string(),
         };
-        let line = status::line("Stopping", status::DOUBTFUL, None, &said, self.colour);
-        self.say(&line);
+        let line = status::line("Stopping", status::DOUBTFUL, None, &said, self.lines.colour);
+        self.lines.say(&line);
     }
 
     /// Calls slow what is, once a minute.
@@ -208,17 +157,17 @@ impl Terminal {
             if times > running.slow {
                 running.slow = times;
                 let said = format!("{}{}", running.key, running.progress());
-                lines.push(status::slow_line(SLOW * times, &said, self.colour));
+                lines.push(status::slow_line(SLOW * times, &said, self.lines.colour));
             }
         }
-        lines.iter().for_each(|line| self.say(line));
+        lines.iter().for_each(|line| self.lines.say(line));
     }
 
     fn write(&mut self) {
-        if self.text.is_empty() {
+        if self.lines.text.is_empty() {
             return;
         }
-        let text = std::mem::take(&mut self.text);
+        let text = std::mem::take(&mut self.lines.text);
         let Some(out) = self.out else { return };
         let write = || {
             out.styled(&text);
@@ -237,8 +186,8 @@ impl Reporter for Terminal {
             Event::Begun(outline) => self.begin(outline),
             Event::UnitBegun { unit, key, runs } => {
                 if self.level == StatusLevel::All {
-                    let line = status::line("BEGIN", Style::new(), None, key, self.colour);
-                    self.say(&line);
+                    let line = status::line("BEGIN", Style::new(), None, key, self.lines.colour);
+                    self.lines.say(&line);
                 }
                 self.running.insert(*unit, Running::new(key, *runs));
             }
@@ -260,7 +209,7 @@ impl Reporter for Terminal {
                 if let Some(live) = self.live.take() {
                     live.clear();
                 }
-                self.end(reports, requests, *elapsed);
+                self.lines.end(&self.bad, reports, requests, *elapsed);
             }
         }
     }
@@ -276,24 +225,5 @@ impl Reporter for Terminal {
             }
         }
         self.write();
-    }
-}
-
-impl Running {
-    fn new(key: &str, runs: usize) -> Self {
-        Self { key: key.to_string(), begun: Instant::now(), runs, runs_done: 0, evaluations: None, slow: 0 }
-    }
-
-    /// How far it is, to be appended to its key.
-    fn progress(&self) -> String {
-        match self.evaluations {
-            Some(Evaluations { done, all, best }) => {
-                let best = best.map(|best| format!(", best {}", scenario::significant(best, 4)));
-                let left = live::left(self.begun.elapsed(), done, all);
-                format!(": {done} of {all} evaluations{}{left}", best.unwrap_or_default())
-            }
-            None if self.runs > 1 => format!(": {} of {} runs", self.runs_done, self.runs),
-            None => String::new(),
-        }
     }
 }

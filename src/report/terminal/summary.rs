@@ -3,7 +3,8 @@
 use std::collections::HashSet;
 use std::time::Duration;
 
-use super::{Bad, Terminal, status};
+use super::lines::{Bad, Lines};
+use super::status;
 use crate::experiment::render_block;
 use crate::format::count;
 use crate::groups::{Group, groups};
@@ -22,13 +23,14 @@ const MOST_AGAIN: usize = 10;
 /// Units that did not pass and are named below the summary.
 const MOST_NAMED: usize = 50;
 
-impl Terminal {
-    pub(super) fn end(&mut self, reports: &[SuiteReport], requests: &Requests, elapsed: Duration) {
+impl Lines {
+    /// Says how all of it ended; `bad` did not pass.
+    pub fn end(&mut self, bad: &[Bad], reports: &[SuiteReport], requests: &Requests, elapsed: Duration) {
         for report in reports {
             self.suite(report, requests);
         }
         let causes: Vec<_> = reports.iter().map(|report| (report, groups(report))).collect();
-        self.failures_again(&causes);
+        self.failures_again(bad, &causes);
         let tally = Standings::of(reports);
         let style = if tally.failed + tally.errored + tally.timed_out > 0 {
             status::BAD
@@ -42,7 +44,7 @@ impl Terminal {
         let time = status::seconds(elapsed);
         let line = status::line("Summary", style, Some(&time), &tally.in_words(), self.colour);
         self.say(&line);
-        self.what_did_not_pass(&causes);
+        self.what_did_not_pass(bad, &causes);
     }
 
     /// Tables of the trials and what the blocks came to.
@@ -83,24 +85,21 @@ impl Terminal {
     }
 
     /// What did not pass and cannot be seen any more, or was not shown at all. Of failures of one cause it is the worst.
-    fn failures_again(&mut self, causes: &[Causes]) {
-        let bad = std::mem::take(&mut self.bad);
+    fn failures_again(&mut self, bad: &[Bad], causes: &[Causes]) {
         let groups = || causes.iter().flat_map(|(_, groups)| groups);
         let stands_for_others = |key: &str| groups().any(|group| group.worst.0 == key);
         let in_any: HashSet<&str> = groups().flat_map(|group| group.trials.iter().copied()).collect();
         let is_shown = |one: &&Bad| !in_any.contains(one.key.as_str()) || stands_for_others(&one.key);
-        let is_far = |one: &&Bad| one.shown.is_none_or(|line| self.lines - line > SCREEN);
+        let is_far = |one: &&Bad| one.shown.is_none_or(|line| self.count - line > SCREEN);
         let far: Vec<_> = bad.iter().filter(is_shown).filter(is_far).take(MOST_AGAIN).collect();
         for one in far {
             self.gap();
             self.say(&format!("{}\n\n{}\n", one.line, one.text.trim_end()));
         }
-        self.bad = bad;
     }
 
     /// The names of what did not pass: failures of one cause together and with a command, worst first, then all others.
-    fn what_did_not_pass(&mut self, causes: &[Causes]) {
-        let bad = std::mem::take(&mut self.bad);
+    fn what_did_not_pass(&mut self, bad: &[Bad], causes: &[Causes]) {
         let mut said = Vec::new();
         let mut grouped: HashSet<&str> = HashSet::new();
         for (report, group) in

@@ -3,7 +3,8 @@
 use super::confidence::{self, Bounds};
 use super::horizon;
 use super::nearest::nearest;
-use super::seen::Seen;
+use super::possible::bounded_above;
+use super::seen::{Evidence, Seen};
 use super::vacuity;
 use crate::{Finding, FindingMeasure, Horizon, Outcome, Regarding, Requests, TrialVerdict, Verdict};
 use scenario::{
@@ -45,14 +46,6 @@ fn mark_alike(findings: &mut [Finding], outcomes: &[Outcome]) {
     for finding in findings.iter_mut().filter(|finding| finding.confidence.is_some()) {
         finding.alike = alike;
     }
-}
-
-/// What a criterion is judged by.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Evidence<'a> {
-    pub outcomes: &'a [Outcome],
-    pub requests: &'a Requests,
-    pub bounds: Bounds<'a>,
 }
 
 /// Whose run each is, by number in order of appearance; runs of nobody in particular are all of one.
@@ -203,11 +196,6 @@ fn exactly(
         return finding;
     }
     Finding { verdict: Verdict::Inconclusive, ..finding }
-}
-
-/// Whether a claim would rather have a comparison not hold.
-pub(super) fn bounded_above(relation: Relation) -> bool {
-    matches!(relation, Relation::Less | Relation::LessOrEqual)
 }
 
 /// Where a confidence is stated, the verdict rests on the bounds of the share and not on the share that was seen.

@@ -4,9 +4,8 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
-use super::criteria::Evidence;
 use super::per_run::PerRun;
-use super::seen::Seen;
+use super::seen::{Evidence, Seen};
 use crate::{Outcome, Requests, WorstRun};
 use scenario::{Claim, MetricReference, Relation, Worst};
 

@@ -1,6 +1,5 @@
 //! What a criterion can come to, whatever happens: where it cannot fail or can never pass.
 
-use super::criteria::bounded_above;
 use super::seen::{Seen, holds_undefined};
 use scenario::{
     Absence, Aggregate, AggregateResponse, Claim, Comparison, Criterion, MetricKind, MetricRange,
@@ -236,6 +235,11 @@ fn between(relation: Relation, bound: f64, (low, high): (f64, f64)) -> (bool, bo
             (one || other, !(one && other))
         }
     }
+}
+
+/// Whether a claim would rather have a comparison not hold.
+pub(super) fn bounded_above(relation: Relation) -> bool {
+    matches!(relation, Relation::Less | Relation::LessOrEqual)
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! What a run says of a metric, and what it counts as where that is no number: undefined, or cut off by the horizon.
 
-use crate::Outcome;
+use super::confidence::Bounds;
+use crate::{Outcome, Requests};
 use scenario::{Absence, Comparison, MetricKind, MetricReference, Relation, WhenUndefined, Worst};
 use sim::measure::Open;
 
@@ -147,6 +148,14 @@ fn extreme(reference: &MetricReference) -> Option<f64> {
         (Absence::Bad, Worst::Largest) | (Absence::Good, Worst::Smallest) => Some(f64::INFINITY),
         (Absence::Bad, Worst::Smallest) | (Absence::Good, Worst::Largest) => Some(f64::NEG_INFINITY),
     }
+}
+
+/// What a criterion is judged by.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Evidence<'a> {
+    pub outcomes: &'a [Outcome],
+    pub requests: &'a Requests,
+    pub bounds: Bounds<'a>,
 }
 
 #[cfg(test)]

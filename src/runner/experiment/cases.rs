@@ -4,7 +4,10 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::{Context, EarlierResults, ExperimentError, overrides};
+use super::context::Context;
+use super::earlier::EarlierResults;
+use super::error::ExperimentError;
+use super::overrides;
 use crate::plan;
 use files::Files;
 use numbers::random::Stream;

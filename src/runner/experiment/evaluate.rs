@@ -2,8 +2,11 @@
 
 use std::path::Path;
 
+use super::context::{BlockProgress, Context};
+use super::earlier::EarlierResults;
+use super::error::ExperimentError;
+use super::overrides;
 use super::parameters::ParameterFile;
-use super::{BlockProgress, Context, EarlierResults, ExperimentError, overrides};
 use numbers::inference::{paired_difference, rate_change};
 use numbers::random::derive_seed;
 use numbers::summary::mean;

@@ -1,6 +1,6 @@
 //! Points of a search space put into a scenario.
 
-use super::ExperimentError;
+use super::error::ExperimentError;
 use scenario::{Assignment, Expression, Part, RangeValues, Scenario, SearchRange, Target, Value};
 
 /// The optimiser's dimension for a declared range.

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::{ExperimentError, overrides};
+use super::error::ExperimentError;
+use super::overrides;
 use files::Files;
 use results::TuneResult;
 use scenario::{Suite, Target, Tune, Value};

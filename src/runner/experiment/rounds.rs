@@ -11,8 +11,9 @@ use std::thread;
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::context::Context;
+use super::error::ExperimentError;
 use super::journal::Record;
-use super::{Context, ExperimentError};
 use crate::run::{Done, Job, JobFailure, JobPlace, Sequence, Sequences, run_sequences};
 use optimise::{Definition, Evaluation, Optimiser, Proposal};
 use results::Outcome;

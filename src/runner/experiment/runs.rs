@@ -2,7 +2,8 @@
 
 use std::time::Duration;
 
-use super::{Context, ExperimentError};
+use super::context::Context;
+use super::error::ExperimentError;
 use crate::run::{BatchError, RunBatch};
 use numbers::summary::{mean, variance_of_mean};
 use results::judge::{Seen, aggregate_against, counted, holds_undefined};

@@ -4,9 +4,11 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
+use super::context::{BlockProgress, Context};
+use super::error::ExperimentError;
 use super::journal::Record;
+use super::overrides;
 use super::rounds::{EvaluateRound, Optimisation, optimise};
-use super::{BlockProgress, Context, ExperimentError, overrides};
 use crate::plan;
 use numbers::random::derive_seed;
 use numbers::summary::mean;

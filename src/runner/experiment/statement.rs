@@ -1,7 +1,11 @@
 //! `statement`: what a source says, held against the results of the suite.
 
 use super::claim::{Operand, combine, follows, in_words, name_of};
-use super::{Context, EarlierResults, ExperimentError, evaluate};
+use super::context::Context;
+use super::earlier::EarlierResults;
+use super::error::ExperimentError;
+use super::evaluate;
+use super::needs::measured_by;
 use crate::plan::variables;
 use results::judge::{ValueSpan, open_runs};
 use results::{ClaimResult, ClaimValues, Conclusion, Outcome, StatementResult, TrendPoint};
@@ -39,47 +43,6 @@ pub fn run_statement(
         claims,
         standing: statement.standing.clone(),
     })
-}
-
-/// Every aggregate that a statement asks for.
-pub(super) fn measured(statement: &Statement) -> Vec<&Measured> {
-    statement.claims.iter().flat_map(measured_by).collect()
-}
-
-fn measured_by(claim: &StatementClaim) -> Vec<&Measured> {
-    match &claim.kind {
-        StatementClaimKind::Trend { measured, .. } => vec![measured],
-        StatementClaimKind::Compares { left, right, .. } => {
-            let leaves = leaves(left).into_iter().chain(leaves(right));
-            let measured = leaves.filter_map(|quantity| match quantity {
-                Quantity::Measured(measured) => Some(measured),
-                _ => None,
-            });
-            measured.collect()
-        }
-    }
-}
-
-/// Every tune whose choice a statement asks for.
-pub(super) fn tunes(statement: &Statement) -> Vec<&str> {
-    let mut found = Vec::new();
-    for claim in &statement.claims {
-        if let StatementClaimKind::Compares { left, right, .. } = &claim.kind {
-            for quantity in leaves(left).into_iter().chain(leaves(right)) {
-                if let Quantity::Chosen { tune, .. } = quantity {
-                    found.push(tune.as_str());
-                }
-            }
-        }
-    }
-    found
-}
-
-fn leaves(quantity: &Quantity) -> Vec<&Quantity> {
-    match quantity {
-        Quantity::Binary { left, right, .. } => [leaves(left), leaves(right)].concat(),
-        leaf => vec![leaf],
-    }
 }
 
 /// Where claims are held against results.

@@ -8,17 +8,20 @@ mod survivors;
 
 use std::sync::LazyLock;
 
+use super::evaluate::run_evaluate;
+use super::tune::run_tune;
 use super::*;
-use crate::run::Threads;
+use crate::run::{Executor, Threads};
 use models::standard;
 use scenario::registry::Table;
 use scenario::{
     self, Aggregate, Block, Budget, CaseSet, Comparison as Bound, DeclaredAppearance, DeclaredPedestrian,
     DeclaredStanding, DeclaredVehicleStart, Direction, Evaluate, Expression, Goal, Individuals,
     InitialDesign, Measure, Measured, MetricReference, Model, Objective, Origin, OutcomesOf, ParameterSet,
-    Part, PopulationShare, Quantity, RangeValues, Registered, Relation, Road, SampleSize, Search,
-    SearchMethod, SearchRange, Side, Statement, StatementClaim, StatementClaimKind, Target, TrendDirection,
-    Tune, Value, Variation, VariationCondition, VariedValue, Vehicle, VehicleReference, WhenUndefined,
+    Part, PopulationShare, Quantity, RangeValues, Registered, Relation, Road, SampleSize, Scenario, Search,
+    SearchMethod, SearchRange, Side, Statement, StatementClaim, StatementClaimKind, Suite, Target,
+    TrendDirection, Tune, Value, Variation, VariationCondition, VariedValue, Vehicle, VehicleReference,
+    WhenUndefined,
 };
 
 fn threads() -> &'static Threads {

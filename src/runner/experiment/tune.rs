@@ -2,9 +2,12 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use super::context::{BlockProgress, Context};
+use super::earlier::EarlierResults;
+use super::error::ExperimentError;
+use super::overrides;
 use super::rounds::{EvaluateRound, Optimisation, optimise};
 use super::search::definition;
-use super::{BlockProgress, Context, EarlierResults, ExperimentError, overrides};
 use numbers::random::derive_seed;
 use optimise::{self, Evaluation, Margin, ObjectiveValue, Optimiser, Proposal};
 use results::{BeforeAndAfter, Candidate, Outcome, SavedCase, TuneResult, Violations};

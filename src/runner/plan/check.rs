@@ -1,7 +1,7 @@
 //! Every resolved world is checked here, whole and once, however its values came in: written, listed, drawn, given by a
 //! template or a person, set on the command line, or chosen by a search or a tune.
 
-use super::PlanError;
+use super::error::PlanError;
 use super::overlap::refuse_overlaps;
 use scenario::limits::{self, Limit};
 use scenario::{

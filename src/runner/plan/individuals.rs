@@ -6,7 +6,7 @@ use std::path::Path;
 
 use sha2::{Digest, Sha256};
 
-use super::PlanError;
+use super::error::PlanError;
 use numbers::random::{Stream, derive_seed};
 use scenario::population;
 use scenario::population::Population as People;

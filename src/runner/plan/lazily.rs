@@ -5,11 +5,14 @@ use std::collections::HashSet;
 use std::ops::Deref;
 use std::sync::{Arc, OnceLock};
 
+use super::error::PlanError;
+use super::individuals::{label, select};
 use super::sampling::digest;
+use super::setup;
+use super::variables::{Variables, criteria, variables};
 use super::variation::Combinations;
-use super::{PlanError, Variables, criteria, people_label, rounds, select_people, setup, variables};
 use numbers::random::derive_seed;
-use scenario::{Assignment, Case, Criterion, Individual, Rounds, Scenario, Suite, Trial, World};
+use scenario::{Assignment, Case, Criterion, Individual, Rounds, RunBudget, Scenario, Suite, Trial, World};
 
 /// More runs than this in one suite are taken for a mistake.
 const MOST_RUNS: usize = 10_000_000;
@@ -90,7 +93,7 @@ struct Planned {
 
 impl ScenarioPlan {
     fn new(suite: &Suite, scenario: &Scenario) -> Result<Self, PlanError> {
-        let people = select_people(suite.seed, scenario)?;
+        let people = select(suite.seed, scenario)?;
         let owned = Cow::Owned(scenario.clone());
         let combinations = Combinations::new(suite.seed, owned, Variables::new())?;
         let budget = scenario.runs.as_ref();
@@ -195,7 +198,7 @@ impl ScenarioPlan {
             doc: scenario.doc.clone(),
             tags: scenario.tags.clone(),
             runs: people * repetitions,
-            first_run: format!("{key}{}/rep=1", people_label(&self.0.people[0])),
+            first_run: format!("{key}{}/rep=1", label(&self.0.people[0])),
             rounds: rounds.filter(|_| part == Part::Whole),
             criteria,
             declared: scenario.criteria.len(),
@@ -312,7 +315,7 @@ impl Planned {
         };
         let (scenario, Common { seed, people, .. }) = (self.of.scenario(), &*self.of.0);
         let repetition = repetition as u32 + 1;
-        let key = format!("{}{}/rep={repetition}", self.trial.key, people_label(&people[who]));
+        let key = format!("{}{}/rep={repetition}", self.trial.key, label(&people[who]));
         Case {
             seed: match scenario.seed {
                 Some(seed) if repetition == 1 => seed,
@@ -334,8 +337,7 @@ impl Planned {
     fn resolve(&self, who: usize) -> Result<Arc<World>, PlanError> {
         let (scenario, people) = (self.of.scenario(), &self.of.0.people);
         let world = setup::world(scenario, &variables(&self.trial.variation), &people[who]);
-        let in_case =
-            |error: PlanError| error.in_case(&format!("{}{}", self.trial.key, people_label(&people[who])));
+        let in_case = |error: PlanError| error.in_case(&format!("{}{}", self.trial.key, label(&people[who])));
         world.map(Arc::new).map_err(in_case)
     }
 }
@@ -377,6 +379,25 @@ pub fn probe_scenario(suite: &Suite, scenario: &Scenario) -> Result<Vec<PlannedT
         Ok(trial)
     };
     (0..plan.len().min(MOST_PROBES)).map(probe).collect()
+}
+
+/// Whole rounds: at least as many runs as asked for, and not more than may be.
+fn rounds(scenario: &Scenario, budget: &RunBudget, people: usize) -> Result<Rounds, PlanError> {
+    let (least, most) = (budget.least as usize, budget.most as usize);
+    let most = most / people * people;
+    let least = least.div_ceil(people) * people;
+    if most < least {
+        let message = format!(
+            "`runs {} .. {}` hold no whole round of the {people} individuals of scenario `{}`",
+            budget.least, budget.most, scenario.name
+        );
+        let enough = (budget.least as usize).div_ceil(people) * people;
+        return Err(PlanError::new(&budget.origin, message).with_hint(format!(
+            "everybody walks once a round: say at least `runs {} .. {enough}`",
+            budget.least
+        )));
+    }
+    Ok(Rounds { size: people, least, most })
 }
 
 #[cfg(test)]

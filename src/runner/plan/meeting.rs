@@ -11,8 +11,8 @@ use scenario::{
 use sim::walking_time;
 
 use super::check::{check_numbers, check_share};
-use super::setup::number;
-use super::{PlanError, Variables};
+use super::error::PlanError;
+use super::variables::{Variables, number};
 
 /// Leaves room for rounding in places, m.
 const ROUNDING: f64 = 1e-9;

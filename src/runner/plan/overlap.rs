@@ -1,6 +1,6 @@
 //! Nobody starts inside another body.
 
-use super::PlanError;
+use super::error::PlanError;
 use scenario::{Scenario, World};
 use sim::{self, Solid};
 

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use sha2::{Digest, Sha256};
 
-use super::Variables;
+use super::variables::Variables;
 use numbers::design::{SOBOL_CELL, latin_hypercube, sobol_point, uniform};
 use numbers::random::Stream;
 use scenario::{Assignment, DistributionError, DrawnValue, Samples, SamplingScheme, Value, significant};

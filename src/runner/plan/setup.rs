@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use super::check::check;
+use super::error::PlanError;
 use super::meeting::meet;
-use super::{PlanError, Variables};
+use super::variables::{Variables, number};
 use scenario::{
     Appearance, Declaration, DeclaredAppearance, DeclaredPedestrian, DeclaredShape, DeclaredVehicleStart,
     Expression, Individual, Model, ModelSetup, Origin, PedestrianSetup, Position, Scenario, SettingError,
@@ -217,12 +218,4 @@ fn chosen<T>(model: &Model<T>, kind: &str, variables: &Variables) -> Result<Arc<
     let chosen = model.chosen(variables).map_err(|error| PlanError::new(&model.origin, error.to_string()))?;
     let unknown = || PlanError::new(&model.origin, format!("there is no {kind} called `{chosen}`"));
     chosen.entry().cloned().ok_or_else(unknown)
-}
-
-pub(super) fn number(
-    expression: &Expression,
-    variables: &Variables,
-    origin: &Origin,
-) -> Result<f64, PlanError> {
-    expression.evaluate_number(variables).map_err(|error| PlanError::new(origin, error.to_string()))
 }

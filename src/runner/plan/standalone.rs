@@ -1,6 +1,7 @@
 //! One case as a scenario of its own: everything put in that it draws or varies.
 
-use super::{PlanError, Variables, variables};
+use super::error::PlanError;
+use super::variables::{Variables, variables};
 use scenario::{
     Assignment, DeclaredPedestrian, Expression, Individual, Model, Origin, Scenario, Settings, Vehicle,
 };

@@ -3,8 +3,9 @@
 use std::borrow::Cow;
 use std::sync::{Arc, Mutex, PoisonError};
 
+use super::error::PlanError;
 use super::sampling::{self, Drawn};
-use super::{PlanError, Variables};
+use super::variables::Variables;
 use numbers::random::derive_seed;
 use scenario::{Assignment, DistributionError, Samples, Scenario, Variation, VariedValue};
 

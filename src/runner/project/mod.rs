@@ -4,20 +4,18 @@ mod claims;
 mod examine;
 mod notice;
 mod open;
+mod planned_suite;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 pub use claims::examine_claims;
 pub use examine::{examine, examine_edited};
 pub use notice::{Notice, NoticeLevel, Problems};
 pub use open::plan_notices;
+pub use planned_suite::{PlannedSuite, ProjectOptions};
 
-use crate::plan::Plan;
 use files::Files;
-use lang::{Outside, Override, Replacement};
-use results::Recorded;
-use scenario::Suite;
 use scenario::registry::Registry;
 
 /// Suites that are ready to run, in the order of their files.
@@ -27,49 +25,6 @@ pub struct Project {
     registry: Registry,
     files: Arc<dyn Files>,
     notices: Vec<Notice>,
-}
-
-/// A suite with the runs that it asks for.
-#[derive(Debug)]
-pub struct PlannedSuite {
-    /// As the user named it.
-    pub file: String,
-    /// What the file says.
-    pub suite: Suite,
-    /// The trials and runs that it asks for.
-    pub plan: Plan,
-    /// Runs that failed in earlier sessions.
-    pub recorded: Vec<Recorded>,
-}
-
-/// What is otherwise than the files say.
-#[derive(Debug, Clone, Default)]
-#[non_exhaustive]
-pub struct ProjectOptions {
-    seed: Option<u64>,
-    outside: Outside,
-}
-
-impl ProjectOptions {
-    /// Replaces the seed of every suite.
-    pub fn seed(self, seed: impl Into<Option<u64>>) -> Self {
-        Self { seed: seed.into(), ..self }
-    }
-
-    /// Gives everything of these names other values, as if they stood in the files.
-    pub fn set(self, set: impl IntoIterator<Item = Override>) -> Self {
-        Self { outside: Outside { set: set.into_iter().collect(), ..self.outside }, ..self }
-    }
-
-    /// Puts controllers in the place of those that scenarios name, as `test … as` in a suite.
-    pub fn controllers(self, controllers: impl IntoIterator<Item = Replacement>) -> Self {
-        Self { outside: Outside { controllers: controllers.into_iter().collect(), ..self.outside }, ..self }
-    }
-
-    /// Reads these files besides, whose controllers [`Self::controllers`] and values may name.
-    pub fn uses(self, files: impl IntoIterator<Item = PathBuf>) -> Self {
-        Self { outside: Outside { uses: files.into_iter().collect(), ..self.outside }, ..self }
-    }
 }
 
 impl Project {

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::claims::examine_claims;
 use super::examine::examine_models;
 use super::notice::{Notice, NoticeLevel};
-use super::{PlannedSuite, ProjectOptions};
+use super::planned_suite::{PlannedSuite, ProjectOptions};
 use crate::corpus::{corpus_path, is_unchecked, read_corpus};
 use crate::experiment::rehearse_searches;
 use crate::plan::{Plan, PlanError, PlannedTrial, plan};

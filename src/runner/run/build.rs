@@ -169,6 +169,14 @@ pub fn road_users(world: &World, seed: u64) -> Result<RoadUsers, RunError> {
     Ok(RoadUsers { vehicles, pedestrians })
 }
 
+/// Of a vehicle that a program drives, where no program may be started.
+pub(super) fn nobody_asked() -> ControllerError {
+    ControllerError::with_hint(
+        "its controller is a program, and nobody here starts one",
+        "make its runs with `Threads::with_processes` and a pool of programs",
+    )
+}
+
 #[cfg(test)]
 mod tests {
     use std::sync::Arc;

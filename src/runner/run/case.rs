@@ -1,12 +1,12 @@
 //! One case from start to outcome.
 
-use super::build::RunError;
+use super::build::{RunError, nobody_asked};
 use super::case_run::RunningCase;
 use super::free_flow::FreeFlows;
 use super::panic::in_case;
 use results::{Outcome, Requests};
 use scenario::Case;
-use sim::{ControllerError, Observer, Progress, Step};
+use sim::{Observer, Progress, Step};
 
 /// Runs one case and reads the requested metrics off it. `watcher` sees every step and changes nothing.
 ///
@@ -40,14 +40,6 @@ fn run(
         Err(fault) => fault,
     };
     Err(RunError::of_fault(&case.world, fault, false))
-}
-
-/// Of a vehicle that a program drives, where no program may be started.
-pub(super) fn nobody_asked() -> ControllerError {
-    ControllerError::with_hint(
-        "its controller is a program, and nobody here starts one",
-        "make its runs with `Threads::with_processes` and a pool of programs",
-    )
 }
 
 /// Sees nothing: for runs of which only the outcome matters.

@@ -5,8 +5,7 @@ use std::sync::{Arc, Mutex};
 
 use sha2::{Digest, Sha256};
 
-use super::build::{RunError, road_users};
-use super::case::nobody_asked;
+use super::build::{RunError, nobody_asked, road_users};
 use scenario::World;
 use sim::measure::FreeFlow;
 use sim::{Course, Observer, Progress, Step};

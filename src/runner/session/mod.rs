@@ -17,6 +17,7 @@ mod shared;
 mod tested_programs;
 mod trials;
 mod unit;
+mod unit_begun;
 mod unit_run;
 
 pub use coordinator::Orders;

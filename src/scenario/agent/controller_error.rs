@@ -31,3 +31,10 @@ impl ControllerError {
         Self { message: message.into(), hint: Some(hint.into()), fault: None }
     }
 }
+
+impl ProgramFault {
+    /// As what keeps a controller from deciding.
+    pub fn into_error(self) -> ControllerError {
+        ControllerError { fault: Some(Box::new(self.clone())), ..ControllerError::new(self.to_string()) }
+    }
+}

@@ -1,5 +1,6 @@
 //! The seams for models: what a pedestrian and a controller see, and what they may do.
 
+mod command;
 mod controller_error;
 mod mode;
 mod model_error;
@@ -9,8 +10,9 @@ mod state;
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
-use super::{CommandKind, Position, Road, Shape};
+use super::{Position, Road, Shape};
 
+pub use command::{Command, CommandKind};
 pub use controller_error::ControllerError;
 pub use mode::Mode;
 pub use model_error::{ModelError, Stated, StatedBy};
@@ -179,39 +181,6 @@ pub struct SeenVehicle {
     pub length: f64,
     /// m
     pub width: f64,
-}
-
-/// What a controller asks of its vehicle.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Command {
-    /// Pedal positions, each 0..1.
-    Pedals {
-        /// How far the accelerator is pressed, 0..1.
-        throttle: f64,
-        /// How far the brake is pressed, 0..1.
-        brake: f64,
-    },
-    /// m/s²
-    Acceleration(f64),
-}
-
-impl Command {
-    /// Which kind of command it is.
-    pub fn kind(self) -> CommandKind {
-        match self {
-            Self::Pedals { .. } => CommandKind::Pedals,
-            Self::Acceleration(_) => CommandKind::Acceleration,
-        }
-    }
-
-    /// Whether a vehicle can follow it.
-    pub fn is_finite(self) -> bool {
-        match self {
-            Self::Pedals { throttle, brake } => throttle.is_finite() && brake.is_finite(),
-            Self::Acceleration(acceleration) => acceleration.is_finite(),
-        }
-    }
 }
 
 /// How a vehicle answers its controller.

@@ -12,8 +12,9 @@ use std::process::ExitCode;
 use ::fmu::{FmuRefusal, Instance, Kind, Library};
 use serde_json::{Value as Json, json};
 
-use super::plan::{FmuPlan, Wired};
+use super::plan::FmuPlan;
 use super::signals::{RunRows, signals};
+use super::wired::Wired;
 use crate::wire::{PEDESTRIANS, RUNS, VEHICLES, text_frame};
 
 /// More than a request may have, bytes.

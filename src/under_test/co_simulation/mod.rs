@@ -4,6 +4,7 @@ mod folder;
 mod host;
 mod plan;
 mod signals;
+mod wired;
 mod wiring;
 
 use std::path::Path;

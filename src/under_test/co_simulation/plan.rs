@@ -1,9 +1,10 @@
 //! What the process of a unit has to know, as its command line names it in a file.
 
-use ::fmu::{Description, Kind, LibraryPlace, Unpacked};
+use ::fmu::{Description, LibraryPlace, Unpacked};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value as Json, json};
 
+use super::wired::Wired;
 use super::wiring::FmuWiring;
 use crate::hello::PROTOCOL;
 use scenario::DeclaredProgram;
@@ -26,33 +27,6 @@ pub struct FmuPlan {
     pub parameters: Vec<Wired>,
     /// What it says of itself.
     pub hello: Json,
-}
-
-/// A variable that stands for a signal or a parameter. A number `n` of it is `n * numerator / denominator` in SI units.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Wired {
-    /// As the file calls it.
-    pub name: String,
-    /// As the unit calls it.
-    pub variable: String,
-    pub reference: u32,
-    pub kind: Kind,
-    pub numerator: f64,
-    pub denominator: f64,
-    /// Words, and the numbers that stand for them.
-    pub items: Vec<(String, i64)>,
-}
-
-impl Wired {
-    /// The number of the variable that is `si` in SI units.
-    pub fn of_si(&self, si: f64) -> f64 {
-        si * self.denominator / self.numerator
-    }
-
-    /// The number in SI units.
-    pub fn to_si(&self, number: f64) -> f64 {
-        number * self.numerator / self.denominator
-    }
 }
 
 /// The plan for a unit.

@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use ::fmu::{Causality, Description, Kind, Scalar, Variability};
 use serde_json::{Value as Json, json};
 
-use super::plan::Wired;
+use super::wired::Wired;
 use crate::start::{StartError, StartProblem};
 use scenario::{DeclaredFmu, DeclaredProgram, Dimension, WiredVariable, input_signals, output_signals};
 

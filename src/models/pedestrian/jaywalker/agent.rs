@@ -6,7 +6,7 @@ use super::declaration::{Triggers, Walking};
 use super::forces::{Retreat, StopForce, Yang, clipped, destination};
 use super::gap::{GapModel, Opportunity};
 use super::perception::{JaywalkerEncounter, JaywalkerPerception};
-use crate::pedestrian::sum_in_any_order;
+use crate::pedestrian::sum::sum_in_any_order;
 use numbers::random::Stream;
 use scenario::{Settings, Side};
 use sim::{Mode, Motion, Pedestrian, Scene, VehicleState};

@@ -8,8 +8,11 @@ const BASIC: &str = "CARLA basic_agent.py";
 const CONTROL: &str = "CARLA controller.py, local_planner.py";
 const DERIVED: &str = "derived from the CARLA sources";
 
+/// 1 m/s in km/h, the unit that the agent thinks in.
+pub(super) const KMH: f64 = 3.6;
+
 const fn kmh(speed: f64) -> f64 {
-    speed / 3.6
+    speed / KMH
 }
 
 const DEGREE: f64 = std::f64::consts::PI / 180.0;

@@ -8,6 +8,7 @@ mod obstacle;
 mod speed_controller;
 
 use super::{CommandKind, ControllerContext, ControllerModel};
+use declaration::KMH;
 use obstacle::ObstacleTest;
 use scenario::{Chance, Settings};
 use sim::{Command, Controller, ControllerError, Mode, ModelError, Observation, Schedule};
@@ -17,9 +18,6 @@ pub fn carla_behavior() -> ControllerModel {
     let declaration = declaration::declaration();
     ControllerModel::new(declaration, CommandKind::Pedals, build).driving("generic").chance(Chance::Never)
 }
-
-/// 1 m/s in km/h, the unit that the agent thinks in.
-const KMH: f64 = 3.6;
 
 struct CarlaBehavior {
     period: f64,

@@ -8,7 +8,7 @@ use nalgebra::Vector2;
 use scenario::{Settings, Shape};
 use sim::{EgoState, Observation};
 
-use super::KMH;
+use super::declaration::KMH;
 
 pub struct ObstacleTest {
     distances: Distances,

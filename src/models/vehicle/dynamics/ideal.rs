@@ -1,6 +1,6 @@
 //! A vehicle that takes acceleration commands exactly, at most clamped.
 
-use super::accelerate;
+use super::motion::accelerate;
 use crate::vehicle::{CommandKind, DynamicsModel};
 use scenario::{Declaration, Dimension, Parameter, Settings};
 use sim::{Command, Dynamics, Longitudinal, ModelError};

@@ -1,6 +1,6 @@
 //! Cars of CARLA, driven by pedals: pedal travel, then a map from pedal and speed to acceleration.
 
-use super::accelerate;
+use super::motion::accelerate;
 use super::pedal_map::{
     GENERIC_LAW, MKZ2020_LAW, MKZ2020_MEASURED, MODEL3_LAW, MODEL3_MEASURED, PRIUS_LAW, PRIUS_MEASURED,
     PedalMap,

@@ -4,19 +4,6 @@ use super::questions::{About, Question, RunPair};
 use crate::TrialChange;
 use numbers::summary::mean;
 
-/// Which way a quantity gets worse.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct WorseDirection {
-    pub larger_is_worse: bool,
-}
-
-/// An event that a run has or has not.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct RunFlag {
-    /// Whether having it is what is bad.
-    pub bad: bool,
-}
-
 /// The numbers behind a comparison.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Differences {

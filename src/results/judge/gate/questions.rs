@@ -1,6 +1,5 @@
 //! From rules to questions: which metric is compared in what, over which pairs of runs.
 
-use super::measure::{RunFlag, WorseDirection};
 use crate::judge::baseline::{Incompatible, Pairing, RecordedMetric, RecordedTrial};
 use scenario::{Absence, GateRule, Metric, MetricKind, MetricReference, Notation, Tolerance, Worst};
 
@@ -32,6 +31,19 @@ pub enum About {
     Existence(Option<RunFlag>),
     /// The runs with a yes that had a no on the same seed.
     New,
+}
+
+/// Which way a quantity gets worse.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct WorseDirection {
+    pub larger_is_worse: bool,
+}
+
+/// An event that a run has or has not.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RunFlag {
+    /// Whether having it is what is bad.
+    pub bad: bool,
 }
 
 /// Where a comparison is made.

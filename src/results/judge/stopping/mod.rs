@@ -9,8 +9,9 @@ mod tests;
 use std::sync::Arc;
 
 use super::confidence::Bounds;
-use super::criteria::{Evidence, bounded_above, find};
-use super::seen::Seen;
+use super::criteria::find;
+use super::possible::bounded_above;
+use super::seen::{Evidence, Seen};
 use crate::{Finding, Outcome, Reason, Requests, RunsTaken, TrialVerdict, Verdict};
 use numbers::inference::{ConfidenceSequence, IndependentUnit, MeanWatch, ShareDecision};
 use scenario::{

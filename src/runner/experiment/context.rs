@@ -1,0 +1,99 @@
+//! What every experiment of a suite shares, and who is told how far it is.
+
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use super::error::ExperimentError;
+use super::needs::measured;
+use crate::run::{Executor, FirstRuns, MeasuredMetrics, Stop, VerifyRuns};
+use files::{Disk, Files};
+use results::Requests;
+use scenario::registry::Registry;
+use scenario::{Scenario, Suite};
+
+/// What every experiment of a suite shares.
+pub struct Context<'a> {
+    /// The suite that it is in.
+    pub suite: &'a Suite,
+    /// What is read off every run.
+    pub measured: Arc<MeasuredMetrics>,
+    /// What makes the runs.
+    pub executor: &'a dyn Executor,
+    /// Where what blocks refer to is read: saved cases and parameters.
+    pub files: Arc<dyn Files>,
+    /// Where journals are kept; `None` keeps none.
+    pub journals: Option<PathBuf>,
+    /// Looked at before every run.
+    pub stop: Stop,
+    /// Which of the runs in which programs decide are made a second time.
+    pub first_runs: FirstRuns,
+    /// What to tell whoever runs it, such as that the end of a journal was cut off.
+    pub notices: Mutex<Vec<String>>,
+}
+
+impl<'a> Context<'a> {
+    /// With every metric that anything in the suite asks for.
+    pub fn new(suite: &'a Suite, executor: &'a dyn Executor, registry: &Registry) -> Self {
+        let mut requests = Requests::defaults(registry);
+        suite.scenarios.iter().for_each(|scenario| requests.include(&scenario.criteria));
+        for search in &suite.searches {
+            requests.add(search.objective.aggregate.metric());
+            search.keep.iter().for_each(|keep| requests.add(&keep.metric));
+        }
+        for tune in &suite.tunes {
+            tune.objectives.iter().for_each(|objective| requests.add(objective.aggregate.metric()));
+            tune.constraints.iter().for_each(|constraint| requests.add(&constraint.metric));
+        }
+        for evaluate in &suite.evaluates {
+            evaluate.measures.iter().for_each(|measure| requests.add(measure.aggregate.metric()));
+        }
+        for statement in &suite.statements {
+            measured(statement).iter().for_each(|one| requests.add(one.aggregate.metric()));
+        }
+        let rules = suite.gates.iter().flat_map(|gate| &gate.rules);
+        rules.filter_map(|rule| rule.metric.as_ref()).for_each(|metric| requests.add(metric));
+        suite.ratings.iter().for_each(|rating| requests.add(&rating.measure));
+        Self {
+            suite,
+            measured: MeasuredMetrics::new(requests),
+            executor,
+            files: Arc::new(Disk),
+            journals: None,
+            stop: Stop::default(),
+            first_runs: FirstRuns::new(VerifyRuns::None),
+            notices: Mutex::default(),
+        }
+    }
+
+    pub(super) fn tell(&self, notice: Option<&str>) {
+        let mut notices = self.notices.lock().unwrap_or_else(PoisonError::into_inner);
+        notices.extend(notice.map(str::to_string));
+    }
+
+    /// What is measured in every run, in the order of the outcomes' metrics.
+    pub fn requests(&self) -> &Requests {
+        &self.measured.requests
+    }
+
+    pub(super) fn scenario(&self, name: &str) -> Result<&'a Scenario, ExperimentError> {
+        self.suite
+            .scenarios
+            .iter()
+            .chain(&self.suite.supporting)
+            .find(|scenario| scenario.name == name)
+            .ok_or_else(|| ExperimentError::UnknownScenario(name.to_string()))
+    }
+}
+
+/// Told while an experiment runs, from several threads.
+pub trait BlockProgress: Sync {
+    /// `done` of `all` evaluations are finished; `best` is the best objective value so far, if there is one.
+    fn evaluated(&self, done: usize, all: usize, best: Option<f64>);
+}
+
+/// Nobody watches.
+pub struct Silent;
+
+impl BlockProgress for Silent {
+    fn evaluated(&self, _done: usize, _all: usize, _best: Option<f64>) {}
+}

@@ -1,0 +1,104 @@
+//! Where road users are, from when on, and what they take up.
+
+use nalgebra::Vector2;
+use serde::{Deserialize, Serialize};
+
+/// Where a vehicle's centre is at time 0.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum VehicleStart {
+    /// This many metres before the middle of the crossing.
+    Distance(f64),
+    /// At the time to arrival `time` (s) at the line across the road at world `x` (m), for a part of the vehicle and
+    /// at the speed it cruises at once settled.
+    TimeToArrival {
+        /// s
+        time: f64,
+        /// The part of the vehicle that arrives.
+        reference: VehicleReference,
+        /// The line's place, m in the world frame.
+        x: f64,
+    },
+}
+
+/// The part of a vehicle that distances and times to arrival are measured from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum VehicleReference {
+    /// The middle of its length and width.
+    #[default]
+    Centre,
+    /// The middle of its front edge.
+    Front,
+}
+
+impl VehicleReference {
+    /// How far it is ahead of the centre of a vehicle of this length, m.
+    pub fn ahead_of_centre(self, length: f64) -> f64 {
+        match self {
+            Self::Centre => 0.0,
+            Self::Front => length / 2.0,
+        }
+    }
+}
+
+/// A pedestrian's footprint.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Shape {
+    /// Looks alike from everywhere.
+    Disc {
+        /// m
+        radius: f64,
+    },
+    /// Turns with the pedestrian's heading.
+    Rectangle {
+        /// Along the heading, m.
+        length: f64,
+        /// Across the heading, m.
+        width: f64,
+    },
+}
+
+/// A place in the world frame (see [`Road`](super::Road)) in m.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Position {
+    /// Along the road, m; 0 is the middle of the crossing.
+    pub x: f64,
+    /// Across the road, m; 0 is the centre of lane 0.
+    pub y: f64,
+}
+
+impl From<Position> for Vector2<f64> {
+    fn from(Position { x, y }: Position) -> Self {
+        Self::new(x, y)
+    }
+}
+
+/// When a pedestrian enters the world.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Appearance {
+    /// At a time in s.
+    At(f64),
+    /// At the first step at which the time to arrival of vehicle `vehicle` at the pedestrian's place along the road
+    /// is at most `time` (s).
+    TimeToArrival {
+        /// Index into [`World::vehicles`].
+        vehicle: usize,
+        /// The part of the vehicle that arrives.
+        reference: VehicleReference,
+        /// s
+        time: f64,
+    },
+    /// At the very moment, also within a step, from which on vehicle `vehicle` would take `time` (s) at the speed that it has until its
+    /// front is at `place` (m) of its path.
+    Meeting {
+        /// Index into [`World::vehicles`].
+        vehicle: usize,
+        /// s
+        time: f64,
+        /// m
+        place: f64,
+    },
+}
