@@ -12,7 +12,7 @@ use super::suite::included;
 use super::syntax::ast::{self, View};
 use super::syntax::words::{self, BlockEntry, BlockKind, StatementEntry};
 use super::syntax::{self, Next, Node, Token, TokenKind, goes_on_with};
-use super::texts::{FileId, Texts};
+use super::texts::{FileId, Texts, with_declared};
 use super::units;
 use files::{self, Overlay};
 use scenario::registry::{Registry, Table};
@@ -70,7 +70,7 @@ pub fn complete(
     if writing.is_some() {
         statement.pop();
     }
-    let registry = &declared::with_declared(path, &without_line(text, before.len()), registry, texts);
+    let registry = &with_declared(path, &without_line(text, before.len()), registry, texts);
     let owner = open.last().map_or(&[] as &[&str], Vec::as_slice);
     let first_two = |index| owner.get(index).copied().unwrap_or_default();
     if let Some(declaration) = declared::named(first_two(0), first_two(1), registry).filter(|_| {

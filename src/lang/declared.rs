@@ -1,23 +1,10 @@
 //! What may stand in the settings of a statement: what a registered thing declares, or the language itself.
 
-use std::path::Path;
-
 use super::check::{bus, crossings, obstacle, parked_row};
 use super::syntax::Node;
 use super::syntax::ast::{self, View};
-use super::texts::Texts;
-use ::files::{Files, Overlay};
 use scenario::Declaration;
 use scenario::registry::Registry;
-
-/// What is in `registry`, with the controllers that a text, which is being edited and stands for the file at `path`, declares or
-/// brings along.
-pub fn with_declared(path: &Path, text: &str, registry: &Registry, texts: &dyn Files) -> Registry {
-    let texts = Overlay::new(texts, path, text);
-    let mut files = Texts::new(registry, &texts).while_edited();
-    files.open(path, None, &mut Vec::new());
-    files.registry
-}
 
 /// What the settings of a statement or metric are of, unless a variation chooses between several.
 pub fn declared(of: Node, registry: &Registry) -> Option<Declaration> {

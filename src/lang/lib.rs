@@ -17,6 +17,7 @@ mod consequences;
 mod declared;
 mod diagnostic;
 mod excerpt;
+mod file_kind;
 pub mod filter;
 mod notations;
 mod overrides;
@@ -40,24 +41,23 @@ pub use assist::{definition, hover};
 pub use check::write_scenario;
 pub use codes::{Code, Severity};
 pub use complete::{Completion, complete};
-pub use declared::with_declared;
 pub use diagnostic::{Diagnostic, Label, nearest};
 pub use excerpt::Excerpt;
+pub use notations::{unit_in, unit_in_claim};
 pub use overrides::Override;
 pub use render::{Style, count, render, render_all};
 pub use replacement::{Outside, Replacement};
 pub use source::{Location, Source, SourceId, Sources, Span};
 pub use suite::DEFAULT_SEED;
 pub use syntax::{Tree, format};
-pub use texts::LARGEST_FILE;
+pub use texts::{LARGEST_FILE, with_declared};
 pub use units::{UNITS, UnitEntry};
 pub use write::{quantity, write_comparison};
 pub use yaml::schema as yaml_schema;
 
 use ::files::{Files, Overlay};
 use scenario::registry::Registry;
-use scenario::{ControllerModel, Dimension, Expression, Notation, Origin, Reference, Suite, Value};
-use syntax::ast::{self, View};
+use scenario::{ControllerModel, Dimension, Expression, Origin, Reference, Suite, Value};
 use texts::Texts;
 use value::{Binding, Typed, ValueKind};
 
@@ -177,27 +177,6 @@ pub fn load_otherwise(
     load_with(path, Texts::new(registry, texts).otherwise(outside))
 }
 
-/// The unit of that dimension that a criterion is written with: `km/h` in `impact_speed <= 20 km/h`.
-pub fn unit_in(criterion: &str, dimension: Dimension) -> Option<Notation> {
-    let tree = syntax::criterion(criterion)?;
-    let mut units = tree.root().every::<ast::Unit>().filter_map(|unit| units::unit_of(unit.text()));
-    units.find(|unit| unit.dimension == dimension).map(UnitEntry::notation)
-}
-
-/// The unit in which a claim says what is measured, given the SI unit of that: `km/h` in `mean(impact_speed) of all <= 20 km/h`.
-pub fn unit_in_claim(claim: &str, si: &str) -> Option<Notation> {
-    /// Outside of what is measured, where it would be that of a condition or of a metric's setting.
-    fn units(node: syntax::Node) -> Vec<UnitEntry> {
-        match (ast::Measured::cast(node), ast::Unit::cast(node)) {
-            (Some(_), _) => Vec::new(),
-            (_, Some(unit)) => units::unit_of(unit.text()).into_iter().collect(),
-            _ => node.children().flat_map(units).collect(),
-        }
-    }
-    let tree = syntax::claim(claim)?;
-    units(tree.root()).into_iter().find(|unit| unit.dimension.si_unit() == si).map(UnitEntry::notation)
-}
-
 /// What the suite in a text says of itself, as far as it can be read.
 pub fn suite_doc(text: &str) -> Option<String> {
     let (tree, _) = Tree::parse(Sources::default().add("", ""), text.into());
@@ -220,7 +199,7 @@ fn examine_with(path: &Path, files: Texts) -> Examined {
         Ok(loaded) => (Some(loaded.suite), loaded.warnings, loaded.sources),
         Err(failure) => (None, failure.diagnostics, failure.sources),
     };
-    if suite::file_kind(path) == Some(suite::FileKind::Scenarios) {
+    if file_kind::file_kind(path) == Some(file_kind::FileKind::Scenarios) {
         found.retain(|diagnostic| diagnostic.code != Code::NoScenario);
     }
     Examined { suite, found, sources }
@@ -228,7 +207,7 @@ fn examine_with(path: &Path, files: Texts) -> Examined {
 
 fn load_with(path: &Path, mut files: Texts) -> Result<Loaded, Failure> {
     let mut report = Vec::new();
-    let Some(kind) = suite::file_kind(path) else {
+    let Some(kind) = file_kind::file_kind(path) else {
         let source = files.sources.add(path.display().to_string(), "");
         report.push(
             Diagnostic::new(

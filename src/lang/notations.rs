@@ -1,7 +1,9 @@
 //! In which units a suite compares its metrics: what reports show them in.
 
-use super::unit_in;
-use scenario::{Aggregate, MetricKind, MetricReference, Notation, Suite};
+use super::syntax::ast::{self, View};
+use super::syntax::{self, Node};
+use super::units::{self, UnitEntry};
+use scenario::{Aggregate, Dimension, MetricKind, MetricReference, Notation, Suite};
 
 /// Every metric that is compared in another unit than the SI unit, once, with the first such unit: that of a criterion, then of a
 /// gate's rule, then of a rating, then of a block.
@@ -41,4 +43,25 @@ pub fn of(suite: &Suite) -> Vec<(MetricReference, Notation)> {
         take(measure.aggregate.metric(), measure.notation);
     }
     found
+}
+
+/// The unit of that dimension that a criterion is written with: `km/h` in `impact_speed <= 20 km/h`.
+pub fn unit_in(criterion: &str, dimension: Dimension) -> Option<Notation> {
+    let tree = syntax::criterion(criterion)?;
+    let mut units = tree.root().every::<ast::Unit>().filter_map(|unit| units::unit_of(unit.text()));
+    units.find(|unit| unit.dimension == dimension).map(UnitEntry::notation)
+}
+
+/// The unit in which a claim says what is measured, given the SI unit of that: `km/h` in `mean(impact_speed) of all <= 20 km/h`.
+pub fn unit_in_claim(claim: &str, si: &str) -> Option<Notation> {
+    /// Outside of what is measured, where it would be that of a condition or of a metric's setting.
+    fn units(node: Node) -> Vec<UnitEntry> {
+        match (ast::Measured::cast(node), ast::Unit::cast(node)) {
+            (Some(_), _) => Vec::new(),
+            (_, Some(unit)) => units::unit_of(unit.text()).into_iter().collect(),
+            _ => node.children().flat_map(units).collect(),
+        }
+    }
+    let tree = syntax::claim(claim)?;
+    units(tree.root()).into_iter().find(|unit| unit.dimension.si_unit() == si).map(UnitEntry::notation)
 }

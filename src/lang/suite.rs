@@ -7,6 +7,7 @@ use super::blocks::{Gathered, gather};
 use super::check::{self, Places};
 use super::codes::{Code, Severity};
 use super::diagnostic::Diagnostic;
+use super::file_kind::{FileKind, file_kind};
 use super::source::Span;
 use super::syntax::ast;
 use super::texts::{FileId, NameDefinition, Texts, join};
@@ -18,28 +19,6 @@ use scenario::{Dimension, Scenario, Suite};
 pub const DEFAULT_SEED: u64 = 1;
 
 const MOST_FILES: usize = 20_000;
-
-/// What a file is by its name.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum FileKind {
-    Scenarios,
-    Suite,
-    /// Either of them, as its content says.
-    Yaml,
-}
-
-/// What names of files end in, without the dot.
-pub const ENDINGS: [&str; 4] = ["scn", "suite", "yaml", "yml"];
-
-/// What the name of a file says about it.
-pub fn file_kind(path: &Path) -> Option<FileKind> {
-    match path.extension()?.to_str()? {
-        "scn" => Some(FileKind::Scenarios),
-        "suite" => Some(FileKind::Suite),
-        "yaml" | "yml" => Some(FileKind::Yaml),
-        _ => None,
-    }
-}
 
 /// The suite that the file is: what it declares, or all scenarios of a scenario file.
 pub fn suite(

@@ -8,10 +8,10 @@ use std::sync::Arc;
 use super::check;
 use super::codes::{Code, Severity};
 use super::diagnostic::Diagnostic;
+use super::file_kind::{ENDINGS, FileKind, file_kind};
 use super::overrides::{self, Edit, Overrides};
 use super::replacement::Outside;
 use super::source::{SourceId, Sources, Span};
-use super::suite::{self, FileKind};
 use super::syntax::ast::{self, View};
 use super::syntax::{Node, NodeIndex, Tree};
 use super::value::{self, Binding, NameScope};
@@ -209,7 +209,7 @@ impl<'f> Texts<'f> {
         let name = path.display().to_string();
         let read = self.read(path).and_then(|text| self.within_bounds(path, text));
         let source = match read {
-            Ok(text) => match suite::file_kind(path) {
+            Ok(text) => match file_kind(path) {
                 Some(FileKind::Yaml) => self.sources.add(name, text),
                 _ => {
                     let (text, edits) = self.with_values(&text);
@@ -234,7 +234,7 @@ impl<'f> Texts<'f> {
         };
         self.reading.push((identity.clone(), asked));
         let text = self.sources.get(source).text.clone();
-        let file = match suite::file_kind(path) {
+        let file = match file_kind(path) {
             Some(FileKind::Yaml) => match yaml::to_scn(source, &text) {
                 Ok(yaml::Translation { text, places }) => {
                     let (text, edits) = self.with_values(&text);
@@ -282,7 +282,7 @@ impl<'f> Texts<'f> {
     /// The text, or code, message, hint and the part that could be read.
     fn read(&self, path: &Path) -> Result<Arc<str>, (Code, String, String, Option<String>)> {
         let shown = path.display();
-        let bytes = self.texts.read(path, &suite::ENDINGS, LARGEST_FILE as u64).map_err(|error| {
+        let bytes = self.texts.read(path, &ENDINGS, LARGEST_FILE as u64).map_err(|error| {
             let (code, hint) = match &error {
                 ReadError::OtherKind { .. } => (
                     Code::UnknownFileKind,
@@ -382,13 +382,13 @@ impl<'f> Texts<'f> {
 
     /// Makes the controllers that a file declares known beside those that ship.
     fn declare_controllers(&mut self, file: FileId, report: &mut Vec<Diagnostic>) {
-        let places = check::Places { files: self };
         let mut registry = self.registry.clone();
         for node in self.tree(file).file().controllers() {
             let name = node.name();
             let is_first =
                 self.names(file).controllers.get(name.text()).is_some_and(|one| one.span == name.span());
-            let Some(model) = check::controller(node, &registry, self.scope(file), &places, report) else {
+            let Some(model) = check::controller(node, &registry, self.scope(file), &self.sources, report)
+            else {
                 continue;
             };
             // Of two in one file that is said already.
@@ -542,6 +542,15 @@ pub fn bind(node: ast::Binding, scope: &mut NameScope, report: &mut Vec<Diagnost
         return;
     }
     scope.names.insert(name.text().to_string(), Binding::new(value, name.span()));
+}
+
+/// What is in `registry`, with the controllers that a text, which is being edited and stands for the file at `path`, declares or
+/// brings along.
+pub fn with_declared(path: &Path, text: &str, registry: &Registry, texts: &dyn files::Files) -> Registry {
+    let texts = files::Overlay::new(texts, path, text);
+    let mut read = Texts::new(registry, &texts).while_edited();
+    read.open(path, None, &mut Vec::new());
+    read.registry
 }
 
 /// Whether anything in the report is an error.

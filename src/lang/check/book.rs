@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::Places;
+use super::places::Places;
 use crate::value::Typed;
 use scenario::Written;
 

@@ -1,8 +1,8 @@
 //! `claim …`: what is measured, compared to numbers and to each other.
 
-use super::Places;
 use super::criterion::{self, From};
 use super::experiment::{Takes, target};
+use super::places::Places;
 use super::subject::{StatementSubject, Subjects};
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;

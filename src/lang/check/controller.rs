@@ -3,10 +3,11 @@
 use std::collections::HashSet;
 
 use super::block::reject_repeats;
-use super::{Places, count, doc, fmu};
+use super::fmu;
+use super::literal::{count, doc};
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
-use crate::source::Span;
+use crate::source::{Sources, Span};
 use crate::syntax::ast;
 use crate::value::{self, NameScope, Typed, ValueKind};
 use scenario::registry::{RESERVED, Registry};
@@ -28,7 +29,7 @@ pub fn controller(
     node: ast::ControllerDefinition,
     registry: &Registry,
     scope: &NameScope,
-    places: &Places,
+    sources: &Sources,
     report: &mut Vec<Diagnostic>,
 ) -> Option<ControllerModel> {
     let (name, block) = (node.name(), node.block());
@@ -89,7 +90,7 @@ pub fn controller(
         Some(ProgramFile::Command(words)) => Some(ProgramKind::Command(words)),
         Some(ProgramFile::Wasm(file)) => Some(ProgramKind::Wasm(file)),
         Some(ProgramFile::Fmu(file)) => {
-            fmu::wired(file, block, gives, parameters.as_deref(), places, report).map(ProgramKind::Fmu)
+            fmu::wired(file, block, gives, parameters.as_deref(), sources, report).map(ProgramKind::Fmu)
         }
         None => None,
     };
@@ -113,11 +114,11 @@ pub fn controller(
         answers_within: flat(answers_within)?.unwrap_or(10.0),
         processes: flat(processes)?,
         is_nondeterministic: block.nondeterministic().is_some(),
-        file: places.files.sources.get(name.span().source).name.clone(),
-        origin: places.origin(name.span()),
+        file: sources.get(name.span().source).name.clone(),
+        origin: sources.origin(name.span()),
         parameters: block
             .parameters()
-            .map(|one| (one.name().text().to_string(), places.origin(one.name().span())))
+            .map(|one| (one.name().text().to_string(), sources.origin(one.name().span())))
             .collect(),
     };
     let summary = doc(block.doc()).unwrap_or_default();

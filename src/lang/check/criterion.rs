@@ -1,8 +1,8 @@
 //! `expect { … }`
 
-use super::Places;
 use super::confidence::refuse_confidence;
 use super::metric::{Cast, example, kind_name, metric_reference};
+use super::places::Places;
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
 use crate::settings::{self, repeated};

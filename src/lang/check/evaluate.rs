@@ -3,9 +3,10 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use super::Places;
 use super::block::{Layer, missing, reject_repeats};
 use super::experiment::{SummedUp, Takes, bound_in, fresh_seeds, reject_unmeant, summed_up, target};
+use super::literal;
+use super::places::Places;
 use super::subject::{StatementSubject, Subjects, case_set};
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
@@ -90,7 +91,7 @@ pub fn evaluate(
     }
     Some(Evaluate {
         name: name.text().to_string(),
-        doc: super::doc(block.doc()),
+        doc: literal::doc(block.doc()),
         on,
         conditions: Some(conditions).filter(|conditions| !conditions.is_empty())?,
         fresh: fresh?,

@@ -4,11 +4,12 @@ use std::sync::Arc;
 
 use std::collections::HashMap;
 
-use super::Places;
 use super::block::{Layer, Said, missing, reject_repeats};
 use super::criterion;
+use super::literal;
 use super::metric::{self, Cast};
 use super::pedestrian::individuals;
+use super::places::Places;
 use super::subject::{StatementSubject, Subjects, case_set, declarations};
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
@@ -55,7 +56,9 @@ pub fn search(
     let over = ranges(&layers, block.over(), (name.span(), &what), &subject, scope, places, report);
     let budget = budget(&layers, block.budget(), name, &what, report);
     let runs = match block.repeat() {
-        Some(repeat) => super::count(repeat.count(), 1, 100_000, "the number of runs per evaluation", report),
+        Some(repeat) => {
+            literal::count(repeat.count(), 1, 100_000, "the number of runs per evaluation", report)
+        }
         None => Some(1),
     };
     let keep_node = block.keep();
@@ -66,7 +69,7 @@ pub fn search(
     objective.notation = unit_beside(&objective, kept);
     Some(Search {
         name: name.text().to_string(),
-        doc: super::doc(block.doc()),
+        doc: literal::doc(block.doc()),
         scenario: subject.scenario.name.clone(),
         individuals: match people {
             Some(people) => Some(people?),
@@ -132,7 +135,7 @@ pub fn tune(
     }
     Some(Tune {
         name: name.text().to_string(),
-        doc: super::doc(block.doc()),
+        doc: literal::doc(block.doc()),
         on: case_set,
         over: over?,
         objectives,
@@ -323,10 +326,10 @@ fn budget<'t>(
     };
     reject_repeats(*node, report);
     let evaluations =
-        super::count(node.evaluations(), 1, MOST_EVALUATIONS, "the number of evaluations", report)?;
+        literal::count(node.evaluations(), 1, MOST_EVALUATIONS, "the number of evaluations", report)?;
     let (initial, initial_design) = match node.initial() {
         Some(first) => {
-            let count = super::count(first.count(), 1, MOST_EVALUATIONS, "the first evaluations", report)?;
+            let count = literal::count(first.count(), 1, MOST_EVALUATIONS, "the first evaluations", report)?;
             if count > evaluations {
                 report.push(
                     Diagnostic::new(
@@ -354,7 +357,7 @@ fn budget<'t>(
         Some(_) => SearchMethod::Bayesian,
     };
     let batch = match node.batch() {
-        Some(batch) => super::count(batch.count(), 1, 1000, "the evaluations at once", report)?,
+        Some(batch) => literal::count(batch.count(), 1, 1000, "the evaluations at once", report)?,
         None => 1,
     };
     Some(Budget { evaluations, initial, initial_design, method, batch })
@@ -651,7 +654,7 @@ pub fn target(
 /// How often every case runs under fresh seeds; 0 if the block does not say so.
 pub fn fresh_seeds(said: Option<ast::FreshSeeds>, report: &mut Vec<Diagnostic>) -> Option<u32> {
     match said {
-        Some(said) => super::count(said.count(), 1, 100_000, "the number of fresh seeds", report),
+        Some(said) => literal::count(said.count(), 1, 100_000, "the number of fresh seeds", report),
         None => Some(0),
     }
 }

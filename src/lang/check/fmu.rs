@@ -2,10 +2,9 @@
 
 use std::collections::HashSet;
 
-use super::Places;
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
-use crate::source::Span;
+use crate::source::{Sources, Span};
 use crate::syntax::ast;
 use crate::units::unit_of;
 use scenario::{
@@ -23,11 +22,11 @@ pub fn wired(
     block: ast::ControllerBlock,
     gives: Answer,
     parameters: Option<&[Parameter]>,
-    places: &Places,
+    sources: &Sources,
     report: &mut Vec<Diagnostic>,
 ) -> Option<DeclaredFmu> {
     let before = report.len();
-    let mut wiring = Wiring { places, taken: HashSet::new(), report };
+    let mut wiring = Wiring { sources, taken: HashSet::new(), report };
     let told: Vec<(String, SignalEntry)> = input_signals().collect();
     let mut inputs = Vec::new();
     for said in block.inputs() {
@@ -118,14 +117,14 @@ fn unwired(span: Span, message: impl Into<String>) -> Diagnostic {
 }
 
 /// What has been wired.
-struct Wiring<'a, 'p> {
-    places: &'a Places<'p>,
+struct Wiring<'a> {
+    sources: &'a Sources,
     /// The names of variables.
     taken: HashSet<String>,
     report: &'a mut Vec<Diagnostic>,
 }
 
-impl Wiring<'_, '_> {
+impl Wiring<'_> {
     fn wrong(&mut self, span: Span, message: impl Into<String>, hint: impl Into<String>) {
         self.report.push(unwired(span, message).hint(hint));
     }
@@ -173,7 +172,7 @@ impl Wiring<'_, '_> {
             dimension: dimension.unwrap_or(Dimension::NUMBER),
             variable,
             unit,
-            origin: self.places.origin(span),
+            origin: self.sources.origin(span),
         })
     }
 

@@ -1,10 +1,11 @@
 //! `gate NAME { … }`
 
-use super::Places;
 use super::block::{Layer, missing, reject_repeats};
 use super::criterion;
+use super::literal;
 use super::metric::Cast;
 use super::metric::metric_reference;
+use super::places::Places;
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
 use crate::syntax;
@@ -53,7 +54,7 @@ pub fn gate(
     }
     Some(Gate {
         name: name.text().to_string(),
-        doc: super::doc(block.doc()),
+        doc: literal::doc(block.doc()),
         baseline: baseline.map(|string| places.beside(string.span(), &string.value()))?,
         rules: rules.into_iter().collect::<Option<_>>()?,
         origin: places.origin(name.span()),

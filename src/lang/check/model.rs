@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use super::Places;
 use super::block::Said;
+use super::places::Places;
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
 use crate::settings;

@@ -3,10 +3,12 @@
 use std::sync::Arc;
 
 use super::block::{Layer, Said, last, missing, reject_repeats};
+use super::book::Book;
 use super::defaults::Defaults;
+use super::literal;
 use super::model::{ModelKind, named};
+use super::places::Places;
 use super::vehicle::size;
-use super::{Book, Places};
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
 use crate::settings::repeated;
@@ -199,7 +201,7 @@ pub fn individuals(
         return None;
     }
     let number = |report: &mut Vec<Diagnostic>| {
-        super::count(node.number()?, 1, 1_000_000, "the number of an individual", report)
+        literal::count(node.number()?, 1, 1_000_000, "the number of an individual", report)
     };
     let selection = match node.is_one() {
         true => PopulationShare::Number(number(report)?),

@@ -1,10 +1,9 @@
 //! The cells of a rating: which scenarios have its tags, and that of each of their cells one table of weights speaks.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
-use super::Places;
+use super::places::Places;
 use super::criterion::{self, From};
-use super::rating::reject_tag_twice;
 use super::scenario::surroundings;
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
@@ -256,4 +255,21 @@ fn rows<'s>(
         rows = joined.collect();
     }
     Some(rows)
+}
+
+/// Reports a tag that earns points twice.
+fn reject_tag_twice(points: &[(Span, TagPoints)], report: &mut Vec<Diagnostic>) -> Option<()> {
+    let mut seen: HashMap<&str, Span> = HashMap::new();
+    let before = report.len();
+    for (span, one) in points {
+        if let Some(first) = seen.insert(&one.tag, *span) {
+            report.push(
+                Diagnostic::new(Code::BadRating, *span, format!("`{}` earns points twice", one.tag))
+                    .label("said again")
+                    .context(first, "said first here")
+                    .hint("remove one of them"),
+            );
+        }
+    }
+    (report.len() == before).then_some(())
 }

@@ -2,7 +2,8 @@
 
 use std::collections::HashMap;
 
-use super::Places;
+use super::literal;
+use super::places::Places;
 use super::block::{Layer, missing, reject_repeats};
 use super::metric::{Cast, kind_name, metric_reference};
 use super::rated_cells::{self, RatedScenarios};
@@ -69,7 +70,7 @@ pub fn rating(
     }
     let rating = Rating {
         name: name.text().to_string(),
-        doc: super::doc(block.doc()),
+        doc: literal::doc(block.doc()),
         measure: measure?.0,
         notation,
         weights,
@@ -294,21 +295,4 @@ fn criterion(
         text,
         origin: places.origin(node.span()),
     })
-}
-
-/// Reports a tag that earns points twice.
-pub fn reject_tag_twice(points: &[(Span, TagPoints)], report: &mut Vec<Diagnostic>) -> Option<()> {
-    let mut seen: HashMap<&str, Span> = HashMap::new();
-    let before = report.len();
-    for (span, one) in points {
-        if let Some(first) = seen.insert(&one.tag, *span) {
-            report.push(
-                Diagnostic::new(Code::BadRating, *span, format!("`{}` earns points twice", one.tag))
-                    .label("said again")
-                    .context(first, "said first here")
-                    .hint("remove one of them"),
-            );
-        }
-    }
-    (report.len() == before).then_some(())
 }

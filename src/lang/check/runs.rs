@@ -1,8 +1,9 @@
 //! How many runs a scenario has and which seed: `repeat`, `runs` and `seed`.
 
-use super::Places;
 use super::block::{Layer, last};
 use super::defaults::Defaults;
+use super::literal;
+use super::places::Places;
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
@@ -34,11 +35,11 @@ pub fn runs(
             (Some(Defaults::REPEAT), budget(node, places, report).map(Some))
         }
         Some(ast::RunCount::Repeat(node)) => {
-            (super::count(node.count(), 1, MOST_RUNS, "the number of repetitions", report), Some(None))
+            (literal::count(node.count(), 1, MOST_RUNS, "the number of repetitions", report), Some(None))
         }
     };
     let seed = match last(layers, ast::ScenarioBlock::seed) {
-        Some(said) => super::whole(said.node.number(), report).map(Some),
+        Some(said) => literal::whole(said.node.number(), report).map(Some),
         None => Some(None),
     };
     Some(Runs { repeat: repeat?, budget: budget?, seed: seed? })
@@ -60,7 +61,7 @@ pub fn reject_both(block: ast::ScenarioBlock, report: &mut Vec<Diagnostic>) {
 /// `runs 50 .. 2000`
 fn budget(node: ast::Runs, places: &Places, report: &mut Vec<Diagnostic>) -> Option<RunBudget> {
     let mut ends = node.ends();
-    let mut end = |what: &str, least: u32| super::count(ends.next()?, least, MOST_RUNS, what, report);
+    let mut end = |what: &str, least: u32| literal::count(ends.next()?, least, MOST_RUNS, what, report);
     let least = end("the smallest number of runs", 1)?;
     let most = end("the largest number of runs", least)?;
     Some(RunBudget { least, most, origin: places.origin(node.span()) })

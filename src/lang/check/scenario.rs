@@ -4,13 +4,16 @@ use std::collections::{BTreeSet, HashMap, HashSet};
 use std::path::Path;
 
 use super::block::{Layer, Said, last, missing, reject_repeats};
+use super::book::Book;
 use super::criterion::{From, criterion};
 use super::defaults::Defaults;
+use super::literal;
 use super::metric::Cast;
 use super::pedestrian::{pedestrian, write_pedestrian};
+use super::places::Places;
 use super::road::{road, write_road};
 use super::vehicle::{check_starts, vehicle, write_vehicle};
-use super::{Book, Places, runs, variation};
+use super::{runs, variation};
 use crate::codes::Code;
 use crate::diagnostic::{Diagnostic, nearest};
 use crate::source::Span;
@@ -130,9 +133,9 @@ pub fn scenario(
     let finish = number(finish, limits::FINISH, "the finish line", Defaults::FINISH, report);
     let runs = runs::runs(&layers, &criteria, places, report);
     let criteria: Vec<Criterion> = criteria.into_iter().map(|(_, criterion)| criterion).collect();
-    let doc = layers.iter().rev().find_map(|layer| super::doc(layer.block.doc()));
+    let doc = layers.iter().rev().find_map(|layer| literal::doc(layer.block.doc()));
     let mut tags = Vec::new();
-    for tag in layers.iter().flat_map(|layer| super::tags(layer.block.tags())) {
+    for tag in layers.iter().flat_map(|layer| literal::tags(layer.block.tags())) {
         if !tags.contains(&tag) {
             tags.push(tag);
         }

@@ -1,8 +1,9 @@
 //! `statement NAME { … }`
 
-use super::Places;
 use super::block::reject_repeats;
 use super::claim::claim;
+use super::literal;
+use super::places::Places;
 use super::subject::Subjects;
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
@@ -36,7 +37,7 @@ pub fn statement(
     let claims: Vec<_> = nodes.into_iter().map(|node| claim(node, subjects, scope, places, report)).collect();
     Some(Statement {
         name: name.text().to_string(),
-        doc: super::doc(block.doc()),
+        doc: literal::doc(block.doc()),
         source: block.source().map(|source| source.quoted().value()),
         reported: block.reported().map(|reported| reported.quoted().value()),
         claims: claims.into_iter().collect::<Option<_>>()?,

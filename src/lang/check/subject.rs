@@ -2,8 +2,9 @@
 
 use std::collections::HashMap;
 
-use super::Places;
+use super::literal;
 use super::metric::Cast;
+use super::places::Places;
 use super::scenario::surroundings;
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
@@ -235,7 +236,7 @@ fn said_set(
     }
     let name = node.name()?;
     if let Some(count) = node.count() {
-        let count = super::count(count, 1, 1_000_000, "the number of cases", report);
+        let count = literal::count(count, 1, 1_000_000, "the number of cases", report);
         let scenario = drawn(name, subjects, places, report)?;
         return Some(CaseSet::Sample { scenario, count: SampleSize::Number(count?) });
     }

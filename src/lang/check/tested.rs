@@ -1,6 +1,6 @@
 //! `test NAME as VEHICLE`: whether what is put in the place of controllers is put there, and what was there.
 
-use super::Places;
+use super::places::Places;
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
 use crate::syntax::{ast, phrase};

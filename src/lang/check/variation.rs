@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use super::block::Layer;
+use super::literal;
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
 use crate::settings::repeated;
@@ -314,7 +315,7 @@ fn samples(
     distributions: Vec<(Distribution, ValueKind)>,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Samples> {
-    let count = super::count(node.count(), 1, MOST_VALUES as u32, "the number of draws", report)?;
+    let count = literal::count(node.count(), 1, MOST_VALUES as u32, "the number of draws", report)?;
     let scheme = if node.by_latin_hypercube() {
         SamplingScheme::LatinHypercube
     } else if node.by_sobol() {

@@ -1,8 +1,9 @@
 //! `vehicle NAME { … }`
 
 use super::block::{Layer, Said, last, missing, reject_repeats};
+use super::book::Book;
 use super::model::{self, Named, named};
-use super::{Book, Places};
+use super::places::Places;
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
 use crate::settings::{self, not_whole};

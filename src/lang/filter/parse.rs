@@ -4,9 +4,9 @@ use grammar::filter::{Grammar, Rule};
 use pest::Parser;
 use pest::iterators::Pair;
 
+use super::condition::{Condition, Expression, Filter, Test};
 use super::matcher::{Bound, Mark, Matcher, ValueMatcher};
 use super::predicate::{Asked, PREDICATES, Predicate};
-use super::{Condition, Expression, Filter, Test};
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
 use crate::source::{SourceId, Span};

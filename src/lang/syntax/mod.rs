@@ -5,12 +5,14 @@
 
 pub mod ast;
 mod closing;
+mod entry;
 mod error;
 mod format;
 mod fragment;
 #[cfg(test)]
 mod grammar;
 mod lexer;
+mod parse;
 mod print;
 mod tree;
 pub mod words;

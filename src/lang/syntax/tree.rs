@@ -5,10 +5,7 @@ use std::sync::Arc;
 use pest::Parser;
 use pest::iterators::Pair;
 
-use super::closing;
-use super::error;
 use super::lexer::{self, Token};
-use crate::diagnostic::Diagnostic;
 use crate::source::{SourceId, Span};
 
 pub(super) use grammar::scn::{Grammar, Rule};
@@ -40,58 +37,16 @@ pub struct Node<'t> {
 }
 
 impl Tree {
-    /// Reads `text`. Always gives a tree. Where braces are missing and indentation tells where, it is the tree of the text with
-    /// them; with brackets that are wrong in another way it has no nodes below the file.
-    pub fn parse(source: SourceId, text: Arc<str>) -> (Self, Vec<Diagnostic>) {
-        let tokens = lexer::tokens(&text);
-        let unbalanced = lexer::balance(source, &text, &tokens);
-        let mut tree = Self { source, text, tokens, nodes: Vec::new() };
-        let text = tree.text.clone();
-        if unbalanced.is_empty() {
-            match Grammar::parse(Rule::file, &text) {
-                Ok(mut pairs) => {
-                    if let Some(file) = pairs.next() {
-                        tree.add(file, &[]);
-                    }
-                    let diagnostics = error::explain(&tree);
-                    return (tree, diagnostics);
-                }
-                Err(error) => {
-                    tree.add_empty_file();
-                    let diagnostic =
-                        error::unexpected(source, 0, &text, &error).hint("is a line unfinished?");
-                    return (tree, vec![diagnostic]);
-                }
-            }
-        }
-        if let Some(missing) = closing::missing(&text, &tree.tokens).filter(|missing| !missing.is_empty())
-            && let Ok(mut pairs) = Grammar::parse(Rule::file, &closing::closed(&text, &missing))
-        {
-            let added: Vec<usize> = missing.iter().map(|one| one.at).collect();
-            if let Some(file) = pairs.next() {
-                tree.add(file, &added);
-            }
-            let mut diagnostics = closing::explain(source, &text, &missing);
-            // Of a statement that lacks a brace itself there is nothing to say but that.
-            let is_whole = |finding: &Diagnostic| {
-                let bad = tree.nodes().filter(|node| node.is_bad());
-                let (start, end) = (finding.span().start, finding.span().end);
-                let around = bad.map(Node::span).filter(|span| span.start <= start && end <= span.end);
-                !around.into_iter().any(|span| added.iter().any(|at| span.start < *at && *at <= span.end))
-            };
-            let others = error::explain(&tree);
-            diagnostics.extend(others.into_iter().filter(is_whole));
-            return (tree, diagnostics);
-        }
-        tree.add_empty_file();
-        (tree, unbalanced)
+    /// That of a text before it is parsed: without nodes.
+    pub(super) fn unparsed(source: SourceId, text: Arc<str>, tokens: Vec<Token>) -> Self {
+        Self { source, text, tokens, nodes: Vec::new() }
     }
 
     /// A text that the rule describes by itself; its root is the node of that rule.
     pub(super) fn of(rule: Rule, text: &str) -> Option<Self> {
         let mut pairs = Grammar::parse(rule, text).ok()?;
         let tokens = lexer::tokens(text);
-        let mut tree = Self { source: SourceId(u32::MAX), text: text.into(), tokens, nodes: Vec::new() };
+        let mut tree = Self::unparsed(SourceId(u32::MAX), text.into(), tokens);
         tree.add(pairs.next()?, &[]);
         Some(tree)
     }
@@ -101,14 +56,14 @@ impl Tree {
         Self { source, ..self }
     }
 
-    fn add_empty_file(&mut self) {
+    pub(super) fn add_empty_file(&mut self) {
         let end = self.text.len() as u32;
         self.nodes = vec![NodeData { rule: Rule::file, start: 0, end, after: 1 }];
     }
 
     /// Adds a pair and all below it, without the white space that implicit skipping left at ends. The text that it is of has a
     /// character more than the tree's at each of the places `added`.
-    fn add(&mut self, pair: Pair<Rule>, added: &[usize]) {
+    pub(super) fn add(&mut self, pair: Pair<Rule>, added: &[usize]) {
         let index = self.nodes.len();
         let own = |at: usize| {
             // The one with index `i` stands at `added[i] + i` there.

@@ -1,7 +1,7 @@
 //! Criteria: metrics, what sums them up, and what they are compared to.
 
-use super::super::words::{BlockEntry, BlockKind, StatementEntry, YamlShape, statement};
-use super::{Expression, Name, Named, Settings};
+use super::super::entry::{BlockEntry, BlockKind, StatementEntry, YamlShape, statement};
+use super::{Expression, Name, Settings};
 #[cfg(test)]
 use super::{Holds, Made};
 use super::{Node, Rule, View};
@@ -52,8 +52,6 @@ views! {
 }
 
 choices! {
-    /// What names a registered thing.
-    NamesRegistered = Named | Metric;
     /// What sums up the runs of a trial.
     Aggregate = Rate | Quantile | Statistic;
 }

@@ -1,6 +1,6 @@
 //! Searches, tunes, evaluates and statements.
 
-use super::super::words::{BlockEntry, BlockKind, StatementEntry, YamlShape, statement};
+use super::super::entry::{BlockEntry, BlockKind, StatementEntry, YamlShape, statement};
 use super::{
     Aggregate, Condition, Doc, Expression, Individuals, Integer, List, Metric, Name, Quantity, Reference,
     Relation, Repeat, SettingName, Text, Undefined, When,

@@ -108,8 +108,11 @@ macro_rules! choices {
     };
 }
 
+mod common;
 mod criterion;
 mod experiment;
+mod file;
+mod kinds;
 mod program;
 mod rating;
 mod road_user;
@@ -119,8 +122,11 @@ mod suite;
 mod tests;
 mod value;
 
+pub use common::*;
 pub use criterion::*;
 pub use experiment::*;
+pub use file::*;
+pub use kinds::*;
 pub use program::*;
 pub use rating::*;
 pub use road_user::*;

@@ -1,6 +1,6 @@
 //! Controllers of one's own.
 
-use super::super::words::{BlockEntry, BlockKind, YamlShape, statement};
+use super::super::entry::{BlockEntry, BlockKind, YamlShape, statement};
 use super::DOC;
 use super::{Doc, Expression, Integer, List, Name, Signal, Text, Unit};
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Ratings: what values are worth, and which tags earn how many points by that.
 
-use super::super::words::{BlockEntry, BlockKind, StatementEntry, YamlShape, statement};
+use super::super::entry::{BlockEntry, BlockKind, StatementEntry, YamlShape, statement};
 use super::{DOC, Doc, Expression, Metric, Name, Relation, Tag, Text, When};
 #[cfg(test)]
 use super::{Holds, Made};

@@ -1,10 +1,7 @@
 //! Vehicles and pedestrians.
 
-use super::super::words::{BlockEntry, BlockKind, StatementEntry, YamlShape, statement};
-use super::{
-    Argument, Binding, Crossing, Expression, Integer, Name, Obstacle, Parameter, Scenario, Settings, Tested,
-    Text, Varied, VaryTogether,
-};
+use super::super::entry::{BlockEntry, BlockKind, StatementEntry, YamlShape, statement};
+use super::{Expression, Integer, Name, Settings, Text};
 #[cfg(test)]
 use super::{Holds, Made};
 use super::{Node, Rule, View};
@@ -80,14 +77,6 @@ choices! {
     Shape = Size | Radius;
     /// What says when a pedestrian enters the world.
     Appearance = Appears | Meets;
-    /// A statement that names a registered thing.
-    Named = Controller | Dynamics | Model | Tested;
-    /// A statement of a road user with settings.
-    Settled = Named | Sees;
-    /// A statement with settings.
-    HasSettings = Settled | Crossing | Obstacle;
-    /// What takes values from outside.
-    Settable = Argument | Binding | Parameter | Pedestrian | Scenario | Varied | VaryTogether | Vehicle;
 }
 
 impl<'t> RoadUser<'t> {
@@ -95,35 +84,6 @@ impl<'t> RoadUser<'t> {
         match self {
             Self::Vehicle(vehicle) => vehicle.name(),
             Self::Pedestrian(pedestrian) => pedestrian.name(),
-        }
-    }
-}
-
-impl<'t> Settled<'t> {
-    pub fn settings(self) -> Option<Settings<'t>> {
-        match self {
-            Self::Named(named) => named.settings(),
-            Self::Sees(sees) => Some(sees.settings()),
-        }
-    }
-}
-
-impl<'t> Named<'t> {
-    pub fn name(self) -> Name<'t> {
-        match self {
-            Self::Controller(controller) => controller.name(),
-            Self::Dynamics(dynamics) => dynamics.name(),
-            Self::Model(model) => model.name(),
-            Self::Tested(tested) => tested.name(),
-        }
-    }
-
-    pub fn settings(self) -> Option<Settings<'t>> {
-        match self {
-            Self::Controller(controller) => controller.settings(),
-            Self::Dynamics(dynamics) => dynamics.settings(),
-            Self::Model(model) => model.settings(),
-            Self::Tested(tested) => tested.settings(),
         }
     }
 }

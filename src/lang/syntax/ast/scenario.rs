@@ -1,28 +1,15 @@
 //! Files, roads, scenarios and what they vary.
 
-use super::super::tree::Tree;
-use super::super::words::{BlockEntry, BlockKind, StatementEntry, YamlShape, statement};
+use super::super::entry::{BlockEntry, BlockKind, StatementEntry, YamlShape, statement};
 use super::{
-    Block, ControllerDefinition, Evaluate, Expect, Expression, Integer, List, Name, Pedestrian, Search,
-    Settings, Statement, Suite, Text, Tune, Vehicle,
+    DOC, Doc, EXPECT, Expect, Expression, Integer, List, Name, Pedestrian, REPEAT, Repeat, Seed, Settings,
+    TAGS, Tags, Vehicle,
 };
-use super::{EVALUATE, EXPECT, SEARCH, STATEMENT, TUNE};
 #[cfg(test)]
 use super::{Holds, Made};
 use super::{Node, Rule, View};
 
 views! {
-    File = file {
-        uses: [UseFile],
-        bindings: [Binding],
-        roads: [RoadDefinition],
-        controllers: [ControllerDefinition],
-        scenarios: [Scenario],
-        blocks: [Block],
-        suites: [Suite],
-    }
-    /// `use "path"`
-    UseFile = use_file { path: Text }
     /// `let NAME = VALUE`
     Binding = binding { name: Name, value: Expression }
     /// `road NAME { … }`
@@ -80,9 +67,6 @@ views! {
         expects: [Expect],
         bindings: [Binding],
     }
-    Doc = doc { quoted: Text }
-    Tags = tags { each: [Tag] }
-    Tag = tag {}
     /// `road NAME` or `road { … }`
     RoadChoice = road_choice { block: (RoadBlock), name: (Name) }
     /// `vary NAME in …`, or the line of a `vary together` that reads `NAME in …`
@@ -103,10 +87,8 @@ views! {
     DistributionName = distribution_name {}
     /// `100 times by sobol`
     Sampling = sampling { count: Integer, by_latin_hypercube: {kw_latin_hypercube}, by_sobol: {kw_sobol} }
-    Repeat = repeat { count: Integer }
     /// `runs 50 .. 2000`
     Runs = runs { ends: [Integer] }
-    Seed = seed { number: Integer }
     Step = step { value: Expression }
     Horizon = horizon { value: Expression }
     Finish = finish { value: Expression }
@@ -114,22 +96,9 @@ views! {
 }
 
 choices! {
-    /// What gives names to a whole file.
-    Defining = Binding | RoadDefinition | ControllerDefinition | Scenario | Search | Tune | Evaluate | Statement;
-    /// What gives a name that is known in a scenario only, or in its file.
-    Local = Binding | Parameter | Pedestrian | Varied | Vehicle;
-    /// What scenarios stand in, themselves included.
-    HoldsScenarios = Scenario | Suite;
     Variation = Varied | VaryTogether;
     /// Two ways to say how many runs there are.
     RunCount = Repeat | Runs;
-}
-
-impl Tree {
-    /// The whole of it.
-    pub fn file(&self) -> File<'_> {
-        File(self.root())
-    }
 }
 
 impl<'t> Variation<'t> {
@@ -142,10 +111,6 @@ impl<'t> Variation<'t> {
         alone.into_iter().chain(together.into_iter().flatten()).map(|varied| varied.name())
     }
 }
-
-/// What a block is about, in quotes at its beginning.
-pub(super) const DOC: StatementEntry =
-    statement("", Rule::doc, "\"What it is about.\"", "What it is about.").key("doc", YamlShape::Text);
 
 pub(super) const EXTENDS: StatementEntry = statement(
     "",
@@ -173,66 +138,6 @@ pub(super) const SCENARIO: StatementEntry = statement(
 .key("scenarios", YamlShape::Named)
 .opens(BlockKind::Scenario)
 .names();
-
-pub(super) const TAGS: StatementEntry =
-    statement("tags", Rule::tags, "tags paper, zebra", "Words to select scenarios by.")
-        .key("tags", YamlShape::Commas);
-
-pub(super) const REPEAT: StatementEntry =
-    statement("repeat", Rule::repeat, "repeat 4", "How often everything is run, with different seeds.")
-        .key("repeat", YamlShape::Words);
-
-pub static FILE: BlockEntry = BlockEntry {
-    kind: BlockKind::File,
-    rule: Rule::file,
-    name: "a file",
-    heads: &[],
-    statements: &[
-        statement(
-            "use",
-            Rule::use_file,
-            "use \"../roads/town01.scn\"",
-            "Makes the names of another file known.",
-        )
-        .key("use", YamlShape::Text)
-        .repeats(),
-        LET.repeats(),
-        statement("road", Rule::road_definition, "road NAME { … }", "A road that scenarios can name.")
-            .key("roads", YamlShape::Named)
-            .opens(BlockKind::Road)
-            .names()
-            .repeats(),
-        statement(
-            "controller",
-            Rule::controller_definition,
-            "controller NAME { … }",
-            "A controller of one's own: a program that decides.",
-        )
-        .key("controllers", YamlShape::Named)
-        .opens(BlockKind::Controller)
-        .names()
-        .repeats(),
-        statement(
-            "define",
-            Rule::define,
-            "define NAME(delay = 2 s) { … }` or `define NAME : BASE { … }",
-            "A scenario with parameters to build others on.",
-        )
-        .key("templates", YamlShape::Named)
-        .opens(BlockKind::Scenario)
-        .names()
-        .repeats(),
-        SCENARIO.repeats(),
-        SEARCH.repeats(),
-        TUNE.repeats(),
-        EVALUATE.repeats(),
-        STATEMENT.repeats(),
-        statement("suite", Rule::suite, "suite NAME { … }", "Scenarios that are run together.")
-            .key("suite", YamlShape::Named)
-            .opens(BlockKind::Suite)
-            .repeats(),
-    ],
-};
 
 pub static ROAD: BlockEntry = BlockEntry {
     kind: BlockKind::Road,

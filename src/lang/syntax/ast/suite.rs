@@ -1,6 +1,6 @@
 //! Suites and gates.
 
-use super::super::words::{BlockEntry, BlockKind, YamlShape, statement};
+use super::super::entry::{BlockEntry, BlockKind, YamlShape, statement};
 use super::{
     Block, Confidence, Doc, Expect, Expression, Metric, Name, Rating, Scenario, Seed, Settings, Tags, Text,
 };

@@ -3,13 +3,17 @@
 use std::collections::BTreeSet;
 
 use super::super::grammar::Grammar;
-use super::{Holds, Made, criterion, experiment, program, rating, road_user, scenario, suite, value};
+use super::{
+    Holds, Made, common, criterion, experiment, file, kinds, program, rating, road_user, scenario, suite, value,
+};
 use ::scenario::AGGREGATES;
 
 fn made() -> Vec<&'static Made> {
     [
+        common::MADE,
         criterion::MADE,
         experiment::MADE,
+        file::MADE,
         program::MADE,
         rating::MADE,
         road_user::MADE,
@@ -27,8 +31,14 @@ fn rules(view: &str) -> BTreeSet<String> {
     if let Some(made) = made().into_iter().find(|made| made.view == view) {
         return made.rules.iter().map(|rule| format!("{rule:?}")).collect();
     }
-    let choices =
-        [criterion::CHOICES, experiment::CHOICES, road_user::CHOICES, scenario::CHOICES, value::CHOICES];
+    let choices = [
+        criterion::CHOICES,
+        experiment::CHOICES,
+        kinds::CHOICES,
+        road_user::CHOICES,
+        scenario::CHOICES,
+        value::CHOICES,
+    ];
     let (_, views) = choices.into_iter().flatten().find(|(name, _)| *name == view).unwrap();
     views.iter().flat_map(|view| rules(view)).collect()
 }

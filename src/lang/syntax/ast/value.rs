@@ -1,6 +1,5 @@
 //! Names, numbers, texts and calculations with them.
 
-use super::{Constraint, Direction, Measure, Tag};
 #[cfg(test)]
 use super::{Holds, Made};
 use super::{Node, Rule, View};
@@ -38,8 +37,6 @@ views! {
 choices! {
     /// What means something by itself.
     Word = Name | Reference | SettingName | Signal | Unit;
-    /// What stands between the commas of a statement.
-    Listed = Tag | Direction | Constraint | Expression | Measure;
     /// What a value is made of, between operators.
     Operand = Quantity | Boolean | Text | Group | Reference;
 }

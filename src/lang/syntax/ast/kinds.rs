@@ -1,0 +1,58 @@
+//! Statements of different blocks that have something in common: what names, what is named, what has settings.
+
+use super::{
+    Argument, Binding, Constraint, Controller, ControllerDefinition, Crossing, Direction, Dynamics, Evaluate,
+    Expression, Measure, Metric, Model, Name, Obstacle, Parameter, Pedestrian, RoadDefinition, Scenario,
+    Search, Sees, Settings, Statement, Suite, Tag, Tested, Tune, Varied, VaryTogether, Vehicle,
+};
+use super::{Node, Rule, View};
+
+choices! {
+    /// What gives names to a whole file.
+    Defining = Binding | RoadDefinition | ControllerDefinition | Scenario | Search | Tune | Evaluate | Statement;
+    /// What scenarios stand in, themselves included.
+    HoldsScenarios = Scenario | Suite;
+    /// What gives a name that is known in a scenario only, or in its file.
+    Local = Binding | Parameter | Pedestrian | Varied | Vehicle;
+    /// A statement that names a registered thing.
+    Named = Controller | Dynamics | Model | Tested;
+    /// A statement of a road user with settings.
+    Settled = Named | Sees;
+    /// A statement with settings.
+    HasSettings = Settled | Crossing | Obstacle;
+    /// What takes values from outside.
+    Settable = Argument | Binding | Parameter | Pedestrian | Scenario | Varied | VaryTogether | Vehicle;
+    /// What names a registered thing.
+    NamesRegistered = Named | Metric;
+    /// What stands between the commas of a statement.
+    Listed = Tag | Direction | Constraint | Expression | Measure;
+}
+
+impl<'t> Settled<'t> {
+    pub fn settings(self) -> Option<Settings<'t>> {
+        match self {
+            Self::Named(named) => named.settings(),
+            Self::Sees(sees) => Some(sees.settings()),
+        }
+    }
+}
+
+impl<'t> Named<'t> {
+    pub fn name(self) -> Name<'t> {
+        match self {
+            Self::Controller(controller) => controller.name(),
+            Self::Dynamics(dynamics) => dynamics.name(),
+            Self::Model(model) => model.name(),
+            Self::Tested(tested) => tested.name(),
+        }
+    }
+
+    pub fn settings(self) -> Option<Settings<'t>> {
+        match self {
+            Self::Controller(controller) => controller.settings(),
+            Self::Dynamics(dynamics) => dynamics.settings(),
+            Self::Model(model) => model.settings(),
+            Self::Tested(tested) => tested.settings(),
+        }
+    }
+}
