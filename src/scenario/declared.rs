@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     ControllerModel, Criterion, Distribution, DynamicsModel, Evaluate, EvaluationError, Expression, Gate,
-    Individuals, MetricReference, Notation, Origin, PedestrianModel, PerceptionModel, Rating, Reference, Road,
-    Search, Side, Statement, Tune, Value, VariedValue, VehicleReference, Written,
+    Individuals, MetricReference, Notation, Origin, PedestrianModel, PerceptionModel, Rating, Reference,
+    Road, Search, Side, Statement, Tune, Value, VariedValue, VehicleReference, Written,
 };
 
 /// A suite: scenarios and what holds for all of them. A bare `.scn` file becomes a suite named after the file.

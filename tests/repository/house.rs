@@ -63,17 +63,17 @@ const ROOMS: [(&str, &[&str]); 8] = [
 /// Lines of a file, at most.
 const LONGEST: usize = 800;
 
-struct Source {
-    path: PathBuf,
-    package: String,
+pub(crate) struct Source {
+    pub(crate) path: PathBuf,
+    pub(crate) package: String,
     room: String,
     /// All of it.
-    text: String,
+    pub(crate) text: String,
     /// Without comments and what is compiled for tests.
     code: String,
 }
 
-fn sources() -> Vec<Source> {
+pub(crate) fn sources() -> Vec<Source> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
     let mut paths = Vec::new();
     walk(&root, &mut paths);
@@ -178,7 +178,7 @@ fn known_rooms(code: &str) -> BTreeSet<String> {
     rooms
 }
 
-fn complain(broken: Vec<String>) {
+pub(crate) fn complain(broken: Vec<String>) {
     assert!(broken.is_empty(), "\n{}\n", broken.join("\n"));
 }
 

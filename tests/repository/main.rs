@@ -1,5 +1,6 @@
 //! What lies in the repository beside the program: pages, examples, colours, the house itself, texts that are right and wrong.
 
+mod circles;
 mod examples;
 mod fuzz;
 mod highlighting;

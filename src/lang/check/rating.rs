@@ -1,11 +1,9 @@
 //! `rating NAME { … }`
 
-use std::collections::HashMap;
-
-use super::literal;
-use super::places::Places;
 use super::block::{Layer, missing, reject_repeats};
+use super::literal;
 use super::metric::{Cast, kind_name, metric_reference};
+use super::places::Places;
 use super::rated_cells::{self, RatedScenarios};
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;

@@ -123,7 +123,7 @@ pub(super) fn gate_state(
 }
 
 /// Whether a word is that of a verdict.
-fn says(word: &str, verdict: Verdict) -> bool {
+pub(super) fn says(word: &str, verdict: Verdict) -> bool {
     serde_json::to_value(verdict).is_ok_and(|said| said == word)
 }
 

@@ -8,11 +8,12 @@ use serde::Deserialize;
 
 use super::error::{ResultsError, contradiction, seconds};
 use super::first_layout;
-use super::parts::{FaultOfRun, Run, faults, gate_state, judged};
+use super::parts::{FaultOfRun, Run, faults, gate_state, judged, says};
 use results::{
-    BlockReport, BlockResult, BlockState, Chosen, Cut, Finding, GateReport, GateVerdict, Horizon, NotJudged, NotRated,
-    Outcome, Program, RatingReport, RatingResult, RatingState, Recorded, RecordedReport, RecordedState, Recording, Refusal, Requests, Results,
-    RunsTaken, Skip, SuiteIdentity, SuiteReport, TestedController, TrialReport, TrialState, UnitError,
+    BlockReport, BlockResult, BlockState, Chosen, Cut, Finding, GateReport, GateVerdict, Horizon, NotJudged,
+    NotRated, Outcome, Program, RatingReport, RatingResult, RatingState, Recorded, RecordedReport,
+    RecordedState, Recording, Refusal, Requests, Results, RunsTaken, Skip, SuiteIdentity, SuiteReport,
+    TestedController, TrialReport, TrialState, UnitError,
 };
 use scenario::registry::Registry;
 use scenario::{Block, Gate, Rating, Trial};

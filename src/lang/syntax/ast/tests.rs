@@ -4,7 +4,8 @@ use std::collections::BTreeSet;
 
 use super::super::grammar::Grammar;
 use super::{
-    Holds, Made, common, criterion, experiment, file, kinds, program, rating, road_user, scenario, suite, value,
+    Holds, Made, common, criterion, experiment, file, kinds, program, rating, road_user, scenario, suite,
+    value,
 };
 use ::scenario::AGGREGATES;
 
