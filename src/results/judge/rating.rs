@@ -220,6 +220,9 @@ fn run<'o>(
                 "{key} was cut off at {seconds} s, before `{vehicle}` and `{pedestrian}` were past each other"
             ));
         }
+        if nobody(|presence| presence.met) {
+            return Err(format!("nobody came near a vehicle in {key}: nothing was at stake"));
+        }
     }
     let counts_as_none = metric
         .is_some_and(|metric| metric.absence == Absence::Good && metric.worst == Worst::Largest)

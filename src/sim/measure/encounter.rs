@@ -7,7 +7,7 @@ use super::passage::Passage;
 use crate::geometry::Footprint;
 use crate::turning::touched_between;
 use crate::{PedestrianState, Solid, Step, VehicleState, contact_with};
-use scenario::{Located, Shape, Side, World};
+use scenario::{Appearance, Located, Shape, Side, World};
 
 /// The encounters of every vehicle with every pedestrian of a run.
 pub struct Encounters {
@@ -17,6 +17,8 @@ pub struct Encounters {
     /// Vehicle by vehicle.
     pairs: Vec<Encounter>,
     pedestrians: usize,
+    /// Which pedestrians are sent to meet a vehicle.
+    sent: Vec<bool>,
     /// Touches of a vehicle and another or a box, in order.
     others: Vec<(usize, Solid, Contact)>,
 }
@@ -28,7 +30,8 @@ pub struct Presence {
     pub appeared: bool,
     /// Came into a vehicle's lane, or appeared in it.
     pub entered: bool,
-    /// Was in a vehicle's lane while that vehicle was within [`MEETING_TIME`] of it, or touched one.
+    /// Was in a vehicle's lane while that vehicle was within [`MEETING_TIME`] of it, or touched one, or was sent to meet one: who stops long
+    /// before somebody that it would have hit has avoided a contact.
     pub met: bool,
 }
 
@@ -147,6 +150,11 @@ impl Encounters {
             fastest: vec![0.0; world.vehicles.len()],
             pairs: (0..world.vehicles.len()).flat_map(|_| (0..pedestrians).map(encounter)).collect(),
             pedestrians,
+            sent: world
+                .pedestrians
+                .iter()
+                .map(|one| matches!(one.appears, Appearance::Meeting { .. }))
+                .collect(),
             others: Vec::new(),
         }
     }
@@ -160,10 +168,12 @@ impl Encounters {
     pub fn presences(&self) -> Vec<Presence> {
         let of = |pedestrian: usize| {
             let pairs = || self.pairs.iter().skip(pedestrian).step_by(self.pedestrians);
+            let appeared = pairs().any(|pair| pair.appeared.is_some());
+            let sent = appeared && self.sent[pedestrian];
             Presence {
-                appeared: pairs().any(|pair| pair.appeared.is_some()),
+                appeared,
                 entered: pairs().any(|pair| pair.first_entry.is_some()),
-                met: pairs().any(|pair| pair.near || pair.contact.is_some()),
+                met: sent || pairs().any(|pair| pair.near || pair.contact.is_some()),
             }
         };
         (0..self.pedestrians).map(of).collect()

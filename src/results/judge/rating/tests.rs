@@ -230,6 +230,9 @@ fn a_run_without_contact_in_which_nothing_could_happen_is_not_green() {
     let report =
         run(|outcome| outcome.presences[0].1 = Presence { appeared: true, entered: false, met: false });
     assert_not_assessed(&report, "nobody came into a lane");
+    let report =
+        run(|outcome| outcome.presences[0].1 = Presence { appeared: true, entered: true, met: false });
+    assert_not_assessed(&report, "nothing was at stake");
     let report = run(|outcome| outcome.ending.reason = StopReason::Collision);
     assert_not_assessed(&report, "a contact ended");
     let report = run(|outcome| {
