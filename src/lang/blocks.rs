@@ -96,6 +96,11 @@ impl Gathered<'_> {
         self.names.contains(name)
     }
 
+    /// What they are called, and where.
+    pub fn names(&self) -> impl Iterator<Item = (&str, Span)> {
+        self.nodes.iter().map(|(_, node)| (node.name().text(), node.name().span()))
+    }
+
     /// Checks every block. The scenarios are those of the suite and the supporting ones; `definitions` are of both.
     pub fn check(
         self,

@@ -70,9 +70,10 @@ fn bare(files: &Texts, file: FileId, path: &Path, report: &mut Vec<Diagnostic>) 
     let tested = check::tested(&Places { files }, scenarios.iter().chain(&supporting), report);
     check_definitions(files, report);
     definitions.extend(&blocks.supporting);
+    let declared = declared_names(files, &definitions, &blocks, &[]);
     let blocks = blocks.check(files, &definitions, [&scenarios, &supporting], report);
     let name = path.file_stem().map_or_else(|| "scenarios".into(), |stem| stem.to_string_lossy());
-    Some(Suite {
+    let suite = Suite {
         name: name.into_owned(),
         doc: None,
         seed: DEFAULT_SEED,
@@ -90,7 +91,9 @@ fn bare(files: &Texts, file: FileId, path: &Path, report: &mut Vec<Diagnostic>) 
         controllers: Vec::new(),
         notations: Vec::new(),
         origin: files.sources.origin(Span::beginning(root.span().source)),
-    })
+    };
+    reject_lost(&declared, &suite, report);
+    Some(suite)
 }
 
 fn no_scenario(span: Span, files: &Texts) -> Diagnostic {
@@ -192,11 +195,13 @@ fn declared(files: &mut Texts, file: FileId, path: &Path, report: &mut Vec<Diagn
             }
         }
     }
+    let gate_nodes: Vec<ast::Gate> = block.gates().collect();
+    let declared = declared_names(files, &all_definitions, &blocks, &gate_nodes);
     let blocks = blocks.check(files, &all_definitions, [&scenarios, &supporting], report);
     let cast = everybody(&scenarios, &files.registry);
     let mut gate_names: HashMap<&str, Span> = HashMap::new();
-    let gates: Vec<_> = block
-        .gates()
+    let gates: Vec<_> = gate_nodes
+        .into_iter()
         .map(|node| {
             reject_duplicate(node.name(), &mut gate_names, report);
             check::gate(node, &cast, files.scope(file), &Places { files }, report)
@@ -227,7 +232,7 @@ fn declared(files: &mut Texts, file: FileId, path: &Path, report: &mut Vec<Diagn
         }
     }
     check_definitions(files, report);
-    Some(Suite {
+    let suite = Suite {
         name: name.text().to_string(),
         doc: check::doc(block.doc()),
         seed: seed?,
@@ -248,7 +253,42 @@ fn declared(files: &mut Texts, file: FileId, path: &Path, report: &mut Vec<Diagn
         controllers: Vec::new(),
         notations: Vec::new(),
         origin: files.sources.origin(name.span()),
-    })
+    };
+    reject_lost(&declared, &suite, report);
+    Some(suite)
+}
+
+/// What files declare to be run or judged: scenarios, blocks and gates, by their names, which no two of them share.
+fn declared_names(
+    files: &Texts,
+    definitions: &[NameDefinition],
+    blocks: &Gathered,
+    gates: &[ast::Gate],
+) -> Vec<(String, Span)> {
+    let scenarios = definitions.iter().map(|one| (files.scenario(*one).name().text(), one.span));
+    let gates = gates.iter().map(|gate| (gate.name().text(), gate.name().span()));
+    let all = scenarios.chain(blocks.names()).chain(gates);
+    all.map(|(name, span)| (name.to_string(), span)).collect()
+}
+
+/// Whatever the reason, what is declared is in the suite, or there is an error: it would neither run nor fail.
+fn reject_lost(declared: &[(String, Span)], suite: &Suite, report: &mut Vec<Diagnostic>) {
+    if super::texts::has_errors(report) {
+        return;
+    }
+    let scenarios = suite.scenarios.iter().chain(&suite.supporting).map(|one| one.name.as_str());
+    let searches = suite.searches.iter().map(|one| one.name.as_str());
+    let tunes = suite.tunes.iter().map(|one| one.name.as_str());
+    let evaluates = suite.evaluates.iter().map(|one| one.name.as_str());
+    let statements = suite.statements.iter().map(|one| one.name.as_str());
+    let gates = suite.gates.iter().map(|one| one.name.as_str());
+    let blocks = searches.chain(tunes).chain(evaluates).chain(statements);
+    let known: HashSet<&str> = scenarios.chain(blocks).chain(gates).collect();
+    for (name, span) in declared.iter().filter(|(name, _)| !known.contains(name.as_str())) {
+        let message = format!("`{name}` cannot be read");
+        let hint = "nothing says why: this is a defect of the program, which should have said it";
+        report.push(Diagnostic::new(Code::UnexpectedText, *span, message).label("not understood").hint(hint));
+    }
 }
 
 /// Every road user of any scenario.
@@ -537,5 +577,36 @@ fn reject_idle_criteria(
                     .hint("its `when` must be about something that a scenario varies"),
             );
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use files::Memory;
+    use models::standard;
+
+    use super::*;
+    use crate::source::Sources;
+
+    #[test]
+    fn nothing_that_is_declared_is_lost_without_an_error() {
+        let text = "scenario a {\n  road { lane_width 4 m; speed_limit 30 km/h; crossing zebra }\n  vehicle av { controller yielding; speed 30 km/h; start 60 m before crossing }\n  pedestrian walker { model scripted; start 2 m from kerb; appears at 1 s }\n  expect { no collision }\n}\n";
+        let loaded =
+            crate::load(Path::new("a.scn"), &standard(), &Memory::default().with("a.scn", text)).unwrap();
+        let mut sources = Sources::default();
+        let span = Span::beginning(sources.add("a.scn", text));
+        let mut lost = |names: &[&str], mut report: Vec<Diagnostic>| {
+            let declared: Vec<_> = names.iter().map(|name| (name.to_string(), span)).collect();
+            let before = report.len();
+            reject_lost(&declared, &loaded.suite, &mut report);
+            report.split_off(before).into_iter().map(|found| found.message).collect::<Vec<_>>()
+        };
+        assert_eq!(lost(&["a"], Vec::new()), Vec::<String>::new());
+        assert_eq!(lost(&["a", "b"], Vec::new()), ["`b` cannot be read"]);
+        // Where something else is an error, that is why.
+        let other = Diagnostic::new(Code::UnexpectedText, span, "other");
+        assert_eq!(lost(&["b"], vec![other]), Vec::<String>::new());
     }
 }
