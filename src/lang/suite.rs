@@ -597,7 +597,7 @@ mod tests {
             crate::load(Path::new("a.scn"), &standard(), &Memory::default().with("a.scn", text)).unwrap();
         let mut sources = Sources::default();
         let span = Span::beginning(sources.add("a.scn", text));
-        let mut lost = |names: &[&str], mut report: Vec<Diagnostic>| {
+        let lost = |names: &[&str], mut report: Vec<Diagnostic>| {
             let declared: Vec<_> = names.iter().map(|name| (name.to_string(), span)).collect();
             let before = report.len();
             reject_lost(&declared, &loaded.suite, &mut report);
