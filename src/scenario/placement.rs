@@ -84,7 +84,7 @@ pub enum Appearance {
     /// At the first step at which the time to arrival of vehicle `vehicle` at the pedestrian's place along the road
     /// is at most `time` (s).
     TimeToArrival {
-        /// Index into [`World::vehicles`].
+        /// Index into [`World::vehicles`](crate::World::vehicles).
         vehicle: usize,
         /// The part of the vehicle that arrives.
         reference: VehicleReference,
@@ -94,7 +94,7 @@ pub enum Appearance {
     /// At the very moment, also within a step, from which on vehicle `vehicle` would take `time` (s) at the speed that it has until its
     /// front is at `place` (m) of its path.
     Meeting {
-        /// Index into [`World::vehicles`].
+        /// Index into [`World::vehicles`](crate::World::vehicles).
         vehicle: usize,
         /// s
         time: f64,

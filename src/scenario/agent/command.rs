@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// The kind of [`Command`](super::agent::Command) that a controller gives and dynamics take.
+/// The kind of [`Command`] that a controller gives and dynamics take.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CommandKind {
     /// Positions of accelerator and brake.
