@@ -14,6 +14,9 @@ pub struct Child {
     gives: String,
     /// Steps that it has answered.
     steps: u64,
+    /// Whether it has answered once too often, and what it says next instead of what it is asked.
+    repeats: bool,
+    held: Option<String>,
     /// Parameters by slot.
     gaps: Vec<f64>,
     crashes: Vec<bool>,
@@ -45,6 +48,8 @@ pub fn run() -> ! {
         at_once: argument("at_once", "1").parse().unwrap(),
         gives: argument("gives", "acceleration"),
         steps: 0,
+        repeats: false,
+        held: None,
         gaps: vec![0.0; 1024],
         crashes: vec![false; 1024],
     };
@@ -99,6 +104,7 @@ pub fn run() -> ! {
         for line in input.lines() {
             let request: Value = serde_json::from_str(&line.unwrap()).unwrap();
             if let Some(answer) = child.answer(&request) {
+                let answer = child.in_turn(answer);
                 // Lines that are said at once are there at once.
                 say(format!("{answer}\n").as_bytes());
             }
@@ -147,6 +153,17 @@ fn is_near(x: f64, y: f64) -> bool {
 }
 
 impl Child {
+    /// Where it answers once too often, that is the answer to the next request, and each of its answers is to the request before.
+    fn in_turn(&mut self, answer: String) -> String {
+        match &mut self.held {
+            Some(held) => std::mem::replace(held, answer),
+            None => {
+                self.held = self.repeats.then(|| answer.clone());
+                answer
+            }
+        }
+    }
+
     fn answer(&mut self, request: &Value) -> Option<String> {
         if let Some(opened) = request["open"].as_array() {
             for run in opened {
@@ -299,16 +316,8 @@ impl Child {
                 let answer = json!({"answer": [{"acceleration": 0.0}]});
                 Some(format!("{answer}\n{answer}"))
             }
-            // Once, and when the first has long been read: from then on each of its answers is to the request before.
-            "answers_again" if late && first.time < 0.52 => {
-                let answer = json!({"answer": [{"acceleration": 0.0}]});
-                say(format!("{answer}\n").as_bytes());
-                thread::sleep(Duration::from_millis(20));
-                Some(answer.to_string())
-            }
-            // Never are two of them there at once.
             "answers_again" if late => {
-                thread::sleep(Duration::from_millis(2));
+                self.repeats = true;
                 None
             }
             "too_few" if late => Some(json!({"answer": []}).to_string()),
