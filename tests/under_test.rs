@@ -926,5 +926,9 @@ fn main() -> ExitCode {
         nothing_is_left_of_a_program_when_the_runner_is_killed,
         what_forks_without_end_is_ended_with_all_its_processes,
     ]);
-    libtest_mimic::run(&Arguments::from_args(), trials).exit_code()
+    let mut arguments = Arguments::from_args();
+    // Most of the time they wait for programs that do nothing.
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    arguments.test_threads.get_or_insert(2 * cores);
+    libtest_mimic::run(&arguments, trials).exit_code()
 }

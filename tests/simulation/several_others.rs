@@ -331,6 +331,17 @@ fn for_a_commotions_pedestrian_what_does_not_matter_changes_no_share() {
 /// the published model: at 4 s some of the 600 walk into it.
 #[test]
 fn few_people_overlook_a_car_in_a_queue_and_whom_one_car_does_not_stop_gets_across() {
+    assert_few_overlook_a_queue(&[4.0, 4.8]);
+}
+
+#[test]
+#[ignore = "it takes as long as most other tests of this program together"]
+fn few_people_overlook_a_car_in_a_queue_that_comes_earlier_or_later() {
+    assert_few_overlook_a_queue(&[3.0, 6.0]);
+}
+
+/// Of queues whose first car is there after so many seconds.
+fn assert_few_overlook_a_queue(firsts: &[f64]) {
     let before = |first: f64, cars: i32, headway: f64| {
         runs(600, move |person| {
             let time = |k: i32| first + headway * f64::from(k);
@@ -342,7 +353,7 @@ fn few_people_overlook_a_car_in_a_queue_and_whom_one_car_does_not_stop_gets_acro
         })
     };
     let stays = |course: &Course| course.across.is_none();
-    for first in [3.0, 4.0, 4.8, 6.0] {
+    for &first in firsts {
         let alone = before(first, 1, 0.0);
         let hit_alone = alone.iter().filter(|course| course.hit()).count();
         for (headway, most) in [(2.5, 6), (6.0, 0)] {
