@@ -14,6 +14,8 @@ mod instead;
 mod modules;
 #[path = "under_test/parent.rs"]
 mod parent;
+#[path = "under_test/permission.rs"]
+mod permission;
 #[path = "under_test/second_runs.rs"]
 mod second_runs;
 
@@ -25,6 +27,12 @@ use std::time::{Duration, Instant};
 use libtest_mimic::{Arguments, Failed, Trial};
 use models::standard;
 use scenario_runner::cli;
+
+use permission::{nothing_runs_that_is_not_allowed, what_is_allowed_runs_until_it_is_another};
+use second_runs::{
+    a_recorded_failure_of_chance_is_kept, what_goes_by_the_clock_is_not_deterministic,
+    what_is_deterministic_is_not_warned_of,
+};
 
 const ROLE: &str = "TESTS_UNDER_TEST";
 
@@ -419,116 +427,6 @@ fn what_floods_its_log_and_prints_first_runs() -> Outcome {
     Ok(())
 }
 
-/// A program that seeds itself by the clock is warned of in every report, and its runs are no others for that.
-fn what_goes_by_the_clock_is_not_deterministic() -> Outcome {
-    let failing = |more: &str| scenario("kind=clock", more).replace("<= 9 m/s^2", "<= 0.001 m/s^2");
-    let folder = in_folder(&failing(""));
-    let warned = ["W1102", "`own` is not deterministic", "at 0 s -"];
-    let files = ["junit", "json", "tap", "html"];
-    let options: Vec<_> = files.iter().map(|kind| format!("--{kind}=report.{kind}")).collect();
-    let mut arguments = vec!["meet.scn", "--allow-run", "--no-progress", "--github"];
-    arguments.extend(options.iter().map(String::as_str));
-    let said = run(folder.path(), &arguments);
-    // The failure is what it is by the runs that count; another run is not drawn for one of them.
-    expect_all(&said, 100, &warned)?;
-    expect_all(&said, 100, &["::warning file=meet.scn,line=1", "is not drawn: it came out differently"])?;
-    for kind in files {
-        let report = fs::read_to_string(folder.path().join(format!("report.{kind}")))?;
-        for word in ["W1102", "is not deterministic"].iter().filter(|_| kind != "json") {
-            expect(report.contains(word), || format!("{kind} does not say {word}:\n{report}"))?;
-        }
-    }
-    let json: serde_json::Value =
-        serde_json::from_str(&fs::read_to_string(folder.path().join("report.json"))?)?;
-    let own = &json["suites"][0]["controllers"][0];
-    expect(own["second_runs"] == 1 && own["differing"].as_array().is_some_and(|all| all.len() == 1), || {
-        own.to_string()
-    })?;
-    expect(own["program"] == "tested 1.0" && own["answers"]["answers"].as_u64() > Some(10), || {
-        own.to_string()
-    })?;
-    let runs = json["suites"][0]["trials"].as_array().unwrap().iter();
-    let runs: usize = runs.map(|one| one["runs"].as_array().unwrap().len()).sum();
-    expect(runs == 2, || format!("{runs} runs count"))?;
-    let key = "meet/meet/later=0s/rep=1";
-    let said = run(folder.path(), &["replay", key, "meet.scn", "--allow-run"]);
-    expect_all(&said, 0, &["warning: W1102", "may not come out the same again"])?;
-    let said =
-        run(folder.path(), &["replay", key, "meet.scn", "--allow-run", "--fingerprint=0123456789abcdef"]);
-    expect(said.code == Some(100), || format!("{said:?}"))?;
-    for (more, option, second) in [
-        ("nondeterministic", "--verify-runs=all", false),
-        ("", "--verify-runs=none", false),
-        ("", "--verify-runs=all", true),
-    ] {
-        let folder = in_folder(&failing(more));
-        let said = run(folder.path(), &["meet.scn", "--allow-run", "--no-progress", option]);
-        expect_all(&said, 100, &["FAIL"])?;
-        expect(said.text.contains("W1102") == second, || format!("{more} {option}: {}", said.text))?;
-        expect(said.text.contains("2 runs made twice") == second, || {
-            format!("{more} {option}: {}", said.text)
-        })?;
-    }
-    // What is tuned by itself is warned of as well.
-    let tune = "tune best {\n  on meet\n  over av.controller.gap in 5 m .. 20 m\n  minimise mean(max_deceleration)\n  budget 4 evaluations, 3 random first\n}\n";
-    let folder = in_folder(&(scenario("kind=clock", "") + tune));
-    let said = run(folder.path(), &["tune", "best", "meet.scn", "--allow-run", "--no-progress"]);
-    expect_all(&said, 0, &["W1102", "1 of 1 runs"])?;
-    let folder = in_folder(&failing("nondeterministic"));
-    let said = run(folder.path(), &["meet.scn", "--allow-run", "--no-progress", "--html=page.html"]);
-    expect_all(&said, 100, &["as its controller says of itself"])?;
-    let said = run(folder.path(), &["replay", key, "meet.scn", "--allow-run"]);
-    expect_all(&said, 0, &["may not come out the same again"])
-}
-
-fn what_is_deterministic_is_not_warned_of() -> Outcome {
-    for words in ["", "at_once=16 encoding=f64"] {
-        let folder = in_folder(&many(words, ""));
-        let said = run(folder.path(), &["meet.scn", "--allow-run", "--no-progress", "--verify-runs=all"]);
-        expect(!said.text.contains("W1102"), || said.text.clone())?;
-        expect_all(&said, 0, &["18 runs made twice", "6 trials, 18 runs"])?;
-    }
-    // What depends on the other runs of a process is found, though each process does the same every time.
-    let folder = in_folder(&many("kind=counts at_once=4", ""));
-    let said = run(folder.path(), &["meet.scn", "--allow-run", "--no-progress", "--verify-runs=all", "-j1"]);
-    expect_all(&said, 0, &["W1102"])
-}
-
-/// A failure of chance is not forgotten since it did not come again.
-fn a_recorded_failure_of_chance_is_kept() -> Outcome {
-    let folder = in_folder(&scenario("kind=sometimes", "").replace("<= 9 m/s^2", "<= 2 m/s^2"));
-    fs::write(folder.path().join("worse"), "")?;
-    let all = ["meet.scn", "--allow-run", "--no-progress", "--verify-runs=none"];
-    let said = run(folder.path(), &[&all[..], &["--record-failures"]].concat());
-    expect(said.code == Some(100), || format!("{said:?}"))?;
-    fs::remove_file(folder.path().join("worse"))?;
-    let recorded = || -> usize {
-        let files = fs::read_dir(folder.path()).unwrap().filter_map(|entry| entry.ok());
-        let failures = files.filter(|entry| entry.path().extension().is_some_and(|one| one == "failures"));
-        failures.map(|entry| fs::read_to_string(entry.path()).unwrap().lines().count()).sum()
-    };
-    let before = recorded();
-    expect(before > 0, || "nothing is recorded".to_string())?;
-    // With a clock in it each second run differs.
-    let clock = scenario("kind=clock_a_bit", "").replace("<= 9 m/s^2", "<= 2 m/s^2");
-    fs::write(folder.path().join("meet.scn"), clock)?;
-    let said = run(
-        folder.path(),
-        &["meet.scn", "--allow-run", "--no-progress", "--prune-failures", "--junit=out.xml"],
-    );
-    expect_all(&said, 0, &["W1102"])?;
-    let junit = fs::read_to_string(folder.path().join("out.xml"))?;
-    expect(junit.contains("its controller is not deterministic"), || junit.clone())?;
-    expect(recorded() == before, || format!("{} of {before} are left", recorded()))?;
-    // The same, mended for good, is forgotten.
-    fs::write(
-        folder.path().join("meet.scn"),
-        scenario("kind=gentle", "").replace("<= 9 m/s^2", "<= 2 m/s^2"),
-    )?;
-    let said = run(folder.path(), &["meet.scn", "--allow-run", "--no-progress", "--prune-failures"]);
-    expect(said.code == Some(0) && recorded() < before, || format!("{said:?}"))
-}
-
 fn what_does_not_start_is_said_before_anything_runs() -> Outcome {
     for (kind, code, words) in [
         ("silent", "E1107", "it said nothing within 1 s"),
@@ -649,72 +547,6 @@ fn what_forks_without_end_is_ended_with_all_its_processes() -> Outcome {
         std::thread::sleep(Duration::from_millis(20));
     }
     expect(processes_in(&own).is_empty(), || format!("{:?} are left", processes_in(&own)))
-}
-
-fn nothing_runs_that_is_not_allowed() -> Outcome {
-    let folder = in_folder(&scenario("touch=ran", ""));
-    let (path, ran) = (folder.path(), folder.path().join("ran"));
-    for arguments in [
-        &["check", "meet.scn"][..],
-        &["list", "meet.scn"],
-        &["fmt", "--check", "meet.scn"],
-        &["convert", "meet.scn"],
-        &["models", "own", "meet.scn"],
-        &["meet.scn", "--list"],
-        &["allow", "meet.scn"],
-        &["allow", "--revoke", "meet.scn"],
-    ] {
-        let said = run(path, arguments);
-        expect(!ran.exists(), || format!("{arguments:?} ran it: {}", said.text))?;
-    }
-    for arguments in [
-        &["meet.scn"][..],
-        &["meet.scn", "--allow-run=other"],
-        &["replay", "meet/meet/later=0s/rep=1", "meet.scn"],
-        &["baseline", "save", "meet.scn"],
-        &["compare", "meet.scn", "meet.scn"],
-    ] {
-        let said = run(path, arguments);
-        expect_all(&said, 3, &["E1105", "`own` wants to run", "scenario-runner allow meet.scn"])?;
-        expect(!ran.exists(), || format!("{arguments:?} ran it: {}", said.text))?;
-    }
-    expect_all(&run(path, &["meet.scn", "--allow-run=own"]), 0, &[])?;
-    expect(ran.exists(), || "it did not run".to_string())
-}
-
-fn what_is_allowed_runs_until_it_is_another() -> Outcome {
-    let folder = in_folder(&scenario("touch=ran", ""));
-    let path = folder.path();
-    expect_all(&run(path, &["allow", "meet.scn"]), 0, &["own (meet.scn:1) may run", "\"touch=ran\""])?;
-    expect_all(&run(path, &["meet.scn"]), 0, &[])?;
-    expect_all(&run(path, &["allow", "--list"]), 0, &["own ", "meet.scn"])?;
-    // Limits and parameters need no new permission, what runs does.
-    fs::write(path.join("meet.scn"), scenario("touch=ran", "answers within 5 s"))?;
-    expect_all(&run(path, &["meet.scn"]), 0, &[])?;
-    fs::write(path.join("meet.scn"), scenario("touch=other", ""))?;
-    expect_all(&run(path, &["meet.scn"]), 3, &["E1105"])?;
-    fs::write(path.join("meet.scn"), scenario("touch=ran", ""))?;
-    // Of another place it is another file.
-    fs::create_dir(path.join("copy"))?;
-    fs::copy(path.join("meet.scn"), path.join("copy/meet.scn"))?;
-    expect_all(&run(path, &["copy/meet.scn"]), 3, &["E1105"])?;
-    // A project cannot allow itself.
-    let said = runner(path, &["meet.scn"])
-        .env("XDG_CONFIG_HOME", "config")
-        .env("HOME", path.join("home"))
-        .output()?;
-    expect(said.status.code() == Some(3), || String::from_utf8_lossy(&said.stderr).into_owned())?;
-    let said = runner(path, &["copy/meet.scn"]).env("SCENARIO_RUNNER_ALLOW_RUN", "other, own").output()?;
-    expect(said.status.code() == Some(0), || String::from_utf8_lossy(&said.stderr).into_owned())?;
-    expect_all(&run(path, &["allow", "--revoke", "meet.scn"]), 0, &["took back 1"])?;
-    expect_all(&run(path, &["meet.scn"]), 3, &["E1105"])?;
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        fs::set_permissions(path.join("meet.scn"), fs::Permissions::from_mode(0o646))?;
-        expect_all(&run(path, &["allow", "meet.scn"]), 2, &["everybody may write"])?;
-    }
-    Ok(())
 }
 
 fn of_many_only_those_are_blamed_that_fail_alone() -> Outcome {
@@ -907,7 +739,6 @@ fn main() -> ExitCode {
         trials.extend(tests![
             a_unit_decides_as_its_native_twin,
             instances_share_nothing,
-            what_a_unit_must_not_is_an_error_of_the_run,
             who_shares_a_request_with_a_failing_run_steps_once,
             what_a_unit_prints_is_log,
             units_are_converted_as_they_are_said,
@@ -920,6 +751,8 @@ fn main() -> ExitCode {
         ]);
         #[cfg(unix)]
         trials.extend(tests![what_was_unpacked_is_gone]);
+        // It waits longest, so that the others should not have to wait for it.
+        trials.splice(0..0, tests![what_a_unit_must_not_is_an_error_of_the_run]);
     }
     #[cfg(target_os = "linux")]
     trials.extend(tests![

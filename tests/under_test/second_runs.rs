@@ -187,3 +187,113 @@ pub fn project() -> ExitCode {
     let suites = Suites::load_allowing(&["gated.suite"], &standard(), &["own"]);
     conclude(suites.and_then(|suites| suites.verify_runs(verify).tests(&["gated.suite"])))
 }
+
+/// A program that seeds itself by the clock is warned of in every report, and its runs are no others for that.
+pub fn what_goes_by_the_clock_is_not_deterministic() -> Outcome {
+    let failing = |more: &str| scenario("kind=clock", more).replace("<= 9 m/s^2", "<= 0.001 m/s^2");
+    let folder = in_folder(&failing(""));
+    let warned = ["W1102", "`own` is not deterministic", "at 0 s -"];
+    let files = ["junit", "json", "tap", "html"];
+    let options: Vec<_> = files.iter().map(|kind| format!("--{kind}=report.{kind}")).collect();
+    let mut arguments = vec!["meet.scn", "--allow-run", "--no-progress", "--github"];
+    arguments.extend(options.iter().map(String::as_str));
+    let said = run(folder.path(), &arguments);
+    // The failure is what it is by the runs that count; another run is not drawn for one of them.
+    expect_all(&said, 100, &warned)?;
+    expect_all(&said, 100, &["::warning file=meet.scn,line=1", "is not drawn: it came out differently"])?;
+    for kind in files {
+        let report = fs::read_to_string(folder.path().join(format!("report.{kind}")))?;
+        for word in ["W1102", "is not deterministic"].iter().filter(|_| kind != "json") {
+            expect(report.contains(word), || format!("{kind} does not say {word}:\n{report}"))?;
+        }
+    }
+    let json: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(folder.path().join("report.json"))?)?;
+    let own = &json["suites"][0]["controllers"][0];
+    expect(own["second_runs"] == 1 && own["differing"].as_array().is_some_and(|all| all.len() == 1), || {
+        own.to_string()
+    })?;
+    expect(own["program"] == "tested 1.0" && own["answers"]["answers"].as_u64() > Some(10), || {
+        own.to_string()
+    })?;
+    let runs = json["suites"][0]["trials"].as_array().unwrap().iter();
+    let runs: usize = runs.map(|one| one["runs"].as_array().unwrap().len()).sum();
+    expect(runs == 2, || format!("{runs} runs count"))?;
+    let key = "meet/meet/later=0s/rep=1";
+    let said = run(folder.path(), &["replay", key, "meet.scn", "--allow-run"]);
+    expect_all(&said, 0, &["warning: W1102", "may not come out the same again"])?;
+    let said =
+        run(folder.path(), &["replay", key, "meet.scn", "--allow-run", "--fingerprint=0123456789abcdef"]);
+    expect(said.code == Some(100), || format!("{said:?}"))?;
+    for (more, option, second) in [
+        ("nondeterministic", "--verify-runs=all", false),
+        ("", "--verify-runs=none", false),
+        ("", "--verify-runs=all", true),
+    ] {
+        let folder = in_folder(&failing(more));
+        let said = run(folder.path(), &["meet.scn", "--allow-run", "--no-progress", option]);
+        expect_all(&said, 100, &["FAIL"])?;
+        expect(said.text.contains("W1102") == second, || format!("{more} {option}: {}", said.text))?;
+        expect(said.text.contains("2 runs made twice") == second, || {
+            format!("{more} {option}: {}", said.text)
+        })?;
+    }
+    // What is tuned by itself is warned of as well.
+    let tune = "tune best {\n  on meet\n  over av.controller.gap in 5 m .. 20 m\n  minimise mean(max_deceleration)\n  budget 4 evaluations, 3 random first\n}\n";
+    let folder = in_folder(&(scenario("kind=clock", "") + tune));
+    let said = run(folder.path(), &["tune", "best", "meet.scn", "--allow-run", "--no-progress"]);
+    expect_all(&said, 0, &["W1102", "1 of 1 runs"])?;
+    let folder = in_folder(&failing("nondeterministic"));
+    let said = run(folder.path(), &["meet.scn", "--allow-run", "--no-progress", "--html=page.html"]);
+    expect_all(&said, 100, &["as its controller says of itself"])?;
+    let said = run(folder.path(), &["replay", key, "meet.scn", "--allow-run"]);
+    expect_all(&said, 0, &["may not come out the same again"])
+}
+
+pub fn what_is_deterministic_is_not_warned_of() -> Outcome {
+    for words in ["", "at_once=16 encoding=f64"] {
+        let folder = in_folder(&many(words, ""));
+        let said = run(folder.path(), &["meet.scn", "--allow-run", "--no-progress", "--verify-runs=all"]);
+        expect(!said.text.contains("W1102"), || said.text.clone())?;
+        expect_all(&said, 0, &["18 runs made twice", "6 trials, 18 runs"])?;
+    }
+    // What depends on the other runs of a process is found, though each process does the same every time.
+    let folder = in_folder(&many("kind=counts at_once=4", ""));
+    let said = run(folder.path(), &["meet.scn", "--allow-run", "--no-progress", "--verify-runs=all", "-j1"]);
+    expect_all(&said, 0, &["W1102"])
+}
+
+/// A failure of chance is not forgotten since it did not come again.
+pub fn a_recorded_failure_of_chance_is_kept() -> Outcome {
+    let folder = in_folder(&scenario("kind=sometimes", "").replace("<= 9 m/s^2", "<= 2 m/s^2"));
+    fs::write(folder.path().join("worse"), "")?;
+    let all = ["meet.scn", "--allow-run", "--no-progress", "--verify-runs=none"];
+    let said = run(folder.path(), &[&all[..], &["--record-failures"]].concat());
+    expect(said.code == Some(100), || format!("{said:?}"))?;
+    fs::remove_file(folder.path().join("worse"))?;
+    let recorded = || -> usize {
+        let files = fs::read_dir(folder.path()).unwrap().filter_map(|entry| entry.ok());
+        let failures = files.filter(|entry| entry.path().extension().is_some_and(|one| one == "failures"));
+        failures.map(|entry| fs::read_to_string(entry.path()).unwrap().lines().count()).sum()
+    };
+    let before = recorded();
+    expect(before > 0, || "nothing is recorded".to_string())?;
+    // With a clock in it each second run differs.
+    let clock = scenario("kind=clock_a_bit", "").replace("<= 9 m/s^2", "<= 2 m/s^2");
+    fs::write(folder.path().join("meet.scn"), clock)?;
+    let said = run(
+        folder.path(),
+        &["meet.scn", "--allow-run", "--no-progress", "--prune-failures", "--junit=out.xml"],
+    );
+    expect_all(&said, 0, &["W1102"])?;
+    let junit = fs::read_to_string(folder.path().join("out.xml"))?;
+    expect(junit.contains("its controller is not deterministic"), || junit.clone())?;
+    expect(recorded() == before, || format!("{} of {before} are left", recorded()))?;
+    // The same, mended for good, is forgotten.
+    fs::write(
+        folder.path().join("meet.scn"),
+        scenario("kind=gentle", "").replace("<= 9 m/s^2", "<= 2 m/s^2"),
+    )?;
+    let said = run(folder.path(), &["meet.scn", "--allow-run", "--no-progress", "--prune-failures"]);
+    expect(said.code == Some(0) && recorded() < before, || format!("{said:?}"))
+}
