@@ -1,6 +1,6 @@
 //! What may stand in the settings of a statement: what a registered thing declares, or the language itself.
 
-use super::check::{bus, crossings, obstacle, parked_row};
+use super::check::{bus, crossings, obstacle, parked_row, turn};
 use super::syntax::Node;
 use super::syntax::ast::{self, View};
 use scenario::Declaration;
@@ -23,6 +23,7 @@ pub fn named(word: &str, name: &str, registry: &Registry) -> Option<Declaration>
         "box" | "parked" => Some(obstacle()),
         "parked_row" => Some(parked_row()),
         "bus" => Some(bus()),
+        "turn" => Some(turn()),
         _ => choices(word, registry).into_iter().find(|(known, _)| known == name).map(|(_, found)| found),
     }
 }

@@ -536,7 +536,7 @@ fn check_definitions(files: &Texts, report: &mut Vec<Diagnostic>) {
     for file in files.ids() {
         for node in files.tree(file).file().roads() {
             let definition = NameDefinition { file, node: node.index(), span: node.name().span() };
-            check::defined_road(definition, &places, &mut findings);
+            check::check_road(definition, &places, &mut findings);
         }
         for node in files.tree(file).file().scenarios().filter(|one| one.is_template()) {
             let definition = NameDefinition { file, node: node.index(), span: node.name().span() };

@@ -81,8 +81,9 @@ impl Path {
             let (cosine, sine) = (self.heading(place).dot(&way), way.y.abs());
             return (sine >= CROSSES).then(|| ConflictArea::of_lines(point, (cosine, sine), size, body));
         };
-        let areas =
-            course.crossings(from, way).filter_map(|point| area(course, point, size, (from, way), body));
+        let areas = course
+            .crossings(from, way)
+            .filter_map(|point| area(self, course, point, size, (from, way), body));
         let left = |area: &ConflictArea| area.vehicle.to < place;
         areas.reduce(|one, other| {
             let nearer = match (left(&one), left(&other)) {
@@ -96,20 +97,21 @@ impl Path {
 }
 
 fn area(
+    path: &Path,
     course: &CurvedPath,
     point: Conflict,
     size: (f64, f64),
     (from, way): (Vector2<f64>, Vector2<f64>),
     body: (f64, f64),
 ) -> Option<ConflictArea> {
-    let heading = course.tangent(point.place);
+    let heading = path.heading(point.place);
     let (cosine, sine) = (heading.dot(&way), heading.perp(&way).abs());
     if sine < CROSSES {
         return None;
     }
     let of_lines = ConflictArea::of_lines(point, (cosine, sine), size, body);
     let within = of_lines.vehicle.half() + of_lines.pedestrian.half() + size.0;
-    if course.tightest_between(point.place - within, point.place + within) == 0.0 {
+    if !path.turns_about(point.place, within) {
         return Some(of_lines);
     }
     // How far a rectangle along one of two unit vectors reaches across the other.
@@ -117,13 +119,13 @@ fn area(
         (length * one.perp(&other).abs() + width * one.dot(&other).abs()) / 2.0
     };
     let in_band = |place: f64| {
-        let pose = course.pose(place);
-        way.perp(&(pose.point - from)).abs() <= body.1 / 2.0 + across(size, pose.tangent(), way)
+        let (centre, heading) = path.pose(place);
+        way.perp(&(centre - from)).abs() <= body.1 / 2.0 + across(size, heading, way)
     };
     let is_swept = |distance: f64| {
         let at = course.project(from + way * distance);
         let reach = across(body, way, course.tangent(at.place));
-        let (right, left) = course.swept(at.place, size);
+        let (right, left) = path.swept(at.place, size);
         -right - reach <= at.left && at.left <= left + reach
     };
     Some(ConflictArea {

@@ -6,9 +6,9 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    ControllerModel, Criterion, Distribution, DynamicsModel, Evaluate, EvaluationError, Expression, Gate,
-    Individuals, MetricReference, Notation, Origin, PedestrianModel, PerceptionModel, Rating, Reference,
-    Road, Search, Side, Statement, Tune, Value, VariedValue, VehicleReference, Written,
+    ControllerModel, Criterion, DeclaredBend, Distribution, DynamicsModel, Evaluate, EvaluationError,
+    Expression, Gate, Individuals, MetricReference, Notation, Origin, PedestrianModel, PerceptionModel,
+    Rating, Reference, Road, Search, Side, Statement, Tune, Value, VariedValue, VehicleReference, Written,
 };
 
 /// A suite: scenarios and what holds for all of them. A bare `.scn` file becomes a suite named after the file.
@@ -101,8 +101,11 @@ pub struct Scenario {
     pub doc: Option<String>,
     /// What filters may select it by.
     pub tags: Vec<String>,
-    /// Where everybody moves.
+    /// Where everybody moves, straight and with its boxes along it.
     pub road: Road,
+    /// How that road bends.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bend: Option<DeclaredBend>,
     /// In order; their names and those of pedestrians are all different.
     pub vehicles: Vec<Vehicle>,
     /// In order.
@@ -219,6 +222,10 @@ pub struct DeclaredPedestrian {
     pub along: Expression,
     /// Distance of the goal beyond the opposite kerb in m.
     pub goal_beyond_kerb: Expression,
+    /// How far their way is turned to their left from straight across the road, about the point where it meets the centre of the first
+    /// lane, rad.
+    #[serde(default = "straight_across", skip_serializing_if = "is_straight_across")]
+    pub turned: Expression,
     /// When they enter the world.
     pub appears: DeclaredAppearance,
     /// How far ahead of the centre of their footprint the point is that they are measured by, m.
@@ -227,6 +234,14 @@ pub struct DeclaredPedestrian {
     pub individuals: Option<Individuals>,
     /// Where they are declared.
     pub origin: Origin,
+}
+
+fn straight_across() -> Expression {
+    Expression::number(0.0)
+}
+
+fn is_straight_across(turned: &Expression) -> bool {
+    *turned == straight_across()
 }
 
 /// A pedestrian's footprint, m.

@@ -1,8 +1,8 @@
 //! Every expression of a scenario, in one place: what is evaluated for each case, and what can depend on a variation.
 
 use super::{
-    Aggregate, Claim, DeclaredAppearance, DeclaredPedestrian, DeclaredShape, DeclaredVehicleStart,
-    Expression, Model, Origin, Vehicle,
+    Aggregate, BendRadius, Claim, DeclaredAppearance, DeclaredBend, DeclaredPedestrian, DeclaredPiece,
+    DeclaredShape, DeclaredVehicleStart, Expression, Model, Origin, PieceKind, Vehicle,
 };
 
 /// Declares how the expressions of something are gathered, for looking at them and for changing them. Everything is taken apart,
@@ -43,6 +43,7 @@ macro_rules! expressions {
                 start_from_lane_centre,
                 along,
                 goal_beyond_kerb,
+                turned,
                 appears,
                 reference,
                 individuals: _,
@@ -60,8 +61,31 @@ macro_rules! expressions {
             let (DeclaredAppearance::At(number)
             | DeclaredAppearance::TimeToArrival { vehicle: _, reference: _, time: number }
             | DeclaredAppearance::Meets { vehicle: _, share: number }) = appears;
-            let places = [start_from_lane_centre, along, goal_beyond_kerb, number, reference];
+            let places = [start_from_lane_centre, along, goal_beyond_kerb, turned, number, reference];
             found.extend(places.into_iter().map(|place| (place, origin)));
+            found
+        }
+
+        pub fn bend(bend: &$($mut)? DeclaredBend) -> Vec<(&$($mut)? Expression, &Origin)> {
+            let DeclaredBend { pieces, crossing, origin } = bend;
+            let origin: &Origin = origin;
+            let mut found = vec![(crossing, origin)];
+            for piece in pieces {
+                let DeclaredPiece { kind, origin } = piece;
+                let origin: &Origin = origin;
+                match kind {
+                    PieceKind::Straight { length } => found.push((length, origin)),
+                    PieceKind::Clothoid { length, to: about } | PieceKind::Arc { angle: length, about } => {
+                        found.push((length, origin));
+                        if let Some(BendRadius { radius, is_left: _ }) = about {
+                            found.push((radius, origin));
+                        }
+                    }
+                    PieceKind::Turn { is_left: _, radius, clothoid, arc } => {
+                        found.extend([(radius, origin), (clothoid, origin), (arc, origin)]);
+                    }
+                }
+            }
             found
         }
 
@@ -120,6 +144,18 @@ impl DeclaredPedestrian {
     /// As [`Self::expressions`].
     pub fn expressions_mut(&mut self) -> Vec<(&mut Expression, &Origin)> {
         exclusive::pedestrian(self)
+    }
+}
+
+impl DeclaredBend {
+    /// Every expression of it, with the place that gives it.
+    pub fn expressions(&self) -> Vec<(&Expression, &Origin)> {
+        shared::bend(self)
+    }
+
+    /// As [`Self::expressions`].
+    pub fn expressions_mut(&mut self) -> Vec<(&mut Expression, &Origin)> {
+        exclusive::bend(self)
     }
 }
 

@@ -22,6 +22,7 @@ mod conflict_area;
 mod criterion;
 mod declaration;
 mod declared;
+mod declared_bend;
 mod dimension;
 mod direction;
 mod distribution;
@@ -38,6 +39,7 @@ mod notation;
 mod optimisation;
 mod origin;
 mod path;
+mod placed;
 mod placement;
 pub mod population;
 mod program;
@@ -69,6 +71,7 @@ pub use declared::{
     DeclaredAppearance, DeclaredPedestrian, DeclaredShape, DeclaredVehicleStart, Model, RunBudget, Samples,
     SamplingScheme, Scenario, Suite, TestedInstead, Variation, Vehicle,
 };
+pub use declared_bend::{BendRadius, DeclaredBend, DeclaredPiece, PieceKind, WIDE};
 pub use dimension::Dimension;
 pub use direction::{Direction, Side};
 pub use distribution::{

@@ -25,6 +25,14 @@ pub const FINISH: Limit = limit(Dimension::LENGTH, 0.0, 10_000.0);
 pub const LANE_WIDTH: Limit = limit(Dimension::LENGTH, 1.0, 20.0);
 /// Of a road.
 pub const SPEED_LIMIT: Limit = limit(Dimension::SPEED, 0.0, 100.0);
+/// Length of a piece of a path.
+pub const PIECE: Limit = limit(Dimension::LENGTH, 0.01, 10_000.0);
+/// Of a piece of a path.
+pub const BEND_RADIUS: Limit = limit(Dimension::LENGTH, 1.0, 100_000.0);
+/// That a piece of a path turns.
+pub const BEND_ANGLE: Limit = limit(Dimension::ANGLE, 0.001, 2.0 * std::f64::consts::PI);
+/// From the beginning of a path to the middle of its crossing.
+pub const STATION: Limit = limit(Dimension::LENGTH, 0.0, 100_000.0);
 /// Length and width of road users.
 pub const SIZE: Limit = limit(Dimension::LENGTH, 0.1, 30.0);
 /// Of pedestrians that are discs.
@@ -41,6 +49,8 @@ pub const PEDESTRIAN_START: Limit = limit(Dimension::LENGTH, -100.0, 100.0);
 pub const ALONG: Limit = limit(Dimension::LENGTH, -100.0, 100.0);
 /// Of a goal beyond the opposite kerb.
 pub const GOAL: Limit = limit(Dimension::LENGTH, -10.0, 100.0);
+/// Of a pedestrian's way against straight across the road, either way.
+pub const TURNED: Limit = limit(Dimension::ANGLE, -1.25, 1.25);
 /// Time at which a pedestrian appears.
 pub const APPEARS_AT: Limit = limit(Dimension::TIME, 0.0, 3600.0);
 /// Time to arrival of a vehicle at which a pedestrian appears.

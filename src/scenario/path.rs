@@ -29,7 +29,14 @@ enum Kind {
     },
     Curved {
         course: Arc<CurvedPath>,
+        /// How far the point that follows the course is behind the vehicle's centre, m.
+        #[serde(default, skip_serializing_if = "is_zero")]
+        behind: f64,
     },
+}
+
+fn is_zero(metres: &f64) -> bool {
+    *metres == 0.0
 }
 
 /// Where a point lies, seen from a path.
@@ -87,13 +94,22 @@ impl Path {
     pub(super) fn offset_and_direction(&self) -> (f64, Direction) {
         match &self.0 {
             Kind::Straight { y, direction } => (*y, *direction),
-            Kind::Curved { course } => (course.offset(), course.direction()),
+            Kind::Curved { course, .. } => (course.offset(), course.direction()),
         }
     }
 
     /// A course beside a line that bends.
     pub fn curved(course: CurvedPath) -> Self {
-        Self(Kind::Curved { course: Arc::new(course) })
+        Self(Kind::Curved { course: Arc::new(course), behind: 0.0 })
+    }
+
+    /// The same for a vehicle of which the point follows it that is so far (m, never negative) behind its centre, such as its rear axle.
+    /// On a straight path that makes no difference.
+    pub fn followed(self, behind: f64) -> Self {
+        match self.0 {
+            Kind::Curved { course, .. } => Self(Kind::Curved { course, behind }),
+            straight => Self(straight),
+        }
     }
 
     /// The course beside a line, if it is not simply straight.
@@ -101,16 +117,16 @@ impl Path {
     pub fn course(&self) -> Option<&CurvedPath> {
         match &self.0 {
             Kind::Straight { .. } => None,
-            Kind::Curved { course } => Some(course),
+            Kind::Curved { course, .. } => Some(course),
         }
     }
 
-    /// The point at a place, in the world frame.
+    /// The centre, in the world frame, of whoever follows it and is at a place.
     #[inline]
     pub fn point(&self, place: f64) -> Vector2<f64> {
         match &self.0 {
             Kind::Straight { y, direction } => Vector2::new(direction.sign() * place, *y),
-            Kind::Curved { course } => course.point(place),
+            Kind::Curved { .. } => self.pose(place).0,
         }
     }
 
@@ -119,26 +135,30 @@ impl Path {
     pub fn velocity(&self, place: f64, speed: f64) -> Vector2<f64> {
         match &self.0 {
             Kind::Straight { direction, .. } => Vector2::new(direction.sign() * speed, 0.0),
-            Kind::Curved { course } => course.tangent(place) * speed,
+            Kind::Curved { course, behind } => {
+                let pose = course.pose(place - behind);
+                (pose.tangent() + pose.normal() * (behind * pose.curvature)) * speed
+            }
         }
     }
 
-    /// Unit vector in the direction of travel at a place.
+    /// Unit vector in which a body points that follows it and is at a place.
     #[inline]
     pub fn heading(&self, place: f64) -> Vector2<f64> {
         match &self.0 {
             Kind::Straight { direction, .. } => Vector2::new(direction.sign(), 0.0),
-            Kind::Curved { course } => course.tangent(place),
+            Kind::Curved { course, behind } => course.tangent(place - behind),
         }
     }
 
-    /// The point at a place and the unit vector in the direction of travel there.
+    /// The centre of a body that follows it and is at a place, and the unit vector in which it points there.
     pub fn pose(&self, place: f64) -> (Vector2<f64>, Vector2<f64>) {
         match &self.0 {
             Kind::Straight { .. } => (self.point(place), self.heading(place)),
-            Kind::Curved { course } => {
-                let pose = course.pose(place);
-                (pose.point, pose.tangent())
+            Kind::Curved { course, behind } => {
+                let pose = course.pose(place - behind);
+                let heading = pose.tangent();
+                (if *behind == 0.0 { pose.point } else { pose.point + heading * *behind }, heading)
             }
         }
     }
@@ -148,8 +168,8 @@ impl Path {
     pub fn turned(&self, place: f64, vector: Vector2<f64>) -> Vector2<f64> {
         match &self.0 {
             Kind::Straight { direction, .. } => vector * direction.sign(),
-            Kind::Curved { course } => {
-                let heading = course.tangent(place);
+            Kind::Curved { .. } => {
+                let heading = self.heading(place);
                 Vector2::new(vector.dot(&heading), heading.perp(&vector))
             }
         }
@@ -160,17 +180,52 @@ impl Path {
     pub fn turned_back(&self, place: f64, vector: Vector2<f64>) -> Vector2<f64> {
         match &self.0 {
             Kind::Straight { direction, .. } => vector * direction.sign(),
-            Kind::Curved { course } => {
-                let pose = course.pose(place);
-                pose.tangent() * vector.x + pose.normal() * vector.y
+            Kind::Curved { .. } => {
+                let heading = self.heading(place);
+                heading * vector.x + Vector2::new(-heading.y, heading.x) * vector.y
             }
         }
     }
 
-    /// Whether it bends within a distance (m) of a place.
+    /// Whether a body that follows it turns within a distance (m) of a place.
     #[inline]
     pub fn turns_about(&self, place: f64, within: f64) -> bool {
-        self.course().is_some_and(|course| course.tightest_between(place - within, place + within) > 0.0)
+        self.tightest_between(place - within, place + within) > 0.0
+    }
+
+    /// The largest curvature (1/m, never negative) that a body follows between two places (m).
+    pub fn tightest_between(&self, from: f64, to: f64) -> f64 {
+        match &self.0 {
+            Kind::Straight { .. } => 0.0,
+            Kind::Curved { course, behind } => course.tightest_between(from.min(to) - behind, from.max(to)),
+        }
+    }
+
+    /// How far any point of a body of this length and width (m) moves at most for each metre along it between two places (m).
+    pub fn most_moved(&self, (from, to): (f64, f64), (length, width): (f64, f64)) -> f64 {
+        match &self.0 {
+            Kind::Straight { .. } => 1.0,
+            Kind::Curved { behind, .. } => {
+                1.0 + self.tightest_between(from, to) * (libm::hypot(length, width) / 2.0 + behind)
+            }
+        }
+    }
+
+    /// How far (m) a body that is at a place goes straight on; infinite after the last bend.
+    pub fn straight_ahead(&self, place: f64) -> f64 {
+        match &self.0 {
+            Kind::Straight { .. } => f64::INFINITY,
+            Kind::Curved { course, behind } => course.straight_ahead(place - behind),
+        }
+    }
+
+    /// How far a rigid body of this length and width (m) that follows it sweeps to the right and to the left of it about a place, m.
+    pub fn swept(&self, place: f64, (length, width): (f64, f64)) -> (f64, f64) {
+        match &self.0 {
+            Kind::Straight { .. } => (width / 2.0, width / 2.0),
+            // Its far end is as far from the point that follows as that of a longer body about it.
+            Kind::Curved { course, behind } => course.swept(place, (length + 2.0 * behind, width)),
+        }
     }
 
     /// Where a point lies.
@@ -188,7 +243,7 @@ impl Path {
                     ambiguous: false,
                 }
             }
-            Kind::Curved { course } => located(course, point),
+            Kind::Curved { course, .. } => located(course, point),
         }
     }
 
@@ -197,7 +252,7 @@ impl Path {
     pub fn along(&self, point: Vector2<f64>) -> f64 {
         match &self.0 {
             Kind::Straight { direction, .. } => direction.sign() * point.x,
-            Kind::Curved { course } => course.project(point).place,
+            Kind::Curved { course, .. } => course.project(point).place,
         }
     }
 
@@ -217,7 +272,7 @@ impl Path {
             Kind::Straight { y, direction } => {
                 Vector2::new(direction.sign() * point.x, direction.sign() * (point.y - y))
             }
-            Kind::Curved { course } => {
+            Kind::Curved { course, .. } => {
                 let found = course.project(point);
                 Vector2::new(found.place, found.left)
             }
@@ -230,7 +285,7 @@ impl Path {
             Kind::Straight { y, direction } => {
                 Vector2::new(direction.sign() * place.x, y + direction.sign() * place.y)
             }
-            Kind::Curved { course } => {
+            Kind::Curved { course, .. } => {
                 let pose = course.pose(place.x);
                 pose.point + pose.normal() * place.y
             }
@@ -242,7 +297,7 @@ impl Path {
     pub fn beside(&self, point: Vector2<f64>) -> f64 {
         match &self.0 {
             Kind::Straight { y, .. } => point.y - y,
-            Kind::Curved { course } => course.direction().sign() * course.project(point).left,
+            Kind::Curved { course, .. } => course.direction().sign() * course.project(point).left,
         }
     }
 
@@ -258,16 +313,30 @@ impl Path {
     pub fn at_line(&self, x: f64) -> f64 {
         match &self.0 {
             Kind::Straight { direction, .. } => direction.sign() * x,
-            Kind::Curved { course } => course.place_abreast(course.origin() + x),
+            Kind::Curved { course, .. } => course.place_abreast(course.origin() + x),
+        }
+    }
+
+    /// The line across the road at which a place lies, as [`Self::at_line`] counts lines, m.
+    pub fn line_of(&self, place: f64) -> f64 {
+        match &self.0 {
+            Kind::Straight { direction, .. } => direction.sign() * place,
+            Kind::Curved { course, .. } => course.station(place) - course.origin(),
         }
     }
 
     /// The place at which somebody meets the path who sets out from one point to another; abreast of where they set out if they
-    /// do not, and on a straight path anyway.
+    /// do not.
     pub fn met_by(&self, start: Position, goal: Position) -> f64 {
         match &self.0 {
-            Kind::Straight { .. } => self.at_line(start.x),
-            Kind::Curved { course } => {
+            // Straight across, with the bits that this always had.
+            Kind::Straight { .. } if start.x == goal.x => self.at_line(start.x),
+            Kind::Straight { .. } => {
+                let (from, to): (Vector2<f64>, Vector2<f64>) = (start.into(), goal.into());
+                let met = self.conflict(from, to - from).filter(|met| met.distance >= 0.0);
+                met.map_or_else(|| self.at_line(start.x), |met| met.place)
+            }
+            Kind::Curved { course, .. } => {
                 let (from, to): (Vector2<f64>, Vector2<f64>) = (start.into(), goal.into());
                 let met = (to - from).try_normalize(0.0).and_then(|way| {
                     course.crossings(from, way).filter(|met| met.distance >= 0.0).min_by(nearer)
@@ -283,7 +352,7 @@ impl Path {
             |from: f64, to: f64, line: f64| (from < line && to >= line).then(|| (line - from) / (to - from));
         match &self.0 {
             Kind::Straight { y, .. } => reached(from.y, to.y, *y).or_else(|| reached(-from.y, -to.y, -y)),
-            Kind::Curved { course } => {
+            Kind::Curved { course, .. } => {
                 let (from, to) = (course.project(from), course.project(to));
                 if from.ambiguous || to.ambiguous {
                     return None;
@@ -309,7 +378,7 @@ impl Path {
                 let part = (edge - from.y) / across;
                 (part.is_finite() && part >= 0.0).then(|| part * libm::hypot(across, sideways))
             }
-            Kind::Curved { course } => {
+            Kind::Curved { course, .. } => {
                 let way = (to - from).try_normalize(0.0)?;
                 let edge = course.moved(beyond);
                 let met = edge.crossings(from, way).filter(|met| met.distance >= 0.0);
@@ -329,7 +398,7 @@ impl Path {
                 let distance = (y - from.y) / way.y;
                 Some(Conflict { place: direction.sign() * (from.x + way.x * distance), distance })
             }
-            Kind::Curved { course } => course.crossings(from, way).min_by(|one, other| {
+            Kind::Curved { course, .. } => course.crossings(from, way).min_by(|one, other| {
                 let behind = |met: &Conflict| (met.distance < 0.0, met.distance.abs());
                 let (one, other) = (behind(one), behind(other));
                 one.0.cmp(&other.0).then(one.1.total_cmp(&other.1))
@@ -344,7 +413,7 @@ impl Path {
                 let part = (y - from.y) / (to.y - from.y);
                 (0.0..=1.0).contains(&part).then(|| Vector2::new(from.x + part * (to.x - from.x), *y))
             }
-            Kind::Curved { course } => {
+            Kind::Curved { course, .. } => {
                 let (long, way) = ((to - from).norm(), (to - from).try_normalize(0.0)?);
                 let met = course.crossings(from, way).filter(|met| (0.0..=long).contains(&met.distance));
                 met.min_by(nearer).map(|met| from + way * met.distance)

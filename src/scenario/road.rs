@@ -37,8 +37,7 @@ pub struct Road {
 }
 
 /// How a road bends: the line that the centre of lane 0 follows, and where the crossing is on it. The world's frame is then that
-/// of the line: starts, goals and boxes lie in it, whatever the road's direction there, and boxes along its axes. Runs are not made
-/// on such roads yet.
+/// of the line: starts, goals and boxes lie in it, whatever the road's direction there; [`Road::placed`] puts them there.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Bend {
     /// The centre line of lane 0; the others lie to the left of it.
@@ -83,7 +82,7 @@ pub enum CrossingKind {
     },
 }
 
-/// A rectangle aligned with the road that blocks the view and the way, such as a parked car.
+/// A rectangle along the road where it stands that blocks the view and the way, such as a parked car.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Body {
     /// By which criteria and reports speak of it. It decides nothing in a run, so it is no part of what identifies one; see
@@ -94,10 +93,27 @@ pub struct Body {
     pub x: f64,
     /// Centre in m.
     pub y: f64,
-    /// Extent along x in m.
+    /// Extent along its heading in m.
     pub length: f64,
-    /// Extent along y in m.
+    /// Extent across its heading in m.
     pub width: f64,
+    /// From the x axis to its length, rad; that of the road where it stands.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub heading: f64,
+}
+
+fn is_zero(angle: &f64) -> bool {
+    *angle == 0.0
+}
+
+impl Body {
+    /// Unit vector along its length.
+    pub fn along(&self) -> Vector2<f64> {
+        if self.heading == 0.0 {
+            return Vector2::x();
+        }
+        Vector2::new(libm::cos(self.heading), libm::sin(self.heading))
+    }
 }
 
 impl Bend {

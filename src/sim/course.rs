@@ -16,7 +16,7 @@ use scenario::agent::{
     Command, ControllerError, Mode, Motion, Observation, Pedestrian, PedestrianState, Scene, Snapshot,
     VehicleState,
 };
-use scenario::{Appearance, PedestrianSetup, VehicleReference, World};
+use scenario::{Appearance, Path, PedestrianSetup, VehicleReference, World};
 
 /// The time at which a run ends that nothing ends before its horizon, s: a whole number of steps.
 pub fn longest_run(horizon: f64, step: f64) -> f64 {
@@ -79,8 +79,25 @@ pub fn has_arrived(world: &World, state: &Snapshot, who: Solid) -> bool {
 
 /// Whether a pedestrian has left the lane of a vehicle behind.
 pub fn has_crossed(world: &World, state: &Snapshot, pedestrian: usize, car: &VehicleState) -> bool {
-    let (place, side) = (state.pedestrians[pedestrian].position, world.pedestrians[pedestrian].side);
-    car.path.beyond(place, side) >= world.road.lane_width / 2.0
+    let setup = &world.pedestrians[pedestrian];
+    let place = state.pedestrians[pedestrian].position;
+    if car.path.course().is_none() {
+        return car.path.beyond(place, setup.side) >= world.road.lane_width / 2.0;
+    }
+    walked(setup, place) >= way_across(world, setup, &car.path)
+}
+
+/// How far somebody has come on the straight line from its start to its goal, m.
+fn walked(setup: &PedestrianSetup, place: Vector2<f64>) -> f64 {
+    (place - Vector2::from(setup.start)).dot(&way(setup))
+}
+
+/// The way (m) from somebody's start until a path that bends is left behind: to the edge of its lane that they leave it by, or to
+/// their goal if that is never reached.
+fn way_across(world: &World, setup: &PedestrianSetup, path: &Path) -> f64 {
+    let (start, goal) = (Vector2::from(setup.start), Vector2::from(setup.goal));
+    let edge = path.way_to_far_edge((start, goal), setup.side, world.road.lane_width);
+    edge.unwrap_or_else(|| (goal - start).norm())
 }
 
 /// A run under way. Whoever drives it calls [`Self::next`], and decides for those who are asked, until it has ended. What
@@ -97,6 +114,8 @@ pub struct Course {
     waiting: usize,
     /// Unit vectors from start to goal.
     ways: Vec<Vector2<f64>>,
+    /// The way (m) of each pedestrian across the path of each vehicle, one after the other, where paths bend.
+    across: Vec<f64>,
     /// The place at which each pedestrian meets the path of the vehicle that it waits for, m.
     meetings: Vec<f64>,
     motions: Vec<Motion>,
@@ -143,6 +162,7 @@ impl Course {
             motions: vec![Motion::Walk(Vector2::zeros()); ways.len()],
             earlier: vec![(Motion::Walk(Vector2::zeros()), 0.0); ways.len()],
             ways,
+            across: ways_across(&world),
             meetings: world.pedestrians.iter().map(|setup| meeting(&world, setup)).collect(),
             pedestrian_modes: vec![Mode::NONE; world.pedestrians.len()],
             vehicle_modes: vec![Mode::NONE; world.vehicles.len()],
@@ -432,8 +452,30 @@ impl Course {
     fn is_complete(&self) -> bool {
         let vehicles = (0..self.now.vehicles.len()).map(Solid::Vehicle);
         let mut everybody = vehicles.chain((0..self.now.pedestrians.len()).map(Solid::Pedestrian));
-        everybody.all(|who| has_arrived(&self.world, &self.now, who))
+        if self.across.is_empty() {
+            return everybody.all(|who| has_arrived(&self.world, &self.now, who));
+        }
+        let cars = self.now.vehicles.len();
+        everybody.all(|who| match who {
+            Solid::Pedestrian(index) => {
+                let person = &self.now.pedestrians[index];
+                let come = walked(&self.world.pedestrians[index], person.position);
+                person.present && self.across[index * cars..(index + 1) * cars].iter().all(|way| come >= *way)
+            }
+            who => has_arrived(&self.world, &self.now, who),
+        })
     }
+}
+
+/// Of every pedestrian across the path of every vehicle, m; nothing on a straight road.
+fn ways_across(world: &World) -> Vec<f64> {
+    if world.road.bend.is_none() {
+        return Vec::new();
+    }
+    let paths: Vec<Path> = world.vehicles.iter().map(|setup| world.road.path(setup.lane)).collect();
+    let ways =
+        world.pedestrians.iter().flat_map(|setup| paths.iter().map(|path| way_across(world, setup, path)));
+    ways.collect()
 }
 
 /// Puts vehicles where the same ones are in another state: how they move is all that changes in a run.

@@ -1,6 +1,6 @@
 //! Footprints in the plane: when they touch and how far apart they are.
 //!
-//! A vehicle is a rectangle along its path, a box one along the road; a pedestrian is a disc or a rectangle along its heading.
+//! A vehicle is a rectangle along its path, a box one along the road where it stands; a pedestrian is a disc or a rectangle along its heading.
 
 use nalgebra::Vector2;
 
@@ -25,10 +25,7 @@ impl From<&VehicleState> for Footprint {
         let (centre, heading) = match vehicle.path.course() {
             // A rectangle is the same from either end, so that both directions of travel have the same bits.
             None => (vehicle.position(), Vector2::x()),
-            Some(course) => {
-                let pose = course.pose(vehicle.motion.travelled);
-                (pose.point, pose.tangent())
-            }
+            Some(_) => vehicle.path.pose(vehicle.motion.travelled),
         };
         Self { centre, heading, shape }
     }
@@ -43,7 +40,7 @@ impl From<&PedestrianState> for Footprint {
 impl From<&Body> for Footprint {
     fn from(body: &Body) -> Self {
         let shape = Shape::Rectangle { length: body.length, width: body.width };
-        Self { centre: Vector2::new(body.x, body.y), heading: Vector2::x(), shape }
+        Self { centre: Vector2::new(body.x, body.y), heading: body.along(), shape }
     }
 }
 

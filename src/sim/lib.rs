@@ -23,6 +23,7 @@ mod fingerprint;
 #[doc(hidden)]
 pub mod fixture;
 pub mod geometry;
+mod hit;
 pub mod measure;
 mod observer;
 mod order;
@@ -38,6 +39,7 @@ mod turning;
 pub use contact::{Contacts, Touch};
 pub use course::{Course, Fault, Progress, has_arrived, has_crossed, longest_run, simulate, walking_time};
 pub use fingerprint::Fingerprint;
+pub use hit::hit_at;
 pub use observer::{Ending, Observer, Step, StopReason};
 pub use order::{LONGEST_PLAN, Order, SpeedPlan, SpeedPlanError, toward};
 pub use road_users::{Driven, Driver, RoadUsers};

@@ -144,7 +144,7 @@ mod tests {
     use scenario::VehicleStart;
 
     fn van(x: f64, y: f64) -> Body {
-        Body { name: "van".into(), x, y, length: 5.0, width: 2.0 }
+        Body { name: "van".into(), x, y, length: 5.0, width: 2.0, heading: 0.0 }
     }
 
     fn found(change: impl FnOnce(&mut World)) -> Vec<(Solid, Solid)> {

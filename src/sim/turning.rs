@@ -126,9 +126,8 @@ impl<'a> Moving<'a> {
     /// For how long it goes straight on, s.
     fn straight_ahead(&self) -> f64 {
         let Self::Vehicle(car) = self else { return f64::INFINITY };
-        let Some(course) = car.path.course() else { return f64::INFINITY };
-        if car.motion.speed > 0.0 {
-            course.straight_ahead(car.motion.travelled) / car.motion.speed
+        if car.path.course().is_some() && car.motion.speed > 0.0 {
+            car.path.straight_ahead(car.motion.travelled) / car.motion.speed
         } else {
             f64::INFINITY
         }
@@ -138,9 +137,7 @@ impl<'a> Moving<'a> {
     fn fastest(&self) -> f64 {
         let Self::Vehicle(car) = self else { return self.velocity().norm() };
         let (place, speed) = (car.motion.travelled, car.motion.speed);
-        let bend =
-            car.path.course().map_or(0.0, |course| course.tightest_between(place, place + speed * HORIZON));
-        speed * (1.0 + bend * libm::hypot(car.length, car.width) / 2.0)
+        speed * car.path.most_moved((place, place + speed * HORIZON), (car.length, car.width))
     }
 
     /// When it first touches another, both of which go straight on for `straight` s.
@@ -185,8 +182,7 @@ pub(super) fn touch_on_a_bend(
         Solid::Vehicle(index) => {
             let (car, next) = (&before.vehicles[index], &after.vehicles[index].motion);
             let (from, to) = (car.motion.travelled, next.travelled);
-            let bend = car.path.course().map_or(0.0, |course| course.tightest_between(from, to));
-            (to - from) / duration * (1.0 + bend * libm::hypot(car.length, car.width) / 2.0)
+            (to - from) / duration * car.path.most_moved((from, to), (car.length, car.width))
         }
         Solid::Pedestrian(index) => {
             (after.pedestrians[index].position - before.pedestrians[index].position).norm() / duration
@@ -201,10 +197,7 @@ pub(super) fn touch_on_a_bend(
 pub(super) fn turns(solid: Solid, before: &Snapshot, after: &Snapshot) -> bool {
     let Solid::Vehicle(index) = solid else { return false };
     let (car, next) = (&before.vehicles[index], &after.vehicles[index].motion);
-    let bends = |course: &scenario::geometry::CurvedPath| {
-        course.tightest_between(car.motion.travelled, next.travelled) > 0.0
-    };
-    car.path.course().is_some_and(bends)
+    car.path.tightest_between(car.motion.travelled, next.travelled) > 0.0
 }
 
 /// The first and the last place (m) of a path at which a vehicle of this size (length, width) touches an outline that lies abreast
@@ -217,8 +210,7 @@ pub(crate) fn touched_between(
 ) -> Option<(f64, f64)> {
     let diagonal = libm::hypot(size.0, size.1);
     let (low, high) = (place - diagonal - outline.radius(), place + diagonal + outline.radius());
-    let bend = path.course().map_or(0.0, |course| course.tightest_between(low, high));
-    let fastest = 1.0 + bend * diagonal / 2.0;
+    let fastest = path.most_moved((low, high), size);
     // Inwards from where it cannot touch, no farther than what is left between the two.
     let touched = |from: f64, to: f64| {
         let sign = (to - from).signum();

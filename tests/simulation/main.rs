@@ -2,6 +2,7 @@
 
 mod autoware;
 mod baselines;
+mod bends;
 mod carla;
 mod commotions_world;
 mod course;

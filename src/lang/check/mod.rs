@@ -1,5 +1,6 @@
 //! From syntax to checked scenarios.
 
+mod bend;
 mod block;
 mod book;
 mod claim;
@@ -19,6 +20,7 @@ mod places;
 mod rated_cells;
 mod rating;
 mod road;
+mod road_settings;
 mod runs;
 mod scenario;
 mod statement;
@@ -38,8 +40,8 @@ pub use metric::Cast;
 pub use places::Places;
 pub use rated_cells::RatedScenarios;
 pub use rating::rating;
-pub use road::{bus, crossings, obstacle, parked_row};
-pub use scenario::{SuiteCriteria, defined_road, scenario, write_scenario};
+pub use road_settings::{bus, crossings, obstacle, parked_row, turn};
+pub use scenario::{SuiteCriteria, check_road, scenario, write_scenario};
 pub use statement::statement;
 pub use subject::{Checked, Subjects};
 pub use tested::tested;

@@ -15,7 +15,7 @@ use crate::settings::repeated;
 use crate::source::Span;
 use crate::syntax::{Node, ast};
 use crate::value::{self, Typed};
-use crate::write::{BlockText, constant, is_name, model_text, number_of, quoted};
+use crate::write::{BlockText, constant, is_name, model_text, number_of, quantity, quoted};
 use scenario::{
     BinaryOperator, DeclaredAppearance, DeclaredPedestrian, DeclaredShape, Dimension, Expression,
     Individuals, PedestrianModel, PopulationShare, Road, Side, Value, VehicleReference, limits, show,
@@ -96,6 +96,13 @@ pub fn pedestrian(
         }
         None => Some(DeclaredAppearance::At(Expression::number(0.0))),
     };
+    let turned = match last(layers, ast::PedestrianBlock::turned) {
+        Some(said) => turned(said, report).map(|(turned, typed)| {
+            written.statement(name.text(), "turned", Some(&typed), places);
+            turned
+        }),
+        None => Some(Expression::number(0.0)),
+    };
     let reference = match last(layers, ast::PedestrianBlock::reference) {
         Some(said) => reference(said, report).map(|(reference, typed)| {
             written.statement(name.text(), "reference", Some(&typed), places);
@@ -118,6 +125,7 @@ pub fn pedestrian(
         start_from_lane_centre: start?,
         along: along?,
         goal_beyond_kerb: goal?,
+        turned: turned?,
         appears: appears?,
         reference: reference?,
         individuals: match individuals {
@@ -379,16 +387,27 @@ fn meets(
 fn reference(said: Said<ast::ReferencePoint>, report: &mut Vec<Diagnostic>) -> Option<(Expression, Typed)> {
     let what = "the reference point of a pedestrian";
     let value = value::quantity_within(said.node.value(), limits::REFERENCE, what, said.scope, report)?;
-    let ahead = match (said.node.is_behind(), &value.expression) {
-        (false, expression) => expression.clone(),
-        (true, Expression::Constant(Value::Number(behind))) => Expression::number(-behind),
-        (true, expression) => Expression::Binary {
+    let ahead = if said.node.is_behind() { negated(&value.expression) } else { value.expression.clone() };
+    Some((ahead, value))
+}
+
+/// How far its way is turned to its left.
+fn turned(said: Said<ast::Turned>, report: &mut Vec<Diagnostic>) -> Option<(Expression, Typed)> {
+    let what = "the turn of a pedestrian's way";
+    let value = value::quantity_within(said.node.value(), limits::TURNED, what, said.scope, report)?;
+    let left = if said.node.is_left() { value.expression.clone() } else { negated(&value.expression) };
+    Some((left, value))
+}
+
+fn negated(expression: &Expression) -> Expression {
+    match expression {
+        Expression::Constant(Value::Number(number)) => Expression::number(-number),
+        expression => Expression::Binary {
             operator: BinaryOperator::Subtract,
             left: Box::new(Expression::number(0.0)),
             right: Box::new(expression.clone()),
         },
-    };
-    Some((ahead, value))
+    }
 }
 
 pub fn unknown_vehicle(name: ast::Name, vehicles: &[&str]) -> Diagnostic {
@@ -430,6 +449,13 @@ pub fn write_pedestrian(person: &DeclaredPedestrian, out: &mut BlockText) {
     }
     if number_of(&person.goal_beyond_kerb) != Defaults::GOAL {
         out.line(&format!("goal {} beyond kerb", length(&person.goal_beyond_kerb)));
+    }
+    match number_of(&person.turned) {
+        0.0 => {}
+        left => {
+            let (angle, side) = (left.abs(), if left > 0.0 { "left" } else { "right" });
+            out.line(&format!("turned {} {side}", quantity(angle, Dimension::ANGLE)));
+        }
     }
     match &person.appears {
         DeclaredAppearance::At(time) if number_of(time) == 0.0 => {}

@@ -2,144 +2,22 @@
 
 use std::collections::BTreeSet;
 
+use super::bend;
 use super::block::{Layer, missing, reject_repeats};
+use super::book::Book;
+use super::places::Places;
+use super::road_settings::{bus, obstacle, parked_row, signalised, unmarked, zebra};
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
 use crate::settings;
 use crate::source::Span;
 use crate::syntax::ast;
 use crate::value::{self, NameScope, Typed, ValueKind};
-use crate::write::{BlockText, quantity};
+use crate::write::{BlockText, constant, quantity};
 use scenario::{
-    Body, Crossing, CrossingKind, Declaration, Dimension, Direction, Expression, Lane, Parameter, Road,
+    Body, Crossing, CrossingKind, Declaration, DeclaredBend, Dimension, Direction, Expression, Lane, Road,
     Settings, Value, limits,
 };
-
-const LANGUAGE: &str = "the scenario language";
-
-fn width() -> Parameter {
-    Parameter::number(
-        "width",
-        Dimension::LENGTH,
-        4.0,
-        (0.5, 50.0),
-        "Extent of the crossing along the road.",
-        LANGUAGE,
-    )
-}
-
-fn zebra() -> Declaration {
-    Declaration::new("crossing zebra", "A crossing at which pedestrians have priority.")
-        .source(LANGUAGE)
-        .parameters([width()])
-}
-
-fn unmarked() -> Declaration {
-    Declaration::new("crossing unmarked", "A place to cross at which vehicles have priority.")
-        .source(LANGUAGE)
-        .parameters([width()])
-}
-
-fn signalised() -> Declaration {
-    Declaration::new("crossing signalised", "A crossing with a two-phase signal.")
-        .source(LANGUAGE)
-        .parameters([
-            width(),
-            Parameter::number(
-                "cycle",
-                Dimension::TIME,
-                60.0,
-                (1.0, 600.0),
-                "Time after which the signal repeats.",
-                LANGUAGE,
-            ),
-            Parameter::number(
-                "pedestrian_green",
-                Dimension::TIME,
-                20.0,
-                (0.0, 600.0),
-                "How long pedestrians have green in each cycle.",
-                LANGUAGE,
-            ),
-            Parameter::number(
-                "pedestrian_green_from",
-                Dimension::TIME,
-                0.0,
-                (0.0, 600.0),
-                "When in the cycle pedestrians get green.",
-                LANGUAGE,
-            ),
-        ])
-}
-
-/// Every kind of crossing by its word.
-pub fn crossings() -> [(&'static str, Declaration); 3] {
-    [("zebra", zebra()), ("unmarked", unmarked()), ("signalised", signalised())]
-}
-
-const PLACE: (f64, f64) = (-1000.0, 1000.0);
-const EXTENT: (f64, f64) = (0.01, 100.0);
-
-pub fn obstacle() -> Declaration {
-    let [along, across, length, width] = rectangle();
-    Declaration::new("box", "A parked vehicle or another box that blocks the view and the way.")
-        .source(LANGUAGE)
-        .parameters([along, across, length, width])
-}
-
-/// `bus NAME { … }`
-pub fn bus() -> Declaration {
-    let [along, across, ..] = rectangle();
-    let extent = |name, default, doc| {
-        let source = "a common length of city buses, and their largest width by Directive 96/53/EC";
-        Parameter::number(name, Dimension::LENGTH, default, EXTENT, doc, source)
-    };
-    Declaration::new("bus", "A bus that stands, which blocks the view and the way.")
-        .source(LANGUAGE)
-        .parameters([
-            along,
-            across,
-            extent("length", 12.0, "Its extent along the road."),
-            extent("width", 2.55, "Its extent across the road."),
-        ])
-}
-
-/// `parked_row NAME { … }`
-pub fn parked_row() -> Declaration {
-    let [_, across, length, width] = rectangle();
-    let to = "Where the first of them ends along the road, 0 being the middle of the crossing; the others stand before it.";
-    Declaration::new("parked_row", "Parked vehicles one behind the other, which block the view and the way.")
-        .source(LANGUAGE)
-        .parameters([
-            Parameter::optional("to", Dimension::LENGTH, PLACE, to, LANGUAGE),
-            Parameter::whole("cars", 2, (1, 100), "How many there are.", LANGUAGE),
-            Parameter::number("gap", Dimension::LENGTH, 1.0, (0.0, 100.0), "Between two of them.", LANGUAGE),
-            across,
-            length,
-            width,
-        ])
-}
-
-fn rectangle() -> [Parameter; 4] {
-    [
-        Parameter::optional(
-            "along",
-            Dimension::LENGTH,
-            PLACE,
-            "Its centre along the road; 0 is the middle of the crossing.",
-            LANGUAGE,
-        ),
-        Parameter::optional(
-            "across",
-            Dimension::LENGTH,
-            PLACE,
-            "Its centre across the road; 0 is the centre of lane 0, positive towards the far side.",
-            LANGUAGE,
-        ),
-        Parameter::optional("length", Dimension::LENGTH, EXTENT, "Its extent along the road.", LANGUAGE),
-        Parameter::optional("width", Dimension::LENGTH, EXTENT, "Its extent across the road.", LANGUAGE),
-    ]
-}
 
 /// The road that a `road_block` describes; `name` is empty for one inside a scenario.
 pub fn road(
@@ -147,8 +25,10 @@ pub fn road(
     span: Span,
     block: ast::RoadBlock,
     scope: &NameScope,
+    places: &Places,
+    written: &mut Book,
     report: &mut Vec<Diagnostic>,
-) -> Option<Road> {
+) -> Option<(Road, Option<DeclaredBend>)> {
     reject_repeats(*block, report);
     let layers = [Layer { block, scope }];
     let what = if name.is_empty() { "this road".to_string() } else { format!("road `{name}`") };
@@ -174,23 +54,42 @@ pub fn road(
         }
     };
     let crossing = match block.crossing() {
-        Some(node) => crossing(node, scope, report),
+        Some(node) => crossing(node, scope, report).map(|found| (node, found)),
         None => {
             missing::<ast::Crossing>(&layers, span, &what, report);
             None
         }
     };
     let boxes: Vec<_> = block.obstacles().map(|node| bodies(node, scope, report)).collect();
-    Some(Road {
+    let pieces = block.path().map(|path| bend::pieces(path, scope, places, written, report));
+    let (node, (crossing, at)) = crossing?;
+    let bend = match (pieces, at) {
+        (None, None) => None,
+        (Some(pieces), Some(at)) => {
+            written.statement("road", "at", Some(&at), places);
+            let origin = places.origin(at.span);
+            Some(DeclaredBend { pieces: pieces?, crossing: at.expression, origin })
+        }
+        (Some(_), None) => {
+            report.push(bend::no_place(node));
+            return None;
+        }
+        (None, Some(at)) => {
+            report.push(bend::no_path(at.span));
+            return None;
+        }
+    };
+    let road = Road {
         name: name.to_string(),
         lane_width: lane_width?,
         lanes: lanes?,
         speed_limit: speed_limit?,
         kerbs: block.no_kerbs().is_none(),
-        crossing: crossing?,
+        crossing,
         boxes: named_once(boxes.into_iter().collect::<Option<Vec<_>>>()?.concat(), span, report)?,
         bend: None,
-    })
+    };
+    Some((road, bend))
 }
 
 fn lanes(node: ast::Lanes, scope: &NameScope, report: &mut Vec<Diagnostic>) -> Option<Vec<Lane>> {
@@ -212,7 +111,12 @@ fn lanes(node: ast::Lanes, scope: &NameScope, report: &mut Vec<Diagnostic>) -> O
     Some(vec![Lane { direction: Direction::Forward }; number as usize])
 }
 
-fn crossing(node: ast::Crossing, scope: &NameScope, report: &mut Vec<Diagnostic>) -> Option<Crossing> {
+/// The crossing and, on a path, how far behind its beginning that is.
+fn crossing(
+    node: ast::Crossing,
+    scope: &NameScope,
+    report: &mut Vec<Diagnostic>,
+) -> Option<(Crossing, Option<Typed>)> {
     let (declaration, kind) = if node.is_zebra() {
         (zebra(), CrossingKind::Zebra)
     } else if node.is_unmarked() {
@@ -223,7 +127,7 @@ fn crossing(node: ast::Crossing, scope: &NameScope, report: &mut Vec<Diagnostic>
             CrossingKind::Signalised { cycle: 0.0, pedestrian_green_from: 0.0, pedestrian_green: 0.0 },
         )
     };
-    let given = constants(node.settings(), &declaration, scope, report)?;
+    let (given, mut varying) = settings_but(&["at"], node.settings(), &declaration, scope, report)?;
     let resolved = declaration.resolve(&given).ok()?;
     let kind = match kind {
         CrossingKind::Signalised { .. } => {
@@ -247,7 +151,7 @@ fn crossing(node: ast::Crossing, scope: &NameScope, report: &mut Vec<Diagnostic>
         }
         other => other,
     };
-    Some(Crossing { kind, width: resolved.number("width") })
+    Some((Crossing { kind, width: resolved.number("width") }, varying.pop()))
 }
 
 /// What a statement puts on the road.
@@ -284,7 +188,7 @@ fn bodies(node: ast::Obstacle, scope: &NameScope, report: &mut Vec<Diagnostic>) 
     let (x, y, length, width) = (x?, y?, length?, width?);
     let name = node.name().text();
     if !node.is_row() {
-        return Some(vec![Body { name: name.to_string(), x, y, length, width }]);
+        return Some(vec![Body { name: name.to_string(), x, y, length, width, heading: 0.0 }]);
     }
     let (cars, gap) = (given.number("cars") as usize, given.number("gap"));
     let car = |index: usize| Body {
@@ -293,6 +197,7 @@ fn bodies(node: ast::Obstacle, scope: &NameScope, report: &mut Vec<Diagnostic>) 
         y,
         length,
         width,
+        heading: 0.0,
     };
     Some((0..cars).map(car).collect())
 }
@@ -323,10 +228,25 @@ pub fn constants(
     scope: &NameScope,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Settings> {
-    let mut constants = Settings::default();
-    let Some(node) = node else { return Some(constants) };
+    settings_but(&[], node, declaration, scope, report).map(|(constants, _)| constants)
+}
+
+/// As [`constants`], but for those of these names, which may vary and are given apart.
+fn settings_but(
+    may_vary: &[&str],
+    node: Option<ast::Settings>,
+    declaration: &Declaration,
+    scope: &NameScope,
+    report: &mut Vec<Diagnostic>,
+) -> Option<(Settings, Vec<Typed>)> {
+    let (mut constants, mut varying) = (Settings::default(), Vec::new());
+    let Some(node) = node else { return Some((constants, varying)) };
     let before = report.len();
     for (name, typed) in settings::check(Some(node), declaration, scope, report) {
+        if may_vary.contains(&name.as_str()) {
+            varying.push(typed);
+            continue;
+        }
         match typed.expression {
             Expression::Constant(value) => constants.set(name, value),
             varying => {
@@ -342,12 +262,13 @@ pub fn constants(
             }
         }
     }
-    (report.len() == before).then_some(constants)
+    (report.len() == before).then_some((constants, varying))
 }
 
 /// The block that says it.
-pub fn write_road(road: &Road, out: &mut BlockText) {
+pub fn write_road(road: &Road, bend: Option<&DeclaredBend>, out: &mut BlockText) {
     out.open("road");
+    bend.into_iter().for_each(|bend| bend::write_path(bend, out));
     let directions: Vec<_> = road
         .lanes
         .iter()
@@ -364,7 +285,10 @@ pub fn write_road(road: &Road, out: &mut BlockText) {
     if !road.kerbs {
         out.line("no kerbs");
     }
-    let width = quantity(road.crossing.width, Dimension::LENGTH);
+    let mut width = quantity(road.crossing.width, Dimension::LENGTH);
+    if let Some(bend) = bend {
+        width.push_str(&format!(", at: {}", constant(&bend.crossing, Dimension::LENGTH)));
+    }
     out.line(&match road.crossing.kind {
         CrossingKind::Zebra => format!("crossing zebra {{ width: {width} }}"),
         CrossingKind::Unmarked => format!("crossing unmarked {{ width: {width} }}"),

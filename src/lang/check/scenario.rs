@@ -24,8 +24,8 @@ use crate::value::{self, Binding, NameScope, Typed, ValueKind};
 use crate::write::{BlockText, quantity, quoted};
 use scenario::limits::Limit;
 use scenario::{
-    Criterion, DeclaredPedestrian, Dimension, Expression, Individuals, PopulationShare, Road, Scenario,
-    Variation, Vehicle, limits,
+    Criterion, DeclaredBend, DeclaredPedestrian, Dimension, Expression, Individuals, PopulationShare, Road,
+    Scenario, Variation, Vehicle, limits,
 };
 
 /// Criteria that a suite adds to its scenarios, with the names that its file can see.
@@ -56,13 +56,14 @@ pub fn scenario(
     let layers: Vec<Layer<_>> =
         blocks.iter().zip(&scopes).map(|(layer, scope)| Layer { block: layer.block, scope }).collect();
 
-    let road = scenario_road(&chain, &layers, name, places, report);
+    let mut written = Book::default();
+    let road = scenario_road(&chain, &layers, name, places, &mut written, report);
+    let (road, bend) = road.map_or((None, None), |(road, bend)| (Some(road), bend));
     let vehicle_groups =
         grouped(&layers, |block| block.vehicles().map(|one| (one.name(), one.block())).collect(), report);
     let pedestrian_groups =
         grouped(&layers, |block| block.pedestrians().map(|one| (one.name(), one.block())).collect(), report);
     reject_shared_names(&vehicle_groups, &pedestrian_groups, report);
-    let mut written = Book::default();
     for (name, binding) in &varied {
         binding.value.iter().for_each(|typed| written.variation(name, typed, places));
     }
@@ -141,7 +142,7 @@ pub fn scenario(
         }
     }
     if report.len() == before && !broken {
-        let mut users = used_variables(&vehicles, &pedestrians, &criteria);
+        let mut users = used_variables(bend.as_ref(), &vehicles, &pedestrians, &criteria);
         users.extend(variations.iter().flat_map(Variation::depends_on));
         unused(&layers, &varied, &variations, &users, report);
     }
@@ -150,6 +151,7 @@ pub fn scenario(
         doc,
         tags,
         road: road?,
+        bend,
         vehicles,
         pedestrians,
         variations,
@@ -344,8 +346,9 @@ fn scenario_road(
     layers: &[Layer<ast::ScenarioBlock>],
     name: ast::Name,
     places: &Places,
+    written: &mut Book,
     report: &mut Vec<Diagnostic>,
-) -> Option<Road> {
+) -> Option<(Road, Option<DeclaredBend>)> {
     let chosen = chain
         .iter()
         .zip(layers)
@@ -357,7 +360,7 @@ fn scenario_road(
         return None;
     };
     if let Some(block) = choice.block() {
-        return road("", choice.span(), block, scope, report);
+        return road("", choice.span(), block, scope, places, written, report);
     }
     let wanted = choice.name()?;
     let names: &Names = places.files.names(file);
@@ -373,18 +376,24 @@ fn scenario_road(
         );
         return None;
     };
-    defined_road(*found, places, report)
+    defined_road(*found, places, written, report)
+}
+
+/// Checks a road with a name, whoever uses it.
+pub fn check_road(definition: NameDefinition, places: &Places, report: &mut Vec<Diagnostic>) {
+    defined_road(definition, places, &mut Book::default(), report);
 }
 
 /// A road with a name. Its mistakes are reported where it is defined, whoever uses it.
-pub fn defined_road(
+fn defined_road(
     definition: NameDefinition,
     places: &Places,
+    written: &mut Book,
     report: &mut Vec<Diagnostic>,
-) -> Option<Road> {
+) -> Option<(Road, Option<DeclaredBend>)> {
     let node = ast::RoadDefinition::cast(places.files.node(definition))?;
     let name = node.name();
-    road(name.text(), name.span(), node.block(), places.files.scope(definition.file), report)
+    road(name.text(), name.span(), node.block(), places.files.scope(definition.file), places, written, report)
 }
 
 type Group<'a, B> = (ast::Name<'a>, Vec<Layer<'a, B>>);
@@ -481,6 +490,7 @@ fn unused(
 
 /// What road users do with, and what criteria compare to.
 fn used_variables<'a>(
+    bend: Option<&'a DeclaredBend>,
     vehicles: &'a [Vehicle],
     pedestrians: &'a [DeclaredPedestrian],
     criteria: &'a [Criterion],
@@ -488,6 +498,7 @@ fn used_variables<'a>(
     let mut expressions: Vec<&Expression> = criteria.iter().flat_map(|one| one.claim.bounds()).collect();
     let users = vehicles.iter().flat_map(Vehicle::expressions);
     let users = users.chain(pedestrians.iter().flat_map(DeclaredPedestrian::expressions));
+    let users = users.chain(bend.into_iter().flat_map(DeclaredBend::expressions));
     expressions.extend(users.map(|(expression, _)| expression));
     let cars = vehicles.iter().flat_map(|vehicle| {
         let dynamics = vehicle.dynamics.as_ref().and_then(|model| model.varied_by.as_deref());
@@ -522,7 +533,7 @@ pub fn write_scenario(scenario: &Scenario, expect: &[String], remarks: &[String]
     if !scenario.tags.is_empty() {
         out.line(&format!("tags {}", scenario.tags.join(", ")));
     }
-    write_road(&scenario.road, &mut out);
+    write_road(&scenario.road, scenario.bend.as_ref(), &mut out);
     if scenario.step != Defaults::STEP {
         out.line(&format!("step {}", quantity(scenario.step, Dimension::TIME)));
     }

@@ -96,6 +96,7 @@ pub enum YamlShape {
 pub enum BlockKind {
     File,
     Road,
+    Path,
     Controller,
     Scenario,
     Vehicle,
@@ -126,9 +127,10 @@ pub struct BlockEntry {
 
 impl BlockKind {
     /// The file first.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 17] = [
         Self::File,
         Self::Road,
+        Self::Path,
         Self::Controller,
         Self::Scenario,
         Self::Vehicle,

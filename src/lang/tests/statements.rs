@@ -11,6 +11,7 @@ fn around(kind: BlockKind, inside: &str) -> String {
     match kind {
         BlockKind::File => inside.to_string(),
         BlockKind::Road => format!("road street {{\n  {inside}\n}}\n"),
+        BlockKind::Path => around(BlockKind::Road, &format!("path {{\n    {inside}\n  }}")),
         BlockKind::Controller => format!("controller own {{\n  {inside}\n}}\n"),
         BlockKind::Scenario => format!("scenario a {{\n  {inside}\n}}\n"),
         BlockKind::Vehicle => around(BlockKind::Scenario, &format!("vehicle av {{\n    {inside}\n  }}")),

@@ -65,6 +65,19 @@ fn value(statement: &StatementEntry, registry: &Registry) -> Value {
         YamlShape::Text => one_or_several(&json!({ "type": "string" })),
         YamlShape::Named => mapping_of(&json!({ "anyOf": [reference(statement), { "type": "null" }] })),
         YamlShape::NameOrBlock => json!({ "anyOf": [{ "type": "string" }, reference(statement)] }),
+        YamlShape::Statements if statement.opens == Some(BlockKind::Path) => {
+            let turn = json!({
+                "type": "object",
+                "properties": {
+                    "turn left": named("turn", "", registry).map(|turn| settings(&turn)),
+                    "turn right": named("turn", "", registry).map(|turn| settings(&turn)),
+                },
+                "additionalProperties": false,
+                "minProperties": 1,
+                "maxProperties": 1,
+            });
+            list_of(&json!({ "anyOf": [{ "type": "string" }, turn] }))
+        }
         YamlShape::Statements => list_of(&json!({ "type": "string" })),
         YamlShape::Model => model(statement.word(), registry),
         YamlShape::Tested => mapping_of(&model(statement.word(), registry)),

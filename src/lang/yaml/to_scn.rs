@@ -230,7 +230,7 @@ impl Writer<'_> {
             YamlShape::Statements => self.said(name, keyword, |writer| {
                 writer.braces(|writer| {
                     for item in Self::each(value) {
-                        writer.said(name, "", |writer| writer.words(item));
+                        writer.said(name, "", |writer| writer.words_or_settings(item));
                     }
                 });
             }),
@@ -346,6 +346,22 @@ impl Writer<'_> {
                     self.settings(settings);
                 }
                 _ => self.wrong(value, "one name is needed here", "write `name: { setting: value }`"),
+            },
+            _ => self.words(value),
+        }
+    }
+
+    /// Words, or `words: { setting: value }`
+    fn words_or_settings(&mut self, value: &Yaml) {
+        match &value.value {
+            Content::Mapping(fields) => match fields.as_slice() {
+                [(words, settings)] => {
+                    self.words(words);
+                    self.settings(settings);
+                }
+                _ => {
+                    self.wrong(value, "words alone are needed here", "write `turn left: { setting: value }`")
+                }
             },
             _ => self.words(value),
         }

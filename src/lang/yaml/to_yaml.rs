@@ -164,7 +164,15 @@ fn write(statement: &StatementEntry, statements: &[Node], depth: usize, out: &mu
                 })
                 .collect();
             for criterion in criteria {
-                line(depth + 1, &format!("- {}", scalar(&phrase(criterion))), out);
+                let said = match settings_of(criterion) {
+                    Some(given) => {
+                        let words = phrase(criterion);
+                        let words = words.split('{').next().unwrap_or_default().trim();
+                        format!("{{ {words}: {} }}", settings(Some(given)))
+                    }
+                    None => scalar(&phrase(criterion)),
+                };
+                line(depth + 1, &format!("- {said}"), out);
             }
         }
         YamlShape::Model => {

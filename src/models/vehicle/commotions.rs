@@ -6,7 +6,7 @@ use crate::pedestrian::commotions::parameters::parameters;
 use crate::pedestrian::commotions::state::{AgentBody, Control};
 use crate::pedestrian::commotions::{CommotionsAgent, ConflictState, Rules, Sight, State};
 use numbers::random::Stream;
-use scenario::{Approach, Chance, Declaration};
+use scenario::{Approach, Chance, Declaration, PedestrianSetup};
 use sim::random::{self, Purpose};
 use sim::{
     Command, Controller, ControllerError, EgoState, Mode, ModelError, Observation, Schedule, SeenPedestrian,
@@ -29,6 +29,13 @@ pub fn commotions() -> ControllerModel {
 }
 
 fn build(context: &ControllerContext) -> Result<Box<dyn Controller>, ModelError> {
+    let aslant = |person: &PedestrianSetup| (person.goal.x - person.start.x).abs() > 0.0;
+    if context.world.road.bend.is_some() || context.world.pedestrians.iter().any(aslant) {
+        return Err(ModelError::with_hint(
+            "`commotions` as a driver knows only people who cross a straight road at a right angle",
+            "take `careful_human`, or another controller",
+        ));
+    }
     let person = Person::from_settings(context.settings, &context.world.road, context.world.step)?;
     let vehicle = (context.setup.length, context.setup.width);
     let bodies = context.world.pedestrians.iter().map(|pedestrian| {

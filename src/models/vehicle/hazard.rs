@@ -12,6 +12,9 @@ pub struct Hazard {
     pub time_to_collision: f64,
 }
 
+/// Who comes nearer to a standing vehicle no faster than this (m/s) walks past it: at a right angle that is a matter of rounding.
+const NOT_CLOSING: f64 = 1e-9;
+
 /// The hazard that a pedestrian is if the vehicle's swept strip, widened by `margin` m on each side, and the
 /// pedestrian's footprint meet while the vehicle passes, both keeping their velocity. A vehicle that stands only
 /// meets those who are in the strip now.
@@ -25,7 +28,7 @@ pub fn collision_course(ego: &EgoState, pedestrian: &SeenPedestrian, margin: f64
     let gap = (x - radius - ego.length / 2.0).max(0.0);
     let half_width = ego.width / 2.0 + radius + margin;
     let closing = ego.speed - pedestrian.velocity.x;
-    if closing <= 0.0 {
+    if closing <= NOT_CLOSING {
         let inside = y.abs() <= half_width;
         return inside.then_some(Hazard { gap, time_to_collision: f64::INFINITY });
     }
@@ -110,6 +113,15 @@ mod tests {
     fn a_standing_vehicle_meets_those_before_it() {
         assert!(collision_course(&ego(0.0), &walker(3.0, 1.0, -1.0), 0.0).is_some());
         assert!(collision_course(&ego(0.0), &walker(3.0, 2.0, -1.0), 0.0).is_none());
+        // Whatever rounding made of the right angle at which they walk.
+        for ahead in [-1e-16, 0.0, 1e-16] {
+            let before = |y: f64| {
+                let mut walker = walker(3.0, y, -1.0);
+                walker.velocity.x = ahead;
+                collision_course(&ego(0.0), &walker, 0.0).is_some()
+            };
+            assert!(before(1.0) && !before(2.0), "{ahead}");
+        }
     }
 
     #[test]

@@ -225,7 +225,13 @@ impl Sight {
 /// Whether the line from a place passes through a box.
 fn crosses(from: Vector2<f64>, line: Vector2<f64>, body: &Body) -> bool {
     let (mut enter, mut leave) = (0.0f64, 1.0f64);
-    let axes = [(from.x - body.x, line.x, body.length / 2.0), (from.y - body.y, line.y, body.width / 2.0)];
+    let (mut offset, mut line) = (from - Vector2::new(body.x, body.y), line);
+    if body.heading != 0.0 {
+        let along = body.along();
+        let own = |vector: Vector2<f64>| Vector2::new(vector.dot(&along), along.perp(&vector));
+        (offset, line) = (own(offset), own(line));
+    }
+    let axes = [(offset.x, line.x, body.length / 2.0), (offset.y, line.y, body.width / 2.0)];
     for (offset, along, half) in axes {
         if along == 0.0 {
             if offset.abs() > half {
@@ -404,7 +410,7 @@ mod tests {
 
     #[test]
     fn a_parked_van_hides() {
-        let van = Body { name: "van".into(), x: -5.0, y: -3.0, length: 6.0, width: 2.0 };
+        let van = Body { name: "van".into(), x: -5.0, y: -3.0, length: 6.0, width: 2.0, heading: 0.0 };
         let seen = shown(&[], vec![van], 40, 1);
         // Seen from afar the line of sight passes the van's corner at (-2, -2) once the pedestrian is beyond it.
         for (k, seen) in seen.iter().enumerate() {

@@ -117,7 +117,7 @@ mod tests {
             lang::load(&path, &standard(), &Disk).unwrap_or_else(|_| panic!("it is a scenario")).suite;
         let mut case = plan::plan(&suite).unwrap().trial(0).cases.first();
         let mut hash = |name: &str, x: f64| {
-            let body = Body { name: name.into(), x, y: -3.2, length: 4.5, width: 1.8 };
+            let body = Body { name: name.into(), x, y: -3.2, length: 4.5, width: 1.8, heading: 0.0 };
             Arc::make_mut(&mut case.world).road.boxes = vec![body];
             case_hash(&case)
         };

@@ -52,6 +52,7 @@ fn scenario() -> Scenario {
         doc: None,
         tags: Vec::new(),
         road: Road::zebra(&[Direction::Forward, Direction::Backward], 30.0 / 3.6),
+        bend: None,
         vehicles: vec![Vehicle {
             name: "av".into(),
             controller: model(
@@ -75,6 +76,7 @@ fn scenario() -> Scenario {
             start_from_lane_centre: 4.0.into(),
             along: 0.0.into(),
             goal_beyond_kerb: 2.0.into(),
+            turned: 0.0.into(),
             reference: 0.0.into(),
             appears: DeclaredAppearance::TimeToArrival {
                 vehicle: "av".into(),

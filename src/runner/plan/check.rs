@@ -5,9 +5,9 @@ use super::error::PlanError;
 use super::overlap::refuse_overlaps;
 use scenario::limits::{self, Limit};
 use scenario::{
-    Appearance, Body, CrossingKind, DeclaredVehicleStart, Dimension, ModelSetup, Origin, ParameterKind,
-    PedestrianSetup, Registered, Scenario, Shape, Value, VehicleSetup, VehicleStart, World, out_of_range,
-    show,
+    Appearance, Body, CrossingKind, DeclaredPedestrian, DeclaredVehicleStart, Dimension, ModelSetup, Origin,
+    ParameterKind, PedestrianSetup, Registered, Road, Scenario, Shape, Value, VehicleSetup, VehicleStart,
+    World, out_of_range, show,
 };
 
 /// Whether the world, which `scenario` was resolved to, can be run: every number finite and within its limits, nobody
@@ -48,6 +48,52 @@ pub fn check_numbers(scenario: &Scenario, world: &World) -> Result<(), PlanError
 pub fn check_share(scenario: &Scenario, name: &str, share: f64, own: &Origin) -> Result<(), PlanError> {
     let what = format!("the share of the vehicle's width at which pedestrian `{name}` meets it");
     Checker { scenario }.within(&format!("{name}.meets"), &what, share, limits::MEETS, own)
+}
+
+/// Whether a number of the road is in its range.
+///
+/// # Errors
+/// If it is not, where the scenario says it under `name`, else at `own`.
+pub fn check_number(
+    scenario: &Scenario,
+    name: &str,
+    what: &str,
+    found: f64,
+    limit: Limit,
+    own: &Origin,
+) -> Result<(), PlanError> {
+    Checker { scenario }.within(name, what, found, limit, own)
+}
+
+/// Whether the numbers are in their ranges that say where somebody walks whose way is not simply across a straight road: the start from
+/// the lane's centre, the place along the road and the goal beyond the kerb (m), and how far the way is turned (rad).
+///
+/// # Errors
+/// If one is not.
+pub fn check_places(
+    scenario: &Scenario,
+    declared: &DeclaredPedestrian,
+    (start, along, goal): (f64, f64, f64),
+    turned: f64,
+) -> Result<(), PlanError> {
+    let (checker, name, own) = (Checker { scenario }, &declared.name, &declared.origin);
+    let within = |key: &str, what: &str, found: f64, limit: Limit| {
+        let what = format!("the {what} of pedestrian `{name}`");
+        checker.within(&format!("{name}.{key}"), &what, found, limit, own)
+    };
+    within("start", "start", start, checker.start_limit(name))?;
+    within("along", "place along the road", along, limits::ALONG)?;
+    within("goal", "goal", goal, limits::GOAL)?;
+    within("turned", "turn of the way", turned, limits::TURNED)
+}
+
+/// Of somebody who would not cross the road.
+pub(super) fn starts_beyond(scenario: &Scenario, declared: &DeclaredPedestrian) -> PlanError {
+    let name = &declared.name;
+    let said = scenario.written.get(&format!("{name}.start"));
+    let origin = said.map_or(&declared.origin, |said| &said.origin);
+    PlanError::new(origin, format!("pedestrian `{name}` starts beyond its goal"))
+        .with_hint("a positive distance from the kerb is away from the road")
 }
 
 /// A distance that was worked out again from places in the world, without what rounding did to it.
@@ -171,17 +217,13 @@ impl Checker<'_> {
                 within("width", of("width"), width, limits::SIZE)?;
             }
         }
-        let sign = setup.side.walking_sign();
-        let start = sign * (road.outer_lane_centre(setup.side) - setup.start.y);
-        let goal = sign * (setup.goal.y - road.kerb(setup.side.opposite()));
-        within("start", of("start"), tidy(start), self.start_limit(name))?;
-        within("along", of("place along the road"), setup.start.x, limits::ALONG)?;
-        within("goal", of("goal"), tidy(goal), limits::GOAL)?;
-        self.finite(&of("goal"), setup.goal.x, own)?;
-        if sign * (setup.goal.y - setup.start.y) <= 0.0 {
-            let origin = self.scenario.written.get(&format!("{name}.start")).map_or(own, |said| &said.origin);
-            return Err(PlanError::new(origin, format!("pedestrian `{name}` starts beyond its goal"))
-                .with_hint("a positive distance from the kerb is away from the road"));
+        // Where else somebody walks was checked where it was put into the plane.
+        let aslant = (setup.goal.x - setup.start.x).abs() > 0.0;
+        if road.bend.is_none() && !aslant {
+            self.straight_across(setup, road, declared)?;
+        }
+        for number in [setup.start.x, setup.start.y, setup.goal.x, setup.goal.y] {
+            self.finite(&of("way"), number, own)?;
         }
         match setup.appears {
             Appearance::At(time) => {
@@ -208,6 +250,30 @@ impl Checker<'_> {
         let what = of("reference point");
         within("reference", what, setup.reference, limits::REFERENCE)?;
         self.settings(&format!("{name}.model"), &setup.model, &declared.model.origin)
+    }
+
+    /// Of somebody who walks straight across a straight road.
+    fn straight_across(
+        &self,
+        setup: &PedestrianSetup,
+        road: &Road,
+        declared: &DeclaredPedestrian,
+    ) -> Result<(), PlanError> {
+        let (name, own) = (&setup.name, &declared.origin);
+        let within = |key: &str, what: &str, found: f64, limit: Limit| {
+            let what = format!("the {what} of pedestrian `{name}`");
+            self.within(&format!("{name}.{key}"), &what, found, limit, own)
+        };
+        let sign = setup.side.walking_sign();
+        let start = sign * (road.outer_lane_centre(setup.side) - setup.start.y);
+        let goal = sign * (setup.goal.y - road.kerb(setup.side.opposite()));
+        within("start", "start", tidy(start), self.start_limit(name))?;
+        within("along", "place along the road", setup.start.x, limits::ALONG)?;
+        within("goal", "goal", tidy(goal), limits::GOAL)?;
+        if sign * (setup.goal.y - setup.start.y) <= 0.0 {
+            return Err(starts_beyond(self.scenario, declared));
+        }
+        Ok(())
     }
 
     /// The limit of a start; a scenario that was not read from a text says it from the lane's centre.

@@ -199,6 +199,7 @@ mod tests {
             start_from_lane_centre: number(4.0),
             along: number(0.0),
             goal_beyond_kerb: number(2.0),
+            turned: number(0.0),
             appears: DeclaredAppearance::At(number(0.0)),
             reference: number(0.0),
             individuals: Some(Individuals {
@@ -217,6 +218,7 @@ mod tests {
             doc: None,
             tags: Vec::new(),
             road: Road::zebra(&[Direction::Forward], 10.0),
+            bend: None,
             vehicles: Vec::new(),
             pedestrians,
             variations: Vec::new(),

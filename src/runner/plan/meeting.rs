@@ -8,7 +8,7 @@ use scenario::{
     Appearance, DeclaredAppearance, DeclaredPedestrian, DeclaredVehicleStart, Dimension, Origin,
     PedestrianContext, PedestrianSetup, Scenario, Shape, VehicleStart, World, limits, show,
 };
-use sim::walking_time;
+use sim::{Longitudinal, VehicleState, hit_at, walking_time};
 
 use super::check::{check_numbers, check_share};
 use super::error::PlanError;
@@ -60,7 +60,24 @@ fn meeting(
         return refused(message, "give it a speed".to_string());
     }
     let path = world.road.path(car.lane);
-    let way = car.width * (share - 0.5) - path.beyond(setup.start.into(), setup.side) - setup.reference;
+    let straight = path.course().is_none() && setup.start.x == setup.goal.x;
+    // How far the pedestrian walks, and the place of the vehicle's front then: where it comes to the near flank.
+    let (way, flank) = if straight {
+        let way = car.width * (share - 0.5) - path.beyond(setup.start.into(), setup.side) - setup.reference;
+        (way, path.along(setup.start.into()) - half_across(setup.shape))
+    } else {
+        let motion = Longitudinal { travelled: 0.0, speed: car.speed, acceleration: 0.0 };
+        let state = VehicleState { motion, path: path.clone(), length: car.length, width: car.width };
+        let Some((way, centre)) = hit_at(&state, setup, share) else {
+            let message =
+                format!("the way of pedestrian `{name}` does not lead across the lane of `{other}`");
+            return refused(
+                message,
+                "let it start on one side of the lane and walk to the other".to_string(),
+            );
+        };
+        (way, centre + car.length / 2.0)
+    };
     if way < 0.0 {
         let message =
             format!("pedestrian `{name}` starts {} beyond where it is to meet `{other}`", metres(-way));
@@ -74,8 +91,6 @@ fn meeting(
             "its speed, its goal and where it stops decide how far it comes".to_string(),
         );
     };
-    // The near flank, as the vehicle comes to it.
-    let flank = path.along(setup.start.into()) - half_across(setup.shape);
     let latest = flank - time * car.speed - car.length / 2.0;
     let starts = match car.start {
         // As far out as they need it.

@@ -6,6 +6,7 @@ mod individuals;
 mod lazily;
 mod meeting;
 mod overlap;
+mod places;
 mod sampling;
 mod setup;
 mod standalone;

@@ -5,10 +5,11 @@ use std::sync::Arc;
 use super::check::check;
 use super::error::PlanError;
 use super::meeting::meet;
+use super::places::{road, way};
 use super::variables::{Variables, number};
 use scenario::{
     Appearance, Declaration, DeclaredAppearance, DeclaredPedestrian, DeclaredShape, DeclaredVehicleStart,
-    Expression, Individual, Model, ModelSetup, Origin, PedestrianSetup, Position, Scenario, SettingError,
+    Expression, Individual, Model, ModelSetup, Origin, PedestrianSetup, Road, Scenario, SettingError,
     Settings, Shape, Vehicle, VehicleReference, VehicleSetup, VehicleStart, World,
 };
 
@@ -16,10 +17,11 @@ const DEFAULT_SHAPE: Shape = Shape::Disc { radius: 0.25 };
 
 /// The checked world of `scenario` where the variations have the values `variables`, with these people in it.
 pub fn world(scenario: &Scenario, variables: &Variables, people: &[Individual]) -> Result<World, PlanError> {
+    let road = road(scenario, variables)?;
     let pedestrians = scenario
         .pedestrians
         .iter()
-        .map(|declared| pedestrian_setup(scenario, declared, variables, people))
+        .map(|declared| pedestrian_setup(scenario, &road, declared, variables, people))
         .collect::<Result<Vec<_>, _>>()?;
     let vehicles = scenario
         .vehicles
@@ -27,7 +29,7 @@ pub fn world(scenario: &Scenario, variables: &Variables, people: &[Individual]) 
         .map(|declared| vehicle_setup(declared, variables))
         .collect::<Result<Vec<_>, _>>()?;
     let mut world = World {
-        road: scenario.road.clone(),
+        road,
         vehicles,
         pedestrians,
         step: scenario.step,
@@ -120,10 +122,10 @@ fn automatic_start(index: usize, world: &World) -> Option<VehicleStart> {
     let path = world.road.path(lane);
     let waiting = world.pedestrians.iter().filter_map(|pedestrian| match pedestrian.appears {
         Appearance::TimeToArrival { vehicle, reference, time } if vehicle == index => {
-            Some((time, reference, pedestrian.start.x))
+            Some((time, reference, path.line_of(path.met_by(pedestrian.start, pedestrian.goal))))
         }
         Appearance::Meeting { vehicle, time, place } if vehicle == index => {
-            Some((time, VehicleReference::Front, path.point(place).x))
+            Some((time, VehicleReference::Front, path.line_of(place)))
         }
         _ => None,
     });
@@ -138,18 +140,14 @@ fn automatic_start(index: usize, world: &World) -> Option<VehicleStart> {
 
 fn pedestrian_setup(
     scenario: &Scenario,
+    road: &Road,
     declared: &DeclaredPedestrian,
     variables: &Variables,
     people: &[Individual],
 ) -> Result<PedestrianSetup, PlanError> {
     let number = |expression: &Expression| number(expression, variables, &declared.origin);
     let model = chosen(&declared.model, "pedestrian model", variables)?;
-    let road = &scenario.road;
-    let (side, sign) = (declared.side, declared.side.walking_sign());
-    let x = number(&declared.along)?;
-    let start =
-        Position { x, y: road.outer_lane_centre(side) - sign * number(&declared.start_from_lane_centre)? };
-    let goal = Position { x, y: road.kerb(side.opposite()) + sign * number(&declared.goal_beyond_kerb)? };
+    let (start, goal) = way(scenario, road, declared, variables)?;
     let shape = match &declared.shape {
         None => DEFAULT_SHAPE,
         Some(DeclaredShape::Disc { radius }) => Shape::Disc { radius: number(radius)? },

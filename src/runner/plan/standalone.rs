@@ -20,6 +20,9 @@ pub fn standalone(
     let variables = variables(variation);
     let mut own = scenario.clone();
     (own.variations, own.repeat, own.runs, own.seed) = (Vec::new(), 1, None, Some(seed));
+    if let Some(bend) = &mut own.bend {
+        bend.expressions_mut().into_iter().try_for_each(|(value, origin)| fix(value, &variables, origin))?;
+    }
     for car in &mut own.vehicles {
         fix_vehicle(car, &variables)?;
     }

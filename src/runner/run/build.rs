@@ -112,20 +112,8 @@ fn outside(program: &DeclaredProgram, world: &World) -> Driver {
     Driver::Outside { schedule, settling_time: program.settles }
 }
 
-/// A run on a bend would be drawn, reported and shown to programs as if the road were straight, and most pedestrians take a kerb
-/// for a straight line: vehicles, contacts and metrics alone are ready for it.
-fn no_bends_yet() -> ModelError {
-    ModelError::with_hint(
-        "runs are made on straight roads only: pedestrians, programs and reports do not know bends yet",
-        "take `bend` out of the road",
-    )
-}
-
 /// Builds every road user of `world` for the run with seed `seed`.
 pub fn road_users(world: &World, seed: u64) -> Result<RoadUsers, RunError> {
-    if world.road.bend.is_some() {
-        return Err(RunError::Model { who: "road".into(), error: no_bends_yet() });
-    }
     let named = |who: &str| {
         let who = who.to_string();
         move |error| RunError::Model { who, error }
@@ -175,23 +163,4 @@ pub(super) fn nobody_asked() -> ControllerError {
         "its controller is a program, and nobody here starts one",
         "make its runs with `Threads::with_processes` and a pool of programs",
     )
-}
-
-#[cfg(test)]
-mod tests {
-    use std::sync::Arc;
-
-    use super::*;
-    use scenario::Bend;
-    use scenario::geometry::{Piece, Pose, ReferenceLine};
-
-    #[test]
-    fn no_run_on_a_bend_is_made_as_if_it_were_straight() {
-        let mut world = sim::fixture::world();
-        let line = ReferenceLine::new(Pose::origin(), &[Piece::line(50.0), Piece::arc(20.0, 1.0)]).unwrap();
-        world.road.bend = Some(Bend { line: Arc::new(line), crossing: 30.0 });
-        let Err(error) = road_users(&world, 1) else { panic!("its road users were built") };
-        assert!(error.to_string().contains("straight roads only"), "{error}");
-        assert_eq!(error.hint(), Some("take `bend` out of the road"));
-    }
 }

@@ -386,8 +386,10 @@ impl Encounter {
 #[inline]
 pub fn strip(car: &VehicleState, place: &Located) -> (f64, f64) {
     let half = car.width / 2.0;
-    let Some(course) = car.path.course() else { return (-half, half) };
-    let (right, left) = course.swept(place.along, (car.length, car.width));
+    if car.path.course().is_none() {
+        return (-half, half);
+    }
+    let (right, left) = car.path.swept(place.along, (car.length, car.width));
     place.borders(right, left)
 }
 

@@ -3,7 +3,7 @@
 use super::{
     Argument, Binding, Constraint, Controller, ControllerDefinition, Crossing, Direction, Dynamics, Evaluate,
     Expression, Measure, Metric, Model, Name, Obstacle, Parameter, Pedestrian, RoadDefinition, Scenario,
-    Search, Sees, Settings, Statement, Suite, Tag, Tested, Tune, Varied, VaryTogether, Vehicle,
+    Search, Sees, Settings, Statement, Suite, Tag, Tested, Tune, Turn, Varied, VaryTogether, Vehicle,
 };
 use super::{Node, Rule, View};
 
@@ -19,7 +19,7 @@ choices! {
     /// A statement of a road user with settings.
     Settled = Named | Sees;
     /// A statement with settings.
-    HasSettings = Settled | Crossing | Obstacle;
+    HasSettings = Settled | Crossing | Obstacle | Turn;
     /// What takes values from outside.
     Settable = Argument | Binding | Parameter | Pedestrian | Scenario | Varied | VaryTogether | Vehicle;
     /// What names a registered thing.

@@ -39,6 +39,7 @@ views! {
         side: (Side),
         along: (Along),
         goal: (Goal),
+        turned: (Turned),
         appearance: (Appearance),
         appears: (Appears),
         meets: (Meets),
@@ -61,6 +62,8 @@ views! {
     Side = side { is_far: {kw_far} }
     Along = along { value: Expression }
     Goal = goal { value: Expression }
+    /// `turned 12 deg left`
+    Turned = turned { value: Expression, is_left: {kw_left} }
     Appears = appears { at: (AppearsAt), when: (AppearsWhen) }
     AppearsAt = appears_at { time: Expression }
     /// `when time_to_arrival(av.front) = 6 s`
@@ -205,6 +208,14 @@ pub static PEDESTRIAN: BlockEntry = BlockEntry {
         )
         .key("goal", YamlShape::Words)
         .set("goal ", " beyond kerb"),
+        statement(
+            "turned",
+            Rule::turned,
+            "turned 12 deg left",
+            "Its way against straight across the road, about the point where it meets the centre of the first lane.",
+        )
+        .key("turned", YamlShape::Words)
+        .set_where_said(),
         statement(
             "appears",
             Rule::appears,

@@ -15,6 +15,7 @@ views! {
     /// `road NAME { … }`
     RoadDefinition = road_definition { name: Name, block: RoadBlock }
     RoadBlock = road_block {
+        path: (RoadPath),
         lanes: (Lanes),
         lane_width: (LaneWidth),
         speed_limit: (SpeedLimit),
@@ -29,6 +30,19 @@ views! {
     SpeedLimit = speed_limit { value: Expression }
     /// `no kerbs`
     NoKerbs = no_kerbs {}
+    /// `path { … }`
+    RoadPath = path { block: PathBlock }
+    PathBlock = path_block { straights: [Straight], clothoids: [Clothoid], arcs: [Arc], turns: [Turn] }
+    /// `straight 100 m`
+    Straight = straight { length: Expression }
+    /// `clothoid 20 m to radius 30 m left` or `clothoid 20 m to straight`
+    Clothoid = clothoid { length: Expression, is_to_straight: {kw_straight}, radius: (BendRadius) }
+    /// `arc 60 deg` or `arc 60 deg radius 30 m left`
+    Arc = arc { angle: Expression, radius: (BendRadius) }
+    /// `turn left { radius: 9 m, clothoid: 20 deg, arc: 50 deg }`
+    Turn = turn { is_left: {kw_left}, settings: Settings }
+    /// `radius 30 m left`
+    BendRadius = bend_radius { value: Expression, is_left: {kw_left} }
     /// `crossing zebra { … }`
     Crossing = crossing { is_zebra: {kw_zebra}, is_unmarked: {kw_unmarked}, settings: (Settings) }
     /// `box NAME { … }`, `parked NAME { … }`, `parked_row NAME { … }` or `bus NAME { … }`
@@ -96,9 +110,18 @@ views! {
 }
 
 choices! {
+    /// What a path is made of.
+    PathPiece = Straight | Clothoid | Arc | Turn;
     Variation = Varied | VaryTogether;
     /// Two ways to say how many runs there are.
     RunCount = Repeat | Runs;
+}
+
+impl<'t> PathBlock<'t> {
+    /// What the path is made of, in order.
+    pub fn pieces(self) -> impl Iterator<Item = PathPiece<'t>> {
+        self.parts()
+    }
 }
 
 impl<'t> Variation<'t> {
@@ -146,6 +169,14 @@ pub static ROAD: BlockEntry = BlockEntry {
     heads: &[],
     statements: &[
         statement(
+            "path",
+            Rule::path,
+            "path { … }",
+            "How the centre line of lane 0 runs, piece by piece; a road without it is straight and endless.",
+        )
+        .key("path", YamlShape::Statements)
+        .opens(BlockKind::Path),
+        statement(
             "lanes",
             Rule::lanes,
             "lanes forward, backward",
@@ -164,7 +195,7 @@ pub static ROAD: BlockEntry = BlockEntry {
             "crossing",
             Rule::crossing,
             "crossing zebra { width: 4 m }",
-            "`zebra`, `unmarked` or `signalised`; its middle is the origin of all places.",
+            "`zebra`, `unmarked` or `signalised`; its middle is the origin of all places, on a `path` so far `at` behind its beginning.",
         )
         .key("crossing", YamlShape::Model)
         .needed("crossing", "crossing zebra { width: 4 m }"),
@@ -220,6 +251,37 @@ statement("finish", Rule::finish, "finish 100 m", "Distance of the finish line b
 statement("end on collision", Rule::end_on_collision, "end on collision", "Ends a run at a collision.").key("end_on_collision", YamlShape::Flag),
 EXPECT.repeats(),
 ]};
+
+pub static PATH: BlockEntry = BlockEntry {
+    kind: BlockKind::Path,
+    rule: Rule::path_block,
+    name: "a `path`",
+    heads: &[],
+    statements: &[
+        statement("straight", Rule::straight, "straight 100 m", "A straight line.").repeats(),
+        statement(
+            "clothoid",
+            Rule::clothoid,
+            "clothoid 20 m to radius 30 m left` or `clothoid 20 m to straight",
+            "A line whose curvature changes evenly, from that of the piece before it.",
+        )
+        .repeats(),
+        statement(
+            "arc",
+            Rule::arc,
+            "arc 60 deg` or `arc 60 deg radius 30 m left",
+            "A part of a circle, about the radius at which the piece before it ends if none is said.",
+        )
+        .repeats(),
+        statement(
+            "turn",
+            Rule::turn,
+            "turn left { radius: 9 m, clothoid: 20.62 deg, arc: 48.76 deg }",
+            "A clothoid from a radius of 1500 m, an arc and the clothoid back, as Euro NCAP writes its turns.",
+        )
+        .repeats(),
+    ],
+};
 
 pub static TOGETHER: BlockEntry = BlockEntry {
     kind: BlockKind::Together,

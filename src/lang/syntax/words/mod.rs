@@ -14,6 +14,7 @@ impl BlockKind {
         match self {
             Self::File => &ast::FILE,
             Self::Road => &ast::ROAD,
+            Self::Path => &ast::PATH,
             Self::Controller => &ast::CONTROLLER,
             Self::Scenario => &ast::SCENARIO_BLOCK,
             Self::Vehicle => &ast::VEHICLE,

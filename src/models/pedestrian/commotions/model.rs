@@ -211,7 +211,8 @@ impl Meeting {
         way: Vector2<f64>,
         vehicle: &VehicleState,
     ) -> Option<Approaches> {
-        if vehicle.path.course().is_none() {
+        // At a right angle, with the bits that this always had.
+        if vehicle.path.course().is_none() && way.x == 0.0 {
             let conflict = vehicle.path.conflict(me.position, way)?;
             let own = conflict.approach_on_foot(me, way).into();
             return Some(Approaches {

@@ -1,0 +1,161 @@
+//! Where a scenario lies in the plane: the road as its path leads, and where people start and walk to.
+
+use std::sync::Arc;
+
+use super::check::{check_number, check_places, starts_beyond};
+use super::error::PlanError;
+use super::variables::{Variables, number};
+use scenario::geometry::{CurvedPath, GeometryError, Piece, Pose, ReferenceLine};
+use scenario::limits::{self, Limit};
+use scenario::{
+    Bend, BendRadius, DeclaredBend, DeclaredPedestrian, Dimension, Direction, Expression, Origin, PieceKind,
+    Position, Road, Scenario, Side, show,
+};
+
+/// The road of a scenario where variations have these values.
+///
+/// # Errors
+/// A path with a number out of its range, one too tight for its lanes, one that comes back to itself, and a crossing that is not on it.
+pub(super) fn road(scenario: &Scenario, variables: &Variables) -> Result<Road, PlanError> {
+    let Some(declared) = &scenario.bend else { return Ok(scenario.road.clone()) };
+    let line = line(scenario, declared, variables)?;
+    let crossing = number(&declared.crossing, variables, &declared.origin)?;
+    let what = "the place of the crossing on its path";
+    check_number(scenario, "road.at", what, crossing, limits::STATION, &declared.origin)?;
+    if crossing > line.length() {
+        let message =
+            format!("the crossing is {} behind the end of the path", metres(crossing - line.length()));
+        let hint =
+            format!("the path is {} long: let `at` be less, or the path longer", metres(line.length()));
+        return Err(PlanError::new(&declared.origin, message).with_hint(hint));
+    }
+    let bend = Some(Bend { line: Arc::new(line), crossing });
+    let mut road = Road { bend, ..scenario.road.clone() };
+    refuse_return(&road, &declared.origin)?;
+    let boxes = std::mem::take(&mut road.boxes);
+    road.boxes = boxes.into_iter().map(|body| road.turned_body(body)).collect();
+    Ok(road)
+}
+
+fn metres(length: f64) -> String {
+    show(length, None, Dimension::LENGTH)
+}
+
+/// The line that the pieces make, along x from the origin.
+fn line(
+    scenario: &Scenario,
+    declared: &DeclaredBend,
+    variables: &Variables,
+) -> Result<ReferenceLine, PlanError> {
+    let mut pieces: Vec<Piece> = Vec::new();
+    // Which statement each comes from.
+    let mut statements: Vec<&Origin> = Vec::new();
+    for (index, said) in declared.pieces.iter().enumerate() {
+        check_piece(scenario, &format!("road.path.{}", index + 1), &said.kind, variables, &said.origin)?;
+        let before = pieces.last().map_or(0.0, |piece| piece.to);
+        let made = said.kind.pieces(before, |value| number(value, variables, &said.origin))?;
+        statements.extend(std::iter::repeat_n(&said.origin, made.len()));
+        pieces.extend(made);
+    }
+    let at = |piece: usize| statements.get(piece - 1).copied().unwrap_or(&declared.origin);
+    let wrong = |error: GeometryError| match error {
+        GeometryError::Length { piece, .. } | GeometryError::NotFinite { piece } => {
+            PlanError::new(at(piece), error.to_string())
+        }
+        _ => PlanError::new(&declared.origin, error.to_string()),
+    };
+    let line = ReferenceLine::new(Pose::origin(), &pieces).map_err(wrong)?;
+    let (road, line) = (&scenario.road, Arc::new(line));
+    for side in [Side::Near, Side::Far] {
+        let kerb = road.kerb(side);
+        let made = CurvedPath::new(line.clone(), kerb, Direction::Forward, 0.0);
+        if let Err(GeometryError::TooTight { piece, radius, least, .. }) = made {
+            let message = format!(
+                "this bends with a radius of {}, too tight for a road that reaches {} to a side of the centre of lane 0",
+                metres(radius),
+                metres(kerb.abs())
+            );
+            let hint = format!("let the radius be above {}, or the road be narrower", metres(least));
+            return Err(PlanError::new(at(piece), message).with_hint(hint));
+        }
+    }
+    Ok(Arc::unwrap_or_clone(line))
+}
+
+/// Whether the numbers of a piece are in their ranges.
+fn check_piece(
+    scenario: &Scenario,
+    name: &str,
+    kind: &PieceKind,
+    variables: &Variables,
+    origin: &Origin,
+) -> Result<(), PlanError> {
+    let check = |part: &str, what: &str, value: &Expression, limit: Limit| {
+        let found = number(value, variables, origin)?;
+        check_number(scenario, &format!("{name}.{part}"), what, found, limit, origin)
+    };
+    let bends = |about: &Option<BendRadius>| {
+        let radius = about
+            .as_ref()
+            .map(|about| check("radius", "the radius of a bend", &about.radius, limits::BEND_RADIUS));
+        radius.unwrap_or(Ok(()))
+    };
+    match kind {
+        PieceKind::Straight { length } => {
+            check("length", "the length of a straight line", length, limits::PIECE)
+        }
+        PieceKind::Clothoid { length, to } => {
+            check("length", "the length of a clothoid", length, limits::PIECE)?;
+            bends(to)
+        }
+        PieceKind::Arc { angle, about } => {
+            check("arc", "the angle of an arc", angle, limits::BEND_ANGLE)?;
+            bends(about)
+        }
+        PieceKind::Turn { is_left: _, radius, clothoid, arc } => {
+            check("radius", "`radius` of `turn`", radius, limits::BEND_RADIUS)?;
+            check("clothoid", "`clothoid` of `turn`", clothoid, limits::BEND_ANGLE)?;
+            check("arc", "`arc` of `turn`", arc, limits::BEND_ANGLE)
+        }
+    }
+}
+
+/// A road that comes back to itself would be two roads at one place: nobody could say which of them somebody crosses.
+fn refuse_return(road: &Road, origin: &Origin) -> Result<(), PlanError> {
+    let Some((one, other)) = road.comes_back() else { return Ok(()) };
+    let message = format!(
+        "the road comes back to itself: what is {} behind its beginning lies on what is {} behind it",
+        metres(other.round()),
+        metres(one.round())
+    );
+    Err(PlanError::new(origin, message).with_hint(
+        "let its path turn less, or be longer between two turns; beyond its ends a road goes straight on",
+    ))
+}
+
+/// Where somebody starts and where they walk to.
+///
+/// # Errors
+/// A number out of its range, and a start beyond the goal.
+pub(super) fn way(
+    scenario: &Scenario,
+    road: &Road,
+    declared: &DeclaredPedestrian,
+    variables: &Variables,
+) -> Result<(Position, Position), PlanError> {
+    let number = |expression: &Expression| number(expression, variables, &declared.origin);
+    let (side, sign) = (declared.side, declared.side.walking_sign());
+    let (along, start) = (number(&declared.along)?, number(&declared.start_from_lane_centre)?);
+    let goal = number(&declared.goal_beyond_kerb)?;
+    let from = road.outer_lane_centre(side) - sign * start;
+    let to = road.kerb(side.opposite()) + sign * goal;
+    let turned = number(&declared.turned)?;
+    if road.bend.is_none() && turned == 0.0 {
+        return Ok((Position { x: along, y: from }, Position { x: along, y: to }));
+    }
+    check_places(scenario, declared, (start, along, goal), turned)?;
+    if sign * (to - from) <= 0.0 {
+        return Err(starts_beyond(scenario, declared));
+    }
+    Ok(road.way(side, along, (from, to), turned))
+}
