@@ -136,8 +136,8 @@ impl Path {
         match &self.0 {
             Kind::Straight { direction, .. } => Vector2::new(direction.sign() * speed, 0.0),
             Kind::Curved { course, behind } => {
-                let pose = course.pose(place - behind);
-                (pose.tangent() + pose.normal() * (behind * pose.curvature)) * speed
+                let frame = course.frame(place - behind);
+                (frame.tangent + frame.normal() * (behind * frame.curvature)) * speed
             }
         }
     }
@@ -156,9 +156,9 @@ impl Path {
         match &self.0 {
             Kind::Straight { .. } => (self.point(place), self.heading(place)),
             Kind::Curved { course, behind } => {
-                let pose = course.pose(place - behind);
-                let heading = pose.tangent();
-                (if *behind == 0.0 { pose.point } else { pose.point + heading * *behind }, heading)
+                let frame = course.frame(place - behind);
+                let ahead = frame.tangent * *behind;
+                (if *behind == 0.0 { frame.point } else { frame.point + ahead }, frame.tangent)
             }
         }
     }
@@ -216,6 +216,23 @@ impl Path {
         match &self.0 {
             Kind::Straight { .. } => f64::INFINITY,
             Kind::Curved { course, behind } => course.straight_ahead(place - behind),
+        }
+    }
+
+    /// How far (m) the bend goes on that a body is in, until it goes straight on; 0 where it does.
+    pub fn bend_ahead(&self, place: f64) -> f64 {
+        match &self.0 {
+            Kind::Straight { .. } => 0.0,
+            Kind::Curved { course, behind } => course.bend_ahead(place - behind),
+        }
+    }
+
+    /// The tightest bend (1/m, never negative) that is passed by the point that follows the course, while the vehicle's centre is
+    /// between two places (m).
+    pub fn tightest_followed(&self, (from, to): (f64, f64)) -> f64 {
+        match &self.0 {
+            Kind::Straight { .. } => 0.0,
+            Kind::Curved { course, behind } => course.tightest_between(from - behind, to - behind),
         }
     }
 
@@ -286,8 +303,8 @@ impl Path {
                 Vector2::new(direction.sign() * place.x, y + direction.sign() * place.y)
             }
             Kind::Curved { course, .. } => {
-                let pose = course.pose(place.x);
-                pose.point + pose.normal() * place.y
+                let frame = course.frame(place.x);
+                frame.point + frame.normal() * place.y
             }
         }
     }
@@ -423,11 +440,11 @@ impl Path {
 }
 
 fn located(course: &CurvedPath, point: Vector2<f64>) -> Located {
-    let (found, far) = (course.project(point), course.direction().sign());
+    let ((found, heading), far) = (course.project_with_heading(point), course.direction().sign());
     Located {
         along: found.place,
         beside: far * found.left,
-        heading: course.tangent(found.place),
+        heading,
         // Far inside a bend, where nobody knows which part of it is meant, speeds stay finite.
         stretch: (1.0 - found.curvature * found.left).max(0.1),
         far,

@@ -16,8 +16,20 @@ const HORIZON: f64 = 10.0;
 /// A step to the next moment is at least this, s: what only grazes for so short a time is no contact.
 const LEAST_STEP: f64 = 4e-3;
 
+/// Two places that are nearer than this are one, m.
+const ROUNDING: f64 = 1e-9;
+
 /// What a vehicle grazes for less than this of its way it does not touch, m.
 const LEAST_WAY: f64 = 0.05;
+
+/// Outlines whose circles are farther apart than this are not looked at more closely, m.
+const FAR: f64 = 0.5;
+
+/// Between two outlines, m: no more than it is, and what it is where they are near.
+fn gap_between(one: &Footprint, other: &Footprint) -> f64 {
+    let of_circles = (other.centre - one.centre).norm() - one.radius() - other.radius();
+    if of_circles > FAR { of_circles } else { apart(one, other) }
+}
 
 /// The outline of a vehicle at a place of its path.
 fn vehicle_at(path: &Path, place: f64, (length, width): (f64, f64)) -> Footprint {
@@ -63,8 +75,7 @@ pub(super) fn contact_ahead(
     boxes: &[Body],
 ) -> Option<f64> {
     let (one, other) = (Moving::new(first, state, boxes)?, Moving::new(second, state, boxes)?);
-    let straight = one.straight_ahead().min(other.straight_ahead());
-    one.meets(&other, straight)
+    one.meets(&other)
 }
 
 /// The same of a vehicle and a pedestrian.
@@ -72,10 +83,7 @@ pub(super) fn contact_ahead(
 pub fn contact_with(vehicle: &VehicleState, pedestrian: &PedestrianState) -> Option<f64> {
     match vehicle.path.course() {
         None => first_contact(vehicle, pedestrian, pedestrian.velocity - vehicle.velocity()),
-        Some(_) => {
-            let (one, other) = (Moving::Vehicle(vehicle), Moving::Person(pedestrian));
-            one.meets(&other, one.straight_ahead())
-        }
+        Some(_) => Moving::Vehicle(vehicle).meets(&Moving::Person(pedestrian)),
     }
 }
 
@@ -115,43 +123,62 @@ impl<'a> Moving<'a> {
         }
     }
 
-    fn velocity(&self) -> Vector2<f64> {
+    /// After so many seconds, m/s.
+    fn velocity(&self, time: f64) -> Vector2<f64> {
         match self {
-            Self::Vehicle(car) => car.velocity(),
+            Self::Vehicle(car) => {
+                car.path.velocity(car.motion.travelled + car.motion.speed * time, car.motion.speed)
+            }
             Self::Person(person) => person.velocity,
             Self::Box(_) => Vector2::zeros(),
         }
     }
 
-    /// For how long it goes straight on, s.
-    fn straight_ahead(&self) -> f64 {
-        let Self::Vehicle(car) = self else { return f64::INFINITY };
-        if car.path.course().is_some() && car.motion.speed > 0.0 {
-            car.path.straight_ahead(car.motion.travelled) / car.motion.speed
-        } else {
-            f64::INFINITY
+    /// From a time (s) on: whether it turns, and for how long that stays so, s.
+    fn turns(&self, time: f64) -> (bool, f64) {
+        let Self::Vehicle(car) = self else { return (false, f64::INFINITY) };
+        if car.path.course().is_none() || car.motion.speed <= 0.0 {
+            return (false, f64::INFINITY);
         }
+        let place = car.motion.travelled + car.motion.speed * time;
+        let straight = car.path.straight_ahead(place);
+        let turns = straight <= ROUNDING;
+        let ahead = if turns { car.path.bend_ahead(place).max(ROUNDING) } else { straight };
+        (turns, ahead / car.motion.speed)
     }
 
-    /// What no point of its outline is faster than within the horizon, m/s.
-    fn fastest(&self) -> f64 {
-        let Self::Vehicle(car) = self else { return self.velocity().norm() };
+    /// What no point of its outline is faster than between two times (s), m/s.
+    fn fastest(&self, from: f64, to: f64) -> f64 {
+        let Self::Vehicle(car) = self else { return self.velocity(from).norm() };
         let (place, speed) = (car.motion.travelled, car.motion.speed);
-        speed * car.path.most_moved((place, place + speed * HORIZON), (car.length, car.width))
+        let (from, to) = (place + speed * from, place + speed * to);
+        speed * car.path.most_moved((from, to), (car.length, car.width))
     }
 
-    /// When it first touches another, both of which go straight on for `straight` s.
-    fn meets(&self, other: &Self, straight: f64) -> Option<f64> {
-        let velocity = other.velocity() - self.velocity();
-        let met = self.outline(0.0).first_contact(&other.outline(0.0), velocity);
-        if straight == f64::INFINITY || met.is_some_and(|time| time <= straight) {
-            return met;
+    /// When it first touches another: exactly while both go straight on, by steps that no contact can hide in where one turns.
+    fn meets(&self, other: &Self) -> Option<f64> {
+        let mut time = 0.0;
+        loop {
+            let ((one_turns, one_for), (other_turns, other_for)) = (self.turns(time), other.turns(time));
+            let lasts = one_for.min(other_for);
+            let found = if one_turns || other_turns {
+                let end = (time + lasts).min(HORIZON);
+                let gap = |time: f64| gap_between(&self.outline(time), &other.outline(time));
+                closes(gap, self.fastest(time, end) + other.fastest(time, end), (time, end), LEAST_STEP)
+            } else {
+                let velocity = other.velocity(time) - self.velocity(time);
+                let met = self.outline(time).first_contact(&other.outline(time), velocity);
+                met.filter(|met| *met <= lasts).map(|met| time + met)
+            };
+            // Whoever has gone straight on from now on is looked at for as long as on a straight road.
+            if found.is_some() {
+                return found.filter(|found| time == 0.0 || *found <= HORIZON);
+            }
+            time += lasts;
+            if time >= HORIZON {
+                return None;
+            }
         }
-        if straight >= HORIZON {
-            return None;
-        }
-        let gap = |time: f64| apart(&self.outline(time), &other.outline(time));
-        closes(gap, self.fastest() + other.fastest(), (straight, HORIZON), LEAST_STEP)
     }
 }
 
@@ -189,7 +216,7 @@ pub(super) fn touch_on_a_bend(
         }
         Solid::Box(_) => 0.0,
     };
-    let gap = |time: f64| apart(&outline(first, time), &outline(second, time));
+    let gap = |time: f64| gap_between(&outline(first, time), &outline(second, time));
     closes(gap, fastest(first) + fastest(second), (0.0, duration), duration / 32.0)
 }
 
@@ -201,24 +228,34 @@ pub(super) fn turns(solid: Solid, before: &Snapshot, after: &Snapshot) -> bool {
 }
 
 /// The first and the last place (m) of a path at which a vehicle of this size (length, width) touches an outline that lies abreast
-/// of `place`; `None` if it passes beside it.
+/// of `place`; `None` for both if it passes beside it. Where it is `known` to touch something from one place to another, only what is
+/// before or behind that is looked for.
 pub(crate) fn touched_between(
     path: &Path,
     size: (f64, f64),
     outline: &Footprint,
     place: f64,
-) -> Option<(f64, f64)> {
+    known: Option<(f64, f64)>,
+) -> (Option<f64>, Option<f64>) {
     let diagonal = libm::hypot(size.0, size.1);
     let (low, high) = (place - diagonal - outline.radius(), place + diagonal + outline.radius());
     let fastest = path.most_moved((low, high), size);
     // Inwards from where it cannot touch, no farther than what is left between the two.
     let touched = |from: f64, to: f64| {
         let sign = (to - from).signum();
-        let gap = |way: f64| apart(&vehicle_at(path, from + sign * way, size), outline);
+        let gap = |way: f64| gap_between(&vehicle_at(path, from + sign * way, size), outline);
         closes(gap, fastest, (0.0, (to - from).abs()), LEAST_WAY).map(|way| from + sign * way)
     };
-    let first = touched(low, high)?;
-    Some((first, touched(high, first).unwrap_or(first)))
+    match known {
+        None => {
+            let Some(first) = touched(low, high) else { return (None, None) };
+            (Some(first), Some(touched(high, first).unwrap_or(first)))
+        }
+        Some((from, to)) => (
+            if low < from { touched(low, from.min(high)) } else { None },
+            if high > to { touched(high, to.max(low)) } else { None },
+        ),
+    }
 }
 
 #[cfg(test)]
@@ -302,13 +339,19 @@ mod tests {
         let path = turn();
         let outline =
             Footprint::from(&person(path.to_world(Vector2::new(7.0, -0.8)), Vector2::zeros(), false));
-        let (first, last) = touched_between(&path, (4.36, 1.82), &outline, 7.0).unwrap();
+        let (first, last) = touched_between(&path, (4.36, 1.82), &outline, 7.0, None);
+        let (first, last) = (first.unwrap(), last.unwrap());
         let touches = |place: f64| apart(&vehicle_at(&path, place, (4.36, 1.82)), &outline) == 0.0;
         let looked: Vec<f64> =
             (0..20_000).map(|step| f64::from(step) * 1e-3 - 5.0).filter(|at| touches(*at)).collect();
         assert!((looked[0] - first).abs() < 2e-3, "{first}, not {}", looked[0]);
         assert!((looked[looked.len() - 1] - last).abs() < 2e-3, "{last}, not {}", looked[looked.len() - 1]);
         let beside = Footprint::from(&person(path.to_world(Vector2::new(7.0, 3.0)), Vector2::zeros(), false));
-        assert_eq!(touched_between(&path, (4.36, 1.82), &beside, 7.0), None);
+        assert_eq!(touched_between(&path, (4.36, 1.82), &beside, 7.0, None), (None, None));
+        // What is known is not looked for again, what is beyond it is found as ever.
+        let again = |known| touched_between(&path, (4.36, 1.82), &outline, 7.0, Some(known));
+        assert_eq!(again((first - 0.1, last + 0.1)), (None, None));
+        let (one, other) = again((first + 0.5, last - 0.5));
+        assert!((one.unwrap() - first).abs() < 1e-9 && (other.unwrap() - last).abs() < 1e-9);
     }
 }

@@ -112,9 +112,9 @@ fn blocks_are_in_the_units_of_their_ranges_and_comparisons() {
       subject to impact_speed <= 40 km/h
       3 of 3 candidates are feasible
       chosen: av.controller.period 24.53 ms gives 26.65 km/h, margins 6.7 km/h
-                                                  before                     after             before, fresh              after, fresh
-      collision                                    100 %                     100 %                     100 %                     100 %
-      impact_speed               26.65 km/h (20 .. 33.3)   26.65 km/h (20 .. 33.3)   26.65 km/h (20 .. 33.3)   26.65 km/h (20 .. 33.3)
+                                                   before                      after              before, fresh               after, fresh
+      collision                                     100 %                      100 %                      100 %                      100 %
+      impact_speed                26.65 km/h (20 .. 33.3)    26.65 km/h (20 .. 33.3)    26.65 km/h (20 .. 33.3)    26.65 km/h (20 .. 33.3)
     ");
     insta::assert_snapshot!(paragraph(&said, "statement harmless: "), @r"
     statement harmless: reproduced
@@ -181,7 +181,8 @@ fn comparisons_and_gates_are_in_the_units_of_the_suite() {
     ✗ impact_speed  30.67 km/h  32.01 km/h  +4.38 %        1 %      anything more
     impact_speed in hit: 30.67 km/h -> 32.01 km/h, worse by 4.38 % where 1 % is tolerated; there is no chance in it
     ");
-    let json = run(folder.path(), &["compare", "was.suite", "now.suite", "--format", "json"], 0);
+    // Of all metrics the time by which it follows is worse by more than 5 %.
+    let json = run(folder.path(), &["compare", "was.suite", "now.suite", "--format", "json"], 104);
     let json: Value = serde_json::from_str(&json).unwrap();
     let checks = json[0]["checks"].as_array().unwrap();
     let speed = checks.iter().find(|check| check["label"] == "impact_speed").unwrap();

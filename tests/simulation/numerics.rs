@@ -228,7 +228,7 @@ fn tolerance(name: &str, dimension: Dimension, step: f64) -> f64 {
 
 /// Not smooth in the course of a run, so that no multiple of the step bounds them: looked at after every step and only
 /// where there is a collision course, or divided by a speed that may be next to nothing.
-const KNIFE_EDGED: [&str; 3] = ["drac", "min_ttc", "tta_at_entry"];
+const KNIFE_EDGED: [&str; 4] = ["drac", "min_ttc", "time_headway", "tta_at_entry"];
 
 #[test]
 fn half_the_step_changes_no_metric_by_more_than_a_step_can() {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use nalgebra::{Rotation2, Vector2};
 
-use super::fixture::FREE_FLOW;
+use super::fixture::{FREE_FLOW, request};
 use super::metrics;
 use crate::{known, standard};
 use scenario::geometry::{Piece, Pose, ReferenceLine};
@@ -167,9 +167,11 @@ fn assert_same_people(pairs: &[(World, World, String)]) {
             same += 1;
             continue;
         }
-        let as_good = as_good_as(one).into_iter().map(|one| (one - found).abs()).min_by(f64::total_cmp);
-        // One or two decisions, 0.1 s each, may fall differently.
-        assert!(as_good.unwrap() < 0.1, "{what}: {found} m, not {expected} m");
+        let as_good = as_good_as(one);
+        let (low, high) =
+            as_good.iter().fold((expected, expected), |(low, high), one| (low.min(*one), high.max(*one)));
+        // Each decision, 0.1 s after the other, may fall differently, so that it comes to something between, or nearly.
+        assert!(low - 0.1 < found && found < high + 0.1, "{what}: {found} m, not {low} m to {high} m");
     }
     assert!(4 * same >= 3 * pairs.len(), "{same} of {}", pairs.len());
 }
@@ -346,6 +348,70 @@ fn whoever_stands_beside_a_bend_is_on_no_collision_course_but_round_it_they_are(
     let at = ahead.point + ahead.tangent() * 14.0;
     beside.pedestrians[0].start = Position { x: at.x, y: at.y };
     assert_eq!((of(&beside, "min_ttc"), of(&beside, "collision")), (None, Some(0.0)));
+}
+
+/// A metric with a word for one of its parameters.
+fn with_word(world: &World, name: &str, parameter: &str, word: &str) -> Option<f64> {
+    let request = request(name, [(parameter, Value::Word(word.into()))]);
+    let mut measurement = Measurement::new(world, &[request], &[FREE_FLOW], &[1.4]);
+    simulate(&Arc::new(world.clone()), road_users(world), &mut measurement).unwrap();
+    measurement.values()[0]
+}
+
+#[test]
+fn straight_on_from_a_bend_other_people_are_met_than_along_it() {
+    let mut straight = world("constant_speed", "scripted", &[("speed", 0.0)], Side::Near, 22.0);
+    (straight.vehicles[0].speed, straight.horizon) = (5.0, 1.0);
+    let mut standing = |beside: f64, ahead: f64| {
+        straight.pedestrians[0].start = Position { x: 0.0, y: 0.0 };
+        let mut round = on_circle(&straight, 20.0, 40.0);
+        let line = round.road.bend.as_ref().unwrap().line.clone();
+        let pose = line.pose(if ahead > 0.0 { 18.0 } else { 40.0 });
+        let at = pose.point + pose.tangent() * ahead + pose.normal() * beside;
+        round.pedestrians[0].start = Position { x: at.x, y: at.y };
+        round
+    };
+    // Round the bend: 17 m of arc are left when time is up, less half the car and the person.
+    let round = standing(0.0, 0.0);
+    let course = with_word(&round, "min_ttc", "prediction", "course").unwrap();
+    assert!((course - (17.0 - 2.0 - 0.3) / 5.0).abs() < 0.03, "{course} s");
+    assert_eq!(with_word(&round, "min_ttc", "prediction", "straight"), None);
+    assert_eq!(with_word(&round, "drac", "prediction", "straight"), None);
+    assert!(with_word(&round, "drac", "prediction", "course").is_some());
+    // Straight ahead of where it starts, beside the bend.
+    let beside = standing(0.0, 14.0);
+    assert_eq!(with_word(&beside, "min_ttc", "prediction", "course"), None);
+    assert!(with_word(&beside, "min_ttc", "prediction", "straight").is_some());
+    assert!(with_word(&beside, "drac", "prediction", "straight").is_some());
+}
+
+#[test]
+fn a_bend_is_felt_by_its_radius_and_the_square_of_the_speed() {
+    for (lane, radius) in [(0, 20.0), (1, 16.0)] {
+        let mut straight = world("constant_speed", "scripted", &[("speed", 1.5)], Side::Near, 22.0);
+        straight.vehicles[0].lane = lane;
+        (straight.vehicles[0].speed, straight.finish) = (5.0, 12.0);
+        let of = |world: &World| {
+            let found = measured(world).into_iter().find(|(name, _)| name == "lateral_acceleration");
+            found.unwrap().1.unwrap()
+        };
+        assert_eq!(of(&straight), 0.0);
+        for side in [1.0, -1.0] {
+            // To the right lane 1 is the outer one.
+            let radius = if side < 0.0 && lane == 1 { 24.0 } else { radius };
+            let found = of(&on_circle(&straight, 20.0 * side, 40.0));
+            assert!((found - 25.0 / radius).abs() < 1e-9, "lane {lane}, {side}: {found} m/s²");
+        }
+        // A bend that is over within a step counts as any other.
+        let pieces = [Piece::line(29.95), Piece::arc(5.0, 0.004), Piece::line(40.0)];
+        let line = ReferenceLine::new(Pose::origin(), &pieces).unwrap();
+        let mut short = straight.clone();
+        (short.vehicles[0].speed, short.step) = (5.0, 0.05);
+        short.road.lanes.truncate(1);
+        short.vehicles[0].lane = 0;
+        short.road.bend = Some(Bend { line: Arc::new(line), crossing: 35.0 });
+        assert!((of(&short) - 5.0).abs() < 1e-9, "{}", of(&short));
+    }
 }
 
 #[test]

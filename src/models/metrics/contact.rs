@@ -227,6 +227,8 @@ pub fn min_distance() -> Metric {
 struct MinDistance {
     pair: (usize, usize),
     last: Option<f64>,
+    /// Of the vehicle at the end of the step before.
+    pose: Option<(Vector2<f64>, Vector2<f64>)>,
     smallest: Option<Smallest>,
 }
 
@@ -239,7 +241,7 @@ struct Smallest {
 
 impl MinDistance {
     fn new(context: &MetricContext) -> Self {
-        Self { pair: (context.vehicle, context.pedestrian), last: None, smallest: None }
+        Self { pair: (context.vehicle, context.pedestrian), last: None, pose: None, smallest: None }
     }
 }
 
@@ -262,13 +264,15 @@ impl Meter for MinDistance {
         consider(before, 0.0);
         let least = consider(after, 1.0);
         // Nothing comes nearer than it moves, so most steps need no look inside.
-        let moved = ((new.position - old.position) - (car.position() - old_car.position())).norm();
-        let moved = moved + turned(old_car, car);
+        let ((centre, heading), now) = (self.pose.unwrap_or_else(|| pose(old_car)), pose(car));
+        let moved = ((new.position - old.position) - (now.0 - centre)).norm();
+        let moved = moved + turned(car, heading, now.1);
         if (before + after - moved) / 2.0 < least {
             let (distance, part) = smallest_inside((old_car, car), (old, new));
             consider(distance, part);
         }
         self.last = Some(after);
+        self.pose = Some(now);
         self.smallest = Some(smallest);
     }
 
@@ -287,12 +291,17 @@ impl Meter for MinDistance {
     }
 }
 
-/// How far turning alone takes a corner of a vehicle on a bend, at most, m.
-fn turned(before: &VehicleState, after: &VehicleState) -> f64 {
-    if after.path.course().is_none() {
+/// The centre of a vehicle (m) and the unit vector in which it drives.
+fn pose(car: &VehicleState) -> (Vector2<f64>, Vector2<f64>) {
+    car.path.pose(car.motion.travelled)
+}
+
+/// How far turning alone from one heading to another takes a corner of a vehicle on a bend, at most, m.
+fn turned(car: &VehicleState, before: Vector2<f64>, after: Vector2<f64>) -> f64 {
+    if car.path.course().is_none() {
         return 0.0;
     }
-    (after.heading() - before.heading()).norm() * libm::hypot(after.length, after.width) / 2.0
+    (after - before).norm() * libm::hypot(car.length, car.width) / 2.0
 }
 
 /// The smallest distance inside a step, and after which share of it: a convex function of time, as the footprints are

@@ -11,7 +11,9 @@ mod contact;
 mod crossing;
 #[cfg(test)]
 mod fixture;
+mod headway;
 mod jerk;
+mod lateral;
 mod proximity;
 mod sliding;
 #[cfg(test)]
@@ -34,10 +36,12 @@ pub fn metrics() -> Vec<Metric> {
         proximity::min_ttc(),
         contact::min_distance(),
         proximity::drac(),
+        headway::time_headway(),
         braking::max_deceleration(),
         braking::sudden_speed_change(),
         jerk::max_jerk(),
         jerk::rms_jerk(),
+        lateral::lateral_acceleration(),
         travel::time_lost(),
         travel::travel_time(),
         travel::stopped_time(),

@@ -1,10 +1,48 @@
 //! How urgent it gets: time to collision and the deceleration that would avoid a crash.
 
 use scenario::{Absence, Located, Metric, MetricKind, MetricRange, Scope, Worst};
-use scenario::{Declaration, Dimension, Parameter};
-use sim::measure::{Encounters, Meter, MetricContext, meters};
+use scenario::{ChoiceOption, Declaration, Dimension, Parameter, Settings, Value};
+use sim::geometry::first_contact;
+use sim::measure::{Encounter, Encounters, Meter, MetricContext, meters};
 use sim::measure::{half_extent, strip};
 use sim::{PedestrianState, Step, VehicleState};
+
+/// How the vehicle is taken to go on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Prediction {
+    Course,
+    Straight,
+}
+
+impl Prediction {
+    fn of(settings: &Settings) -> Self {
+        if settings.word("prediction") == "straight" { Self::Straight } else { Self::Course }
+    }
+
+    /// Time to collision from the end of the step on, s.
+    fn time(self, encounter: &Encounter, car: &VehicleState, person: &PedestrianState) -> Option<f64> {
+        match self {
+            Self::Straight if car.path.course().is_some() => {
+                first_contact(car, person, person.velocity - car.velocity())
+            }
+            _ => encounter.time_to_collision,
+        }
+    }
+}
+
+fn prediction_parameter() -> Parameter {
+    Parameter::choice(
+        "prediction",
+        "course",
+        [
+            ChoiceOption::new("course", "it keeps its speed along its lane, round bends as well"),
+            ChoiceOption::new("straight", "it goes straight on from where it is, as is usual"),
+        ],
+        "How the vehicle is taken to go on; on straight roads both are the same.",
+        "straight on from a bend it would meet people on the pavement, and miss those round the bend",
+    )
+    .was(Value::Word("course".to_string()))
+}
 
 pub fn min_ttc() -> Metric {
     let declaration = Declaration::new(
@@ -14,8 +52,10 @@ pub fn min_ttc() -> Metric {
     )
     .source(
         "Hayward 1972; exact contact time of the moving footprints, looked at after \
-         every step",
-    );
+         every step; in bends to 1e-9 m, by steps that no contact can hide in, for no \
+         longer than 10 s",
+    )
+    .parameters([prediction_parameter()]);
     Metric {
         declaration,
         kind: MetricKind::Quantity(Dimension::TIME),
@@ -24,13 +64,19 @@ pub fn min_ttc() -> Metric {
         absence: Absence::Good,
         range: MetricRange::NotNegative,
         meters: meters(|context| {
-            Box::new(MinTtc { pair: (context.vehicle, context.pedestrian), smallest: None, instant: 0.0 })
+            Box::new(MinTtc {
+                pair: (context.vehicle, context.pedestrian),
+                prediction: Prediction::of(context.settings),
+                smallest: None,
+                instant: 0.0,
+            })
         }),
     }
 }
 
 struct MinTtc {
     pair: (usize, usize),
+    prediction: Prediction,
     smallest: Option<f64>,
     /// When that was, s.
     instant: f64,
@@ -38,7 +84,13 @@ struct MinTtc {
 
 impl Meter for MinTtc {
     fn observe(&mut self, step: &Step, encounters: &Encounters) {
-        if let Some(time) = encounters.pair(self.pair.0, self.pair.1).time_to_collision
+        let (car, person) = (&step.after.vehicles[self.pair.0], &step.after.pedestrians[self.pair.1]);
+        // Who is not there yet is on no course.
+        if !step.before.pedestrians[self.pair.1].present {
+            return;
+        }
+        let encounter = encounters.pair(self.pair.0, self.pair.1);
+        if let Some(time) = self.prediction.time(encounter, car, person)
             && self.smallest.is_none_or(|smallest| time < smallest)
         {
             self.smallest = Some(time);
@@ -70,15 +122,18 @@ pub fn drac() -> Metric {
          relative speed v; where the pedestrian leaves the vehicle's strip at t < 2 \
          g/v, the smaller 2 (v t - g)/t^2 that lets it pass",
     )
-    .parameters([Parameter::number(
-        "ceiling",
-        Dimension::ACCELERATION,
-        20.0,
-        (1.0, 1000.0),
-        "Reported where no deceleration up to this one would do, as when the front is \
-         about to hit.",
-        "the rate grows without bound as the gap closes; twice what tyres can do",
-    )]);
+    .parameters([
+        Parameter::number(
+            "ceiling",
+            Dimension::ACCELERATION,
+            20.0,
+            (1.0, 1000.0),
+            "Reported where no deceleration up to this one would do, as when the front is \
+             about to hit.",
+            "the rate grows without bound as the gap closes; twice what tyres can do",
+        ),
+        prediction_parameter(),
+    ]);
     Metric {
         declaration,
         kind: MetricKind::Quantity(Dimension::ACCELERATION),
@@ -93,6 +148,7 @@ pub fn drac() -> Metric {
 struct Drac {
     pair: (usize, usize),
     ceiling: f64,
+    prediction: Prediction,
     largest: Option<f64>,
     /// When that was, s.
     instant: f64,
@@ -105,6 +161,7 @@ impl Drac {
         Self {
             pair: (context.vehicle, context.pedestrian),
             ceiling: context.settings.number("ceiling"),
+            prediction: Prediction::of(context.settings),
             largest: None,
             instant: 0.0,
             was_ahead: false,
@@ -116,8 +173,9 @@ impl Meter for Drac {
     fn observe(&mut self, step: &Step, encounters: &Encounters) {
         let encounter = encounters.pair(self.pair.0, self.pair.1);
         let (car, person) = (&step.after.vehicles[self.pair.0], &step.after.pedestrians[self.pair.1]);
-        let on_course = encounter.time_to_collision.is_some() || encounter.contact.is_some();
-        let place = car.path.locate(person.position);
+        // Who is not there yet is nowhere.
+        let Some((_, place)) = encounter.places else { return };
+        let on_course = self.prediction.time(encounter, car, person).is_some() || encounter.contact.is_some();
         let gap = gap_ahead(car, person, &place);
         // Contact with the front closes the gap up to rounding.
         let ahead = gap > 1e-9;

@@ -48,6 +48,9 @@ fn pedestrian_first_at_constant_speeds() {
             ("min_ttc", None),
             ("min_distance", Some(2.75)),
             ("drac", None),
+            // Clear of the strip after 5.25 s, when the front is 45.25 m away.
+            ("time_headway", Some(4.525)),
+            ("lateral_acceleration", Some(0.0)),
             ("max_deceleration", Some(0.0)),
             ("sudden_speed_change", Some(0.0)),
             ("max_jerk", Some(0.0)),
@@ -73,6 +76,8 @@ fn vehicle_first_at_constant_speeds() {
             ("pet", Some(7.01 - 5.0)),
             // The rear is clear of the pedestrian's width at 5.225 s, his front enters the strip at 2.75 m.
             ("pet_area", Some(5.76 - 5.225)),
+            // Nobody is in the strip before the front has passed.
+            ("time_headway", None),
             ("passed_first", Some(2.0)),
             ("gap_accepted", Some(0.0)),
             ("tta_at_entry", None),
@@ -198,6 +203,7 @@ fn collision_inside_a_step() {
                 ("min_ttc", Some(0.0)),
                 ("min_distance", Some(0.0)),
                 ("drac", Some(20.0)),
+                ("time_headway", Some(0.0)),
                 ("time_lost", None),
                 ("travel_time", None),
             ] {
@@ -208,6 +214,22 @@ fn collision_inside_a_step() {
         let readings =
             measure(&world, &requests, &straight(-50.0), &Walk(vec![(0.0, 0.0, -0.1), (9.0, 0.0, -0.1)]));
         assert_eq!(readings[0].worst, None);
+    }
+}
+
+#[test]
+fn whoever_walks_along_the_lane_is_followed_at_a_headway() {
+    // Brakes from 10 m/s at 2 m/s^2 behind somebody who walks at 1 m/s: (40.75 - 9 t + t^2)/(10 - 2 t) is smallest at t = 0.4448 s.
+    let car = Profile::new(-50.0, 10.0, &[(3.0, 0.0), (4.0, -2.0)]);
+    let along = |beside: f64| Walk(vec![(0.0, 20.0, beside), (20.0, 40.0, beside)]);
+    for step in STEPS {
+        let found = measure_all(&world(step, 8.0), &car, &along(0.0));
+        assert_near("time_headway", found("time_headway"), Some(4.055_219), 2e-4);
+        // Beside the strip nobody is followed, and who stands follows nobody.
+        let found = measure_all(&world(step, 8.0), &car, &along(1.26));
+        assert_near("time_headway", found("time_headway"), None, 0.0);
+        let found = measure_all(&world(step, 8.0), &Profile::new(-50.0, 0.0, &[]), &along(0.0));
+        assert_near("time_headway", found("time_headway"), None, 0.0);
     }
 }
 

@@ -31,16 +31,18 @@ impl Horizon {
 }
 
 /// Metrics that are what was seen so far at any time, and that what comes later may make worse.
-const EXTREMES: [&str; 9] = [
+const EXTREMES: [&str; 11] = [
     "collision",
     "impact_speed",
     "min_distance",
     "min_ttc",
     "drac",
+    "time_headway",
     "max_deceleration",
     "sudden_speed_change",
     "max_jerk",
     "rms_jerk",
+    "lateral_acceleration",
 ];
 
 /// Says of each finding in how many runs the end of what it is about was not seen, because the horizon or somebody else's contact

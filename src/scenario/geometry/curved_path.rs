@@ -5,7 +5,7 @@ use std::sync::Arc;
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
-use super::piece::Pose;
+use super::piece::{Frame, Pose};
 use super::{GeometryError, ReferenceLine};
 use crate::{Conflict, Direction};
 
@@ -141,7 +141,7 @@ impl CurvedPath {
         }
         // The piece in which it lies; the last length is that of the end.
         let found = self.lengths[1..].iter().position(|end| length < *end).unwrap_or(0);
-        let Some((piece, from, _)) = self.line.placed().nth(found) else { return length };
+        let Some((piece, from)) = self.line.piece(found) else { return length };
         let rest = length - self.lengths[found];
         let (bend, change) = (1.0 - self.offset * piece.from, -self.offset * piece.change() / 2.0);
         let way = match change {
@@ -170,14 +170,29 @@ impl CurvedPath {
         most.max(-least)
     }
 
+    /// The same with a unit vector for its heading, and sooner.
+    pub(crate) fn frame(&self, place: f64) -> Frame {
+        self.beside_line(self.line.frame(self.station(place)))
+    }
+
+    /// A frame of the line as the course has it abreast of that.
+    fn beside_line(&self, frame: Frame) -> Frame {
+        let (sign, curvature) = (self.direction.sign(), frame.curvature);
+        Frame {
+            point: frame.point + frame.normal() * self.offset,
+            tangent: frame.tangent * sign,
+            curvature: sign * curvature / (1.0 - curvature * self.offset),
+        }
+    }
+
     /// The point at a place, m.
     pub fn point(&self, place: f64) -> Vector2<f64> {
-        self.pose(place).point
+        self.frame(place).point
     }
 
     /// Unit vector in the direction of travel at a place.
     pub fn tangent(&self, place: f64) -> Vector2<f64> {
-        self.pose(place).tangent()
+        self.frame(place).tangent
     }
 
     /// The smallest and the largest curvature (1/m, to the left in the direction of travel) between two places (m).
@@ -233,16 +248,45 @@ impl CurvedPath {
         }
     }
 
+    /// How far (m) the bend goes on in which a place is, until the course goes straight on; 0 where it does.
+    pub fn bend_ahead(&self, place: f64) -> f64 {
+        let mut station = self.station(place);
+        let sign = self.direction.sign();
+        let bends = |station: f64| {
+            self.line.placed().find(|(piece, start, _)| {
+                let end = start + piece.length;
+                let inside = if sign > 0.0 {
+                    *start <= station && station < end
+                } else {
+                    *start < station && station <= end
+                };
+                piece.tightest() > 0.0 && inside
+            })
+        };
+        let mut last = None;
+        while let Some((piece, start, _)) = bends(station) {
+            station = if sign > 0.0 { start + piece.length } else { start };
+            last = Some(station);
+        }
+        last.map_or(0.0, |station| self.place_abreast(station) - place)
+    }
+
     /// Where a point lies.
     pub fn project(&self, point: Vector2<f64>) -> PathProjection {
-        let found = self.line.project(point);
+        self.project_with_heading(point).0
+    }
+
+    /// The same with the unit vector in the direction of travel there.
+    pub(crate) fn project_with_heading(&self, point: Vector2<f64>) -> (PathProjection, Vector2<f64>) {
+        let (found, frame) = self.line.project_with_frame(point);
         let (place, sign) = (self.place_abreast(found.station), self.direction.sign());
-        PathProjection {
+        let projection = PathProjection {
             place,
             left: sign * (found.left - self.offset),
             curvature: sign * found.curvature / (1.0 - found.curvature * self.offset),
             ambiguous: found.ambiguous,
-        }
+        };
+        (projection, frame.tangent * sign)
     }
 }
 
@@ -270,8 +314,7 @@ impl CurvedPath {
     }
 
     fn point_abreast(&self, station: f64) -> Vector2<f64> {
-        let pose = self.line.pose(station);
-        pose.point + pose.normal() * self.offset
+        self.beside_line(self.line.frame(station)).point
     }
 }
 
@@ -382,6 +425,10 @@ mod tests {
             let straight = path.straight_ahead(from);
             prop_assert_eq!(straight > 0.0, path.tightest_between(from, from + straight.min(1e3) * 0.999) == 0.0);
             prop_assert!(straight > 1e3 || path.pose(from + straight + 1e-3).curvature != 0.0);
+            let bend = path.bend_ahead(from);
+            prop_assert!(bend == 0.0 || path.pose(from + bend * 0.999).curvature != 0.0);
+            prop_assert!(path.pose(from + bend + 1e-9).curvature == 0.0, "it still bends");
+            prop_assert_eq!(bend > 0.0, straight == 0.0);
         }
     }
 

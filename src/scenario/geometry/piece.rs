@@ -32,6 +32,56 @@ impl Pose {
     }
 }
 
+/// A pose with its heading as a unit vector, for those who would work that out again and again.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Frame {
+    /// World frame, m.
+    pub(crate) point: Vector2<f64>,
+    /// Unit vector along the curve.
+    pub(crate) tangent: Vector2<f64>,
+    /// To the left, 1/m.
+    pub(crate) curvature: f64,
+}
+
+impl Frame {
+    /// Unit vector to its left.
+    pub(crate) fn normal(&self) -> Vector2<f64> {
+        Vector2::new(-self.tangent.y, self.tangent.x)
+    }
+}
+
+impl From<Pose> for Frame {
+    fn from(pose: Pose) -> Self {
+        Self { point: pose.point, tangent: pose.tangent(), curvature: pose.curvature }
+    }
+}
+
+/// 1 − x/f₁·(1 − x/f₂·(1 − …)) at x = `square`.
+fn series(square: f64, divisors: [f64; 6]) -> f64 {
+    divisors.iter().rev().fold(1.0, |sum, divisor| 1.0 - sum * square * (1.0 / divisor))
+}
+
+const OF_SINE: [f64; 6] = [6.0, 20.0, 42.0, 72.0, 110.0, 156.0];
+
+/// The unit vector at a small angle (rad) to the x axis: by the series, which below 0.3 rad is right to the last bit but one.
+pub(super) fn unit_of_small(angle: f64) -> Vector2<f64> {
+    let square = angle * angle;
+    let cosine = series(square, [2.0, 12.0, 30.0, 56.0, 90.0, 132.0]);
+    Vector2::new(cosine, angle * series(square, OF_SINE))
+}
+
+/// Where an arc of length 1 ends that turns by a small angle (rad) from the x axis.
+pub(super) fn arc_of_small(angle: f64) -> Vector2<f64> {
+    let square = angle * angle;
+    let aside = series(square, [12.0, 30.0, 56.0, 90.0, 132.0, 182.0]);
+    Vector2::new(series(square, OF_SINE), angle / 2.0 * aside)
+}
+
+/// A vector along the x axis turned so that it lies along the unit vector `onto`.
+pub(super) fn turned_onto(vector: Vector2<f64>, onto: Vector2<f64>) -> Vector2<f64> {
+    Vector2::new(vector.x * onto.x - vector.y * onto.y, vector.x * onto.y + vector.y * onto.x)
+}
+
 /// The unit vector at an angle (rad) to the x axis.
 pub(super) fn unit(angle: f64) -> Vector2<f64> {
     Vector2::new(libm::cos(angle), libm::sin(angle))
@@ -177,6 +227,16 @@ mod tests {
             let piece = Piece::clothoid(length, from, to);
             let (one, other) = (piece.led(0.0, share * length), piece.mirrored().led(0.0, share * length));
             prop_assert_eq!((one.x, one.y), (other.x, -other.y));
+        }
+    }
+
+    #[test]
+    fn small_angles_have_the_unit_vectors_of_any_angle() {
+        for step in -300..=300 {
+            let angle = f64::from(step) * 1e-3;
+            assert!((unit_of_small(angle) - unit(angle)).norm() < 3e-16, "{angle} rad");
+            let arc = Piece::clothoid(1.0, angle, angle);
+            assert!((arc_of_small(angle) - arc.led(0.0, 1.0)).norm() < 3e-15, "{angle} rad");
         }
     }
 

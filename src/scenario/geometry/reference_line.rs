@@ -4,7 +4,7 @@ use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
 use super::GeometryError;
-use super::piece::{Piece, Pose, unit};
+use super::piece::{Frame, Piece, Pose, arc_of_small, turned_onto, unit_of_small};
 
 /// Pieces end to end, of which each begins where and as the one before ends. Stations are metres from its beginning along it;
 /// beyond both ends it goes straight on.
@@ -15,6 +15,8 @@ pub struct ReferenceLine {
     start: Pose,
     pieces: Vec<PlacedPiece>,
     end: Pose,
+    /// Unit vectors along it at both ends.
+    directions: (Vector2<f64>, Vector2<f64>),
     length: f64,
     /// The largest curvature to the right (at most 0) and to the left (at least 0), 1/m.
     tightest: (f64, f64),
@@ -35,10 +37,20 @@ struct PlacedPiece {
     from: f64,
     /// Its pose there.
     start: Pose,
+    /// Unit vector along it there.
+    direction: Vector2<f64>,
     /// Half way along it; no point of it is farther from there than half its length.
     middle: Vector2<f64>,
-    /// Of a clothoid: poses at even distances along it, both ends among them.
-    knots: Vec<Pose>,
+    /// Of what bends: poses at even distances along it, both ends among them.
+    knots: Vec<Knot>,
+}
+
+/// A pose along a piece, from which its neighbourhood is worked out.
+#[derive(Debug, Clone, PartialEq)]
+struct Knot {
+    pose: Pose,
+    /// Unit vector along it.
+    tangent: Vector2<f64>,
 }
 
 /// The nearest point of a line.
@@ -57,7 +69,7 @@ pub struct LineProjection {
 /// Knots of a clothoid are no farther apart than this, m, …
 const KNOTS: f64 = 1.0;
 
-/// … and between them it turns no more than this, rad.
+/// … and between those of anything that bends it turns no more than this, rad.
 const TURN_BETWEEN: f64 = 0.25;
 
 /// Places and weights of the 4-point rule of Gauss and Legendre on (0, 1): right to 1e-14 m between two knots.
@@ -102,7 +114,8 @@ impl ReferenceLine {
             placed.push(next);
         }
         let end = Pose { curvature: 0.0, ..at };
-        Ok(Self { start, pieces: placed, end, length: from, tightest })
+        let directions = (start.tangent(), end.tangent());
+        Ok(Self { start, pieces: placed, end, directions, length: from, tightest })
     }
 
     /// m
@@ -123,11 +136,25 @@ impl ReferenceLine {
     /// The pose at a station (m). Where curvature jumps it is that of the piece that begins there.
     pub fn pose(&self, station: f64) -> Pose {
         match self.place(station) {
-            Place::Before => Pose { point: self.start.point + self.start.tangent() * station, ..self.start },
+            Place::Before => Pose { point: self.start.point + self.directions.0 * station, ..self.start },
             Place::On(placed) => placed.pose(station - placed.from),
             Place::Beyond => {
-                Pose { point: self.end.point + self.end.tangent() * (station - self.length), ..self.end }
+                Pose { point: self.end.point + self.directions.1 * (station - self.length), ..self.end }
             }
+        }
+    }
+
+    /// The same with a unit vector for its heading, and sooner.
+    pub(crate) fn frame(&self, station: f64) -> Frame {
+        let straight = |end: &Pose, direction: Vector2<f64>, beyond: f64| Frame {
+            point: end.point + direction * beyond,
+            tangent: direction,
+            curvature: 0.0,
+        };
+        match self.place(station) {
+            Place::Before => straight(&self.start, self.directions.0, station),
+            Place::On(placed) => placed.frame(station - placed.from),
+            Place::Beyond => straight(&self.end, self.directions.1, station - self.length),
         }
     }
 
@@ -152,28 +179,46 @@ impl ReferenceLine {
 
     /// The station nearest to a point.
     pub fn project(&self, point: Vector2<f64>) -> LineProjection {
-        let before = (point - self.start.point).dot(&self.start.tangent()).min(0.0);
-        let beyond = (point - self.end.point).dot(&self.end.tangent()).max(0.0);
-        let mut nearest = (before, (point - self.pose(before).point).norm());
-        let mut look_at = |station: f64, found: Vector2<f64>| {
-            let distance = (point - found).norm();
-            if distance < nearest.1 {
-                nearest = (station, distance);
+        self.project_with_frame(point).0
+    }
+
+    /// The same with the frame there.
+    pub(crate) fn project_with_frame(&self, point: Vector2<f64>) -> (LineProjection, Frame) {
+        let before = (point - self.start.point).dot(&self.directions.0).min(0.0);
+        let beyond = (point - self.end.point).dot(&self.directions.1).max(0.0);
+        let ends = [before, self.length + beyond].map(|station| {
+            let frame = self.frame(station);
+            (station, frame, (point - frame.point).norm())
+        });
+        let mut nearest = if ends[1].2 < ends[0].2 { ends[1] } else { ends[0] };
+        let mut look_at = |placed: &PlacedPiece| {
+            let (way, frame) = placed.nearest(point);
+            let distance = (point - frame.point).norm();
+            if distance < nearest.2 {
+                nearest = (placed.from + way, frame, distance);
             }
-            nearest.1
+            nearest.2
         };
-        let mut least = look_at(self.length + beyond, self.end.point + self.end.tangent() * beyond);
-        for placed in &self.pieces {
-            if (point - placed.middle).norm() - placed.piece.length / 2.0 <= least {
-                let way = placed.nearest(point);
-                least = look_at(placed.from + way, placed.pose(way).point);
+        // Most likely it is on the piece that may come nearest, after which no other need be looked at.
+        let may_come = |placed: &PlacedPiece| (point - placed.middle).norm() - placed.piece.length / 2.0;
+        let first = (0..self.pieces.len())
+            .min_by(|one, other| may_come(&self.pieces[*one]).total_cmp(&may_come(&self.pieces[*other])));
+        let mut least = first.map_or(f64::INFINITY, |first| look_at(&self.pieces[first]));
+        for (index, placed) in self.pieces.iter().enumerate() {
+            if Some(index) != first && may_come(placed) <= least {
+                least = look_at(placed);
             }
         }
-        let station = nearest.0;
-        let pose = self.pose(station);
-        let left = (point - pose.point).dot(&pose.normal());
+        let (station, frame, _) = nearest;
+        let left = (point - frame.point).dot(&frame.normal());
         let towards = if left < 0.0 { self.tightest.0 } else { self.tightest.1 };
-        LineProjection { station, left, curvature: pose.curvature, ambiguous: towards * left >= 1.0 }
+        let ambiguous = towards * left >= 1.0;
+        (LineProjection { station, left, curvature: frame.curvature, ambiguous }, frame)
+    }
+
+    /// A piece with the station at which it begins (m).
+    pub(super) fn piece(&self, index: usize) -> Option<(&Piece, f64)> {
+        self.pieces.get(index).map(|placed| (&placed.piece, placed.from))
     }
 
     /// Each piece with the station at which it begins (m) and how far the line has turned there (rad).
@@ -200,12 +245,17 @@ enum Place<'a> {
 
 impl PlacedPiece {
     fn new(piece: Piece, from: f64, start: Pose) -> Self {
-        let mut placed = Self { piece, from, start, middle: start.point, knots: Vec::new() };
+        let direction = start.tangent();
+        let mut placed = Self { piece, from, start, direction, middle: start.point, knots: Vec::new() };
         placed.middle = placed.exact(piece.length / 2.0).point;
-        if piece.change() != 0.0 {
-            let turning = piece.tightest() * piece.length;
-            let parts = (piece.length / KNOTS).max(turning / TURN_BETWEEN).ceil().max(1.0) as usize;
-            let knot = |part: usize| placed.exact(piece.length * part as f64 / parts as f64);
+        let turning = piece.tightest() * piece.length;
+        if turning > 0.0 {
+            let along = if piece.change() != 0.0 { piece.length / KNOTS } else { 1.0 };
+            let parts = along.max(turning / TURN_BETWEEN).ceil().max(1.0) as usize;
+            let knot = |part: usize| {
+                let pose = placed.exact(piece.length * part as f64 / parts as f64);
+                Knot { tangent: pose.tangent(), pose }
+            };
             placed.knots = (0..=parts).map(knot).collect();
         }
         placed
@@ -224,73 +274,107 @@ impl PlacedPiece {
         }
     }
 
-    /// The same from the knot before it.
-    fn pose(&self, way: f64) -> Pose {
-        if self.knots.is_empty() {
-            return self.exact(way);
-        }
-        let parts = self.knots.len() - 1;
+    /// The knot before a way of so many m, and how far it is from there.
+    fn knot(&self, way: f64) -> Option<(&Knot, f64)> {
+        let parts = self.knots.len().checked_sub(1)?;
         let index = ((way / self.piece.length * parts as f64) as usize).min(parts - 1);
-        let knot = &self.knots[index];
-        let rest = way - self.piece.length * index as f64 / parts as f64;
-        let change = self.piece.change();
-        let angle = |way: f64| knot.heading + (knot.curvature + change * way / 2.0) * way;
-        let led = GAUSS_4.iter().fold(Vector2::zeros(), |led: Vector2<f64>, (place, weight)| {
-            led + unit(angle(rest * place)) * *weight
-        });
-        Pose {
-            point: knot.point + led * rest,
-            heading: angle(rest),
-            curvature: knot.curvature + change * rest,
+        Some((&self.knots[index], way - self.piece.length * index as f64 / parts as f64))
+    }
+
+    /// The pose after `way` m, from the knot before it.
+    fn pose(&self, way: f64) -> Pose {
+        let Some((knot, rest)) = self.knot(way) else {
+            return Pose { point: self.start.point + self.direction * way, curvature: 0.0, ..self.start };
+        };
+        let turned = self.turned_from(knot, rest);
+        let curvature = knot.pose.curvature + self.piece.change() * rest;
+        Pose { point: self.led_from(knot, rest), heading: knot.pose.heading + turned, curvature }
+    }
+
+    /// The same with a unit vector for its heading.
+    fn frame(&self, way: f64) -> Frame {
+        let Some((knot, rest)) = self.knot(way) else {
+            let point = self.start.point + self.direction * way;
+            return Frame { point, tangent: self.direction, curvature: 0.0 };
+        };
+        Frame {
+            point: self.led_from(knot, rest),
+            tangent: turned_onto(unit_of_small(self.turned_from(knot, rest)), knot.tangent),
+            curvature: knot.pose.curvature + self.piece.change() * rest,
         }
     }
 
-    /// How far along it the point of it is that is nearest to `point`, m.
-    fn nearest(&self, point: Vector2<f64>) -> f64 {
-        let (offset, length) = (point - self.start.point, self.piece.length);
-        let ahead = offset.dot(&self.start.tangent());
-        if !self.knots.is_empty() {
+    /// How far it turns within `rest` m of a knot, rad.
+    fn turned_from(&self, knot: &Knot, rest: f64) -> f64 {
+        (knot.pose.curvature + self.piece.change() * rest / 2.0) * rest
+    }
+
+    /// Where it leads from a knot within `rest` m.
+    fn led_from(&self, knot: &Knot, rest: f64) -> Vector2<f64> {
+        if self.piece.change() == 0.0 {
+            let led = arc_of_small(self.turned_from(knot, rest));
+            return knot.pose.point + turned_onto(led, knot.tangent) * rest;
+        }
+        let led = GAUSS_4.iter().fold(Vector2::zeros(), |led: Vector2<f64>, (place, weight)| {
+            led + unit_of_small(self.turned_from(knot, rest * place)) * *weight
+        });
+        knot.pose.point + turned_onto(led, knot.tangent) * rest
+    }
+
+    /// How far along it the point of it is that is nearest to `point`, m, and the frame there.
+    fn nearest(&self, point: Vector2<f64>) -> (f64, Frame) {
+        if self.piece.change() != 0.0 {
             return self.nearest_of_clothoid(point);
         }
+        let (offset, length) = (point - self.start.point, self.piece.length);
+        let ahead = offset.dot(&self.direction);
         if self.piece.from == 0.0 {
-            return ahead.clamp(0.0, length);
+            let way = ahead.clamp(0.0, length);
+            return (way, self.frame(way));
         }
         // Seen from the centre of the circle, in the sense in which it is driven round.
-        let (bend, left) = (self.piece.from, offset.dot(&self.start.normal()));
+        let (bend, left) = (self.piece.from, self.direction.perp(&offset));
         let angle = libm::atan2(ahead, (1.0 / bend - left) * bend.signum());
         let round = std::f64::consts::TAU;
         let driven = angle.rem_euclid(round) / bend.abs();
         let whole = round / bend.abs();
-        if driven <= length {
+        let way = if driven <= length {
             driven
         } else if driven - length < whole - driven {
             length
         } else {
             0.0
-        }
+        };
+        (way, self.frame(way))
     }
 
-    fn nearest_of_clothoid(&self, point: Vector2<f64>) -> f64 {
+    fn nearest_of_clothoid(&self, point: Vector2<f64>) -> (f64, Frame) {
         let length = self.piece.length;
-        let apart = |knot: &Pose| (point - knot.point).norm_squared();
-        let knots = self.knots.iter().enumerate();
-        let first = knots.min_by(|(_, one), (_, other)| apart(one).total_cmp(&apart(other)));
-        let Some((index, knot)) = first else { return 0.0 };
-        let from = length * index as f64 / (self.knots.len() - 1) as f64;
-        let (mut way, mut pose) = (from, *knot);
+        let apart = |knot: &Knot| (point - knot.pose.point).norm_squared();
+        let mut nearest = (0, f64::INFINITY);
+        for (index, knot) in self.knots.iter().enumerate() {
+            let distance = apart(knot);
+            if distance < nearest.1 {
+                nearest = (index, distance);
+            }
+        }
+        let from = length * nearest.0 as f64 / (self.knots.len() - 1) as f64;
+        let knot = &self.knots[nearest.0];
+        let at_knot = Frame { point: knot.pose.point, tangent: knot.tangent, curvature: knot.pose.curvature };
+        let (mut way, mut frame) = (from, at_knot);
         for _ in 0..STEPS {
-            let (offset, along) = (point - pose.point, pose.tangent());
+            let (offset, along) = (point - frame.point, frame.tangent);
             let left = offset.y * along.x - offset.x * along.y;
-            let step = offset.dot(&along) / (1.0 - pose.curvature * left).max(0.1);
+            let step = offset.dot(&along) / (1.0 - frame.curvature * left).max(0.1);
             let next = (way + step).clamp(0.0, length);
             let moved = (next - way).abs();
-            (way, pose) = (next, self.pose(next));
+            (way, frame) = (next, self.frame(next));
             if moved < CLOSE {
                 break;
             }
         }
         // Where it does not converge, which is far inside a bend, the knot is as good.
-        if (point - pose.point).norm_squared() <= apart(knot) { way } else { from }
+        if (point - frame.point).norm_squared() <= nearest.1 { (way, frame) } else { (from, at_knot) }
     }
 }
 
@@ -312,6 +396,7 @@ impl From<ReferenceLine> for Written {
 mod tests {
     use proptest::prelude::*;
 
+    use super::super::piece::unit;
     use super::*;
 
     fn pieces() -> impl Strategy<Value = Vec<Piece>> {
@@ -353,6 +438,10 @@ mod tests {
                     let inside = line.pose(station + share * piece.length);
                     let led = at.point + piece.led(at.heading, share * piece.length);
                     prop_assert!((inside.point - led).norm() < 1e-11);
+                    let frame = line.frame(station + share * piece.length);
+                    prop_assert!((frame.point - inside.point).norm() == 0.0);
+                    prop_assert!((frame.tangent - inside.tangent()).norm() < 1e-13);
+                    prop_assert_eq!(frame.curvature, inside.curvature);
                 }
                 at.point += piece.led(at.heading, piece.length);
                 at.heading += piece.turned(piece.length);

@@ -64,6 +64,9 @@ pub struct Encounter {
     /// Time to collision of the footprints if both kept their velocities from the end of the step on, s; `None` if
     /// they are not on a collision course.
     pub time_to_collision: Option<f64>,
+    /// Where the pedestrian lies, seen from the vehicle's path, at the beginning and at the end of the last step in which they were
+    /// there.
+    pub places: Option<(Located, Located)>,
     /// As [`Presence::met`], but for contact.
     near: bool,
 }
@@ -142,6 +145,7 @@ impl Encounters {
             last_entry: None,
             crossing: None,
             time_to_collision: None,
+            places: None,
             near: false,
         };
         let pedestrians = world.pedestrians.len();
@@ -264,7 +268,10 @@ impl Encounter {
         let (old, new) = (&step.before.pedestrians[pedestrian], &step.after.pedestrians[pedestrian]);
         self.appeared.get_or_insert(step.time);
         self.time_to_collision = contact_with(car, new);
-        let places = (car.path.locate(old.position), car.path.locate(new.position));
+        // Where a step ends the next one begins.
+        let before = self.places.map_or_else(|| car.path.locate(old.position), |(_, before)| before);
+        let places = (before, car.path.locate(new.position));
+        self.places = Some(places);
         // Who is so far inside a bend that nobody knows which part of it is meant passes nothing of it.
         if !places.0.ambiguous && !places.1.ambiguous {
             self.follow_lane(step, (old_car, car), places);
@@ -318,7 +325,7 @@ impl Encounter {
         if self.near {
             return;
         }
-        let place = car.path.locate(person.position);
+        let Some((_, place)) = self.places else { return };
         if place.beside.abs() >= self.half_lane {
             return;
         }
@@ -350,14 +357,14 @@ impl Encounter {
         }
         if let Some(visit) = self.visits.last_mut() {
             if car.path.turns_about(new.along, car.length + reach.x) {
-                // A rigid body that turns: where it first and last touches what is there, less its own half length.
-                let size = (car.length, car.width);
-                if let Some((first, last)) =
-                    touched_between(&car.path, size, &Footprint::from(person), new.along)
-                {
-                    visit.low = visit.low.min(first + car.length / 2.0);
-                    visit.high = visit.high.max(last - car.length / 2.0);
-                }
+                // A rigid body that turns: where it first and last touches what is there, less its own half length. Only what is beyond
+                // what was found before is looked for.
+                let (size, half) = ((car.length, car.width), car.length / 2.0);
+                let known = (visit.low <= visit.high).then_some((visit.low - half, visit.high + half));
+                let outline = Footprint::from(person);
+                let (first, last) = touched_between(&car.path, size, &outline, new.along, known);
+                visit.low = first.map_or(visit.low, |first| visit.low.min(first + half));
+                visit.high = last.map_or(visit.high, |last| visit.high.max(last - half));
             } else {
                 for part in [enter, leave] {
                     let centre = lerp(old.along, new.along, part);
@@ -423,7 +430,7 @@ pub fn rising(before: f64, after: f64, line: f64) -> Option<f64> {
 }
 
 /// The part of the way from `from` to `to` that lies inside two borders, as shares of the way.
-fn part_within(from: f64, to: f64, (low, high): (f64, f64)) -> Option<(f64, f64)> {
+pub fn part_within(from: f64, to: f64, (low, high): (f64, f64)) -> Option<(f64, f64)> {
     if from == to {
         return (low < from && from < high).then_some((0.0, 1.0));
     }

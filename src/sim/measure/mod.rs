@@ -14,7 +14,7 @@ use scenario::{Absence, Meters, Scope, Settings, World, Worst};
 
 pub use encounter::{
     Contact, Encounter, Encounters, Entry, LaneCrossing, MEETING_TIME, Passing, Presence, Visit, half_extent,
-    half_extent_along, lerp, rising, strip,
+    half_extent_along, lerp, part_within, rising, strip,
 };
 pub use measurement::{Measurement, Reading, SubjectValue};
 pub use passage::{Passage, Reached};

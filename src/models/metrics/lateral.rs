@@ -1,0 +1,55 @@
+//! How hard a vehicle takes the bends of its lane.
+
+use scenario::{Absence, Declaration, Dimension, Metric, MetricKind, MetricRange, Scope, Worst};
+use sim::Step;
+use sim::measure::{Encounters, Meter, meters};
+
+pub fn lateral_acceleration() -> Metric {
+    let declaration = Declaration::new(
+        "lateral_acceleration",
+        "Largest acceleration of the vehicle to its side, as the bends of its lane and its speed make it; 0 on straight roads.",
+    )
+    .source("|k| v^2 of the tightest bend k that the point which follows the lane (the centre, or what the vehicle says) passes in a step, and the larger of the speeds at both ends");
+    Metric {
+        declaration,
+        kind: MetricKind::Quantity(Dimension::ACCELERATION),
+        scope: Scope::Vehicle,
+        worst: Worst::Largest,
+        absence: Absence::Open,
+        range: MetricRange::NotNegative,
+        meters: meters(|context| {
+            Box::new(LateralAcceleration { vehicle: context.vehicle, largest: None, instant: None })
+        }),
+    }
+}
+
+struct LateralAcceleration {
+    vehicle: usize,
+    /// m/s²; `None` before the first step.
+    largest: Option<f64>,
+    /// When that was, s; `None` where it never went round a bend.
+    instant: Option<f64>,
+}
+
+impl Meter for LateralAcceleration {
+    fn observe(&mut self, step: &Step, _: &Encounters) {
+        let largest = self.largest.get_or_insert(0.0);
+        let car = &step.after.vehicles[self.vehicle];
+        let before = step.before.vehicles[self.vehicle].motion;
+        // A bend may begin and end within a step.
+        let bend = car.path.tightest_followed((before.travelled, car.motion.travelled));
+        let speed = before.speed.max(car.motion.speed);
+        if bend * speed * speed > *largest {
+            *largest = bend * speed * speed;
+            self.instant = Some(step.time + step.duration);
+        }
+    }
+
+    fn value(&self, _: &Encounters) -> Option<f64> {
+        self.largest
+    }
+
+    fn instant(&self, _: &Encounters) -> Option<f64> {
+        self.instant
+    }
+}
