@@ -143,6 +143,26 @@ async function activate(context) {
         return found && new vscode.Location(vscode.Uri.parse(found.uri), range(found.range));
       },
     }),
+    vscode.commands.registerCommand("scenarioRunner.sketch", () => {
+      const editor = vscode.window.activeTextEditor;
+      if (!editor || !isOurs(editor.document)) return;
+      const panel = vscode.window.createWebviewPanel("scenarioRunner.sketch", "Sketch", vscode.ViewColumn.Beside, {});
+      let shown = editor;
+      const draw = async () => {
+        const found = await client.request("scenario-runner/sketch", place(shown.document, shown.selection.active));
+        // The SVG is the server's, in which names are escaped; a message is put in as text.
+        const text = (found && found.message ? found.message : "").replace(/&/g, "&amp;").replace(/</g, "&lt;");
+        panel.title = found && found.name ? found.name : "Sketch";
+        panel.webview.html = `<!DOCTYPE html><meta http-equiv="Content-Security-Policy" content="default-src 'none'; style-src 'unsafe-inline'">${found && found.svg ? found.svg : `<p>${text}</p>`}`;
+      };
+      const follow = vscode.window.onDidChangeTextEditorSelection((event) => {
+        if (!isOurs(event.textEditor.document)) return;
+        shown = event.textEditor;
+        draw().catch(() => {});
+      });
+      panel.onDidDispose(() => follow.dispose());
+      draw().catch((error) => vscode.window.showErrorMessage(`scenario-runner: ${error.message}`));
+    }),
     vscode.languages.registerDocumentFormattingEditProvider(selector, {
       async provideDocumentFormattingEdits(document, options) {
         const params = { textDocument: { uri: document.uri.toString() }, options };

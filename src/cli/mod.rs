@@ -32,6 +32,7 @@ mod run;
 pub(crate) mod set;
 mod shrink;
 mod shrunk;
+mod sketch;
 mod store;
 mod try_program;
 mod validate;
@@ -107,6 +108,8 @@ enum Command {
     Validate(validate::ValidateArguments),
     /// Run exactly one case again and print what happened when.
     Replay(replay::ReplayArguments),
+    /// Draw a scenario from above, before it runs or at moments of its run.
+    Sketch(sketch::SketchArguments),
     /// Write a failing run as a small scenario file of its own, moved towards nominal values.
     Shrink(shrink::ShrinkArguments),
     /// Let the programs of controllers that files declare run.
@@ -186,6 +189,7 @@ fn obey(cli: Cli, registry: &Registry) -> Exit {
         Some(Command::Calibrate(arguments)) => calibrate::run(&arguments),
         Some(Command::Validate(arguments)) => validate::run(&arguments),
         Some(Command::Replay(arguments)) => replay::replay(&arguments, registry),
+        Some(Command::Sketch(arguments)) => sketch::sketch(&arguments, registry),
         Some(Command::Shrink(arguments)) => shrink::shrink(&arguments, registry),
         Some(Command::Allow(arguments)) => allow::allow(&arguments, registry),
         Some(Command::Try(arguments)) => try_program::try_program(&arguments, registry),

@@ -7,9 +7,10 @@ use clap::Args;
 use super::Exit;
 use super::one_case::{CaseArguments, FoundCase, could_not_run};
 use super::run::LastRun;
+use super::run::watch::Columns;
 use files::WholeFile;
 use report::console::{stderr, stdout};
-use report::{ReplayIntroduction, case_values, render_replay, replay_reasons, write_trace};
+use report::{ReplayIntroduction, case_values, render_replay, replay_reasons, write_trace_with};
 use results::Requests;
 use runner::corpus::{case_hash, corpus_path};
 use runner::run::{MeasuredMetrics, Ran, RunBatch, Stop, Wanted, WentDifferently, went_differently};
@@ -27,6 +28,11 @@ pub struct ReplayArguments {
     /// Write the course of the run as CSV into this file.
     #[arg(long, value_name = "PATH")]
     trace: Option<PathBuf>,
+
+    /// What `--trace` writes of everybody: with `full` also how far along the road from the crossing, how far beside the centre line
+    /// of lane 0, and where they face.
+    #[arg(long, value_enum, value_name = "COLUMNS", default_value_t = Columns::Plain, requires = "trace")]
+    trace_columns: Columns,
 }
 
 pub fn replay(arguments: &ReplayArguments, registry: &Registry) -> Exit {
@@ -75,7 +81,7 @@ fn replay_case(arguments: &ReplayArguments, found: &FoundCase, registry: &Regist
     write!(stdout(), "{}", render_replay(case, &introduction, &outcome, &events, requests));
     if let Some(path) = &arguments.trace {
         let written = WholeFile::create(path).and_then(|mut file| {
-            write_trace(&case.world, &trace, &mut file)?;
+            write_trace_with(&case.world, &trace, arguments.trace_columns.into(), &mut file)?;
             file.commit()
         });
         if let Err(error) = written {

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::places::{self, Place};
+use nalgebra::Vector2;
 use scenario::{Case, PedestrianSetup, Shape};
 use sim::{TimelineEvent, Trace};
 
@@ -53,12 +54,10 @@ impl Recording {
             let mut places = vec![None; headings.len()];
             for sample in moment {
                 let speed = sample.velocity.norm();
-                if speed > STANDING {
+                if sample.who < cars {
+                    headings[sample.who] = libm::atan2(sample.heading.y, sample.heading.x);
+                } else if speed > STANDING {
                     headings[sample.who] = libm::atan2(sample.velocity.y, sample.velocity.x);
-                } else if sample.who < cars {
-                    let path = case.world.road.path(case.world.vehicles[sample.who].lane);
-                    let heading = path.heading(path.along(sample.position));
-                    headings[sample.who] = libm::atan2(heading.y, heading.x);
                 }
                 places[sample.who] = Some(Place {
                     x: sample.position.x,
@@ -112,9 +111,16 @@ impl Recording {
                 };
                 let across = (person.goal.y - person.start.y).signum();
                 let places = self.users[vehicle].iter().zip(&self.users[cars + pedestrian]);
+                let way = Vector2::from(person.goal) - Vector2::from(person.start);
+                let way = way.try_normalize(0.0).unwrap_or_else(Vector2::y);
+                let met = path.course().map(|_| path.along(conflict));
                 let point = |(car, person): (&Option<Place>, &Option<Place>)| {
-                    let (car, person) = (car.as_ref()?.at() - conflict, person.as_ref()?.at() - conflict);
-                    Some((path.along(car), across * person.y))
+                    let (place, person) = (car.as_ref()?.at(), person.as_ref()?.at() - conflict);
+                    Some(match met {
+                        None => (path.along(place - conflict), across * person.y),
+                        // Along the bend, and along the way that is walked.
+                        Some(met) => (path.along(place) - met, person.dot(&way)),
+                    })
                 };
                 pairs.push(PairCourse {
                     vehicle: car.name.clone(),

@@ -163,7 +163,7 @@ impl Course {
             earlier: vec![(Motion::Walk(Vector2::zeros()), 0.0); ways.len()],
             ways,
             across: ways_across(&world),
-            meetings: world.pedestrians.iter().map(|setup| meeting(&world, setup)).collect(),
+            meetings: world.pedestrians.iter().map(|setup| meeting_place(&world, setup)).collect(),
             pedestrian_modes: vec![Mode::NONE; world.pedestrians.len()],
             vehicle_modes: vec![Mode::NONE; world.vehicles.len()],
             contacts: Contacts::new(&world),
@@ -485,8 +485,8 @@ fn put(vehicles: &mut [VehicleState], others: &[VehicleState]) {
     }
 }
 
-/// The place at which a pedestrian meets the path of the vehicle whose arrival it waits for, m.
-fn meeting(world: &World, setup: &PedestrianSetup) -> f64 {
+/// The place at which a pedestrian meets the path of the vehicle whose arrival it waits for, m; 0 if it waits for none.
+pub fn meeting_place(world: &World, setup: &PedestrianSetup) -> f64 {
     match setup.appears {
         Appearance::At(_) => 0.0,
         Appearance::Meeting { place, .. } => place,

@@ -37,7 +37,9 @@ mod trace;
 mod turning;
 
 pub use contact::{Contacts, Touch};
-pub use course::{Course, Fault, Progress, has_arrived, has_crossed, longest_run, simulate, walking_time};
+pub use course::{
+    Course, Fault, Progress, has_arrived, has_crossed, longest_run, meeting_place, simulate, walking_time,
+};
 pub use fingerprint::Fingerprint;
 pub use hit::hit_at;
 pub use observer::{Ending, Observer, Step, StopReason};
@@ -49,7 +51,7 @@ pub use scenario::agent::{
     SeenVehicle, Snapshot, Stated, StatedBy, VehicleState, velocity_inside,
 };
 pub use solid::Solid;
-pub use start::{blocked_lanes, collision_course, overlaps};
+pub use start::{beginning, blocked_lanes, collision_course, overlaps};
 pub use timeline::{Happening, Timeline, TimelineEvent};
 pub use trace::{Sample, Trace, TraceMark};
 pub use turning::contact_with;

@@ -107,8 +107,8 @@ pub(super) fn placed(world: &World, setup: &VehicleSetup, settled: Longitudinal)
     }
 }
 
-/// Everybody where they begin.
-fn beginning(world: &World) -> Snapshot {
+/// Everybody where they begin: vehicles at the speed that they are given, and pedestrians though they may appear later.
+pub fn beginning(world: &World) -> Snapshot {
     let cars = world.vehicles.iter().map(|setup| {
         placed(world, setup, Longitudinal { travelled: 0.0, speed: setup.speed, acceleration: 0.0 })
     });

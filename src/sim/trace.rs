@@ -16,6 +16,10 @@ pub struct Sample {
     pub who: usize,
     /// World frame, m.
     pub position: Vector2<f64>,
+    /// Unit vector in which a vehicle drives, or a pedestrian faces.
+    pub heading: Vector2<f64>,
+    /// Where a vehicle is on its path, m; `None` of pedestrians.
+    pub travelled: Option<f64>,
     /// m/s
     pub velocity: Vector2<f64>,
     /// Along the road for vehicles, along the heading for pedestrians, m/s².
@@ -58,6 +62,8 @@ impl Trace {
             time,
             who,
             position: car.position(),
+            heading: car.heading(),
+            travelled: Some(car.motion.travelled),
             velocity: car.velocity(),
             acceleration: car.motion.acceleration,
             mode: modes(who),
@@ -75,6 +81,8 @@ impl Trace {
             time,
             who: state.vehicles.len() + index,
             position: person.position,
+            heading: person.heading,
+            travelled: None,
             velocity: person.velocity,
             acceleration: person.acceleration.dot(&person.heading),
             mode,

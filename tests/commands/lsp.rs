@@ -525,3 +525,43 @@ fn no_document_takes_a_gigabyte() {
     assert!(most < 1 << 30, "{} MB", most >> 20);
     editor.end();
 }
+
+#[test]
+fn the_scenario_at_the_cursor_is_drawn() {
+    let road = "road { lanes forward; lane_width 3.5 m; speed_limit 50 km/h; crossing zebra { width: 4 m } }";
+    let one = |name: &str| {
+        format!(
+            "scenario {name} {{\n  {road}\n  vehicle av {{ start 40 m before crossing; speed 36 km/h; controller constant_speed }}\n  pedestrian walker {{ model scripted; start 2 m from kerb; appears at 0 s }}\n}}\n"
+        )
+    };
+    let text = one("first") + &one("second");
+    let folder = tempfile::tempdir().unwrap();
+    let uri = format!("file://{}", folder.path().join("a.scn").display());
+    let mut editor = Editor::start();
+    let document = |text: &str| json!({ "uri": uri, "languageId": "scn", "version": 1, "text": text });
+    editor.tell("textDocument/didOpen", json!({ "textDocument": document(&text) }));
+    let mut at = |line: u32| {
+        editor.ask(
+            "scenario-runner/sketch",
+            json!({ "textDocument": { "uri": uri }, "position": { "line": line, "character": 0 } }),
+        )
+    };
+    for (line, name) in
+        [(0, "a/first/rep=1"), (4, "a/first/rep=1"), (5, "a/second/rep=1"), (99, "a/second/rep=1")]
+    {
+        let drawn = at(line);
+        assert_eq!(drawn["name"], name, "line {line}");
+        assert!(drawn["svg"].as_str().unwrap().starts_with("<svg"), "{drawn}");
+    }
+    // While a text has errors there is nothing to draw, which is said and no error of the server's.
+    let broken = json!({ "uri": uri, "version": 2 });
+    editor.tell(
+        "textDocument/didChange",
+        json!({ "textDocument": broken, "contentChanges": [{ "text": "scenario {" }] }),
+    );
+    let said = editor.ask(
+        "scenario-runner/sketch",
+        json!({ "textDocument": { "uri": uri }, "position": { "line": 0, "character": 0 } }),
+    );
+    assert!(said["svg"].is_null() && said["message"].as_str().unwrap().contains("errors"), "{said}");
+}

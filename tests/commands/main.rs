@@ -20,6 +20,7 @@ mod resume;
 mod run;
 mod set;
 mod shrink;
+mod sketch;
 mod summary;
 #[path = "../support/mod.rs"]
 mod support;

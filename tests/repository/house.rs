@@ -56,7 +56,7 @@ const ROOMS: [(&str, &[&str]); 8] = [
         "runner",
         &["plan", "run", "baseline", "corpus", "shrink", "experiment", "project", "session", "runner"],
     ),
-    ("report", &["console", "report"]),
+    ("report", &["console", "svg", "drawing", "report"]),
     (FRONT, &["testing", "cli", FRONT]),
 ];
 

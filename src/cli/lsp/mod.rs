@@ -28,7 +28,9 @@ use document::{Document, changed, offset_of, path_of, position_of, range_of, uri
 use files::Disk;
 use frame::Frame;
 use lang::{self, Code, Diagnostic, Severity, Sources, Tree};
+use report::Sketch;
 use report::console::{stderr, stdout};
+use runner::plan::plan_scenario;
 use runner::project::examine_edited;
 use scenario::registry::Registry;
 
@@ -198,6 +200,9 @@ struct Server<'r, W> {
     shown: HashMap<Uri, Vec<Uri>>,
 }
 
+/// A request of our own: a place in a document, answered by the `name` and the `svg` of the scenario there, or by a `message`.
+const SKETCH: &str = "scenario-runner/sketch";
+
 type Failure = Box<dyn std::error::Error + Send + Sync>;
 
 /// What a panic leaves of an answer.
@@ -231,6 +236,7 @@ impl<W: Write> Server<'_, W> {
             "textDocument/completion" => Some(self.completion(params)),
             "textDocument/definition" => Some(self.definition(params)),
             "textDocument/formatting" => Some(self.formatting(params)),
+            SKETCH => Some(self.sketch(params)),
             _ => None,
         }));
         match result {
@@ -397,6 +403,18 @@ impl<W: Write> Server<'_, W> {
         Ok(serde_json::to_value(location)?)
     }
 
+    /// The first run of the scenario at a place, drawn without running it.
+    fn sketch(&self, parameters: Value) -> Result<Value, Failure> {
+        let place: TextDocumentPositionParams = serde_json::from_value(parameters)?;
+        let Some(path) = path_of(&place.text_document.uri) else { return Ok(Value::Null) };
+        let text = self.text(&place.text_document.uri);
+        let drawn = drawn_at(&path, text, place.position.line as usize + 1, self.registry);
+        Ok(drawn.map_or_else(
+            |message| json!({ "message": message }),
+            |(name, svg)| json!({ "name": name, "svg": svg }),
+        ))
+    }
+
     fn formatting(&self, parameters: Value) -> Result<Value, Failure> {
         let parameters: DocumentFormattingParams = serde_json::from_value(parameters)?;
         let text = self.text(&parameters.text_document.uri);
@@ -408,6 +426,20 @@ impl<W: Write> Server<'_, W> {
         });
         Ok(serde_json::to_value(edits)?)
     }
+}
+
+/// Key and picture of the first run of the scenario in whose text a line is, else of the first that there is.
+fn drawn_at(path: &Path, text: &str, line: usize, registry: &Registry) -> Result<(String, String), String> {
+    let examined = lang::examine_edited(path, text, registry, &Disk);
+    let suite = examined.suite.ok_or("the text has errors, so that there is nothing to draw")?;
+    let own = path.display().to_string();
+    let before = suite.scenarios.iter().filter(|one| *one.origin.file == *own && one.origin.line <= line);
+    let at = before.max_by_key(|one| one.origin.line).or(suite.scenarios.first());
+    let scenario = at.ok_or("there is no scenario to draw")?;
+    let planned = plan_scenario(&suite, scenario).map_err(|error| error.to_string())?;
+    let mut trials = planned.trials().filter(|trial| trial.cases.len() > 0);
+    let case = trials.next().map(|trial| trial.cases.get(0)).ok_or("it has no runs")?;
+    Ok((case.key.clone(), Sketch::of(&case).to_svg()))
 }
 
 fn shown(diagnostic: &Diagnostic, sources: &Sources) -> lsp_types::Diagnostic {

@@ -8,7 +8,7 @@ mod partition;
 mod remember;
 mod select;
 pub mod targets;
-mod watch;
+pub mod watch;
 mod wire;
 
 use std::collections::BTreeSet;
@@ -108,6 +108,11 @@ pub struct RunArguments {
     /// Write the course of every run as CSV into this folder.
     #[arg(long, value_name = "DIR")]
     trace: Option<PathBuf>,
+
+    /// What `--trace` writes of everybody: with `full` also how far along the road from the crossing, how far beside the centre line
+    /// of lane 0, and where they face.
+    #[arg(long, value_enum, value_name = "COLUMNS", default_value_t = watch::Columns::Plain, requires = "trace")]
+    trace_columns: watch::Columns,
 
     /// Write what a program is asked and what it says into this file, of the first selected run in which one decides; `try --wire` asks
     /// it again.
@@ -320,7 +325,8 @@ pub fn run(arguments: RunArguments, registry: &Registry, program: &Command) -> E
     if let Err(exit) = store::prepare(&arguments.journal) {
         return exit;
     }
-    let watcher = arguments.trace.as_deref().map(watch::Traces::new);
+    let watcher =
+        arguments.trace.as_deref().map(|folder| watch::Traces::new(folder, arguments.trace_columns));
     let watch = watcher.as_ref().map(|traces| |case: &_, trace: &_| traces.save(case, trace));
     let mut session = Session::new(&project)
         .executor(threads)

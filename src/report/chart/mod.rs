@@ -25,7 +25,8 @@ mod rows;
 mod scale;
 mod slice;
 mod strips;
-mod svg;
+
+use crate::svg;
 
 pub use convergence::{Convergence, Convergences};
 pub use front::Front;

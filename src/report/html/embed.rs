@@ -1,7 +1,9 @@
 //! Recorded runs as JSON inside the page, few digits and bounded in size.
 
+use nalgebra::Vector2;
 use serde_json::{Value, json};
 
+use crate::drawing::{Mark, beside, road_marks, view};
 use crate::replay::describe;
 use files::escape::html_characters;
 use results::Chosen;
@@ -85,6 +87,23 @@ fn run(reports: &[SuiteReport], recording: &Recording, reason: &str) -> Value {
             pair.points.iter().map(|(car, person)| json!([rounded(*car), rounded(*person)])).collect();
         json!({ "vehicle": pair.vehicle, "pedestrian": pair.pedestrian, "points": points })
     });
+    let mark = |mark: &Mark| {
+        json!([mark.kind.class(), mark.closed, mark.points.iter().map(|one| point(*one)).collect::<Vec<_>>()])
+    };
+    let lamp = road.crossing.width / 2.0 + 0.8;
+    // A straight road is shown as wide as the page likes.
+    let (from, to) = road
+        .bend
+        .as_ref()
+        .map_or((-250.0, 250.0), |bend| (-bend.crossing - 100.0, bend.line.length() - bend.crossing + 100.0));
+    let view = road.bend.as_ref().map_or(Value::Null, |_| {
+        let cars = case.world.vehicles.len();
+        let places = |users: &[Vec<Option<results::Place>>]| -> Vec<Vector2<f64>> {
+            users.iter().flatten().flatten().map(|place| Vector2::new(place.x, place.y)).collect()
+        };
+        let near = view(&case.world, places(&recording.users[..cars]), places(&recording.users[cars..]));
+        json!([rounded(near.low.x), rounded(near.low.y), rounded(near.high.x), rounded(near.high.y)])
+    });
     json!({
         "key": case.key,
         "reason": reason,
@@ -98,12 +117,19 @@ fn run(reports: &[SuiteReport], recording: &Recording, reason: &str) -> Value {
             "zebra": road.crossing.kind == CrossingKind::Zebra,
             "signal": signal,
             "crossing": road.crossing.width,
-            "boxes": road.boxes.iter().map(|body| json!([body.x, body.y, body.length, body.width])).collect::<Vec<_>>(),
+            "marks": road_marks(road, from, to).iter().map(mark).collect::<Vec<_>>(),
+            "lamp": point(beside(road, road.kerb(Side::Near) - 0.9, lamp, lamp)[0]),
+            "view": view,
+            "middle": point(beside(road, (road.kerb(Side::Near) + road.kerb(Side::Far)) / 2.0, 0.0, 0.0)[0]),
         },
         "users": users.collect::<Vec<_>>(),
         "events": events.collect::<Vec<_>>(),
         "pairs": pairs.collect::<Vec<_>>(),
     })
+}
+
+fn point(point: Vector2<f64>) -> Value {
+    json!([rounded(point.x), rounded(point.y)])
 }
 
 /// With strings that turn nothing around where the page shows them.
@@ -120,4 +146,110 @@ fn plain(value: Value) -> Value {
 fn rounded(value: f64) -> Value {
     let hundredths = (value * 100.0).round();
     if hundredths % 100.0 == 0.0 { json!((hundredths / 100.0) as i64) } else { json!(hundredths / 100.0) }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use scenario::geometry::{Piece, Pose, ReferenceLine};
+    use scenario::{Bend, Case, Position};
+    use sim::{Mode, Sample, Trace};
+
+    /// A car that drives round a turn at 5 m/s, from 25 m before a crossing in its middle, and somebody who crosses it at 1 m/s.
+    fn recorded() -> Recording {
+        let [one, arc, other] = Piece::turn(1500.0, 9.0, 0.36, 0.85);
+        let crossing = 30.0 + one.length + arc.length / 2.0;
+        let pieces = [Piece::line(30.0), one, arc, other, Piece::line(40.0)];
+        let line = ReferenceLine::new(Pose::origin(), &pieces).unwrap();
+        let pose = line.pose(crossing);
+        let mut world = sim::fixture::world();
+        let person = &mut world.pedestrians[0];
+        for place in [&mut person.start, &mut person.goal] {
+            let at = pose.point + pose.normal() * place.y;
+            *place = Position { x: at.x, y: at.y };
+        }
+        world.road.bend = Some(Bend { line: Arc::new(line), crossing });
+        let path = world.road.path(0);
+        let mut trace = Trace::default();
+        for step in 0..=320 {
+            let time = f64::from(step) * 0.025;
+            let place = -25.0 + 5.0 * time;
+            let (position, heading) = path.pose(place);
+            let of = |who, position, heading: Vector2<f64>, travelled, speed: f64| Sample {
+                time,
+                who,
+                position,
+                heading,
+                travelled,
+                velocity: heading * speed,
+                acceleration: 0.0,
+                mode: Mode::NONE,
+            };
+            trace.samples.push(of(0, position, heading, Some(place), 5.0));
+            let walked = pose.point + pose.normal() * (time - 4.0);
+            trace.samples.push(of(1, walked, pose.normal(), None, 1.0));
+        }
+        let case = Case {
+            key: "streets/turn/rep=1".into(),
+            scenario: "turn".into(),
+            variation: Vec::new(),
+            individuals: Vec::new(),
+            repetition: 1,
+            seed: 1,
+            world: Arc::new(world),
+        };
+        Recording::new(&case, &trace, Vec::new())
+    }
+
+    #[test]
+    fn a_run_on_a_bend_is_shown_along_it() {
+        let recording = recorded();
+        let shown = run(&[], &recording, "example");
+        let view: Vec<f64> =
+            shown["road"]["view"].as_array().unwrap().iter().map(|one| one.as_f64().unwrap()).collect();
+        let number = |value: &Value| value.as_f64().unwrap();
+        // The crossing is in the picture, in its middle or not, and so is everybody who is near it.
+        let middle: Vec<f64> = shown["road"]["middle"].as_array().unwrap().iter().map(number).collect();
+        assert!(view[0] < middle[0] && middle[0] < view[2] && view[1] < middle[1] && middle[1] < view[3]);
+        for who in [0, 1] {
+            for (x, y) in shown["users"][who]["x"]
+                .as_array()
+                .unwrap()
+                .iter()
+                .zip(shown["users"][who]["y"].as_array().unwrap())
+            {
+                assert!(
+                    (view[0]..=view[2]).contains(&number(x)) && (view[1]..=view[3]).contains(&number(y)),
+                    "{x} {y}"
+                );
+            }
+        }
+        // It turns by 90° in the end, and its kerbs are lines of many chords.
+        let headings: Vec<f64> = shown["users"][0]["h"].as_array().unwrap().iter().map(number).collect();
+        assert!(headings[0] == 0.0 && (headings[headings.len() - 1] - 1.57).abs() < 0.011, "{headings:?}");
+        assert!(headings.windows(2).all(|pair| pair[0] <= pair[1]));
+        let marks = shown["road"]["marks"].as_array().unwrap();
+        let kerbs = marks.iter().filter(|mark| mark[0] == "kerb");
+        assert!(
+            kerbs.clone().count() == 2 && kerbs.clone().all(|kerb| kerb[2].as_array().unwrap().len() > 10)
+        );
+        // Distances are along the lane and along the way: the car is at the crossing after 5 s, the person after 4 s.
+        let points = shown["pairs"][0]["points"].as_array().unwrap();
+        assert!((number(&points[0][0]) + 25.0).abs() < 0.01 && (number(&points[0][1]) + 4.0).abs() < 0.01);
+        let at = |time: usize| &points[time * 10];
+        assert!(number(&at(5)[0]).abs() < 0.011 && number(&at(4)[1]).abs() < 0.011, "{} {}", at(5), at(4));
+    }
+
+    #[test]
+    fn what_is_read_back_is_drawn_the_same() {
+        let recording = recorded();
+        let text = serde_json::to_string(&recording).unwrap();
+        let back: Recording = serde_json::from_str(&text).unwrap();
+        assert_eq!(run(&[], &back, "example"), run(&[], &recording, "example"));
+        if let Some(path) = option_env!("LOOK_AT") {
+            std::fs::write(path, run(&[], &recording, "example").to_string()).unwrap();
+        }
+    }
 }

@@ -67,7 +67,10 @@
     if (user.x[before] === null || after === before) return pick(user, after);
     const part = Math.min(1, (at - times[before]) / (times[after] - times[before]));
     const mix = (values) => values[before] + part * (values[after] - values[before]);
-    return { x: mix(user.x), y: mix(user.y), v: mix(user.v), h: user.h[after] };
+    // Vehicles turn evenly, the short way round; people turn at once.
+    const turn = ((user.h[after] - user.h[before] + 3 * Math.PI) % (2 * Math.PI)) - Math.PI;
+    const h = user.kind === "vehicle" ? user.h[before] + part * turn : user.h[after];
+    return { x: mix(user.x), y: mix(user.y), v: mix(user.v), h };
   };
   const pick = (user, index) => ({ x: user.x[index], y: user.y[index], v: user.v[index], h: user.h[index] });
 
@@ -76,31 +79,18 @@
     view.replaceChildren();
     const road = run.road, narrow = view.clientWidth > 0 && view.clientWidth < 560;
     const people = run.users.filter((user) => user.kind === "pedestrian").flatMap((user) => user.y).filter((y) => y !== null);
-    const [left, right] = narrow ? [-21, 9] : [-42, 16];
-    const low = Math.max(road.near - 9, Math.min(road.near - 3.2, ...people.map((y) => y - 1.8)));
-    const high = Math.min(road.far + 9, Math.max(road.far + 3.2, ...people.map((y) => y + 1.8)));
+    // A road that bends says what of it matters; a straight one is shown about its crossing.
+    const [left, right] = road.view ? [road.view[0], road.view[2]] : narrow ? [-21, 9] : [-42, 16];
+    const low = road.view ? road.view[1] : Math.max(road.near - 9, Math.min(road.near - 3.2, ...people.map((y) => y - 1.8)));
+    const high = road.view ? road.view[3] : Math.min(road.far + 9, Math.max(road.far + 3.2, ...people.map((y) => y + 1.8)));
     const flip = (y) => low + high - y;
-    const size = narrow ? 0.95 : 1.05;
+    const size = road.view ? (right - left) * (narrow ? 0.034 : 0.019) : narrow ? 0.95 : 1.05;
     view.setAttribute("viewBox", `${left} ${low} ${right - left} ${high - low}`);
-    element("rect", { class: "road", x: left, y: flip(road.far), width: right - left, height: road.far - road.near }, view);
-    for (const y of [road.near, road.far]) element("line", { class: "kerb", x1: left, x2: right, y1: flip(y), y2: flip(y) }, view);
-    for (let lane = 1; lane < road.lanes.length; lane++) {
-      const y = flip((lane - 0.5) * road.width);
-      element("line", { class: "lane", x1: left, x2: right, y1: y, y2: y }, view);
+    for (const [kind, closed, points] of road.marks) {
+      const d = points.map(([x, y], index) => `${index ? "L" : "M"}${x} ${flip(y)}`).join("") + (closed ? "z" : "");
+      element("path", { class: kind, d }, view);
     }
-    const half = road.crossing / 2;
-    element("rect", { class: "road", x: -half, y: flip(road.far) + 0.1, width: 2 * half, height: road.far - road.near - 0.2 }, view);
-    if (road.zebra) {
-      for (let y = road.near + 0.25; y + 0.5 <= road.far; y += 1) {
-        element("rect", { class: "stripe", x: -half, y: flip(y + 0.5), width: 2 * half, height: 0.5 }, view);
-      }
-    } else {
-      element("rect", { class: "edge", x: -half, y: flip(road.far), width: 2 * half, height: road.far - road.near }, view);
-    }
-    for (const [x, y, length, width] of road.boxes) {
-      element("rect", { class: "block", x: x - length / 2, y: flip(y + width / 2), width: length, height: width, rx: 0.3 }, view);
-    }
-    const lamp = road.signal && element("circle", { cx: half + 0.8, cy: flip(road.near - 0.9), r: 0.45 }, view);
+    const lamp = road.signal && element("circle", { cx: road.lamp[0], cy: flip(road.lamp[1]), r: 0.45 }, view);
     const bar = element("g", {}, view);
     element("path", { d: `M${right - 11} ${low + 0.9}v.5h10v-.5`, fill: "none", stroke: "var(--muted)", "stroke-width": 0.1 }, bar);
     element("text", { x: right - 6, y: low + 1.1, "font-size": size, "text-anchor": "middle" }, bar, "10 m");
@@ -133,15 +123,21 @@
         });
         trail.setAttribute("d", path ? `${path}L${place.x} ${flip(place.y)}` : "");
         const speed = `${user.name} ${place.v.toFixed(1)} m/s`;
-        const [above, below] = [flip(place.y) - user.width / 2 - 0.4, flip(place.y) + user.width / 2 + 1.1];
-        const fits = user.kind === "vehicle" ? above > low + 1 : below > high - 0.2;
-        const y = fits ? above : below;
+        const reach = road.view ? Math.max(user.length, user.width) : user.width;
+        const [above, below] = [flip(place.y) - reach / 2 - 0.38 * size, flip(place.y) + reach / 2 + 1.05 * size];
+        const fits = user.kind === "vehicle" ? above > low + size : below > high - 0.2 * size;
+        const y = Math.min(high - 0.3 * size, Math.max(low + size, fits ? above : below));
         // Who is outside the picture is announced at its edge.
-        if (place.x < left || place.x > right) {
-          const before = place.x < left, far = Math.round(Math.abs(place.x));
-          label.textContent = before ? `◀ ${speed}, ${far} m away` : `${speed}, ${far} m away ▶`;
+        const beside = place.x < left || place.x > right, beyond = place.y < low || place.y > high;
+        if (beside || beyond) {
+          const middle = road.middle, far = Math.round(road.view ? Math.hypot(place.x - middle[0], place.y - middle[1]) : Math.abs(place.x));
+          const arrow = beside ? (place.x < left ? "◀" : "▶") : place.y < low ? "▼" : "▲";
+          const before = beside ? place.x < left : place.x < (left + right) / 2;
+          label.textContent = before ? `${arrow} ${speed}, ${far} m away` : `${speed}, ${far} m away ${arrow}`;
+          const wide = size * 0.55 * label.textContent.length;
           label.setAttribute("text-anchor", before ? "start" : "end");
-          label.setAttribute("x", before ? left + 0.5 : right - 0.5);
+          label.setAttribute("x", beside ? (before ? left + 0.5 : right - 0.5)
+            : before ? Math.max(left + 0.5, Math.min(place.x, right - wide)) : Math.min(right - 0.5, Math.max(place.x, left + wide)));
         } else {
           label.textContent = speed;
           const edge = size * 0.3 * speed.length;

@@ -33,6 +33,11 @@ impl Svg {
         self.text.push_str("/>\n");
     }
 
+    /// An element with text in it that is ours, such as a style sheet.
+    pub fn verbatim(&mut self, name: &'static str, content: &str) {
+        self.push(format_args!("<{name}>\n{content}</{name}>\n"));
+    }
+
     /// A `text` element.
     pub fn label(&mut self, content: &str, attributes: &[Attribute]) {
         self.tag("text", attributes);

@@ -1,0 +1,108 @@
+//! A sketch in words: what stands beside the picture, and what of it lies outside.
+
+use super::outlook::{Outlook, Sight, SightKind};
+use scenario::{CrossingKind, Direction, VehicleSetup, World};
+use sim::Solid;
+
+/// A line for the road, each road user, each meeting and each line of sight that something is on.
+pub(crate) fn facts(world: &World, outlook: &Outlook) -> Vec<String> {
+    let mut lines = vec![road(world)];
+    for (setup, car) in world.vehicles.iter().zip(&outlook.cars) {
+        let place = -car.motion.travelled;
+        let (far, side) = if place >= 0.0 { (place, "before") } else { (-place, "behind") };
+        lines.push(format!(
+            "{}: starts {far:.1} m {side} the crossing in lane {}, {}",
+            setup.name,
+            setup.lane,
+            speed(car.motion.speed)
+        ));
+    }
+    for (setup, person) in world.pedestrians.iter().zip(&outlook.people) {
+        let appears = match person.appears {
+            Some(time) => format!("appears at {time:.2} s"),
+            None => "never appears while the vehicles keep their speed".to_string(),
+        };
+        let pace = person.speed.map_or("at a speed that nobody knows before".to_string(), |speed| {
+            format!("{speed:.2} m/s without traffic")
+        });
+        lines.push(format!("{}: {appears}, {pace}", setup.name));
+    }
+    lines.push("If all keep their speed:".to_string());
+    if outlook.meetings.is_empty() {
+        lines.push("  no two courses meet".to_string());
+    }
+    for met in &outlook.meetings {
+        let (one, other) = (&world.vehicles[met.vehicle].name, met.with.name(world));
+        let (first, second) = met.times;
+        let place = format!("({:.1}, {:.1}) m", met.point.x, met.point.y);
+        lines.push(match met.with {
+            Solid::Vehicle(_) => format!("  {one} runs into {other} at {place} after {first:.2} s"),
+            _ if met.touches() => format!(
+                "  {one} and {other} meet at {place}: {one} is there after {first:.2} s, {other} after {second:.2} s; their bodies touch"
+            ),
+            _ => {
+                let (car, person) = met.between;
+                let gap = (person.0 - car.1).max(car.0 - person.1);
+                let who = if first < second { one.as_str() } else { other };
+                format!(
+                    "  {one} and {other} pass at {place}: {one} is there after {first:.2} s, {other} after {second:.2} s; {who} is {gap:.2} s earlier"
+                )
+            }
+        });
+    }
+    lines.extend(
+        outlook.sights.iter().filter(|sight| !sight.hidden_by.is_empty()).map(|one| sight(world, one)),
+    );
+    lines
+}
+
+fn road(world: &World) -> String {
+    let road = &world.road;
+    let kind = match road.crossing.kind {
+        CrossingKind::Zebra => "zebra",
+        CrossingKind::Unmarked => "crossing without marks",
+        CrossingKind::Signalised { .. } => "crossing with signals",
+    };
+    let lanes = road.lanes.iter().map(|lane| match lane.direction {
+        Direction::Forward => "forward",
+        Direction::Backward => "backward",
+    });
+    let lanes: Vec<_> = lanes.collect();
+    let shape = match &road.bend {
+        None => "straight road".to_string(),
+        Some(bend) => format!("bent road of {:.1} m", bend.line.length()),
+    };
+    format!(
+        "{shape}, lanes of {:.2} m from near to far: {}; {kind} of {:.1} m",
+        road.lane_width,
+        lanes.join(", "),
+        road.crossing.width
+    )
+}
+
+fn sight(world: &World, sight: &Sight) -> String {
+    let (car, person) = (&world.vehicles[sight.vehicle], &world.pedestrians[sight.pedestrian].name);
+    let boxes: Vec<&str> = sight.hidden_by.iter().map(|index| Solid::Box(*index).name(world)).collect();
+    let boxes =
+        if boxes.iter().all(|name| name.is_empty()) { "a box".to_string() } else { boxes.join(" and ") };
+    let until = match sight.clear_from {
+        Some(time) => format!("until {time:.2} s"),
+        None => "until they meet".to_string(),
+    };
+    let hidden = format!("{person} appears behind {boxes}, seen from {}, {until}", car.name);
+    match sight.kind {
+        SightKind::Blocked => hidden,
+        SightKind::Through => format!("{hidden}; {}", looks_through(car)),
+    }
+}
+
+fn looks_through(car: &VehicleSetup) -> String {
+    match &car.sees {
+        None => format!("{} has no `sees` and looks through it", car.name),
+        Some(_) => format!("{} sees without occlusion and looks through it", car.name),
+    }
+}
+
+fn speed(speed: f64) -> String {
+    format!("{:.1} km/h", speed * 3.6)
+}

@@ -1,0 +1,317 @@
+//! What is known of a world before it runs: who starts where, which boxes hide whom, and who meets whom if all keep their speed.
+
+use nalgebra::Vector2;
+
+use numbers::random::ranks;
+use scenario::{
+    Appearance, PedestrianContext, PedestrianSetup, Settings, Shape, VehicleReference, VehicleSetup, World,
+};
+use sim::geometry::Footprint;
+use sim::{Pedestrian, Solid, VehicleState, beginning, meeting_place, walking_time};
+
+/// Everything that is known beforehand.
+pub(crate) struct Outlook {
+    /// Where they start, in the order of the world.
+    pub(crate) cars: Vec<VehicleState>,
+    pub(crate) people: Vec<Person>,
+    pub(crate) sights: Vec<Sight>,
+    pub(crate) meetings: Vec<Meeting>,
+}
+
+/// Somebody as they start.
+pub(crate) struct Person {
+    pub(crate) outline: Footprint,
+    pub(crate) goal: Vector2<f64>,
+    /// s, as long as vehicles keep their speed; `None`: they never do.
+    pub(crate) appears: Option<f64>,
+    /// m/s, without traffic; `None` where nobody can tell.
+    pub(crate) speed: Option<f64>,
+    /// Times (s) after their appearance at which they have gone so far (m), if they mind nobody.
+    walk: Vec<(f64, f64)>,
+}
+
+/// Whether a vehicle sees somebody when they appear.
+pub(crate) struct Sight {
+    pub(crate) vehicle: usize,
+    pub(crate) pedestrian: usize,
+    /// When that is, s.
+    pub(crate) time: f64,
+    /// Of the sensor, world frame, m.
+    pub(crate) from: Vector2<f64>,
+    pub(crate) to: Vector2<f64>,
+    /// The boxes between them.
+    pub(crate) hidden_by: Vec<usize>,
+    /// From when on nothing is between them any more, if both go on, s; `None`: not before they meet.
+    pub(crate) clear_from: Option<f64>,
+    /// What this vehicle makes of it.
+    pub(crate) kind: SightKind,
+}
+
+/// What a vehicle makes of boxes between it and somebody.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum SightKind {
+    /// They hide others.
+    Blocked,
+    /// It has no `sees`, or one without occlusion: it looks through them.
+    Through,
+}
+
+/// Where two courses meet.
+pub(crate) struct Meeting {
+    pub(crate) vehicle: usize,
+    pub(crate) with: Solid,
+    /// World frame, m.
+    pub(crate) point: Vector2<f64>,
+    /// When the centres of both are there, the vehicle's first, s.
+    pub(crate) times: (f64, f64),
+    /// From when to when the bodies of both are where the other's could be, the vehicle's first, s.
+    pub(crate) between: ((f64, f64), (f64, f64)),
+}
+
+impl Meeting {
+    /// Whether both are there at one time.
+    pub(crate) fn touches(&self) -> bool {
+        let ((one_from, one_to), (other_from, other_to)) = self.between;
+        one_from < other_to && other_from < one_to
+    }
+}
+
+/// A walk is looked at every so many metres.
+const LOOKS: f64 = 0.25;
+
+/// Whether somebody is hidden is looked at every so many seconds.
+const MOMENTS: f64 = 0.02;
+
+impl Outlook {
+    /// Of a world whose models are known; what chance decides is taken from this seed.
+    pub(crate) fn of(world: &World, seed: u64) -> Self {
+        let start = beginning(world);
+        let names: Vec<&str> = world.pedestrians.iter().map(|setup| setup.name.as_str()).collect();
+        let people: Vec<Person> = (0..world.pedestrians.len())
+            .map(|index| {
+                let rank = ranks(&names)[index];
+                person(
+                    world,
+                    &start.vehicles,
+                    index,
+                    Footprint::from(&start.pedestrians[index]),
+                    (rank, seed),
+                )
+            })
+            .collect();
+        let mut outlook = Self { cars: start.vehicles, people, sights: Vec::new(), meetings: Vec::new() };
+        for vehicle in 0..world.vehicles.len() {
+            for pedestrian in 0..world.pedestrians.len() {
+                outlook.meetings.extend(outlook.meeting(world, vehicle, pedestrian));
+                outlook.sights.extend(outlook.sight(world, vehicle, pedestrian));
+            }
+            for other in 0..world.vehicles.len() {
+                outlook.meetings.extend(outlook.catches(world, vehicle, other));
+            }
+        }
+        outlook
+    }
+
+    /// Where a vehicle's path and somebody's way cross.
+    fn meeting(&self, world: &World, vehicle: usize, pedestrian: usize) -> Option<Meeting> {
+        let (car, person) = (&self.cars[vehicle], &self.people[pedestrian]);
+        let (appears, way) = (person.appears?, person.way()?);
+        let size = (car.length, car.width);
+        let place = car.motion.travelled;
+        let area =
+            car.path.conflict_area((place, size), (person.outline.centre, way), body(&person.outline))?;
+        let far = (person.goal - person.outline.centre).norm();
+        let speed = car.motion.speed;
+        if speed <= 0.0 || area.point.place < place || !(0.0..=far).contains(&area.point.distance) {
+            return None;
+        }
+        let arrives = |at: f64| (at - place) / speed;
+        let walks = |distance: f64| person.after(distance.max(0.0)).map(|time| appears + time);
+        // Whoever stops between has not left it.
+        let leaves = walks(area.pedestrian.to.min(far)).filter(|_| area.pedestrian.to <= far);
+        let times = (arrives(area.point.place), walks(area.point.distance)?);
+        let person_between = (walks(area.pedestrian.from)?, leaves.unwrap_or(f64::INFINITY));
+        (arrives(area.point.place) <= world.horizon).then_some(Meeting {
+            vehicle,
+            with: Solid::Pedestrian(pedestrian),
+            point: car.path.point(area.point.place),
+            times,
+            between: ((arrives(area.vehicle.from), arrives(area.vehicle.to)), person_between),
+        })
+    }
+
+    /// Where a vehicle would run into one before it in its lane.
+    fn catches(&self, world: &World, vehicle: usize, other: usize) -> Option<Meeting> {
+        let (car, before) = (&self.cars[vehicle], &self.cars[other]);
+        let gap = before.motion.travelled - car.motion.travelled - (car.length + before.length) / 2.0;
+        let closing = car.motion.speed - before.motion.speed;
+        let same = vehicle != other && world.vehicles[vehicle].lane == world.vehicles[other].lane;
+        if !same || gap < 0.0 || closing <= 0.0 {
+            return None;
+        }
+        let time = gap / closing;
+        let place = car.motion.travelled + car.motion.speed * time + car.length / 2.0;
+        (place <= world.finish && time <= world.horizon).then(|| Meeting {
+            vehicle,
+            with: Solid::Vehicle(other),
+            point: car.path.point(place),
+            times: (time, time),
+            between: ((time, f64::INFINITY), (time, f64::INFINITY)),
+        })
+    }
+
+    fn sight(&self, world: &World, vehicle: usize, pedestrian: usize) -> Option<Sight> {
+        let (setup, person) = (&world.vehicles[vehicle], &self.people[pedestrian]);
+        let time = person.appears?;
+        let ahead = setup.length / 2.0 - sensor_setback(setup);
+        let boxes: Vec<Footprint> = world.road.boxes.iter().map(Footprint::from).collect();
+        let between = |time: f64| {
+            let from = self.sensor(vehicle, ahead, time);
+            let to = person.at(time);
+            let hides = |index: &usize| crosses(from, to - from, &boxes[*index]);
+            (from, to, (0..boxes.len()).filter(hides).collect::<Vec<_>>())
+        };
+        let (from, to, hidden_by) = between(time);
+        let met = self
+            .meetings
+            .iter()
+            .find(|one| (one.vehicle, one.with) == (vehicle, Solid::Pedestrian(pedestrian)));
+        let last = met.map_or(world.horizon, |met| met.times.0.min(met.times.1)).min(world.horizon);
+        let moments = ((last - time) / MOMENTS).clamp(0.0, 1e5) as usize;
+        let clear_from = match hidden_by.is_empty() {
+            true => Some(time),
+            false => (1..=moments)
+                .map(|step| time + MOMENTS * step as f64)
+                .find(|time| between(*time).2.is_empty()),
+        };
+        let kind = if setup.sees.as_ref().is_some_and(|sees| flag(&sees.settings, "occlusion")) {
+            SightKind::Blocked
+        } else {
+            SightKind::Through
+        };
+        Some(Sight { vehicle, pedestrian, time, from, to, hidden_by, clear_from, kind })
+    }
+
+    /// Where a vehicle's sensor is after so many seconds at the speed of the start.
+    fn sensor(&self, vehicle: usize, ahead: f64, time: f64) -> Vector2<f64> {
+        let car = &self.cars[vehicle];
+        let (centre, heading) = car.path.pose(car.motion.travelled + car.motion.speed * time);
+        centre + heading * ahead
+    }
+}
+
+impl Person {
+    fn way(&self) -> Option<Vector2<f64>> {
+        (self.goal - self.outline.centre).try_normalize(0.0)
+    }
+
+    /// The time after their appearance at which they have gone so far (m), s.
+    fn after(&self, distance: f64) -> Option<f64> {
+        let next = self.walk.iter().position(|(gone, _)| *gone >= distance)?;
+        let (gone, time) = self.walk[next];
+        let Some((before, earlier)) = next.checked_sub(1).map(|index| self.walk[index]) else {
+            return Some(time);
+        };
+        Some(earlier + (time - earlier) * (distance - before) / (gone - before))
+    }
+
+    /// Where they are at a time, s.
+    pub(crate) fn at(&self, time: f64) -> Vector2<f64> {
+        let (Some(appears), Some(way)) = (self.appears, self.way()) else { return self.outline.centre };
+        let since = time - appears;
+        let next = self.walk.iter().position(|(_, reached)| *reached >= since);
+        let gone = match next {
+            Some(0) | None if self.walk.is_empty() || next == Some(0) => 0.0,
+            None => self.walk[self.walk.len() - 1].0,
+            Some(index) => {
+                let ((before, earlier), (gone, later)) = (self.walk[index - 1], self.walk[index]);
+                before + (gone - before) * (since - earlier) / (later - earlier)
+            }
+        };
+        self.outline.centre + way * gone
+    }
+}
+
+fn person(
+    world: &World,
+    cars: &[VehicleState],
+    index: usize,
+    outline: Footprint,
+    (rank, seed): (usize, u64),
+) -> Person {
+    let setup = &world.pedestrians[index];
+    let arrives = |vehicle: usize, place: f64, reference: VehicleReference, wanted: f64| {
+        let left = cars[vehicle].time_to_arrival(place, reference) - wanted;
+        left.is_finite().then_some(left.max(0.0))
+    };
+    let appears = match setup.appears {
+        Appearance::At(time) => Some(time.max(0.0)),
+        Appearance::TimeToArrival { vehicle, reference, time } => {
+            arrives(vehicle, meeting_place(world, setup), reference, time)
+        }
+        Appearance::Meeting { vehicle, time, place } => {
+            arrives(vehicle, place, VehicleReference::Front, time)
+        }
+    };
+    let goal = Vector2::from(setup.goal);
+    let far = (goal - outline.centre).norm();
+    let alone = World { vehicles: Vec::new(), pedestrians: vec![setup.clone()], ..world.clone() };
+    let mind = || build(&alone, setup, (rank, seed));
+    let speed = mind().map(|mind| mind.free_speed()).filter(|speed| *speed > 0.0);
+    let is_fixed = setup.model.model.known().is_some_and(|model| (model.is_fixed)(&setup.model.settings));
+    let walk = if is_fixed {
+        let steps = (far / LOOKS).ceil().clamp(0.0, 1e4) as usize;
+        let reached = |step: usize| {
+            let distance = (LOOKS * step as f64).min(far);
+            Some((distance, walking_time(&mut *mind()?, setup, &alone, distance, world.horizon)?))
+        };
+        std::iter::once(Some((0.0, 0.0))).chain((1..=steps).map(reached)).map_while(|one| one).collect()
+    } else {
+        speed.map_or_else(Vec::new, |speed| vec![(0.0, 0.0), (far, far / speed)])
+    };
+    Person { outline, goal, appears, speed, walk }
+}
+
+fn build(world: &World, setup: &PedestrianSetup, (rank, seed): (usize, u64)) -> Option<Box<dyn Pedestrian>> {
+    let model = setup.model.model.known()?;
+    let context = PedestrianContext { settings: &setup.model.settings, setup, world, rank, seed };
+    (model.build)(&context).ok()
+}
+
+/// How long a body is along its heading and how wide, m.
+fn body(outline: &Footprint) -> (f64, f64) {
+    match outline.shape {
+        Shape::Disc { radius } => (2.0 * radius, 2.0 * radius),
+        Shape::Rectangle { length, width } => (length, width),
+    }
+}
+
+fn sensor_setback(setup: &VehicleSetup) -> f64 {
+    let given = setup.sees.as_ref().filter(|sees| sees.settings.0.contains_key("sensor_setback"));
+    given.map_or(0.0, |sees| sees.settings.number("sensor_setback"))
+}
+
+fn flag(settings: &Settings, name: &str) -> bool {
+    settings.0.contains_key(name) && settings.flag(name)
+}
+
+/// Whether the line from a point passes through an outline.
+pub(crate) fn crosses(from: Vector2<f64>, line: Vector2<f64>, outline: &Footprint) -> bool {
+    let (length, width) = body(outline);
+    let own =
+        |vector: Vector2<f64>| Vector2::new(vector.dot(&outline.heading), outline.heading.perp(&vector));
+    let (offset, line) = (own(from - outline.centre), own(line));
+    let (mut enter, mut leave) = (0.0f64, 1.0f64);
+    for (offset, along, half) in [(offset.x, line.x, length / 2.0), (offset.y, line.y, width / 2.0)] {
+        if along == 0.0 {
+            if offset.abs() > half {
+                return false;
+            }
+            continue;
+        }
+        let (one, other) = ((-half - offset) / along, (half - offset) / along);
+        enter = enter.max(one.min(other));
+        leave = leave.min(one.max(other));
+    }
+    enter < leave
+}
