@@ -161,8 +161,9 @@ pub mod language {
     pub use lang::filter;
     pub use lang::{
         Completion, Examined, Excerpt, Loaded, NamedValue, Outside, Tree, UNITS, UnitEntry, complete,
-        controllers, count, definition, format, from_yaml, hover, load, named_values, nearest, render,
-        render_all, suite_doc, to_yaml, with_controllers, with_declared, write_comparison, write_scenario,
+        controllers, count, definition, examine_edited, format, from_yaml, hover, load, named_values,
+        nearest, render, render_all, suite_doc, to_yaml, with_controllers, with_declared, write_comparison,
+        write_scenario,
     };
 }
 

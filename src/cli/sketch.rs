@@ -137,7 +137,7 @@ fn find(suite: &PlannedSuite, name: Option<&str>) -> Result<(Case, usize), Exit>
     let all = || suite.plan.trials();
     let Some(name) = name else {
         let runs = all().map(|trial| trial.cases.len()).sum();
-        let first = all().find(|trial| trial.cases.len() > 0).ok_or_else(nothing)?;
+        let first = all().find(|trial| !trial.cases.is_empty()).ok_or_else(nothing)?;
         return Ok((first.cases.get(0), runs));
     };
     // A run by its whole key.
@@ -151,7 +151,7 @@ fn find(suite: &PlannedSuite, name: Option<&str>) -> Result<(Case, usize), Exit>
     let ways: [&dyn Fn(&runner::plan::PlannedTrial) -> bool; 3] =
         [&|trial| trial.key == name, &|trial| own(&trial.scenario), &|trial| trial.key.contains(name)];
     for is_meant in ways {
-        let mut meant = all().filter(|trial| is_meant(trial) && trial.cases.len() > 0);
+        let mut meant = all().filter(|trial| is_meant(trial) && !trial.cases.is_empty());
         if let Some(first) = meant.next() {
             let runs = first.cases.len() + meant.map(|trial| trial.cases.len()).sum::<usize>();
             return Ok((first.cases.get(0), runs));

@@ -437,7 +437,7 @@ fn drawn_at(path: &Path, text: &str, line: usize, registry: &Registry) -> Result
     let at = before.max_by_key(|one| one.origin.line).or(suite.scenarios.first());
     let scenario = at.ok_or("there is no scenario to draw")?;
     let planned = plan_scenario(&suite, scenario).map_err(|error| error.to_string())?;
-    let mut trials = planned.trials().filter(|trial| trial.cases.len() > 0);
+    let mut trials = planned.trials().filter(|trial| !trial.cases.is_empty());
     let case = trials.next().map(|trial| trial.cases.get(0)).ok_or("it has no runs")?;
     Ok((case.key.clone(), Sketch::of(&case).to_svg()))
 }

@@ -205,7 +205,7 @@ fn draw(sketch: &Sketch, world: &World, picture: &Picture, columns: usize, rows:
         let columns = canvas.columns;
         let crossing = canvas.cells.clone();
         canvas.line(&lane.points, |way, cell| {
-            let dash = (cell / columns + cell % columns) % 3 != 0;
+            let dash = !(cell / columns + cell % columns).is_multiple_of(3);
             (dash && crossing[cell] == ' ').then(|| stroke(way))
         });
     }
