@@ -233,6 +233,12 @@ codes! {
     CannotBeBuilt = "E0519", "a model cannot be what a scenario asks of it",
         "Every setting by itself is fine, but the model refuses them together or does not fit the scenario: a time step that \
          is no multiple of the simulation's, a lower limit above the upper one, a controller for one lane on a road with two.";
+    BadEach = "E0526", "`each(…)` does not fit its group",
+        "`pedestrian walkers times 3 { along each(0 m, 0.7 m, 1.4 m) }` gives the first of the three the first value, and so \
+         on: there are as many values as members, and `each` stands nowhere else.";
+    BadGroup = "E0527", "a group of pedestrians is not one",
+        "`pedestrian walkers times 5 { … }` describes 2 to 100 people, called `walkers_1` to `walkers_5`: nobody else in \
+         the scenario is called like that.";
     UnmeantModel = "E0525", "a number with one published value is varied",
         "Some numbers of a model are no free choice. The noise and the filters of `commotions` are per time step, so that with \
          another `dt` than the published one (25 ms for variants with noise, 100 ms for those without) it is another model, \

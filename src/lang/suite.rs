@@ -300,6 +300,7 @@ fn everybody<'a>(scenarios: &'a [Scenario], registry: &'a Registry) -> check::Ca
             .flat_map(|s| &s.pedestrians)
             .map(|person| person.name.as_str())
             .collect(),
+        groups: check::groups(scenarios.iter().flat_map(|s| &s.pedestrians)),
         boxes: scenarios.iter().flat_map(|s| &s.road.boxes).map(|body| body.name.as_str()).collect(),
         individuals: None,
         metrics: registry.metrics(),

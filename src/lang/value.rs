@@ -52,6 +52,17 @@ pub struct Binding {
 pub struct NameScope<'a> {
     pub outer: Option<&'a NameScope<'a>>,
     pub names: HashMap<String, Binding>,
+    /// Whose value is meant where `each(…)` gives every member of a group its own.
+    pub member: Option<Member>,
+}
+
+/// A member of a group of pedestrians.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Member {
+    /// From 0.
+    pub index: usize,
+    /// How many there are.
+    pub of: usize,
 }
 
 impl Binding {
@@ -62,7 +73,7 @@ impl Binding {
 
 impl<'a> NameScope<'a> {
     pub fn inside(outer: &'a NameScope<'a>) -> Self {
-        Self { outer: Some(outer), names: HashMap::new() }
+        Self { outer: Some(outer), names: HashMap::new(), member: None }
     }
 
     /// What the name stands for here; it then counts as used.
@@ -70,6 +81,11 @@ impl<'a> NameScope<'a> {
         let found = self.names.get(name).or_else(|| self.outer?.find(name))?;
         found.used.set(true);
         Some(found)
+    }
+
+    /// What `each(…)` is about here.
+    fn member(&self) -> Option<Member> {
+        self.member.or_else(|| self.outer?.member())
     }
 
     /// Every name that can be used here.
@@ -217,6 +233,7 @@ pub fn operand(node: ast::Operand, scope: &NameScope, report: &mut Vec<Diagnosti
             Some(Typed::constant(Value::Word(node.value()), ValueKind::Word, node.span()))
         }
         ast::Operand::Group(node) => evaluate(node.inside(), scope, report),
+        ast::Operand::Each(node) => each(node, scope, report),
         ast::Operand::Reference(node) => {
             let name = node.text();
             match scope.find(name) {
@@ -232,6 +249,33 @@ pub fn operand(node: ast::Operand, scope: &NameScope, report: &mut Vec<Diagnosti
             }
         }
     }
+}
+
+/// The value of the member of a group that a scope is about.
+fn each(node: ast::Each, scope: &NameScope, report: &mut Vec<Diagnostic>) -> Option<Typed> {
+    let Some(member) = scope.member() else {
+        report.push(
+            Diagnostic::new(Code::BadEach, node.span(), "`each(…)` is for the members of a group")
+                .label("there is no group here")
+                .hint("a group reads `pedestrian walkers times 3 { …; along each(0 m, 0.7 m, 1.4 m) }`"),
+        );
+        return None;
+    };
+    let given = node.values().count();
+    if given != member.of {
+        let people = if member.of == 1 { "person".to_string() } else { format!("{} people", member.of) };
+        report.push(
+            Diagnostic::new(
+                Code::BadEach,
+                node.span(),
+                format!("`each` gives {given} values to a group of {people}"),
+            )
+            .label(format!("{given} for {}", member.of))
+            .hint("give as many values as the group has members, or change `times`"),
+        );
+        return None;
+    }
+    evaluate(node.values().nth(member.index)?, scope, report)
 }
 
 fn quantity(node: ast::Quantity, report: &mut Vec<Diagnostic>) -> Option<Typed> {

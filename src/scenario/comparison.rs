@@ -44,6 +44,10 @@ pub struct MetricReference {
     /// touches, the second may also be a vehicle or a box, or empty: whatever it touches.
     #[serde(default)]
     pub pair: Option<(String, String)>,
+    /// Where it is about several people, such as a group, their names: the worst of them counts, and the second name of the pair
+    /// is what they are called together. Else empty.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub several: Vec<String>,
 }
 
 /// How two numbers compare.
@@ -115,7 +119,7 @@ impl Relation {
 impl MetricReference {
     /// A metric with its defaults, for everybody.
     pub fn plain(metric: impl Into<Reference<Metric>>) -> Self {
-        Self { metric: metric.into(), settings: Settings::default(), pair: None }
+        Self { metric: metric.into(), settings: Settings::default(), pair: None, several: Vec::new() }
     }
 
     /// As scenarios call the metric.
@@ -131,6 +135,16 @@ impl MetricReference {
     /// The SI unit of its values; nothing for those that are no quantities.
     pub fn unit(&self) -> String {
         self.known().map(Metric::unit).unwrap_or_default()
+    }
+
+    /// Whether it is about somebody or something of this name where it is about a pair, or about everybody.
+    pub fn is_of(&self, other: &str) -> bool {
+        let Some((_, second)) = &self.pair else { return true };
+        if self.several.is_empty() {
+            second.is_empty() || second == other
+        } else {
+            self.several.iter().any(|one| one == other)
+        }
     }
 
     /// The name that reports give it: `pet`, `max_deceleration(window=0.5)` or `pet(av, walker)`.

@@ -232,6 +232,9 @@ pub struct DeclaredPedestrian {
     pub reference: Expression,
     /// `None`: the parameters that the model's settings say.
     pub individuals: Option<Individuals>,
+    /// `None`: of no group.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub group: Option<Membership>,
     /// Where they are declared.
     pub origin: Origin,
 }
@@ -242,6 +245,17 @@ fn straight_across() -> Expression {
 
 fn is_straight_across(turned: &Expression) -> bool {
     *turned == straight_across()
+}
+
+/// That somebody is one of a group: `pedestrian walkers times 5 { … }`.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Membership {
+    /// As the scenario calls the group.
+    pub group: String,
+    /// From 0.
+    pub index: u32,
+    /// How many members the group has.
+    pub size: u32,
 }
 
 /// A pedestrian's footprint, m.
@@ -284,6 +298,13 @@ pub enum DeclaredAppearance {
         /// 0 to 1
         share: Expression,
     },
+}
+
+impl DeclaredPedestrian {
+    /// Whether a name is theirs, or that of their group.
+    pub fn is(&self, name: &str) -> bool {
+        self.name == name || self.group.as_ref().is_some_and(|membership| membership.group == name)
+    }
 }
 
 impl DeclaredAppearance {

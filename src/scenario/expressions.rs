@@ -47,6 +47,7 @@ macro_rules! expressions {
                 appears,
                 reference,
                 individuals: _,
+                group: _,
                 origin,
             } = person;
             let mut found = model(walks);

@@ -164,7 +164,7 @@ impl<'s> Claims<'_, 's> {
         let (of, subject) = self.outcomes(node.outcomes())?;
         let cast = subject.cast();
         let aggregate = criterion::aggregate(node.aggregate(), &cast, self.scope, self.report);
-        let varied = NameScope { outer: Some(self.scope), names: subject.varied.clone() };
+        let varied = NameScope { outer: Some(self.scope), names: subject.varied.clone(), member: None };
         let conditions = node.when().into_iter().flat_map(ast::When::conditions);
         let when: Vec<_> =
             conditions.map(|condition| self.run_condition(condition, &subject, &varied)).collect();

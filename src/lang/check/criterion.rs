@@ -21,8 +21,41 @@ pub enum From {
     Suite,
 }
 
-/// The criterion of a `criterion` node; `None` if it is wrong or, for a suite's, not about this scenario.
+/// The criterion of a `criterion` node, one for each where it is about the runs of several people; none if it is wrong or, for a
+/// suite's, not about this scenario.
 pub fn criterion(
+    node: ast::Criterion,
+    from: From,
+    cast: &Cast,
+    scope: &NameScope,
+    places: &Places,
+    report: &mut Vec<Diagnostic>,
+) -> Vec<Criterion> {
+    let said = said_criterion(node, from, cast, scope, places, report);
+    said.map_or(Vec::new(), |said| of_each(said, node))
+}
+
+/// What is said of the runs of several people is said of each of them.
+fn of_each(said: Criterion, node: ast::Criterion) -> Vec<Criterion> {
+    let about = said.claim.metric();
+    let (Claim::Runs { .. }, false, Some(metric)) =
+        (&said.claim, about.several.is_empty(), node.condition().map(ast::Condition::metric))
+    else {
+        return vec![said];
+    };
+    let written = syntax::metric_text(metric);
+    let one = |name: &String| {
+        let mut one = said.clone();
+        let about = one.claim.metric_mut();
+        about.several.clear();
+        about.pair.iter_mut().for_each(|(_, other)| other.clone_from(name));
+        one.text = said.text.replacen(&written, &syntax::metric_text_of(metric, name), 1);
+        one
+    };
+    about.several.iter().map(one).collect()
+}
+
+fn said_criterion(
     node: ast::Criterion,
     from: From,
     cast: &Cast,

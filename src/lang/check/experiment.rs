@@ -10,7 +10,7 @@ use super::literal;
 use super::metric::{self, Cast};
 use super::pedestrian::individuals;
 use super::places::Places;
-use super::subject::{StatementSubject, Subjects, case_set, declarations};
+use super::subject::{StatementSubject, Subjects, case_set, declarations, groups};
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
 use crate::settings::{self, repeated};
@@ -565,9 +565,11 @@ pub fn reject_unmeant(
     if declaration.parameter(name).is_none_or(|parameter| parameter.published.is_none()) {
         return Some(());
     }
-    let cars = scenario.vehicles.iter().map(|car| (&car.name, &car.controller.settings));
-    let people = scenario.pedestrians.iter().map(|person| (&person.name, &person.model.settings));
-    let meant = cars.chain(people).filter(|(name, _)| *name == road_user).any(|(_, settings)| {
+    let cars = scenario.vehicles.iter().filter(|car| car.name == *road_user);
+    let people = scenario.pedestrians.iter().filter(|person| person.is(road_user));
+    let settings =
+        cars.map(|car| &car.controller.settings).chain(people.map(|person| &person.model.settings));
+    let meant = settings.into_iter().any(|settings| {
         let flag = settings.iter().find(|(name, _)| name == ANOTHER_MODEL);
         flag.is_some_and(|(_, said)| *said == Expression::Constant(Value::Flag(true)))
     });
@@ -613,6 +615,10 @@ pub fn target(
         let users = scenario.vehicles.iter().map(|vehicle| vehicle.name.as_str());
         let everybody: Vec<_> =
             users.chain(scenario.pedestrians.iter().map(|person| person.name.as_str())).collect();
+        let everybody: Vec<_> = everybody
+            .into_iter()
+            .chain(groups(&scenario.pedestrians).iter().map(|(group, _)| *group))
+            .collect();
         let known = everybody.contains(&name.text());
         let diagnostic = Diagnostic::new(
             Code::BadTarget,

@@ -14,7 +14,10 @@ use scenario::{AggregateWord, Metric, MetricKind, MetricReference, Scope as Meas
 /// Who is in the scenario that a criterion is about.
 pub struct Cast<'a> {
     pub vehicles: Vec<&'a str>,
+    /// Every one by name, members of groups too.
     pub pedestrians: Vec<&'a str>,
+    /// By name, with their members.
+    pub groups: Vec<(&'a str, Vec<&'a str>)>,
     /// Of the road.
     pub boxes: Vec<&'a str>,
     /// Whether people are taken from a population, and if so whether there are several.
@@ -68,60 +71,104 @@ pub fn metric_reference(
     };
     let details = node.details();
     let settings = constants(details, &found.declaration, scope, report);
-    let pair = match details {
+    let of = match details {
         Some(details) => pair(details, found, cast, report)?,
-        None => None,
+        None => Subjects::default(),
     };
-    Some((MetricReference { metric: found.into(), settings: settings?, pair }, found.clone()))
+    let Subjects { pair, several } = of;
+    Some((MetricReference { metric: found.into(), settings: settings?, pair, several }, found.clone()))
 }
 
-/// The pair that is meant. A metric of one road user has a value with the first of the other kind; contacts of one
-/// vehicle, with whatever it touches, have no second name.
+/// Whom a metric is said to be about: see [`MetricReference`].
+#[derive(Default)]
+struct Subjects {
+    pair: Option<(String, String)>,
+    several: Vec<String>,
+}
+
+impl Subjects {
+    fn of(vehicle: String, (called, several): (String, Vec<String>)) -> Self {
+        Self { pair: Some((vehicle, called)), several }
+    }
+}
+
+/// People by their names and those of their groups: what they are called together, and who they are if there may be several.
+fn people(names: &[ast::Name], cast: &Cast, report: &mut Vec<Diagnostic>) -> Option<(String, Vec<String>)> {
+    let mut several: Vec<String> = Vec::new();
+    for name in names {
+        let members =
+            cast.groups.iter().filter(|(group, _)| *group == name.text()).flat_map(|(_, members)| members);
+        let single = cast.pedestrians.iter().filter(|known| **known == name.text());
+        let found: Vec<&str> = members.chain(single).copied().collect();
+        if found.is_empty() {
+            let known = cast.pedestrians.iter().chain(cast.groups.iter().map(|(group, _)| group));
+            report.push(
+                Diagnostic::new(
+                    Code::UnknownPedestrian,
+                    name.span(),
+                    format!("the scenario has no pedestrian `{}`", name.text()),
+                )
+                .label("unknown pedestrian")
+                .suggest(name.text(), known.copied()),
+            );
+            return None;
+        }
+        for one in found {
+            if !several.iter().any(|known| known == one) {
+                several.push(one.to_string());
+            }
+        }
+    }
+    let called = names.iter().map(|name| name.text()).collect::<Vec<_>>().join(", ");
+    let is_group = names.iter().any(|name| cast.groups.iter().any(|(group, _)| *group == name.text()));
+    Some(if names.len() == 1 && !is_group { (called, Vec::new()) } else { (called, several) })
+}
+
+/// Whom it is about. A metric of one road user has a value with the first of the other kind; contacts of one vehicle, with
+/// whatever it touches, have no second name.
 fn pair(
     details: ast::Settings,
     metric: &Metric,
     cast: &Cast,
     report: &mut Vec<Diagnostic>,
-) -> Option<Option<(String, String)>> {
+) -> Option<Subjects> {
     let names: Vec<_> = details.names().collect();
     if names.is_empty() {
-        return Some(None);
+        return Some(Subjects::default());
     }
-    let mut known = |name: ast::Name, is_vehicle: bool| {
-        let known = if is_vehicle { &cast.vehicles } else { &cast.pedestrians };
-        if known.contains(&name.text()) {
+    let vehicle = |name: ast::Name, report: &mut Vec<Diagnostic>| {
+        if cast.vehicles.contains(&name.text()) {
             return Some(name.text().to_string());
         }
-        report.push(if is_vehicle {
-            unknown_vehicle(name, known)
-        } else {
-            Diagnostic::new(
-                Code::UnknownPedestrian,
-                name.span(),
-                format!("the scenario has no pedestrian `{}`", name.text()),
-            )
-            .label("unknown pedestrian")
-            .suggest(name.text(), known.iter().copied())
-        });
+        report.push(unknown_vehicle(name, &cast.vehicles));
         None
     };
-    if let ([vehicle, others @ ..], Measured::Contact) = (names.as_slice(), metric.scope)
-        && others.len() <= 1
-    {
-        let vehicle = known(*vehicle, true)?;
-        let Some(other) = others.first() else { return Some(Some((vehicle, String::new()))) };
-        return Some(Some((vehicle.clone(), solid(*other, &vehicle, cast, report)?)));
-    }
     let first = |names: &[&str]| names.first().map(|name| name.to_string());
-    let pair = match (names.as_slice(), metric.scope) {
-        ([vehicle, pedestrian], Measured::Pair) => {
-            let (vehicle, pedestrian) = (known(*vehicle, true), known(*pedestrian, false));
-            (vehicle?, pedestrian?)
+    let is_person = |name: &ast::Name| {
+        cast.pedestrians.contains(&name.text()) || cast.groups.iter().any(|(group, _)| *group == name.text())
+    };
+    match (names.as_slice(), metric.scope) {
+        ([car], Measured::Contact) => Some(Subjects::of(vehicle(*car, report)?, (String::new(), Vec::new()))),
+        ([car, others @ ..], Measured::Contact) if others.iter().all(is_person) => {
+            Some(Subjects::of(vehicle(*car, report)?, people(others, cast, report)?))
         }
-        ([vehicle], Measured::Vehicle) => (known(*vehicle, true)?, first(&cast.pedestrians)?),
-        ([pedestrian], Measured::Pedestrian) => {
-            let pedestrian = known(*pedestrian, false)?;
-            (first(&cast.vehicles)?, pedestrian)
+        ([car, other], Measured::Contact) => {
+            let car = vehicle(*car, report)?;
+            let other = solid(*other, &car, cast, report)?;
+            Some(Subjects::of(car, (other, Vec::new())))
+        }
+        ([car, others @ ..], Measured::Pair)
+            if others.len() == 1 || (others.len() > 1 && others.iter().all(is_person)) =>
+        {
+            let (car, people) = (vehicle(*car, report), people(others, cast, report));
+            Some(Subjects::of(car?, people?))
+        }
+        ([car], Measured::Vehicle) => {
+            Some(Subjects::of(vehicle(*car, report)?, (first(&cast.pedestrians)?, Vec::new())))
+        }
+        (others, Measured::Pedestrian) if others.len() == 1 || others.iter().all(is_person) => {
+            let people = people(others, cast, report)?;
+            Some(Subjects::of(first(&cast.vehicles)?, people))
         }
         _ => {
             let name = &metric.declaration.name;
@@ -136,10 +183,9 @@ fn pair(
                     .label(format!("{} named here", names.len()))
                     .hint(format!("write `{example}`")),
             );
-            return None;
+            None
         }
-    };
-    Some(Some(pair))
+    }
 }
 
 /// Anything but `vehicle` that it may touch.

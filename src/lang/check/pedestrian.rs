@@ -18,12 +18,22 @@ use crate::value::{self, Typed};
 use crate::write::{BlockText, constant, is_name, model_text, number_of, quantity, quoted};
 use scenario::{
     BinaryOperator, DeclaredAppearance, DeclaredPedestrian, DeclaredShape, Dimension, Expression,
-    Individuals, PedestrianModel, PopulationShare, Road, Side, Value, VehicleReference, limits, show,
+    Individuals, Membership, PedestrianModel, PopulationShare, Road, Side, Value, VehicleReference, limits,
+    show,
 };
+
+/// Whom a block describes.
+#[derive(Debug)]
+pub struct Described {
+    pub name: String,
+    /// Where they are named.
+    pub span: Span,
+    pub group: Option<Membership>,
+}
 
 /// The pedestrian that `layers` describe together, the last having the last word.
 pub fn pedestrian(
-    name: ast::Name,
+    who: &Described,
     layers: &[Layer<ast::PedestrianBlock>],
     road: Option<&Road>,
     vehicles: &[&str],
@@ -40,19 +50,20 @@ pub fn pedestrian(
         exclude(several, one, report);
         exclude(block.appears().map(|said| *said), block.meets().map(|said| *said), report);
     }
-    let what = format!("pedestrian `{}`", name.text());
+    let what =
+        format!("pedestrian `{}`", who.group.as_ref().map_or(&who.name, |membership| &membership.group));
     let model = match last(layers, |block| block.model().map(ast::Named::Model)) {
         Some(said) => named(said, &models(places), places, report),
         None => {
-            missing::<ast::Model>(layers, name.span(), &what, report);
+            missing::<ast::Model>(layers, who.span, &what, report);
             None
         }
     };
     let found = model.as_ref().map_or(&[] as &[_], |model| &model.found);
     let individuals =
         last(layers, |block| block.people().next()).map(|said| individuals(said, found, places, report));
-    let shape = last(layers, ast::PedestrianBlock::shape)
-        .map(|said| shape(said, name.text(), places, written, report));
+    let shape =
+        last(layers, ast::PedestrianBlock::shape).map(|said| shape(said, &who.name, places, written, report));
     let side = match last(layers, ast::PedestrianBlock::side) {
         Some(said) if said.node.is_far() => Side::Far,
         _ => Side::Near,
@@ -60,18 +71,18 @@ pub fn pedestrian(
     let start = match last(layers, ast::PedestrianBlock::start) {
         Some(said) => road.and_then(|road| {
             let (start, typed, offset) = start(said, road, report)?;
-            written.shifted(name.text(), "start", &typed, offset, places);
+            written.shifted(&who.name, "start", &typed, offset, places);
             Some(start)
         }),
         None => {
-            missing::<ast::PedestrianStart>(layers, name.span(), &what, report);
+            missing::<ast::PedestrianStart>(layers, who.span, &what, report);
             None
         }
     };
     let mut length = |said, default: f64, limit, key: &str, word: &str| match said {
         Some(Said { node, scope }) => {
             let value = value::quantity_within(node, limit, word, scope, report)?;
-            written.statement(name.text(), key, Some(&value), places);
+            written.statement(&who.name, key, Some(&value), places);
             Some(value.expression)
         }
         None => Some(Expression::number(default)),
@@ -84,13 +95,13 @@ pub fn pedestrian(
     let appears = match last(layers, ast::PedestrianBlock::appearance) {
         Some(Said { node: ast::Appearance::Appears(node), scope }) => {
             appears(Said { node, scope }, vehicles, report).map(|(appears, typed)| {
-                written.statement(name.text(), "appears", Some(&typed), places);
+                written.statement(&who.name, "appears", Some(&typed), places);
                 appears
             })
         }
         Some(Said { node: ast::Appearance::Meets(node), scope }) => {
             meets(Said { node, scope }, vehicles, report).map(|(meets, typed)| {
-                written.statement(name.text(), "meets", Some(&typed), places);
+                written.statement(&who.name, "meets", Some(&typed), places);
                 meets
             })
         }
@@ -105,17 +116,17 @@ pub fn pedestrian(
     };
     let reference = match last(layers, ast::PedestrianBlock::reference) {
         Some(said) => reference(said, report).map(|(reference, typed)| {
-            written.statement(name.text(), "reference", Some(&typed), places);
+            written.statement(&who.name, "reference", Some(&typed), places);
             reference
         }),
         None => Some(Expression::number(0.0)),
     };
-    written.settings(name.text(), "model", model.as_ref().map_or(&[], |named| &named.given), places);
+    written.settings(&who.name, "model", model.as_ref().map_or(&[], |named| &named.given), places);
     if let (Some(road), Some(start), Some(goal)) = (road, &start, &goal) {
         check_way(start, goal, last(layers, ast::PedestrianBlock::start), road, report)?;
     }
     Some(DeclaredPedestrian {
-        name: name.text().to_string(),
+        name: who.name.clone(),
         model: model?.model,
         shape: match shape {
             Some(shape) => Some(shape?),
@@ -132,7 +143,8 @@ pub fn pedestrian(
             Some(individuals) => Some(individuals?),
             None => None,
         },
-        origin: places.origin(name.span()),
+        group: who.group.clone(),
+        origin: places.origin(who.span),
     })
 }
 

@@ -108,7 +108,7 @@ pub fn conditions(
     let mut found: Vec<Option<Vec<VariationCondition>>> = vec![None; nodes.len()];
     for scenario in rated.of(points) {
         let varied = surroundings(rated.definition(scenario, places)?, places)?;
-        let varied = NameScope { outer: Some(scope), names: varied };
+        let varied = NameScope { outer: Some(scope), names: varied, member: None };
         let mut own: Vec<Option<Vec<VariationCondition>>> = Vec::new();
         for node in nodes {
             let conditions = node.when().into_iter().flat_map(ast::When::conditions);

@@ -9,11 +9,11 @@ use super::criterion::{From, criterion};
 use super::defaults::Defaults;
 use super::literal;
 use super::metric::Cast;
-use super::pedestrian::{pedestrian, write_pedestrian};
+use super::pedestrian::{Described, pedestrian, write_pedestrian};
 use super::places::Places;
 use super::road::{road, write_road};
 use super::vehicle::{check_starts, vehicle, write_vehicle};
-use super::{runs, variation};
+use super::{group, runs, variation};
 use crate::codes::Code;
 use crate::diagnostic::{Diagnostic, nearest};
 use crate::source::Span;
@@ -62,8 +62,12 @@ pub fn scenario(
     let vehicle_groups =
         grouped(&layers, |block| block.vehicles().map(|one| (one.name(), one.block())).collect(), report);
     let pedestrian_groups =
-        grouped(&layers, |block| block.pedestrians().map(|one| (one.name(), one.block())).collect(), report);
+        grouped(&layers, |block| block.pedestrians().map(|one| (one.name(), one)).collect(), report);
     reject_shared_names(&vehicle_groups, &pedestrian_groups, report);
+    let everybody: Vec<(&[Layer<ast::Pedestrian>], Vec<Described>)> = pedestrian_groups
+        .iter()
+        .map(|(name, layers)| (layers.as_slice(), group::described(*name, layers, report)))
+        .collect();
     for (name, binding) in &varied {
         binding.value.iter().for_each(|typed| written.variation(name, typed, places));
     }
@@ -75,15 +79,27 @@ pub fn scenario(
     }
     let mut cast = Cast {
         vehicles: vehicle_groups.iter().map(|(name, _)| name.text()).collect(),
-        pedestrians: pedestrian_groups.iter().map(|(name, _)| name.text()).collect(),
+        pedestrians: everybody.iter().flat_map(|(_, who)| who).map(|one| one.name.as_str()).collect(),
+        groups: group::members(everybody.iter().flat_map(|(_, who)| who)),
         boxes: road.iter().flat_map(|road| &road.boxes).map(|body| body.name.as_str()).collect(),
         individuals: None,
         metrics: places.files.registry.metrics(),
     };
     let mut pedestrians: Vec<DeclaredPedestrian> = Vec::new();
-    for (name, layers) in &pedestrian_groups {
-        let cars = &cast.vehicles;
-        pedestrians.extend(pedestrian(*name, layers, road.as_ref(), cars, places, &mut written, report));
+    for (index, (layers, members)) in everybody.iter().enumerate() {
+        let others = everybody.iter().enumerate().filter(|(other, _)| *other != index);
+        let others = others.flat_map(|(_, (_, who))| who).map(|one| one.name.as_str());
+        let others: Vec<&str> = others.chain(cast.vehicles.iter().chain(&cast.boxes).copied()).collect();
+        group::reject_taken_names(members, &others, report);
+        for who in members {
+            let scopes = group::scopes(who, layers);
+            let layers: Vec<Layer<_>> =
+                scopes.iter().map(|(block, scope)| Layer { block: *block, scope }).collect();
+            let (cars, mut found) = (&cast.vehicles, Vec::new());
+            let person = pedestrian(who, &layers, road.as_ref(), cars, places, &mut written, &mut found);
+            pedestrians.extend(person);
+            group::once(found, report);
+        }
     }
     let unread = layers.iter().any(|layer| layer.block.is_broken()) || road.is_none();
     let broken = report.len() > before || unread;
@@ -105,14 +121,14 @@ pub fn scenario(
     for layer in &layers {
         for node in layer.block.expects().flat_map(|expect| expect.block().criteria()) {
             let found = criterion(node, From::Scenario, &cast, layer.scope, places, report);
-            criteria.extend(found.map(|criterion| (node.span(), criterion)));
+            criteria.extend(found.into_iter().map(|criterion| (node.span(), criterion)));
         }
     }
     if let Some(added) = added {
-        let scope = NameScope { outer: Some(added.scope), names: varied.clone() };
+        let scope = NameScope { outer: Some(added.scope), names: varied.clone(), member: None };
         for node in added.nodes {
             let found = criterion(*node, From::Suite, &cast, &scope, places, report);
-            criteria.extend(found.map(|criterion| (node.span(), criterion)));
+            criteria.extend(found.into_iter().map(|criterion| (node.span(), criterion)));
         }
     }
 
@@ -334,7 +350,7 @@ fn layer_scope<'a>(
     varied: &HashMap<String, Binding>,
     report: &mut Vec<Diagnostic>,
 ) -> NameScope<'a> {
-    let mut scope = NameScope { outer: Some(layer.scope), names: varied.clone() };
+    let mut scope = NameScope { outer: Some(layer.scope), names: varied.clone(), member: None };
     for binding in layer.block.bindings() {
         crate::texts::bind(binding, &mut scope, report);
     }

@@ -14,8 +14,8 @@ use crate::texts::NameDefinition;
 use crate::value::Binding;
 use scenario::registry::Registry;
 use scenario::{
-    CaseSet, Declaration, Evaluate, Part, RangeValues, Reference, Registered, SampleSize, Scenario, Search,
-    SearchRange, Target, Tune, Value, VariedValue,
+    CaseSet, Declaration, DeclaredPedestrian, Evaluate, Part, RangeValues, Reference, Registered, SampleSize,
+    Scenario, Search, SearchRange, Target, Tune, Value, VariedValue,
 };
 
 /// What the blocks of a suite can be about: its scenarios, and the blocks that are checked so far.
@@ -136,11 +136,27 @@ impl<'a> Subjects<'a> {
     }
 }
 
+/// The groups of people, each with the names of its members in any scenario.
+pub fn groups<'a>(people: impl IntoIterator<Item = &'a DeclaredPedestrian>) -> Vec<(&'a str, Vec<&'a str>)> {
+    let mut groups: Vec<(&str, Vec<&str>)> = Vec::new();
+    for person in people {
+        let Some(membership) = &person.group else { continue };
+        let name = person.name.as_str();
+        match groups.iter_mut().find(|(group, _)| *group == membership.group) {
+            Some((_, members)) if members.contains(&name) => {}
+            Some((_, members)) => members.push(name),
+            None => groups.push((&membership.group, vec![name])),
+        }
+    }
+    groups
+}
+
 impl StatementSubject<'_> {
     pub fn cast(&self) -> Cast<'_> {
         Cast {
             vehicles: self.scenario.vehicles.iter().map(|vehicle| vehicle.name.as_str()).collect(),
             pedestrians: self.scenario.pedestrians.iter().map(|person| person.name.as_str()).collect(),
+            groups: groups(&self.scenario.pedestrians),
             boxes: self.scenario.road.boxes.iter().map(|body| body.name.as_str()).collect(),
             individuals: None,
             metrics: self.registry.metrics(),
@@ -288,7 +304,7 @@ fn saved_scenario(path: &str, places: &Places) -> Option<String> {
 /// What the part of a road user declares, in every run of the scenario; empty if there is no such part.
 pub fn declarations(scenario: &Scenario, user: &str, part: Part, registry: &Registry) -> Vec<Declaration> {
     let car = scenario.vehicles.iter().find(|vehicle| vehicle.name == user);
-    let person = scenario.pedestrians.iter().find(|person| person.name == user);
+    let person = scenario.pedestrians.iter().find(|person| person.is(user));
     match (part, car) {
         (Part::Controller, Some(car)) => declared(car.controller.all()),
         (Part::Dynamics, Some(car)) => match &car.dynamics {

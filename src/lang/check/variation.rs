@@ -531,7 +531,7 @@ fn distribution(
         );
         return None;
     }
-    let scope = &NameScope { outer: Some(scope), names: known.clone() };
+    let scope = &NameScope { outer: Some(scope), names: known.clone(), member: None };
     let mut numbers = Vec::new();
     let mut kind = None;
     for expression in node.values() {

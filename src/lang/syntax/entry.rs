@@ -86,6 +86,8 @@ pub enum YamlShape {
     Base,
     /// The parameters of a template.
     Parameters,
+    /// How many a block describes: `pedestrian NAME times 5 { … }`
+    GroupSize,
     /// A mapping of names to defaults, or to `{ default: 5 m, in: 1 m .. 30 m, as: T, unit: m, doc: … }`:
     /// `parameter name = 5 m in 1 m .. 30 m as "T" in m "…"`
     OwnParameters,

@@ -133,7 +133,12 @@ fn next(rule: Rule) -> Next {
         | Rule::aggregate_claim
         | Rule::measured
         | Rule::measure => Next::Aggregate,
-        Rule::expression | Rule::quantity | Rule::reference | Rule::lone_operand | Rule::group => Next::Value,
+        Rule::expression
+        | Rule::quantity
+        | Rule::reference
+        | Rule::lone_operand
+        | Rule::group
+        | Rule::each => Next::Value,
         Rule::target => Next::Target,
         Rule::name | Rule::when_condition | Rule::run_condition => Next::Name,
         Rule::setting_name => Next::SettingName,
@@ -327,9 +332,13 @@ fn describe(rule: &Rule) -> Option<String> {
         Rule::negation | Rule::modifier | Rule::base => return None,
         Rule::EOI => END,
         Rule::operator => OPERATOR,
-        Rule::expression | Rule::quantity | Rule::number | Rule::reference | Rule::group | Rule::boolean => {
-            VALUE
-        }
+        Rule::expression
+        | Rule::quantity
+        | Rule::number
+        | Rule::reference
+        | Rule::group
+        | Rule::each
+        | Rule::boolean => VALUE,
         Rule::unit => "a unit",
         Rule::name => "a name",
         Rule::string => "a text in quotes",

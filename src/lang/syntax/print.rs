@@ -1,8 +1,8 @@
 //! Syntax back into words: one spelling for what can be spelled in several ways.
 
 use super::ast::{
-    Aggregate, Condition, Criterion, Expression, Group, Metric, Quantity, Relation, Setting, Undefined, View,
-    When,
+    Aggregate, Condition, Criterion, Each, Expression, Group, Metric, Quantity, Relation, Setting, Undefined,
+    View, When,
 };
 use super::tree::{Node, Rule};
 
@@ -16,6 +16,8 @@ fn part(node: Node) -> String {
         format!(" {} ", node.text())
     } else if let Some(group) = Group::cast(node) {
         format!("({})", expression(group.inside()))
+    } else if let Some(each) = Each::cast(node) {
+        format!("each({})", each.values().map(expression).collect::<Vec<_>>().join(", "))
     } else if let Some(quantity) = Quantity::cast(node) {
         match quantity.unit() {
             Some(unit) => format!("{} {}", quantity.number().text(), unit.text()),
@@ -86,12 +88,29 @@ fn bound_text(relation: Relation, bound: Expression) -> String {
 pub fn metric_text(node: Metric) -> String {
     let name = node.name().text();
     let Some(details) = node.details() else { return name.to_string() };
-    let inside: Vec<_> = details
-        .children()
-        .map(|part| match Setting::cast(part) {
-            Some(setting) => format!("{}: {}", setting.name().text(), expression(setting.value())),
-            None => part.text().to_string(),
-        })
+    let inside: Vec<_> = details.children().map(detail).collect();
+    format!("{name}({})", inside.join(", "))
+}
+
+/// The same with `other` in the place of all pedestrians that it names, who stand after the vehicle if there is one.
+pub fn metric_text_of(node: Metric, other: &str) -> String {
+    let name = node.name().text();
+    let Some(details) = node.details() else { return name.to_string() };
+    let names = details.names().count();
+    let vehicle = if names > 1 { details.names().next() } else { None };
+    let settings = details.each().map(|setting| detail(*setting));
+    let inside: Vec<String> = vehicle
+        .map(|vehicle| vehicle.text().to_string())
+        .into_iter()
+        .chain([other.to_string()])
+        .chain(settings)
         .collect();
     format!("{name}({})", inside.join(", "))
+}
+
+fn detail(part: Node) -> String {
+    match Setting::cast(part) {
+        Some(setting) => format!("{}: {}", setting.name().text(), expression(setting.value())),
+        None => part.text().to_string(),
+    }
 }

@@ -35,11 +35,16 @@ pub fn write_comparison(comparison: &Comparison) -> String {
 
 fn metric_text(reference: &MetricReference) -> String {
     let found = reference.known();
-    let pair = reference.pair.iter().flat_map(|(car, person)| match found.map(|metric| metric.scope) {
-        Some(Scope::Vehicle) => vec![car.clone()],
-        Some(Scope::Pedestrian) => vec![person.clone()],
-        Some(Scope::Contact) if person.is_empty() => vec![car.clone()],
-        _ => vec![car.clone(), person.clone()],
+    // Where it is written to, a group may stand as its members alone.
+    let pair = reference.pair.iter().flat_map(|(car, person)| {
+        let people =
+            if reference.several.is_empty() { std::slice::from_ref(person) } else { &reference.several };
+        match found.map(|metric| metric.scope) {
+            Some(Scope::Vehicle) => vec![car.clone()],
+            Some(Scope::Pedestrian) => people.to_vec(),
+            Some(Scope::Contact) if person.is_empty() => vec![car.clone()],
+            _ => [std::slice::from_ref(car), people].concat(),
+        }
     });
     let declaration = found.map(|metric| &metric.declaration);
     let settings = reference.settings.0.iter().map(|(name, value)| setting(declaration, name, value));

@@ -136,6 +136,7 @@ fn value(statement: &StatementEntry, registry: &Registry) -> Value {
                 },
             ],
         })),
+        YamlShape::GroupSize => json!({ "type": "integer", "minimum": 1 }),
         YamlShape::Base => json!({ "type": "string" }),
     }
 }

@@ -207,8 +207,10 @@ impl Writer<'_> {
                 for (user, block) in self.fields(value, &format!("`{key}`")) {
                     self.said(name, keyword, |writer| {
                         writer.name(user);
-                        if kind == BlockKind::Scenario {
-                            writer.head(block);
+                        match kind {
+                            BlockKind::Scenario => writer.head(block),
+                            BlockKind::Pedestrian => writer.group_size(block),
+                            _ => {}
                         }
                         writer.braces(|writer| writer.block(block, kind, &format!("a `{keyword}`")));
                     });
@@ -314,7 +316,7 @@ impl Writer<'_> {
                     self.said(name, keyword, |writer| writer.weights(item));
                 }
             }
-            YamlShape::Base | YamlShape::Parameters => {}
+            YamlShape::Base | YamlShape::Parameters | YamlShape::GroupSize => {}
         }
     }
 
@@ -430,6 +432,15 @@ impl Writer<'_> {
                 }
                 _ => {}
             }
+        }
+    }
+
+    /// `times 5`
+    fn group_size(&mut self, block: &Yaml) {
+        let Content::Mapping(fields) = &block.value else { return };
+        if let Some((_, number)) = fields.iter().find(|(key, _)| key.scalar() == Some("times")) {
+            self.text.push_str(" times ");
+            self.words(number);
         }
     }
 

@@ -266,7 +266,7 @@ fn write(statement: &StatementEntry, statements: &[Node], depth: usize, out: &mu
                 line(depth + 1, &format!("- {{ {} }}", pairs.join(", ")), out);
             }
         }
-        YamlShape::Base | YamlShape::Parameters => {}
+        YamlShape::Base | YamlShape::Parameters | YamlShape::GroupSize => {}
     }
 }
 
@@ -319,6 +319,9 @@ fn condition(node: ast::Evaluated) -> String {
 }
 
 fn head(node: Node, depth: usize, out: &mut String) {
+    if let Some(size) = ast::Pedestrian::cast(node).and_then(ast::Pedestrian::group) {
+        line(depth, &format!("times: {}", size.number().text()), out);
+    }
     let Some(scenario) = ast::Scenario::cast(node) else { return };
     if let Some(base) = scenario.base() {
         line(depth, &format!("extends: {}", scalar(phrase(*base).trim_start_matches(':').trim())), out);

@@ -80,8 +80,8 @@ pub(super) fn cut_off_of(reference: &MetricReference, outcome: &Outcome) -> bool
     let meets = matches!(metric.scope, Scope::Pair | Scope::Contact) || (of_vehicle && is_extreme);
     let concerns = |one: &str, two: &str| {
         reference.pair.as_ref().is_none_or(|(car, other)| {
-            (car == one && (of_vehicle || other.is_empty() || other == two))
-                || (car == two && (of_vehicle || other == one))
+            (car == one && (of_vehicle || reference.is_of(two)))
+                || (car == two && (of_vehicle || (!other.is_empty() && reference.is_of(one))))
         })
     };
     let mut courses = cut_off.on_course.iter();

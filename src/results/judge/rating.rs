@@ -184,7 +184,7 @@ fn run<'o>(
     let presences: Vec<_> = outcome
         .presences
         .iter()
-        .filter(|(name, _)| whom.is_none_or(|(_, other)| other.is_empty() || **name == **other))
+        .filter(|(name, _)| measure.is_of(name))
         .map(|(_, presence)| presence)
         .collect();
     let nobody = |did: fn(&sim::measure::Presence) -> bool| {
@@ -209,9 +209,7 @@ fn run<'o>(
             return Err(format!("a contact ended {key} of which `{label}` says nothing"));
         }
         let concerned = |one: &&crate::Unfinished| {
-            whom.is_none_or(|(vehicle, other)| {
-                *one.vehicle == **vehicle && (other.is_empty() || *one.pedestrian == **other)
-            })
+            whom.is_none_or(|(vehicle, _)| *one.vehicle == **vehicle && measure.is_of(&one.pedestrian))
         };
         if let Some(one) = outcome.cut_off.iter().flat_map(|cut_off| &cut_off.unfinished).find(concerned) {
             let (vehicle, pedestrian, seconds) =

@@ -39,8 +39,8 @@ pub(super) fn mark(findings: &mut [Finding], criteria: &[Criterion], outcomes: &
 
 fn vacuity(criterion: &Criterion, outcomes: &[Outcome]) -> Option<Vacuity> {
     let reference = criterion.claim.metric();
-    let whom = reference.pair.as_ref().map(|(_, pedestrian)| pedestrian.as_str());
-    let concerned = |name: &str| whom.is_none_or(|whom| whom == name);
+    let touches_anything = reference.pair.as_ref().is_some_and(|(_, other)| other.is_empty());
+    let concerned = |name: &str| !touches_anything && reference.is_of(name);
     let presences = || {
         let all = outcomes.iter().flat_map(|outcome| &outcome.presences);
         all.filter(|(name, _)| concerned(name)).map(|(_, presence)| presence)

@@ -343,7 +343,10 @@ fn resolved(target: &Target, case: &Case) -> Option<(Value, String)> {
         Some((&setup.settings, setup.model.declaration()?))
     }
     let (settings, declaration) = if *part == Part::Model {
-        of(&case.world.pedestrians.iter().find(|one| one.name == *road_user)?.model)?
+        // Of a group, as the first member has it: what is set is set for all of them.
+        let first = format!("{road_user}_1");
+        let mut people = case.world.pedestrians.iter();
+        of(&people.find(|one| one.name == *road_user || one.name == first)?.model)?
     } else {
         let car = case.world.vehicles.iter().find(|one| one.name == *road_user)?;
         match part {

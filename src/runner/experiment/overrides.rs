@@ -59,9 +59,14 @@ pub fn apply(scenario: &mut Scenario, settings: &[(Target, Value)]) -> Result<()
     for (target, value) in settings {
         let Target::Setting { road_user, part, parameter } = target else { continue };
         let missing = ExperimentError::UnknownTarget(target.to_string(), scenario.name.clone());
-        let said = settings_mut(scenario, road_user, *part).ok_or(missing)?;
-        said.retain(|(name, _)| name != parameter);
-        said.push((parameter.clone(), Expression::Constant(value.clone())));
+        let all = settings_mut(scenario, road_user, *part);
+        if all.is_empty() {
+            return Err(missing);
+        }
+        for said in all {
+            said.retain(|(name, _)| name != parameter);
+            said.push((parameter.clone(), Expression::Constant(value.clone())));
+        }
     }
     Ok(())
 }
@@ -76,20 +81,21 @@ pub fn without_variations(scenario: &Scenario, ranges: &[SearchRange]) -> Scenar
     changed
 }
 
-/// What a scenario says of the parameters of a road user's part.
+/// What a scenario says of the parameters of a road user's part; of every member, where that is a group.
 fn settings_mut<'a>(
     scenario: &'a mut Scenario,
     road_user: &str,
     part: Part,
-) -> Option<&'a mut Vec<(String, Expression)>> {
+) -> Vec<&'a mut Vec<(String, Expression)>> {
     if part == Part::Model {
-        let person = scenario.pedestrians.iter_mut().find(|one| one.name == road_user)?;
-        return Some(&mut person.model.settings);
+        let people = scenario.pedestrians.iter_mut().filter(|one| one.is(road_user));
+        return people.map(|person| &mut person.model.settings).collect();
     }
-    let vehicle = scenario.vehicles.iter_mut().find(|one| one.name == road_user)?;
-    match part {
+    let vehicle = scenario.vehicles.iter_mut().find(|one| one.name == road_user);
+    let said = vehicle.and_then(|vehicle| match part {
         Part::Dynamics => vehicle.dynamics.as_mut().map(|model| &mut model.settings),
         Part::Sees => vehicle.sees.as_mut().map(|model| &mut model.settings),
         Part::Controller | Part::Model => Some(&mut vehicle.controller.settings),
-    }
+    });
+    said.into_iter().collect()
 }

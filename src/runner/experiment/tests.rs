@@ -89,6 +89,7 @@ fn scenario() -> Scenario {
                 text: None,
                 origin: Origin::default(),
             }),
+            group: None,
             origin: Origin::default(),
         }],
         variations: vec![Variation::Grid {

@@ -11,14 +11,15 @@ use numbers::random::{Stream, derive_seed};
 use scenario::population;
 use scenario::population::Population as People;
 use scenario::{
-    DeclaredPedestrian, Expression, Individual, Individuals, PopulationShare, Scenario, Settings, Suite,
-    Value,
+    DeclaredPedestrian, Expression, Individual, Individuals, Membership, PopulationShare, Scenario, Settings,
+    Suite, Value,
 };
 
 /// The groups of people that the scenario is run with; one empty group when nobody is an individual.
 ///
 /// Where several pedestrians are individuals they are taken side by side: the first of each, the second of each. One
-/// with a single individual is in every group. The draw depends on the suite's seed, the pedestrian's name and the
+/// with a single individual is in every group. Of a group of pedestrians every member is somebody else: `individuals 20 of` are
+/// then 20 for each of five members, 100 people who all are different, so that no two groups share anybody. The draw depends on the suite's seed, the pedestrian's name and the
 /// population, so that every scenario of a suite meets the same people.
 pub fn select(seed: u64, scenario: &Scenario) -> Result<Vec<Vec<Individual>>, PlanError> {
     let mut chosen: Vec<(&DeclaredPedestrian, &Individuals, Vec<Individual>)> = Vec::new();
@@ -51,12 +52,31 @@ fn choose(
 ) -> Result<Vec<Individual>, PlanError> {
     let origin = &individuals.origin;
     let people = read(pedestrian, individuals)?;
-    let numbers: Vec<usize> = match individuals.selection {
-        PopulationShare::All => (1..=people.len()).collect(),
-        PopulationShare::Number(number) => vec![number as usize],
-        PopulationShare::Count(count) => {
-            let key = format!("individuals/{}/{}", pedestrian.name, file_name(&individuals.population));
-            draw(count as usize, people.len(), derive_seed(seed, &key))
+    let key =
+        |who: &str| derive_seed(seed, &format!("individuals/{who}/{}", file_name(&individuals.population)));
+    let numbers: Vec<usize> = match (individuals.selection.clone(), &pedestrian.group) {
+        (PopulationShare::All, None) => (1..=people.len()).collect(),
+        (PopulationShare::Number(number), None) => vec![number as usize],
+        (PopulationShare::Count(count), None) => draw(count as usize, people.len(), key(&pedestrian.name)),
+        (selection, Some(Membership { group, index, size })) => {
+            let (index, size) = (*index as usize, *size as usize);
+            let each = match selection {
+                PopulationShare::Count(count) => count as usize,
+                PopulationShare::All if people.len().is_multiple_of(size) => people.len() / size,
+                PopulationShare::All => 0,
+                PopulationShare::Number(_) => usize::from(size == 1),
+            };
+            if each == 0 || each * size > people.len() {
+                return Err(too_few(group, size, each, individuals, people.len()));
+            }
+            match selection {
+                PopulationShare::Number(number) => vec![number as usize],
+                // Not by their numbers: who stand beside each other in a file may be alike.
+                _ => {
+                    let drawn = in_order_of_draws(each * size, people.len(), key(group));
+                    drawn.into_iter().skip(index).step_by(size).collect()
+                }
+            }
         }
     };
     let individual = |number: usize| {
@@ -83,6 +103,30 @@ fn choose(
         PlanError::new(origin, message)
             .with_hint(format!("take at most {}, or `individuals all of …`", people.len()))
     })
+}
+
+/// That the members of a group cannot all be different people.
+fn too_few(group: &str, size: usize, each: usize, individuals: &Individuals, known: usize) -> PlanError {
+    let population = file_name(&individuals.population);
+    let message = match individuals.selection {
+        PopulationShare::Number(number) => {
+            format!("individual {number} is one person, and the group `{group}` is {size}")
+        }
+        PopulationShare::All => {
+            format!(
+                "the {known} people of `{population}` cannot be shared out in groups of {size}, as `{group}` is: {} are left over",
+                known % size
+            )
+        }
+        PopulationShare::Count(_) => format!(
+            "{each} for each of the {size} members of `{group}` are {} people, and the population `{population}` has {known}",
+            each.saturating_mul(size)
+        ),
+    };
+    PlanError::new(&individuals.origin, message).with_hint(format!(
+        "every member is somebody else: take `individuals {} of …`, or fewer",
+        known / size
+    ))
 }
 
 /// Everybody in the population of a pedestrian.
@@ -144,10 +188,15 @@ fn draw(count: usize, size: usize, seed: u64) -> Vec<usize> {
     if count > size {
         return vec![size + 1];
     }
+    let mut numbers = in_order_of_draws(count, size, seed);
+    numbers.sort_unstable();
+    numbers
+}
+
+fn in_order_of_draws(count: usize, size: usize, seed: u64) -> Vec<usize> {
     let mut stream = Stream::seeded(seed);
     let mut numbers: Vec<usize> = (1..=size).collect();
     stream.draw(&mut numbers, count);
-    numbers.sort_unstable();
     numbers
 }
 
@@ -208,6 +257,7 @@ mod tests {
                 text: None,
                 origin: Origin::default(),
             }),
+            group: None,
             origin: Origin::default(),
         }
     }

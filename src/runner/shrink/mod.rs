@@ -213,7 +213,11 @@ impl<'t, 'p> Trials<'t, 'p> {
 fn leave_out(shrunk: &mut Shrunk, trials: &mut Trials) {
     let criterion = trials.criterion;
     let metric = criterion.criterion.claim.metric();
-    let named = |name: &str| metric.pair.as_ref().is_some_and(|(car, walker)| car == name || walker == name);
+    let named = |name: &str| {
+        let pair = metric.pair.as_ref();
+        pair.is_some_and(|(car, other)| car == name || other == name)
+            || metric.several.iter().any(|one| one == name)
+    };
     let cars = shrunk.place.scenario.vehicles.iter().map(|car| car.name.clone());
     let people = shrunk.place.scenario.pedestrians.iter().map(|one| one.name.clone());
     let everybody: Vec<String> = people.chain(cars).filter(|name| !named(name)).collect();

@@ -224,8 +224,8 @@ fn subjects(scope: Scope, world: &World) -> impl Iterator<Item = Subject> {
 }
 
 fn concerns(reference: &MetricReference, world: &World, (vehicle, with): Subject) -> bool {
-    reference.pair.as_ref().is_none_or(|(car, other)| {
+    reference.pair.as_ref().is_none_or(|(car, _)| {
         vehicle.is_none_or(|index| world.vehicles[index].name == *car)
-            && (other.is_empty() || with.is_none_or(|with| with.name(world) == other))
+            && with.is_none_or(|with| reference.is_of(with.name(world)))
     })
 }

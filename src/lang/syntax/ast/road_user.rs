@@ -27,8 +27,10 @@ views! {
     Lane = lane { value: Expression }
     /// `start 80 m before crossing`
     VehicleStart = vehicle_start { value: Expression }
-    /// `pedestrian NAME { … }`
-    Pedestrian = pedestrian { name: Name, block: PedestrianBlock }
+    /// `pedestrian NAME { … }`, or `pedestrian NAME times 5 { … }`
+    Pedestrian = pedestrian { name: Name, group: (GroupSize), block: PedestrianBlock }
+    /// `times 5`
+    GroupSize = group_size { number: Integer }
     PedestrianBlock = pedestrian_block {
         model: (Model),
         people: [Individuals],
@@ -160,11 +162,20 @@ pub static VEHICLE: BlockEntry = BlockEntry {
     ],
 };
 
+/// How many people a block describes: between a pedestrian's name and its braces.
+const GROUP_SIZE: StatementEntry = statement(
+    "times",
+    Rule::group_size,
+    "times 5",
+    "So many people who are alike but for what `each(…)` gives them.",
+)
+.key("times", YamlShape::GroupSize);
+
 pub static PEDESTRIAN: BlockEntry = BlockEntry {
     kind: BlockKind::Pedestrian,
     rule: Rule::pedestrian_block,
     name: "a `pedestrian`",
-    heads: &[],
+    heads: &[GROUP_SIZE],
     statements: &[
         statement(
             "model",

@@ -23,6 +23,8 @@ views! {
     Quantity = quantity { number: Number, unit: (Unit) }
     /// `(…)`
     Group = group { inside: Expression }
+    /// `each(0 m, 0.7 m)`: the first member of a group takes the first value, and so on.
+    Each = each { values: [Expression] }
     /// A calculation; after the `when` of a claim, of one operand only.
     Expression = expression | lone_operand {}
     /// `[a, b]`
@@ -38,7 +40,7 @@ choices! {
     /// What means something by itself.
     Word = Name | Reference | SettingName | Signal | Unit;
     /// What a value is made of, between operators.
-    Operand = Quantity | Boolean | Text | Group | Reference;
+    Operand = Quantity | Boolean | Each | Text | Group | Reference;
 }
 
 /// A part of a calculation.
