@@ -4,10 +4,11 @@ use std::fs;
 
 use serde_json::Value;
 
-use crate::support::program::{code, scenario_runner, stdout};
+use crate::support::program::{code, scenario_runner, stderr, stdout};
 
 const STREET: &str = "road street { lanes forward, backward; lane_width 3.5 m; speed_limit 50 km/h; crossing zebra { width: 4 m } }";
-const CAR: &str = "road street; vehicle av { controller constant_speed; speed 40 km/h; start 60 m before crossing }";
+const CAR: &str =
+    "road street; vehicle av { controller constant_speed; speed 40 km/h; start 60 m before crossing }";
 
 struct Folder(tempfile::TempDir);
 
@@ -17,13 +18,18 @@ impl Folder {
     }
 
     fn write(&self, name: &str, scenario: &str) {
-        fs::write(self.0.path().join(name), format!("{STREET}\nscenario crossing {{ {CAR}\n{scenario}\n}}\n")).unwrap();
+        fs::write(
+            self.0.path().join(name),
+            format!("{STREET}\nscenario crossing {{ {CAR}\n{scenario}\n}}\n"),
+        )
+        .unwrap();
     }
 
     /// What came of a file, with its exit code.
     fn run(&self, name: &str) -> (i32, Value) {
         let ran = scenario_runner(self.0.path(), &[name, "--json", "r.json", "--no-progress"]);
-        let text = fs::read_to_string(self.0.path().join("r.json")).unwrap_or_else(|_| panic!("{}", stdout(&ran)));
+        let text = fs::read_to_string(self.0.path().join("r.json"))
+            .unwrap_or_else(|_| panic!("{}{}", stdout(&ran), stderr(&ran)));
         (code(&ran), serde_json::from_str(&text).unwrap())
     }
 }
@@ -48,11 +54,13 @@ fn a_group_is_its_members_by_hand() {
     let folder = Folder::new();
     let rest = "repeat 3; vary late in [2 s, 4 s]; expect { no collision }";
     let block = |name: &str, place: &str, speed: &str| {
-        format!("pedestrian {name} {{ model commotions {{ k_c: {speed} }}; start 2 m from kerb; along {place}; appears at late }}\n")
+        format!(
+            "pedestrian {name} {{ model commotions {{ ped_free_speed: {speed} }}; start 2 m from kerb; along {place}; appears at late }}\n"
+        )
     };
-    let group = block("walkers times 3", "each(0 m, 0.7 m, late * 1 m/s)", "each(2, 2.5, 3)");
+    let group = block("walkers times 3", "each(0 m, 0.7 m, late * 1 m/s)", "each(1.2 m/s, 1.4 m/s, 1.6 m/s)");
     folder.write("group.scn", &format!("{group}{rest}"));
-    let by_hand: String = [("0 m", "2"), ("0.7 m", "2.5"), ("late * 1 m/s", "3")]
+    let by_hand: String = [("0 m", "1.2 m/s"), ("0.7 m", "1.4 m/s"), ("late * 1 m/s", "1.6 m/s")]
         .iter()
         .enumerate()
         .map(|(index, (place, speed))| block(&format!("walkers_{}", index + 1), place, speed))
@@ -63,8 +71,70 @@ fn a_group_is_its_members_by_hand() {
     assert_eq!(fingerprints(&group), fingerprints(&by_hand));
     assert_eq!(fingerprints(&group).len(), 6);
 
-    let yaml = scenario_runner(folder.0.path(), &["convert", "group.scn", "-o", "yaml/group.yaml"]);
-    let _ = yaml;
+    let yaml = scenario_runner(folder.0.path(), &["convert", "group.scn", "--to", "yaml"]);
+    assert!(stdout(&yaml).contains("times: 3"), "{}", stdout(&yaml));
+    fs::create_dir(folder.0.path().join("yaml")).unwrap();
+    fs::write(folder.0.path().join("yaml/group.yaml"), stdout(&yaml)).unwrap();
+    assert_eq!(fingerprints(&folder.run("yaml/group.yaml").1), fingerprints(&by_hand));
+}
+
+/// Everybody is somebody else, in a group and between groups, and who they are depends on the seed alone.
+#[test]
+fn every_member_is_another_person() {
+    let folder = Folder::new();
+    let text = |count: &str, group: &str| {
+        format!(
+            "pedestrian {group} times 5 {{ model commotions; individuals {count} of standard; start 2 m from kerb; along each(0 m, 1 m, 2 m, 3 m, 4 m) }}; expect {{ no collision }}"
+        )
+    };
+    let people = |count: &str, group: &str| -> Vec<String> {
+        folder.write("group.scn", &text(count, group));
+        let keys = fingerprints(&folder.run("group.scn").1).into_iter().map(|(key, _)| key);
+        let numbers = keys.flat_map(|key| {
+            let people = key.split('/').find(|part| part.contains('+')).map(str::to_string);
+            let people = people.unwrap_or_else(|| panic!("{key}"));
+            people.split('+').map(|one| one.split('=').nth(1).unwrap().to_string()).collect::<Vec<_>>()
+        });
+        numbers.collect()
+    };
+    let twenty = people("4", "walkers");
+    let different: std::collections::BTreeSet<_> = twenty.iter().collect();
+    assert_eq!((twenty.len(), different.len()), (20, 20), "{twenty:?}");
+    assert_eq!(twenty, people("4", "walkers"));
+    assert_ne!(twenty, people("4", "others"));
+    assert_eq!(people("1", "walkers"), twenty[..5], "more groups do not change the first ones");
+    for (wrong, said) in [("all", "3 are left over"), ("225", "are 1125 people")] {
+        folder.write("wrong.scn", &text(wrong, "walkers"));
+        let ran = scenario_runner(folder.0.path(), &["check", "wrong.scn"]);
+        assert_ne!(code(&ran), 0, "{}", stdout(&ran));
+        assert!(stderr(&ran).contains(said) || stdout(&ran).contains(said), "{}", stderr(&ran));
+    }
+    folder.write("one.scn", &text("4", "walkers").replace("individuals 4", "individual 4"));
+    let ran = scenario_runner(folder.0.path(), &["check", "one.scn"]);
+    assert!(
+        (stdout(&ran) + &stderr(&ran)).contains("individual 4 is one person, and the group `walkers` is 5")
+    );
+}
+
+/// A parameter that is searched over a group is that of all of its members, and the worst of them counts.
+#[test]
+fn searches_and_gates_are_about_the_worst_member() {
+    let folder = Folder::new();
+    let car =
+        "road street; vehicle av { controller constant_speed; speed 40 km/h; start 60 m before crossing }";
+    let walkers = "pedestrian walkers times 2 { model scripted { speed: 1.4 m/s }; start 2 m from kerb; along each(0 m, 20 m); appears at each(1 s, 0 s) }";
+    let suite = format!(
+        "{STREET}
+         suite crossing {{
+           scenario crossing {{ {car}; {walkers}; expect {{ pet(av, walkers) >= 0 s undefined passes }} }}
+           search fast {{ in crossing; minimise min_distance(av, walkers); over walkers.model.speed in 1 m/s .. 2 m/s; budget 4 evaluations, by random }}
+         }}"
+    );
+    fs::write(folder.0.path().join("crossing.suite"), suite).unwrap();
+    let (exit, results) = folder.run("crossing.suite");
+    assert!(exit == 0 || exit == 100, "{results}");
+    let found = results["suites"][0]["blocks"][0].to_string();
+    assert!(found.contains("min_distance(av, walkers)"), "{found}");
 }
 
 /// One of three walks into the car; whoever says something of all of them says it of that one, too.
@@ -74,7 +144,7 @@ fn what_is_said_of_a_group_is_said_of_each() {
     folder.write(
         "group.scn",
         "pedestrian walkers times 3 { model scripted { speed: 1.4 m/s }; start 2 m from kerb; along each(-30 m, 0 m, 30 m)
-           appears when time_to_arrival(av) = each(2.5 s, 2.5 s, 4 s) }
+           appears when time_to_arrival(av) = each(1 s, 2.5 s, 4 s) }
          expect {
            no collision(av, walkers)
            count(collision(av, walkers)) = 0
@@ -86,7 +156,8 @@ fn what_is_said_of_a_group_is_said_of_each() {
     let (exit, results) = folder.run("group.scn");
     assert_eq!(exit, 100, "{results}");
     let found = findings(&results);
-    let said: Vec<(&str, &str)> = found.iter().map(|(text, verdict)| (text.as_str(), verdict.as_str())).collect();
+    let said: Vec<(&str, &str)> =
+        found.iter().map(|(text, verdict)| (text.as_str(), verdict.as_str())).collect();
     assert_eq!(
         said,
         [

@@ -6,6 +6,8 @@ mod contacts;
 #[cfg(unix)]
 mod files;
 mod gates;
+mod groups;
+
 mod horizon;
 mod init;
 mod lsp;

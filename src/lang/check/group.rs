@@ -81,7 +81,8 @@ pub fn reject_taken_names(who: &[Described], others: &[&str], report: &mut Vec<D
 /// What is wrong with the block of a group is said once, not of every member.
 pub fn once(found: Vec<Diagnostic>, report: &mut Vec<Diagnostic>) {
     for diagnostic in found {
-        let same = |known: &Diagnostic| known.code == diagnostic.code && known.span() == diagnostic.span();
+        let key = |one: &Diagnostic| (one.code, one.span());
+        let same = |known: &Diagnostic| key(known) == key(&diagnostic) && known.message == diagnostic.message;
         if !report.iter().any(same) {
             report.push(diagnostic);
         }

@@ -190,7 +190,8 @@ fn pair(
 
 /// Anything but `vehicle` that it may touch.
 fn solid(name: ast::Name, vehicle: &str, cast: &Cast, report: &mut Vec<Diagnostic>) -> Option<String> {
-    let all = cast.pedestrians.iter().chain(&cast.vehicles).chain(&cast.boxes).copied();
+    let groups = cast.groups.iter().map(|(group, _)| *group);
+    let all = groups.chain(cast.pedestrians.iter().chain(&cast.vehicles).chain(&cast.boxes).copied());
     if name.text() == vehicle {
         report.push(
             Diagnostic::new(Code::TouchesItself, name.span(), format!("`{vehicle}` never touches itself"))

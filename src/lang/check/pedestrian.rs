@@ -109,7 +109,7 @@ pub fn pedestrian(
     };
     let turned = match last(layers, ast::PedestrianBlock::turned) {
         Some(said) => turned(said, report).map(|(turned, typed)| {
-            written.statement(name.text(), "turned", Some(&typed), places);
+            written.statement(&who.name, "turned", Some(&typed), places);
             turned
         }),
         None => Some(Expression::number(0.0)),

@@ -325,6 +325,9 @@ const SIGNS: [&str; 6] = ["=", ":", ",", "..", "(", ")"];
 /// A rule as people call it; `None` for what goes without saying.
 fn describe(rule: &Rule) -> Option<String> {
     let name = format!("{rule:?}");
+    if *rule == Rule::kw_each {
+        return Some(VALUE.to_string());
+    }
     if let Some(keyword) = name.strip_prefix("kw_") {
         return Some(format!("`{keyword}`"));
     }
