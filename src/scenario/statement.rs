@@ -47,6 +47,7 @@ pub struct StatementClaim {
 }
 
 /// What a claim of a statement says.
+#[expect(clippy::large_enum_variant, reason = "a suite has a handful of them")]
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum StatementClaimKind {
