@@ -41,6 +41,7 @@ fn controller() -> Box<dyn Controller> {
         lane: 0,
         speed: CRUISE,
         start: VehicleStart::Distance(60.0),
+        behind: 0.0,
         sees: None,
     };
     let world = World {

@@ -100,6 +100,7 @@ fn world() -> World {
             lane: 0,
             speed: 10.0,
             start: VehicleStart::Distance(80.0),
+            behind: 0.0,
             sees: None,
         }],
         pedestrians: vec![PedestrianSetup {

@@ -12,7 +12,7 @@ use results::{Outcome, Requests};
 use scenario::registry::Registry;
 use scenario::{
     ANOTHER_MODEL, Case, DeclaredProgram, MetricKind, MetricReference, PedestrianSetup, Suite, VehicleSetup,
-    World,
+    VehicleStart, World,
 };
 
 /// Digits of a value that are kept: enough for any comparison, and short enough to read.
@@ -119,8 +119,18 @@ fn metric(reference: &MetricReference) -> RecordedMetric {
 
 fn tested_vehicles(case: &Case) -> Vec<TestedVehicle> {
     let tested = |vehicle: &VehicleSetup| {
-        let VehicleSetup { name, controller, dynamics, length, width, lane: _, speed: _, start: _, sees } =
-            vehicle.clone();
+        let VehicleSetup {
+            name,
+            controller,
+            dynamics,
+            length,
+            width,
+            lane: _,
+            speed: _,
+            start: _,
+            behind: _,
+            sees,
+        } = vehicle.clone();
         TestedVehicle { name, controller, dynamics, sees, length, width }
     };
     case.world.vehicles.iter().map(tested).collect()
@@ -142,9 +152,14 @@ fn parts(cases: &[Case]) -> Parts {
                 lane,
                 speed,
                 start,
+                behind,
                 sees: _,
             } = vehicle;
-            (name, lane, speed, start)
+            // Of whom nothing is said about it is known by the hash of before that could be said.
+            match *behind {
+                0.0 => Traffic::ByCentre(name, *lane, *speed, *start),
+                behind => Traffic::Behind(name, *lane, *speed, *start, behind),
+            }
         })
         .collect();
     let people: Vec<_> = cases.iter().map(|case| &case.individuals).collect();
@@ -156,6 +171,14 @@ fn parts(cases: &[Case]) -> Parts {
         traffic: hash(&traffic, 12),
         simulation: hash(&end, 12),
     }
+}
+
+/// Where a tested vehicle drives.
+#[derive(Serialize)]
+#[serde(untagged)]
+enum Traffic<'a> {
+    ByCentre(&'a str, usize, f64, VehicleStart),
+    Behind(&'a str, usize, f64, VehicleStart, f64),
 }
 
 /// A case's pedestrians without what their individuals bring, and without the flag that changes no run.

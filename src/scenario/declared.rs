@@ -187,11 +187,36 @@ pub struct Vehicle {
     pub start: DeclaredVehicleStart,
     /// Index into [`Road::lanes`].
     pub lane: usize,
+    /// Which point of it follows its lane.
+    #[serde(default, skip_serializing_if = "DeclaredFollowing::is_centre")]
+    pub follows: DeclaredFollowing,
     /// `sees { … }`: what the controller's perception leaves out; `None` is perfect perception.
     pub sees: Option<Model<PerceptionModel>>,
     /// Where it is declared.
     pub origin: Origin,
 }
+
+/// Which point of a vehicle follows its lane, whose direction the vehicle has.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum DeclaredFollowing {
+    /// The middle of its length.
+    #[default]
+    Centre,
+    /// Its rear axle, [`REAR_AXLE`] of its length behind the centre.
+    RearAxle,
+    /// A point so far behind its centre, m.
+    Behind(Expression),
+}
+
+impl DeclaredFollowing {
+    fn is_centre(&self) -> bool {
+        *self == Self::Centre
+    }
+}
+
+/// How far the rear axle of a vehicle of which nothing is said is behind its centre, as a share of its length.
+pub const REAR_AXLE: f64 = 0.3;
 
 /// Where a vehicle starts.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize, Serializer};
 
 use super::agent::{CommandKind, Controller, Dynamics, ModelError, Pedestrian, Perception, Schedule};
 use super::{
-    Appearance, Chance, Declaration, DeclaredProgram, Position, Reference, Registered, Road, SettingError,
-    Settings, Shape, Side, VehicleStart,
+    Appearance, Chance, Declaration, DeclaredProgram, Path, Position, Reference, Registered, Road,
+    SettingError, Settings, Shape, Side, VehicleStart,
 };
 
 /// What the simulation needs to know of a case.
@@ -104,8 +104,18 @@ pub struct VehicleSetup {
     pub speed: f64,
     /// Where it is at time 0.
     pub start: VehicleStart,
+    /// How far the point that follows its lane is behind its centre, m.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub behind: f64,
     /// `None`: perfect perception.
     pub sees: Option<ModelSetup<PerceptionModel>>,
+}
+
+impl VehicleSetup {
+    /// Where it drives on a road.
+    pub fn path(&self, road: &Road) -> Path {
+        road.path(self.lane).followed(self.behind)
+    }
 }
 
 /// A pedestrian of a world.

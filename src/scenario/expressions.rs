@@ -1,8 +1,8 @@
 //! Every expression of a scenario, in one place: what is evaluated for each case, and what can depend on a variation.
 
 use super::{
-    Aggregate, BendRadius, Claim, DeclaredAppearance, DeclaredBend, DeclaredPedestrian, DeclaredPiece,
-    DeclaredShape, DeclaredVehicleStart, Expression, Model, Origin, PieceKind, Vehicle,
+    Aggregate, BendRadius, Claim, DeclaredAppearance, DeclaredBend, DeclaredFollowing, DeclaredPedestrian,
+    DeclaredPiece, DeclaredShape, DeclaredVehicleStart, Expression, Model, Origin, PieceKind, Vehicle,
 };
 
 /// Declares how the expressions of something are gathered, for looking at them and for changing them. Everything is taken apart,
@@ -12,7 +12,7 @@ macro_rules! expressions {
         use super::*;
 
         pub fn vehicle(car: &$($mut)? Vehicle) -> Vec<(&$($mut)? Expression, &Origin)> {
-            let Vehicle { name: _, controller, dynamics, size, speed, start, lane: _, sees, origin } = car;
+            let Vehicle { name: _, controller, dynamics, size, speed, start, lane: _, follows, sees, origin } = car;
             let mut found = model(controller);
             if let Some(dynamics) = dynamics {
                 found.extend(model(dynamics));
@@ -29,6 +29,9 @@ macro_rules! expressions {
                 DeclaredVehicleStart::Distance(value) | DeclaredVehicleStart::TimeToArrival(value) => {
                     found.push((value, origin));
                 }
+            }
+            if let DeclaredFollowing::Behind(behind) = follows {
+                found.push((behind, origin));
             }
             found.push((speed, origin));
             found

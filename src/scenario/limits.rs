@@ -37,6 +37,8 @@ pub const STATION: Limit = limit(Dimension::LENGTH, 0.0, 100_000.0);
 pub const SIZE: Limit = limit(Dimension::LENGTH, 0.1, 30.0);
 /// Of pedestrians that are discs.
 pub const RADIUS: Limit = limit(Dimension::LENGTH, 0.01, 5.0);
+/// From a vehicle's centre back to the point that follows its lane.
+pub const BEHIND: Limit = limit(Dimension::LENGTH, 0.0, 15.0);
 /// Of the steady cruise at the start.
 pub const VEHICLE_SPEED: Limit = limit(Dimension::SPEED, 0.0, 100.0);
 /// Distance before the crossing.

@@ -18,6 +18,7 @@ pub fn world() -> World {
             lane: 0,
             speed: 10.0,
             start: VehicleStart::Distance(100.0),
+            behind: 0.0,
             sees: None,
         }],
         pedestrians: vec![PedestrianSetup {

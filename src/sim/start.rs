@@ -91,7 +91,7 @@ pub(super) fn waiting_outside((setup, way): (&PedestrianSetup, &Vector2<f64>)) -
 
 /// Puts a settled vehicle where its setup wants it at time 0.
 pub(super) fn placed(world: &World, setup: &VehicleSetup, settled: Longitudinal) -> VehicleState {
-    let path = world.road.path(setup.lane);
+    let path = setup.path(&world.road);
     let travelled = match setup.start {
         VehicleStart::Distance(distance) => -distance,
         VehicleStart::TimeToArrival { time, reference, x } => {

@@ -103,6 +103,7 @@ fn world(settings: &Settings, time_to_arrival: f64) -> World {
                 reference: VehicleReference::Front,
                 x: 0.0,
             },
+            behind: 0.0,
             sees: None,
         }],
         pedestrians: vec![at_side(Side::Near)],

@@ -401,3 +401,94 @@ fn what_cannot_be_a_road_is_told_with_place_numbers_and_cure() {
     ];
     insta::assert_snapshot!(found.join("\n"));
 }
+
+/// What the shipped cells of Euro NCAP's CPTA come to under a controller: where the dummy is hit, and the car's heading (degrees against the road that it
+/// left) when the middle of its front comes to the dummy's near flank.
+#[test]
+fn cars_that_turn_hit_the_dummy_of_euro_ncap_where_each_cell_says() {
+    let path = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/suites/euro_ncap_vru.suite"));
+    let loaded = lang::load(path, &standard(), &files::Disk)
+        .unwrap_or_else(|failure| panic!("{:?}", failure.diagnostics));
+    let mut suite = loaded.suite;
+    suite.scenarios.retain(|scenario| scenario.name.starts_with("cpta"));
+    let keeps = standard().controllers().get("constant_speed").unwrap().clone();
+    for car in suite.scenarios.iter_mut().flat_map(|scenario| &mut scenario.vehicles) {
+        car.controller.first = keeps.clone().into();
+    }
+    let plan = plan(&suite).unwrap_or_else(|errors| panic!("{}", errors[0]));
+    let requests = Requests::defaults(&standard());
+    let index = requests.iter().position(|request| request.metric.name() == "impact_point").unwrap();
+    let (mut cells, mut headings) = (0, Vec::new());
+    for number in 0..plan.len() {
+        let trial = plan.trial(number);
+        let case = trial.cases.first();
+        let outcome = run_case(&case, &requests, &FreeFlows::default(), &mut Unwatched).unwrap();
+        let share =
+            trial.variation.iter().find(|one| one.name == "impact").unwrap().value.as_number().unwrap();
+        let point = outcome.metrics[index].unwrap_or_else(|| panic!("{} is not hit by the front", case.key));
+        assert!((point - share).abs() < 1e-3, "{}: {point}, not {share}", case.key);
+        cells += 1;
+        // The dummy's line is parallel to the road that the car leaves, as far from it as the protocol says.
+        let (car, dummy) = (&case.world.vehicles[0], &case.world.pedestrians[0]);
+        let beside = dummy.start.y;
+        assert!((dummy.goal.y - beside).abs() < 2e-3, "{}: {:?} to {:?}", case.key, dummy.start, dummy.goal);
+        let wanted = if beside > 0.0 { 11.25 } else { -7.75 };
+        assert!((beside - wanted).abs() < 1e-3, "{}: {beside} m beside the lane", case.key);
+        let path = car.path(&case.world.road);
+        let front = |place: f64| {
+            let (centre, ahead) = path.pose(place);
+            (centre + ahead * (car.length / 2.0), libm::atan2(ahead.y, ahead.x).to_degrees().abs())
+        };
+        let reaches = (0..40_000)
+            .map(|step| f64::from(step) * 1e-3 - 30.0)
+            .find(|place| front(*place).0.y.abs() >= beside.abs() - 0.25);
+        let (met, heading) = front(reaches.unwrap());
+        // From its start the dummy walks 9.5 m or 6 m to there.
+        let walks = (met.x - dummy.start.x).abs();
+        let long = case.key.contains("far_same") || case.key.contains("near_opposite");
+        assert!((walks - if long { 9.5 } else { 6.0 }).abs() < 5e-3, "{}: {walks} m", case.key);
+        headings.push(heading);
+    }
+    assert_eq!(cells, 2 * (3 + 1) * 5);
+    headings.sort_by(f64::total_cmp);
+    headings.dedup_by(|one, other| (*one - *other).abs() < 0.1);
+    assert_eq!(headings.len(), 4, "{headings:?}");
+    for (found, published) in headings.iter().zip([60.9, 61.5, 68.6, 78.2]) {
+        assert!((found - published).abs() < 0.07, "{found}°, not {published}°");
+    }
+}
+
+#[test]
+fn a_car_that_follows_by_its_rear_axle_swings_its_front_out_of_the_bend() {
+    let text = |follows: &str, path: &str, at: &str| {
+        format!(
+            "scenario a {{
+  road {{ {path}; lane_width 3.5 m; speed_limit 50 km/h; crossing unmarked {{ {at} }} }}
+  vehicle av {{ controller constant_speed; speed 15.3 km/h; start 41.7 m before crossing; {follows} }}
+  pedestrian walker {{ model scripted {{ speed: 1.477 m/s }}; start 5 m from lane centre; appears when time_to_arrival(av.front) = 3.9137 s }}
+}}"
+        )
+    };
+    let axle = "follows by rear axle 1.3 m behind centre";
+    // On a straight road it makes no difference, also where that is said as a path.
+    assert_eq!(measured(&text(axle, "", "")), measured(&text("", "", "")));
+    assert_alike(&text("", "", ""), &text(axle, "path { straight 300 m }", "at: 200.5 m"), 1e-9);
+    // In a left bend somebody who comes from the outside is nearer to the front that swings out.
+    let bend = "path { straight 60 m; turn left { radius: 9 m, clothoid: 20.62 deg, arc: 48.76 deg }; straight 80 m }";
+    let (centre, rear) = (measured(&text("", bend, "at: 70 m")).0, measured(&text(axle, bend, "at: 70 m")).0);
+    assert_ne!(centre, rear);
+    let setup = |text: &str| plan(&loaded(text)).unwrap().trial(0).cases.first().world.clone();
+    let world = setup(&text(axle, bend, "at: 70 m"));
+    let (path, lane) = (world.vehicles[0].path(&world.road), world.road.path(0));
+    for place in [-5.0, 0.0, 3.0, 9.0] {
+        let (centre, ahead) = path.pose(place);
+        // The axle is on the lane, and the car points as the lane does there.
+        assert!((centre - ahead * 1.3 - lane.point(place - 1.3)).norm() < 1e-12);
+        assert!((ahead - lane.heading(place - 1.3)).norm() < 1e-12);
+        if (0.0..4.0).contains(&place) {
+            assert!(lane.beside(centre + ahead * 2.2) < -0.2, "its front is outside of the lane's centre");
+        }
+        let moved = (path.point(place + 1e-6) - path.point(place - 1e-6)) / 2e-6;
+        assert!((moved * 4.0 - path.velocity(place, 4.0)).norm() < 1e-6);
+    }
+}

@@ -37,6 +37,7 @@ fn encounter(tta: f64, car: &str, agent: &[(&str, Value)], walker: &[(&str, Valu
             lane: 0,
             speed: 30.0 / 3.6,
             start: VehicleStart::TimeToArrival { time: tta, reference: VehicleReference::Centre, x: 0.0 },
+            behind: 0.0,
             sees: None,
         }],
         pedestrians: vec![PedestrianSetup {

@@ -37,6 +37,7 @@ fn zebra(controller: &str, tta: f64, person: Settings) -> World {
             lane: 0,
             speed: SPEED,
             start: VehicleStart::TimeToArrival { time: tta, reference: VehicleReference::Centre, x: 0.0 },
+            behind: 0.0,
             sees: None,
         }],
         pedestrians: vec![PedestrianSetup {

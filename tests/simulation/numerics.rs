@@ -121,6 +121,7 @@ fn encounter(controller: &Arc<ControllerModel>, dynamics: &Arc<DynamicsModel>, d
                 reference: VehicleReference::Centre,
                 x: 0.0,
             },
+            behind: 0.0,
             sees: None,
         }],
         pedestrians: vec![PedestrianSetup {

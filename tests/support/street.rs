@@ -38,6 +38,7 @@ pub fn car(name: &str, lane: usize, speed: f64, start: VehicleStart) -> VehicleS
         lane,
         speed,
         start,
+        behind: 0.0,
         sees: None,
     }
 }

@@ -119,6 +119,7 @@ impl Zebra {
                     reference: VehicleReference::Front,
                     x: 0.0,
                 },
+                behind: 0.0,
                 sees: None,
             }],
             pedestrians: vec![PedestrianSetup {

@@ -12,8 +12,8 @@ use crate::syntax::ast;
 use crate::value::{self, NameScope, Typed, ValueKind};
 use crate::write::{BlockText, constant, model_text, settings_text};
 use scenario::{
-    CommandKind, ControllerModel, DeclaredVehicleStart, Dimension, DynamicsModel, Model, Reference, Road,
-    Vehicle, limits,
+    CommandKind, ControllerModel, DeclaredFollowing, DeclaredVehicleStart, Dimension, DynamicsModel, Model,
+    Reference, Road, Vehicle, limits,
 };
 
 /// The vehicle that `layers` describe together, the last having the last word.
@@ -66,6 +66,10 @@ pub fn vehicle(
         Some(said) => start(said, report),
         None => Some((DeclaredVehicleStart::Automatic, None)),
     };
+    let follows = match last(layers, ast::VehicleBlock::follows) {
+        Some(said) => follows(said, name.text(), places, written, report),
+        None => Some(DeclaredFollowing::Centre),
+    };
     let sees = last(layers, ast::VehicleBlock::sees).map(|Said { node, scope }| {
         let perception = places.files.registry.perception();
         let given = settings::check(Some(node.settings()), &perception.declaration, scope, report);
@@ -110,9 +114,25 @@ pub fn vehicle(
         speed: speed?.expression,
         start: start?.0,
         lane: lane?,
+        follows: follows?,
         sees,
         origin: places.origin(name.span()),
     })
+}
+
+/// Which point of it follows the lane.
+fn follows(
+    said: Said<ast::Follows>,
+    name: &str,
+    places: &Places,
+    written: &mut Book,
+    report: &mut Vec<Diagnostic>,
+) -> Option<DeclaredFollowing> {
+    let Some(behind) = said.node.behind() else { return Some(DeclaredFollowing::RearAxle) };
+    let what = "what follows the lane, as a distance behind the centre of a vehicle,";
+    let behind = value::quantity_within(behind, limits::BEHIND, what, said.scope, report)?;
+    written.statement(name, "follows", Some(&behind), places);
+    Some(DeclaredFollowing::Behind(behind.expression))
 }
 
 fn controllers<'a>(places: &'a Places) -> model::ModelKind<'a, ControllerModel> {
@@ -348,6 +368,13 @@ pub fn write_vehicle(car: &Vehicle, out: &mut BlockText) {
         }
         DeclaredVehicleStart::TimeToArrival(time) => {
             out.line(&format!("start {} before crossing", constant(time, Dimension::TIME)));
+        }
+    }
+    match &car.follows {
+        DeclaredFollowing::Centre => {}
+        DeclaredFollowing::RearAxle => out.line("follows by rear axle"),
+        DeclaredFollowing::Behind(behind) => {
+            out.line(&format!("follows by rear axle {} behind centre", length(behind)));
         }
     }
     if let Some(sees) = &car.sees {

@@ -1,9 +1,9 @@
 //! How near the footprints come: collision and impact speed with anything, smallest distance of a vehicle and a pedestrian.
 
 use nalgebra::Vector2;
-use scenario::{Absence, Metric, MetricKind, MetricRange, Scope, Worst};
+use scenario::{Absence, Metric, MetricKind, MetricRange, Scope, Shape, Worst};
 use scenario::{ChoiceOption, Declaration, Dimension, Parameter, Value};
-use sim::geometry::distance;
+use sim::geometry::{Footprint, distance};
 use sim::measure::{Contact, Encounters, Meter, MetricContext, difference, half_extent_along, lerp, meters};
 use sim::{PedestrianState, Solid, Step, VehicleState};
 
@@ -189,7 +189,17 @@ impl Meter for ImpactPoint {
         let left = Vector2::new(-ahead.y, ahead.x);
         let reach = half_extent_along(person, ahead).x;
         let front = (place - centre).dot(&ahead) - car.length / 2.0 - reach;
-        if front.abs() > AT_THE_FRONT {
+        // At another than a right angle the corner of the front may touch a side of a body.
+        let aslant =
+            matches!(person.shape, Shape::Rectangle { .. }) && person.heading.dot(&ahead).abs() > 1e-9;
+        let corner = || {
+            let shape =
+                Shape::Rectangle { length: 2.0 * AT_THE_FRONT, width: car.width + 2.0 * AT_THE_FRONT };
+            let edge = Footprint { centre: centre + ahead * (car.length / 2.0), heading: ahead, shape };
+            let body = Footprint { centre: place, ..Footprint::from(person) };
+            edge.first_contact(&body, Vector2::zeros()).is_some()
+        };
+        if front.abs() > AT_THE_FRONT && !(aslant && corner()) {
             return;
         }
         let across = (place + person.heading * self.reference - centre).dot(&left);

@@ -113,7 +113,7 @@ fn with_perception(
     context: &ControllerContext,
     schedule: Schedule,
 ) -> Result<Box<dyn Perception>, ModelError> {
-    let path = context.world.road.path(context.setup.lane);
+    let path = context.setup.path(&context.world.road);
     let boxes = if settings.flag("occlusion") { context.world.road.boxes.as_slice() } else { &[] };
     let boxes = boxes.iter().map(|body| {
         if path.course().is_some() {

@@ -167,6 +167,7 @@ pub fn world(length: f64, width: f64) -> World {
             lane: 0,
             speed: CRUISE,
             start: VehicleStart::Distance(100.0),
+            behind: 0.0,
             sees: None,
         }],
         pedestrians: Vec::new(),

@@ -62,6 +62,7 @@ fn scenario() -> Scenario {
             ),
             dynamics: None,
             size: None,
+            follows: Default::default(),
             speed: (30.0 / 3.6).into(),
             start: DeclaredVehicleStart::Automatic,
             lane: 0,

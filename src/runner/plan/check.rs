@@ -174,6 +174,7 @@ impl Checker<'_> {
         within("length", setup.length, limits::SIZE)?;
         within("width", setup.width, limits::SIZE)?;
         within("speed", setup.speed, limits::VEHICLE_SPEED)?;
+        within("follows", setup.behind, limits::BEHIND)?;
         if setup.lane >= world.road.lanes.len() {
             let message = format!("the road has no lane {} for vehicle `{name}`", setup.lane);
             return Err(PlanError::new(own, message).with_hint("lanes count from 0"));

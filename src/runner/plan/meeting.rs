@@ -59,7 +59,7 @@ fn meeting(
         let message = format!("vehicle `{other}` stands still, so that nobody can be in time to meet it");
         return refused(message, "give it a speed".to_string());
     }
-    let path = world.road.path(car.lane);
+    let path = car.path(&world.road);
     let straight = path.course().is_none() && setup.start.x == setup.goal.x;
     // How far the pedestrian walks, and the place of the vehicle's front then: where it comes to the near flank.
     let (way, flank) = if straight {

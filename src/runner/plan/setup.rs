@@ -8,9 +8,10 @@ use super::meeting::meet;
 use super::places::{road, way};
 use super::variables::{Variables, number};
 use scenario::{
-    Appearance, Declaration, DeclaredAppearance, DeclaredPedestrian, DeclaredShape, DeclaredVehicleStart,
-    Expression, Individual, Model, ModelSetup, Origin, PedestrianSetup, Road, Scenario, SettingError,
-    Settings, Shape, Vehicle, VehicleReference, VehicleSetup, VehicleStart, World,
+    Appearance, Declaration, DeclaredAppearance, DeclaredFollowing, DeclaredPedestrian, DeclaredShape,
+    DeclaredVehicleStart, Expression, Individual, Model, ModelSetup, Origin, PedestrianSetup, REAR_AXLE,
+    Road, Scenario, SettingError, Settings, Shape, Vehicle, VehicleReference, VehicleSetup, VehicleStart,
+    World,
 };
 
 const DEFAULT_SHAPE: Shape = Shape::Disc { radius: 0.25 };
@@ -83,6 +84,11 @@ fn vehicle_setup(declared: &Vehicle, variables: &Variables) -> Result<VehicleSet
         Some((length, width)) => (number(length)?, number(width)?),
         None => dynamics.size,
     };
+    let behind = match &declared.follows {
+        DeclaredFollowing::Centre => 0.0,
+        DeclaredFollowing::RearAxle => REAR_AXLE * length,
+        DeclaredFollowing::Behind(behind) => number(behind)?,
+    };
     let speed = number(&declared.speed)?;
     let start = match &declared.start {
         DeclaredVehicleStart::Distance(distance) => VehicleStart::Distance(number(distance)?),
@@ -110,6 +116,7 @@ fn vehicle_setup(declared: &Vehicle, variables: &Variables) -> Result<VehicleSet
         length,
         width,
         lane: declared.lane,
+        behind,
         speed,
         start,
         sees,

@@ -17,6 +17,7 @@ views! {
         speed: (Speed),
         lane: (Lane),
         start: (VehicleStart),
+        follows: (Follows),
     }
     Controller = controller { name: Name, settings: (Settings) }
     Dynamics = dynamics { name: Name, settings: (Settings) }
@@ -27,6 +28,8 @@ views! {
     Lane = lane { value: Expression }
     /// `start 80 m before crossing`
     VehicleStart = vehicle_start { value: Expression }
+    /// `follows by rear axle` or `follows by rear axle 1.3 m behind centre`
+    Follows = follows { behind: (Expression) }
     /// `pedestrian NAME { … }`, or `pedestrian NAME times 5 { … }`
     Pedestrian = pedestrian { name: Name, group: (GroupSize), block: PedestrianBlock }
     /// `times 5`
@@ -159,6 +162,13 @@ pub static VEHICLE: BlockEntry = BlockEntry {
         )
         .key("start", YamlShape::Words)
         .set("start ", " before crossing"),
+        statement(
+            "follows",
+            Rule::follows,
+            "follows by rear axle` or `follows by rear axle 1.349 m behind centre",
+            "Which point of it follows the lane, whose direction it has; its centre if not said, and an axle 0.3 of its length behind that.",
+        )
+        .key("follows", YamlShape::Words),
     ],
 };
 
