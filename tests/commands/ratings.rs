@@ -185,10 +185,12 @@ fn euro_ncap_cells_hit_where_they_say() {
         assert!((found - wanted).abs() <= 0.001, "{}: {found} and not {wanted}", trial["key"]);
         let (pace, speed) =
             (number(&trial["variation"]["pace"]), number(&metrics["impact_speed(component=along)"]));
-        assert!((pace - speed).abs() < 1e-9, "{}: {speed} and not {pace}", trial["key"]);
+        // Along a car that turns the dummy of CPTA walks with it or against it.
+        let turns = trial["key"].as_str().unwrap().contains("/cpta");
+        assert!(turns || (pace - speed).abs() < 1e-9, "{}: {speed} and not {pace}", trial["key"]);
         places.push(wanted);
     }
-    // 5 + 5 + 3 places at six speeds.
-    assert_eq!(places.len(), 78);
+    // 5 + 5 + 3 places at six speeds, and five in each of four turns in two directions.
+    assert_eq!(places.len(), 78 + 40);
     assert_eq!(results["suites"][0]["ratings"][0]["points"], 0.0);
 }

@@ -189,9 +189,9 @@ impl Meter for ImpactPoint {
         let left = Vector2::new(-ahead.y, ahead.x);
         let reach = half_extent_along(person, ahead).x;
         let front = (place - centre).dot(&ahead) - car.length / 2.0 - reach;
-        // At another than a right angle the corner of the front may touch a side of a body.
-        let aslant =
-            matches!(person.shape, Shape::Rectangle { .. }) && person.heading.dot(&ahead).abs() > 1e-9;
+        // Where ways meet at another than a right angle the corner of the front may touch a side of a body.
+        let meets_aslant = car.path.course().is_some() || self.way.x != 0.0;
+        let aslant = meets_aslant && matches!(person.shape, Shape::Rectangle { .. });
         let corner = || {
             let shape =
                 Shape::Rectangle { length: 2.0 * AT_THE_FRONT, width: car.width + 2.0 * AT_THE_FRONT };
