@@ -68,8 +68,9 @@ pub use declaration::{
     PresetFamily, Published, SettingError, Text, TextCheck, TextError,
 };
 pub use declared::{
-    DeclaredAppearance, DeclaredFollowing, DeclaredPedestrian, DeclaredShape, DeclaredVehicleStart, Membership,
-    Model, REAR_AXLE, RunBudget, Samples, SamplingScheme, Scenario, Suite, TestedInstead, Variation, Vehicle,
+    DeclaredAppearance, DeclaredFollowing, DeclaredPedestrian, DeclaredShape, DeclaredVehicleStart,
+    Membership, Model, REAR_AXLE, RunBudget, Samples, SamplingScheme, Scenario, Suite, TestedInstead,
+    Variation, Vehicle,
 };
 pub use declared_bend::{BendRadius, DeclaredBend, DeclaredPiece, PieceKind, WIDE};
 pub use dimension::Dimension;
