@@ -172,6 +172,9 @@ struct ImpactPoint {
 /// A front that is so near to a body is what it touched, m.
 const AT_THE_FRONT: f64 = 1e-4;
 
+/// Ways at a cosine of at most this meet at a right angle but for rounding.
+const RIGHT_ANGLE: f64 = 1e-9;
+
 impl Meter for ImpactPoint {
     fn observe(&mut self, step: &Step, encounters: &Encounters) {
         let (vehicle, pedestrian) = self.pair;
@@ -190,7 +193,7 @@ impl Meter for ImpactPoint {
         let reach = half_extent_along(person, ahead).x;
         let front = (place - centre).dot(&ahead) - car.length / 2.0 - reach;
         // Where ways meet at another than a right angle the corner of the front may touch a side of a body.
-        let meets_aslant = car.path.course().is_some() || self.way.x != 0.0;
+        let meets_aslant = self.way.dot(&ahead).abs() > RIGHT_ANGLE * self.way.norm();
         let aslant = meets_aslant && matches!(person.shape, Shape::Rectangle { .. });
         let corner = || {
             let shape =

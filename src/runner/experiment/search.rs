@@ -15,7 +15,8 @@ use numbers::summary::mean;
 use optimise::{self, Definition, Evaluation, Method, ObjectiveValue, Optimiser, Proposal};
 use results::{CaseRun, CoursePoint, Found, MetricCourse, Outcome, SavedCase, SavedSet, SearchResult};
 use scenario::{
-    self, Assignment, Budget, Case, Goal, Individual, Objective, Scenario, Search, SearchRange, ShownIn,
+    self, Assignment, Budget, Case, DeclaredPedestrian, Goal, Individual, Objective, Scenario, Search,
+    SearchRange, ShownIn,
 };
 
 /// Runs with fresh seeds that tell how much of a best value was luck.
@@ -102,12 +103,24 @@ pub(super) fn with_individuals(scenario: &Scenario, search: &Search) -> Scenario
             pedestrian.individuals = Some(individuals.clone());
         }
         if scenario.pedestrians.iter().all(|one| one.individuals.is_none())
-            && let Some(first) = scenario.pedestrians.first_mut()
+            && let Some(person) = likely_individual(&scenario.pedestrians)
         {
-            first.individuals = Some(individuals.clone());
+            let group = person.group.as_ref().map(|membership| membership.group.clone());
+            let name = group.unwrap_or_else(|| person.name.clone());
+            for one in scenario.pedestrians.iter_mut().filter(|one| one.is(&name)) {
+                one.individuals = Some(individuals.clone());
+            }
         }
     }
     scenario
+}
+
+/// The first pedestrian whose model takes individuals, or the first if none does.
+fn likely_individual(people: &[DeclaredPedestrian]) -> Option<&DeclaredPedestrian> {
+    let takes = |one: &&DeclaredPedestrian| {
+        one.model.all().iter().all(|model| model.entry().is_some_and(|model| model.takes_individuals))
+    };
+    people.iter().find(takes).or(people.first())
 }
 
 /// The optimiser's definition for a budget.

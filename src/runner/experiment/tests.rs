@@ -17,11 +17,11 @@ use scenario::registry::Table;
 use scenario::{
     self, Aggregate, Block, Budget, CaseSet, Comparison as Bound, DeclaredAppearance, DeclaredPedestrian,
     DeclaredStanding, DeclaredVehicleStart, Direction, Evaluate, Expression, Goal, Individuals,
-    InitialDesign, Measure, Measured, MetricReference, Model, Objective, Origin, OutcomesOf, ParameterSet,
-    Part, PopulationShare, Quantity, RangeValues, Registered, Relation, Road, SampleSize, Scenario, Search,
-    SearchMethod, SearchRange, Side, Statement, StatementClaim, StatementClaimKind, Suite, Target,
-    TrendDirection, Tune, Value, Variation, VariationCondition, VariedValue, Vehicle, VehicleReference,
-    WhenUndefined,
+    InitialDesign, Measure, Measured, Membership, MetricReference, Model, Objective, Origin, OutcomesOf,
+    ParameterSet, Part, PopulationShare, Quantity, RangeValues, Registered, Relation, Road, SampleSize,
+    Scenario, Search, SearchMethod, SearchRange, Side, Statement, StatementClaim, StatementClaimKind, Suite,
+    Target, TrendDirection, Tune, Value, Variation, VariationCondition, VariedValue, Vehicle,
+    VehicleReference, WhenUndefined,
 };
 
 fn threads() -> &'static Threads {

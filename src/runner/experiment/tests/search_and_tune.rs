@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use super::*;
+use crate::experiment::search::with_individuals;
 use crate::run::Shuffled;
 use results::{BlockResult, MetricSummary, SearchResult, TuneResult, Violations};
 
@@ -234,4 +235,36 @@ fn courses_follow_those_who_were_kept() {
         );
         assert!(course.points.windows(2).all(|pair| pair[0].at < pair[1].at));
     }
+}
+
+/// Where the scenario takes nobody from a population, a search's people are whoever can be: all of a group, or nobody of it.
+#[test]
+fn a_search_takes_other_people_for_every_member_of_a_group() {
+    let suite = suite();
+    let (mut scenario, mut search) = (suite.scenarios[0].clone(), suite.searches[0].clone());
+    let one = scenario.pedestrians.remove(0);
+    let individuals =
+        Individuals { selection: PopulationShare::Count(2), ..one.individuals.clone().unwrap() };
+    let one = DeclaredPedestrian { individuals: None, ..one };
+    let dummy = DeclaredPedestrian {
+        name: "dummy".into(),
+        model: model(standard().pedestrians(), "scripted", &[]),
+        ..one.clone()
+    };
+    let group = |index| Some(Membership { group: "walkers".into(), index, size: 3 });
+    let member = |index| DeclaredPedestrian {
+        name: format!("walkers_{}", index + 1),
+        group: group(index),
+        ..one.clone()
+    };
+    scenario.pedestrians = std::iter::once(dummy).chain((0..3).map(member)).collect();
+    search.individuals = Some(individuals);
+    let people = crate::plan::select_people(1, &with_individuals(&scenario, &search)).unwrap();
+    let who: Vec<Vec<&str>> =
+        people.iter().map(|group| group.iter().map(|one| one.pedestrian.as_str()).collect()).collect();
+    assert_eq!(who, [["walkers_1", "walkers_2", "walkers_3"]; 2]);
+    let mut numbers: Vec<u32> = people.iter().flatten().map(|one| one.number).collect();
+    numbers.sort_unstable();
+    numbers.dedup();
+    assert_eq!(numbers.len(), 6, "{people:?}");
 }
