@@ -91,10 +91,11 @@ impl Recording {
         let world = &self.case.world;
         match world.vehicles.get(who) {
             Some(vehicle) => (vehicle.length, vehicle.width, false),
-            None => match world.pedestrians[who - world.vehicles.len()].shape {
-                Shape::Disc { radius } => (2.0 * radius, 2.0 * radius, true),
-                Shape::Rectangle { length, width } => (length, width, false),
-            },
+            None => {
+                let shape = world.pedestrians[who - world.vehicles.len()].shape;
+                let (length, width) = shape.extents();
+                (length, width, matches!(shape, Shape::Disc { .. }))
+            }
         }
     }
 

@@ -20,16 +20,18 @@ impl Requests {
         criteria.iter().for_each(|criterion| self.add(criterion.claim.metric()));
     }
 
-    /// Adds a metric unless it is there already.
+    /// Adds a metric unless it is there already. One of a group that has other members in another scenario is one metric: of
+    /// every member that is there.
     pub fn add(&mut self, reference: &MetricReference) {
-        if self.index(reference).is_none() {
-            self.0.push(reference.clone());
+        match self.index(reference) {
+            Some(index) => self.0[index].join(reference),
+            None => self.0.push(reference.clone()),
         }
     }
 
     /// The place of this metric's value in every outcome; `None` if it is not measured.
     pub fn index(&self, reference: &MetricReference) -> Option<usize> {
-        self.0.iter().position(|known| known == reference)
+        self.0.iter().position(|known| known.is_same(reference))
     }
 
     /// In order, to be changed in place; how many they are stays.

@@ -147,6 +147,28 @@ impl MetricReference {
         }
     }
 
+    /// Whether it is the same metric of those who are called the same: a group may have other members in another scenario.
+    pub fn is_same(&self, other: &Self) -> bool {
+        let Self { metric, settings, pair, several: _ } = self;
+        *metric == other.metric && *settings == other.settings && *pair == other.pair
+    }
+
+    /// Makes it about those as well whom another reference, [the same](Self::is_same) but for them, is about.
+    pub fn join(&mut self, other: &Self) {
+        if self.several == other.several {
+            return;
+        }
+        let lone = |one: &Self| {
+            one.pair.iter().filter(|_| one.several.is_empty()).map(|(_, name)| name.clone()).next()
+        };
+        let (own, theirs) = (lone(self), lone(other));
+        for name in own.iter().chain(&theirs).chain(&other.several) {
+            if !self.several.contains(name) {
+                self.several.push(name.clone());
+            }
+        }
+    }
+
     /// The name that reports give it: `pet`, `max_deceleration(window=0.5)` or `pet(av, walker)`.
     pub fn label(&self) -> String {
         let settings = self.settings.0.iter().map(|(name, value)| format!("{name}={value}"));

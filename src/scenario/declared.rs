@@ -283,6 +283,29 @@ pub struct Membership {
     pub size: u32,
 }
 
+impl Membership {
+    /// What the scenario calls them: `walkers_1` is the first of `walkers`.
+    pub fn member_name(&self) -> String {
+        format!("{}_{}", self.group, self.index + 1)
+    }
+
+    /// The groups among people, in order, each with the names of its members.
+    pub fn groups<'a>(
+        people: impl IntoIterator<Item = (&'a str, Option<&'a Self>)>,
+    ) -> Vec<(&'a str, Vec<&'a str>)> {
+        let mut groups: Vec<(&str, Vec<&str>)> = Vec::new();
+        for (name, membership) in people {
+            let Some(membership) = membership else { continue };
+            match groups.iter_mut().find(|(group, _)| *group == membership.group) {
+                Some((_, members)) if members.contains(&name) => {}
+                Some((_, members)) => members.push(name),
+                None => groups.push((&membership.group, vec![name])),
+            }
+        }
+        groups
+    }
+}
+
 /// A pedestrian's footprint, m.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

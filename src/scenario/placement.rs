@@ -60,6 +60,16 @@ pub enum Shape {
     },
 }
 
+impl Shape {
+    /// Along the heading and across it, m; of a disc, those of the square around it.
+    pub fn extents(self) -> (f64, f64) {
+        match self {
+            Self::Disc { radius } => (2.0 * radius, 2.0 * radius),
+            Self::Rectangle { length, width } => (length, width),
+        }
+    }
+}
+
 /// A place in the world frame (see [`Road`](super::Road)) in m.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Position {

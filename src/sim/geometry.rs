@@ -65,6 +65,25 @@ impl Footprint {
         Self { shape, ..*self }
     }
 
+    /// Whether `line` (m) from a point passes through it; through a disc if it does through the square around that.
+    pub fn is_crossed(&self, from: Vector2<f64>, line: Vector2<f64>) -> bool {
+        let (length, width) = self.shape.extents();
+        let (offset, line) = (self.own_frame(from - self.centre), self.own_frame(line));
+        let (mut enter, mut leave) = (0.0f64, 1.0f64);
+        for (offset, along, half) in [(offset.x, line.x, length / 2.0), (offset.y, line.y, width / 2.0)] {
+            if along == 0.0 {
+                if offset.abs() > half {
+                    return false;
+                }
+                continue;
+            }
+            let (one, other) = ((-half - offset) / along, (half - offset) / along);
+            enter = enter.max(one.min(other));
+            leave = leave.min(one.max(other));
+        }
+        enter < leave
+    }
+
     /// Time in s until it and `other` first touch if the other moves at `velocity` (m/s) as seen from this one; 0 if
     /// they touch now, `None` if they never will. Neither turns.
     pub fn first_contact(&self, other: &Self, velocity: Vector2<f64>) -> Option<f64> {

@@ -148,13 +148,6 @@ fn parameters(settings: &Settings, whole: impl Fn(&str) -> bool) -> Json {
     Json::Object(settings.0.iter().map(|(name, one)| (name.clone(), value(name, one))).collect())
 }
 
-fn extents(shape: Shape) -> (f64, f64) {
-    match shape {
-        Shape::Disc { radius } => (2.0 * radius, 2.0 * radius),
-        Shape::Rectangle { length, width } => (length, width),
-    }
-}
-
 /// Decisions to be taken, as JSON.
 pub fn step(asked: &[DueDecision]) -> Json {
     json!({ "step": asked.iter().map(scene).collect::<Vec<_>>() })
@@ -181,7 +174,7 @@ pub fn scene(asked: &DueDecision) -> Json {
     let people: Vec<Json> = pedestrians
         .iter()
         .map(|one| {
-            let (length, width) = extents(one.shape);
+            let (length, width) = one.shape.extents();
             json!({
                 "id": one.id, "x": one.position.x, "y": one.position.y, "vx": one.velocity.x, "vy": one.velocity.y,
                 "ax": one.acceleration.x, "ay": one.acceleration.y, "length": length, "width": width,
@@ -300,7 +293,7 @@ pub fn step_frame(asked: &[DueDecision], into: &mut Vec<u8>) {
     }
     for (index, one) in asked.iter().enumerate() {
         for seen in &one.seen.pedestrians {
-            let ((length, width), at) = (extents(seen.shape), seen.position);
+            let ((length, width), at) = (seen.shape.extents(), seen.position);
             let (velocity, acceleration) = (seen.velocity, seen.acceleration);
             row(&[
                 index as f64,

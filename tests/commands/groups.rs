@@ -176,3 +176,75 @@ fn what_is_said_of_a_group_is_said_of_each() {
         ]
     );
 }
+
+/// A group of the same name may have other members in another scenario: its metric is one, of those who are there.
+#[test]
+fn groups_of_one_name_keep_their_own_members() {
+    let folder = Folder::new();
+    let scenario = |name: &str, count: usize, times: &str| {
+        format!(
+            "scenario {name} {{ {CAR}
+               pedestrian walkers times {count} {{ model scripted {{ speed: 1.4 m/s }}; start 2 m from kerb
+                 along each({}); appears when time_to_arrival(av) = each({times}) }}
+               expect {{ count(collision(av, walkers)) = 0 }} }}",
+            ["-30 m", "0 m", "30 m"][..count].join(", ")
+        )
+    };
+    let (safe, hit) = (scenario("safe", 2, "1 s, 1 s"), scenario("hit", 3, "1 s, 1 s, 2.5 s"));
+    for (first, second) in [(&safe, &hit), (&hit, &safe)] {
+        fs::write(folder.0.path().join("two.scn"), format!("{STREET}\n{first}\n{second}\n")).unwrap();
+        let (exit, results) = folder.run("two.scn");
+        assert_eq!(exit, 100, "{results}");
+        let trials = results["suites"][0]["trials"].as_array().unwrap();
+        assert_eq!(trials.len(), 2);
+        for trial in trials {
+            let is_hit = trial["key"].as_str().unwrap().ends_with("/hit");
+            assert_eq!(trial["findings"][0]["verdict"], if is_hit { "failed" } else { "passed" }, "{trial}");
+            let measured = &trial["runs"][0]["metrics"]["collision(av, walkers)"];
+            assert_eq!(measured.as_f64(), Some(f64::from(u8::from(is_hit))), "{trial}");
+        }
+    }
+}
+
+/// What a criterion over several people is called is the criterion of one of them, also where no vehicle is named.
+#[test]
+fn each_is_told_by_their_own_name() {
+    let folder = Folder::new();
+    folder.write(
+        "group.scn",
+        "pedestrian walkers times 3 { model scripted { speed: 1.4 m/s }; start 2 m from kerb; along each(-30 m, 0 m, 30 m) }
+         expect { crossing_initiation_time(walkers_1, walkers_3) <= 60 s; crossing_initiation_time(walkers) <= 60 s }",
+    );
+    let texts: Vec<String> = findings(&folder.run("group.scn").1).into_iter().map(|(text, _)| text).collect();
+    let wanted = ["1", "3", "1", "2", "3"].map(|one| format!("crossing_initiation_time(walkers_{one}) <= 60 s"));
+    assert_eq!(texts, wanted);
+}
+
+/// The members of a group may differ: then what is shown of a parameter is not that of the first of them.
+#[test]
+fn a_parameter_in_which_members_differ_varies() {
+    let folder = Folder::new();
+    let suite = format!(
+        "{STREET}
+         suite crossing {{
+           scenario crossing {{ {CAR}
+             pedestrian walkers times 2 {{ model scripted {{ speed: each(1 m/s, 2 m/s) }}; start 2 m from kerb; along each(0 m, 5 m) }}
+             expect {{ no collision }} }}
+           evaluate paces {{ on crossing; with default as own, {{ walkers.model.speed: 1.5 m/s }} as same; measure mean(min_distance) }}
+         }}"
+    );
+    fs::write(folder.0.path().join("crossing.suite"), suite).unwrap();
+    let (_, results) = folder.run("crossing.suite");
+    let conditions = results["suites"][0]["blocks"][0].to_string();
+    let block = &results["suites"][0]["blocks"][0];
+    let of = |index: usize| {
+        let parameter = block.pointer(&format!("/result/evaluate/conditions/{index}/parameters/0"));
+        parameter.unwrap_or_else(|| panic!("{conditions}")).clone()
+    };
+    assert_eq!(
+        (of(0)["varies"].as_bool(), of(1)["varies"].as_bool()),
+        (Some(true), Some(false)),
+        "{conditions}"
+    );
+    assert!(of(0)["value"].is_null() && !of(1)["value"].is_null(), "{conditions}");
+}

@@ -11,7 +11,7 @@ use crate::syntax::ast::{self, View};
 use crate::value::{self, NameScope, ValueKind};
 use scenario::{
     Aggregate, AggregateOf, AggregateWord, Claim, Comparison, Criterion, Dimension, Expression, MetricKind,
-    People, Reach, Relation, Value, VariationCondition, WhenUndefined,
+    People, Reach, Relation, Scope as Measured, Value, VariationCondition, WhenUndefined,
 };
 
 /// Where criteria come from: one of a suite leaves out scenarios that do not vary what its `when` is about.
@@ -21,7 +21,7 @@ pub enum From {
     Suite,
 }
 
-/// The criterion of a `criterion` node, one for each where it is about the runs of several people; none if it is wrong or, for a
+/// The criterion of a `criterion` node, one for each where it is about the runs of several people; `None` if it is wrong or, for a
 /// suite's, not about this scenario.
 pub fn criterion(
     node: ast::Criterion,
@@ -30,39 +30,7 @@ pub fn criterion(
     scope: &NameScope,
     places: &Places,
     report: &mut Vec<Diagnostic>,
-) -> Vec<Criterion> {
-    let said = said_criterion(node, from, cast, scope, places, report);
-    said.map_or(Vec::new(), |said| of_each(said, node))
-}
-
-/// What is said of the runs of several people is said of each of them.
-fn of_each(said: Criterion, node: ast::Criterion) -> Vec<Criterion> {
-    let about = said.claim.metric();
-    let (Claim::Runs { .. }, false, Some(metric)) =
-        (&said.claim, about.several.is_empty(), node.condition().map(ast::Condition::metric))
-    else {
-        return vec![said];
-    };
-    let written = syntax::metric_text(metric);
-    let one = |name: &String| {
-        let mut one = said.clone();
-        let about = one.claim.metric_mut();
-        about.several.clear();
-        about.pair.iter_mut().for_each(|(_, other)| other.clone_from(name));
-        one.text = said.text.replacen(&written, &syntax::metric_text_of(metric, name), 1);
-        one
-    };
-    about.several.iter().map(one).collect()
-}
-
-fn said_criterion(
-    node: ast::Criterion,
-    from: From,
-    cast: &Cast,
-    scope: &NameScope,
-    places: &Places,
-    report: &mut Vec<Diagnostic>,
-) -> Option<Criterion> {
+) -> Option<Vec<Criterion>> {
     let before = report.len();
     let modifiers = modifiers(node, scope, report);
     let mut applies = true;
@@ -84,7 +52,28 @@ fn said_criterion(
     }
     (report.len() == before && applies).then_some(())?;
     let reach = Reach { people, limits: None };
-    Some(Criterion { claim: claim?, when, text, reach, origin: places.origin(node.span()) })
+    Some(of_each(Criterion { claim: claim?, when, text, reach, origin: places.origin(node.span()) }, node))
+}
+
+/// What is said of the runs of several people is said of each of them.
+fn of_each(said: Criterion, node: ast::Criterion) -> Vec<Criterion> {
+    let about = said.claim.metric();
+    let (Claim::Runs { .. }, false, Some(metric)) =
+        (&said.claim, about.several.is_empty(), node.condition().map(ast::Condition::metric))
+    else {
+        return vec![said];
+    };
+    let written = syntax::metric_text(metric);
+    let names_vehicle = about.known().is_some_and(|known| known.scope != Measured::Pedestrian);
+    let one = |name: &String| {
+        let mut one = said.clone();
+        let about = one.claim.metric_mut();
+        about.several.clear();
+        about.pair.iter_mut().for_each(|(_, other)| other.clone_from(name));
+        one.text = said.text.replacen(&written, &syntax::metric_text_of(metric, names_vehicle, name), 1);
+        one
+    };
+    about.several.iter().map(one).collect()
 }
 
 /// Whom the criterion says that it speaks of.

@@ -613,12 +613,9 @@ pub fn target(
     let declared = declarations(scenario, name.text(), part, &subject.registry);
     if declared.is_empty() {
         let users = scenario.vehicles.iter().map(|vehicle| vehicle.name.as_str());
-        let everybody: Vec<_> =
-            users.chain(scenario.pedestrians.iter().map(|person| person.name.as_str())).collect();
-        let everybody: Vec<_> = everybody
-            .into_iter()
-            .chain(groups(&scenario.pedestrians).iter().map(|(group, _)| *group))
-            .collect();
+        let people = scenario.pedestrians.iter().map(|person| person.name.as_str());
+        let groups = groups(&scenario.pedestrians);
+        let everybody: Vec<_> = users.chain(people).chain(groups.iter().map(|(group, _)| *group)).collect();
         let known = everybody.contains(&name.text());
         let diagnostic = Diagnostic::new(
             Code::BadTarget,

@@ -26,25 +26,11 @@ pub fn described(
     let Some(size) = literal::count(size.number(), 1, MOST, "the number of people in a group", report) else {
         return Vec::new();
     };
-    let member = |index| Described {
-        name: format!("{}_{}", name.text(), index + 1),
-        span: name.span(),
-        group: Some(Membership { group: name.text().to_string(), index, size }),
+    let member = |index| {
+        let membership = Membership { group: name.text().to_string(), index, size };
+        Described { name: membership.member_name(), span: name.span(), group: Some(membership) }
     };
     (0..size).map(member).collect()
-}
-
-/// The groups among them, each with the names of its members.
-pub fn members<'a>(who: impl IntoIterator<Item = &'a Described>) -> Vec<(&'a str, Vec<&'a str>)> {
-    let mut groups: Vec<(&str, Vec<&str>)> = Vec::new();
-    for one in who {
-        let Some(membership) = &one.group else { continue };
-        match groups.iter_mut().find(|(group, _)| *group == membership.group) {
-            Some((_, members)) => members.push(&one.name),
-            None => groups.push((&membership.group, vec![&one.name])),
-        }
-    }
-    groups
 }
 
 /// The names that values of a member's block may use: those of each layer, and `each(…)`.

@@ -24,8 +24,8 @@ use crate::value::{self, Binding, NameScope, Typed, ValueKind};
 use crate::write::{BlockText, quantity, quoted};
 use scenario::limits::Limit;
 use scenario::{
-    Criterion, DeclaredBend, DeclaredPedestrian, Dimension, Expression, Individuals, PopulationShare, Road,
-    Scenario, Variation, Vehicle, limits,
+    Criterion, DeclaredBend, DeclaredPedestrian, Dimension, Expression, Individuals, Membership,
+    PopulationShare, Road, Scenario, Variation, Vehicle, limits,
 };
 
 /// Criteria that a suite adds to its scenarios, with the names that its file can see.
@@ -80,7 +80,9 @@ pub fn scenario(
     let mut cast = Cast {
         vehicles: vehicle_groups.iter().map(|(name, _)| name.text()).collect(),
         pedestrians: everybody.iter().flat_map(|(_, who)| who).map(|one| one.name.as_str()).collect(),
-        groups: group::members(everybody.iter().flat_map(|(_, who)| who)),
+        groups: Membership::groups(
+            everybody.iter().flat_map(|(_, who)| who).map(|one| (one.name.as_str(), one.group.as_ref())),
+        ),
         boxes: road.iter().flat_map(|road| &road.boxes).map(|body| body.name.as_str()).collect(),
         individuals: None,
         metrics: places.files.registry.metrics(),
@@ -121,14 +123,14 @@ pub fn scenario(
     for layer in &layers {
         for node in layer.block.expects().flat_map(|expect| expect.block().criteria()) {
             let found = criterion(node, From::Scenario, &cast, layer.scope, places, report);
-            criteria.extend(found.into_iter().map(|criterion| (node.span(), criterion)));
+            criteria.extend(found.into_iter().flatten().map(|criterion| (node.span(), criterion)));
         }
     }
     if let Some(added) = added {
         let scope = NameScope { outer: Some(added.scope), names: varied.clone(), member: None };
         for node in added.nodes {
             let found = criterion(*node, From::Suite, &cast, &scope, places, report);
-            criteria.extend(found.into_iter().map(|criterion| (node.span(), criterion)));
+            criteria.extend(found.into_iter().flatten().map(|criterion| (node.span(), criterion)));
         }
     }
 

@@ -14,8 +14,8 @@ use crate::texts::NameDefinition;
 use crate::value::Binding;
 use scenario::registry::Registry;
 use scenario::{
-    CaseSet, Declaration, DeclaredPedestrian, Evaluate, Part, RangeValues, Reference, Registered, SampleSize,
-    Scenario, Search, SearchRange, Target, Tune, Value, VariedValue,
+    CaseSet, Declaration, DeclaredPedestrian, Evaluate, Membership, Part, RangeValues, Reference, Registered,
+    SampleSize, Scenario, Search, SearchRange, Target, Tune, Value, VariedValue,
 };
 
 /// What the blocks of a suite can be about: its scenarios, and the blocks that are checked so far.
@@ -138,17 +138,7 @@ impl<'a> Subjects<'a> {
 
 /// The groups of people, each with the names of its members in any scenario.
 pub fn groups<'a>(people: impl IntoIterator<Item = &'a DeclaredPedestrian>) -> Vec<(&'a str, Vec<&'a str>)> {
-    let mut groups: Vec<(&str, Vec<&str>)> = Vec::new();
-    for person in people {
-        let Some(membership) = &person.group else { continue };
-        let name = person.name.as_str();
-        match groups.iter_mut().find(|(group, _)| *group == membership.group) {
-            Some((_, members)) if members.contains(&name) => {}
-            Some((_, members)) => members.push(name),
-            None => groups.push((&membership.group, vec![name])),
-        }
-    }
-    groups
+    Membership::groups(people.into_iter().map(|person| (person.name.as_str(), person.group.as_ref())))
 }
 
 impl StatementSubject<'_> {

@@ -1,8 +1,8 @@
 //! Syntax back into words: one spelling for what can be spelled in several ways.
 
 use super::ast::{
-    Aggregate, Condition, Criterion, Each, Expression, Group, Metric, Quantity, Relation, Setting, Undefined,
-    View, When,
+    Aggregate, Condition, Criterion, Each, Expression, Group, Metric, Quantity, Relation, Setting, Settings,
+    Undefined, View, When,
 };
 use super::tree::{Node, Rule};
 
@@ -86,26 +86,21 @@ fn bound_text(relation: Relation, bound: Expression) -> String {
 
 /// A metric in its one spelling.
 pub fn metric_text(node: Metric) -> String {
-    let name = node.name().text();
-    let Some(details) = node.details() else { return name.to_string() };
-    let inside: Vec<_> = details.children().map(detail).collect();
-    format!("{name}({})", inside.join(", "))
+    let details = node.details().into_iter().flat_map(|details| details.children()).map(detail);
+    with_details(node, details.collect())
 }
 
-/// The same with `other` in the place of all pedestrians that it names, who stand after the vehicle if there is one.
-pub fn metric_text_of(node: Metric, other: &str) -> String {
+/// The same with `other` in the place of all pedestrians that it names, who stand after the vehicle if it `names_vehicle`.
+pub fn metric_text_of(node: Metric, names_vehicle: bool, other: &str) -> String {
+    let vehicle = node.details().and_then(|details| details.names().next()).filter(|_| names_vehicle);
+    let settings = node.details().into_iter().flat_map(Settings::each).map(|setting| detail(*setting));
+    let names = vehicle.map(|name| name.text().to_string()).into_iter().chain([other.to_string()]);
+    with_details(node, names.chain(settings).collect())
+}
+
+fn with_details(node: Metric, details: Vec<String>) -> String {
     let name = node.name().text();
-    let Some(details) = node.details() else { return name.to_string() };
-    let names = details.names().count();
-    let vehicle = if names > 1 { details.names().next() } else { None };
-    let settings = details.each().map(|setting| detail(*setting));
-    let inside: Vec<String> = vehicle
-        .map(|vehicle| vehicle.text().to_string())
-        .into_iter()
-        .chain([other.to_string()])
-        .chain(settings)
-        .collect();
-    format!("{name}({})", inside.join(", "))
+    if node.details().is_none() { name.to_string() } else { format!("{name}({})", details.join(", ")) }
 }
 
 fn detail(part: Node) -> String {

@@ -1,7 +1,7 @@
 //! The COMMOTIONS model as a driver: a vehicle that negotiates with pedestrians as a person at the wheel would.
 
 use super::{CommandKind, ControllerContext, ControllerModel};
-use crate::pedestrian::commotions::model::{Bodies, Person, extent};
+use crate::pedestrian::commotions::model::{Bodies, Person};
 use crate::pedestrian::commotions::parameters::parameters;
 use crate::pedestrian::commotions::state::{AgentBody, Control};
 use crate::pedestrian::commotions::{CommotionsAgent, ConflictState, Rules, Sight, State};
@@ -39,7 +39,7 @@ fn build(context: &ControllerContext) -> Result<Box<dyn Controller>, ModelError>
     let person = Person::from_settings(context.settings, &context.world.road, context.world.step)?;
     let vehicle = (context.setup.length, context.setup.width);
     let bodies = context.world.pedestrians.iter().map(|pedestrian| {
-        let bodies = Bodies { pedestrian: extent(pedestrian.shape), vehicle };
+        let bodies = Bodies { pedestrian: pedestrian.shape.extents(), vehicle };
         (bodies.vehicle(), bodies.pedestrian())
     });
     let agent = random::Agent::Vehicle(context.rank);

@@ -6,7 +6,8 @@ use nalgebra::Vector2;
 
 use super::{ControllerContext, PerceptionModel};
 use numbers::random::Stream;
-use scenario::{Body, Chance, Declaration, Dimension, Parameter, Path, Settings};
+use scenario::{Chance, Declaration, Dimension, Parameter, Path, Settings};
+use sim::geometry::Footprint;
 use sim::random::{Agent, Purpose, stream};
 use sim::{ModelError, Observation, Perception, Schedule, SeenPedestrian, SeenVehicle};
 
@@ -116,11 +117,11 @@ fn with_perception(
     let path = context.setup.path(&context.world.road);
     let boxes = if settings.flag("occlusion") { context.world.road.boxes.as_slice() } else { &[] };
     let boxes = boxes.iter().map(|body| {
+        let outline = Footprint::from(body);
         if path.course().is_some() {
-            return body.clone();
+            return outline;
         }
-        let place = path.from_world(Vector2::new(body.x, body.y));
-        Body { x: place.x, y: place.y, ..body.clone() }
+        Footprint { centre: path.from_world(outline.centre), ..outline }
     });
     let boxes = boxes.collect();
     let latency = settings.number("latency");
@@ -182,7 +183,7 @@ struct Sight {
     half_angle: f64,
     setback: f64,
     /// Relative to the crossing, along the ego's lane; in the world frame if that bends.
-    boxes: Vec<Body>,
+    boxes: Vec<Footprint>,
     path: Path,
 }
 
@@ -208,7 +209,7 @@ impl Sight {
         let line = place - sensor;
         line.norm() <= self.range
             && libm::atan2(line.y, line.x).abs() <= self.half_angle
-            && !self.boxes.iter().any(|body| crosses(sensor, line, body))
+            && !self.boxes.iter().any(|outline| outline.is_crossed(sensor, line))
     }
 
     /// The same in the plane: whoever is round the bend is not where the lane leads, but where they are.
@@ -218,32 +219,8 @@ impl Sight {
         let seen = self.path.turned(ego.x, line);
         line.norm() <= self.range
             && libm::atan2(seen.y, seen.x).abs() <= self.half_angle
-            && !self.boxes.iter().any(|body| crosses(sensor, line, body))
+            && !self.boxes.iter().any(|outline| outline.is_crossed(sensor, line))
     }
-}
-
-/// Whether the line from a place passes through a box.
-fn crosses(from: Vector2<f64>, line: Vector2<f64>, body: &Body) -> bool {
-    let (mut enter, mut leave) = (0.0f64, 1.0f64);
-    let (mut offset, mut line) = (from - Vector2::new(body.x, body.y), line);
-    if body.heading != 0.0 {
-        let along = body.along();
-        let own = |vector: Vector2<f64>| Vector2::new(vector.dot(&along), along.perp(&vector));
-        (offset, line) = (own(offset), own(line));
-    }
-    let axes = [(offset.x, line.x, body.length / 2.0), (offset.y, line.y, body.width / 2.0)];
-    for (offset, along, half) in axes {
-        if along == 0.0 {
-            if offset.abs() > half {
-                return false;
-            }
-            continue;
-        }
-        let (one, other) = ((-half - offset) / along, (half - offset) / along);
-        enter = enter.max(one.min(other));
-        leave = leave.min(one.max(other));
-    }
-    enter < leave
 }
 
 impl Blur {
@@ -330,7 +307,7 @@ impl Perception for Perceiving {
 mod tests {
     use super::*;
     use crate::vehicle::test_track::{CRUISE, walker, world};
-    use scenario::{Value, World};
+    use scenario::{Body, Value, World};
 
     fn populated(boxes: Vec<Body>) -> World {
         let mut world = world(4.0, 2.0);

@@ -4,7 +4,7 @@ use nalgebra::Vector2;
 
 use numbers::random::ranks;
 use scenario::{
-    Appearance, PedestrianContext, PedestrianSetup, Settings, Shape, VehicleReference, VehicleSetup, World,
+    Appearance, PedestrianContext, PedestrianSetup, Settings, VehicleReference, VehicleSetup, World,
 };
 use sim::geometry::Footprint;
 use sim::{Pedestrian, Solid, VehicleState, beginning, meeting_place, walking_time};
@@ -118,8 +118,11 @@ impl Outlook {
         let (appears, way) = (person.appears?, person.way()?);
         let size = (car.length, car.width);
         let place = car.motion.travelled;
-        let area =
-            car.path.conflict_area((place, size), (person.outline.centre, way), body(&person.outline))?;
+        let area = car.path.conflict_area(
+            (place, size),
+            (person.outline.centre, way),
+            person.outline.shape.extents(),
+        )?;
         let far = (person.goal - person.outline.centre).norm();
         let speed = car.motion.speed;
         if speed <= 0.0 || area.point.place < place || !(0.0..=far).contains(&area.point.distance) {
@@ -168,7 +171,7 @@ impl Outlook {
         let between = |time: f64| {
             let from = self.sensor(vehicle, ahead, time);
             let to = person.at(time);
-            let hides = |index: &usize| crosses(from, to - from, &boxes[*index]);
+            let hides = |index: &usize| boxes[*index].is_crossed(from, to - from);
             (from, to, (0..boxes.len()).filter(hides).collect::<Vec<_>>())
         };
         let (from, to, hidden_by) = between(time);
@@ -278,14 +281,6 @@ fn build(world: &World, setup: &PedestrianSetup, (rank, seed): (usize, u64)) -> 
     (model.build)(&context).ok()
 }
 
-/// How long a body is along its heading and how wide, m.
-fn body(outline: &Footprint) -> (f64, f64) {
-    match outline.shape {
-        Shape::Disc { radius } => (2.0 * radius, 2.0 * radius),
-        Shape::Rectangle { length, width } => (length, width),
-    }
-}
-
 fn sensor_setback(setup: &VehicleSetup) -> f64 {
     let given = setup.sees.as_ref().filter(|sees| sees.settings.0.contains_key("sensor_setback"));
     given.map_or(0.0, |sees| sees.settings.number("sensor_setback"))
@@ -293,25 +288,4 @@ fn sensor_setback(setup: &VehicleSetup) -> f64 {
 
 fn flag(settings: &Settings, name: &str) -> bool {
     settings.0.contains_key(name) && settings.flag(name)
-}
-
-/// Whether the line from a point passes through an outline.
-pub(crate) fn crosses(from: Vector2<f64>, line: Vector2<f64>, outline: &Footprint) -> bool {
-    let (length, width) = body(outline);
-    let own =
-        |vector: Vector2<f64>| Vector2::new(vector.dot(&outline.heading), outline.heading.perp(&vector));
-    let (offset, line) = (own(from - outline.centre), own(line));
-    let (mut enter, mut leave) = (0.0f64, 1.0f64);
-    for (offset, along, half) in [(offset.x, line.x, length / 2.0), (offset.y, line.y, width / 2.0)] {
-        if along == 0.0 {
-            if offset.abs() > half {
-                return false;
-            }
-            continue;
-        }
-        let (one, other) = ((-half - offset) / along, (half - offset) / along);
-        enter = enter.max(one.min(other));
-        leave = leave.min(one.max(other));
-    }
-    enter < leave
 }

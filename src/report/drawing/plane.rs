@@ -2,7 +2,6 @@
 
 use nalgebra::Vector2;
 
-use scenario::Shape;
 use sim::geometry::Footprint;
 
 /// What a mark stands for, by which it gets its look.
@@ -57,10 +56,7 @@ impl Mark {
 
 /// The corners of an outline, m; of a disc those of the square around it.
 pub(crate) fn corners(outline: &Footprint) -> Vec<Vector2<f64>> {
-    let (length, width) = match outline.shape {
-        Shape::Disc { radius } => (2.0 * radius, 2.0 * radius),
-        Shape::Rectangle { length, width } => (length, width),
-    };
+    let (length, width) = outline.shape.extents();
     let (along, across) = (outline.heading, Vector2::new(-outline.heading.y, outline.heading.x));
     let corner =
         |(x, y): (f64, f64)| outline.centre + along * (x * length / 2.0) + across * (y * width / 2.0);

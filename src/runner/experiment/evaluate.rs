@@ -13,8 +13,8 @@ use numbers::summary::mean;
 use results::judge::{Seen, ValueSpan, aggregate, aggregate_against, span_of, undecided};
 use results::{ConditionResult, Difference, EvaluateResult, Outcome, ParameterValue, Requests, SavedCase};
 use scenario::{
-    Aggregate, Case, Comparison, Condition, Declaration, Evaluate, Measure, MetricKind, MetricReference,
-    ModelSetup, Notation, ParameterKind, ParameterSet, Part, Registered, Relation, Settings, Target, Value,
+    Aggregate, Case, Comparison, Condition, Evaluate, Measure, MetricKind, MetricReference, ModelSetup,
+    Notation, ParameterKind, ParameterSet, Part, Registered, Relation, Scenario, Target, Value,
     WhenUndefined, Worst,
 };
 
@@ -128,7 +128,14 @@ impl Series<'_> {
         result.caveat = setup.caveat.clone();
         let (saved, cases) = self.cases(condition, &setup)?;
         let given_in = &self.evaluate.given_in;
-        result.parameters = targets.iter().map(|target| parameter(target, &cases, given_in)).collect();
+        let scenarios = saved.iter().map(|case| self.context.scenario(&case.scenario));
+        let scenarios = scenarios.collect::<Result<Vec<_>, _>>()?;
+        let parameter = |target: &Target| {
+            let values =
+                scenarios.iter().zip(&cases).flat_map(|(scenario, case)| resolved(target, scenario, case));
+            parameter(target, values, given_in)
+        };
+        result.parameters = targets.iter().map(parameter).collect();
         let outcomes = self.context.run_all(0, &cases)?;
         let requests = self.context.requests();
         let measures = self.measures.iter().map(|measure| &measure.aggregate);
@@ -324,10 +331,13 @@ impl Context<'_> {
     }
 }
 
-/// The value that a parameter has in all of the cases, as the models resolved it.
-fn parameter(target: &Target, cases: &[Case], given_in: &[(Target, Notation)]) -> ParameterValue {
+/// The value that a parameter has wherever it is set, in all of the cases, as the models resolved it.
+fn parameter(
+    target: &Target,
+    mut values: impl Iterator<Item = Option<(Value, String)>>,
+    given_in: &[(Target, Notation)],
+) -> ParameterValue {
     let notation = given_in.iter().find(|(known, _)| known == target).map(|(_, notation)| *notation);
-    let mut values = cases.iter().map(|case| resolved(target, case));
     let first = values.next().flatten();
     let agreed =
         values.all(|other| other.as_ref().map(|(value, _)| value) == first.as_ref().map(|(value, _)| value));
@@ -336,29 +346,29 @@ fn parameter(target: &Target, cases: &[Case], given_in: &[(Target, Notation)]) -
     ParameterValue { target: target.clone(), value, varies: !agreed, unit, notation }
 }
 
-/// What a case sets a parameter to, with its unit.
-fn resolved(target: &Target, case: &Case) -> Option<(Value, String)> {
-    let Target::Setting { road_user, part, parameter } = target else { return None };
-    fn of<T: Registered>(setup: &ModelSetup<T>) -> Option<(&Settings, &Declaration)> {
-        Some((&setup.settings, setup.model.declaration()?))
+/// What a case of a scenario sets a parameter to, with its unit: of a group, every member.
+fn resolved(target: &Target, scenario: &Scenario, case: &Case) -> Vec<Option<(Value, String)>> {
+    let Target::Setting { road_user, part, parameter } = target else { return vec![None] };
+    if *part == Part::Model {
+        let meant = scenario.pedestrians.iter().filter(|one| one.is(road_user));
+        let named = |name: &str| case.world.pedestrians.iter().find(|one| one.name == name);
+        return meant.map(|one| value_in(&named(&one.name)?.model, parameter)).collect();
     }
-    let (settings, declaration) = if *part == Part::Model {
-        // Of a group, as the first member has it: what is set is set for all of them.
-        let first = format!("{road_user}_1");
-        let mut people = case.world.pedestrians.iter();
-        of(&people.find(|one| one.name == *road_user || one.name == first)?.model)?
-    } else {
-        let car = case.world.vehicles.iter().find(|one| one.name == *road_user)?;
-        match part {
-            Part::Controller => of(&car.controller)?,
-            Part::Dynamics => of(&car.dynamics)?,
-            _ => of(car.sees.as_ref()?)?,
-        }
-    };
+    let car = case.world.vehicles.iter().find(|one| one.name == *road_user);
+    vec![car.and_then(|car| match part {
+        Part::Controller => value_in(&car.controller, parameter),
+        Part::Dynamics => value_in(&car.dynamics, parameter),
+        _ => value_in(car.sees.as_ref()?, parameter),
+    })]
+}
+
+/// A parameter of a model, with its unit.
+fn value_in<T: Registered>(setup: &ModelSetup<T>, parameter: &str) -> Option<(Value, String)> {
+    let declaration = setup.model.declaration()?;
     let unit = declaration.parameter(parameter).map(|known| &known.kind);
     let unit = match unit {
         Some(ParameterKind::Number { dimension, .. }) => dimension.si_unit(),
         _ => String::new(),
     };
-    Some((settings.get(parameter)?.clone(), unit))
+    Some((setup.settings.get(parameter)?.clone(), unit))
 }

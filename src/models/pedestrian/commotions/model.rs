@@ -7,7 +7,7 @@ use super::variant::{Accumulation, Variant, VariantError};
 use crate::pedestrian::{PedestrianContext, PedestrianModel};
 use nalgebra::Vector2;
 use numbers::random::Stream;
-use scenario::{Conflict, ConflictArea, Declaration, Dimension, Road, Settings, Shape, half_extent};
+use scenario::{Conflict, ConflictArea, Declaration, Dimension, Road, Settings, half_extent};
 use sim::random::{self, Purpose};
 use sim::{Mode, ModelError, Motion, Pedestrian, PedestrianState, Scene, Stated, StatedBy, VehicleState};
 
@@ -28,7 +28,7 @@ pub fn commotions() -> PedestrianModel {
 
 fn build(context: &PedestrianContext) -> Result<Box<dyn Pedestrian>, ModelError> {
     let person = Person::from_settings(context.settings, &context.world.road, context.world.step)?;
-    let pedestrian = extent(context.setup.shape);
+    let pedestrian = context.setup.shape.extents();
     let bodies = context.world.vehicles.iter().map(|vehicle| {
         let bodies = Bodies { pedestrian, vehicle: (vehicle.length, vehicle.width) };
         (bodies.pedestrian(), bodies.vehicle())
@@ -156,14 +156,6 @@ impl Bodies {
             cosine: 0.0,
             width: self.vehicle.1,
         }
-    }
-}
-
-/// Length along the walking direction and width across it of a footprint (m).
-pub fn extent(shape: Shape) -> (f64, f64) {
-    match shape {
-        Shape::Disc { radius } => (2.0 * radius, 2.0 * radius),
-        Shape::Rectangle { length, width } => (length, width),
     }
 }
 
