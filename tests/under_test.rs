@@ -58,7 +58,8 @@ scenario meet {{
   expect {{ max_deceleration <= 9 m/s^2 }}
 }}
 ",
-        own.display()
+        // As one writes it on Windows, too.
+        own.display().to_string().replace('\\', "/")
     )
 }
 
@@ -77,6 +78,7 @@ fn runner(folder: &Path, arguments: &[&str]) -> Command {
         .env(ROLE, "runner")
         .env("NO_COLOR", "1")
         .env("XDG_CONFIG_HOME", folder.join("config"))
+        .env("APPDATA", folder.join("config"))
         .env_remove("SCENARIO_RUNNER_ALLOW_RUN");
     command
 }
@@ -84,6 +86,7 @@ fn runner(folder: &Path, arguments: &[&str]) -> Command {
 fn run(folder: &Path, arguments: &[&str]) -> Said {
     let output = runner(folder, arguments).output().unwrap();
     let text = String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).into_owned();
+    let text = if cfg!(windows) { text.replace('\\', "/") } else { text };
     Said { code: output.status.code(), text }
 }
 

@@ -14,6 +14,7 @@ mod child;
 mod co_simulation;
 mod conformance;
 mod conversation;
+mod group;
 #[cfg(feature = "wasm")]
 mod guest;
 mod hello;

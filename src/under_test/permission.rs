@@ -118,7 +118,9 @@ pub struct Allowed {
 /// Why the list of what is allowed cannot be used.
 #[derive(Debug, Error)]
 pub enum AllowedError {
-    #[error("there is no folder for what is allowed: neither XDG_CONFIG_HOME nor HOME is set")]
+    #[error(
+        "there is no folder for what is allowed: neither XDG_CONFIG_HOME (on Windows APPDATA) nor HOME is set"
+    )]
     /// There is no configuration of this user.
     NoFolder,
     #[error("cannot read what is allowed, {}: {error}", path.display())]

@@ -7,6 +7,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use super::group::Group;
+
 /// How often deadlines are checked. A deadline is wall time, of which nothing depends but whether there is a fault.
 const CHECK_INTERVAL: Duration = Duration::from_millis(50);
 
@@ -22,6 +24,7 @@ pub struct Watched {
 #[derive(Debug)]
 struct WatchedChild {
     child: Child,
+    group: Group,
     ended: Option<ExitStatus>,
 }
 
@@ -38,9 +41,10 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 
 impl Watchdog {
     /// Watches a child from now on, which leads a group of its own.
-    pub fn watch(&self, child: Child) -> io::Result<Arc<Watched>> {
+    pub fn watch(&self, mut child: Child) -> io::Result<Arc<Watched>> {
+        let group = Group::of(&mut child)?;
         let watched = Arc::new(Watched {
-            child: Mutex::new(WatchedChild { child, ended: None }),
+            child: Mutex::new(WatchedChild { child, group, ended: None }),
             deadline: Mutex::new(None),
             expired: AtomicBool::new(false),
         });
@@ -126,7 +130,7 @@ impl WatchedChild {
 
     fn kill(&mut self) {
         if self.ended.is_none() {
-            kill_group(&self.child);
+            self.group.kill();
             // It may be gone already.
             let _ = self.child.kill();
         }
@@ -154,15 +158,3 @@ fn has_ended(child: &mut Child) -> bool {
 fn has_ended(child: &mut Child) -> bool {
     !matches!(child.try_wait(), Ok(None))
 }
-
-#[cfg(unix)]
-fn kill_group(child: &Child) {
-    use rustix::process::{Pid, Signal, kill_process_group};
-    if let Some(id) = i32::try_from(child.id()).ok().and_then(Pid::from_raw) {
-        // There may be nobody left in it.
-        let _ = kill_process_group(id, Signal::KILL);
-    }
-}
-
-#[cfg(not(unix))]
-fn kill_group(_child: &Child) {}

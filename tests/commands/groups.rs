@@ -216,7 +216,8 @@ fn each_is_told_by_their_own_name() {
          expect { crossing_initiation_time(walkers_1, walkers_3) <= 60 s; crossing_initiation_time(walkers) <= 60 s }",
     );
     let texts: Vec<String> = findings(&folder.run("group.scn").1).into_iter().map(|(text, _)| text).collect();
-    let wanted = ["1", "3", "1", "2", "3"].map(|one| format!("crossing_initiation_time(walkers_{one}) <= 60 s"));
+    let wanted =
+        ["1", "3", "1", "2", "3"].map(|one| format!("crossing_initiation_time(walkers_{one}) <= 60 s"));
     assert_eq!(texts, wanted);
 }
 
