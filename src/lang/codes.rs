@@ -239,6 +239,10 @@ codes! {
     BadGroup = "E0527", "a group of pedestrians is not one",
         "`pedestrian walkers times 5 { … }` describes 2 to 100 people, called `walkers_1` to `walkers_5`: nobody else in \
          the scenario is called like that.";
+    WrongWay = "E0528", "what is said of a way does not go together",
+        "Somebody walks across the road, to `goal 2 m beyond kerb`, or along the lane that is outermost on its side, `walks with traffic` \
+         or `walks against traffic`, to `goal 40 m further`. Across the road `meets` finds its own place; along it, `after` says which, \
+         and how far beside the lane's centre it walks follows from the share of the vehicle's width.";
     UnmeantModel = "E0525", "a number with one published value is varied",
         "Some numbers of a model are no free choice. The noise and the filters of `commotions` are per time step, so that with \
          another `dt` than the published one (25 ms for variants with noise, 100 ms for those without) it is another model, \

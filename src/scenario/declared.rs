@@ -251,6 +251,9 @@ pub struct DeclaredPedestrian {
     /// lane, rad.
     #[serde(default = "straight_across", skip_serializing_if = "is_straight_across")]
     pub turned: Expression,
+    /// That they walk along the lane that they start in; `None`: across the road.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub walks: Option<WalksAlong>,
     /// When they enter the world.
     pub appears: DeclaredAppearance,
     /// How far ahead of the centre of their footprint the point is that they are measured by, m.
@@ -270,6 +273,16 @@ fn straight_across() -> Expression {
 
 fn is_straight_across(turned: &Expression) -> bool {
     *turned == straight_across()
+}
+
+/// That somebody walks along the lane that is outermost on their side, as far beside its centre as they start from it or as whom they are
+/// to meet makes it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct WalksAlong {
+    /// In the direction of that lane's traffic, not against it.
+    pub with_traffic: bool,
+    /// How far from their start their goal is, m.
+    pub further: Expression,
 }
 
 /// That somebody is one of a group: `pedestrian walkers times 5 { … }`.
@@ -345,6 +358,9 @@ pub enum DeclaredAppearance {
         vehicle: String,
         /// 0 to 1
         share: Expression,
+        /// How far they have walked by then, m: of somebody who walks along a lane, who could be met anywhere on it.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        after: Option<Expression>,
     },
 }
 

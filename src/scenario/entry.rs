@@ -118,6 +118,9 @@ impl VehicleSetup {
     }
 }
 
+/// Whoever moves at less than this sine of the angle (20°) against a lane moves along it and does not cross it.
+pub const CROSSES: f64 = 0.34;
+
 /// A pedestrian of a world.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PedestrianSetup {
@@ -138,6 +141,15 @@ pub struct PedestrianSetup {
     /// How far ahead of the centre of their footprint the point is that they are measured by, m; negative behind it.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub reference: f64,
+}
+
+impl PedestrianSetup {
+    /// Whether their way leads across the lanes of a road; otherwise it leads along them.
+    pub fn crosses(&self, road: &Road) -> bool {
+        let (ahead, across) = (self.goal.x - self.start.x, self.goal.y - self.start.y);
+        // On bends ways lead across the road.
+        road.bend.is_some() || ahead == 0.0 || across.abs() >= CROSSES * libm::hypot(ahead, across)
+    }
 }
 
 fn is_zero(number: &f64) -> bool {

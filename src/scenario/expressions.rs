@@ -3,6 +3,7 @@
 use super::{
     Aggregate, BendRadius, Claim, DeclaredAppearance, DeclaredBend, DeclaredFollowing, DeclaredPedestrian,
     DeclaredPiece, DeclaredShape, DeclaredVehicleStart, Expression, Model, Origin, PieceKind, Vehicle,
+    WalksAlong,
 };
 
 /// Declares how the expressions of something are gathered, for looking at them and for changing them. Everything is taken apart,
@@ -40,20 +41,21 @@ macro_rules! expressions {
         pub fn pedestrian(person: &$($mut)? DeclaredPedestrian) -> Vec<(&$($mut)? Expression, &Origin)> {
             let DeclaredPedestrian {
                 name: _,
-                model: walks,
+                model: how,
                 shape,
                 side: _,
                 start_from_lane_centre,
                 along,
                 goal_beyond_kerb,
                 turned,
+                walks,
                 appears,
                 reference,
                 individuals: _,
                 group: _,
                 origin,
             } = person;
-            let mut found = model(walks);
+            let mut found = model(how);
             let origin: &Origin = origin;
             match shape {
                 None => {}
@@ -62,10 +64,22 @@ macro_rules! expressions {
                     found.extend([(length, origin), (width, origin)]);
                 }
             }
-            let (DeclaredAppearance::At(number)
-            | DeclaredAppearance::TimeToArrival { vehicle: _, reference: _, time: number }
-            | DeclaredAppearance::Meets { vehicle: _, share: number }) = appears;
-            let places = [start_from_lane_centre, along, goal_beyond_kerb, turned, number, reference];
+            if let Some(WalksAlong { with_traffic: _, further }) = walks {
+                found.push((further, origin));
+            }
+            match appears {
+                DeclaredAppearance::At(number)
+                | DeclaredAppearance::TimeToArrival { vehicle: _, reference: _, time: number } => {
+                    found.push((number, origin));
+                }
+                DeclaredAppearance::Meets { vehicle: _, share, after } => {
+                    found.push((share, origin));
+                    if let Some(after) = after {
+                        found.push((after, origin));
+                    }
+                }
+            }
+            let places = [start_from_lane_centre, along, goal_beyond_kerb, turned, reference];
             found.extend(places.into_iter().map(|place| (place, origin)));
             found
         }

@@ -70,7 +70,7 @@ pub use declaration::{
 pub use declared::{
     DeclaredAppearance, DeclaredFollowing, DeclaredPedestrian, DeclaredShape, DeclaredVehicleStart,
     Membership, Model, REAR_AXLE, RunBudget, Samples, SamplingScheme, Scenario, Suite, TestedInstead,
-    Variation, Vehicle,
+    Variation, Vehicle, WalksAlong,
 };
 pub use declared_bend::{BendRadius, DeclaredBend, DeclaredPiece, PieceKind, WIDE};
 pub use dimension::Dimension;
@@ -80,9 +80,9 @@ pub use distribution::{
     KnownDistribution, VariedValue,
 };
 pub use entry::{
-    BuildController, BuildDynamics, BuildPedestrian, BuildPerception, ControllerContext, ControllerModel,
-    DynamicsModel, ModelSetup, PedestrianContext, PedestrianModel, PedestrianSetup, PerceptionModel,
-    VehicleSetup, World,
+    BuildController, BuildDynamics, BuildPedestrian, BuildPerception, CROSSES, ControllerContext,
+    ControllerModel, DynamicsModel, ModelSetup, PedestrianContext, PedestrianModel, PedestrianSetup,
+    PerceptionModel, VehicleSetup, World,
 };
 pub use evaluate::{Condition, Evaluate, Measure, ParameterSet};
 pub use expression::{BinaryOperator, EvaluationError, Expression};

@@ -53,6 +53,8 @@ pub const ALONG: Limit = limit(Dimension::LENGTH, -100.0, 100.0);
 pub const GOAL: Limit = limit(Dimension::LENGTH, -10.0, 100.0);
 /// Of a pedestrian's way against straight across the road, either way.
 pub const TURNED: Limit = limit(Dimension::ANGLE, -1.25, 1.25);
+/// From the start to the goal of a pedestrian who walks along a lane, and what they have walked of that.
+pub const FURTHER: Limit = limit(Dimension::LENGTH, 0.01, 1000.0);
 /// Time at which a pedestrian appears.
 pub const APPEARS_AT: Limit = limit(Dimension::TIME, 0.0, 3600.0);
 /// Time to arrival of a vehicle at which a pedestrian appears.

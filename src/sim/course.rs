@@ -65,7 +65,8 @@ pub enum Progress {
     Ended(Ending),
 }
 
-/// Whether a vehicle has passed the finish line, or a pedestrian every vehicle's lane. Boxes are where they are.
+/// Whether a vehicle has passed the finish line, or a pedestrian every vehicle's lane, or the goal of who walks along one. Boxes are where they
+/// are.
 pub fn has_arrived(world: &World, state: &Snapshot, who: Solid) -> bool {
     match who {
         Solid::Vehicle(index) => state.vehicles[index].motion.travelled >= world.finish,
@@ -77,11 +78,18 @@ pub fn has_arrived(world: &World, state: &Snapshot, who: Solid) -> bool {
     }
 }
 
-/// Whether a pedestrian has left the lane of a vehicle behind.
+/// At a goal, but for rounding, m.
+const AT_THE_GOAL: f64 = 1e-6;
+
+/// Whether a pedestrian has left the lane of a vehicle behind; of who walks along it, whether they are at their goal.
 pub fn has_crossed(world: &World, state: &Snapshot, pedestrian: usize, car: &VehicleState) -> bool {
     let setup = &world.pedestrians[pedestrian];
     let place = state.pedestrians[pedestrian].position;
     if car.path.course().is_none() {
+        if !setup.crosses(&world.road) {
+            let way = Vector2::from(setup.goal) - Vector2::from(setup.start);
+            return walked(setup, place) >= way.norm() - AT_THE_GOAL;
+        }
         return car.path.beyond(place, setup.side) >= world.road.lane_width / 2.0;
     }
     walked(setup, place) >= way_across(world, setup, &car.path)

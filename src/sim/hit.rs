@@ -4,17 +4,14 @@ use nalgebra::Vector2;
 
 use super::geometry::{Footprint, distance};
 use super::start::{waiting_outside, way};
-use scenario::PedestrianSetup;
 use scenario::agent::{PedestrianState, VehicleState};
+use scenario::{CROSSES, PedestrianSetup};
 
 /// The moment of a hit is looked for in steps of this, m, …
 const LOOKS: f64 = 0.02;
 
 /// … and found to this, m.
 const CLOSE: f64 = 1e-12;
-
-/// Who walks along a lane at less than this sine of the angle (20°) does not cross it.
-const CROSSES: f64 = 0.34;
 
 /// How far (m) the pedestrian has walked straight on from its start, and at which place (m) the vehicle's centre is, when the two first touch
 /// and the pedestrian's reference point is at `share` of the vehicle's width, from the side that it comes from. `None` if their ways do not

@@ -137,6 +137,34 @@ fn cells_that_are_not_there_are_never_green() {
     }
 }
 
+/// Somebody who walks along a lane is nobody to a car that never gets there, or that they walk beside.
+#[test]
+fn cells_along_a_lane_that_never_met_are_not_assessed() {
+    let points = |walks: &str, more: &str| {
+        let text = suite(more, "expect { points >= 1 }");
+        let crossing = "start 4 m from lane centre\n      meets av at impact";
+        assert!(text.contains(crossing));
+        let folder =
+            folder(&text.replace(crossing, &format!("walks with traffic; goal 30 m further; {walks}")));
+        let output = run(&folder, &[]);
+        (code(&output), rating_of(&output))
+    };
+    let met = points("meets av at impact after 5 m", "");
+    assert!(met.0 == 0 && met.1.contains("2 of 2 points"), "{met:?}");
+    for (walks, more, said) in [
+        // Cut off before the car is there.
+        ("meets av at impact after 5 m", "horizon 5 s", "was cut off at 5 s"),
+        // On the pavement, whom no car would hit.
+        ("start 4 m from lane centre", "", "nobody came into a lane"),
+        ("start 0.45 m from lane centre; appears at 50 s", "horizon 40 s", "nobody appeared"),
+    ] {
+        let (code, said_of) = points(walks, more);
+        assert_eq!(code, 102, "{walks}: {said_of}");
+        assert!(said_of.contains("points that the cells would earn: undefined of 2"), "{said_of}");
+        assert!(said_of.contains(said), "{walks}: {said_of}");
+    }
+}
+
 #[test]
 fn a_rating_is_listed_and_asked_for_again() {
     let folder = folder(&suite("", "expect { points >= 1.5 }"));
@@ -185,12 +213,14 @@ fn euro_ncap_cells_hit_where_they_say() {
         assert!((found - wanted).abs() <= 0.001, "{}: {found} and not {wanted}", trial["key"]);
         let (pace, speed) =
             (number(&trial["variation"]["pace"]), number(&metrics["impact_speed(component=along)"]));
-        // Along a car that turns the dummy of CPTA walks with it or against it.
-        let turns = trial["key"].as_str().unwrap().contains("/cpta");
-        assert!(turns || (pace - speed).abs() < 1e-9, "{}: {speed} and not {pace}", trial["key"]);
+        // Along a car that turns the dummy of CPTA walks with it or against it; that of CPLA walks before it.
+        let is = |name: &str| trial["key"].as_str().unwrap().contains(name);
+        let away = if is("/cpla") { 5.0 / 3.6 } else { 0.0 };
+        let closing = pace - away;
+        assert!(is("/cpta") || (closing - speed).abs() < 1e-9, "{}: {speed} and not {closing}", trial["key"]);
         places.push(wanted);
     }
-    // 5 + 5 + 3 places at six speeds, and five in each of four turns in two directions.
-    assert_eq!(places.len(), 78 + 40);
+    // 5 + 5 + 3 places at six speeds, five in each of four turns in two directions, and four along the lane at eight speeds.
+    assert_eq!(places.len(), 78 + 40 + 32);
     assert_eq!(results["suites"][0]["ratings"][0]["points"], 0.0);
 }

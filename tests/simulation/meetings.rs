@@ -7,18 +7,9 @@ use results::Requests;
 use runner::plan::plan;
 use runner::run::{FreeFlows, Unwatched, run_case};
 
-/// A scenario with these, and the value of a metric in its only run.
+/// The value of a metric in the only run of a scenario.
 fn measured(text: &str, metric: &str) -> Option<f64> {
-    let files = Memory::default().with("meets.scn", text);
-    let loaded = lang::load("meets.scn".as_ref(), &standard(), &files);
-    let suite = loaded.unwrap_or_else(|failure| panic!("{text}\n{:?}", failure.diagnostics)).suite;
-    let plan = plan(&suite).unwrap_or_else(|errors| panic!("{text}\n{}", errors[0]));
-    let trial = plan.trial(0);
-    let case = &trial.cases.first();
-    let requests = Requests::defaults(&standard());
-    let outcome = run_case(case, &requests, &FreeFlows::default(), &mut Unwatched).unwrap();
-    let index = requests.iter().position(|request| request.metric.name() == metric).expect("it is a metric");
-    outcome.metrics[index]
+    measure(text)(metric)
 }
 
 proptest! {
@@ -70,6 +61,116 @@ scenario meets {{
         let point = measured(&text, "impact_point").expect("it is hit at the front");
         prop_assert!((point - share).abs() < 1e-3, "{point} instead of {share}\n{text}");
     }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+
+    #[test]
+    fn who_walks_along_a_lane_is_hit_where_and_when_it_is_said(
+        speed in 4.0..25.0_f64,
+        pace in 0.5..3.9_f64,
+        share in 0.0..1.0_f64,
+        accelerates in prop::option::of(0.1..2.0_f64),
+        after in 3.0..30.0_f64,
+        far in any::<bool>(),
+        against in any::<bool>(),
+        lane in 0..2_usize,
+        along in -30.0..30.0_f64,
+        reference in -0.2..0.2_f64,
+        step in prop::sample::select(vec![0.01, 0.025, 0.05]),
+    ) {
+        let way = if against { "against" } else { "with" };
+        let side = if far { "from far side;" } else { "" };
+        let behind = if reference < 0.0 { "behind" } else { "ahead of" };
+        let gets_faster = accelerates.map_or(String::new(), |way| format!(", acceleration_way: {way} m"));
+        let text = format!("
+scenario meets {{
+  road {{ lanes forward, backward; lane_width 3.5 m; speed_limit 50 km/h; crossing unmarked }}
+  vehicle av {{ controller constant_speed; speed {speed} m/s; size 4.4 m x 1.8 m; lane {lane} }}
+  pedestrian dummy {{
+    model scripted {{ speed: {pace} m/s{gets_faster} }}
+    size 0.6 m x 0.5 m; {side}
+    along {along} m
+    goal 31 m further
+    reference {} m {behind} centre
+    walks {way} traffic
+    meets av at {share} after {after} m
+  }}
+  horizon 300 s
+  step {step} s
+  end on collision
+}}", reference.abs());
+        let found = measure(&text);
+        let point = found("impact_point").expect("it is hit at the front");
+        prop_assert!((point - share).abs() < 1e-9, "{point} instead of {share}\n{text}");
+        // `with` and `against` are about the lane of the dummy's own side.
+        let comes_towards = against != (usize::from(far) != lane);
+        let closing = if comes_towards { speed + pace } else { speed - pace };
+        let hit = found("impact_speed").expect("it is hit");
+        prop_assert!((hit - closing).abs() < 1e-9, "{hit} instead of {closing}\n{text}");
+        let walked = (after + accelerates.unwrap_or(0.0)) / pace;
+        let time = found("time").unwrap();
+        prop_assert!((time - walked).abs() < 1e-6, "{time} s instead of {walked} s\n{text}");
+    }
+}
+
+/// Everything in the run of a scenario by the names of metrics, and when it ended.
+fn measure(text: &str) -> impl Fn(&str) -> Option<f64> + use<> {
+    let files = Memory::default().with("meets.scn", text);
+    let loaded = lang::load("meets.scn".as_ref(), &standard(), &files);
+    let suite = loaded.unwrap_or_else(|failure| panic!("{text}\n{:?}", failure.diagnostics)).suite;
+    let plan = plan(&suite).unwrap_or_else(|errors| panic!("{text}\n{}", errors[0]));
+    let trial = plan.trial(0);
+    let requests = Requests::defaults(&standard());
+    let outcome = run_case(&trial.cases.first(), &requests, &FreeFlows::default(), &mut Unwatched).unwrap();
+    let names: Vec<String> = requests.iter().map(|request| request.metric.name().to_string()).collect();
+    move |metric: &str| match metric {
+        "time" => Some(outcome.ending.time),
+        _ => outcome.metrics[names.iter().position(|name| name == metric).expect("it is a metric")],
+    }
+}
+
+/// A pair that does not cross is followed, and neither passes anything of the other.
+#[test]
+fn who_walks_along_a_lane_passes_nothing_of_it() {
+    let found = |along: &str, controller: &str| {
+        measure(&format!(
+            "
+scenario follows {{
+  road {{ lanes forward, backward; lane_width 3.5 m; speed_limit 50 km/h; crossing unmarked }}
+  vehicle av {{ controller {controller}; speed 30 km/h; size 4.4 m x 1.8 m; start 60 m before crossing }}
+  pedestrian walker {{ model scripted; walks with traffic; goal 20 m further; {along} }}
+}}"
+        ))
+    };
+    let crossing =
+        ["pet", "pet_area", "gap_accepted", "tta_at_entry", "crossing_duration", "pedestrian_delay"];
+    for (along, controller, follows) in [
+        // In the lane before the car, on the pavement beside it, and a person whom it runs into.
+        ("start 0.45 m from lane centre", "yielding", true),
+        ("start 3 m from lane centre", "yielding", false),
+        // From one side of the lane's centre to the other nobody passes it who walks along it.
+        ("start -0.01 m from lane centre", "yielding", true),
+    ] {
+        let found = found(along, controller);
+        for metric in crossing {
+            assert_eq!(found(metric), None, "{metric}, {along}");
+        }
+        assert_eq!(found("passed_first"), Some(0.0), "{along}");
+        assert_eq!(found("collision"), Some(0.0), "{along}");
+        assert!(found("min_distance").unwrap() > 0.0);
+        for metric in ["time_headway", "min_ttc", "drac"] {
+            assert_eq!(found(metric).is_some(), follows, "{metric}, {along}");
+        }
+    }
+    let hit = found("start 0.45 m from lane centre", "constant_speed");
+    assert_eq!((hit("collision"), hit("min_ttc")), (Some(1.0), Some(0.0)));
+    assert!(hit("time_headway").is_some_and(|headway| headway < 1e-3));
+    assert!((hit("impact_point").unwrap() - 0.25).abs() < 1e-9);
+    assert!((hit("impact_speed").unwrap() - (30.0 / 3.6 - 1.4)).abs() < 1e-9);
+    // A collision is one, whatever else there is to pass.
+    assert_eq!((hit("pet"), hit("gap_accepted")), (Some(0.0), Some(0.0)));
 }
 
 #[test]

@@ -29,6 +29,7 @@ mod subject;
 mod tested;
 mod variation;
 mod vehicle;
+mod way;
 
 pub use block::reject_repeats;
 pub use controller::controller;

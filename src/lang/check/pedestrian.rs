@@ -9,6 +9,7 @@ use super::literal;
 use super::model::{ModelKind, named};
 use super::places::Places;
 use super::vehicle::size;
+use super::way::Way;
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
 use crate::settings::repeated;
@@ -18,8 +19,8 @@ use crate::value::{self, Typed};
 use crate::write::{BlockText, constant, is_name, model_text, number_of, quantity, quoted};
 use scenario::{
     BinaryOperator, DeclaredAppearance, DeclaredPedestrian, DeclaredShape, Dimension, Expression,
-    Individuals, Membership, PedestrianModel, PopulationShare, Road, Side, Value, VehicleReference, limits,
-    show,
+    Individuals, Membership, PedestrianModel, PopulationShare, Road, Side, Value, VehicleReference,
+    WalksAlong, limits, show,
 };
 
 /// Whom a block describes.
@@ -68,7 +69,10 @@ pub fn pedestrian(
         Some(said) if said.node.is_far() => Side::Far,
         _ => Side::Near,
     };
+    let way = Way::of(layers);
+    let fits = way.check(report);
     let start = match last(layers, ast::PedestrianBlock::start) {
+        _ if !way.needs_start() => Some(Expression::number(0.0)),
         Some(said) => road.and_then(|road| {
             let (start, typed, offset) = start(said, road, report)?;
             written.shifted(&who.name, "start", &typed, offset, places);
@@ -90,8 +94,12 @@ pub fn pedestrian(
     let what = "the place of a pedestrian along the road";
     let said = last(layers, |block| block.along().map(ast::Along::value));
     let along = length(said, 0.0, limits::ALONG, "along", what);
-    let said = last(layers, |block| block.goal().map(ast::Goal::value));
-    let goal = length(said, Defaults::GOAL, limits::GOAL, "goal", "the goal of a pedestrian");
+    let said = way.goal.map(|Said { node, scope }| Said { node: node.value(), scope });
+    let (limit, default) = match way.walks {
+        None => (limits::GOAL, Defaults::GOAL),
+        Some(_) => (limits::FURTHER, 0.0),
+    };
+    let goal = length(said, default, limit, "goal", "the goal of a pedestrian");
     let appears = match last(layers, ast::PedestrianBlock::appearance) {
         Some(Said { node: ast::Appearance::Appears(node), scope }) => {
             appears(Said { node, scope }, vehicles, report).map(|(appears, typed)| {
@@ -100,8 +108,9 @@ pub fn pedestrian(
             })
         }
         Some(Said { node: ast::Appearance::Meets(node), scope }) => {
-            meets(Said { node, scope }, vehicles, report).map(|(meets, typed)| {
-                written.statement(&who.name, "meets", Some(&typed), places);
+            meets(Said { node, scope }, vehicles, report).map(|(meets, share, after)| {
+                written.statement(&who.name, "meets", Some(&share), places);
+                written.statement(&who.name, "after", after.as_ref(), places);
                 meets
             })
         }
@@ -122,8 +131,11 @@ pub fn pedestrian(
         None => Some(Expression::number(0.0)),
     };
     written.settings(&who.name, "model", model.as_ref().map_or(&[], |named| &named.given), places);
-    if let (Some(road), Some(start), Some(goal)) = (road, &start, &goal) {
+    if let (Some(road), Some(start), Some(goal), None) = (road, &start, &goal, way.walks) {
         check_way(start, goal, last(layers, ast::PedestrianBlock::start), road, report)?;
+    }
+    if !fits {
+        return None;
     }
     Some(DeclaredPedestrian {
         name: who.name.clone(),
@@ -135,8 +147,18 @@ pub fn pedestrian(
         side,
         start_from_lane_centre: start?,
         along: along?,
-        goal_beyond_kerb: goal?,
+        goal_beyond_kerb: if way.walks.is_some() {
+            Expression::number(Defaults::GOAL)
+        } else {
+            goal.clone()?
+        },
         turned: turned?,
+        walks: match (way.walks, goal) {
+            (Some(said), further) => {
+                Some(WalksAlong { with_traffic: !said.node.is_against(), further: further? })
+            }
+            (None, _) => None,
+        },
         appears: appears?,
         reference: reference?,
         individuals: match individuals {
@@ -382,17 +404,27 @@ fn meets(
     said: Said<ast::Meets>,
     vehicles: &[&str],
     report: &mut Vec<Diagnostic>,
-) -> Option<(DeclaredAppearance, Typed)> {
+) -> Option<(DeclaredAppearance, Typed, Option<Typed>)> {
     let name = said.node.vehicle();
     let what = "the share of the vehicle's width at which a pedestrian meets it";
     let share = value::quantity_within(said.node.share(), limits::MEETS, what, said.scope, report);
+    let what = "the way after which a pedestrian is met";
+    let after = said
+        .node
+        .after()
+        .map(|after| value::quantity_within(after.way(), limits::FURTHER, what, said.scope, report));
     if !vehicles.contains(&name.text()) {
         report.push(unknown_vehicle(name, vehicles));
         return None;
     }
     let share = share?;
+    let after = match after {
+        Some(after) => Some(after?),
+        None => None,
+    };
     let vehicle = name.text().to_string();
-    Some((DeclaredAppearance::Meets { vehicle, share: share.expression.clone() }, share))
+    let way = after.as_ref().map(|after| after.expression.clone());
+    Some((DeclaredAppearance::Meets { vehicle, share: share.expression.clone(), after: way }, share, after))
 }
 
 /// How far ahead of the centre the reference point is.
@@ -455,11 +487,17 @@ pub fn write_pedestrian(person: &DeclaredPedestrian, out: &mut BlockText) {
     if person.side == Side::Far {
         out.line("from far side");
     }
-    out.line(&format!("start {} from lane centre", length(&person.start_from_lane_centre)));
+    let is_met_along = person.walks.is_some() && matches!(person.appears, DeclaredAppearance::Meets { .. });
+    if !is_met_along {
+        out.line(&format!("start {} from lane centre", length(&person.start_from_lane_centre)));
+    }
     if number_of(&person.along) != 0.0 {
         out.line(&format!("along {}", length(&person.along)));
     }
-    if number_of(&person.goal_beyond_kerb) != Defaults::GOAL {
+    if let Some(WalksAlong { with_traffic, further }) = &person.walks {
+        out.line(&format!("goal {} further", length(further)));
+        out.line(&format!("walks {} traffic", if *with_traffic { "with" } else { "against" }));
+    } else if number_of(&person.goal_beyond_kerb) != Defaults::GOAL {
         out.line(&format!("goal {} beyond kerb", length(&person.goal_beyond_kerb)));
     }
     match number_of(&person.turned) {
@@ -482,8 +520,9 @@ pub fn write_pedestrian(person: &DeclaredPedestrian, out: &mut BlockText) {
             let time = constant(time, Dimension::TIME);
             out.line(&format!("appears when time_to_arrival({vehicle}{part}) = {time}"));
         }
-        DeclaredAppearance::Meets { vehicle, share } => {
-            out.line(&format!("meets {vehicle} at {}", constant(share, Dimension::NUMBER)));
+        DeclaredAppearance::Meets { vehicle, share, after } => {
+            let after = after.as_ref().map_or_else(String::new, |way| format!(" after {}", length(way)));
+            out.line(&format!("meets {vehicle} at {}{after}", constant(share, Dimension::NUMBER)));
         }
     }
     match number_of(&person.reference) {

@@ -223,7 +223,17 @@ fn with(kind: BlockKind, said: &str) -> String {
         &["controller carla_behavior", "speed 30 km/h", "start 60 m before crossing"],
     );
     let car = format!("vehicle av {{ {car} }}");
-    let person = block(BlockKind::Pedestrian, &["model commotions", "start 1 m from kerb"]);
+    // What is said of somebody who walks along a lane is not said alone.
+    let person: &[&str] = match said {
+        along if along.starts_with("meets") && along.contains(" after ") => {
+            &["model commotions", "walks with traffic", "goal 40 m further"]
+        }
+        along if along.starts_with("walks") || along.ends_with("further") => {
+            &["model commotions", "start 1 m from kerb", "walks with traffic", "goal 40 m further"]
+        }
+        _ => &["model commotions", "start 1 m from kerb"],
+    };
+    let person = block(BlockKind::Pedestrian, person);
     let person = format!("pedestrian walker {{ {person} }}");
     let scenario = block(BlockKind::Scenario, &[&road, &car, &person, "repeat 2"]);
     let street = "road NAME { lanes 1; lane_width 3 m; speed_limit 30 km/h; crossing zebra }\n";

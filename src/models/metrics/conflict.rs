@@ -100,7 +100,7 @@ fn here((vehicle, pedestrian): (usize, usize), end: &End) -> f64 {
 /// A time between two of which one has yet to come, at least `low`, unless a smaller one was seen or they have met.
 fn still_open(encounter: &Encounter, low: f64, value: Option<f64>) -> Option<Open> {
     let high = value.unwrap_or(f64::INFINITY);
-    let open = encounter.appeared.is_some() && encounter.contact.is_none() && low < high;
+    let open = encounter.crosses && encounter.appeared.is_some() && encounter.contact.is_none() && low < high;
     open.then_some(Open { low, high })
 }
 
@@ -289,7 +289,8 @@ impl Order {
     /// Whether somebody is there of whom it is not known yet.
     fn is_open(&self, encounters: &Encounters) -> bool {
         let encounter = encounters.pair(self.pair.0, self.pair.1);
-        encounter.appeared.is_some() && encounter.contact.is_none() && self.first(encounters).0 == NOBODY
+        let there = encounter.crosses && encounter.appeared.is_some();
+        there && encounter.contact.is_none() && self.first(encounters).0 == NOBODY
     }
 
     /// Who, and when, if that was during the run.
@@ -298,7 +299,7 @@ impl Order {
         let encounter = encounters.pair(self.pair.0, self.pair.1);
         let reached = passage.reached(encounter.final_passing().map_or(self.expected_place, |it| it.place));
         match encounter.final_passing() {
-            _ if encounter.appeared.is_none() => (NOBODY, None),
+            _ if encounter.appeared.is_none() || !encounter.crosses => (NOBODY, None),
             Some(passing) if passing.time < reached.moment() => (PEDESTRIAN, Some(passing.time)),
             Some(_) => (VEHICLE, reached.time()),
             None if reached.moment() < f64::INFINITY => (VEHICLE, reached.time()),
@@ -359,7 +360,8 @@ impl Meter for TtaAtEntry {
 
     fn open(&self, encounters: &Encounters, _: &End) -> Option<Open> {
         let encounter = encounters.pair(self.pair.0, self.pair.1);
-        (encounter.appeared.is_some() && encounter.first_entry.is_none()).then(|| Open::at_least(0.0))
+        let comes = encounter.crosses && encounter.appeared.is_some() && encounter.first_entry.is_none();
+        comes.then(|| Open::at_least(0.0))
     }
 
     fn instant(&self, encounters: &Encounters) -> Option<f64> {

@@ -1,7 +1,7 @@
 //! How near the footprints come: collision and impact speed with anything, smallest distance of a vehicle and a pedestrian.
 
 use nalgebra::Vector2;
-use scenario::{Absence, Metric, MetricKind, MetricRange, Scope, Shape, Worst};
+use scenario::{Absence, Metric, MetricKind, MetricRange, Scope, Shape, Side, Worst};
 use scenario::{ChoiceOption, Declaration, Dimension, Parameter, Value};
 use sim::geometry::{Footprint, distance};
 use sim::measure::{Contact, Encounters, Meter, MetricContext, difference, half_extent_along, lerp, meters};
@@ -150,6 +150,7 @@ pub fn impact_point() -> Metric {
             Box::new(ImpactPoint {
                 pair: (context.vehicle, context.pedestrian),
                 way: Vector2::from(setup.goal) - Vector2::from(setup.start),
+                side: (!setup.crosses(&context.world.road)).then_some(setup.side),
                 reference: setup.reference,
                 is_over: false,
                 found: None,
@@ -162,6 +163,8 @@ struct ImpactPoint {
     pair: (usize, usize),
     /// From the pedestrian's start to the goal, m.
     way: Vector2<f64>,
+    /// The side of the road that who walks along a lane is on.
+    side: Option<Side>,
     /// m
     reference: f64,
     /// Once they have touched.
@@ -205,8 +208,12 @@ impl Meter for ImpactPoint {
         if front.abs() > AT_THE_FRONT && !(aslant && corner()) {
             return;
         }
-        let across = (place + person.heading * self.reference - centre).dot(&left);
-        self.found = Some(0.5 + self.way.dot(&left).signum() * across / car.width);
+        let reference = place + person.heading * self.reference;
+        let beyond = match self.side {
+            Some(side) => car.path.beyond(reference, side),
+            None => self.way.dot(&left).signum() * (reference - centre).dot(&left),
+        };
+        self.found = Some(0.5 + beyond / car.width);
     }
 
     fn value(&self, _: &Encounters) -> Option<f64> {

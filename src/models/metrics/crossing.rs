@@ -105,7 +105,8 @@ impl Meter for CrossingDuration {
     fn open(&self, encounters: &Encounters, _: &End) -> Option<Open> {
         let encounter = encounters.pair(self.pair.0, self.pair.1);
         // Who turns back may come again and cross as fast as ever.
-        (encounter.appeared.is_some() && encounter.crossing.is_none()).then(|| Open::at_least(0.0))
+        let crosses = encounter.crosses && encounter.appeared.is_some() && encounter.crossing.is_none();
+        crosses.then(|| Open::at_least(0.0))
     }
 
     fn instant(&self, encounters: &Encounters) -> Option<f64> {
@@ -162,7 +163,7 @@ impl Meter for PedestrianDelay {
 
     fn open(&self, encounters: &Encounters, end: &End) -> Option<Open> {
         let encounter = encounters.pair(self.pair.0, self.pair.1);
-        let appeared = encounter.appeared.filter(|_| encounter.crossing.is_none())?;
+        let appeared = encounter.appeared.filter(|_| encounter.crosses && encounter.crossing.is_none())?;
         Some(Open::at_least(end.time - appeared - self.free_time?))
     }
 

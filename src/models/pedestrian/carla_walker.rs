@@ -7,6 +7,7 @@ use nalgebra::Vector2;
 
 use super::sum::sum_in_any_order;
 use super::{PedestrianContext, PedestrianModel};
+use crate::pedestrian::across::check_across;
 use numbers::random::Stream;
 use scenario::{
     ChoiceOption, Declaration, Dimension, Parameter, Preset, PresetFamily, Road, Settings, Side, Value,
@@ -323,6 +324,7 @@ const THERE: f64 = 0.05;
 const TIME_TOLERANCE: f64 = 1e-9;
 
 fn build(context: &PedestrianContext) -> Result<Box<dyn Pedestrian>, ModelError> {
+    check_across(context, "carla_walker")?;
     let settings = context.settings;
     for (low, high) in [("kerb_wait_min", "kerb_wait_max"), ("snap_min", "snap_max")] {
         if settings.number(low) > settings.number(high) {

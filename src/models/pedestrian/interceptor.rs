@@ -5,6 +5,7 @@
 use nalgebra::Vector2;
 
 use super::{PedestrianContext, PedestrianModel};
+use crate::pedestrian::across::check_across;
 use scenario::{
     Chance, ChoiceOption, Declaration, Dimension, Parameter, Position, Road, Side, VehicleReference,
 };
@@ -119,6 +120,7 @@ struct Interceptor {
 
 fn build(context: &PedestrianContext) -> Result<Box<dyn Pedestrian>, ModelError> {
     let settings = context.settings;
+    check_across(context, "interceptor")?;
     check_place(&context.world.road, context.setup.side, context.setup.start)?;
     let mut traits = stream(context.seed, Agent::Pedestrian(context.rank), Purpose::Trait);
     Ok(Box::new(Interceptor {

@@ -2,6 +2,7 @@
 
 pub mod commotions;
 
+mod across;
 mod carla_walker;
 mod interceptor;
 mod jaywalker;

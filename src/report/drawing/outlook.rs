@@ -112,8 +112,11 @@ impl Outlook {
         outlook
     }
 
-    /// Where a vehicle's path and somebody's way cross.
+    /// Where a vehicle's path and somebody's way cross, or where it runs into who walks along its lane.
     fn meeting(&self, world: &World, vehicle: usize, pedestrian: usize) -> Option<Meeting> {
+        if !world.pedestrians[pedestrian].crosses(&world.road) {
+            return self.runs_into(world, vehicle, pedestrian);
+        }
         let (car, person) = (&self.cars[vehicle], &self.people[pedestrian]);
         let (appears, way) = (person.appears?, person.way()?);
         let size = (car.length, car.width);
@@ -140,6 +143,31 @@ impl Outlook {
             point: car.path.point(area.point.place),
             times,
             between: ((arrives(area.vehicle.from), arrives(area.vehicle.to)), person_between),
+        })
+    }
+
+    /// Where the front of a vehicle comes to somebody who walks along its lane.
+    fn runs_into(&self, world: &World, vehicle: usize, pedestrian: usize) -> Option<Meeting> {
+        let (car, person) = (&self.cars[vehicle], &self.people[pedestrian]);
+        let (long, wide) = person.outline.shape.extents();
+        let (appears, speed) = (person.appears?, car.motion.speed);
+        let front = |time: f64| car.motion.travelled + speed * time + car.length / 2.0;
+        let gap = |time: f64| car.path.along(person.at(time)) - long / 2.0 - front(time);
+        let beside = car.path.beside(person.outline.centre).abs() - (car.width + wide) / 2.0;
+        if beside >= 0.0 || gap(appears) <= 0.0 {
+            return None;
+        }
+        let moments = ((world.horizon - appears) / MOMENTS).clamp(0.0, 1e6) as usize;
+        let last =
+            (1..=moments).map(|step| appears + MOMENTS * step as f64).find(|time| gap(*time) <= 0.0)?;
+        let (before, after) = (gap(last - MOMENTS), gap(last));
+        let time = last - MOMENTS * after / (after - before);
+        (front(time) <= world.finish).then(|| Meeting {
+            vehicle,
+            with: Solid::Pedestrian(pedestrian),
+            point: car.path.point(front(time)),
+            times: (time, time),
+            between: ((time, f64::INFINITY), (time, f64::INFINITY)),
         })
     }
 

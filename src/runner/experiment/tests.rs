@@ -78,6 +78,7 @@ fn scenario() -> Scenario {
             along: 0.0.into(),
             goal_beyond_kerb: 2.0.into(),
             turned: 0.0.into(),
+            walks: None,
             reference: 0.0.into(),
             appears: DeclaredAppearance::TimeToArrival {
                 vehicle: "av".into(),

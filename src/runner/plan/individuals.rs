@@ -249,6 +249,7 @@ mod tests {
             along: number(0.0),
             goal_beyond_kerb: number(2.0),
             turned: number(0.0),
+            walks: None,
             appears: DeclaredAppearance::At(number(0.0)),
             reference: number(0.0),
             individuals: Some(Individuals {

@@ -10,12 +10,15 @@ use scenario::{
 };
 use sim::{Longitudinal, VehicleState, hit_at, walking_time};
 
-use super::check::{check_numbers, check_share};
+use super::check::{check_number, check_numbers, check_share};
 use super::error::PlanError;
 use super::variables::{Variables, number};
 
 /// Leaves room for rounding in places, m.
 const ROUNDING: f64 = 1e-9;
+
+/// The last of a way along a lane, by which it is known how fast somebody is at its end, m.
+const LAST_WAY: f64 = 0.1;
 
 /// Lets everybody in the world who is to meet a vehicle appear in time for it.
 ///
@@ -23,7 +26,7 @@ const ROUNDING: f64 = 1e-9;
 /// Where the model minds others, where the vehicle stands, and where they would have to appear before the run begins.
 pub(super) fn meet(scenario: &Scenario, variables: &Variables, world: &mut World) -> Result<(), PlanError> {
     for (index, declared) in scenario.pedestrians.iter().enumerate() {
-        let DeclaredAppearance::Meets { vehicle, share } = &declared.appears else { continue };
+        let DeclaredAppearance::Meets { vehicle, share, after } = &declared.appears else { continue };
         // What is no number, or too large, is told before anybody walks with it.
         check_numbers(scenario, world)?;
         let said = said(scenario, declared);
@@ -32,7 +35,18 @@ pub(super) fn meet(scenario: &Scenario, variables: &Variables, world: &mut World
             car.ok_or_else(|| PlanError::new(&said, format!("there is no vehicle called `{vehicle}`")))?;
         let share = number(share, variables, &said)?;
         check_share(scenario, &declared.name, share, &said)?;
-        world.pedestrians[index].appears = meeting(scenario, world, index, car, share, &said)?;
+        let Some(after) = after else {
+            world.pedestrians[index].appears = meeting(scenario, world, index, car, share, &said)?;
+            continue;
+        };
+        let after = number(after, variables, &said)?;
+        check_way_walked(scenario, declared, after, &said)?;
+        let (path, setup) = (world.vehicles[car].path(&world.road), &mut world.pedestrians[index]);
+        // Who walks along the lane is at that place across it all the time.
+        let beyond = world.vehicles[car].width * (share - 0.5);
+        let y = path.point(0.0).y + setup.side.walking_sign() * beyond;
+        (setup.start.y, setup.goal.y) = (y, y);
+        world.pedestrians[index].appears = meeting_along(scenario, world, index, car, after, &said)?;
     }
     Ok(())
 }
@@ -41,6 +55,105 @@ pub(super) fn meet(scenario: &Scenario, variables: &Variables, world: &mut World
 fn said(scenario: &Scenario, declared: &DeclaredPedestrian) -> Origin {
     let written = scenario.written.get(&format!("{}.meets", declared.name));
     written.map_or_else(|| declared.origin.clone(), |value| value.origin.clone())
+}
+
+/// Whether the way after which they are met is one.
+fn check_way_walked(
+    scenario: &Scenario,
+    declared: &DeclaredPedestrian,
+    after: f64,
+    said: &Origin,
+) -> Result<(), PlanError> {
+    let name = &declared.name;
+    let what = format!("the way after which pedestrian `{name}` is met");
+    check_number(scenario, &format!("{name}.after"), &what, after, limits::FURTHER, said)
+}
+
+/// Of somebody who walks along the lane in which the vehicle comes from behind or towards them.
+fn meeting_along(
+    scenario: &Scenario,
+    world: &World,
+    person: usize,
+    vehicle: usize,
+    after: f64,
+    said: &Origin,
+) -> Result<Appearance, PlanError> {
+    let (setup, car) = (&world.pedestrians[person], &world.vehicles[vehicle]);
+    let (name, other) = (&setup.name, &car.name);
+    if car.speed <= 0.0 {
+        return Err(stands(other, said));
+    }
+    let further = (setup.goal.x - setup.start.x).abs();
+    if after > further {
+        let message =
+            format!("pedestrian `{name}` is to meet `{other}` {} beyond its goal", metres(after - further));
+        let hint = format!("let its goal be at least {} further", metres(after));
+        return Err(PlanError::new(said, message).with_hint(hint));
+    }
+    let Some(time) = alone(world, setup, after, &scenario.pedestrians[person].model.origin)? else {
+        return Err(never_walks(name, other, after, said));
+    };
+    let path = car.path(&world.road);
+    let ahead = path.heading(0.0).x * (setup.goal.x - setup.start.x).signum();
+    let walked = ahead * after;
+    let (long, _) = setup.shape.extents();
+    // Where the front comes to the near end of the body.
+    let end = path.along(setup.start.into()) + walked - long / 2.0;
+    // A vehicle catches up with whom it is behind at first and faster than at last.
+    let short = after.min(LAST_WAY) / 2.0;
+    let earlier = alone(world, setup, after - short, &scenario.pedestrians[person].model.origin)?;
+    let last = earlier.map_or(0.0, |earlier| ahead * short / (time - earlier));
+    let fastest = last.max(walked / time);
+    if car.speed <= fastest {
+        let message = format!("vehicle `{other}` is too slow to catch up with pedestrian `{name}`");
+        let shown = show(fastest, None, Dimension::SPEED);
+        let hint = format!("let it be faster than {shown}, as fast as `{name}` is");
+        return Err(PlanError::new(said, message).with_hint(hint));
+    }
+    in_time(scenario, world, (person, vehicle), (time, end), said)
+}
+
+fn metres(length: f64) -> String {
+    show(length, None, Dimension::LENGTH)
+}
+
+fn stands(other: &str, said: &Origin) -> PlanError {
+    let message = format!("vehicle `{other}` stands still, so that nobody can be in time to meet it");
+    PlanError::new(said, message).with_hint("give it a speed")
+}
+
+fn never_walks(name: &str, other: &str, way: f64, said: &Origin) -> PlanError {
+    let message =
+        format!("pedestrian `{name}` never walks the {} to where it is to meet `{other}`", metres(way));
+    PlanError::new(said, message).with_hint("its speed, its goal and where it stops decide how far it comes")
+}
+
+/// The appearance of somebody who takes so long (s) to where the vehicle's front is at a place (m), if that is within the run.
+fn in_time(
+    scenario: &Scenario,
+    world: &World,
+    (person, vehicle): (usize, usize),
+    (time, place): (f64, f64),
+    said: &Origin,
+) -> Result<Appearance, PlanError> {
+    let (name, car) = (&world.pedestrians[person].name, &world.vehicles[vehicle]);
+    let (other, path) = (&car.name, car.path(&world.road));
+    let latest = place - time * car.speed - car.length / 2.0;
+    let starts = match car.start {
+        // As far out as they need it.
+        _ if scenario.vehicles[vehicle].start == DeclaredVehicleStart::Automatic => latest,
+        VehicleStart::Distance(distance) => -distance,
+        VehicleStart::TimeToArrival { time, reference, x } => {
+            path.at_line(x) - time * car.speed - reference.ahead_of_centre(car.length)
+        }
+    };
+    if starts > latest + ROUNDING {
+        let message =
+            format!("pedestrian `{name}` would have to appear before the run begins to meet `{other}`");
+        let hint = format!("`{other}` has to start {} before the crossing, or nowhere said", metres(-latest));
+        return Err(PlanError::new(said, message).with_hint(hint));
+    }
+    Ok(Appearance::Meeting { vehicle, time, place })
 }
 
 fn meeting(
@@ -54,10 +167,8 @@ fn meeting(
     let (setup, car) = (&world.pedestrians[person], &world.vehicles[vehicle]);
     let (name, other) = (&setup.name, &car.name);
     let refused = |message: String, hint: String| Err(PlanError::new(said, message).with_hint(hint));
-    let metres = |length: f64| show(length, None, Dimension::LENGTH);
     if car.speed <= 0.0 {
-        let message = format!("vehicle `{other}` stands still, so that nobody can be in time to meet it");
-        return refused(message, "give it a speed".to_string());
+        return Err(stands(other, said));
     }
     let path = car.path(&world.road);
     let straight = path.course().is_none() && setup.start.x == setup.goal.x;
@@ -84,29 +195,9 @@ fn meeting(
         return refused(message, "let it start farther away".to_string());
     }
     let Some(time) = alone(world, setup, way, &scenario.pedestrians[person].model.origin)? else {
-        let message =
-            format!("pedestrian `{name}` never walks the {} to where it is to meet `{other}`", metres(way));
-        return refused(
-            message,
-            "its speed, its goal and where it stops decide how far it comes".to_string(),
-        );
+        return Err(never_walks(name, other, way, said));
     };
-    let latest = flank - time * car.speed - car.length / 2.0;
-    let starts = match car.start {
-        // As far out as they need it.
-        _ if scenario.vehicles[vehicle].start == DeclaredVehicleStart::Automatic => latest,
-        VehicleStart::Distance(distance) => -distance,
-        VehicleStart::TimeToArrival { time, reference, x } => {
-            path.at_line(x) - time * car.speed - reference.ahead_of_centre(car.length)
-        }
-    };
-    if starts > latest + ROUNDING {
-        let message =
-            format!("pedestrian `{name}` would have to appear before the run begins to meet `{other}`");
-        let hint = format!("`{other}` has to start {} before the crossing, or nowhere said", metres(-latest));
-        return refused(message, hint);
-    }
-    Ok(Appearance::Meeting { vehicle, time, place: flank })
+    in_time(scenario, world, (person, vehicle), (time, flank), said)
 }
 
 /// How long the pedestrian takes for so much of its way (m) with nobody else in the world, s; `None` if it does not walk that far.

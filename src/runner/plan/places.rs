@@ -147,6 +147,10 @@ pub(super) fn way(
     let (side, sign) = (declared.side, declared.side.walking_sign());
     let (along, start) = (number(&declared.along)?, number(&declared.start_from_lane_centre)?);
     let goal = number(&declared.goal_beyond_kerb)?;
+    if let Some(walks) = &declared.walks {
+        let further = number(&walks.further)?;
+        return way_along(scenario, road, declared, (start, along, further), walks.with_traffic);
+    }
     let from = road.outer_lane_centre(side) - sign * start;
     let to = road.kerb(side.opposite()) + sign * goal;
     let turned = number(&declared.turned)?;
@@ -158,4 +162,32 @@ pub(super) fn way(
         return Err(starts_beyond(scenario, declared));
     }
     Ok(road.way(side, along, (from, to), turned))
+}
+
+/// Where somebody starts and where they walk to who walks along the lane that is outermost on their side.
+fn way_along(
+    scenario: &Scenario,
+    road: &Road,
+    declared: &DeclaredPedestrian,
+    (start, along, further): (f64, f64, f64),
+    with_traffic: bool,
+) -> Result<(Position, Position), PlanError> {
+    let name = &declared.name;
+    if road.bend.is_some() {
+        let message = format!("pedestrian `{name}` walks along the lane of a road that bends");
+        return Err(PlanError::new(&declared.origin, message)
+            .with_hint("people go straight to their goals: take a road without `path`, or let it cross"));
+    }
+    check_places(scenario, declared, (start, along, 0.0), 0.0)?;
+    let what = format!("the goal of pedestrian `{name}`");
+    check_number(scenario, &format!("{name}.goal"), &what, further, limits::FURTHER, &declared.origin)?;
+    let sign = declared.side.walking_sign();
+    let lane = match declared.side {
+        Side::Near => 0,
+        Side::Far => road.lanes.len() - 1,
+    };
+    let with = road.path(lane).heading(0.0).x;
+    let ahead = if with_traffic { with } else { -with };
+    let y = road.outer_lane_centre(declared.side) - sign * start;
+    Ok((Position { x: along, y }, Position { x: along + ahead * further, y }))
 }

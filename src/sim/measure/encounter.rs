@@ -47,6 +47,10 @@ pub struct Encounter {
     /// That the pedestrian comes from.
     side: Side,
     half_lane: f64,
+    /// Whether the pedestrian's way leads across the vehicle's lane. Who walks along it passes nothing of it.
+    pub crosses: bool,
+    /// Whether who walks along the lane was in it.
+    was_in_lane: bool,
     /// When the pedestrian appeared, s.
     pub appeared: Option<f64>,
     /// The first touch of the footprints.
@@ -136,6 +140,8 @@ impl Encounters {
         let encounter = |pedestrian: usize| Encounter {
             side: world.pedestrians[pedestrian].side,
             half_lane: world.road.lane_width / 2.0,
+            crosses: world.pedestrians[pedestrian].crosses(&world.road),
+            was_in_lane: false,
             appeared: None,
             contact: None,
             passings: Vec::with_capacity(EXPECTED_EVENTS),
@@ -176,7 +182,7 @@ impl Encounters {
             let sent = appeared && self.sent[pedestrian];
             Presence {
                 appeared,
-                entered: pairs().any(|pair| pair.first_entry.is_some()),
+                entered: pairs().any(|pair| pair.first_entry.is_some() || pair.was_in_lane),
                 met: sent || pairs().any(|pair| pair.near || pair.contact.is_some()),
             }
         };
@@ -272,6 +278,10 @@ impl Encounter {
         let before = self.places.map_or_else(|| car.path.locate(old.position), |(_, before)| before);
         let places = (before, car.path.locate(new.position));
         self.places = Some(places);
+        if !self.crosses {
+            self.was_in_lane |= places.1.beside.abs() < self.half_lane;
+            return;
+        }
         // Who is so far inside a bend that nobody knows which part of it is meant passes nothing of it.
         if !places.0.ambiguous && !places.1.ambiguous {
             self.follow_lane(step, (old_car, car), places);

@@ -45,6 +45,7 @@ views! {
         along: (Along),
         goal: (Goal),
         turned: (Turned),
+        walks: (Walks),
         appearance: (Appearance),
         appears: (Appears),
         meets: (Meets),
@@ -66,16 +67,21 @@ views! {
     /// `from far side`
     Side = side { is_far: {kw_far} }
     Along = along { value: Expression }
-    Goal = goal { value: Expression }
+    /// `goal 2 m beyond kerb`, or `goal 40 m further` of who walks along a lane
+    Goal = goal { value: Expression, is_further: {kw_further} }
     /// `turned 12 deg left`
     Turned = turned { value: Expression, is_left: {kw_left} }
+    /// `walks with traffic`
+    Walks = walks { is_against: {kw_against} }
     Appears = appears { at: (AppearsAt), when: (AppearsWhen) }
     AppearsAt = appears_at { time: Expression }
     /// `when time_to_arrival(av.front) = 6 s`
     AppearsWhen = appears_when { vehicle: Name, part: (VehiclePart), time: Expression }
     VehiclePart = vehicle_part { is_front: {kw_front} }
-    /// `meets av at 25 %`
-    Meets = meets { vehicle: Name, share: Expression }
+    /// `meets av at 25 %`, or `meets av at 25 % after 11 m` of who walks along a lane
+    Meets = meets { vehicle: Name, share: Expression, after: (MetAfter) }
+    /// `after 11 m`
+    MetAfter = met_after { way: Expression }
     /// `reference 0.06 m behind centre`
     ReferencePoint = reference_point { value: Expression, is_behind: {kw_behind} }
 }
@@ -224,8 +230,8 @@ pub static PEDESTRIAN: BlockEntry = BlockEntry {
         statement(
             "goal",
             Rule::goal,
-            "goal 2 m beyond kerb",
-            "Where it wants to go, beyond the opposite kerb.",
+            "goal 2 m beyond kerb` or `goal 40 m further",
+            "Where it wants to go, beyond the opposite kerb; along a lane, how far from its start.",
         )
         .key("goal", YamlShape::Words)
         .set("goal ", " beyond kerb"),
@@ -238,6 +244,13 @@ pub static PEDESTRIAN: BlockEntry = BlockEntry {
         .key("turned", YamlShape::Words)
         .set_where_said(),
         statement(
+            "walks",
+            Rule::walks,
+            "walks with traffic` or `walks against traffic",
+            "Along the lane that is outermost on its side, not across the road.",
+        )
+        .key("walks", YamlShape::Words),
+        statement(
             "appears",
             Rule::appears,
             "appears at 2 s` or `appears when time_to_arrival(av) = 6 s",
@@ -248,8 +261,8 @@ pub static PEDESTRIAN: BlockEntry = BlockEntry {
         statement(
             "meets",
             Rule::meets,
-            "meets av at 25 %",
-            "Appears in time to be hit there, as a share of the vehicle's width from the side that it comes from, if the vehicle keeps its speed.",
+            "meets av at 25 %` or `meets av at 25 % after 11 m",
+            "Appears in time to be hit there, as a share of the vehicle's width from the side that it comes from, if the vehicle keeps its speed; along a lane, after that way.",
         )
         .key("meets", YamlShape::Words)
         .set_where_said(),

@@ -4,6 +4,7 @@ use super::agent::{CommotionsAgent, ConflictState, Rules, Sight};
 use super::parameters::{Parameters, parameters};
 use super::state::{AgentBody, Control, State};
 use super::variant::{Accumulation, Variant, VariantError};
+use crate::pedestrian::across::check_across;
 use crate::pedestrian::{PedestrianContext, PedestrianModel};
 use nalgebra::Vector2;
 use numbers::random::Stream;
@@ -27,6 +28,7 @@ pub fn commotions() -> PedestrianModel {
 }
 
 fn build(context: &PedestrianContext) -> Result<Box<dyn Pedestrian>, ModelError> {
+    check_across(context, "commotions")?;
     let person = Person::from_settings(context.settings, &context.world.road, context.world.step)?;
     let pedestrian = context.setup.shape.extents();
     let bodies = context.world.vehicles.iter().map(|vehicle| {

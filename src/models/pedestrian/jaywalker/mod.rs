@@ -14,6 +14,7 @@ use agent::{Individuality, Jaywalker, Tactic};
 use declaration::{declaration, stop_times};
 
 use super::{PedestrianContext, PedestrianModel};
+use crate::pedestrian::across::check_across;
 use scenario::{Dimension, show_outside};
 use sim::random::{Agent, Purpose, stream};
 use sim::{ModelError, Pedestrian, Stated, StatedBy};
@@ -27,6 +28,7 @@ pub fn jaywalker() -> PedestrianModel {
 const STEPS: (f64, f64) = (0.01, 0.05);
 
 fn build(context: &PedestrianContext) -> Result<Box<dyn Pedestrian>, ModelError> {
+    check_across(context, "jaywalker")?;
     check_place(context)?;
     let settings = context.settings;
     let (shortest, longest) = stop_times(settings)?;
