@@ -76,6 +76,7 @@ fn observation(pedestrians: usize) -> Observation {
             pedestrian_priority: true,
             right_kerb: -2.0,
             left_kerb: 2.0,
+            gradient: None,
         },
         pedestrians: (0..pedestrians)
             .map(|id| SeenPedestrian {

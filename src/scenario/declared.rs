@@ -6,9 +6,10 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    ControllerModel, Criterion, DeclaredBend, Distribution, DynamicsModel, Evaluate, EvaluationError,
-    Expression, Gate, Individuals, MetricReference, Notation, Origin, PedestrianModel, PerceptionModel,
-    Rating, Reference, Road, Search, Side, Statement, Tune, Value, VariedValue, VehicleReference, Written,
+    ControllerModel, Criterion, DeclaredBend, DeclaredGround, Distribution, DynamicsModel, Evaluate,
+    EvaluationError, Expression, Gate, Individuals, MetricReference, Notation, Origin, PedestrianModel,
+    PerceptionModel, Rating, Reference, Road, Search, Side, Statement, Tune, Value, VariedValue,
+    VehicleReference, Written,
 };
 
 /// A suite: scenarios and what holds for all of them. A bare `.scn` file becomes a suite named after the file.
@@ -101,11 +102,14 @@ pub struct Scenario {
     pub doc: Option<String>,
     /// What filters may select it by.
     pub tags: Vec<String>,
-    /// Where everybody moves, straight and with its boxes along it.
+    /// Where everybody moves, straight, with its boxes along it and its ground unsaid.
     pub road: Road,
     /// How that road bends.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bend: Option<DeclaredBend>,
+    /// How steep it is and how well tyres hold on it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ground: Option<DeclaredGround>,
     /// In order; their names and those of pedestrians are all different.
     pub vehicles: Vec<Vehicle>,
     /// In order.

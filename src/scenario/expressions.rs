@@ -1,9 +1,9 @@
 //! Every expression of a scenario, in one place: what is evaluated for each case, and what can depend on a variation.
 
 use super::{
-    Aggregate, BendRadius, Claim, DeclaredAppearance, DeclaredBend, DeclaredFollowing, DeclaredPedestrian,
-    DeclaredPiece, DeclaredShape, DeclaredVehicleStart, Expression, Model, Origin, PieceKind, Vehicle,
-    WalksAlong,
+    Aggregate, BendRadius, Claim, DeclaredAppearance, DeclaredBend, DeclaredFollowing, DeclaredGround,
+    DeclaredPedestrian, DeclaredPiece, DeclaredShape, DeclaredVehicleStart, Expression, Model, Origin,
+    PieceKind, Vehicle, WalksAlong,
 };
 
 /// Declares how the expressions of something are gathered, for looking at them and for changing them. Everything is taken apart,
@@ -107,6 +107,19 @@ macro_rules! expressions {
             found
         }
 
+        pub fn ground(ground: &$($mut)? DeclaredGround) -> Vec<(&$($mut)? Expression, &Origin)> {
+            let DeclaredGround { gradient, friction, origin } = ground;
+            let origin: &Origin = origin;
+            let mut found = Vec::new();
+            if let Some(gradient) = gradient {
+                found.push((gradient, origin));
+            }
+            if let Some(friction) = friction {
+                found.push((friction, origin));
+            }
+            found
+        }
+
         fn model<T>(named: &$($mut)? Model<T>) -> Vec<(&$($mut)? Expression, &Origin)> {
             let Model { first: _, varied_by: _, varied: _, others: _, settings, origin } = named;
             let origin: &Origin = origin;
@@ -174,6 +187,18 @@ impl DeclaredBend {
     /// As [`Self::expressions`].
     pub fn expressions_mut(&mut self) -> Vec<(&mut Expression, &Origin)> {
         exclusive::bend(self)
+    }
+}
+
+impl DeclaredGround {
+    /// Every expression of it, with the place that gives it.
+    pub fn expressions(&self) -> Vec<(&Expression, &Origin)> {
+        shared::ground(self)
+    }
+
+    /// As [`Self::expressions`].
+    pub fn expressions_mut(&mut self) -> Vec<(&mut Expression, &Origin)> {
+        exclusive::ground(self)
     }
 }
 

@@ -32,6 +32,7 @@ mod expression;
 mod expressions;
 mod gate;
 pub mod geometry;
+mod ground;
 mod individuals;
 pub mod limits;
 mod metric;
@@ -87,6 +88,7 @@ pub use entry::{
 pub use evaluate::{Condition, Evaluate, Measure, ParameterSet};
 pub use expression::{BinaryOperator, EvaluationError, Expression};
 pub use gate::{Gate, GateRule, Tolerance};
+pub use ground::{DeclaredGround, GRAVITY, Ground};
 pub use individuals::{Individuals, PopulationShare};
 pub use metric::{Absence, Meters, Metric, MetricKind, MetricRange, Scope, Worst};
 pub use notation::{Notation, Written, out_of_range, show, show_apart, show_both, show_outside};

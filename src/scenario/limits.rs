@@ -25,6 +25,10 @@ pub const FINISH: Limit = limit(Dimension::LENGTH, 0.0, 10_000.0);
 pub const LANE_WIDTH: Limit = limit(Dimension::LENGTH, 1.0, 20.0);
 /// Of a road.
 pub const SPEED_LIMIT: Limit = limit(Dimension::SPEED, 0.0, 100.0);
+/// Rise of a road per metre. Ours: the steepest public streets rise by a little more.
+pub const GRADIENT: Limit = limit(Dimension::NUMBER, -0.3, 0.3);
+/// Coefficient of friction between tyres and road. Ours: below it is wet ice, above it no road tyre.
+pub const FRICTION: Limit = limit(Dimension::NUMBER, 0.05, 1.5);
 /// Length of a piece of a path.
 pub const PIECE: Limit = limit(Dimension::LENGTH, 0.01, 10_000.0);
 /// Of a piece of a path.

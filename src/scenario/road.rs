@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::direction::{Direction, Side};
 use super::geometry::{CurvedPath, GeometryError, ReferenceLine};
+use super::ground::Ground;
 use super::path::Path;
 
 /// The road as everybody finds it. The world's frame is that of its lane 0: x runs along the lane in its direction of travel, y
@@ -34,6 +35,9 @@ pub struct Road {
     /// How it bends; a road without it is straight and endless.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bend: Option<Bend>,
+    /// Along lane 0: how steep it is and how well tyres hold on it.
+    #[serde(default, skip_serializing_if = "Ground::is_unsaid")]
+    pub ground: Ground,
 }
 
 /// How a road bends: the line that the centre of lane 0 follows, and where the crossing is on it. The world's frame is then that
@@ -144,6 +148,7 @@ impl Road {
             crossing: Crossing { kind: CrossingKind::Zebra, width: 4.0 },
             boxes: Vec::new(),
             bend: None,
+            ground: Ground::default(),
         }
     }
 

@@ -10,7 +10,7 @@ use scenario::agent::{
     Command, ControllerError, EgoState, Longitudinal, Mode, Observation, RoadView, Schedule, SeenPedestrian,
     SeenVehicle, Snapshot, VehicleState,
 };
-use scenario::{CommandKind, Located, Road, VehicleSetup, World};
+use scenario::{CommandKind, Ground, Located, Road, VehicleSetup, World};
 
 /// Absorbs the rounding of sums and products when times are compared, s.
 pub(super) const TIME_TOLERANCE: f64 = 1e-9;
@@ -28,6 +28,8 @@ pub(super) struct Control {
     /// What was decided for later, with the moments (s) from which on it holds, in the order of the decisions.
     later: VecDeque<(f64, Held)>,
     schedule: Schedule,
+    /// What it drives on, in its direction, where something is said of that.
+    ground: Option<Ground>,
     /// What its controller is declared to give, where that is known.
     gives: Option<CommandKind>,
     decisions: u64,
@@ -65,6 +67,7 @@ impl Control {
     pub fn new(world: &World, setup: &VehicleSetup, driven: &Driven) -> Self {
         let road = &world.road;
         let (right_kerb, left_kerb) = road.path(setup.lane).kerbs(road);
+        let ground = road.ground.towards(road.lanes[setup.lane].direction);
         let observed = || Observation {
             time: 0.0,
             ego: EgoState {
@@ -82,6 +85,7 @@ impl Control {
                 pedestrian_priority: road.pedestrian_priority(0.0),
                 right_kerb,
                 left_kerb,
+                gradient: ground.gradient,
             },
             pedestrians: Vec::with_capacity(world.pedestrians.len()),
             vehicles: Vec::with_capacity(world.vehicles.len()),
@@ -92,6 +96,7 @@ impl Control {
             held: Held::Command(Command::Acceleration(0.0)),
             later: VecDeque::new(),
             schedule: driven.driver.schedule(),
+            ground: Some(ground).filter(|ground| !ground.is_unsaid()),
             gives: setup.controller.model.entry().map(|controller| controller.gives),
             decisions: 0,
             next: 0.0,
@@ -136,7 +141,7 @@ impl Control {
     }
 
     /// What a vehicle with that speed (m/s) is told at `time` (s).
-    pub fn command_at(&self, time: f64, speed: f64) -> Command {
+    fn command_at(&self, time: f64, speed: f64) -> Command {
         match &self.held {
             Held::Command(command) => *command,
             Held::Plan { plan, begun } => Command::Acceleration(plan.acceleration(time - begun, speed)),
@@ -255,18 +260,14 @@ impl Control {
                     self.decide_far_away((index as f64 - steps as f64) * step, driven)?;
                 }
             } else if let Some(moment) = self.due_before((index + 1) as f64 * step) {
-                let command = self.command_at(begin + self.settling.driven, self.settling.motion.speed);
-                let Settling { motion, driven: done, .. } = &mut self.settling;
-                driven.dynamics.advance(motion, command, moment - begin - *done);
-                *done = moment - begin;
+                self.settle_on(begin, moment - begin - self.settling.driven, driven);
+                self.settling.driven = moment - begin;
                 self.take_effect(moment);
                 if self.is_due(moment) {
                     self.decide_far_away(moment - steps as f64 * step, driven)?;
                 }
             } else {
-                let command = self.command_at(begin + self.settling.driven, self.settling.motion.speed);
-                let Settling { motion, driven: done, .. } = &mut self.settling;
-                driven.dynamics.advance(motion, command, step - *done);
+                self.settle_on(begin, step - self.settling.driven, driven);
                 (self.settling.index, self.settling.begun, self.settling.driven) = (index + 1, false, 0.0);
             }
         }
@@ -286,6 +287,22 @@ impl Control {
             }
         }
         Ok(Some(Longitudinal { travelled: 0.0, ..self.settling.motion }))
+    }
+
+    /// Drives on in free flow by `duration` (s) in the step that began at `begin` (s).
+    fn settle_on(&mut self, begin: f64, duration: f64, driven: &mut Driven) {
+        let mut motion = self.settling.motion;
+        self.drive_on(begin + self.settling.driven, duration, &mut motion, driven);
+        self.settling.motion = motion;
+    }
+
+    /// Lets the vehicle do for `duration` (s) what it is told at `time` (s).
+    pub fn drive_on(&self, time: f64, duration: f64, motion: &mut Longitudinal, driven: &mut Driven) {
+        let command = self.command_at(time, motion.speed);
+        match &self.ground {
+            None => driven.dynamics.advance(motion, command, duration),
+            Some(ground) => driven.dynamics.advance_on(ground, motion, command, duration),
+        }
     }
 
     /// A decision in free flow, `time` (s) being negative: that much before the start.

@@ -433,8 +433,7 @@ impl Course {
     fn drive_on(&mut self, time: f64, duration: f64) {
         let controlled = self.controls.iter().zip(&mut self.users.vehicles);
         for (state, (control, driven)) in self.next.vehicles.iter_mut().zip(controlled) {
-            let command = control.command_at(time, state.motion.speed);
-            driven.dynamics.advance(&mut state.motion, command, duration);
+            control.drive_on(time, duration, &mut state.motion, driven);
         }
     }
 

@@ -142,6 +142,7 @@ impl Sketch {
                 pedestrian_priority: !self.is_signalised || !is_green,
                 right_kerb: -2.0,
                 left_kerb: 6.0,
+                gradient: None,
             },
             pedestrians: self.people.iter().enumerate().filter(|_| is_there).map(person).collect(),
             vehicles: self.vehicles.iter().enumerate().map(vehicle).collect(),

@@ -168,6 +168,9 @@ pub fn scene(asked: &DueDecision) -> Json {
     ] {
         view.insert(name.into(), value);
     }
+    if let Some(gradient) = road.gradient {
+        view.insert("gradient".into(), json!(gradient));
+    }
     if let Some(green) = signal {
         view.insert("signal".into(), json!(green));
     }
@@ -241,6 +244,7 @@ pub fn read_scene(scene: &Json) -> Option<(Observation, bool, Option<bool>)> {
             pedestrian_priority: road.get("pedestrian_priority")?.as_bool()?,
             right_kerb: number(road, "right_kerb")?,
             left_kerb: number(road, "left_kerb")?,
+            gradient: number(road, "gradient"),
         },
         pedestrians: scene.get("pedestrians")?.as_array()?.iter().map(person).collect::<Option<_>>()?,
         vehicles: scene.get("vehicles")?.as_array()?.iter().map(vehicle).collect::<Option<_>>()?,

@@ -7,6 +7,7 @@ mod carla;
 mod commotions_world;
 mod course;
 mod executors;
+mod ground;
 mod jaywalker;
 mod meetings;
 mod numerics;

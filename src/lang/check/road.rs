@@ -15,9 +15,16 @@ use crate::syntax::ast;
 use crate::value::{self, NameScope, Typed, ValueKind};
 use crate::write::{BlockText, constant, quantity};
 use scenario::{
-    Body, Crossing, CrossingKind, Declaration, DeclaredBend, Dimension, Direction, Expression, Lane, Road,
-    Settings, Value, limits,
+    Body, Crossing, CrossingKind, Declaration, DeclaredBend, DeclaredGround, Dimension, Direction,
+    Expression, Ground, Lane, Road, Settings, Value, limits,
 };
+
+/// A road with what of it may depend on variations.
+pub struct DeclaredRoad {
+    pub road: Road,
+    pub bend: Option<DeclaredBend>,
+    pub ground: Option<DeclaredGround>,
+}
 
 /// The road that a `road_block` describes; `name` is empty for one inside a scenario.
 pub fn road(
@@ -28,7 +35,7 @@ pub fn road(
     places: &Places,
     written: &mut Book,
     report: &mut Vec<Diagnostic>,
-) -> Option<(Road, Option<DeclaredBend>)> {
+) -> Option<DeclaredRoad> {
     reject_repeats(*block, report);
     let layers = [Layer { block, scope }];
     let what = if name.is_empty() { "this road".to_string() } else { format!("road `{name}`") };
@@ -60,6 +67,7 @@ pub fn road(
             None
         }
     };
+    let ground = ground(block, scope, places, written, report);
     let boxes: Vec<_> = block.obstacles().map(|node| bodies(node, scope, report)).collect();
     let pieces = block.path().map(|path| bend::pieces(path, scope, places, written, report));
     let (node, (crossing, at)) = crossing?;
@@ -88,8 +96,42 @@ pub fn road(
         crossing,
         boxes: named_once(boxes.into_iter().collect::<Option<Vec<_>>>()?.concat(), span, report)?,
         bend: None,
+        ground: Ground::default(),
     };
-    Some((road, bend))
+    Some(DeclaredRoad { road, bend, ground: ground? })
+}
+
+/// How steep it is and how well tyres hold on it, where that is said; the outer `None`: said wrongly.
+fn ground(
+    block: ast::RoadBlock,
+    scope: &NameScope,
+    places: &Places,
+    written: &mut Book,
+    report: &mut Vec<Diagnostic>,
+) -> Option<Option<DeclaredGround>> {
+    let mut number = |name: &str, node: ast::Expression, limit: limits::Limit| {
+        let what = format!("the {name} of the road");
+        let typed = value::quantity_within(node, limit, &what, scope, report)?;
+        written.statement("road", name, Some(&typed), places);
+        Some(typed)
+    };
+    let gradient = block.gradient().map(|said| number("gradient", said.value(), limits::GRADIENT));
+    let friction = block.friction().map(|said| number("friction", said.value(), limits::FRICTION));
+    let (gradient, friction) = (unless_wrong(gradient)?, unless_wrong(friction)?);
+    let first = [&gradient, &friction].into_iter().flatten().map(|typed| typed.span).next();
+    Some(first.map(|span| DeclaredGround {
+        gradient: gradient.map(|typed| typed.expression),
+        friction: friction.map(|typed| typed.expression),
+        origin: places.origin(span),
+    }))
+}
+
+/// What was said, if anything; `None` if it is wrong.
+fn unless_wrong<T>(said: Option<Option<T>>) -> Option<Option<T>> {
+    match said {
+        None => Some(None),
+        Some(found) => found.map(Some),
+    }
 }
 
 fn lanes(node: ast::Lanes, scope: &NameScope, report: &mut Vec<Diagnostic>) -> Option<Vec<Lane>> {
@@ -266,7 +308,12 @@ fn settings_but(
 }
 
 /// The block that says it.
-pub fn write_road(road: &Road, bend: Option<&DeclaredBend>, out: &mut BlockText) {
+pub fn write_road(
+    road: &Road,
+    bend: Option<&DeclaredBend>,
+    ground: Option<&DeclaredGround>,
+    out: &mut BlockText,
+) {
     out.open("road");
     bend.into_iter().for_each(|bend| bend::write_path(bend, out));
     let directions: Vec<_> = road
@@ -282,6 +329,13 @@ pub fn write_road(road: &Road, bend: Option<&DeclaredBend>, out: &mut BlockText)
     }
     out.line(&format!("lane_width {}", quantity(road.lane_width, Dimension::LENGTH)));
     out.line(&format!("speed_limit {}", quantity(road.speed_limit, Dimension::SPEED)));
+    let mut number = |name: &str, said: Option<&Expression>| {
+        if let Some(said) = said {
+            out.line(&format!("{name} {}", constant(said, Dimension::NUMBER)));
+        }
+    };
+    number("gradient", ground.and_then(|ground| ground.gradient.as_ref()));
+    number("friction", ground.and_then(|ground| ground.friction.as_ref()));
     if !road.kerbs {
         out.line("no kerbs");
     }

@@ -11,7 +11,7 @@ use super::literal;
 use super::metric::Cast;
 use super::pedestrian::{Described, pedestrian, write_pedestrian};
 use super::places::Places;
-use super::road::{road, write_road};
+use super::road::{DeclaredRoad, road, write_road};
 use super::vehicle::{check_starts, vehicle, write_vehicle};
 use super::{group, runs, variation};
 use crate::codes::Code;
@@ -24,8 +24,8 @@ use crate::value::{self, Binding, NameScope, Typed, ValueKind};
 use crate::write::{BlockText, quantity, quoted};
 use scenario::limits::Limit;
 use scenario::{
-    Criterion, DeclaredBend, DeclaredPedestrian, Dimension, Expression, Individuals, Membership,
-    PopulationShare, Road, Scenario, Variation, Vehicle, limits,
+    Criterion, DeclaredBend, DeclaredGround, DeclaredPedestrian, Dimension, Expression, Individuals,
+    Membership, PopulationShare, Scenario, Variation, Vehicle, limits,
 };
 
 /// Criteria that a suite adds to its scenarios, with the names that its file can see.
@@ -58,7 +58,8 @@ pub fn scenario(
 
     let mut written = Book::default();
     let road = scenario_road(&chain, &layers, name, places, &mut written, report);
-    let (road, bend) = road.map_or((None, None), |(road, bend)| (Some(road), bend));
+    let (road, bend, ground) =
+        road.map_or((None, None, None), |DeclaredRoad { road, bend, ground }| (Some(road), bend, ground));
     let vehicle_groups =
         grouped(&layers, |block| block.vehicles().map(|one| (one.name(), one.block())).collect(), report);
     let pedestrian_groups =
@@ -160,7 +161,7 @@ pub fn scenario(
         }
     }
     if report.len() == before && !broken {
-        let mut users = used_variables(bend.as_ref(), &vehicles, &pedestrians, &criteria);
+        let mut users = used_variables(bend.as_ref(), ground.as_ref(), &vehicles, &pedestrians, &criteria);
         users.extend(variations.iter().flat_map(Variation::depends_on));
         unused(&layers, &varied, &variations, &users, report);
     }
@@ -170,6 +171,7 @@ pub fn scenario(
         tags,
         road: road?,
         bend,
+        ground,
         vehicles,
         pedestrians,
         variations,
@@ -366,7 +368,7 @@ fn scenario_road(
     places: &Places,
     written: &mut Book,
     report: &mut Vec<Diagnostic>,
-) -> Option<(Road, Option<DeclaredBend>)> {
+) -> Option<DeclaredRoad> {
     let chosen = chain
         .iter()
         .zip(layers)
@@ -408,7 +410,7 @@ fn defined_road(
     places: &Places,
     written: &mut Book,
     report: &mut Vec<Diagnostic>,
-) -> Option<(Road, Option<DeclaredBend>)> {
+) -> Option<DeclaredRoad> {
     let node = ast::RoadDefinition::cast(places.files.node(definition))?;
     let name = node.name();
     road(name.text(), name.span(), node.block(), places.files.scope(definition.file), places, written, report)
@@ -509,6 +511,7 @@ fn unused(
 /// What road users do with, and what criteria compare to.
 fn used_variables<'a>(
     bend: Option<&'a DeclaredBend>,
+    ground: Option<&'a DeclaredGround>,
     vehicles: &'a [Vehicle],
     pedestrians: &'a [DeclaredPedestrian],
     criteria: &'a [Criterion],
@@ -517,6 +520,7 @@ fn used_variables<'a>(
     let users = vehicles.iter().flat_map(Vehicle::expressions);
     let users = users.chain(pedestrians.iter().flat_map(DeclaredPedestrian::expressions));
     let users = users.chain(bend.into_iter().flat_map(DeclaredBend::expressions));
+    let users = users.chain(ground.into_iter().flat_map(DeclaredGround::expressions));
     expressions.extend(users.map(|(expression, _)| expression));
     let cars = vehicles.iter().flat_map(|vehicle| {
         let dynamics = vehicle.dynamics.as_ref().and_then(|model| model.varied_by.as_deref());
@@ -551,7 +555,7 @@ pub fn write_scenario(scenario: &Scenario, expect: &[String], remarks: &[String]
     if !scenario.tags.is_empty() {
         out.line(&format!("tags {}", scenario.tags.join(", ")));
     }
-    write_road(&scenario.road, scenario.bend.as_ref(), &mut out);
+    write_road(&scenario.road, scenario.bend.as_ref(), scenario.ground.as_ref(), &mut out);
     if scenario.step != Defaults::STEP {
         out.line(&format!("step {}", quantity(scenario.step, Dimension::TIME)));
     }

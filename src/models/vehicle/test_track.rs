@@ -71,6 +71,7 @@ impl Track {
                 pedestrian_priority: true,
                 right_kerb: -2.0,
                 left_kerb: 6.0,
+                gradient: None,
             },
             pedestrians: Vec::new(),
             vehicles: Vec::new(),

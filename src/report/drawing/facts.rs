@@ -1,7 +1,7 @@
 //! A sketch in words: what stands beside the picture, and what of it lies outside.
 
 use super::outlook::{Outlook, Sight, SightKind};
-use scenario::{CrossingKind, Direction, VehicleSetup, World};
+use scenario::{CrossingKind, Direction, Ground, VehicleSetup, World};
 use sim::Solid;
 
 /// A line for the road, each road user, each meeting and each line of sight that something is on.
@@ -73,11 +73,21 @@ fn road(world: &World) -> String {
         Some(bend) => format!("bent road of {:.1} m", bend.line.length()),
     };
     format!(
-        "{shape}, lanes of {:.2} m from near to far: {}; {kind} of {:.1} m",
+        "{shape}{}, lanes of {:.2} m from near to far: {}; {kind} of {:.1} m",
+        ground(&road.ground),
         road.lane_width,
         lanes.join(", "),
         road.crossing.width
     )
+}
+
+fn ground(ground: &Ground) -> String {
+    let gradient = ground.gradient.filter(|gradient| *gradient != 0.0).map(|gradient| {
+        let way = if gradient < 0.0 { "falls" } else { "rises" };
+        format!(" that {way} by {:.1} % along lane 0", 100.0 * gradient.abs())
+    });
+    let friction = ground.friction.map(|friction| format!(", friction {friction:.2}"));
+    [gradient, friction].into_iter().flatten().collect()
 }
 
 fn sight(world: &World, sight: &Sight) -> String {

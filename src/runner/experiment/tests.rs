@@ -53,6 +53,7 @@ fn scenario() -> Scenario {
         tags: Vec::new(),
         road: Road::zebra(&[Direction::Forward, Direction::Backward], 30.0 / 3.6),
         bend: None,
+        ground: None,
         vehicles: vec![Vehicle {
             name: "av".into(),
             controller: model(

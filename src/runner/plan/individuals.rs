@@ -270,6 +270,7 @@ mod tests {
             tags: Vec::new(),
             road: Road::zebra(&[Direction::Forward], 10.0),
             bend: None,
+            ground: None,
             vehicles: Vec::new(),
             pedestrians,
             variations: Vec::new(),

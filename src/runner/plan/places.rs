@@ -8,16 +8,18 @@ use super::variables::{Variables, number};
 use scenario::geometry::{CurvedPath, GeometryError, Piece, Pose, ReferenceLine};
 use scenario::limits::{self, Limit};
 use scenario::{
-    Bend, BendRadius, DeclaredBend, DeclaredPedestrian, Dimension, Direction, Expression, Origin, PieceKind,
-    Position, Road, Scenario, Side, show,
+    Bend, BendRadius, DeclaredBend, DeclaredPedestrian, Dimension, Direction, Expression, Ground, Origin,
+    PieceKind, Position, Road, Scenario, Side, show,
 };
 
 /// The road of a scenario where variations have these values.
 ///
 /// # Errors
-/// A path with a number out of its range, one too tight for its lanes, one that comes back to itself, and a crossing that is not on it.
+/// A gradient or friction out of its range; a path with a number out of its range, one too tight for its lanes, one that comes back to
+/// itself, and a crossing that is not on it.
 pub(super) fn road(scenario: &Scenario, variables: &Variables) -> Result<Road, PlanError> {
-    let Some(declared) = &scenario.bend else { return Ok(scenario.road.clone()) };
+    let ground = ground(scenario, variables)?;
+    let Some(declared) = &scenario.bend else { return Ok(Road { ground, ..scenario.road.clone() }) };
     let line = line(scenario, declared, variables)?;
     let crossing = number(&declared.crossing, variables, &declared.origin)?;
     let what = "the place of the crossing on its path";
@@ -30,11 +32,26 @@ pub(super) fn road(scenario: &Scenario, variables: &Variables) -> Result<Road, P
         return Err(PlanError::new(&declared.origin, message).with_hint(hint));
     }
     let bend = Some(Bend { line: Arc::new(line), crossing });
-    let mut road = Road { bend, ..scenario.road.clone() };
+    let mut road = Road { bend, ground, ..scenario.road.clone() };
     refuse_return(&road, &declared.origin)?;
     let boxes = std::mem::take(&mut road.boxes);
     road.boxes = boxes.into_iter().map(|body| road.turned_body(body)).collect();
     Ok(road)
+}
+
+fn ground(scenario: &Scenario, variables: &Variables) -> Result<Ground, PlanError> {
+    let Some(declared) = &scenario.ground else { return Ok(Ground::default()) };
+    let found = |name: &str, value: &Option<Expression>, limit: Limit| {
+        let Some(value) = value else { return Ok(None) };
+        let found = number(value, variables, &declared.origin)?;
+        let what = format!("the {name} of the road");
+        check_number(scenario, &format!("road.{name}"), &what, found, limit, &declared.origin)?;
+        Ok(Some(found))
+    };
+    Ok(Ground {
+        gradient: found("gradient", &declared.gradient, limits::GRADIENT)?,
+        friction: found("friction", &declared.friction, limits::FRICTION)?,
+    })
 }
 
 fn metres(length: f64) -> String {

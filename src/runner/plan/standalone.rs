@@ -23,6 +23,12 @@ pub fn standalone(
     if let Some(bend) = &mut own.bend {
         bend.expressions_mut().into_iter().try_for_each(|(value, origin)| fix(value, &variables, origin))?;
     }
+    if let Some(ground) = &mut own.ground {
+        ground
+            .expressions_mut()
+            .into_iter()
+            .try_for_each(|(value, origin)| fix(value, &variables, origin))?;
+    }
     for car in &mut own.vehicles {
         fix_vehicle(car, &variables)?;
     }

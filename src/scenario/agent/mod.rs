@@ -10,7 +10,7 @@ mod state;
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
-use super::{Position, Road, Shape};
+use super::{Ground, Position, Road, Shape};
 
 pub use command::{Command, CommandKind};
 pub use controller_error::ControllerError;
@@ -151,6 +151,9 @@ pub struct RoadView {
     pub right_kerb: f64,
     /// y of the kerb on the ego's left, m.
     pub left_kerb: f64,
+    /// Rise per metre ahead, positive uphill; `None` on a road that says none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gradient: Option<f64>,
 }
 
 /// A pedestrian as a controller knows it.
@@ -187,4 +190,20 @@ pub struct SeenVehicle {
 pub trait Dynamics: Send {
     /// Moves on by `step` s. Speeds never fall below zero.
     fn advance(&mut self, motion: &mut Longitudinal, command: Command, step: f64);
+
+    /// As [`Self::advance`], on a road whose ground is said; `ground` is as it is in the vehicle's direction.
+    ///
+    /// If not said otherwise, the vehicle is accelerated evenly over the step, by what the ground leaves of the acceleration at which
+    /// it would move on level, dry ground.
+    fn advance_on(&mut self, ground: &Ground, motion: &mut Longitudinal, command: Command, step: f64) {
+        let mut level = Longitudinal { travelled: 0.0, ..*motion };
+        self.advance(&mut level, command, step);
+        let before = motion.speed;
+        let stops_within = level.speed == 0.0 && level.travelled > 0.0;
+        let acceleration = match stops_within {
+            true => -before * before / (2.0 * level.travelled),
+            false => (level.speed - before) / step,
+        };
+        ground.accelerate(motion, acceleration, step);
+    }
 }

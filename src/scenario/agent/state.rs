@@ -30,6 +30,24 @@ pub struct Longitudinal {
     pub acceleration: f64,
 }
 
+impl Longitudinal {
+    /// Moves on by `step` s at a constant acceleration (m/s²); stops at zero speed and reports the mean acceleration
+    /// that was realised.
+    pub fn accelerate(&mut self, acceleration: f64, step: f64) {
+        let before = self.speed;
+        let after = before + acceleration * step;
+        if after >= 0.0 {
+            self.travelled += (before + after) / 2.0 * step;
+            self.speed = after;
+        } else {
+            // Stands after v/|a|, so it covers v²/(2|a|).
+            self.travelled -= before * before / (2.0 * acceleration);
+            self.speed = 0.0;
+        }
+        self.acceleration = (self.speed - before) / step;
+    }
+}
+
 impl VehicleState {
     /// The centre in the world frame.
     #[inline]

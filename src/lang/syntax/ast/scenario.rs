@@ -19,6 +19,8 @@ views! {
         lanes: (Lanes),
         lane_width: (LaneWidth),
         speed_limit: (SpeedLimit),
+        gradient: (Gradient),
+        friction: (Friction),
         no_kerbs: (NoKerbs),
         crossing: (Crossing),
         obstacles: [Obstacle],
@@ -28,6 +30,8 @@ views! {
     Direction = direction { is_backward: {kw_backward} }
     LaneWidth = lane_width { value: Expression }
     SpeedLimit = speed_limit { value: Expression }
+    Gradient = gradient { value: Expression }
+    Friction = friction { value: Expression }
     /// `no kerbs`
     NoKerbs = no_kerbs {}
     /// `path { … }`
@@ -189,6 +193,20 @@ pub static ROAD: BlockEntry = BlockEntry {
         statement("speed_limit", Rule::speed_limit, "speed_limit 30 km/h", "The speed limit.")
             .key("speed_limit", YamlShape::Words)
             .needed("speed limit", "speed_limit 30 km/h"),
+        statement(
+            "gradient",
+            Rule::gradient,
+            "gradient 5 %",
+            "How much the road rises per metre along lane 0, where it rises; level if not said.",
+        )
+        .key("gradient", YamlShape::Words),
+        statement(
+            "friction",
+            Rule::friction,
+            "friction 0.5",
+            "The coefficient of friction between tyres and road: no vehicle accelerates or brakes by more than that times g.",
+        )
+        .key("friction", YamlShape::Words),
         statement("no kerbs", Rule::no_kerbs, "no kerbs", "Carriageway and pavement are on one level.")
             .key("kerbs", YamlShape::NotFlag),
         statement(

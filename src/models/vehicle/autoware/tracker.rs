@@ -195,6 +195,7 @@ mod tests {
                 pedestrian_priority: true,
                 right_kerb: -2.0,
                 left_kerb: 2.0,
+                gradient: None,
             },
             pedestrians: seen
                 .into_iter()

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use crate::vehicle::{CommandKind, DynamicsModel};
-use scenario::{Declaration, Dimension, Parameter, Settings};
+use scenario::{Declaration, Dimension, Ground, Parameter, Settings};
 use sim::{Command, Dynamics, Longitudinal, ModelError};
 
 const AUTOWARE: &str = "Autoware sample vehicle, simulator_model.param.yaml (DELAY_STEER_ACC_GEARED)";
@@ -79,27 +79,47 @@ fn build(settings: &Settings) -> Result<Box<dyn Dynamics>, ModelError> {
     }))
 }
 
+/// What a command comes to over a while on level, dry ground.
+struct Response {
+    /// At its end, m/s².
+    acceleration: f64,
+    /// m/s
+    gained: f64,
+    /// m
+    covered: f64,
+}
+
 impl DelayLag {
-    /// Moves on by `duration` s with one command in effect: the exact solution of da/dt = (command - a) / T.
-    fn respond(&mut self, motion: &mut Longitudinal, duration: f64) {
-        if duration <= 0.0 {
-            return;
-        }
+    /// The exact solution of da/dt = (command - a) / T over `duration` s, from a speed (m/s).
+    fn response(&self, speed: f64, duration: f64) -> Response {
         let command = self.effective;
         let start = self.acceleration;
-        let (end, gained, covered) = if self.time_constant > 0.0 {
+        if self.time_constant > 0.0 {
             let tau = self.time_constant;
             let left = libm::exp(-duration / tau);
             let gap = start - command;
             let gained = command * duration + gap * tau * (1.0 - left);
-            let covered = motion.speed * duration
+            let covered = speed * duration
                 + command * duration * duration / 2.0
                 + gap * tau * (duration - tau * (1.0 - left));
-            (command + gap * left, gained, covered)
+            Response { acceleration: command + gap * left, gained, covered }
         } else {
-            let covered = motion.speed * duration + command * duration * duration / 2.0;
-            (command, command * duration, covered)
-        };
+            let covered = speed * duration + command * duration * duration / 2.0;
+            Response { acceleration: command, gained: command * duration, covered }
+        }
+    }
+
+    /// Moves on by `duration` s with one command in effect.
+    fn respond(&mut self, motion: &mut Longitudinal, duration: f64) {
+        if duration <= 0.0 {
+            return;
+        }
+        let response = self.response(motion.speed, duration);
+        self.follow(motion, duration, response);
+    }
+
+    fn follow(&mut self, motion: &mut Longitudinal, duration: f64, response: Response) {
+        let Response { acceleration: end, gained, covered } = response;
         let speed = motion.speed + gained;
         self.acceleration = end;
         if speed < 0.0 {
@@ -116,10 +136,60 @@ impl DelayLag {
             motion.speed = speed;
         }
     }
-}
 
-impl Dynamics for DelayLag {
-    fn advance(&mut self, motion: &mut Longitudinal, command: Command, step: f64) {
+    /// As [`Self::respond`], on such ground: in parts over which tyres hold all of the acceleration or none of its change.
+    fn respond_on(&mut self, ground: &Ground, motion: &mut Longitudinal, duration: f64) {
+        let grip = ground.grip();
+        let (start, command) = (self.acceleration, self.effective);
+        let reaches = |limit: f64| match self.time_constant > 0.0 {
+            true => -self.time_constant * libm::log((limit - command) / (start - command)),
+            false => f64::NAN,
+        };
+        let (one, other) = (reaches(grip), reaches(-grip));
+        let mut done = 0.0;
+        for end in [one.min(other), one.max(other), duration] {
+            // Comparing with what is not a number fails: then the limit is never reached.
+            if end > done && end <= duration {
+                self.respond_within(ground, motion, end - done);
+                done = end;
+            }
+        }
+    }
+
+    /// As [`Self::respond_on`], for a while over which the acceleration does not cross what tyres hold.
+    fn respond_within(&mut self, ground: &Ground, motion: &mut Longitudinal, duration: f64) {
+        let (grip, slope) = (ground.grip(), ground.slope());
+        let mut response = self.response(motion.speed, duration);
+        let mean = response.gained / duration;
+        if mean.abs() > grip {
+            let held = mean.clamp(-grip, grip);
+            (response.gained, response.covered) =
+                (held * duration, motion.speed * duration + held * duration * duration / 2.0);
+        }
+        let built_up = response.acceleration;
+        let pulls = response.gained > 0.0;
+        if motion.speed == 0.0 && !pulls {
+            // Held by its brake.
+            self.acceleration = 0.0;
+            return;
+        }
+        response.gained -= slope * duration;
+        response.covered -= slope * duration * duration / 2.0;
+        self.follow(motion, duration, response);
+        if motion.speed == 0.0 && pulls {
+            // What gravity still holds back goes on building up.
+            self.acceleration = built_up;
+        }
+    }
+
+    /// Moves on by `step` s; `respond` is what the command in effect does for a while.
+    fn obey(
+        &mut self,
+        motion: &mut Longitudinal,
+        command: Command,
+        step: f64,
+        mut respond: impl FnMut(&mut Self, &mut Longitudinal, f64),
+    ) {
         let Command::Acceleration(wanted) = command else {
             panic!("`delay_lag` takes accelerations, not pedals");
         };
@@ -134,15 +204,25 @@ impl Dynamics for DelayLag {
             self.pending.front().filter(|(left, _)| *left < step - TIME_TOLERANCE)
         {
             if left > done + TIME_TOLERANCE {
-                self.respond(motion, left - done);
+                respond(self, motion, left - done);
                 done = left;
             }
             self.effective = command;
             self.pending.pop_front();
         }
-        self.respond(motion, step - done);
+        respond(self, motion, step - done);
         self.pending.iter_mut().for_each(|(left, _)| *left -= step);
         motion.acceleration = (motion.speed - before) / step;
+    }
+}
+
+impl Dynamics for DelayLag {
+    fn advance(&mut self, motion: &mut Longitudinal, command: Command, step: f64) {
+        self.obey(motion, command, step, Self::respond);
+    }
+
+    fn advance_on(&mut self, ground: &Ground, motion: &mut Longitudinal, command: Command, step: f64) {
+        self.obey(motion, command, step, |car, motion, duration| car.respond_on(ground, motion, duration));
     }
 }
 
@@ -175,7 +255,8 @@ mod tests {
     #[test]
     fn steps_of_any_lengths_come_to_the_same() {
         let commands = [(0.4, -2.0), (0.3, 1.0), (0.05, -7.0), (0.5, -1.0), (0.7, 0.5)];
-        let drive = |steps: &[f64]| {
+        let slippery = |gradient| Some(Ground { gradient: Some(gradient), friction: Some(0.15) });
+        let drive = |steps: &[f64], ground: Option<Ground>| {
             let settings = Settings::from([("dead_time", Value::Number(0.13))]);
             let mut car = built(&delay_lag(), settings);
             let mut motion = cruising();
@@ -184,16 +265,23 @@ mod tests {
                 let mut left: f64 = duration;
                 while left > 1e-12 {
                     let step = lengths.next().unwrap().min(left);
-                    car.advance(&mut motion, Command::Acceleration(command), step);
+                    let command = Command::Acceleration(command);
+                    match &ground {
+                        None => car.advance(&mut motion, command, step),
+                        Some(ground) => car.advance_on(ground, &mut motion, command, step),
+                    }
                     left -= step;
                 }
             }
             (motion.travelled, motion.speed)
         };
-        let (place, speed) = drive(&[0.025]);
-        for steps in [&[0.01][..], &[0.005, 0.02], &[0.1], &[0.001, 0.033, 0.0125]] {
-            let (other_place, other_speed) = drive(steps);
-            assert!((place - other_place).abs() < 1e-9 && (speed - other_speed).abs() < 1e-9, "{steps:?}");
+        for ground in [None, slippery(0.0), slippery(0.05), slippery(-0.05)] {
+            let (place, speed) = drive(&[0.025], ground);
+            for steps in [&[0.01][..], &[0.005, 0.02], &[0.1], &[0.001, 0.033, 0.0125]] {
+                let (other_place, other_speed) = drive(steps, ground);
+                let apart = (place - other_place).abs().max((speed - other_speed).abs());
+                assert!(apart < 1e-9, "{steps:?} on {ground:?}: {apart}");
+            }
         }
     }
 
@@ -236,5 +324,26 @@ mod tests {
         assert!(motion.travelled > place);
         let expected = 0.9 - 0.1 * (1.0 - (-9.0f64).exp());
         assert!((motion.speed - expected).abs() < 1e-9, "{}", motion.speed);
+    }
+
+    #[test]
+    fn it_sets_off_uphill_once_it_pulls_more_than_gravity() {
+        let ground = Ground { gradient: Some(0.08), friction: None };
+        let slope = ground.slope();
+        let after = |command: f64| {
+            let mut car = built(&delay_lag(), Settings::default());
+            let mut motion = Longitudinal { travelled: 0.0, speed: 0.0, acceleration: 0.0 };
+            for _ in 0..160 {
+                car.advance_on(&ground, &mut motion, Command::Acceleration(command), 0.025);
+            }
+            motion.speed
+        };
+        // What pulls is 1 - exp(-(t - 0.1) / 0.1) of it, and gravity is held by the brake until then.
+        let moves_from = 0.1 - 0.1 * (1.0 - slope).ln();
+        let lasts = 4.0 - moves_from;
+        let expected = (1.0 - slope) * lasts - 0.1 * (1.0 - slope) * (1.0 - (-lasts / 0.1).exp());
+        let found = after(1.0);
+        assert!((found - expected).abs() < 5e-3, "{found}, not {expected}");
+        assert_eq!(after(0.99 * slope), 0.0);
     }
 }

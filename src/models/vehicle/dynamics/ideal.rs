@@ -1,8 +1,7 @@
 //! A vehicle that takes acceleration commands exactly, at most clamped.
 
-use super::motion::accelerate;
 use crate::vehicle::{CommandKind, DynamicsModel};
-use scenario::{Declaration, Dimension, Parameter, Settings};
+use scenario::{Declaration, Dimension, Ground, Parameter, Settings};
 use sim::{Command, Dynamics, Longitudinal, ModelError};
 
 pub fn ideal() -> DynamicsModel {
@@ -42,12 +41,23 @@ fn build(settings: &Settings) -> Result<Box<dyn Dynamics>, ModelError> {
     }))
 }
 
-impl Dynamics for Ideal {
-    fn advance(&mut self, motion: &mut Longitudinal, command: Command, step: f64) {
+impl Ideal {
+    /// m/s²
+    fn acceleration(&self, command: Command) -> f64 {
         let Command::Acceleration(wanted) = command else {
             panic!("`ideal` takes accelerations, not pedals");
         };
-        accelerate(motion, wanted.clamp(self.lowest, self.highest), step);
+        wanted.clamp(self.lowest, self.highest)
+    }
+}
+
+impl Dynamics for Ideal {
+    fn advance(&mut self, motion: &mut Longitudinal, command: Command, step: f64) {
+        motion.accelerate(self.acceleration(command), step);
+    }
+
+    fn advance_on(&mut self, ground: &Ground, motion: &mut Longitudinal, command: Command, step: f64) {
+        ground.accelerate(motion, self.acceleration(command), step);
     }
 }
 

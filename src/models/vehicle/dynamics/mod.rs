@@ -2,7 +2,6 @@
 
 mod delay_lag;
 mod ideal;
-mod motion;
 mod pedal_car;
 mod pedal_map;
 
@@ -13,7 +12,7 @@ pub use pedal_car::{generic, mkz2020, model3, prius};
 #[cfg(test)]
 pub(super) mod tests {
     use crate::vehicle::DynamicsModel;
-    use scenario::Settings;
+    use scenario::{Ground, Settings};
     use sim::{Command, Dynamics, Longitudinal};
 
     /// A vehicle at 30 km/h.
@@ -34,5 +33,37 @@ pub(super) mod tests {
             time += step;
         }
         (motion.travelled, time)
+    }
+
+    /// Dynamics of which nobody says what they do on a road that is steep or slippery.
+    struct Unsaid(Box<dyn Dynamics>);
+
+    impl Dynamics for Unsaid {
+        fn advance(&mut self, motion: &mut Longitudinal, command: Command, step: f64) {
+            self.0.advance(motion, command, step);
+        }
+    }
+
+    #[test]
+    fn others_stop_on_it_as_ours_do() {
+        let model = super::ideal();
+        let grounds = [(0.0, 0.3), (0.08, 0.3), (-0.08, 0.5), (0.1, 1.5), (-0.1, 1.5)];
+        for (gradient, friction) in grounds {
+            let ground = Ground { gradient: Some(gradient), friction: Some(friction) };
+            let stop = |mut car: Box<dyn Dynamics>| {
+                let mut motion = cruising();
+                for _ in 0..2000 {
+                    car.advance_on(&ground, &mut motion, Command::Acceleration(-6.0), 0.025);
+                }
+                motion
+            };
+            let own = stop(built(&model, Settings::default()));
+            let other = stop(Box::new(Unsaid(built(&model, Settings::default()))));
+            let speed = 30.0 / 3.6;
+            let way = speed * speed / (2.0 * (ground.grip().min(6.0) + ground.slope()));
+            assert!((own.travelled - way).abs() < 1e-9, "{ground:?}: {own:?}, not {way}");
+            assert!((other.travelled - way).abs() < 1e-9, "{ground:?}: {other:?}, not {way}");
+            assert_eq!((own.speed, other.speed), (0.0, 0.0));
+        }
     }
 }

@@ -1,12 +1,11 @@
 //! Cars of CARLA, driven by pedals: pedal travel, then a map from pedal and speed to acceleration.
 
-use super::motion::accelerate;
 use super::pedal_map::{
     GENERIC_LAW, MKZ2020_LAW, MKZ2020_MEASURED, MODEL3_LAW, MODEL3_MEASURED, PRIUS_LAW, PRIUS_MEASURED,
     PedalMap,
 };
 use crate::vehicle::{CommandKind, DynamicsModel};
-use scenario::{ChoiceOption, Declaration, Dimension, Parameter, Settings};
+use scenario::{ChoiceOption, Declaration, Dimension, Ground, Parameter, Settings};
 use sim::{Command, Dynamics, Longitudinal, ModelError};
 
 const UNREAL: &str = "Unreal Engine 4 WheeledVehicleMovementComponent defaults";
@@ -200,17 +199,28 @@ impl PedalCar {
             None => wanted.clamp(pedal - self.fall * step, pedal + self.rise * step),
         }
     }
+
+    /// Moves the pedals for `step` s; the acceleration (m/s²) that they then give at a speed (m/s).
+    fn obey(&mut self, command: Command, speed: f64, step: f64) -> f64 {
+        let (throttle, brake) = match command {
+            Command::Pedals { throttle, brake } => (throttle.clamp(0.0, 1.0), brake.clamp(0.0, 1.0)),
+            Command::Acceleration(wanted) => self.pedals_for(wanted, speed),
+        };
+        self.throttle = self.moved(self.throttle, throttle, step);
+        self.brake = self.moved(self.brake, brake, step);
+        self.acceleration(speed)
+    }
 }
 
 impl Dynamics for PedalCar {
     fn advance(&mut self, motion: &mut Longitudinal, command: Command, step: f64) {
-        let (throttle, brake) = match command {
-            Command::Pedals { throttle, brake } => (throttle.clamp(0.0, 1.0), brake.clamp(0.0, 1.0)),
-            Command::Acceleration(wanted) => self.pedals_for(wanted, motion.speed),
-        };
-        self.throttle = self.moved(self.throttle, throttle, step);
-        self.brake = self.moved(self.brake, brake, step);
-        accelerate(motion, self.acceleration(motion.speed), step);
+        let acceleration = self.obey(command, motion.speed, step);
+        motion.accelerate(acceleration, step);
+    }
+
+    fn advance_on(&mut self, ground: &Ground, motion: &mut Longitudinal, command: Command, step: f64) {
+        let acceleration = self.obey(command, motion.speed, step);
+        ground.accelerate(motion, acceleration, step);
     }
 }
 
