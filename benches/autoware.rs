@@ -67,6 +67,8 @@ fn observation(pedestrians: usize) -> Observation {
             acceleration: 0.0,
             length: 4.89,
             width: 1.896,
+            travelled: -60.0,
+            curvature: 0.0,
         },
         cruise_speed: CRUISE,
         road: RoadView {
@@ -77,6 +79,7 @@ fn observation(pedestrians: usize) -> Observation {
             right_kerb: -2.0,
             left_kerb: 2.0,
             gradient: None,
+            curvature_ahead: Vec::new(),
         },
         pedestrians: (0..pedestrians)
             .map(|id| SeenPedestrian {

@@ -187,6 +187,25 @@ impl Path {
         }
     }
 
+    /// The curvature (1/m, to the left) that a vehicle at a place follows: of the course, where the point is that follows it.
+    pub fn curvature(&self, place: f64) -> f64 {
+        match &self.0 {
+            Kind::Straight { .. } => 0.0,
+            Kind::Curved { course, behind } => course.curvature(place - behind),
+        }
+    }
+
+    /// The places (m) of a vehicle at which the curvature that it follows changes, and what it is there (1/m, to the left), as
+    /// [`CurvedPath::curvature_changes`] says them.
+    pub fn curvature_changes(&self) -> Vec<(f64, f64)> {
+        match &self.0 {
+            Kind::Straight { .. } => Vec::new(),
+            Kind::Curved { course, behind } => {
+                course.curvature_changes().into_iter().map(|(place, bend)| (place + behind, bend)).collect()
+            }
+        }
+    }
+
     /// Whether a body that follows it turns within a distance (m) of a place.
     #[inline]
     pub fn turns_about(&self, place: f64, within: f64) -> bool {

@@ -30,7 +30,7 @@ const fn flag(name: &'static str, doc: &'static str) -> SignalEntry {
 }
 
 /// Those of which there is one.
-pub const SEEN: [SignalEntry; 17] = [
+pub const SEEN: [SignalEntry; 20] = [
     signal("time", Dimension::TIME, "Time of the scenario; negative while settling."),
     signal("cruise_speed", Dimension::SPEED, "The speed that the vehicle is wanted to cruise at."),
     signal(
@@ -49,6 +49,13 @@ pub const SEEN: [SignalEntry; 17] = [
     flag("road.signal", "0 while vehicles have red; 1 while they have green, and where there is no signal."),
     signal("road.right_kerb", Dimension::LENGTH, "y of the kerb on the right; negative."),
     signal("road.left_kerb", Dimension::LENGTH, "y of the kerb on the left."),
+    signal(
+        "ego.travelled",
+        Dimension::LENGTH,
+        "Along the lane, 0 at the middle of the crossing; negative before it.",
+    ),
+    signal("ego.curvature", Dimension::PER_LENGTH, "Of the lane where the vehicle is, to the left."),
+    signal("road.gradient", Dimension::NUMBER, "Rise per metre ahead; 0 where the road says none."),
     flag("ahead.present", "Whether somebody is ahead in the lane."),
     signal(
         "ahead.gap",
@@ -100,12 +107,12 @@ mod tests {
     #[test]
     fn every_signal_has_a_name_of_its_own() {
         let mut names: Vec<String> = input_signals().map(|(name, _)| name).collect();
-        assert_eq!(names.len(), 17 + 8 * 7);
+        assert_eq!(names.len(), 20 + 8 * 7);
         assert_eq!(names[3], "ego.speed");
-        assert_eq!(names[17], "object1.present");
+        assert_eq!(names[20], "object1.present");
         assert_eq!(names.last().unwrap(), "object8.width");
         names.sort();
         names.dedup();
-        assert_eq!(names.len(), 17 + 8 * 7);
+        assert_eq!(names.len(), 20 + 8 * 7);
     }
 }

@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 
 use nalgebra::Vector2;
 
+use super::curvature::CurvatureChanges;
 use super::order::{Order, SpeedPlan};
 use super::road_users::{Driven, Driver};
 use scenario::agent::{
@@ -30,6 +31,8 @@ pub(super) struct Control {
     schedule: Schedule,
     /// What it drives on, in its direction, where something is said of that.
     ground: Option<Ground>,
+    /// How its lane bends.
+    bends: CurvatureChanges,
     /// What its controller is declared to give, where that is known.
     gives: Option<CommandKind>,
     decisions: u64,
@@ -68,6 +71,7 @@ impl Control {
         let road = &world.road;
         let (right_kerb, left_kerb) = road.path(setup.lane).kerbs(road);
         let ground = road.ground.towards(road.lanes[setup.lane].direction);
+        let bends = CurvatureChanges::new(setup.path(road).curvature_changes());
         let observed = || Observation {
             time: 0.0,
             ego: EgoState {
@@ -76,6 +80,8 @@ impl Control {
                 acceleration: 0.0,
                 length: setup.length,
                 width: setup.width,
+                travelled: -FAR_AWAY,
+                curvature: 0.0,
             },
             cruise_speed: setup.speed,
             road: RoadView {
@@ -86,6 +92,7 @@ impl Control {
                 right_kerb,
                 left_kerb,
                 gradient: ground.gradient,
+                curvature_ahead: Vec::with_capacity(bends.most()),
             },
             pedestrians: Vec::with_capacity(world.pedestrians.len()),
             vehicles: Vec::with_capacity(world.vehicles.len()),
@@ -97,6 +104,7 @@ impl Control {
             later: VecDeque::new(),
             schedule: driven.driver.schedule(),
             ground: Some(ground).filter(|ground| !ground.is_unsaid()),
+            bends,
             gives: setup.controller.model.entry().map(|controller| controller.gives),
             decisions: 0,
             next: 0.0,
@@ -309,6 +317,7 @@ impl Control {
     fn decide_far_away(&mut self, time: f64, driven: &mut Driven) -> Result<(), ControllerError> {
         self.observation.time = time;
         self.observation.ego.distance_to_crossing = FAR_AWAY;
+        self.observation.ego.travelled = -FAR_AWAY;
         self.observation.ego.speed = self.settling.motion.speed;
         self.observation.ego.acceleration = self.settling.motion.acceleration;
         self.ask(driven).map(drop)
@@ -322,6 +331,11 @@ impl Control {
         seen.ego.distance_to_crossing = -ego.motion.travelled;
         seen.ego.speed = ego.motion.speed;
         seen.ego.acceleration = ego.motion.acceleration;
+        seen.ego.travelled = ego.motion.travelled;
+        if ego.path.course().is_some() {
+            seen.ego.curvature = ego.path.curvature(ego.motion.travelled);
+            self.bends.tell(ego.motion.travelled, seen.ego.curvature, &mut seen.road.curvature_ahead);
+        }
         seen.road.pedestrian_priority = road.pedestrian_priority(time);
         seen.pedestrians.clear();
         seen.pedestrians.extend(now.pedestrians.iter().enumerate().filter(|(_, state)| state.present).map(

@@ -18,6 +18,7 @@
 mod contact;
 mod control;
 mod course;
+mod curvature;
 mod fingerprint;
 /// Worlds and states for tests.
 #[doc(hidden)]

@@ -25,6 +25,8 @@ pub struct Hello {
     pub runs_at_once: usize,
     /// Words for what it is up to, by their index.
     pub modes: Vec<String>,
+    /// Whether frames tell it how lanes run: those who do not ask for that have never heard of it.
+    pub reads_lanes: bool,
     pub(super) parameters: Option<Vec<Said>>,
     pub(super) gives: Option<Vec<String>>,
 }
@@ -72,6 +74,7 @@ struct SaidHello {
     gives: Option<Vec<String>>,
     modes: Option<Vec<String>>,
     parameters: Option<Vec<Said>>,
+    tables: Option<Vec<String>>,
 }
 
 /// A parameter as the program says it.
@@ -100,6 +103,8 @@ pub fn own_hello(program: &DeclaredProgram) -> Json {
             "runs": super::wire::RUNS,
             "pedestrians": super::wire::PEDESTRIANS,
             "vehicles": super::wire::VEHICLES,
+            "lanes": super::wire::LANES,
+            "curvature_ahead": super::wire::CURVATURE_AHEAD,
         },
     }})
 }
@@ -129,6 +134,7 @@ pub fn read(line: &str) -> Result<Hello, String> {
         encoding,
         runs_at_once: runs_at_once as usize,
         modes: hello.modes.unwrap_or_default(),
+        reads_lanes: hello.tables.iter().flatten().any(|table| table == "lanes"),
         parameters: hello.parameters,
         gives: hello.gives,
     })

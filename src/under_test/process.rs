@@ -123,6 +123,7 @@ impl Process {
             encoding,
             runs_at_once: 1,
             modes: Vec::new(),
+            reads_lanes: false,
             parameters: None,
             gives: None,
         };
@@ -318,7 +319,7 @@ impl Process {
         let limit = Duration::from_secs_f64(self.program.answers_within * asked.len() as f64);
         match self.hello.encoding {
             Encoding::Json => self.say(&wire::step(asked)),
-            Encoding::F64 => wire::step_frame(asked, &mut self.request),
+            Encoding::F64 => wire::step_frame(asked, self.hello.reads_lanes, &mut self.request),
         }
         self.exchange(limit, asked.len())?;
         let gives = self.program.gives;

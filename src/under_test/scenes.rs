@@ -27,6 +27,10 @@ struct Sketch {
     later: usize,
     vehicles: Vec<Body>,
     is_signalised: bool,
+    /// Of the road, per metre.
+    gradient: Option<f64>,
+    /// Places behind the crossing (m) at which the lane's curvature (1/m) changes.
+    bends: Vec<(f64, f64)>,
     /// Time in free flow before, s.
     settles: f64,
 }
@@ -40,6 +44,8 @@ fn sketch(name: &'static str, people: &[Body]) -> Sketch {
         later: 0,
         vehicles: Vec::new(),
         is_signalised: false,
+        gradient: None,
+        bends: Vec::new(),
         settles: 0.0,
     }
 }
@@ -59,7 +65,12 @@ fn sketches() -> [Sketch; 10] {
             ..sketch("somebody steps out close ahead", &[[0.0, -1.5, 0.0, 2.0]])
         },
         Sketch { distance: 4.0, speed: 0.0, ..sketch("it stands before somebody", &[[0.0, 0.2, 0.0, 0.0]]) },
-        Sketch { vehicles: vec![[60.0, 4.0, -8.0, 0.0]], ..sketch("another vehicle comes towards it", &[]) },
+        Sketch {
+            vehicles: vec![[60.0, 4.0, -8.0, 0.0]],
+            gradient: Some(0.05),
+            bends: vec![(10.0, 0.0), (30.0, 0.02), (60.0, 0.02), (60.0, 0.0)],
+            ..sketch("another vehicle comes towards it", &[])
+        },
         Sketch {
             is_signalised: true,
             ..sketch("the signal is red and turns green", &[[0.0, -2.5, 0.0, 0.0]])
@@ -133,6 +144,8 @@ impl Sketch {
                 acceleration: 0.0,
                 length: 4.5,
                 width: 1.8,
+                travelled: -distance,
+                curvature: 0.0,
             },
             cruise_speed: LIMIT,
             road: RoadView {
@@ -142,7 +155,8 @@ impl Sketch {
                 pedestrian_priority: !self.is_signalised || !is_green,
                 right_kerb: -2.0,
                 left_kerb: 6.0,
-                gradient: None,
+                gradient: self.gradient,
+                curvature_ahead: self.bends.iter().map(|(place, bend)| (place + distance, *bend)).collect(),
             },
             pedestrians: self.people.iter().enumerate().filter(|_| is_there).map(person).collect(),
             vehicles: self.vehicles.iter().enumerate().map(vehicle).collect(),
@@ -188,11 +202,43 @@ mod tests {
                 let read = DueDecision { slot: 3, is_new, seen: &seen, period: 0.1, signal };
                 assert_eq!(wire::scene(&read), written);
                 let (mut rows, mut again) = (Vec::new(), Vec::new());
-                wire::step_frame(&[due], &mut rows);
-                wire::step_frame(&[read], &mut again);
+                wire::step_frame(&[due], true, &mut rows);
+                wire::step_frame(&[read], true, &mut again);
                 assert_eq!(rows, again);
             }
         }
         assert!(wire::read_scene(&json!({"time": 1.0})).is_none());
+    }
+
+    /// Those who have never heard of a table are not sent it, so that their frames are as long as they know.
+    #[test]
+    fn how_lanes_bend_is_told_to_those_who_read_it() {
+        let scenes = scenes("own", &json!({}), 0.1, 0.025);
+        let bends = scenes.iter().find(|one| !one.turns[0].seen.road.curvature_ahead.is_empty()).unwrap();
+        let (mut rows, mut fewer) = (Vec::new(), Vec::new());
+        let due = bends.due(0, 0, 0.1);
+        wire::step_frame(&[due, due], true, &mut rows);
+        wire::step_frame(&[due, due], false, &mut fewer);
+        assert_eq!((rows[20], fewer[20]), (8, 0));
+        let (lanes, changes) = (2 * wire::LANES.len(), 8 * wire::CURVATURE_AHEAD.len());
+        assert_eq!(rows.len(), fewer.len() + 8 * (lanes + changes));
+        // Who does not ask finds rows as long as ever, those of the first run at the beginning of both.
+        assert_eq!(rows[32..32 + 8 * wire::RUNS.len()], fewer[32..32 + 8 * wire::RUNS.len()]);
+        assert_eq!(rows[32 + 8 * wire::RUNS.len()..][..8], (-35.0f64).to_le_bytes());
+        let written = wire::scene(&due);
+        assert_eq!(written["road"]["curvature_ahead"][1], json!([65.0, 0.02]));
+        assert_eq!(
+            (written["road"]["gradient"].as_f64(), written["ego"]["travelled"].as_f64()),
+            (Some(0.05), Some(-35.0))
+        );
+        // Of what is nothing JSON is silent, and what older records do not say is worked out.
+        let plain = scenes[0].due(3, 0, 0.1);
+        let mut written = wire::scene(&plain);
+        assert!(
+            written["road"].get("curvature_ahead").is_none() && written["road"].get("gradient").is_none()
+        );
+        assert!(written["ego"].get("curvature").is_none());
+        written["ego"].as_object_mut().unwrap().remove("travelled");
+        assert_eq!(&wire::read_scene(&written).unwrap().0, plain.seen);
     }
 }

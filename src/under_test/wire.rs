@@ -31,11 +31,17 @@ pub const RUNS: [&str; 16] = [
     "left_kerb",
 ];
 
+/// Columns behind [`RUNS`] in rows of runs, for programs that ask for how lanes run: others know how long a row is.
+pub const LANES: [&str; 3] = ["travelled", "curvature", "gradient"];
+
 /// Columns of the rows of pedestrians.
 pub const PEDESTRIANS: [&str; 10] = ["row", "id", "x", "y", "vx", "vy", "ax", "ay", "length", "width"];
 
 /// Columns of the rows of vehicles.
 pub const VEHICLES: [&str; 8] = ["row", "id", "x", "y", "vx", "vy", "length", "width"];
+
+/// Columns of the rows that tell the same programs how lanes bend ahead.
+pub const CURVATURE_AHEAD: [&str; 3] = ["row", "distance", "curvature"];
 
 /// More than a line or frame of a program's answer may have, bytes.
 pub const LONGEST: usize = 1 << 20;
@@ -168,6 +174,9 @@ pub fn scene(asked: &DueDecision) -> Json {
     ] {
         view.insert(name.into(), value);
     }
+    if !road.curvature_ahead.is_empty() {
+        view.insert("curvature_ahead".into(), json!(road.curvature_ahead));
+    }
     if let Some(gradient) = road.gradient {
         view.insert("gradient".into(), json!(gradient));
     }
@@ -193,12 +202,15 @@ pub fn scene(asked: &DueDecision) -> Json {
             })
         })
         .collect();
+    let mut own = json!({
+        "distance_to_crossing": ego.distance_to_crossing, "speed": ego.speed, "acceleration": ego.acceleration,
+        "length": ego.length, "width": ego.width, "travelled": ego.travelled,
+    });
+    if ego.curvature != 0.0 {
+        own["curvature"] = json!(ego.curvature);
+    }
     json!({
-        "slot": slot, "time": time, "new": is_new, "cruise_speed": cruise_speed,
-        "ego": {
-            "distance_to_crossing": ego.distance_to_crossing, "speed": ego.speed, "acceleration": ego.acceleration,
-            "length": ego.length, "width": ego.width,
-        },
+        "slot": slot, "time": time, "new": is_new, "cruise_speed": cruise_speed, "ego": own,
         "road": view, "pedestrians": people, "vehicles": cars,
     })
 }
@@ -227,14 +239,23 @@ pub fn read_scene(scene: &Json) -> Option<(Observation, bool, Option<bool>)> {
             width: number(one, "width")?,
         })
     };
+    let change = |one: &Json| Some((one.get(0)?.as_f64()?, one.get(1)?.as_f64()?));
+    let curvature_ahead = match road.get("curvature_ahead") {
+        None => Vec::new(),
+        Some(told) => told.as_array()?.iter().map(change).collect::<Option<_>>()?,
+    };
+    let distance_to_crossing = number(ego, "distance_to_crossing")?;
     let seen = Observation {
         time: number(scene, "time")?,
         ego: EgoState {
-            distance_to_crossing: number(ego, "distance_to_crossing")?,
+            distance_to_crossing,
             speed: number(ego, "speed")?,
             acceleration: number(ego, "acceleration")?,
             length: number(ego, "length")?,
             width: number(ego, "width")?,
+            // Older ones do not say it.
+            travelled: number(ego, "travelled").unwrap_or(-distance_to_crossing),
+            curvature: number(ego, "curvature").unwrap_or(0.0),
         },
         cruise_speed: number(scene, "cruise_speed")?,
         road: RoadView {
@@ -245,6 +266,7 @@ pub fn read_scene(scene: &Json) -> Option<(Observation, bool, Option<bool>)> {
             right_kerb: number(road, "right_kerb")?,
             left_kerb: number(road, "left_kerb")?,
             gradient: number(road, "gradient"),
+            curvature_ahead,
         },
         pedestrians: scene.get("pedestrians")?.as_array()?.iter().map(person).collect::<Option<_>>()?,
         vehicles: scene.get("vehicles")?.as_array()?.iter().map(vehicle).collect::<Option<_>>()?,
@@ -263,14 +285,20 @@ fn words(numbers: &[u32], into: &mut Vec<u8>) {
     numbers.iter().for_each(|number| into.extend_from_slice(&number.to_le_bytes()));
 }
 
-/// Decisions to be taken, as a frame of rows.
-pub fn step_frame(asked: &[DueDecision], into: &mut Vec<u8>) {
+/// Decisions to be taken, as a frame of rows; with how lanes run for those who ask for that.
+pub fn step_frame(asked: &[DueDecision], with_lanes: bool, into: &mut Vec<u8>) {
     let pedestrians: usize = asked.iter().map(|one| one.seen.pedestrians.len()).sum();
     let vehicles: usize = asked.iter().map(|one| one.seen.vehicles.len()).sum();
-    let doubles = asked.len() * RUNS.len() + pedestrians * PEDESTRIANS.len() + vehicles * VEHICLES.len();
+    let bends = |one: &DueDecision| if with_lanes { one.seen.road.curvature_ahead.len() } else { 0 };
+    let changes: usize = asked.iter().map(bends).sum();
+    let columns = RUNS.len() + if with_lanes { LANES.len() } else { 0 };
+    let doubles = asked.len() * columns
+        + pedestrians * PEDESTRIANS.len()
+        + vehicles * VEHICLES.len()
+        + changes * CURVATURE_AHEAD.len();
     into.clear();
-    let counts = [asked.len() as u32, pedestrians as u32, vehicles as u32];
-    words(&[28 + 8 * doubles as u32, 1, counts[0], counts[1], counts[2], 0, 0, 0], into);
+    let counts = [asked.len(), pedestrians, vehicles, changes].map(|count| count as u32);
+    words(&[28 + 8 * doubles as u32, 1, counts[0], counts[1], counts[2], counts[3], 0, 0], into);
     let mut row =
         |values: &[f64]| values.iter().for_each(|value| into.extend_from_slice(&value.to_le_bytes()));
     let flag = |flag: bool| if flag { 1.0 } else { 0.0 };
@@ -294,6 +322,9 @@ pub fn step_frame(asked: &[DueDecision], into: &mut Vec<u8>) {
             road.right_kerb,
             road.left_kerb,
         ]);
+        if with_lanes {
+            row(&[ego.travelled, ego.curvature, road.gradient.unwrap_or(f64::NAN)]);
+        }
     }
     for (index, one) in asked.iter().enumerate() {
         for seen in &one.seen.pedestrians {
@@ -317,6 +348,11 @@ pub fn step_frame(asked: &[DueDecision], into: &mut Vec<u8>) {
         for seen in &one.seen.vehicles {
             let (at, velocity) = (seen.position, seen.velocity);
             row(&[index as f64, seen.id as f64, at.x, at.y, velocity.x, velocity.y, seen.length, seen.width]);
+        }
+    }
+    for (index, one) in asked.iter().enumerate() {
+        for (distance, curvature) in &one.seen.road.curvature_ahead[..bends(one)] {
+            row(&[index as f64, *distance, *curvature]);
         }
     }
 }

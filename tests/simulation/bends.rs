@@ -1,14 +1,16 @@
 //! Roads that bend, from their text to what is measured: a path that is straight is a straight road, mirror images are run as mirror images,
 //! whoever is to be hit in a turn is hit there, and what cannot be is an error.
 
+use std::sync::{Arc, Mutex};
+
 use files::Memory;
 use models::standard;
 use proptest::prelude::*;
 use results::Requests;
 use runner::plan::plan;
-use runner::run::{FreeFlows, Unwatched, run_case};
-use scenario::Suite;
-use sim::StopReason;
+use runner::run::{FreeFlows, Unwatched, road_users, run_case};
+use scenario::{Suite, World};
+use sim::{Command, Controller, ControllerError, Driver, Observation, Schedule, StopReason, simulate};
 
 fn loaded(text: &str) -> Suite {
     let files = Memory::default().with("bends.scn", text);
@@ -344,13 +346,13 @@ scenario varied {
 
 #[test]
 fn what_cannot_be_a_road_is_told_with_place_numbers_and_cure() {
-    let errors = |road: &str, more: &str| {
+    let errors_of = |start: &str, road: &str, more: &str| {
         let text = format!(
             "scenario a {{
   {more}
   road {{ {road}; lanes forward, backward; lane_width 3.5 m; speed_limit 50 km/h }}
   vehicle av {{ controller yielding; speed 30 km/h; start 20 m before crossing }}
-  pedestrian walker {{ model scripted; start 2 m from kerb }}
+  pedestrian walker {{ model scripted; {start} }}
 }}"
         );
         let files = Memory::default().with("a.scn", &*text);
@@ -375,6 +377,7 @@ fn what_cannot_be_a_road_is_told_with_place_numbers_and_cure() {
             }
         }
     };
+    let errors = |road: &str, more: &str| errors_of("start 2 m from kerb", road, more);
     let found = [
         errors(
             "path { straight 20 m; clothoid 5 m to radius 5 m left; arc 40 deg }; crossing zebra { at: 10 m }",
@@ -397,6 +400,17 @@ fn what_cannot_be_a_road_is_told_with_place_numbers_and_cure() {
         errors(
             "path { straight 50 m; arc 10 * a radius 15 m left }; crossing zebra { at: 5 m }",
             "vary a in uniform(1 deg, 80 deg) 3 times",
+        ),
+        // Where somebody starts who is beyond their goal already: said, and by what varies.
+        errors_of(
+            "start -9 m from kerb",
+            "path { straight 20 m; arc 40 deg radius 30 m left }; crossing zebra { at: 25 m }",
+            "",
+        ),
+        errors_of(
+            "start out from kerb",
+            "path { straight 20 m; arc 40 deg radius 30 m left }; crossing zebra { at: 25 m }",
+            "vary out in [2 m, -9 m]",
         ),
     ];
     insta::assert_snapshot!(found.join("\n"));
@@ -491,4 +505,142 @@ fn a_car_that_follows_by_its_rear_axle_swings_its_front_out_of_the_bend() {
         let moved = (path.point(place + 1e-6) - path.point(place - 1e-6)) / 2e-6;
         assert!((moved * 4.0 - path.velocity(place, 4.0)).norm() < 1e-6);
     }
+}
+
+/// Test (f) of the specification, from the text on: whoever meets on a circle meets alike wherever on it that is.
+#[test]
+fn on_a_circle_every_place_is_like_every_other() {
+    let cars = [
+        "controller constant_speed; speed 28.3 km/h; start 43.719 m before crossing",
+        "controller careful_human; speed 28.3 km/h; start 43.719 m before crossing; lane 1",
+        "controller idm_aeb; speed 31.7 km/h; start 5.0137 s before crossing; sees { range: 61 m, field_of_view: 100 deg }",
+        "controller yielding; speed 28.3 km/h; start 43.719 m before crossing; follows by rear axle",
+        "controller carla_behavior; speed 28.3 km/h; start 43.719 m before crossing; lane 1; follows by rear axle",
+    ];
+    let people = [
+        "model scripted { speed: 1.577 m/s }; start 2.113 m from kerb; appears when time_to_arrival(av.front) = 3.0137 s",
+        "model scripted { speed: 1.577 m/s }; start 4.113 m from lane centre; from far side; along -3.17 m; appears at 1.0137 s",
+        // Who stands in the lane, at rest on the road.
+        "model scripted { speed: 2.577 m/s, stop_after: 2.31 m, stop_for: 60 s }; size 0.6 m x 0.5 m; start 0.7 m from kerb",
+    ];
+    let mut values = 0;
+    for (car, person) in cars.iter().flat_map(|car| people.map(|person| (car, person))) {
+        for side in ["left", "right"] {
+            // Of 314 m of road the first 60 and the last 60 are driven only towards and away from the others.
+            let texts = [62.0, 97.3, 151.9, 203.457, 251.0].map(|at| {
+                format!(
+                    "scenario a {{
+  road {{ path {{ arc 170 deg radius 106 m {side} }}; lanes forward, backward; lane_width 3.5 m; speed_limit 50 km/h
+    crossing zebra {{ at: {at} m }}; parked van {{ along: -14 m, across: -3.1 m, length: 5 m, width: 2 m }} }}
+  finish 20 m; horizon 30 s
+  vehicle av {{ {car} }}
+  pedestrian walker {{ {person} }}
+}}"
+                )
+            });
+            for other in &texts[1..] {
+                values += assert_alike(&texts[0], other, 1e-9);
+            }
+        }
+    }
+    assert!(values > 1000, "{values} values were compared");
+}
+
+/// What a driver is told of how its lane bends, wherever it is.
+struct Told {
+    seen: Arc<Mutex<Vec<Observation>>>,
+}
+
+impl Controller for Told {
+    fn schedule(&self) -> Schedule {
+        Schedule::every(0.1)
+    }
+
+    fn act(&mut self, seen: &Observation) -> Result<Command, ControllerError> {
+        self.seen.lock().unwrap().push(seen.clone());
+        Ok(Command::Acceleration(2.0 * (10.0 - seen.ego.speed)))
+    }
+}
+
+/// The road, lane, what follows it, and what is seen.
+fn told(road: &str, car: &str) -> (Arc<World>, Vec<Observation>) {
+    let text = format!(
+        "scenario a {{
+  road {{ {road}; lanes forward, backward; lane_width 3.5 m; speed_limit 50 km/h }}
+  finish 120 m
+  vehicle av {{ controller constant_speed; speed 36 km/h; {car} }}
+  pedestrian walker {{ model scripted; start 2 m from kerb; appears at 100 s }}
+}}"
+    );
+    let case =
+        plan(&loaded(&text)).unwrap_or_else(|errors| panic!("{text}\n{}", errors[0])).trial(0).cases.first();
+    let seen = Arc::<Mutex<Vec<Observation>>>::default();
+    let mut users = road_users(&case.world, case.seed).unwrap();
+    // What perception is shown is handed on by it.
+    users.vehicles[0].driver = Driver::Inside(Box::new(Told { seen: seen.clone() }));
+    simulate(&case.world, users, &mut Unwatched).unwrap();
+    let seen = seen.lock().unwrap().clone();
+    (case.world.clone(), seen)
+}
+
+#[test]
+fn drivers_are_told_how_their_lane_bends() {
+    let path = "path { straight 60 m; clothoid 30 m to radius 40 m left; arc 40 deg; clothoid 30 m to straight; straight 20 m
+    arc 20 deg radius 25 m right; straight 60 m }; crossing zebra { at: 110 m }; gradient 4 %";
+    for car in [
+        "start 100 m before crossing",
+        "start 100 m before crossing; lane 1",
+        "start 100 m before crossing; follows by rear axle",
+        "start 100 m before crossing; lane 1; sees { range: 50 m, latency: 0.2 s }",
+    ] {
+        let (world, seen) = told(path, car);
+        let (road, setup) = (&world.road, &world.vehicles[0]);
+        let way = setup.path(road);
+        let (mut jumps, mut most) = (0, 0);
+        assert!(seen.len() > 200, "{car}");
+        for one in &seen {
+            let (ego, ahead) = (&one.ego, &one.road.curvature_ahead);
+            assert_eq!(ego.travelled, -ego.distance_to_crossing);
+            assert_eq!(one.road.gradient, Some(if setup.lane == 0 { 0.04 } else { -0.04 }), "{car}");
+            assert_eq!(ego.curvature, way.curvature(ego.travelled), "{car}");
+            assert!(ahead.is_sorted_by(|one, other| one.0 <= other.0), "{ahead:?}");
+            assert!(ahead.iter().all(|(distance, _)| (0.0..=150.0).contains(distance)), "{ahead:?}");
+            jumps += ahead.windows(2).filter(|pair| pair[0].0 == pair[1].0).count();
+            most = most.max(ahead.len());
+            // What the lane is wherever they say something.
+            for step in 0..300 {
+                let distance = f64::from(step) * 0.5 + 0.25;
+                let next = ahead.partition_point(|(at, _)| *at <= distance);
+                let before = if next == 0 { (0.0, ego.curvature) } else { ahead[next - 1] };
+                let said = match ahead.get(next) {
+                    None => before.1,
+                    Some(after) => {
+                        before.1 + (after.1 - before.1) * (distance - before.0) / (after.0 - before.0)
+                    }
+                };
+                let is = way.curvature(ego.travelled + distance);
+                let near_a_jump = ahead.iter().any(|(at, _)| (at - distance).abs() < 1e-6);
+                let tolerance = if setup.lane == 0 { 1e-9 } else { 2e-3 };
+                assert!(
+                    near_a_jump || (said - is).abs() < tolerance,
+                    "{car}: {said}, not {is}, {distance} m ahead of {}",
+                    ego.travelled
+                );
+            }
+        }
+        assert!(jumps > 50 && most >= 6, "{car}: {jumps} jumps, {most} changes at once");
+        // All of it lies behind it at the end.
+        assert!(seen.last().unwrap().road.curvature_ahead.is_empty(), "{car}");
+    }
+    let (_, seen) = told("crossing zebra", "start 100 m before crossing");
+    let plain = |one: &Observation| {
+        one.ego.curvature == 0.0 && one.road.curvature_ahead.is_empty() && one.road.gradient.is_none()
+    };
+    assert!(seen.iter().all(plain));
+    // And is not written.
+    let written = serde_json::to_string(&seen[3]).unwrap();
+    assert!(["curvature", "gradient"].iter().all(|name| !written.contains(name)), "{written}");
+    let (_, seen) = told(path, "start 100 m before crossing");
+    let written = serde_json::to_string(&seen[3]).unwrap();
+    assert_eq!(serde_json::from_str::<Observation>(&written).unwrap(), seen[3]);
 }

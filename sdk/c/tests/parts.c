@@ -17,6 +17,9 @@ static const char *start(const sr_run *run) {
 static const char *step(int slot, const sr_seen *seen, double *answer, double *mode) {
     assert(seen->signal == 1.0 && isnan(seen->left_kerb) && seen->speed == 5.0 + slot);
     assert(seen->pedestrians == (slot == 1 ? 2 : 0) && seen->vehicles == (slot == 2));
+    assert(seen->curvature == 0.25 && isnan(seen->gradient) && isnan(seen->travelled) && seen->changes == (slot == 0 ? 0 : slot));
+    if (slot == 2) assert(seen->change[0].distance == 20 && seen->change[1].distance == 45 && seen->change[1].curvature == 0.02);
+    if (slot == 1) assert(seen->change[0].distance == 10 && seen->change[0].curvature == -0.5);
     if (slot == 1) assert(seen->pedestrian[1].id == 8 && seen->pedestrian[1].x == 1.5 && seen->pedestrian[1].width == 0.5);
     if (slot == 2) assert(seen->vehicle[0].x == 30 && isnan(seen->vehicle[0].ax));
     *answer = ++steps[slot];
@@ -31,9 +34,9 @@ static void text(FILE *to, const char *said) {
 
 /* Runs 0, 1 and 2 with columns that are turned around, one of which nobody knows. */
 static void scenes(FILE *to, double time, int first_is_new) {
-    uint32_t head[8] = {28 + 8 * (3 * 6 + 2 * 4 + 3), 1, 3, 2, 1, 0, 0, 0};
-    double rows[] = {77, 1, 5, time, first_is_new, 0, 77, 1, 6, time, 0, 1, 77, 1, 7, time, 0, 2,
-                     1, 0.5, 7, 3.5, 1, 0.5, 8, 1.5, 2, 9, 30};
+    uint32_t head[8] = {28 + 8 * (3 * 7 + 2 * 4 + 3 + 3 * 3), 1, 3, 2, 1, 3, 0, 0};
+    double rows[] = {77, 1, 5, time, first_is_new, 0, 0.25, 77, 1, 6, time, 0, 1, 0.25, 77, 1, 7, time, 0, 2, 0.25,
+                     1, 0.5, 7, 3.5, 1, 0.5, 8, 1.5, 2, 9, 30, 1, -0.5, 10, 2, 0.01, 20, 2, 0.02, 45};
     fwrite(head, 4, 8, to), fwrite(rows, 8, sizeof rows / 8, to);
 }
 
@@ -65,7 +68,8 @@ int main(void) {
     char name[] = "parts", at_once[] = "--runs-at-once=4", *arguments[] = {name, at_once, NULL}, said[512];
     assert(requests && answers);
     fputs("{\"hello\":{\"columns\":{\"pedestrians\":[\"row\",\"width\",\"id\",\"x\"],\"vehicles\":[\"row\",\"id\",\"x\"],"
-          "\"runs\":[\"later\",\"signal\",\"speed\",\"time\",\"new\",\"slot\"]},\"protocol\":1}}\n", requests);
+          "\"curvature_ahead\":[\"row\",\"curvature\",\"distance\"],"
+          "\"runs\":[\"later\",\"signal\",\"speed\",\"time\",\"new\",\"slot\"],\"lanes\":[\"curvature\"]},\"protocol\":1}}\n", requests);
     char opened[2048] = "{\"open\":[";
     for (int slot = 0; slot < 4; slot++)
         snprintf(opened + strlen(opened), sizeof opened - strlen(opened),

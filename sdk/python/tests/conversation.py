@@ -4,10 +4,16 @@ import io
 import json
 import struct
 
-from scenario_runner_av._seen import PEDESTRIAN_COLUMNS, RUN_COLUMNS, VEHICLE_COLUMNS
+from scenario_runner_av._seen import CURVATURE_COLUMNS, PEDESTRIAN_COLUMNS, RUN_COLUMNS, VEHICLE_COLUMNS
 from scenario_runner_av._serve import converse
 
-COLUMNS = {"runs": list(RUN_COLUMNS), "pedestrians": list(PEDESTRIAN_COLUMNS), "vehicles": list(VEHICLE_COLUMNS)}
+COLUMNS = {
+    "runs": list(RUN_COLUMNS[:-3]),
+    "lanes": list(RUN_COLUMNS[-3:]),
+    "pedestrians": list(PEDESTRIAN_COLUMNS),
+    "vehicles": list(VEHICLE_COLUMNS),
+    "curvature_ahead": list(CURVATURE_COLUMNS),
+}
 NAN = float("nan")
 
 
@@ -25,8 +31,8 @@ def run(slot, **parameters):
     return {"slot": slot, "seed": 7, "step": 0.025, "parameters": parameters, "cruise_speed": 8.0, "vehicle": vehicle, "road": road}
 
 
-def scene(slot, speed=5.0, people=(), time=1.0, signal=None):
-    """A decision that is asked for; people are pairs of x and y."""
+def scene(slot, speed=5.0, people=(), time=1.0, signal=None, bends=()):
+    """A decision that is asked for; people are pairs of x and y, bends of a distance and a curvature."""
     road = {
         "lane_width": 4.0,
         "speed_limit": 8.0,
@@ -37,7 +43,11 @@ def scene(slot, speed=5.0, people=(), time=1.0, signal=None):
     }
     if signal is not None:
         road["signal"] = signal
-    ego = {"distance_to_crossing": 30.0, "speed": speed, "acceleration": 0.0, "length": 4.5, "width": 1.8}
+    if bends:
+        road["curvature_ahead"] = [list(one) for one in bends]
+    ego = {"distance_to_crossing": 30.0, "speed": speed, "acceleration": 0.0, "length": 4.5, "width": 1.8, "travelled": -30.0}
+    if bends:
+        ego["curvature"] = 0.25
     still = {"vx": 0.0, "vy": 1.0, "ax": 0.0, "ay": 0.0, "length": 0.5, "width": 0.5}
     pedestrians = [{"id": index, "x": x, "y": y, **still} for index, (x, y) in enumerate(people)]
     return {
@@ -69,14 +79,18 @@ def frame(request, columns):
     if "step" not in request:
         text = json.dumps(request).encode()
         return struct.pack("<2I", len(text) + 4, 0) + text
-    scenes, rows, counts = request["step"], b"", [0, 0, 0]
-    for index, table in enumerate(("runs", "pedestrians", "vehicles")):
+    scenes, rows, tables = request["step"], b"", [table for table in COLUMNS if table in columns and table != "lanes"]
+    columns = {**columns, "runs": columns["runs"] + columns.get("lanes", [])}
+    counts = [0] * 6
+    for index, table in enumerate(tables):
         for row, one in enumerate(scenes):
-            for of in [{**one["ego"], **one["road"], **one}] if index == 0 else one[table]:
+            bends = [{"distance": at, "curvature": bend} for at, bend in one["road"].get("curvature_ahead", ())]
+            run_ = {"curvature": 0.0, **one["ego"], **one["road"], **one}
+            for of in [run_] if index == 0 else bends if table == "curvature_ahead" else one[table]:
                 values = [float({"row": row, **of}.get(name, NAN)) for name in columns[table]]
                 rows += struct.pack(f"<{len(values)}d", *values)
                 counts[index] += 1
-    return struct.pack("<8I", 28 + len(rows), 1, *counts, 0, 0, 0) + rows
+    return struct.pack("<8I", 28 + len(rows), 1, *counts) + rows
 
 
 def lines(answers):

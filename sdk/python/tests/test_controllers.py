@@ -72,6 +72,30 @@ class Conversation(unittest.TestCase):
             self.assertEqual((first.pedestrians[0].y, first.vehicles[0].vx, first.left_kerb), (2.0, -8.0, 2.0))
             self.assertEqual(second.pedestrians, [])
 
+    def test_a_lane_that_bends_is_told(self):
+        seen = []
+
+        class Looks(Controller):
+            def step(self, scene):
+                seen.append(scene)
+                return 0
+
+        bent = {"step": [scene(0), scene(1, bends=[(20.0, 0.0), (45.0, 0.02)])]}
+        opening = {"open": [run(0), run(1)]}
+        older = {table: names for table, names in COLUMNS.items() if table not in ("lanes", "curvature_ahead")}
+        for encoding, columns in (("f64", COLUMNS), ("json", COLUMNS), ("f64", older)):
+            seen.clear()
+            hello, _ = talk(Looks, [opening, bent], encoding, 2, columns)
+            self.assertEqual(hello["tables"], ["lanes"])
+            plain, one = seen
+            if columns is older:
+                self.assertTrue(all(math.isnan(value) for value in (plain.travelled, plain.curvature, plain.gradient)))
+                self.assertEqual((plain.vehicles[0].x, one.curvature_ahead), (9.0, []))
+                continue
+            self.assertEqual((plain.travelled, plain.curvature, plain.gradient != plain.gradient), (-30.0, 0.0, True))
+            self.assertEqual((plain.curvature_ahead, one.curvature), ([], 0.25))
+            self.assertEqual([tuple(change) for change in one.curvature_ahead], [(1, 20.0, 0.0), (1, 45.0, 0.02)], encoding)
+
     def test_a_slot_is_used_again_by_another_instance(self):
         class Counts(Controller):
             steps = 0
@@ -185,6 +209,20 @@ class Vectors(unittest.TestCase):
         requests = [{"open": [run(0, gap=20.0), run(1, gap=5.0), run(3, gap=20.0)]}, SCENES, {"step": [scene(1, people=[(10.0, 0.0)])]}]
         for encoding in ("json", "f64"):
             self.assertEqual(talk(VectorBrake, requests, encoding)[1], talk(Brake, requests, encoding)[1])
+
+    def test_a_lane_that_bends_is_told_in_arrays(self):
+        told = []
+
+        class Looks(VectorController):
+            def step(self, batch):
+                ahead = batch.curvature_ahead
+                told.append((batch.curvature.tolist(), ahead.row.tolist(), ahead.distance.tolist(), ahead.curvature.tolist()))
+                return ahead.least(ahead.distance, 0.0)
+
+        bent = {"step": [scene(0), scene(1, bends=[(20.0, 0.0), (45.0, 0.02)])]}
+        for encoding in ("f64", "json"):
+            talk(Looks, [{"open": [run(0), run(1)]}, bent], encoding, 2)
+            self.assertEqual(told.pop(), ([0.0, 0.25], [1, 1], [20.0, 45.0], [0.0, 0.02]))
 
     def test_reductions_are_of_ones_own_people(self):
         found = []

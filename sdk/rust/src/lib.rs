@@ -255,6 +255,15 @@ pub struct Seen {
     pub signal: Option<bool>,
     pub right_kerb: f64,
     pub left_kerb: f64,
+    /// Along the lane, 0 at the middle of the crossing.
+    pub travelled: f64,
+    /// Of the lane at the vehicle, to the left, 1/m.
+    pub curvature: f64,
+    /// Rise of the road per metre ahead; NaN where it says none.
+    pub gradient: f64,
+    /// How the lane bends within 150 m: distances ahead and the curvature there, ascending. From `curvature` on it changes evenly from
+    /// each to the next, and not at all behind the last; two at one distance are a jump.
+    pub curvature_ahead: Vec<(f64, f64)>,
     pub pedestrians: Vec<Other>,
     /// Without accelerations.
     pub vehicles: Vec<Other>,

@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use crate::{About, Answer, Command, Gives, Other, Seen, PLAN_POINTS};
 
-const RUNS: [&str; 16] = [
+const RUNS: [&str; 19] = [
     "slot",
     "time",
     "new",
@@ -23,7 +23,11 @@ const RUNS: [&str; 16] = [
     "signal",
     "right_kerb",
     "left_kerb",
+    "travelled",
+    "curvature",
+    "gradient",
 ];
+const CURVATURE_AHEAD: [&str; 3] = ["row", "distance", "curvature"];
 const OTHERS: [&str; 10] = ["row", "id", "x", "y", "vx", "vy", "ax", "ay", "length", "width"];
 
 /// The next frame without its length; whether there is one.
@@ -96,6 +100,8 @@ pub struct Tables {
     runs: Table,
     pedestrians: Table,
     vehicles: Table,
+    /// Of no width where the runner does not know it.
+    curvature_ahead: Table,
 }
 
 struct Table {
@@ -123,24 +129,29 @@ impl Table {
 
 impl Tables {
     pub fn of(columns: &Value) -> Self {
+        // Those of lanes, which are asked for, go on behind.
+        let both = ["runs", "lanes"].map(|table| columns[table].as_array().cloned().unwrap_or_default());
+        let runs = Value::Array(both.concat());
         Self {
-            runs: Table::of(&columns["runs"], &RUNS),
+            runs: Table::of(&runs, &RUNS),
             pedestrians: Table::of(&columns["pedestrians"], &OTHERS),
             vehicles: Table::of(&columns["vehicles"], &OTHERS),
+            curvature_ahead: Table::of(&columns["curvature_ahead"], &CURVATURE_AHEAD),
         }
     }
 
     /// The scenes of a frame of runs.
     pub fn scenes(&self, frame: &[u8]) -> io::Result<Vec<Seen>> {
-        let counts = [1, 2, 3].map(|index| word(frame, index) as usize);
-        let sizes = [&self.runs, &self.pedestrians, &self.vehicles];
+        let counts = [1, 2, 3, 4].map(|index| word(frame, index) as usize);
+        let sizes = [&self.runs, &self.pedestrians, &self.vehicles, &self.curvature_ahead];
         let sizes: Vec<usize> =
             sizes.iter().zip(counts).map(|(table, count)| 8 * table.width * count).collect();
         if frame.len() != 28 + sizes.iter().sum::<usize>() {
             return Err(io::Error::new(ErrorKind::InvalidData, "a frame is not as long as it says"));
         }
         let (runs, others) = frame[28..].split_at(sizes[0]);
-        let (pedestrians, vehicles) = others.split_at(sizes[1]);
+        let (pedestrians, others) = others.split_at(sizes[1]);
+        let (vehicles, changes) = others.split_at(sizes[2]);
         let mut scenes: Vec<Seen> = (0..counts[0]).map(|index| scene(self.runs.row(runs, index))).collect();
         for index in 0..counts[1] {
             let (row, one) = other(self.pedestrians.row(pedestrians, index));
@@ -149,6 +160,11 @@ impl Tables {
         for index in 0..counts[2] {
             let (row, one) = other(self.vehicles.row(vehicles, index));
             scenes[row].vehicles.push(one);
+        }
+        let told = if changes.is_empty() { 0 } else { counts[3] };
+        for index in 0..told {
+            let value = self.curvature_ahead.row(changes, index);
+            scenes[value(0) as usize].curvature_ahead.push((value(1), value(2)));
         }
         Ok(scenes)
     }
@@ -172,6 +188,10 @@ fn scene(value: impl Fn(usize) -> f64) -> Seen {
         signal: (!value(13).is_nan()).then(|| value(13) == 1.0),
         right_kerb: value(14),
         left_kerb: value(15),
+        travelled: value(16),
+        curvature: value(17),
+        gradient: value(18),
+        curvature_ahead: Vec::new(),
         pedestrians: Vec::new(),
         vehicles: Vec::new(),
     }

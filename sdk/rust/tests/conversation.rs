@@ -31,6 +31,9 @@ impl Controller for Counts {
             if seen.slot == 1 { vec![(7, 3.5)] } else { vec![] }
         );
         assert_eq!(seen.vehicles.len(), usize::from(seen.slot == 2));
+        assert_eq!((seen.curvature, seen.gradient.is_nan()), (0.25, true));
+        let bends = if seen.slot == 2 { vec![(20.0, 0.0), (45.0, 0.02)] } else { vec![] };
+        assert_eq!(seen.curvature_ahead, bends);
         self.steps += 1.0;
         if seen.slot == 2 && !self.has_failed {
             self.has_failed = true;
@@ -47,13 +50,14 @@ fn text(value: &Value) -> Vec<u8> {
 
 fn scenes(slots: &[f64], time: f64) -> Vec<u8> {
     let mut rows: Vec<f64> =
-        slots.iter().flat_map(|slot| [77.0, 1.0, 5.0 + slot, time, 0.0, *slot]).collect();
+        slots.iter().flat_map(|slot| [77.0, 1.0, 5.0 + slot, time, 0.0, *slot, 0.25]).collect();
     let of = |slot: f64| slots.iter().position(|one| *one == slot).map(|row| row as f64);
     let (people, cars) = (of(1.0), of(2.0));
     rows.extend(people.iter().flat_map(|row| [*row, 7.0, 3.5]));
     rows.extend(cars.iter().flat_map(|row| [30.0, *row]));
+    rows.extend(cars.iter().flat_map(|row| [20.0, *row, 0.0, 45.0, *row, 0.02]));
     let counts = [slots.len() as u32, people.iter().count() as u32, cars.iter().count() as u32];
-    let words = [28 + 8 * rows.len() as u32, 1, counts[0], counts[1], counts[2], 0, 0, 0];
+    let words = [28 + 8 * rows.len() as u32, 1, counts[0], counts[1], counts[2], 2 * counts[2], 0, 0];
     let words = words.iter().flat_map(|word| word.to_le_bytes());
     words.chain(rows.iter().flat_map(|value| value.to_le_bytes())).collect()
 }
@@ -67,7 +71,8 @@ fn rows(values: &[f64]) -> Vec<u8> {
 #[test]
 fn runs_begin_are_decided_and_refused() {
     let columns = json!({
-        "runs": ["later", "signal", "speed", "time", "new", "slot"], "pedestrians": ["row", "id", "x"], "vehicles": ["x", "row"],
+        "runs": ["later", "signal", "speed", "time", "new", "slot"], "lanes": ["curvature"], "pedestrians": ["row", "id", "x"],
+        "vehicles": ["x", "row"], "curvature_ahead": ["distance", "row", "curvature"],
     });
     let greeting = json!({"hello": {"protocol": 1, "columns": columns}}).to_string() + "\n";
     let run = |slot: u32| {

@@ -80,7 +80,15 @@ mod tests {
     use super::*;
 
     fn ego(speed: f64) -> EgoState {
-        EgoState { distance_to_crossing: 0.0, speed, acceleration: 0.0, length: 4.0, width: 2.0 }
+        EgoState {
+            distance_to_crossing: 0.0,
+            speed,
+            acceleration: 0.0,
+            length: 4.0,
+            width: 2.0,
+            travelled: 0.0,
+            curvature: 0.0,
+        }
     }
 
     fn walker(x: f64, y: f64, vy: f64) -> SeenPedestrian {

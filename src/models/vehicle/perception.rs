@@ -9,7 +9,7 @@ use numbers::random::Stream;
 use scenario::{Chance, Declaration, Dimension, Parameter, Path, Settings};
 use sim::geometry::Footprint;
 use sim::random::{Agent, Purpose, stream};
-use sim::{ModelError, Observation, Perception, Schedule, SeenPedestrian, SeenVehicle};
+use sim::{ModelError, Observation, Perception, RoadView, Schedule, SeenPedestrian, SeenVehicle};
 
 const FREE: &str = "free choice";
 
@@ -289,7 +289,9 @@ impl Perception for Perceiving {
         view.time = seen.time;
         view.ego = seen.ego;
         view.cruise_speed = seen.cruise_speed;
-        view.road = seen.road;
+        let mut curvature_ahead = std::mem::take(&mut view.road.curvature_ahead);
+        curvature_ahead.clone_from(&seen.road.curvature_ahead);
+        view.road = RoadView { curvature_ahead, ..seen.road };
         view.pedestrians.clear();
         view.vehicles.clear();
         if let Some(frame) = self.known(seen.time) {

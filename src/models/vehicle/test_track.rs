@@ -62,7 +62,15 @@ impl Track {
         };
         let observation = Observation {
             time: 0.0,
-            ego: EgoState { distance_to_crossing: 1e6, speed: CRUISE, acceleration: 0.0, length, width },
+            ego: EgoState {
+                distance_to_crossing: 1e6,
+                speed: CRUISE,
+                acceleration: 0.0,
+                length,
+                width,
+                travelled: -1e6,
+                curvature: 0.0,
+            },
             cruise_speed: CRUISE,
             road: RoadView {
                 lane_width: 4.0,
@@ -72,6 +80,7 @@ impl Track {
                 right_kerb: -2.0,
                 left_kerb: 6.0,
                 gradient: None,
+                curvature_ahead: Vec::new(),
             },
             pedestrians: Vec::new(),
             vehicles: Vec::new(),

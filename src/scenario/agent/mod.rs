@@ -134,10 +134,23 @@ pub struct EgoState {
     pub length: f64,
     /// m
     pub width: f64,
+    /// Along its lane, 0 at the middle of the crossing, m; negative before it.
+    #[serde(default)]
+    pub travelled: f64,
+    /// Of its lane at the point of it that follows that, to the left, 1/m.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub curvature: f64,
 }
 
+fn is_zero(curvature: &f64) -> bool {
+    *curvature == 0.0
+}
+
+/// How far ahead vehicles are told how their lanes bend, m.
+pub const CURVATURE_REACH: f64 = 150.0;
+
 /// The road as the ego sees it from its lane.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RoadView {
     /// m
     pub lane_width: f64,
@@ -154,6 +167,13 @@ pub struct RoadView {
     /// Rise per metre ahead, positive uphill; `None` on a road that says none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gradient: Option<f64>,
+    /// How the lane bends within [`CURVATURE_REACH`]: how far ahead of the point of the ego that follows it (m, ascending), and its
+    /// curvature there (1/m, to the left).
+    ///
+    /// From [`EgoState::curvature`] on it changes evenly from each to the next, and not at all behind the last; two of one place are a
+    /// jump. Beside the middle of lane 0 a clothoid is told in parts, to 0.001 1/m. Empty where the curvature does not change.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub curvature_ahead: Vec<(f64, f64)>,
 }
 
 /// A pedestrian as a controller knows it.

@@ -55,6 +55,9 @@ const LARGEST_SHARE: f64 = 0.95;
 /// Between two stops it turns no more than this, rad: whoever crosses it twice there walks along it.
 const TURN_BETWEEN: f64 = 0.25;
 
+/// Where a curvature is told as if it changed evenly, it is right to this, 1/m.
+pub const EVEN: f64 = 1e-3;
+
 /// A crossing is found to this, m.
 const CLOSE: f64 = 1e-12;
 
@@ -162,6 +165,67 @@ impl CurvedPath {
                 Pose { point, heading: pose.heading + std::f64::consts::PI, curvature: -curvature }
             }
         }
+    }
+
+    /// The curvature (1/m, to the left in the direction of travel) at a place (m).
+    pub fn curvature(&self, place: f64) -> f64 {
+        self.bend(self.line.curvature(self.station(place)))
+    }
+
+    /// A curvature of the line (1/m, to its left) as the course has it, to the left in the direction of travel.
+    fn bend(&self, curvature: f64) -> f64 {
+        self.direction.sign() * curvature / (1.0 - curvature * self.offset)
+    }
+
+    /// How the curvature changes: places (m) in the direction of travel, with the curvature there (1/m, to the left in that direction).
+    ///
+    /// Between two of them it changes evenly, before the first and behind the last it is 0; two of one place are a jump. Beside the line
+    /// the curvature of a clothoid does not change evenly: there it is divided until it is right to [`EVEN`].
+    pub fn curvature_changes(&self) -> Vec<(f64, f64)> {
+        let mut all: Vec<(f64, f64)> = Vec::new();
+        let mut pieces = self.line.placed().peekable();
+        while let Some((piece, from, _)) = pieces.next() {
+            let to = pieces.peek().map_or(self.line.length(), |(_, next, _)| *next);
+            let parts = self.even_parts(piece);
+            all.extend((0..=parts).map(|part| {
+                let way = piece.length * part as f64 / parts as f64;
+                let (station, curvature) = match part {
+                    0 => (from, piece.from),
+                    _ if part == parts => (to, piece.to),
+                    _ => (from + way, piece.curvature(way)),
+                };
+                (self.place_abreast(station), self.bend(curvature))
+            }));
+        }
+        if self.direction == Direction::Backward {
+            all.reverse();
+        }
+        let ends = [all.first(), all.last()].map(|end| end.map_or(0.0, |(place, _)| *place));
+        let all: Vec<_> = [(ends[0], 0.0)].into_iter().chain(all).chain([(ends[1], 0.0)]).collect();
+        let mut changes: Vec<(f64, f64)> = Vec::new();
+        for (index, one) in all.iter().enumerate() {
+            let before = changes.last().map_or(0.0, |(_, curvature)| *curvature);
+            let after = all.get(index + 1).map_or(0.0, |(_, curvature)| *curvature);
+            let stays = one.1 == before && one.1 == after;
+            if !stays && changes.last() != Some(one) {
+                changes.push(*one);
+            }
+        }
+        changes
+    }
+
+    /// Into how many parts a piece is divided within which the curvature beside it changes evenly to [`EVEN`].
+    fn even_parts(&self, piece: &super::Piece) -> usize {
+        if self.offset == 0.0 || piece.from == piece.to {
+            return 1;
+        }
+        // With b = 1 - κ d, the length along the course is the integral of b, and the second derivative of κ / b by it is 3 d κ'² / b⁵.
+        let change = (piece.to - piece.from) / piece.length;
+        let shares = [piece.from, piece.to].map(|curvature| 1.0 - curvature * self.offset);
+        let (least, most) = (shares[0].min(shares[1]), shares[0].max(shares[1]));
+        let bent = 3.0 * self.offset.abs() * change * change / (least * least * least * least * least);
+        // Of a chord over the length h the error is h² / 8 times that at most.
+        (piece.length * most * libm::sqrt(bent / (8.0 * EVEN))).ceil().max(1.0) as usize
     }
 
     /// The largest curvature (1/m, never negative) between two places (m).
@@ -378,6 +442,30 @@ mod tests {
     }
 
     proptest! {
+        #[test]
+        fn between_its_changes_the_curvature_is_what_they_say(
+            offset in prop::sample::select(vec![0.0, 3.5, -3.5, 6.0]), backward: bool, left: bool, place in -60.0..80.0,
+        ) {
+            let direction = if backward { Direction::Backward } else { Direction::Forward };
+            let path = CurvedPath::new(bend(if left { 1.0 } else { -1.0 }), offset, direction, 20.0).unwrap();
+            let changes = path.curvature_changes();
+            prop_assert!(changes.is_sorted_by(|one, other| one.0 <= other.0));
+            let next = changes.partition_point(|(at, _)| *at <= place);
+            let told = match (next.checked_sub(1), changes.get(next)) {
+                (Some(before), Some(after)) => {
+                    let before = changes[before];
+                    before.1 + (after.1 - before.1) * (place - before.0) / (after.0 - before.0)
+                }
+                _ => 0.0,
+            };
+            let apart = (told - path.curvature(place)).abs();
+            let tolerance = if offset == 0.0 { 1e-12 } else { EVEN };
+            prop_assert!(apart < tolerance, "{apart} at {place}, {} changes", changes.len());
+            prop_assert!((path.curvature(place) - path.pose(place).curvature).abs() < 1e-15);
+            // In the middle of lane 0 there are no more than there are: three jumps and an end, two each, and where the clothoids meet the arc.
+            prop_assert!(offset != 0.0 || changes.len() == 10, "{changes:?}");
+        }
+
         #[test]
         fn its_length_is_that_of_its_chords(offset in -4.0..4.0, backward: bool) {
             let direction = if backward { Direction::Backward } else { Direction::Forward };

@@ -15,7 +15,7 @@ use serde_json::{Value as Json, json};
 use super::plan::FmuPlan;
 use super::signals::{RunRows, signals};
 use super::wired::Wired;
-use crate::wire::{PEDESTRIANS, RUNS, VEHICLES, text_frame};
+use crate::wire::{CURVATURE_AHEAD, LANES, PEDESTRIANS, RUNS, VEHICLES, text_frame};
 
 /// More than a request may have, bytes.
 const LONGEST_REQUEST: usize = 1 << 30;
@@ -225,21 +225,26 @@ impl Host<'_> {
     /// Decides in the runs of a request.
     fn step(&mut self, frame: &[u8], streams: &mut Streams) -> io::Result<()> {
         let count = |index: usize| word(frame, index).map(|count| count as usize);
-        let (Some(runs), Some(pedestrians), Some(vehicles)) = (count(1), count(2), count(3)) else {
+        let (Some(runs), Some(pedestrians), Some(vehicles), Some(changes)) =
+            (count(1), count(2), count(3), count(4))
+        else {
             return Err(invalid("a step without counts"));
         };
         let doubles: Vec<f64> = frame[28.min(frame.len())..]
             .chunks_exact(8)
             .map(|bytes| f64::from_le_bytes(bytes.try_into().expect("eight of them")))
             .collect();
-        let (first, second) = (runs * RUNS.len(), pedestrians * PEDESTRIANS.len());
-        if doubles.len() != first + second + vehicles * VEHICLES.len() {
+        let columns = RUNS.len() + LANES.len();
+        let (first, second) = (runs * columns, pedestrians * PEDESTRIANS.len());
+        let third = vehicles * VEHICLES.len();
+        // How lanes bend ahead is no number: no unit is told of it.
+        if doubles.len() != first + second + third + changes * CURVATURE_AHEAD.len() {
             return Err(invalid("a step with other rows than it says"));
         }
         let (rows, others) = doubles.split_at(first);
-        let (pedestrians, vehicles) = others.split_at(second);
+        let (pedestrians, vehicles) = others[..second + third].split_at(second);
         let (mut answers, mut failed, mut is_last) = (Vec::with_capacity(runs), Vec::new(), false);
-        for (index, run) in rows.chunks_exact(RUNS.len()).enumerate() {
+        for (index, run) in rows.chunks_exact(columns).enumerate() {
             let slot = run[0] as usize;
             let hosted =
                 self.slots.get_mut(&slot).ok_or_else(|| invalid("a step of a run that is not open"))?;

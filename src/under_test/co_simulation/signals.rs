@@ -2,7 +2,7 @@
 
 use scenario::{NOBODY_AT, OBJECT, OBJECTS, SEEN};
 
-use crate::wire::{PEDESTRIANS, RUNS, VEHICLES};
+use crate::wire::{LANES, PEDESTRIANS, RUNS, VEHICLES};
 
 /// The number of signals.
 pub const COUNT: usize = SEEN.len() + OBJECTS * OBJECT.len();
@@ -12,6 +12,9 @@ const FROM_RUNS: usize = SEEN.len() - 3;
 
 /// Where red and green are.
 const SIGNAL: usize = 11;
+
+/// Where the gradient is.
+const GRADIENT: usize = FROM_RUNS - 1;
 
 /// Who is ahead.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,6 +51,9 @@ pub fn signals(rows: &RunRows) -> [f64; COUNT] {
         // No signal keeps the vehicle from going.
         all[SIGNAL] = 1.0;
     }
+    if all[GRADIENT].is_nan() {
+        all[GRADIENT] = 0.0;
+    }
     let (speed, length, lane) = (all[3], all[5], all[7]);
     let mut ahead = objects(rows, length);
     ahead.sort_by(|one, other| {
@@ -82,7 +88,7 @@ fn objects(rows: &RunRows, length: f64) -> Vec<Object> {
     people.chain(cars).collect()
 }
 
-const _: () = assert!(RUNS.len() == 2 + FROM_RUNS);
+const _: () = assert!(RUNS.len() + LANES.len() == 2 + FROM_RUNS);
 
 #[cfg(test)]
 mod tests {
@@ -97,14 +103,15 @@ mod tests {
 
     /// A column of runs holds its own place.
     fn run() -> Vec<f64> {
-        (0..RUNS.len()).map(|place| place as f64).collect()
+        (0..RUNS.len() + LANES.len()).map(|place| place as f64).collect()
     }
 
     #[test]
     fn what_runs_are_told_is_told_by_the_same_name() {
         let run = run();
         let signal = of(&run, &[], &[]);
-        for (place, column) in RUNS.iter().enumerate().filter(|(_, column)| !["slot", "new"].contains(column))
+        for (place, column) in
+            RUNS.iter().chain(&LANES).enumerate().filter(|(_, column)| !["slot", "new"].contains(column))
         {
             let group = input_signals().map(|(name, _)| name).find(|name| {
                 name == column || *name == format!("ego.{column}") || *name == format!("road.{column}")
@@ -123,6 +130,13 @@ mod tests {
         let mut run = run();
         run[13] = f64::NAN;
         assert_eq!(of(&run, &[], &[])("road.signal"), 1.0);
+    }
+
+    #[test]
+    fn a_road_that_says_no_gradient_is_level() {
+        let mut run = run();
+        run[18] = f64::NAN;
+        assert_eq!(of(&run, &[], &[])("road.gradient"), 0.0);
     }
 
     #[test]

@@ -21,7 +21,7 @@ if _os.environ.get("SCENARIO_RUNNER_CONTROLLER"):
 from ._controller import Controller, VectorController
 from ._parameter import parameter
 from ._results import Results, RunFailed, results, run
-from ._seen import Box, Lane, Pedestrian, Run, Seen, Vehicle
+from ._seen import Box, CurvatureChange, Lane, Pedestrian, Run, Seen, Vehicle
 from ._serve import serve
 
 __version__ = "0.1.0"
@@ -29,6 +29,7 @@ __version__ = "0.1.0"
 __all__ = [
     "Box",
     "Controller",
+    "CurvatureChange",
     "Lane",
     "Pedestrian",
     "Results",

@@ -2,7 +2,7 @@
 
 import numpy
 
-from ._seen import PEDESTRIAN_COLUMNS, RUN_COLUMNS, VEHICLE_COLUMNS
+from ._seen import CURVATURE_COLUMNS, PEDESTRIAN_COLUMNS, RUN_COLUMNS, VEHICLE_COLUMNS
 
 
 def _attributes(own, columns, rows, kinds):
@@ -19,18 +19,19 @@ class Batch:
     `mode` holds -1 and takes indices of `modes`.
     """
 
-    def __init__(self, runs, pedestrians, vehicles):
+    def __init__(self, runs, pedestrians, vehicles, changes=()):
         _attributes(self, RUN_COLUMNS, runs, {"slot": numpy.intp, "new": bool, "pedestrian_priority": bool})
         self.mode = numpy.full(len(self.slot), -1.0)
         self.pedestrians = Others(PEDESTRIAN_COLUMNS, pedestrians, len(self))
         self.vehicles = Others(VEHICLE_COLUMNS, vehicles, len(self))
+        self.curvature_ahead = Others(CURVATURE_COLUMNS, changes, len(self))
 
     def __len__(self):
         return len(self.slot)
 
 
 class Others:
-    """Columns of pedestrians or vehicles of all runs, `row` being the place of each one's run in the batch."""
+    """Columns of pedestrians, vehicles or changes of curvature of all runs, `row` being the place of each one's run in the batch."""
 
     def __init__(self, columns, rows, runs):
         _attributes(self, columns, rows, {"row": numpy.intp, "id": numpy.int64})

@@ -55,10 +55,10 @@ class ObjectHost:
         self.decided.pop(run.slot, None)
         self.runs[run.slot] = instance
 
-    def step(self, runs, pedestrians, vehicles):
+    def step(self, runs, pedestrians, vehicles, changes=()):
         """Rows of answers, with the index of the mode."""
         decided, refused, answers = self.decided, [], []
-        for seen in scenes_of(runs, pedestrians, vehicles):
+        for seen in scenes_of(runs, pedestrians, vehicles, changes):
             known = decided.get(seen.slot)
             if known is not None and known[0] == seen.time:
                 answers.append(known[1])
@@ -118,12 +118,12 @@ class VectorHost:
             getattr(self.instance, name)[run.slot] = run.parameters[name]
         self.instance.start(run)
 
-    def step(self, runs, pedestrians, vehicles):
+    def step(self, runs, pedestrians, vehicles, changes=()):
         """An array of answers, with the index of the mode."""
         from ._batch import Batch
 
         numpy = self.numpy
-        batch = Batch(runs, pedestrians, vehicles)
+        batch = Batch(runs, pedestrians, vehicles, changes)
         rows = numpy.full((len(batch), self.width + 1), NAN)
         try:
             answer = numpy.asarray(self.instance.step(batch), dtype=float)

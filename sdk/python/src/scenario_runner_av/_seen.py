@@ -33,6 +33,16 @@ class Vehicle(NamedTuple):
     width: float
 
 
+class CurvatureChange(NamedTuple):
+    """A place at which the curvature of the ego's lane changes."""
+
+    row: int
+    distance: float
+    """Ahead of the point of the ego that follows its lane, m."""
+    curvature: float
+    """There, to the left, 1/m. It changes evenly from one to the next; two at one distance are a jump."""
+
+
 class Seen(NamedTuple):
     """The scene of one decision. What is not there is NaN."""
 
@@ -56,8 +66,16 @@ class Seen(NamedTuple):
     """Whether vehicles have green; None where there is no signal."""
     right_kerb: float
     left_kerb: float
+    travelled: float
+    """Along the lane, 0 at the middle of the crossing, m."""
+    curvature: float
+    """Of the lane at the ego, to the left, 1/m."""
+    gradient: float
+    """Rise of the road per metre ahead; NaN where it says none."""
     pedestrians: List[Pedestrian]
     vehicles: List[Vehicle]
+    curvature_ahead: List[CurvatureChange] = []
+    """How the lane bends within 150 m, nearest first; empty where its curvature does not change."""
 
 
 class Lane(NamedTuple):
@@ -135,33 +153,38 @@ def run_of(message):
     )
 
 
-RUN_COLUMNS = Seen._fields[:-2]
+RUN_COLUMNS = Seen._fields[:-3]
 PEDESTRIAN_COLUMNS = Pedestrian._fields
 VEHICLE_COLUMNS = Vehicle._fields
+CURVATURE_COLUMNS = CurvatureChange._fields
 
-_EGO = ("distance_to_crossing", "speed", "acceleration", "length", "width")
+_EGO = ("distance_to_crossing", "speed", "acceleration", "length", "width", "travelled", "curvature")
+# What JSON leaves out where it is nothing.
+_LEFT_OUT = {"curvature": 0.0}
 _VALUE = {True: 1.0, False: 0.0, None: NAN}
 
 
 def rows_of(scenes):
-    """Rows of runs, pedestrians and vehicles of a request in JSON, as they would come in frames."""
-    runs, pedestrians, vehicles = [], [], []
+    """Rows of runs, pedestrians, vehicles and changes of curvature of a request in JSON, as they would come in frames."""
+    runs, pedestrians, vehicles, changes = [], [], [], []
     for row, scene in enumerate(scenes):
         ego, road = scene.get("ego", {}), scene.get("road", {})
         values = []
         for name in RUN_COLUMNS:
             of = ego if name in _EGO else scene if name in ("slot", "time", "new", "cruise_speed") else road
-            value = of.get(name)
+            value = of.get(name, _LEFT_OUT.get(name))
             values.append(_VALUE[value] if value is None or isinstance(value, bool) else value)
         runs.append(values)
         for one in scene.get("pedestrians", ()):
             pedestrians.append([row] + [one.get(name, NAN) for name in PEDESTRIAN_COLUMNS[1:]])
         for one in scene.get("vehicles", ()):
             vehicles.append([row] + [one.get(name, NAN) for name in VEHICLE_COLUMNS[1:]])
-    return runs, pedestrians, vehicles
+        for distance, curvature in road.get("curvature_ahead", ()):
+            changes.append([row, distance, curvature])
+    return runs, pedestrians, vehicles, changes
 
 
-def scenes_of(runs, pedestrians, vehicles):
+def scenes_of(runs, pedestrians, vehicles, changes=()):
     """The scene of each run, of rows of numbers."""
     people = [[] for _ in runs]
     for values in pedestrians:
@@ -171,10 +194,14 @@ def scenes_of(runs, pedestrians, vehicles):
     for values in vehicles:
         row = int(values[0])
         cars[row].append(Vehicle(row, int(values[1]), *values[2:]))
-    return [_scene(values, people[row], cars[row]) for row, values in enumerate(runs)]
+    bends = [[] for _ in runs]
+    for values in changes:
+        row = int(values[0])
+        bends[row].append(CurvatureChange(row, *values[1:]))
+    return [_scene(values, people[row], cars[row], bends[row]) for row, values in enumerate(runs)]
 
 
-def _scene(values, pedestrians, vehicles):
+def _scene(values, pedestrians, vehicles, changes):
     signal = values[13]
     return Seen(
         int(values[0]),
@@ -183,7 +210,8 @@ def _scene(values, pedestrians, vehicles):
         *values[3:12],
         values[12] == 1.0,
         None if signal != signal else signal == 1.0,
-        *values[14:16],
+        *values[14:19],
         pedestrians,
         vehicles,
+        changes,
     )

@@ -9,11 +9,16 @@ from ._controller import check
 from ._declare import declaration
 from ._hosts import Refused, host_of, json_answer, message_of
 from ._parameter import parameters_of
-from ._seen import NAN, PEDESTRIAN_COLUMNS, RUN_COLUMNS, VEHICLE_COLUMNS, rows_of
+from ._seen import CURVATURE_COLUMNS, NAN, PEDESTRIAN_COLUMNS, RUN_COLUMNS, VEHICLE_COLUMNS, rows_of
 
 PROTOCOL = 1
 ENCODINGS = ("f64", "json")
-_COLUMNS = (("runs", RUN_COLUMNS), ("pedestrians", PEDESTRIAN_COLUMNS), ("vehicles", VEHICLE_COLUMNS))
+_COLUMNS = (
+    ("runs", RUN_COLUMNS),
+    ("pedestrians", PEDESTRIAN_COLUMNS),
+    ("vehicles", VEHICLE_COLUMNS),
+    ("curvature_ahead", CURVATURE_COLUMNS),
+)
 _WORD = struct.Struct("<I")
 _COUNTS = struct.Struct("<6I")
 _ANSWER = struct.Struct("<4I")
@@ -53,6 +58,7 @@ def converse(controller, requests, answers, encoding="f64", runs_at_once=None, *
         "name": controller.own_name(),
         "version": controller.version,
         "encoding": encoding,
+        "tables": ["lanes"],
         "runs_at_once": runs_at_once,
         "gives": [controller.gives],
         "modes": list(controller.modes),
@@ -139,7 +145,9 @@ class Frames(Wire):
     def __init__(self, host, columns):
         super().__init__(host)
         self.is_vector = hasattr(host, "numpy")
-        self.tables = [Table(columns[name], known) for name, known in _COLUMNS]
+        # Those of lanes, which are asked for, go on behind those of runs; a runner may be older than they are.
+        columns = {**columns, "runs": columns["runs"] + columns.get("lanes", [])}
+        self.tables = [Table(columns.get(name, known), known) for name, known in _COLUMNS]
 
     def said(self, answer):
         """A text as it is sent."""
@@ -154,9 +162,9 @@ class Frames(Wire):
         frame = requests.read(_WORD.unpack(head)[0])
         if frame[:4] == b"\0\0\0\0":
             return self.text(json.loads(frame[4:]))
-        _, runs, pedestrians, vehicles, _, _ = _COUNTS.unpack_from(frame)
+        _, *counts, _ = _COUNTS.unpack_from(frame)
         offset, tables = 28, []
-        for table, rows in zip(self.tables, (runs, pedestrians, vehicles)):
+        for table, rows in zip(self.tables, counts):
             part = memoryview(frame)[offset : offset + rows * table.bytes]
             tables.append(table.array(self.host.numpy, part) if self.is_vector else table.rows(part))
             offset += rows * table.bytes

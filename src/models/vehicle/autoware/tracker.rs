@@ -186,6 +186,8 @@ mod tests {
                 acceleration: 0.0,
                 length: 4.89,
                 width: 1.896,
+                travelled: -50.0,
+                curvature: 0.0,
             },
             cruise_speed: 8.0,
             road: RoadView {
@@ -196,6 +198,7 @@ mod tests {
                 right_kerb: -2.0,
                 left_kerb: 2.0,
                 gradient: None,
+                curvature_ahead: Vec::new(),
             },
             pedestrians: seen
                 .into_iter()
